@@ -454,10 +454,10 @@ def _refuse_disagreement(
     exact = circle / module_mm
     whole = _nearest_teeth(exact, each)
     other = "" if isclose(exact, whole, rel_tol=CONSISTENT) else f" with module_mm: {circle / whole:.9g}"
+    resized = "" if whole == teeth else f", or teeth: {whole}{other}"
     raise WrongInput(
         f"{teeth} teeth of module {module_mm:g} mm do not fit a centre distance of {distance_mm:g} mm"
         f"{', which follows from the law' if by_law else ''}; consistent would be "
-        f"{'' if by_law else f'center_distance_mm: {fitting:.9g}, or '}module_mm: {circle / teeth:.9g}, or teeth: "
-        f"{whole}{other}",
+        f"{'' if by_law else f'center_distance_mm: {fitting:.9g}, or '}module_mm: {circle / teeth:.9g}{resized}",
         key="gears.module_mm" if by_law else "gears.center_distance_mm",
     )

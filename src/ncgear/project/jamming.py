@@ -22,6 +22,10 @@ MOST_BACKLASH = 0.25
 LEAST_FACE, NEAR = 1e-3, 1.005
 """Share of a face width down to which a narrower one is sought, and the factor to which it is found."""
 
+SURELY = 1.1
+"""How many times what the estimate finds enough is told: it is a tenth off at most (tests/test_jamming.py), and what is
+told shall do where ncgear tolerance draws the assemblies."""
+
 STEP = 0.005
 """The backlash that is enough, in mm or degrees, is rounded up to a multiple of this, or if less to two digits:
 nobody makes teeth of usual size to finer steps."""
@@ -57,7 +61,7 @@ def jamming_of(drive: Drive) -> Jamming:
     of_pairs = backlash_needed(drive.whole)
     key = backlash_key(drive.gears)
     given = float(getattr(drive.gears, key))
-    value = _made_up(enough(of_pairs, TURNING))
+    value = _made_up(SURELY * enough(of_pairs, TURNING))
     share = of_pairs[(drive.stage or 1) - 1].jammed(given)
     usual = value <= MOST_BACKLASH * drive.pitch.size.module_mm
     return Jamming(
@@ -90,7 +94,7 @@ def _narrower(drive: Drive, key: str, given: float) -> Changes:
     def enough_for(width_mm: float) -> float:
         gears = drive.whole.gears.model_copy(update={"face_width_mm": width_mm})
         like = drive_like(drive.whole, drive.whole.design.model_copy(update={"gears": gears}))
-        return _made_up(enough(backlash_needed(like), TURNING))
+        return _made_up(SURELY * enough(backlash_needed(like), TURNING))
 
     if enough_for(low * own) > most:
         return {}

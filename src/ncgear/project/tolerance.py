@@ -12,7 +12,7 @@ from ncgear.design.keys.tolerances import AssemblyTolerances
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.numerics.bounds import rounded_up
+from ncgear.numerics.bounds import rounded_up, shown_above
 from ncgear.project.drive import Drive
 from ncgear.project.tolerance_limits import TURNING, backlash_key, left_of_backlash, limits_of, nothing
 from ncgear.project.usual_tolerances import Process, tolerances_of
@@ -337,7 +337,11 @@ def _needed(
 
     def enough(values: Array) -> float | None:
         lost = surpassed(values, TURNING)
-        return None if lost is None else rounded_up(max(-lost, 0.0), 10.0**-decimals)
+        if lost is None:
+            return None
+        step, needs = 10.0**-decimals, max(-lost, 0.0)
+        # Nobody makes usual teeth to finer steps; tiny ones have two digits.
+        return rounded_up(needs, step) if needs > 10.0 * step else float(shown_above(needs, 2))
 
     value = enough(np.minimum.reduce(left))
     if value is None:

@@ -85,7 +85,7 @@ def tolerances_of(drive: Drive) -> tuple[AssemblyTolerances, Process | None]:
     apart_mm = [pair.pitch.center_distance_mm for pair in drive.whole.by_stage]
     taken = given if process is None else _usual(process, min(apart_mm))
     assert taken is not None
-    if process is not None and drawn_mm is None:
+    if drawn_mm is None and (process is not None or "center_distance_mm" not in taken.model_fields_set):
         drawn_mm = max(taken.center_distance_mm, *(distance_deviation_mm(one) or 0.0 for one in apart_mm))
     return taken if drawn_mm is None else taken.model_copy(update={"center_distance_mm": drawn_mm}), process
 

@@ -16,7 +16,7 @@ from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 from shutil import copystat
-from stat import S_IMODE
+from stat import S_IMODE, S_ISREG
 from time import sleep
 
 from ncgear.design.reading.text import read_text
@@ -141,11 +141,18 @@ class DesignOnDisk:
 
 
 def _content(path: Path) -> bytes | None:
-    """What a file holds; None where there is none."""
+    """What a file holds; None where there is none.  Raises WrongInput for what is no file, before it is read."""
     try:
+        _require_file(path)
         return path.read_bytes()
     except FileNotFoundError:
         return None
+
+
+def _require_file(path: Path) -> None:
+    """Raise WrongInput for a folder, a device or a pipe: a save would take it away, and a pipe would be waited for."""
+    if not S_ISREG(path.stat().st_mode):
+        raise WrongInput("is a folder, a device or a pipe, not a file; put a file there", location=str(path))
 
 
 def _belong_as(new: Path, former: Path) -> None:
@@ -225,6 +232,8 @@ def require_same_place(file: DesignOnDisk, opened_as: Path) -> None:
 def design_on_disk(path: Path) -> DesignOnDisk:
     """The design file at a path, whatever its text says; raises WrongInput where it cannot be read as text."""
     real = real_place(path)
+    if is_there(real):
+        _require_file(real)
     with _clearing() as kept:
         if _left(real):
             with opened(real.parent):

@@ -335,6 +335,7 @@ class OpenPage:
         """Keep what is not saved where a killed studio leaves it; why that cannot be done, once."""
         try:
             self.draft.follow(self.file, text)
+            self._draft_refused = False
         except OSError as error:
             said, self._draft_refused = self._draft_refused, True
             reason = error.strerror or str(error)

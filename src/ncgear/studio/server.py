@@ -16,6 +16,7 @@ import socket
 from collections.abc import Awaitable, Callable, MutableMapping
 from contextlib import asynccontextmanager, suppress
 from pathlib import Path
+from types import FrameType
 from typing import Any
 from urllib.parse import parse_qs, quote
 
@@ -301,10 +302,11 @@ def serve(path: Path | None, out: Path, bound: socket.socket, begun: Callable[[s
         server_header=False,
         timeout_graceful_shutdown=2,
     )
-    server = uvicorn.Server(config)
-    if hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN:
+    server = _Server(config)
+    hears_of_its_terminal = hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN
+    if hears_of_its_terminal:
         # The end of its terminal ends it as Ctrl-C does; uvicorn sees to the other signals.
-        signal.signal(signal.SIGHUP, server.handle_exit)
+        before = signal.signal(signal.SIGHUP, server.handle_exit)
 
     async def run() -> None:
         serving = asyncio.create_task(server.serve(sockets=[bound]))
@@ -314,6 +316,24 @@ def serve(path: Path | None, out: Path, bound: socket.socket, begun: Callable[[s
             begun(f"http://{HOST}:{port}/{token}/")
         await serving
 
-    # Ctrl-C is the way to end it, and no fault.
-    with suppress(KeyboardInterrupt):
+    try:
         asyncio.run(run())
+    except KeyboardInterrupt:
+        # Ctrl-C is the way to end it, and no fault.
+        if server.ended_by not in (0, signal.SIGINT):
+            raise
+    if hears_of_its_terminal:
+        signal.signal(signal.SIGHUP, before)
+        if server.ended_by == signal.SIGHUP:
+            signal.raise_signal(signal.SIGHUP)
+
+
+class _Server(uvicorn.Server):
+    """A server that knows the signal by which it is ended."""
+
+    ended_by = 0
+
+    def handle_exit(self, sig: int, frame: FrameType | None) -> None:
+        """Note the first signal, and end."""
+        self.ended_by = self.ended_by or sig
+        super().handle_exit(sig, frame)

@@ -90,7 +90,7 @@ def _idle_sections(drive: Drive) -> Iterator[Idle]:
 def _idle_keys(drive: Drive) -> Iterator[Idle]:
     """Single keys that others make idle."""
     design, around = drive.design, drive.design.drivetrain
-    rub = design.simulation.friction
+    rub, gears, masses = design.simulation.friction, design.gears, design.masses
     shafts = {f"drivetrain.{name}": getattr(around, name) for name in ("driving_shaft", "driven_shaft") if around}
     bearings = any(shaft and shaft.bearing_a for shaft in shafts.values())
     motor, line = around.motor if around else None, design.simulation.motor
@@ -124,6 +124,38 @@ def _idle_keys(drive: Drive) -> Iterator[Idle]:
             ("drivetrain.guide_friction",),
             f"with {drive.linkage.NAME}, of which nothing presses on a guide",
             "leave it out",
+        ),
+        (
+            design.strength.lubrication == "dry",
+            ("strength.oil_viscosity_mm2_s",),
+            "with dry teeth, which no oil parts",
+            "leave it out, or choose oil",
+        ),
+        (
+            design.stages == 1
+            and masses is not None
+            and None not in (masses.driving_gear_kg_mm2, masses.driven_gear_kg_mm2),
+            ("masses.density_kg_m3",),
+            "beside the inertias of both gears, which hold alone",
+            "leave it out",
+        ),
+        (
+            gears is not None and gears.driving.bore_mm is None and gears.driven.bore_mm is None,
+            ("gears.tolerances.bore_fit",),
+            "without a bore",
+            "give gears.driving.bore_mm or gears.driven.bore_mm",
+        ),
+        (
+            gears is not None and not gears.index_holes,
+            ("gears.tolerances.index_hole_fit",),
+            "without index holes",
+            "give gears.index_holes: true",
+        ),
+        (
+            gears is not None and not gears.backlash_mm and not gears.backlash_deg,
+            ("gears.backlash_share",),
+            "without a backlash that it could share out",
+            "give gears.backlash_mm",
         ),
         *(
             (shaft is not None and not shaft.has_strength, (f"{name}.diameter_mm", f"{name}.blank_mm"), *OF_STEEL)

@@ -70,7 +70,8 @@ def require_room(
         return
     largest = largest_bore_mm(disc, bore, wall_mm, chord_tolerance_mm, clearance_mm)
     cut = "a bore" if bore.keyway is None else "a bore with this keyway"
-    right = said_largest(largest, "none fits; a larger gear is needed")
+    needed = "a larger gear" if bore.keyway is None else "a shallower keyway or a larger gear"
+    right = said_largest(largest, f"none fits; {needed} is needed")
     problem = f"{cut} of {bore.diameter_mm:g} mm leaves less than {wall_mm:g} mm, one module, to the teeth; {right}"
     raise WrongInput(problem, key=f"{key}.bore_mm")
 
