@@ -18,7 +18,8 @@ most serious condition first. Each that concerns a design is kept, broken, or no
 `verdict`.
 
 A check makes no teeth. What only these can tell it names as not judged, and strength it judges roughly where it can.
-`simulate` and the report make teeth where they need them.
+`simulate` and the report make teeth where they need them. `tolerance` ends in the row of assembly as its own assemblies
+show it, and in two rows that it alone has: whether assemblies knock, and whether its linear model is near to outlines.
 
 """
 

@@ -24,16 +24,28 @@ def made(drive: Drive) -> Advice | NotJudged:
     return NotJudged(ONLY_TEETH) if refused is None else _refused(refused, (BUILD,))
 
 
+def bodies(drive: Drive) -> Advice | None:
+    """The refusal of the bodies of gears whose teeth are made."""
+    try:
+        _ = drive.finished_plans
+    except DesignError as refusal:
+        return _refused(refusal, (), "what is told here is of their teeth alone")
+    return None
+
+
 BUILD = Remedy("let ncgear build say what would help", short="ncgear build")
 
 
-def _refused(refusal: DesignError, remedies: tuple[Remedy, ...]) -> Advice:
+WITHOUT_THEM = "what is told here is the motion without them"
+
+
+def _refused(refusal: DesignError, remedies: tuple[Remedy, ...], meaning: str = WITHOUT_THEM) -> Advice:
     problem = refusal.problem
     return Advice(
         Kind.MADE,
         (Where(),),
         f"a build refuses these gears: {problem}",
-        "what is told here is the motion without them",
+        meaning,
         remedies,
         brief=f"a build refuses these gears: {problem}",
     )

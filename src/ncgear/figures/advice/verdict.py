@@ -119,7 +119,12 @@ def _of_teeth(kind: Kind) -> Judge:
 
 CONDITIONS: dict[Kind, Condition] = {
     Kind.MADE: Condition(
-        "making the gears", "the gears can be made", _gears, lambda _: (), Known.TEETH, _one(made_advice.made)
+        "making the gears",
+        "the gears can be made",
+        _gears,
+        _one(made_advice.bodies),
+        Known.TEETH,
+        _one(made_advice.made),
     ),
     Kind.STRENGTH: Condition(
         "strength",
