@@ -258,8 +258,9 @@ def named_and_missing(text: str) -> list[str]:
     return [name for name in NAMED.findall(text) if not any((root / name).exists() for root in (PACKAGE, ROOT))]
 
 
-@pytest.mark.parametrize("page", TEXTS)
+@pytest.mark.parametrize("page", [page for page in TEXTS if page != "docs/history.md"])
 def test_files_that_pages_name_are_there(page: str) -> None:
+    """But for the history, which names files that have gone."""
     assert named_and_missing(TEXTS[page]) == []
 
 

@@ -93,7 +93,7 @@ def test_a_link_that_leads_nowhere_ends_the_build(tmp_path: Path) -> None:
     copied = tmp_path / "tree"
     for name in ("docs", "designs", "benchmarks", "src"):
         shutil.copytree(ROOT / name, copied / name, ignore=shutil.ignore_patterns("__pycache__"))
-    for name in ("README.md", "CHANGELOG.md", "Makefile"):
+    for name in ("README.md", "CHANGELOG.md", "CONTRIBUTING.md", "SECURITY.md", "Makefile"):
         shutil.copy(ROOT / name, copied / name)
     with (copied / "docs" / "words.md").open("a", encoding="utf-8") as page:
         page.write("\n[gone](gone.md) and [nowhere](gallery.md#nowhere)\n")
