@@ -112,6 +112,24 @@ def test_a_file_that_was_removed_is_not_made_again_unasked(path: Path, soon: Non
     assert asked.value.there.saved(OWN).text == path.read_text(encoding="utf-8") == OWN
 
 
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="this system has no pipes with a name")
+@pytest.mark.parametrize("make", [os.mkdir, getattr(os, "mkfifo", None)])
+def test_what_is_no_file_is_neither_replaced_nor_waited_for(
+    path: Path, soon: None, make: Callable[[Path], None]
+) -> None:
+    """A save would take it away, and a pipe to which nobody writes never ends."""
+    file = design_on_disk(path)
+    path.unlink()
+    make(path)
+    before = path.stat()
+    with pytest.raises(WrongInput, match="is a folder, a device or a pipe, not a file"):
+        file.saved(OWN, protected_too=True)
+    with pytest.raises(WrongInput):
+        design_on_disk(path)
+    after = path.stat()
+    assert (before.st_mode, before.st_ino) == (after.st_mode, after.st_ino)
+
+
 @pytest.mark.parametrize("mode", [0o444, 0o400])
 def test_a_read_only_file_is_saved_only_when_that_is_said(path: Path, soon: None, mode: int) -> None:
     path.chmod(mode)
