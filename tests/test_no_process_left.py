@@ -236,15 +236,20 @@ def studio_at_work(folder: Path) -> Iterator[tuple[subprocess.Popen[str], str, P
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGTERM])
-def test_a_studio_leaves_no_process_of_its_own_or_of_its_commands(tmp_path: Path, number: signal.Signals) -> None:
+@pytest.mark.parametrize(
+    ("number", "status"),
+    [(signal.SIGKILL, -signal.SIGKILL), (signal.SIGTERM, 143), (signal.SIGHUP, 129), (signal.SIGINT, 0)],
+)
+def test_a_studio_leaves_no_process_of_its_own_or_of_its_commands(
+    tmp_path: Path, number: signal.Signals, status: int
+) -> None:
     with studio_at_work(tmp_path) as (process, mark, page):
         page.send("run", command="animate")
         # The server, its two processes, and the command.
         wait_for(lambda: len(processes_of(mark)) >= 4)
         process.send_signal(number)
         seconds_until_gone(mark)
-        assert process.wait() == (-signal.SIGKILL if number == signal.SIGKILL else 0)
+        assert process.wait() == status
 
 
 MOMENTS = int(os.environ.get("NCGEAR_MOMENTS", "20"))

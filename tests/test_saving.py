@@ -10,6 +10,8 @@ from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from threading import Barrier
+from types import SimpleNamespace
+from typing import cast
 
 import pytest
 
@@ -23,6 +25,7 @@ from ncgear.files.publish import _new_staging, exchange, opened, real_place
 from ncgear.studio import on_disk, server
 from ncgear.studio.drafts import Draft, draft_left
 from ncgear.studio.on_disk import NotSaved, design_on_disk, require_same_place
+from ncgear.studio.open_page import OpenPage
 
 OLD, OWN, THEIRS = "name: old\n", "name: own\n", "name: theirs\n"
 
@@ -440,6 +443,23 @@ def test_a_draft_is_there_until_it_is_saved_or_undone(path: Path, soon: None) ->
     draft.follow(file, OWN)
     draft.follow(file.saved(OWN), OWN)
     assert names(path) == ["d.yaml"]
+
+
+def test_each_time_that_no_draft_can_be_written_is_told_once(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Once for a stretch of edits, and again when the disk is full for a second time."""
+    file, full = design_on_disk(path), [False]
+
+    def write(*_: object) -> None:
+        if full[0]:
+            raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(Draft, "_write", write)
+    page = SimpleNamespace(file=file, draft=Draft(file, file.text), _draft_refused=False)
+    told = []
+    for number, is_full in enumerate((True, True, False, True)):
+        full[0] = is_full
+        told.append(bool(OpenPage._draft_problem(cast(OpenPage, page), f"{OWN}# {number}")))
+    assert told == [True, False, False, True]
 
 
 def test_a_draft_of_a_studio_that_has_ended_is_found_with_the_file_that_it_was_of(path: Path) -> None:
