@@ -19,6 +19,7 @@ from typing import Any
 from websockets.sync.client import ClientConnection, connect
 
 from commands import environment
+from ncgear.cli.run import BY_SIGNAL, LAST_WORDS
 from ncgear.studio.worker import CHAINS
 
 
@@ -144,7 +145,8 @@ def running(path: Path | None, out: Path) -> Iterator[Studio]:
             process.kill()
             raise
     ended = process.returncode, errors
-    assert ended in ((0, ""), (-signal.SIGKILL, "")), ended
+    by_signal = [(BY_SIGNAL + number, f"{LAST_WORDS}\n") for number in (signal.SIGTERM, signal.SIGHUP)]
+    assert ended in ((0, ""), (-signal.SIGKILL, ""), *by_signal), ended
 
 
 def is_running(process: int) -> bool:
