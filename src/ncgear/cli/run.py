@@ -5,9 +5,11 @@ This module imports next to nothing, so that the process handles Ctrl-C from the
 
 from __future__ import annotations
 
+import atexit
 import os
 import signal
 import sys
+from contextlib import suppress
 from importlib.machinery import ExtensionFileLoader
 from types import FrameType
 from typing import NoReturn
@@ -89,7 +91,21 @@ def main() -> NoReturn:
         status, last_words = BY_SIGNAL + end.came, LAST_WORDS
     if last_words:
         _say(last_words)
+    if end.came:
+        _leave(status)
     sys.exit(status)
+
+
+def _leave(status: int) -> NoReturn:
+    """End an interrupted run with a status.
+
+    Under ``python -m`` Python itself would end by SIGINT whatever the status is, since it remembers an interrupt.
+    """
+    with suppress(OSError, ValueError):
+        sys.stdout.flush()
+        sys.stderr.flush()
+    atexit._run_exitfuncs()
+    os._exit(status)
 
 
 def _say(last_words: str) -> None:
