@@ -271,7 +271,8 @@ def _client(scheduler: str, processes: int) -> Iterator[Any]:
                 made = LocalCluster(
                     n_workers=0,
                     threads_per_worker=1,
-                    dashboard_address=None,
+                    # Any port that is free: two clusters of one computer do not get into each other's way.
+                    dashboard_address="127.0.0.1:0",
                     silence_logs=logging.ERROR,
                     preload=[__name__],
                 )
