@@ -66,7 +66,15 @@ CONTENTS = {
         "docs/reproduction",
         *(f"benchmarks/{page.stem}" for page in sorted((ROOT / "benchmarks").glob("*.md"))),
     ),
-    "Working on it": ("docs/house", "CONTRIBUTING", "SECURITY", "docs/promises", "docs/licences", "CHANGELOG", "docs/history"),
+    "Working on it": (
+        "docs/house",
+        "CONTRIBUTING",
+        "SECURITY",
+        "docs/promises",
+        "docs/licences",
+        "CHANGELOG",
+        "docs/history",
+    ),
 }
 """The pages in the bar at the side, by its headings; a page that is missing here fails the build."""
 
