@@ -17,7 +17,7 @@ from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.pitch import shape
-from ncgear.pitch.curve import CurvePoints
+from ncgear.pitch.curve import FEW, CurvePoints
 from ncgear.pitch.pair import MOST_TEETH, PitchPair, sized_pair
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.ratio.laws.ellipse import elliptical_law
@@ -535,3 +535,10 @@ def test_the_second_gear_gets_from_the_first_what_both_ask_of_the_law(monkeypatc
     assert asked == [31]
     assert np.array_equal(found.position, alone.driven.at_angle(phi1).position)
     assert asked == [31, 31]
+
+
+def test_answers_for_the_other_gear_do_not_pile_up_where_one_is_asked_alone() -> None:
+    found = pair_of(law("spline"))
+    for angle in range(50):
+        found.driving.at_angle(np.array([0.1 * angle]))
+    assert 0 < len(found.driving.arc._asked) <= FEW

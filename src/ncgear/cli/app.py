@@ -88,12 +88,7 @@ def _options(
     version: Annotated[
         bool,
         # Only an eager option with a callback comes before the error about a missing command.
-        typer.Option(
-            "--version",
-            callback=_print_version,
-            is_eager=True,
-            help="Print all versions and exit.",
-        ),
+        typer.Option("--version", callback=_print_version, is_eager=True, help="Print all versions and exit."),
     ] = False,
 ) -> None:
     pass

@@ -259,6 +259,11 @@ NEWTON_STEPS = 20
 """Most steps to the inverse of arc length; convergence is quadratic."""
 
 
+FEW = 4
+"""Answers that wait for the other gear: whoever asks of both asks of one soon after the other, and many more would pile
+up where one gear alone is asked."""
+
+
 @dataclass(frozen=True, eq=False)
 class ArcLength:
     """Arc length sigma(phi1) and phi1(sigma) of a law, both zero at phi1 = 0 and increasing."""
@@ -269,11 +274,13 @@ class ArcLength:
     _asked: dict[bytes, Jet] = field(default_factory=dict, repr=False)
 
     def driven_angle(self, phi1: Array) -> Jet:
-        """The law with three derivatives, shape (n,), kept until the other gear asks for it at the same angles."""
+        """The law with three derivatives, shape (n,); the last FEW answers wait for the other gear to ask the same."""
         key = phi1.tobytes()
         if (known := self._asked.pop(key, None)) is not None:
             return known
         self._asked[key] = found = self.transmission.driven_angle(phi1, 3)
+        if len(self._asked) > FEW:
+            del self._asked[next(iter(self._asked))]
         return found
 
     @property
