@@ -919,7 +919,9 @@ DECIDES = {"index_driven": {"motion_error", "peak_acceleration"}}
 def test_all_of_the_variance_is_that_of_a_single_source(source: str, run: Run, tmp_path: Path) -> None:
     """By definition of the total index; and the spread of the play by first order is that source's alone."""
     text = (DESIGNS / "ellipse.yaml").read_text(encoding="utf-8")
-    (tmp_path / "one.yaml").write_text(f"{text}\ntolerances: {{{SINGLE[source]}}}\n", encoding="utf-8")
+    # Left out, the centre distance deviates by the standard's limit.
+    exact = "" if source == "center_distance" else "center_distance_mm: 0, "
+    (tmp_path / "one.yaml").write_text(f"{text}\ntolerances: {{{exact}{SINGLE[source]}}}\n", encoding="utf-8")
     status, said, err = run("tolerance", "one.yaml", "--samples", "64", "--out", "made")
     assert (status, err) == (0, "")
     told = json.loads((tmp_path / "made" / "tolerance.json").read_text(encoding="utf-8"))
