@@ -36,6 +36,7 @@ NAMED = [path.stem for path in sorted(DESIGNS.glob("*.yaml"))]
 BALANCES = sorted(path.stem for path in (DESIGNS / "balance").glob("*.yaml"))
 WITH_MASSES = designs_with("masses")
 LOADED = designs_with("masses", "resistance")
+GEARED = designs_with("gears")
 QUICK = ["pusher", "baler", "desk-toy"]
 
 
@@ -79,8 +80,8 @@ def test_a_check_makes_no_tooth(name: str) -> None:
 
 
 RUNS = {
-    "build": [name for name in NAMED if loaded(name).design.gears is not None],
-    "strength": [name for name in LOADED if loaded(name).design.gears is not None],
+    "build": GEARED,
+    "strength": sorted({*LOADED} & {*GEARED}),
     "size": ["printed-pump", "pusher"],
     "optimize": ["baler", "baler-real", "feeder-wishes", "rocker-drive", "baler-66-two-stage"],
     "frontier --points 2": ["printed-pump"],

@@ -146,6 +146,7 @@ def test_a_motor_that_stops_behind_its_gearbox_is_told_with_one_that_does() -> N
     assert motor_row(drive_of_text(text), Known.TEETH) == (State.KEPT, "")
 
 
+@pytest.mark.slow
 def test_the_level_in_time_refuses_it_at_once(run: Run) -> None:
     outcome = on_text(run, "simulate")(with_motor(90, 1.0), "--level", "dynamic", "--out", "here")
     assert outcome[0] == 3
