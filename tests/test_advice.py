@@ -364,7 +364,7 @@ def undone_by_advices(data: Data) -> list[str]:
     return found
 
 
-@pytest.mark.tiers(slow=["*-0.55"], rest="long")
+@pytest.mark.tiers(slow=["desk-toy-0.55", "pu*-0.55", "press*-0.55"], rest="long")
 @pytest.mark.parametrize("slower", [1.0, 0.55, 1.7])
 @pytest.mark.parametrize("beginning", [*MachineName, LawName.THREE_SEGMENT_STROKE])
 def test_a_new_machine_of_any_speed_is_not_advised_another_one(beginning: MachineName | LawName, slower: float) -> None:
@@ -378,7 +378,7 @@ def test_a_new_machine_of_any_speed_is_not_advised_another_one(beginning: Machin
     assert undone_by_advices(data) == []
 
 
-@pytest.mark.tiers(long=["baler-6*", "baler-8*", "baler-h*", "baler-r*", "baler-s*"], rest="slow")
+@pytest.mark.tiers(long=["baler*", "rounded-square"], rest="slow")
 @pytest.mark.parametrize("name", sorted(path.stem for path in DESIGNS.glob("*.yaml")))
 def test_no_advice_undoes_what_a_design_asks_of_its_machine(name: str) -> None:
     assert undone_by_advices(loaded(name).data) == []

@@ -238,7 +238,8 @@ def test_completion_loads_no_library_at_all(monkeypatch: pytest.MonkeyPatch) -> 
     assert loaded_by() & (LIBRARIES | {"numpy", "pydantic", "ruamel", "rich"}) == set()
 
 
-@pytest.mark.tiers(slow=["build"], rest="long")
+@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["build", "report"])
 def test_a_build_leaves_plots_to_a_second_process(command: str, tmp_path: Path) -> None:
     free = "import ncgear.drawings.beside\nncgear.drawings.beside.free_cores = lambda: 2\n"

@@ -73,6 +73,7 @@ ORDERS = {"pitch curves": (1.9, 2.1), "teeth": (0.9, 1.1), "solids": (0.9, 1.1)}
 """Chords miss a length with the square of their number; what is made to a tolerance errs in proportion to it."""
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_errors_fall_as_theory_says() -> None:
     for name, (least, most) in ORDERS.items():

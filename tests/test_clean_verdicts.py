@@ -481,7 +481,8 @@ def test_teeth_that_are_too_thin_are_out_of_mesh_for_the_judge() -> None:
     assert outside.holds(far.pair, *far.angles(4), far.pitch_rad, far.chord_mm)
 
 
-@pytest.mark.tiers(slow=["60.0"], rest="long")
+@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("load", [60.0, 0.01])
 def test_elements_see_loads_that_are_wrongly_judged(load: float) -> None:
     data = design(CLEAN)

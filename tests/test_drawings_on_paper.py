@@ -150,7 +150,7 @@ def test_the_drawn_outline_is_the_exact_one_in_the_scale_of_the_title(name: str,
 READABLE = [*DESIGNS, *LOOKED_AT]
 
 
-@pytest.mark.tiers(quick=["ellipse-*"], slow=["*-driving", "internal-*"], rest="long")
+@pytest.mark.tiers(quick=["ellipse-*"], slow=["o*-driving", "desk-toy-driving", "internal-*"], rest="long")
 @pytest.mark.parametrize("sheet", SHEETS)
 @pytest.mark.parametrize("name", READABLE)
 def test_a_sheet_is_readable(name: str, sheet: str) -> None:

@@ -515,6 +515,7 @@ def test_the_course_is_reached_from_another_speed() -> None:
     assert speed == pytest.approx(start, rel=1e-6)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_speed_course_against_scipy() -> None:
     """LSODA with its own steps over a cycle."""

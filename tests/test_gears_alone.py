@@ -110,6 +110,7 @@ def test_driving_torque_is_lagranges(torque: str) -> None:
     assert turn.work_n_mm / 1000.0 == pytest.approx(made.check.mean_power_w * 2.0 * np.pi / OMEGA, rel=1e-9)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_table_of_the_motion_is_in_units_of_a_shaft(run: Run) -> None:
     Path("d.yaml").write_text(text(TORQUES["formula"], GEARS, MASSES), encoding="utf-8")

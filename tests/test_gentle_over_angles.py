@@ -176,7 +176,8 @@ def best(wish: GentleStretch | None) -> tuple[float, float, Machine]:
     return bound.value, figures(TASK, train).peak_acceleration_mm_s2, moving(train)
 
 
-@pytest.mark.tiers(slow=["deceleration"], rest="long")
+@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("wish", "before", "after"),
     [(SLOW, 0.11, 0.02), (STOP, 0.05, 0.015), (AROUND, 0.1, 0.065)],

@@ -481,7 +481,7 @@ def test_a_file_that_a_row_forgets_is_seen() -> None:
     assert forgotten(Dummy("a material", {"strength/dummy.py": ""})) == ["strength/dummy.py"]
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["a material", "a motion law"], rest="long")
 @EVERY
 def test_a_dummy_that_is_added_where_its_row_says_works(dummy: Dummy) -> None:
     WORKS[dummy](Copy(dummy))

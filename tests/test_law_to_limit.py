@@ -17,7 +17,8 @@ def test_the_law_is_within_a_hundredth_of_its_limit(name: str) -> None:
     assert -1e-9 < reached(asked_by(MACHINES[name])).gap <= 0.01
 
 
-@pytest.mark.tiers(slow=["feeder-kept-0.01"], rest="long")
+@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "gap"),
     [

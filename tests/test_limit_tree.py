@@ -69,7 +69,8 @@ def best_of(folder: Path, text: str) -> BestLaw:
     return BestLaw(load(path).design)
 
 
-@pytest.mark.tiers(slow=["heavy slider, dented"], rest="long")
+@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "before", "gap"),
     [
@@ -176,7 +177,8 @@ def inside(box: MotionBox, at: dict[int, Array]) -> bool:
     return bool(np.all((box.known.least <= q * EXACT) & (q <= box.known.most * EXACT)))
 
 
-@pytest.mark.tiers(slow=["designs/pump-both-ways"], rest="long")
+@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "prices"),
     [

@@ -130,6 +130,7 @@ def test_a_law_for_the_slider_alone_is_not_the_law_for_the_machine() -> None:
     assert judged(FEW, massless).peak_power_w > 1.5 * judged(FEW).peak_power_w
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_nearest_force_between_teeth_is_enough() -> None:
     """A refusal names the least that would do; with it a law is found, and with a hundredth less none."""

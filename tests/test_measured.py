@@ -384,6 +384,7 @@ class TestForeignPoints:
             compared_gear(outlines, gear, file_of(points), Fit.ROTATION, 0.0)
         return str(error.value)
 
+    @pytest.mark.long
     @pytest.mark.slow
     def test_of_the_other_gear_mirrored_or_in_inches(self) -> None:
         at, _, _ = flank_points(outline_of("asymmetric-ellipse").gear)
@@ -513,6 +514,7 @@ def test_the_command(run: Run) -> None:
     assert "points of one gear or both are needed" in err
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_gear_of_two_pairs_is_held_against_its_own_pair(run: Run) -> None:
     """Points of an exact gear deviate by rounding only; those of the other pair's gear are no points of this one."""

@@ -76,6 +76,7 @@ def told_keys(said: str, group: str) -> dict[str, str]:
     return dict(re.findall(rf"{re.escape(group)}([a-z_.]+): ([0-9.e+-]+)", said))
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_verdict_names_the_motor() -> None:
     state, said = motor_row(drive_of_text(with_motor(90, 1.0)))
@@ -88,7 +89,7 @@ def test_the_verdict_names_the_motor() -> None:
     assert motor_row(drive_of_text(with_motor(60.6, 200.0))) == (State.KEPT, "")
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["90-1.0"], rest="long")
 @pytest.mark.parametrize(("no_load", "stall_n_m"), [(30, 200.0), (90, 1.0), (90, 8.0)])
 def test_the_motor_that_is_told_does(no_load: float, stall_n_m: float) -> None:
     """The keys as told, put into the file, give a verdict without a word on the motor."""

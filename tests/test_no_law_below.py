@@ -72,7 +72,7 @@ def test_a_limit_for_gears_of_a_quarter_less_weight_is_above_a_law() -> None:
     assert found.limit.value <= found.goal < other.value
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["least_braking_power"], rest="long")
 @pytest.mark.parametrize("goal", ["least_power", "least_braking_power"])
 def test_the_file_has_what_is_said_of_its_law(run: Run, goal: str) -> None:
     text = FAST.replace("least_power", goal).replace("ratio_min: 0.4", "ratio_min: 0.65")
@@ -96,6 +96,7 @@ def test_the_file_has_what_is_said_of_its_law(run: Run, goal: str) -> None:
     assert drive_of_text(text).masses.driven_inertia_kg_mm2 != pytest.approx(held_for, rel=1e-3)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_limit_that_only_other_gears_keep_is_not_refused() -> None:
     """The gears as given are lighter than those of the best law, and no law with them has so little power."""
@@ -130,6 +131,7 @@ def test_a_limit_knows_nothing_of_a_shaft_between_two_pairs() -> None:
         assert not any("shaft between" in said for said in not_covered(task, wishes))
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_shaft_between_brings_laws_below_the_limit_without_it() -> None:
     """Why the limit of power is unknown then: what the shaft stores takes a quarter of the power off."""

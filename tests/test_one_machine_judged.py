@@ -241,7 +241,7 @@ def apart(scene: newton_euler.Scene, one: Drive, places: list[float]) -> dict[st
 PLACES = [0.4, 1.5, 3.3, 5.5]
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["pump", "rubbing"], rest="long")
 @pytest.mark.judges("dynamics")
 @pytest.mark.parametrize("name", MACHINES)
 def test_all_forces_are_those_of_the_bodies_that_are_written(name: str) -> None:
@@ -252,7 +252,7 @@ def test_all_forces_are_those_of_the_bodies_that_are_written(name: str) -> None:
     assert {"torque", "crank_x", "crank_y", "mesh"} == set(apart(one.without_the_driven_gear(), one.drive, PLACES[:3]))
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["pump"], rest="long")
 @pytest.mark.parametrize("name", MACHINES)
 def test_the_peak_power_of_a_check_is_that_of_the_bodies_that_are_written(name: str) -> None:
     """At its own place, and nowhere beside it or elsewhere is there more."""
@@ -301,6 +301,7 @@ def driving_torque_n_mm(scene: newton_euler.Scene, made: Drive, between_kg_mm2: 
     return float(np.linalg.solve(rows, [of_crank, between_kg_mm2 * turned, 0.0])[2])
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.judges("dynamics")
 def test_the_shaft_between_turns_with_the_gears_that_are_written() -> None:

@@ -571,6 +571,7 @@ def test_many_random_pairs_mesh_or_are_refused(drawn: tuple[Any, ...], module: f
     judged_or_refused(drawn, module)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_most_random_spirals_that_leave_room_stand() -> None:
     """Refusals are no way out: of moderate spirals nearly all are made."""

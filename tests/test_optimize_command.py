@@ -99,6 +99,7 @@ def test_the_written_file_gives_the_same_law_again(run: Run) -> None:
     assert again["law"] == json.loads(certificate)["law"] == again["design_as_given"]
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_several_starts_lead_to_one_law_on_any_number_of_processes(run: Run) -> None:
     written = []

@@ -723,6 +723,7 @@ def test_contact_table_has_a_row_per_position_and_agrees_with_the_summary(tmp_pa
     assert 0.999 <= designed["sliding_velocity_max_mm_s"] / (2.0 * speed * reach) <= 1.03
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_contact_is_drawn_with_and_without_backlash(tmp_path: Path) -> None:
     plain, thin = (

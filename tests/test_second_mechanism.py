@@ -342,6 +342,7 @@ def test_the_page_moves_the_yoke() -> None:
 # --- commands
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_check_simulate_and_report_run(run: Run) -> None:
     Path("d.yaml").write_text(text("three_segment_stroke", GEARS, MASSES), encoding="utf-8")

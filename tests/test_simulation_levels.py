@@ -316,6 +316,7 @@ def test_stiff_teeth_under_little_load_bear_as_rigid_ones_do(stiffness: float, s
     assert drive.loaded_peaks.tooth_force_n.value == pytest.approx(mesh.force_n.value, rel=share)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_band_that_cannot_be_followed_says_so(run: Run) -> None:
     """At the edge of what teeth can be pressed into each other, teeth of 0.7 times the stiffness are beyond it."""

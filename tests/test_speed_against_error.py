@@ -332,7 +332,9 @@ def test_the_page_in_docs_has_the_methods_levels_and_choices_of_today(key: str) 
     assert study.reference in section
 
 
-@pytest.mark.tiers(slow=["driven-angle-return", "closure", "curvature-baler", "pitch-length-baler"], rest="thorough")
+@pytest.mark.tiers(
+    slow=["closure", "curvature-baler", "pitch-length-baler"], long=["driven-angle-return"], rest="thorough"
+)
 @pytest.mark.parametrize("key", BOUNDS)
 def test_the_errors_in_the_page_are_todays(key: str) -> None:
     """What ncgear works at: rounding errors differ between machines, their size does not."""

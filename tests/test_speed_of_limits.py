@@ -121,6 +121,7 @@ def test_a_limit_is_extrapolated_whatever_the_rate(power: float) -> None:
     assert extrapolated(values) == pytest.approx(5.0, abs=1e-13)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_laws_stay_over_the_certified_limit() -> None:
     """And come within a hundredth of it."""

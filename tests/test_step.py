@@ -104,6 +104,7 @@ def require_both(name: str) -> None:
     require_agreement(files(name)["driven.step"], own.teeth.driven, tolerance, width)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_ellipse_sections_are_the_exact_outlines() -> None:
     require_both("ellipse")
@@ -176,6 +177,7 @@ def test_baler_has_a_face_for_every_curve_and_no_more() -> None:
     assert radii.count(1.0) == 1
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_ring_stands_within_a_cylinder() -> None:
     file, solid = solid_of(files("internal-1-2")["driven.step"])
@@ -302,6 +304,7 @@ def cylinders(data: bytes) -> list[tuple[float, list[float]]]:
     return [(wall.arguments[2], np.abs(axis).round(12).tolist()) for wall, axis in zip(walls, axes, strict=True)]
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_hub_screw_and_holes_are_cylinders_of_one_face_each(bodied: tuple[Drive, dict[str, bytes]]) -> None:
     own, made = bodied

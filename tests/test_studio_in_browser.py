@@ -346,10 +346,12 @@ OVER_EACH_OTHER = """[...document.querySelectorAll("#facts tr")].filter((row) =>
 """Rows of figures whose texts lie over each other."""
 
 
-def test_no_value_of_any_design_is_cut(browser: Any, studio: Studio) -> None:
+@pytest.mark.tiers(slow=["baler-drivetrain"], rest="long")
+@pytest.mark.parametrize("some", ["baler-drivetrain", "*"])
+def test_no_value_of_any_design_is_cut(browser: Any, studio: Studio, some: str) -> None:
     opened = Opened(browser, studio)
     page = opened.page
-    for path in sorted(DESIGNS.glob("*.yaml")):
+    for path in sorted(DESIGNS.glob(f"{some}.yaml")):
         before = int(page.evaluate("document.body.dataset.asked"))
         page.evaluate("text => ncgear.send({ do: 'text', text })", path.read_text(encoding="utf-8"))
         page.wait_for_function("n => Number(document.body.dataset.asked) > n", arg=before)

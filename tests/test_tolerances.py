@@ -515,7 +515,7 @@ def test_a_helical_tooth_that_stands_out_carries_longer_by_the_overlap() -> None
     assert mesh.arcs.min() == pytest.approx(straight.arcs.min() + overlap, rel=1e-6)
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["herringbone"], rest="long")
 @pytest.mark.judges("tolerances")
 @pytest.mark.parametrize("kind", ["helical", "herringbone"])
 def test_helical_gears_touch_where_the_outlines_of_a_stepped_gear_do(kind: str) -> None:
@@ -875,6 +875,7 @@ def test_the_command_writes_its_files(run: Run, tmp_path: Path) -> None:
     assert figures["jam"]["value"] == np.mean(table["least_play_mm"] < 0.0)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_command_tells_both_pairs_and_the_machine(run: Run, tmp_path: Path) -> None:
     text = STAGED.format(first="[-0.2]", second=", second_stage: {cosine: [-0.25], sine: [-0.1]}")
@@ -914,7 +915,7 @@ DECIDES = {"index_driven": {"motion_error", "peak_acceleration"}}
 """What a single source makes vary, where it is not everything: the driven keyway only sets off the output."""
 
 
-@pytest.mark.tiers(long=["index_driven", "eccentricity_driven", "tilt_driven"], rest="slow")
+@pytest.mark.tiers(slow=["index_driving", "temperature", "pitch"], rest="long")
 @pytest.mark.parametrize("source", SINGLE)
 def test_all_of_the_variance_is_that_of_a_single_source(source: str, run: Run, tmp_path: Path) -> None:
     """By definition of the total index; and the spread of the play by first order is that source's alone."""

@@ -119,6 +119,7 @@ def test_the_written_solids_mesh(stage: int) -> None:
     assert report.gap.max() <= 2 * 0.005
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_written_stages_in_series_are_the_written_law() -> None:
     """Each stage's table, interpolated, one after the other."""
@@ -228,6 +229,7 @@ def coefficients(*logarithms: np.ndarray) -> np.ndarray:
     return np.concatenate([even_knots(KNOTS).coefficients(one) for one in logarithms])
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_levels_of_stages_are_those_of_the_built_pairs() -> None:
     """Pressure angle, ratio, convexity and curvature on the optimiser's grid against the pitch curves' exact ones."""
@@ -364,6 +366,7 @@ def test_the_law_of_baler_66_shared_as_it_is() -> None:
     assert figures.convex
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_optimiser_finds_the_design_again() -> None:
     """The same file gives the same law."""

@@ -66,7 +66,7 @@ def test_every_kind_of_advice_is_a_condition_in_the_same_order() -> None:
     assert len({condition.name for condition in CONDITIONS.values()}) == len(CONDITIONS)
 
 
-@pytest.mark.tiers(quick=["ellipse", "pusher", "feeder-wishes"], rest="slow")
+@pytest.mark.tiers(quick=["ellipse", "pusher", "feeder-wishes"], long=["baler-*"], rest="slow")
 @pytest.mark.parametrize("name", DESIGNS)
 def test_no_warnings_is_said_only_where_all_was_judged(name: str) -> None:
     one = drive(name)
@@ -140,7 +140,7 @@ MASSES = {
 }
 
 
-@pytest.mark.tiers(thorough=["check"], rest="slow")
+@pytest.mark.tiers(thorough=["check"], slow=["build", "strength"], rest="long")
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_ends_in_the_same_verdict(run: Run, command: str) -> None:
     """What a command prints and what its JSON has are the rows of one list."""
