@@ -197,6 +197,7 @@ def plain(one: Data, schema: Data) -> list[Data]:
     return [found for choice in choices for found in plain(choice, schema)] if choices else [one]
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_every_advised_key_is_one_of_the_schema() -> None:
     advised = {

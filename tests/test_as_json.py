@@ -129,6 +129,7 @@ def without_times(found: dict[str, Any]) -> dict[str, Any]:
     return {key: value for key, value in found.items() if key != "timing_s"}
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_report_tells_what_a_build_tells(run: Run) -> None:
     write_files(DESIGN)
@@ -193,6 +194,7 @@ def test_two_pairs_in_series_stand_below_stages(name: str, file: str, run: Run) 
         assert found["stages"] == pairs
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_what_was_mended_is_said_on_stderr(run: Run) -> None:
     coarse = (ROOT / "designs" / "ellipse.yaml").read_text().replace("teeth: 37", "teeth: 7")

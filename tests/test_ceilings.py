@@ -170,7 +170,8 @@ SCANNED: list[tuple[Callable[[], Transmission], int, int]] = [
 """Laws, driving teeth, and how many of 60 advances over a pitch have teeth at least; all others are refused."""
 
 
-@pytest.mark.tiers(slow=["baler_law-25-60"], rest="long")
+@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("law", "teeth", "standing"),
     [SCANNED[0], *(pytest.param(*case, marks=pytest.mark.long) for case in SCANNED[1:5]), SCANNED[5]],

@@ -132,6 +132,7 @@ def test_whoever_is_ended_at_any_moment(tmp_path: Path, alone: dict[str, bytes],
     print(f"{who}: {taken:.1f} s; gone after", {one.name: round(seconds, 2) for one, seconds in longest.items()})
 
 
+@pytest.mark.long
 def test_a_sweep_without_workers_waits_for_one(tmp_path: Path, alone: dict[str, bytes]) -> None:
     pytest.importorskip("distributed")
     with (

@@ -108,6 +108,7 @@ def test_files_have_the_hole() -> None:
     assert rows["diameter of the crank pin's hole"] == ("", "6")
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_step_has_the_hole() -> None:
     pytest.importorskip("OCP", reason="the kernel for STEP is not installed")

@@ -323,6 +323,7 @@ def test_friction_in_the_guide_holds_by_newtons_law_for_the_slider(friction: flo
     assert_allclose(across, 0.0, atol=1e-8 * np.abs(wrist.x.value).max())
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_key_and_the_teeth_bear_what_the_motor_gives() -> None:
     """The key on the driving shaft bears the greatest torque that the motor implies, and the teeth rub with it."""
@@ -716,6 +717,7 @@ def test_the_disc_is_what_the_flywheel_of_the_file_lacks(given: float) -> None:
         assert found.disc.mass_kg * 150.0**2 / 8.0 == pytest.approx(needed, rel=1e-12)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_gearbox_that_gives_another_speed_is_told(run: Run) -> None:
     motor = "{rated_torque_n_m: 60, rated_speed_rpm: 1450, no_load_speed_rpm: 1500, gearbox: {ratio: %s}}"

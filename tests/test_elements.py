@@ -343,6 +343,7 @@ def test_hertz_nearing_is_the_integral_of_the_half_planes_strains() -> None:
     assert pressed_in_mm(STEEL, np.array(depth), np.array(reach)) == pytest.approx(exact, rel=2e-3)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_compliance_does_not_depend_on_the_mesh_at_the_load() -> None:
     """While the loaded node itself gives way more and more, by the same amount each time elements are halved."""

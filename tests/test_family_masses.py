@@ -202,6 +202,7 @@ def test_masses_that_weigh_nothing_take_no_power() -> None:
     np.testing.assert_allclose(ours[possible], theirs[possible], rtol=0.0, atol=1e-9 * theirs[possible].max())
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_best_law_keeps_the_cap_with_masses() -> None:
     """Its exact peak does; without masses another law is best, which does not."""

@@ -205,6 +205,7 @@ def test_a_hard_one_is_kept_and_costs(wish: GentleStretch) -> None:
     assert (limit > 1.05 * free) is (wish is AROUND)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_crank_angles_are_moved_to_where_the_law_is_best() -> None:
     """No even step of the stretch by a twentieth of a radian gives a law that is better by half a percent."""
@@ -225,7 +226,8 @@ def test_the_crank_angles_are_moved_to_where_the_law_is_best() -> None:
     assert float(there.reached[0]) * unit > 1.02 * value
 
 
-@pytest.mark.tiers(slow=["deceleration"], rest="long")
+@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("wish", ALL, ids=["speed", "deceleration", "around the end"])
 def test_a_soft_one_costs_no_more_than_the_hard_one(wish: GentleStretch) -> None:
     """At each weight, since it may choose the hard law too; a greater weight keeps the wish more nearly."""

@@ -207,6 +207,7 @@ def test_no_resistance_needs_no_power() -> None:
     assert least_power(Task(BALER_LINKAGE, NONE, 2.0 * pi), USUAL).value == 0.0
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_weighted_sum_is_no_more_than_a_scan_of_powers() -> None:
     weights = PeakWeights(1.0 / 20000.0, 1.0 / 9000.0)

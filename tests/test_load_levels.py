@@ -81,6 +81,7 @@ GOALS = {
 }
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_each_goal_is_least_at_its_own_law() -> None:
     laws = {goal: judged(limited(goal)) for goal in GOALS}
@@ -109,6 +110,7 @@ def test_the_levels_of_the_search_are_the_exact_figures() -> None:
         assert told == pytest.approx(getattr(exact, name), rel=1e-4), name
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_weighted_sum_weighs_braking() -> None:
     """Dearer braking brakes less and drives more, and each law is best by its own weights."""

@@ -445,6 +445,7 @@ def test_a_thick_tooth_jams_where_polygons_overlap() -> None:
     assert least < found.needed_backlash_mm < most
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_play_and_error_as_measured_at_shifted_positions_are_within_the_extremes() -> None:
     """At 200 shifted positions a pitch; at the 20 that keep step with the teeth exact outlines seem 3 % more even."""
@@ -483,6 +484,7 @@ def turns(found: ComparedPair, outlines: dict[Gear, np.ndarray], place: int, pla
     return False
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_command(run: Run) -> None:
     """A screen, the files, and a gear of which some teeth were not measured."""

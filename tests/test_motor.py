@@ -135,6 +135,7 @@ def test_a_motor_behind_a_gearbox_is_judged_before_teeth_are_made() -> None:
     assert motor_row(between) == (State.NOT_JUDGED, "the friction between the teeth decides: ncgear build")
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_motor_that_stops_behind_its_gearbox_is_told_with_one_that_does() -> None:
     weak = geared(0.02, "no_load_speed_rpm: 1500, ")

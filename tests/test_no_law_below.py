@@ -60,6 +60,7 @@ def test_no_law_of_heavy_gears_is_below_the_limit(seed: int, convex: bool) -> No
     assert {name: value for name, value in beside.items() if value < limit.value * (1.0 - EXACT)} == {}
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_limit_for_gears_of_a_quarter_less_weight_is_above_a_law() -> None:
     """Negative control, of braking power: the gears store what would flow back."""

@@ -146,7 +146,8 @@ IMPOSSIBLE: dict[str, tuple[MachineName, Keys, Keys]] = {
 }
 
 
-@pytest.mark.tiers(slow=["a speed that is much too low"], rest="long")
+@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("case", [*IMPOSSIBLE, *TOGETHER])
 def test_every_offer_may_be_written_into_the_file(case: str) -> None:
     """A tolerance is at most 0.5 there, a ratio at most 100; and offers with which laws were found have one."""

@@ -410,6 +410,7 @@ def test_a_check_and_help_load_no_solver(tmp_path: Path) -> None:
     assert loaded_by("optimize", "--help") & {"casadi", "numpy"} == set()
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_an_improvement_is_computed_once_and_knots_count(tmp_path: Path) -> None:
     """Twice the knots are never worse, and what is asked for twice is the same."""

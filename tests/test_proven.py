@@ -104,6 +104,7 @@ def test_narrow_features_are_integrated() -> None:
     assert worst_integral(resolved, widths(10, 1)) <= 1e-12
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.attack
 def test_many_narrow_features_are_integrated() -> None:

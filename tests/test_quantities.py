@@ -216,6 +216,7 @@ def test_peaks_between_the_places_are_found(seed: int) -> None:
     assert peaks(seed, 32)[0] == pytest.approx(exact, rel=2e-7)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_peaks_are_missed_by_the_third_power_and_at_places_alone_by_the_second() -> None:
     """Four times as many places: 64 and 16 times less, in the mean.  Places alone are the control.

@@ -301,6 +301,7 @@ def test_many_random_designs_are_built_or_refused() -> None:
         assert found["made"] >= 1, (batch, found)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.attack
 def test_the_program_ends_with_the_status_of_the_verdict(run: Run, tmp_path: Path) -> None:

@@ -195,6 +195,7 @@ def test_of_one_changed_number_its_characters_alone_differ(drawn: tuple[str, lis
     assert rewritten(after, {key: int(values[key])}) == before
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @given(texts(), st.data())
 @settings(max_examples=120, deadline=None)

@@ -141,6 +141,7 @@ def test_an_impact_between_the_rows_is_told(run: Run) -> None:
     assert "peak mesh force, all pairs together" in out
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_motor_on_the_law_starts_at_the_operating_speed(run: Run) -> None:
     """Its speed without load is 90 r/min, the design's is 60; the slider keeps to the law at the motor's own speed."""

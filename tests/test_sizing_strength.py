@@ -258,6 +258,7 @@ def test_a_curve_in_mm_has_no_smaller_size() -> None:
         smallest_gears(drive_of_text(text), Space())
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_curve_that_grows_with_its_gears_is_sized() -> None:
     text = curve_text(", semi_minor_mm: 16.44", "scale", "").replace("module_mm: 2", "module_mm: 1")

@@ -395,6 +395,7 @@ def test_volumes_are_those_of_the_meshes_and_of_the_kernel(name: str) -> None:
         assert volume_mm3(shape) == pytest.approx(volume, rel=VOLUME_TOLERANCE)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_a_build_writes_the_kind_that_is_asked_for(run: Run, tmp_path: Path) -> None:
     status, _, err = run("build", str(DESIGNS / "ellipse.yaml"), "--format", "step", "--out", "made")

@@ -179,7 +179,8 @@ def with_chords(band: tuple[float, float], chord_mm: float | None, module_mm: fl
 
 
 @pytest.mark.judges("files")
-@pytest.mark.tiers(slow=["band1"], rest="long")
+@pytest.mark.long
+@pytest.mark.slow
 @pytest.mark.parametrize("band", [(-0.062, -0.047), (-0.031, -0.027)])
 def test_chords_that_are_left_out_keep_pins_in_the_middle_half_of_the_band(band: tuple[float, float]) -> None:
     drive, folder = with_chords(band, None), new_folder()

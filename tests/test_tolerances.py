@@ -770,6 +770,7 @@ def test_indices_of_two_causes_are_their_shares_of_the_variance() -> None:
     assert own["center_distance"] == pytest.approx(1.0 - wanted, abs=0.05)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_backlash_that_is_needed_lets_fresh_assemblies_turn() -> None:
     """And half of what the gears lack of it does not."""

@@ -79,6 +79,7 @@ def test_the_contact_ratio_is_what_a_count_on_the_outlines_finds(
         assert agrees(found.pairs, *counted(pitch, pair, side))
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_count_sees_another_relief_and_shorter_tips() -> None:
     """Negative controls: the count on outlines of other teeth is not that of these."""
