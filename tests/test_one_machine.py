@@ -151,7 +151,9 @@ def disagreements(drive: Drive) -> list[str]:
 
 
 @pytest.mark.judges("figures", "project")
-@pytest.mark.tiers(quick=[f"{name}-1.0" for name in QUICK], slow=[*(f"{name}-1.0" for name in NAMES[::2]), *SOON], rest="long")
+@pytest.mark.tiers(
+    quick=[f"{name}-1.0" for name in QUICK], slow=[*(f"{name}-1.0" for name in NAMES[::2]), *SOON], rest="long"
+)
 @pytest.mark.parametrize("faster", [1.0, 10.0])
 @pytest.mark.parametrize("name", NAMES)
 def test_all_commands_tell_one_machine(name: str, faster: float) -> None:
