@@ -124,14 +124,20 @@ def _add(space: Modelspace, shape: Shape, layer: str, decimals: int) -> None:
     match shape:
         case Polyline():
             bulges = written(shape.bulges, BULGE_DECIMALS)
-            chain = np.column_stack([written(shape.points, decimals), bulges]).tolist()
-            space.add_lwpolyline(chain, "xyb", close=True, dxfattribs={**attributes, "flags": WHOLE_PATTERN})
+            _add_polyline(space, layer, written(shape.points, decimals), bulges, closed=True)
         case Circle():
             x, y, radius = written(np.array([shape.x_mm, shape.y_mm, shape.radius_mm]), decimals).tolist()
             space.add_circle((x, y), radius, dxfattribs=attributes)
         case Cross():
             for start, end in written(shape.lines, decimals).tolist():
                 space.add_line(start, end, dxfattribs=attributes)
+
+
+def _add_polyline(space: BlockLayout | Modelspace, layer: str, points: Array, bulges: Array, *, closed: bool) -> None:
+    """Add points (shape (n, 2)) with their bulges (shape (n,)), at once: the library copies all for each single one."""
+    polyline = space.add_lwpolyline([], close=closed, dxfattribs={"layer": layer, "flags": WHOLE_PATTERN | closed})
+    width = np.zeros(len(points))
+    polyline.lwpoints.set(np.column_stack([points, width, width, bulges]))
 
 
 def _write(document: Document, notes: Sequence[str], low: Array, high: Array, decimals: int) -> None:
@@ -242,8 +248,7 @@ def _put(space: BlockLayout | Modelspace, item: Line | Ring | Text, sheet: Sheet
                 start, end = points.tolist()
                 space.add_line(start, end, dxfattribs=layer)
             else:
-                flags = WHOLE_PATTERN | item.closed
-                space.add_lwpolyline(points.tolist(), "xy", close=item.closed, dxfattribs={**layer, "flags": flags})
+                _add_polyline(space, item.pen.name, points, np.zeros(len(points)), closed=item.closed)
 
 
 def _measure(document: Document, space: Modelspace, item: Dimension, sheet: Sheet) -> None:
