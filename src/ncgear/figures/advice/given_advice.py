@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from math import exp, log, pi
 
 import numpy as np
 
 from ncgear.design.keys.base import Model, listed
 from ncgear.design.keys.machine import LoadTable
-from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
+from ncgear.errors import DesignError
+from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy, Where
 from ncgear.figures.numbers import to_digits
 from ncgear.kinematics.crank_stretches import CrankStretch
 from ncgear.mechanisms.resistance import TableResistance
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
-from ncgear.project.alternatives import is_given
+from ncgear.pitch.shape import Gear
+from ncgear.project.alternatives import changed_drive, enough_teeth, is_given
 from ncgear.project.drive import Drive
 from ncgear.wishes.requirements import DecelerationWithin, EvenSpeed, Requirement, TimeWithin
 from ncgear.wishes.wish import DrivingWish
@@ -51,14 +54,41 @@ def without_effect(drive: Drive) -> Iterator[Advice]:
             "it asks nothing of the law" if len(always) == 1 else "they ask nothing of the law",
             "give a narrower bound, or leave it out",
         )
-    yield from (
-        _advice(f"{_are(names)} given {why}", f"no figure counts {'it' if len(names) == 1 else 'them'}", helps)
-        for names, why, helps in (*_idle_sections(drive), *_idle_keys(drive))
-    )
+    yield from (_idle(*one) for one in (*_idle_sections(drive), *_idle_keys(drive)))
 
 
 Idle = tuple[list[str], str, str]
 """Keys that no figure counts, why not, and what would make them count."""
+
+
+def before_teeth(drive: Drive) -> Iterator[Advice | NotJudged]:
+    """What is given and changes nothing, as far as it is known before teeth are made."""
+    yield from without_effect(drive)
+    if _allows_undercut(drive):
+        yield NotJudged(ONLY_TEETH)
+
+
+def with_teeth(drive: Drive) -> Iterator[Advice]:
+    """What is given and changes nothing, of the motion and of the teeth."""
+    yield from without_effect(drive)
+    if _allows_undercut(drive) and all(map(_is_clear_of_undercut, drive.by_stage)):
+        yield _idle(["gears.undercut"], "without a tooth that would be undercut", "leave it out")
+
+
+def _allows_undercut(drive: Drive) -> bool:
+    return drive.design.gears is not None and drive.gears.undercut == "allow"
+
+
+def _is_clear_of_undercut(pair: Drive) -> bool:
+    """Whether teeth are the same where undercut is avoided; sections of helical ones stand anywhere on the curves."""
+    if any(len(pair.teeth.of(gear).undercut) for gear in Gear):
+        return False
+    if pair.helix is not None:
+        return enough_teeth(pair) <= pair.pitch.size.driving_teeth
+    with suppress(DesignError):
+        avoiding = changed_drive(pair.whole, {"gears.undercut": "avoid"}).of_stage(pair.stage).teeth
+        return all(np.array_equal(pair.teeth.of(gear).outline_mm, avoiding.of(gear).outline_mm) for gear in Gear)
+    return False
 
 
 def _are(names: list[str]) -> str:
@@ -180,6 +210,10 @@ def _presses_on_no_guide(drive: Drive) -> bool:
         return True
     loads = drive.loaded_machine(drive.machine).at(np.linspace(0.0, drive.transmission.cycle_rad, POINTS))
     return not np.any(loads.guide.value)
+
+
+def _idle(names: list[str], why: str, helps: str) -> Advice:
+    return _advice(f"{_are(names)} given {why}", f"no figure counts {'it' if len(names) == 1 else 'them'}", helps)
 
 
 def _advice(what: str, meaning: str, helps: str = "", *, matters: bool = True) -> Advice:

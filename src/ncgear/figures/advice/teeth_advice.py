@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from ncgear.contact.designed.as_designed import AsDesigned, SideContact
 from ncgear.contact.placement import BACK, PUSHING
-from ncgear.figures.advice.assembly_advice import jams
+from ncgear.figures.advice.assembly_advice import index_holes, jams
 from ncgear.figures.advice.law_advice import STEEPEST_DEG
 from ncgear.figures.advice.tried_advice import FINER, FLATTER
 from ncgear.figures.advice.values import Advice, Change, Kind, NotJudged, Remedy, Where, changed
@@ -259,6 +259,7 @@ def thrust(drive: Drive) -> Advice | None:
 JUDGES: dict[Kind, Callable[[Drive], Iterable[Advice | NotJudged | None]]] = {
     Kind.JAMS: lambda drive: (jams(drive),),
     Kind.CONTACT_RATIO: lambda drive: (contact_ratio(drive),),
+    Kind.INDEX_HOLES: lambda drive: (index_holes(drive),),
     Kind.UNDERCUT: lambda drive: (undercut(drive),),
     Kind.POINTED: lambda drive: (pointed(drive),),
     Kind.SHORTENED: shortened,
