@@ -307,7 +307,8 @@ def _least_addendum(gear: ToothedGear) -> float:
 def room_for_index_hole(drive: Drive, gear: Gear) -> Changes:
     """The largest hub or else bore, in twentieths of the given one, that leaves room for an index hole of a gear.
 
-    Of a ring it is a rim that is thicker by quarters of a module.  Empty where none is found, and of helical teeth, whose sections take long.
+    Of a ring it is a rim that is thicker by quarters of a module.  Empty where none is found, and of helical teeth,
+    whose sections take long.
     """
     from ncgear.project.gear_solids import crank_pin_hole, finished_plans, rim_mm_of
     from ncgear.solids.plan.areas import floored, raised

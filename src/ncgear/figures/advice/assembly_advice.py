@@ -80,4 +80,6 @@ def index_holes(drive: Drive) -> Advice | NotJudged | None:
     room = [Remedy("make room for it", changed({key: one[key] for one in found for key in one}))] if all(found) else []
     without = Remedy("do without, and mark a tooth and its space by hand", (Change("gears.index_holes", value=False),))
     meaning = "nothing on them shows which teeth go together"
-    return Advice(Kind.INDEX_HOLES, tuple(Where(gear.value) for gear in lacking), what, meaning, (*room, without), brief=what)
+    return Advice(
+        Kind.INDEX_HOLES, tuple(Where(gear.value) for gear in lacking), what, meaning, (*room, without), brief=what
+    )
