@@ -98,6 +98,13 @@ class Design(Model, Shown):
         return self.motion.pairs_in_series
 
     @model_validator(mode="after")
+    def _rules_hold(self) -> Self:
+        """What is not offered at all is refused before what it would need is asked for."""
+        self._require_one_pair()
+        self._require_offered()
+        return super()._rules_hold()
+
+    @model_validator(mode="after")
     def _crank_is_known(self) -> Self:
         key = entry_of(self.linkage).stroke_key
         if key is not None and getattr(self.linkage, key) is None and not self.motion.gives_stroke:
@@ -170,11 +177,9 @@ class Design(Model, Shown):
             )
         return self
 
-    @model_validator(mode="after")
-    def _drivetrain_has_one_pair(self) -> Self:
+    def _require_one_pair(self) -> None:
         if self.drivetrain is not None and self.stages > 1:
             raise fault("drivetrain", "given, but forces are computed of one pair of gears; leave it out of two stages")
-        return self
 
     @model_validator(mode="after")
     def _bearings_stand_beside_their_gears(self) -> Self:
@@ -195,8 +200,7 @@ class Design(Model, Shown):
                     )
         return self
 
-    @model_validator(mode="after")
-    def _open_gears(self) -> Self:
+    def _require_offered(self) -> None:
         """Gears that turn less than once are plain pairs; what is not offered for them is refused by its key.
 
         Only they have end stops.
@@ -210,7 +214,7 @@ class Design(Model, Shown):
                         f"given, but gears of {self.motion.law} turn on and on; leave it out, or give a law over a "
                         "range (range_deg, spiral or function_generator)",
                     )
-            return self
+            return
         asked = {
             "gears.mesh": gears is not None and gears.mesh != "external",
             "gears.helix": gears is not None and gears.helix is not None,
@@ -227,7 +231,6 @@ class Design(Model, Shown):
                 raise fault(
                     key, "given, but it is not offered for gears that turn to and fro, less than once; leave it out"
                 )
-        return self
 
     @model_validator(mode="after")
     def _stages_have_one_lobe(self) -> Self:

@@ -104,15 +104,17 @@ def _idle_sections(drive: Drive) -> Iterator[Idle]:
     if design.gears is None:
         found = [([*given, *toleranced], "without gears", "give gears")]
     elif design.resistance is None and design.masses is None:
-        found = [(given, "without resistance and masses, so that no tooth bears a load", "give resistance or masses")]
+        helps = "give resistance" if design.motion.is_open else "give resistance or masses"
+        found = [(given, "without resistance and masses, so that no tooth bears a load", helps)]
     else:
         simulated = [name for name in given if name == "simulation"]
         why = {
+            "with gears that turn less than once, which are not followed under load": design.motion.is_open,
             "without masses, of which ncgear simulate needs all": design.masses is None,
             "with helical teeth, which are not followed under load": design.gears.helix is not None,
             "with two pairs of gears, and forces are computed of one": design.stages > 1,
         }
-        helps = "give masses" if design.masses is None else "leave it out"
+        helps = "give masses" if design.masses is None and not design.motion.is_open else "leave it out"
         found = [(simulated, next((words for words, true in why.items() if true), ""), helps)]
     return (one for one in found if one[0] and one[1])
 
