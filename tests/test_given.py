@@ -111,6 +111,16 @@ IDLE: dict[str, tuple[str, Data, Data]] = {
         {"drivetrain": {"driven_shaft": {"crank_at_mm": 20}}},
         {"drivetrain": {"driven_shaft": {**BEARINGS, "crank_at_mm": 20}}},
     ),
+    "own grade": (
+        "tolerances.driven.grade is given beside",
+        {"tolerances": {"grade": 8, "driven": {"grade": 9, "single_pitch_mm": 0.02, "profile_mm": 0.03}}},
+        {"tolerances": {"grade": 8, "driven": {"grade": 9, "single_pitch_mm": 0.02}}},
+    ),
+    "grade of both": (
+        "tolerances.grade is given and each",
+        {"tolerances": {"grade": 7, "driving": {"grade": 6}, "driven": {"single_pitch_mm": 0.02, "profile_mm": 0.03}}},
+        {"tolerances": {"grade": 7, "driving": {"grade": 6}}},
+    ),
 }
 """What is told, where, and where it is not."""
 

@@ -98,13 +98,6 @@ class Design(Model, Shown):
         return self.motion.pairs_in_series
 
     @model_validator(mode="after")
-    def _rules_hold(self) -> Self:
-        """What is not offered at all is refused before what it would need is asked for."""
-        self._require_one_pair()
-        self._require_offered()
-        return super()._rules_hold()
-
-    @model_validator(mode="after")
     def _crank_is_known(self) -> Self:
         key = entry_of(self.linkage).stroke_key
         if key is not None and getattr(self.linkage, key) is None and not self.motion.gives_stroke:
@@ -177,35 +170,14 @@ class Design(Model, Shown):
             )
         return self
 
-    def _require_one_pair(self) -> None:
-        if self.drivetrain is not None and self.stages > 1:
-            raise fault("drivetrain", "given, but forces are computed of one pair of gears; leave it out of two stages")
-
-    @model_validator(mode="after")
-    def _bearings_stand_beside_their_gears(self) -> Self:
-        if self.drivetrain is None or self.gears is None:
-            return self
-        half = self.gears.face_width_mm / 2.0
-        for name in ("driving", "driven"):
-            hub, shaft = getattr(self.gears, name).hub, getattr(self.drivetrain, f"{name}_shaft")
-            top = half + (hub.height_mm if hub else 0.0)
-            for bearing in ("bearing_a", "bearing_b"):
-                one = getattr(shaft, bearing, None)
-                if one is not None and -half < one.at_mm < top:
-                    within = "the gear" if one.at_mm < half else "the gear's hub"
-                    raise fault(
-                        f"drivetrain.{name}_shaft.{bearing}.at_mm",
-                        f"{one.at_mm:.10g} mm is within {within}, which ends at {top:.10g} mm; "
-                        f"{-half:.10g} or less, or {top:.10g} or more, is right",
-                    )
-        return self
-
     def _require_offered(self) -> None:
         """Gears that turn less than once are plain pairs; what is not offered for them is refused by its key.
 
-        Only they have end stops.
+        Only they have end stops.  Around two pairs of gears there is no drivetrain.
         """
         gears = self.gears
+        if self.drivetrain is not None and self.stages > 1:
+            raise fault("drivetrain", "given, but forces are computed of one pair of gears; leave it out of two stages")
         if not self.motion.is_open:
             for body in ("driving", "driven"):
                 if gears is not None and getattr(gears, body).end_stop is not None:

@@ -126,6 +126,9 @@ def _idle_keys(drive: Drive) -> Iterator[Idle]:
     shafts = {f"drivetrain.{name}": getattr(around, name) for name in ("driving_shaft", "driven_shaft") if around}
     bearings = any(shaft and shaft.bearing_a for shaft in shafts.values())
     motor, line = around.motor if around else None, design.simulation.motor
+    made = design.tolerances
+    of = {"tolerances.driving": made.driving, "tolerances.driven": made.driven} if made else {}
+    graded = {name: None in (one.single_pitch_mm, one.profile_mm) for name, one in of.items()}
     idle: list[tuple[bool, tuple[str, ...], str, str]] = [
         (
             design.simulation.damping_n_s_mm is not None,
@@ -188,6 +191,16 @@ def _idle_keys(drive: Drive) -> Iterator[Idle]:
             ("gears.backlash_share",),
             "without a backlash that it could share out",
             "give gears.backlash_mm",
+        ),
+        *(
+            (not asks, (f"{name}.grade",), "beside single_pitch_mm and profile_mm, which hold alone", "leave it out")
+            for name, asks in graded.items()
+        ),
+        (
+            bool(graded) and not any(asks and of[name].grade is None for name, asks in graded.items()),
+            ("tolerances.grade",),
+            "and each gear has its own grade, or single_pitch_mm and profile_mm",
+            "leave it out",
         ),
         *(
             (shaft is not None and not shaft.has_strength, (f"{name}.diameter_mm", f"{name}.blank_mm"), *OF_STEEL)
