@@ -12,7 +12,7 @@ from pydantic import ValidationError
 from drives import design_of
 from ncgear.figures.advice.drivetrain_advice import around
 from ncgear.figures.advice.given_advice import without_effect
-from ncgear.figures.advice.values import Change, Kind
+from ncgear.figures.advice.values import ONLY_TEETH, Change, Kind
 from ncgear.figures.advice.verdict import Judged, Known, State, judged
 from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import changed_drive
@@ -220,6 +220,26 @@ def test_a_crank_within_its_gear_is_told(at_mm: float | None, inside: bool) -> N
 
 
 # --- wishes that every law keeps
+
+
+@pytest.mark.parametrize(("bore_mm", "shaft_mm"), [(14.0, 13.5), (14.0, 14.0), (None, 12.0)])
+@pytest.mark.parametrize("name", ["driving", "driven"])
+def test_a_shaft_that_is_loose_in_its_bore_is_told_with_both_sizes(
+    name: str, bore_mm: float | None, shaft_mm: float
+) -> None:
+    shaft = {**BEARINGS, "diameter_mm": shaft_mm, "steel": "C45"}
+    gears = {**PUMP["gears"], name: {"bore_mm": bore_mm}}
+    one = Drive(design_of({**PUMP, "gears": gears, "drivetrain": {f"{name}_shaft": shaft}}))
+    row = rows_of(one, Kind.DRIVETRAIN, Known.MOTION)
+    assert row.why == ONLY_TEETH
+    if bore_mm is None or shaft_mm == bore_mm:
+        assert row.advices == ()
+        return
+    (advice,) = row.advices
+    assert advice.what == f"the {name} shaft of {shaft_mm:g} mm is loose in a bore of {bore_mm:g} mm"
+    assert advice.remedies[0].text == (
+        f"drivetrain.{name}_shaft.diameter_mm: {bore_mm:g}, or gears.{name}.bore_mm: {shaft_mm:g}"
+    )
 
 
 def asks(wish: Data) -> bool:

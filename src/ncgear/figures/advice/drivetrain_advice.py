@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from ncgear.drivetrain.bearings import MOST_OF_RATING
 from ncgear.drivetrain.shafts import LEAST_SAFETY
 from ncgear.errors import NoSuchMechanism
-from ncgear.figures.advice.values import Advice, Kind, NotJudged, Remedy, Where
+from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy, Where
 from ncgear.figures.numbers import five_digits, fixed, placed, to_digits
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 def around(drive: Drive) -> Iterator[Advice]:
     """What does not hold, with what would; raises as ``Drive.drivetrain`` does."""
+    yield from _of_bores(drive)
     found = drive.drivetrain
     for name, shaft in (("driving", found.driving_shaft), ("driven", found.driven_shaft)):
         if shaft is not None:
@@ -32,6 +33,25 @@ def around(drive: Drive) -> Iterator[Advice]:
     yield from _of_crank(drive)
     if found.pto:
         yield from _of_pto(found.pto, N_M_PER_N_MM * found.demand.torque_range_n_mm[1].value)
+
+
+def before_teeth(drive: Drive) -> Iterator[Advice | NotJudged]:
+    """What the keys alone tell of it."""
+    yield from _of_bores(drive)
+    yield NotJudged(ONLY_TEETH)
+
+
+def _of_bores(drive: Drive) -> Iterator[Advice]:
+    """Shafts that are thinner than the bores in which they stand; thicker ones are refused by their key."""
+    around, gears = drive.design.drivetrain, drive.design.gears
+    for name in ("driving", "driven") if around and gears else ():
+        shaft, bore_mm = getattr(around, f"{name}_shaft"), getattr(gears, name).bore_mm
+        if shaft and bore_mm and shaft.diameter_mm and shaft.diameter_mm < bore_mm:
+            yield _advice(
+                f"the {name} shaft of {shaft.diameter_mm:.10g} mm is loose in a bore of {bore_mm:.10g} mm",
+                f"drivetrain.{name}_shaft.diameter_mm: {bore_mm:.10g}, or gears.{name}.bore_mm: "
+                f"{shaft.diameter_mm:.10g}",
+            )
 
 
 def motor(drive: Drive) -> Iterable[Advice | NotJudged]:

@@ -176,6 +176,7 @@ CONDITIONS: dict[Kind, Condition] = {
         lambda drive: drive.design.drivetrain is not None,
         drivetrain_advice.around,
         Known.TEETH,
+        drivetrain_advice.before_teeth,
         of_pair=False,
     ),
     Kind.MISSED_WISH: Condition(
