@@ -170,6 +170,25 @@ class Design(Model, Shown):
             )
         return self
 
+    @model_validator(mode="after")
+    def _bearings_stand_beside_their_gears(self) -> Self:
+        if self.drivetrain is None or self.gears is None:
+            return self
+        half = self.gears.face_width_mm / 2.0
+        for name in ("driving", "driven"):
+            hub, shaft = getattr(self.gears, name).hub, getattr(self.drivetrain, f"{name}_shaft")
+            top = half + (hub.height_mm if hub else 0.0)
+            for bearing in ("bearing_a", "bearing_b"):
+                one = getattr(shaft, bearing, None)
+                if one is not None and -half < one.at_mm < top:
+                    within = "the gear" if one.at_mm < half else "the gear's hub"
+                    raise fault(
+                        f"drivetrain.{name}_shaft.{bearing}.at_mm",
+                        f"{one.at_mm:.10g} mm is within {within}, which ends at {top:.10g} mm; "
+                        f"{-half:.10g} or less, or {top:.10g} or more, is right",
+                    )
+        return self
+
     def _require_offered(self) -> None:
         """Gears that turn less than once are plain pairs; what is not offered for them is refused by its key.
 
