@@ -12,6 +12,10 @@ from pydantic import ValidationError
 from drives import design_of
 from ncgear.figures.advice.drivetrain_advice import around
 from ncgear.figures.advice.given_advice import without_effect
+from ncgear.figures.advice.values import ONLY_TEETH, Change, Kind
+from ncgear.figures.advice.verdict import Judged, Known, State, judged
+from ncgear.pitch.shape import Gear
+from ncgear.project.alternatives import changed_drive
 from ncgear.project.drive import Drive
 
 Data = dict[str, Any]
@@ -107,6 +111,16 @@ IDLE: dict[str, tuple[str, Data, Data]] = {
         {"drivetrain": {"driven_shaft": {"crank_at_mm": 20}}},
         {"drivetrain": {"driven_shaft": {**BEARINGS, "crank_at_mm": 20}}},
     ),
+    "own grade": (
+        "tolerances.driven.grade is given beside",
+        {"tolerances": {"grade": 8, "driven": {"grade": 9, "single_pitch_mm": 0.02, "profile_mm": 0.03}}},
+        {"tolerances": {"grade": 8, "driven": {"grade": 9, "single_pitch_mm": 0.02}}},
+    ),
+    "grade of both": (
+        "tolerances.grade is given and each",
+        {"tolerances": {"grade": 7, "driving": {"grade": 6}, "driven": {"single_pitch_mm": 0.02, "profile_mm": 0.03}}},
+        {"tolerances": {"grade": 7, "driving": {"grade": 6}}},
+    ),
 }
 """What is told, where, and where it is not."""
 
@@ -117,6 +131,60 @@ def test_a_key_that_no_figure_counts_is_told(name: str) -> None:
     (found,) = told(idle)
     assert found.startswith(start)
     assert told(acting) == []
+
+
+# --- what only teeth and bodies can tell
+
+
+def geared(**gears: Any) -> Drive:
+    motion = {"operation": {"speed_rpm": 40}, "motion": {"law": "harmonic_ratio", "cosine": [-0.1]}}
+    sizes = {"teeth": 22, "module_mm": 2.5, "face_width_mm": 8, "backlash_mm": 0.1}
+    return Drive(design_of({"name": "marked", **motion, "gears": {**sizes, **gears}}))
+
+
+def rows_of(one: Drive, kind: Kind, known: Known = Known.TEETH) -> Judged:
+    (found,) = [row for row in judged(one, known, seconds=0.0).rows if row.kind is kind]
+    return found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "bodies",
+    [
+        {"driven": {"bore_mm": 37}},
+        {"driving": {"bore_mm": 12, "hub": {"diameter_mm": 40, "height_mm": 4}}},
+        {"mesh": "internal", "lobes": {"driving": 1, "driven": 2}, "driven": {"rim_mm": 1.5}},
+    ],
+)
+def test_an_index_hole_without_room_is_told_with_a_size_that_leaves_it_room(bodies: Data) -> None:
+    one = geared(index_holes=True, **bodies)
+    assert rows_of(one, Kind.INDEX_HOLES, Known.MOTION).state is State.NOT_JUDGED
+    (advice,) = rows_of(one, Kind.INDEX_HOLES).advices
+    lacking = [gear for gear, plan in zip(Gear, one.finished_plans, strict=True) if plan.index_hole is None]
+    assert [where.gear for where in advice.where] == [gear.value for gear in lacking]
+    room, without = advice.remedies
+    assert without.changes == (Change("gears.index_holes", value=False),)
+    (change,) = room.changes
+    assert change.key.split(".")[1] == lacking[0].value
+    helped = changed_drive(one, {change.key: change.value})
+    assert rows_of(helped, Kind.INDEX_HOLES).state is State.KEPT
+
+
+def test_holes_that_have_room_or_are_not_asked_for_are_not_told() -> None:
+    assert rows_of(geared(index_holes=True), Kind.INDEX_HOLES).state is State.KEPT
+    assert Kind.INDEX_HOLES not in {row.kind for row in judged(geared(driven={"bore_mm": 31}), Known.MOTION).rows}
+
+
+@pytest.mark.parametrize(("teeth", "idle"), [(26, True), (14, False)])
+def test_allowed_undercut_is_told_where_no_tooth_is_undercut(teeth: int, idle: bool) -> None:
+    allowed = geared(teeth=teeth, undercut="allow")
+    assert bool(allowed.teeth.driving.undercut) is not idle
+    assert rows_of(allowed, Kind.WITHOUT_EFFECT, Known.MOTION).state is State.NOT_JUDGED
+    told = [advice.what for advice in rows_of(allowed, Kind.WITHOUT_EFFECT).advices]
+    assert told == ["gears.undercut is given without a tooth that would be undercut"] * idle
+    avoided = geared(teeth=teeth, undercut="avoid")
+    assert np.array_equal(allowed.teeth.driving.outline_mm, avoided.teeth.driving.outline_mm) is idle
+    assert rows_of(avoided, Kind.WITHOUT_EFFECT, Known.MOTION).state is State.KEPT
 
 
 # --- where bearings and the crank stand
@@ -152,6 +220,26 @@ def test_a_crank_within_its_gear_is_told(at_mm: float | None, inside: bool) -> N
 
 
 # --- wishes that every law keeps
+
+
+@pytest.mark.parametrize(("bore_mm", "shaft_mm"), [(14.0, 13.5), (14.0, 14.0), (None, 12.0)])
+@pytest.mark.parametrize("name", ["driving", "driven"])
+def test_a_shaft_that_is_loose_in_its_bore_is_told_with_both_sizes(
+    name: str, bore_mm: float | None, shaft_mm: float
+) -> None:
+    shaft = {**BEARINGS, "diameter_mm": shaft_mm, "steel": "C45"}
+    gears = {**PUMP["gears"], name: {"bore_mm": bore_mm}}
+    one = Drive(design_of({**PUMP, "gears": gears, "drivetrain": {f"{name}_shaft": shaft}}))
+    row = rows_of(one, Kind.DRIVETRAIN, Known.MOTION)
+    assert row.why == ONLY_TEETH
+    if bore_mm is None or shaft_mm == bore_mm:
+        assert row.advices == ()
+        return
+    (advice,) = row.advices
+    assert advice.what == f"the {name} shaft of {shaft_mm:g} mm is loose in a bore of {bore_mm:g} mm"
+    assert advice.remedies[0].text == (
+        f"drivetrain.{name}_shaft.diameter_mm: {bore_mm:g}, or gears.{name}.bore_mm: {shaft_mm:g}"
+    )
 
 
 def asks(wish: Data) -> bool:

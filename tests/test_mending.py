@@ -425,3 +425,33 @@ def test_a_rewritten_file_has_the_values_and_its_comments() -> None:
         "h": {"i": {"j": True}},
     }
     assert rewritten(text, {}) == text
+
+
+# --- too much backlash
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("key", "given"), [("gears.backlash_mm", 3.3), ("gears.backlash_deg", 3.7), ("gears.backlash_mm", 4.0)]
+)
+def test_too_much_backlash_is_named_with_the_most_tenths_that_work(key: str, given: float) -> None:
+    """Where teeth grow too thin to reach each other, and where play alone takes too much of them."""
+    data = data_of({"law": "ellipse", "eccentricity": 0.2}, 26, **{key.removeprefix("gears."): given})
+    search = mending(drive_of(data), seconds=np.inf)
+    assert search is not None
+    assert search.found is not None
+    assert search.refusal.key == key
+    assert search.refusal.problem.startswith(f"{given:g} {key[-2:] if key.endswith('mm') else 'deg'} ")
+    assert list(search.found.way.changes) == [key]
+    works = search.found.way.changes[key]
+    assert isinstance(works, float)
+    assert refusal_of_teeth(drive_of(with_changes(data, {key: works}))) is None
+    assert refusal_of_teeth(drive_of(with_changes(data, {key: works + given / 10.0}))) is not None
+
+
+def test_backlash_that_is_not_the_cause_is_not_blamed() -> None:
+    data = data_of({"law": "ellipse", "eccentricity": 0.2}, 8, backlash_mm=0.05)
+    search = mending(drive_of(data))
+    assert search is not None
+    assert search.refusal.key != "gears.backlash_mm"
+    assert [way.changes for way in search.failed if Kind.BACKLASH in way.kinds] == [{"gears.backlash_mm": 0.005}]

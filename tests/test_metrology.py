@@ -16,6 +16,7 @@ from engaged import MODULE, TOLERANCE, made
 from ncgear.design.reading.design_file import load
 from ncgear.metrology.pins import (
     NEAR,
+    SHARES,
     SOLD_MM,
     Misfit,
     Pins,
@@ -311,12 +312,23 @@ def test_tip_and_root_radii_of_a_circular_gear() -> None:
     np.testing.assert_allclose(root_radii_mm(gear), 30.0 - 2.5 + 0.6, rtol=1e-12)
 
 
-@pytest.mark.parametrize("module", [0.2, 0.7, 2.0, 6.0, 28.0, 60.0])
+@pytest.mark.parametrize("module", [2e-6, 0.0013, 0.07, 0.2, 0.7, 2.0, 6.0, 28.0, 60.0])
 def test_pins_to_try_rise_from_the_nominal_diameter(module: float) -> None:
     nominal = nominal_pin_mm(module, internal=False)
     tried = pins_to_try(nominal)
     assert tried
     assert nominal <= tried[0]
     assert all(low < high for low, high in pairwise(tried))
-    assert len(tried) == 1 or tried[-1] <= NEAR * nominal
-    assert set(tried) <= set(SOLD_MM) or tried[0] > SOLD_MM[-1]
+    assert len(tried) == 1 or tried[-1] <= 1.06 * NEAR * nominal
+    assert set(tried) <= set(SOLD_MM) or not SOLD_MM[0] / NEAR <= nominal <= SOLD_MM[-1]
+
+
+@pytest.mark.parametrize("module", [3e-6, 0.004, 0.03, 420.0])
+def test_pins_follow_the_module_where_none_are_sold(module: float) -> None:
+    """As many sizes as of module 2; two digits or whole mm round a size up by a tenth at most."""
+    at_two = pins_to_try(nominal_pin_mm(2.0, internal=False))
+    nominal = nominal_pin_mm(module, internal=False)
+    tried = pins_to_try(nominal)
+    assert len(tried) >= len(at_two)
+    assert tried[0] / nominal < 1.1
+    assert all(0.0 <= size / (share * nominal) - 1.0 < 0.1 for size, share in zip(tried, SHARES, strict=True))

@@ -137,6 +137,24 @@ def test_a_motor_behind_a_gearbox_is_judged_before_teeth_are_made() -> None:
 
 @pytest.mark.long
 @pytest.mark.slow
+def test_friction_between_teeth_may_relieve_a_motor_and_both_ends_are_told() -> None:
+    """A force that drives the machine: the motor brakes, and rubbing teeth brake with it (T = T1 + share |T1|)."""
+    text = geared(0.2).replace("{polynomial_n: [400]}", "{polynomial_n: [-400], where_negative: keep}")
+    braking, (none, most) = drive_of_text(text), motor_within(drive_of_text(text))
+    exact = braking.drivetrain.motor
+    assert exact is not None
+    assert most.rms_n_m < exact.rms_n_m < none.rms_n_m
+    told = [float(number) for number in re.findall(r"([\d.]+) N m w", motor_row(braking)[1])]
+    assert told == pytest.approx([none.rms_n_m, most.rms_n_m], rel=1e-3)
+    assert f"{exact.rms_n_m:.4g} N m, more than" in motor_row(braking, Known.TEETH)[1]
+    enough = float(told_keys(motor_row(braking)[1], "drivetrain.motor.")["rated_torque_n_m"])
+    assert enough >= none.rms_n_m
+    assert motor_row(drive_of_text(text.replace("0.2,", f"{enough},")))[0] is State.KEPT
+    between = text.replace("rated_torque_n_m: 0.2", f"rated_torque_n_m: {exact.rms_n_m}")
+    assert motor_row(drive_of_text(between))[0] is State.NOT_JUDGED
+
+
+@pytest.mark.slow
 def test_a_motor_that_stops_behind_its_gearbox_is_told_with_one_that_does() -> None:
     weak = geared(0.02, "no_load_speed_rpm: 1500, ")
     state, said = motor_row(drive_of_text(weak), Known.TEETH)

@@ -25,6 +25,7 @@ from ncgear.contact.placement import placed
 from ncgear.contact.written.as_written import Outlines, as_written, reach_mm
 from ncgear.drawings.scene.scene import scene_of
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
+from ncgear.figures.advice.given_advice import without_effect
 from ncgear.figures.assembly import assembly_of
 from ncgear.pitch import continued, shape
 from ncgear.pitch.pair import PitchPair, sized_pair
@@ -583,3 +584,28 @@ def test_most_random_spirals_that_leave_room_stand() -> None:
         for _ in range(12)
     ]
     assert sum(stood) >= 11
+
+
+YOKED = OPEN.replace("{crank_mm: 60, rod_mm: 200}", "{kind: scotch_yoke, crank_mm: 25}")
+MASSES = "masses: {slider_kg: 2, crank: {mass_kg: 1, center_mm: 0, inertia_kg_mm2: 100}}\n"
+FRICTION = "drivetrain: {guide_friction: 0.1}\n"
+
+
+@pytest.mark.parametrize("given", [FRICTION, MASSES, MASSES + FRICTION])
+def test_no_remedy_leads_to_another_refusal(given: str) -> None:
+    """What is not offered for open gears is to be left out, not completed by what is not offered either."""
+    with pytest.raises(WrongInput, match="not offered for gears that turn to and fro") as refused:
+        drive_of_text(f"{YOKED}{given}")
+    assert refused.value.key in given
+    assert "give" not in refused.value.problem.replace("given", "")
+
+
+def test_nothing_asks_open_gears_for_masses() -> None:
+    open_drive = drive_of_text(
+        f"{YOKED.replace('200, ratio_start: 1.6', '130, ratio_start: 1.1')}simulation: {{turns: 2}}\n"
+        "resistance: {polynomial_n: [5]}\n"
+    )
+    (advice,) = without_effect(open_drive)
+    assert advice.what.startswith("simulation is given with gears that turn less than once")
+    assert [remedy.text for remedy in advice.remedies] == ["leave it out"]
+    assert open_drive.masses_left_out == "gears turn less than once"

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import re
+from math import radians
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
 
 from drives import drive
+from ncgear.errors import WrongInput
 from ncgear.pitch.shape import Gear
 from ncgear.teeth.flank import Flanks
-from ncgear.teeth.form import ToothForm
+from ncgear.teeth.form import BasicRack, ToothForm
 from ncgear.teeth.spaces import LEAST_FLAT
 from ncgear.teeth.tool import PinionCircle, RackLine, Tool, rounding_of, rounding_rates
 from pairs import baler_law, pitch_pair, rack
@@ -99,3 +103,30 @@ def test_radii_of_narrow_spaces_are_those_of_bisection(gear: Gear) -> None:
         assert flat_mm(flanks, tooth, 1.001 * radius) < least
         judged += 1
     assert judged > 3
+
+
+# --- a rack that is pointed at its depth
+
+
+SOLUTIONS = re.compile(r"gears\.rack\.(\w+): ([\d.]+)(?: is usual, ([\d.]+) the most)?")
+
+
+@pytest.mark.parametrize(
+    ("dedendum", "radius", "angle_deg"), [(2.3, 0.2, 20.0), (2.5, 0.9, 20.0), (2.2, 0.35, 25.0), (2.9, 0.0, 17.5)]
+)
+def test_a_pointed_rack_is_told_a_dedendum_that_fits_with_its_root_radius(
+    dedendum: float, radius: float, angle_deg: float
+) -> None:
+    def rack_of(dedendum: float, root_radius: float) -> BasicRack:
+        return BasicRack(MODULE, radians(angle_deg), MODULE, dedendum * MODULE, root_radius * MODULE)
+
+    with pytest.raises(WrongInput, match="it is pointed") as refused:
+        rack_of(dedendum, radius)
+    told = [(key, float(value), most) for key, value, most in SOLUTIONS.findall(refused.value.problem)]
+    right = {"dedendum": dedendum, "root_radius": radius, **{key: value for key, value, _ in told}}
+    assert rack_of(**right).tip_half_width_mm >= 0.0
+    assert right["dedendum"] > 1.0
+    for most in (float(most) for _, _, most in told if most):
+        rack_of(most, radius)
+        with pytest.raises(WrongInput):
+            rack_of(most * 1.01, radius)

@@ -116,9 +116,9 @@ def naming_what_helps(drive: Drive, option: str = OPTION) -> Iterator[None]:
 
 def _search(drive: Drive, error: DesignError) -> Mending | None:
     """The search for what helps; None where the error is not about teeth."""
-    from ncgear.project.mending import ROOT_RADIUS, refusal_of_teeth, searched
+    from ncgear.project.mending import BACKLASH, ROOT_RADIUS, refusal_of_teeth, searched
 
-    if isinstance(error, WrongInput) and error.key != ROOT_RADIUS:
+    if isinstance(error, WrongInput) and error.key not in (ROOT_RADIUS, *BACKLASH):
         return None
     try:
         refusal = refusal_of_teeth(drive)

@@ -14,7 +14,7 @@ from ncgear.errors import DesignError
 from ncgear.figures.advice.values import changed
 from ncgear.figures.numbers import to_digits
 from ncgear.figures.terminal import INDENT, WIDTH
-from ncgear.project.mending import ROOT_RADIUS, Kind, Mend, Mending, Way
+from ncgear.project.mending import BACKLASH, ROOT_RADIUS, Kind, Mend, Mending, Way
 
 SUFFIX = "-mended"
 
@@ -88,6 +88,8 @@ def _words(kind: Kind, alike: Sequence[Way]) -> str:
     match kind:
         case Kind.ROOT_RADIUS:
             return f"a root radius of {values(ROOT_RADIUS)}"
+        case Kind.BACKLASH:
+            return f"a backlash of {values(BACKLASH[0]) or values(BACKLASH[1])}"
         case Kind.MATE:
             return "the mate as tool"
         case Kind.STEEPER:

@@ -11,7 +11,7 @@ The measurement over two pins (between them, in a ring) is taken in spaces that 
 from __future__ import annotations
 
 from enum import Enum
-from math import ceil
+from math import ceil, floor, log10
 
 import numpy as np
 import shapely
@@ -37,6 +37,9 @@ from secondary sources, not held against the standards)."""
 NEAR = 1.3
 """Pins are tried up to this many times the nominal diameter; larger ones touch near the tips."""
 
+SHARES = tuple(np.linspace(1.0, NEAR, 7).tolist())
+"""Sizes between that are tried where none is sold, as shares of the nominal one."""
+
 
 def nominal_pin_mm(normal_module_mm: float, *, internal: bool) -> float:
     """The pin diameter in mm that should be used, before one that is sold is chosen."""
@@ -44,12 +47,14 @@ def nominal_pin_mm(normal_module_mm: float, *, internal: bool) -> float:
 
 
 def pins_to_try(nominal_mm: float) -> tuple[float, ...]:
-    """Sold diameters from the nominal one to ``NEAR`` times it, rising; whole mm where larger than any sold.
+    """Sold diameters from the nominal one to ``NEAR`` times it, rising.
 
-    Below 1.5 mm sizes are so far apart that there may be none between; then the next larger one is given.
+    Larger than any sold are whole mm, smaller than any two digits.  Below 1.5 mm sizes are so far apart that there may
+    be none between; then the next larger one is given.
     """
-    if nominal_mm > SOLD_MM[-1]:
-        return (float(ceil(nominal_mm)),)
+    if not SOLD_MM[0] / NEAR <= nominal_mm <= SOLD_MM[-1]:
+        step = 1.0 if nominal_mm > SOLD_MM[-1] else 10.0 ** (floor(log10(nominal_mm)) - 1)
+        return tuple(dict.fromkeys(float(f"{ceil(share * nominal_mm / step) * step:.6g}") for share in SHARES))
     larger = [diameter for diameter in SOLD_MM if diameter >= nominal_mm]
     near = [diameter for diameter in larger if diameter <= NEAR * nominal_mm]
     return tuple(near or larger[:1])

@@ -8,16 +8,19 @@ empty value where there is no such change.  The words about a change are not wri
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from math import atan, degrees, floor, pi, radians
 from typing import TYPE_CHECKING
 
 import numpy as np
+from pydantic import ValidationError
 
 from ncgear.design.keys.base import Model
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.optimize import Optimize
 from ncgear.errors import DesignError, WrongInput
+from ncgear.pitch.shape import Gear, Mesh
 from ncgear.project.drive import Drive
 from ncgear.project.in_common import drive_like
 from ncgear.project.tooth_form import rack_of
@@ -299,6 +302,37 @@ def _least_addendum(gear: ToothedGear) -> float:
     own_shift = flanks.full_tip_mm - flanks.rack.tip_height_mm
     height = float(np.min((flanks.tip_height_mm - own_shift)[lowered], initial=np.inf))
     return CLEAR * (height - flanks.rack.shift_mm) / flanks.rack.module_mm
+
+
+def room_for_index_hole(drive: Drive, gear: Gear) -> Changes:
+    """The largest hub or else bore, in twentieths of the given one, that leaves room for an index hole of a gear.
+
+    Of a ring it is a rim that is thicker by quarters of a module.  Empty where none is found, and of helical teeth,
+    whose sections take long.
+    """
+    from ncgear.project.gear_solids import crank_pin_hole, finished_plans, rim_mm_of
+    from ncgear.solids.plan.areas import floored, raised
+
+    if drive.helix is not None:
+        return {}
+    gears, pitch, name = drive.gears, drive.pitch, f"gears.{gear.value}"
+    body = gears.driving if gear is Gear.DRIVING else gears.driven
+    if pitch.mesh is Mesh.INTERNAL and gear is Gear.DRIVEN:
+        module_mm = pitch.size.module_mm
+        rims_mm = [rim_mm_of(gears, module_mm) + step * module_mm / 4.0 for step in range(1, 25)]
+        key, sizes = f"{name}.rim_mm", list(map(raised, rims_mm))
+    else:
+        key = f"{name}.hub.diameter_mm" if body.hub else f"{name}.bore_mm"
+        given = body.hub.diameter_mm if body.hub else body.bore_mm or 0.0
+        sizes = [floored(given * step / 20.0) for step in range(19, 0, -1)]
+    crank_pin = crank_pin_hole(gears, drive.linkage) if drive.turns_crank else None
+    for size in sizes:
+        with suppress(DesignError, ValidationError):
+            changed = changed_gears(gears, {key: size})
+            plans = finished_plans(changed, pitch, drive.teeth, drive.chord_tolerance_mm, crank_pin)
+            if dict(zip(Gear, plans, strict=True))[gear].index_hole:
+                return {key: size}
+    return {}
 
 
 def bridging_helix(drive: Drive) -> Changes:

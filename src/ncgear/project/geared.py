@@ -321,11 +321,9 @@ class Geared(Moving):
     @property
     def masses_left_out(self) -> str | None:
         """Why masses are not counted, in words; None where they are."""
-        if self.design.masses is None:
-            return "give them as masses"
         if self.design.motion.is_open:
             return "gears turn less than once"
-        return None
+        return "give them as masses" if self.design.masses is None else None
 
     @property
     def gear_refusal(self) -> DesignError | None:

@@ -86,14 +86,16 @@ class MeasuredGear:
 def measured_gears(drive: Geared) -> tuple[MeasuredGear, MeasuredGear]:
     """The driving and the driven gear, in the section of ``measured_section``.
 
-    Raises WrongInput where given pins measure in no space, with the least and the largest sold ones that do.
+    Raises WrongInput where given pins measure in no space, with the least and the largest that do of those that are
+    sold or near the nominal one.
     """
     teeth = measured_section(drive)
     gears = _measured(drive, Gear.DRIVING, teeth.driving), _measured(drive, Gear.DRIVEN, teeth.driven)
     given = drive.gears.measuring_pin_mm
     if given is None or any(gear.pins.space.size for gear in gears):
         return gears
-    fitting = [size for size in SOLD_MM if all(gear.pins_of(size).space.size for gear in gears)]
+    sizes = sorted({*SOLD_MM, *(size for gear in gears for size in pins_to_try(_nominal_mm(drive, gear.working)))})
+    fitting = [size for size in sizes if all(gear.pins_of(size).space.size for gear in gears)]
     right = f"{fitting[0]:g} to {fitting[-1]:g} mm do" if fitting else "leave it out"
     raise WrongInput(
         f"{gears[0].tool}s of {given:g} mm measure in no space of either gear; {right}", key="gears.measuring_pin_mm"
@@ -151,7 +153,10 @@ def _measured(drive: Geared, gear: Gear, toothed: ToothedGear) -> MeasuredGear:
 
 def _pins_to_try_mm(drive: Geared, working: WorkingFlanks) -> tuple[float, ...]:
     """The given diameter, or else those that are sold near the nominal one."""
-    helix, given = drive.helix, drive.gears.measuring_pin_mm
-    normal_module = drive.rack.module_mm * (cos(helix.angle_rad) if helix else 1.0)
-    nominal = nominal_pin_mm(normal_module, internal=working.is_ring)
-    return (given,) if given is not None else pins_to_try(nominal)
+    given = drive.gears.measuring_pin_mm
+    return (given,) if given is not None else pins_to_try(_nominal_mm(drive, working))
+
+
+def _nominal_mm(drive: Geared, working: WorkingFlanks) -> float:
+    normal_module = drive.rack.module_mm * (cos(drive.helix.angle_rad) if drive.helix else 1.0)
+    return nominal_pin_mm(normal_module, internal=working.is_ring)

@@ -52,11 +52,14 @@ OnTrial = Callable[[int, int], None]
 
 ROOT_RADIUS = "gears.rack.root_radius"
 
+BACKLASH = ("gears.backlash_mm", "gears.backlash_deg")
+
 
 class Kind(StrEnum):
     """What a change is about."""
 
     ROOT_RADIUS = "root_radius"
+    BACKLASH = "backlash"
     MATE = "mate"
     STEEPER = "steeper"
     SHIFTED = "shifted"
@@ -84,9 +87,13 @@ ORDER = (
 )
 """Kinds of changes, alone and together, from the least change to the greatest.
 
-More teeth come after everything that keeps them, first alone and then with other changes: they are two changes, of
-``teeth`` and ``module_mm``, and smaller teeth bear less.
+Less backlash comes after the root radius, where a tenth of it makes the teeth.  More teeth come after everything that
+keeps them, first alone and then with other changes: they are two changes, of ``teeth`` and ``module_mm``, and smaller
+teeth bear less.
 """
+
+TENTHS = 10
+"""Steps in which less backlash is tried."""
 
 STEEPER_DEG = (22.5, 25.0)
 """Pressure angles of racks that are sold, over the usual 20 degrees."""
@@ -177,8 +184,9 @@ def mending(
 def refusal_of_teeth(drive: Drive) -> DesignError | None:
     """The error that refuses the teeth of a design, their contact or their outlines; None where they can be made.
 
-    Of wrong input, only a root radius that does not fit is about teeth.  Raises WrongInput or NoSuchMechanism where
-    something else is refused, as a law, pitch curves, or a pressure angle at which no flank pushes.
+    Of wrong input, only a root radius that does not fit and too much backlash are about teeth.  Raises WrongInput or
+    NoSuchMechanism where something else is refused, as a law, pitch curves, or a pressure angle at which no flank
+    pushes.
     """
     with located(drive.places):
         for pair in drive.by_stage:
@@ -189,7 +197,7 @@ def refusal_of_teeth(drive: Drive) -> DesignError | None:
         return error
     except WrongInput as error:
         fitted = fitted_root_radius(drive.gears, min(drive.gears.rack.angles_deg))
-        if error.key != ROOT_RADIUS or not fitted:
+        if error.key not in BACKLASH and (error.key != ROOT_RADIUS or not fitted):
             raise
         return error
     return None
@@ -206,10 +214,32 @@ def searched(
     trials = _Trials(drive, on_trial, sum(map(len, every)) + MOST_FINER, seconds)
     kept = [equals for equals in every if Kind.FINER not in equals[0].kinds]
     share = AT_NOTCHES if trials.needed > FINER_STEP * drive.by_stage[0].pitch.size.driving_teeth else BEFORE_FINER
-    found = next((mend for equals in kept if (mend := trials.best(equals, share))), None)
+    radius, others = ([one for one in kept if (one[0].kinds == ORDER[0]) is so] for so in (True, False))
+    found = next((mend for equals in radius if (mend := trials.best(equals, share))), None)
+    found = found or trials.most_backlash()
+    found = found or next((mend for equals in others if (mend := trials.best(equals, share))), None)
     found = found or trials.fewest()
     found = found or next((mend for equals in every[len(kept) :] if (mend := trials.best(equals))), None)
+    if found is not None and found.way.kinds == (Kind.BACKLASH,):
+        refusal = _of_backlash(drive, refusal)
     return Mending(refusal, tuple(trials.failed), found, trials.is_whole)
+
+
+def _given_backlash(drive: Drive) -> tuple[str, float]:
+    """The key and the value of the backlash that a file gives; an empty key where it gives none."""
+    given = ((key, getattr(drive.gears, key.removeprefix("gears."))) for key in BACKLASH)
+    return next(((key, value) for key, value in given if value), ("", 0.0))
+
+
+def _of_backlash(drive: Drive, refusal: DesignError) -> DesignError:
+    """The refusal at the key of the backlash that is too much."""
+    key, given = _given_backlash(drive)
+    error = type(refusal)(f"{given:g} {key.rpartition('_')[2]} is too much: {refusal.problem}", key=key)
+    if refusal.key in BACKLASH:
+        return refusal
+    with suppress(DesignError), located(drive.places):
+        raise error
+    return error
 
 
 class _Trials:
@@ -251,6 +281,20 @@ class _Trials:
         about = NOTCH_SHARE if self.needed > low else FINER_STEP - 1.0
         most = min(MOST_FINER * low, MOST_TEETH // each * each)
         return mends.get(fewest(does, low, most, each, self.needed, about))
+
+    def most_backlash(self) -> Mend | None:
+        """The most tenths of the given backlash that work, where one does."""
+        (key, given), fitted, mends = _given_backlash(self._drive), _fitted(self._drive), dict[int, Mend]()
+
+        def does(off: int) -> bool:
+            changes = {**fitted, key: float(f"{given * (TENTHS - off) / TENTHS:.6g}")}
+            if mend := self.best((Way((Kind.BACKLASH,), changes),)):
+                mends[off] = mend
+            return mend is not None
+
+        if not given or not does(TENTHS - 1):
+            return None
+        return mends[fewest(does, 0, TENTHS - 2, needed=1.0) or TENTHS - 1]
 
     def _sound(self, way: Way, share: float) -> Mend | None:
         """The way where teeth are sound with it; raises TimeIsOver."""
@@ -313,6 +357,9 @@ def _options(drive: Drive, kind: Kind, *, alone: bool) -> list[Changes]:
     match kind:
         case Kind.ROOT_RADIUS:
             return [fitted] if (fitted := _fitted(drive)) else []
+        case Kind.BACKLASH:
+            # How much of it works is searched for
+            return []
         case Kind.MATE:
             return _mate(drive)
         case Kind.STEEPER:

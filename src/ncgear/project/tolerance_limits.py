@@ -68,7 +68,7 @@ def _of_teeth(
     told = own.single_pitch_mm is not None and own.profile_mm is not None
     pitch = profile = np.zeros(gear.flanks.count)
     if grade is not None and not told:
-        _require_graded(gear, module_mm, key)
+        _require_graded(gear, module_mm, f"{key}.grade" if own.grade else "tolerances.grade")
         limits = flank_tolerances(grade, tooth_diameters_mm(gear), module_mm)
         pitch, profile = limits.single_pitch_mm, limits.total_profile_mm
     if own.single_pitch_mm is not None:
@@ -87,8 +87,8 @@ def _require_graded(gear: ToothedGear, module_mm: float, key: str) -> None:
     ):
         if not least <= value <= most:
             raise WrongInput(
-                f"{name} {value:g}, but ISO 1328-1 has grades from {least:g} to {most:g} only; give single_pitch_mm "
-                "and profile_mm of both gears in place of grade",
+                f"{name} {value:g}, but ISO 1328-1 has grades from {least:g} to {most:g} only; give "
+                "single_pitch_mm and profile_mm under tolerances.driving and tolerances.driven in place of a grade",
                 key=key,
             )
 

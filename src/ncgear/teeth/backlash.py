@@ -108,7 +108,7 @@ def _too_much(asked: Backlash, most: float) -> WrongInput:
         given, key, unit = degrees(asked.driven_rad), "gears.backlash_deg", "deg"
     return WrongInput(
         f"{given:g} {unit} takes more than {MOST_THINNED:.0%} of the thickness off some teeth at the pitch curve; "
-        f"under {shown_below(given * most, 3)} {unit} is right",
+        f"only under {shown_below(given * most, 3)} {unit} takes less",
         key=key,
     )
 

@@ -17,7 +17,10 @@ from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.bounds import shown_below
-from ncgear.teeth.root_radius import ROUNDING, largest_root_radius
+from ncgear.teeth.root_radius import ROUNDING, deepest_rounded, fitting_root_radius, largest_root_radius
+
+USUAL_DEPTH = 1.25
+"""Usual dedendum divided by the addendum, of ISO 53."""
 
 MOST_SHIFT = 0.7
 """Largest shift, in addenda, that is chosen against undercut: three tenths of the mate's addendum are left."""
@@ -80,11 +83,8 @@ class BasicRack:
         highest = shown_below(point * (1.0 - ROUNDING), 3)
         shallowest = self.dedendum_mm - self.root_radius_mm * (1.0 - sin(min(self.angles_rad)))
         if self.tip_half_width_mm < 0.0 or shallowest < 0.0:
-            largest, pointed = (
-                self.largest_root_radius_mm,
-                f"it is pointed; gears.rack.dedendum: {highest} or less is right",
-            )
-            most = f"{shown_below(largest)} mm is the most" if largest >= 0.0 else pointed
+            largest = self.largest_root_radius_mm
+            most = f"{shown_below(largest)} mm is the most" if largest >= 0.0 else f"it is pointed; {self._fitting}"
             angles = " and ".join(f"{degrees(angle):g}" for angle in dict.fromkeys(self.angles_rad))
             raise WrongInput(
                 f"a root radius of {self.root_radius_mm:g} mm does not fit a rack tooth "
@@ -158,6 +158,22 @@ class BasicRack:
         half_width = self.pitch_mm / 2.0 - self.tooth_half_width_mm
         deep, radius = self.dedendum_mm - self.root_radius_mm, self.root_radius_mm
         return half_width - sum(deep * tan(angle) + radius / cos(angle) for angle in self.angles_rad) / 2.0
+
+    @property
+    def _fitting(self) -> str:
+        """A dedendum that is right, with the root radius as it is or, where none is, with one that fits."""
+        angles, radius, addendum = (
+            self.angles_rad,
+            self.root_radius_mm / self.module_mm,
+            self.addendum_mm / self.module_mm,
+        )
+        deepest, usual = (deepest_rounded(angles, one, pi / 4.0) for one in (radius, 0.0))
+        usual = min(usual, USUAL_DEPTH * addendum)
+        if deepest > addendum:
+            most = f" is usual, {shown_below(deepest, 3)} the most" if deepest > usual else " is the most"
+            return f"gears.rack.dedendum: {shown_below(min(deepest, usual), 3)}{most}"
+        fits = fitting_root_radius(radius, largest_root_radius(angles, usual, pi / 4.0))
+        return f"gears.rack.dedendum: {shown_below(usual, 3)} with gears.rack.root_radius: {fits:g} is right"
 
     @property
     def largest_root_radius_mm(self) -> float:

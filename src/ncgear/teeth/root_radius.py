@@ -25,6 +25,14 @@ def largest_root_radius(angles_rad: tuple[float, float], dedendum: float, half_w
     return min(flat, dedendum / (1.0 - sin(min(one, other))))
 
 
+def deepest_rounded(angles_rad: tuple[float, float], radius: float, half_width: float) -> float:
+    """The greatest dedendum at which roundings of a radius fit, lengths as above; 0 where none is deep enough."""
+    one, other = angles_rad
+    slope, length = (tan(one) + tan(other)) / 2.0, (1.0 / cos(one) + 1.0 / cos(other)) / 2.0
+    deepest = (half_width - radius * (length - slope)) / slope * (1.0 - ROUNDING)
+    return deepest if deepest >= radius * (1.0 - sin(min(one, other))) else 0.0
+
+
 def fitting_root_radius(wanted: float, largest: float) -> float:
     """A radius in modules: the one that is ``wanted`` or, where that exceeds the ``largest``, what fits; 0 at least."""
     return wanted if wanted <= largest else max(floor(largest * (1.0 - ROUNDING) * PER_MODULE) / PER_MODULE, 0.0)

@@ -98,8 +98,12 @@ class Model(BaseModel):
         order = (*own, *base) if first else (*base, *own)
         cls.__pydantic_fields__ = {name: fields[name] for name in order if name in fields}
 
+    def _require_offered(self) -> None:
+        """Refuse what is not offered at all, before what it would need is asked for."""
+
     @model_validator(mode="after")
     def _rules_hold(self) -> Self:
+        self._require_offered()
         for rule in _rules_of(type(self)):
             require(self, rule)
         return self

@@ -171,12 +171,6 @@ class Design(Model, Shown):
         return self
 
     @model_validator(mode="after")
-    def _drivetrain_has_one_pair(self) -> Self:
-        if self.drivetrain is not None and self.stages > 1:
-            raise fault("drivetrain", "given, but forces are computed of one pair of gears; leave it out of two stages")
-        return self
-
-    @model_validator(mode="after")
     def _bearings_stand_beside_their_gears(self) -> Self:
         if self.drivetrain is None or self.gears is None:
             return self
@@ -195,13 +189,14 @@ class Design(Model, Shown):
                     )
         return self
 
-    @model_validator(mode="after")
-    def _open_gears(self) -> Self:
+    def _require_offered(self) -> None:
         """Gears that turn less than once are plain pairs; what is not offered for them is refused by its key.
 
-        Only they have end stops.
+        Only they have end stops.  Around two pairs of gears there is no drivetrain.
         """
         gears = self.gears
+        if self.drivetrain is not None and self.stages > 1:
+            raise fault("drivetrain", "given, but forces are computed of one pair of gears; leave it out of two stages")
         if not self.motion.is_open:
             for body in ("driving", "driven"):
                 if gears is not None and getattr(gears, body).end_stop is not None:
@@ -210,7 +205,7 @@ class Design(Model, Shown):
                         f"given, but gears of {self.motion.law} turn on and on; leave it out, or give a law over a "
                         "range (range_deg, spiral or function_generator)",
                     )
-            return self
+            return
         asked = {
             "gears.mesh": gears is not None and gears.mesh != "external",
             "gears.helix": gears is not None and gears.helix is not None,
@@ -227,7 +222,6 @@ class Design(Model, Shown):
                 raise fault(
                     key, "given, but it is not offered for gears that turn to and fro, less than once; leave it out"
                 )
-        return self
 
     @model_validator(mode="after")
     def _stages_have_one_lobe(self) -> Self:

@@ -1,4 +1,4 @@
-"""The advice about gears that jam once they are made and put together within their tolerances."""
+"""The advices about putting gears together: whether they jam within their tolerances, and what marks their pose."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from ncgear.errors import DesignError
 from ncgear.figures.advice.values import Advice, Change, Kind, NotJudged, Remedy, Where, changed
 from ncgear.figures.numbers import to_digits
 from ncgear.figures.tolerance_words import limit_words
-from ncgear.project.alternatives import is_given
+from ncgear.pitch.shape import Gear
+from ncgear.project.alternatives import is_given, room_for_index_hole
 from ncgear.project.drive import Drive
 from ncgear.project.jamming import Jamming, jamming_of
 from ncgear.project.tolerance_limits import MOST_JAMMED
@@ -62,3 +63,23 @@ def _ways_out(found: Jamming) -> tuple[Remedy, ...]:
     )
     ways = (*([narrower] if found.narrower else []), *([backlash] if found.fits else []))
     return ways or (OTHER_WAYS,)
+
+
+def index_holes(drive: Drive) -> Advice | NotJudged | None:
+    """The gears that have no room for the index hole that the file asks for; None where both have theirs."""
+    try:
+        plans = dict(zip(Gear, drive.finished_plans, strict=True))
+    except DesignError as error:
+        return NotJudged(error.problem)
+    lacking = [gear for gear in Gear if plans[gear].index_hole is None]
+    if not lacking:
+        return None
+    names = " and ".join(gear.value for gear in lacking)
+    what = f"no room for the index hole of the {names} gear{'s' if lacking[1:] else ''}"
+    found = [room_for_index_hole(drive, gear) for gear in lacking]
+    room = [Remedy("make room for it", changed({key: one[key] for one in found for key in one}))] if all(found) else []
+    without = Remedy("do without, and mark a tooth and its space by hand", (Change("gears.index_holes", value=False),))
+    meaning = "nothing on them shows which teeth go together"
+    return Advice(
+        Kind.INDEX_HOLES, tuple(Where(gear.value) for gear in lacking), what, meaning, (*room, without), brief=what
+    )

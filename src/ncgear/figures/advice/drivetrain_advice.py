@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 from dataclasses import replace
+from enum import Enum, auto
 from math import degrees
 from typing import TYPE_CHECKING
 
 from ncgear.drivetrain.bearings import MOST_OF_RATING
 from ncgear.drivetrain.shafts import LEAST_SAFETY
 from ncgear.errors import NoSuchMechanism
-from ncgear.figures.advice.values import Advice, Kind, NotJudged, Remedy, Where
+from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy, Where
 from ncgear.figures.numbers import five_digits, fixed, placed, to_digits
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
 def around(drive: Drive) -> Iterator[Advice]:
     """What does not hold, with what would; raises as ``Drive.drivetrain`` does."""
+    yield from _of_bores(drive)
     found = drive.drivetrain
     for name, shaft in (("driving", found.driving_shaft), ("driven", found.driven_shaft)):
         if shaft is not None:
@@ -31,6 +33,25 @@ def around(drive: Drive) -> Iterator[Advice]:
     yield from _of_crank(drive)
     if found.pto:
         yield from _of_pto(found.pto, N_M_PER_N_MM * found.demand.torque_range_n_mm[1].value)
+
+
+def before_teeth(drive: Drive) -> Iterator[Advice | NotJudged]:
+    """What the keys alone tell of it."""
+    yield from _of_bores(drive)
+    yield NotJudged(ONLY_TEETH)
+
+
+def _of_bores(drive: Drive) -> Iterator[Advice]:
+    """Shafts that are thinner than the bores in which they stand; thicker ones are refused by their key."""
+    around, gears = drive.design.drivetrain, drive.design.gears
+    for name in ("driving", "driven") if around and gears else ():
+        shaft, bore_mm = getattr(around, f"{name}_shaft"), getattr(gears, name).bore_mm
+        if shaft and bore_mm and shaft.diameter_mm and shaft.diameter_mm < bore_mm:
+            yield _advice(
+                f"the {name} shaft of {shaft.diameter_mm:.10g} mm is loose in a bore of {bore_mm:.10g} mm",
+                f"drivetrain.{name}_shaft.diameter_mm: {bore_mm:.10g}, or gears.{name}.bore_mm: "
+                f"{shaft.diameter_mm:.10g}",
+            )
 
 
 def motor(drive: Drive) -> Iterable[Advice | NotJudged]:
@@ -49,10 +70,9 @@ def motor_without_teeth(drive: Drive) -> Iterable[Advice | NotJudged]:
     if not _behind_gearbox(drive):
         return _of_simulated(drive)
     least, most = motor_within(drive)
-    found = list(_of_motor(drive, least, most))
-    if bool(found) == bool(list(_of_motor(drive, most, most))):
-        return found
-    return [NotJudged("the friction between the teeth decides: ncgear build")]
+    if _faults(least) == _faults(most):
+        return _of_motor(drive, least, most)
+    return (*_of_motor(drive, least, most), NotJudged("the friction between the teeth decides: ncgear build"))
 
 
 def _behind_gearbox(drive: Drive) -> bool:
@@ -153,43 +173,78 @@ def _of_shaft(name: str, found: ShaftResult) -> Iterator[Advice]:
         )
 
 
+class Fault(Enum):
+    """What a motor behind a gearbox does not do."""
+
+    STOPS = auto()
+    HOT = auto()
+    WEAK = auto()
+    FAST = auto()
+    OFF_SPEED = auto()
+
+
+def _faults(found: MotorResult) -> set[Fault]:
+    """What the motor does not do with so much friction between the teeth."""
+    from ncgear.project.motor import OFF_SPEED
+
+    given, course = found.given, found.course
+    if found.stops:
+        return {Fault.STOPS}
+    peak, turns = given.peak_torque_n_m, found.load.speed_rad_s / RAD_S_PER_RPM
+    tests = {
+        Fault.HOT: found.rms_n_m > given.rated_torque_n_m,
+        Fault.WEAK: peak is not None and found.most_n_m > peak,
+        Fault.FAST: course is None and turns > (1.0 + OFF_SPEED) * given.rated_speed_rpm,
+        Fault.OFF_SPEED: course is not None and abs(course.mean_rad_s / found.demand.speed_rad_s - 1.0) > OFF_SPEED,
+    }
+    return {fault for fault, true in tests.items() if true}
+
+
 def _of_motor(drive: Drive, found: MotorResult, most: MotorResult) -> Iterator[Advice]:
-    """The motor behind a gearbox; values that do are those of the ``most`` that the machine may ask for."""
-    from ncgear.project.motor import OFF_SPEED, fitting_geared, told_words
+    """The motor behind a gearbox: what it does not do, be there no friction between teeth or the ``most``.
+
+    Values that do are for both; with the friction between teeth as they are, both are the same.
+    """
+    from ncgear.project.motor import fitting_geared, told_words
 
     given, course, wanted_rad_s = found.given, found.course, found.demand.speed_rad_s
-    if found.stops:
+    faults = _faults(found) & _faults(most)
+    if Fault.STOPS in faults:
         helps = told_words(fitting_geared(drive.design, most))
         yield _advice(found.stops.rpartition("; ")[0], helps, Kind.MOTOR)
         return
-    rated, peak, least = given.rated_torque_n_m, given.peak_torque_n_m, "" if found is most else "at least "
-    if found.rms_n_m > rated:
-        needed = max(most.rms_n_m, N_M_PER_N_MM * most.load.rms_n_mm)
+
+    def gives(one: float, other: float) -> str:
+        if found is most:
+            return f"{to_digits(one, 4)} N m"
+        ends = f"{to_digits(one, 4)} N m without friction between the teeth", f"{to_digits(other, 4)} N m with the most"
+        return " and ".join(ends) + " there can be"
+
+    rated, peak, largest = given.rated_torque_n_m, given.peak_torque_n_m, max(found.most_n_m, most.most_n_m)
+    if Fault.HOT in faults:
+        needed = max(max(one.rms_n_m, N_M_PER_N_MM * one.load.rms_n_mm) for one in (found, most))
         # No file may give a peak torque below the rated one
-        also = (
-            "" if peak is None or peak > needed else f" and {_at_least('peak_torque_n_m', max(most.most_n_m, needed))}"
-        )
+        also = "" if peak is None or peak > needed else f" and {_at_least('peak_torque_n_m', max(largest, needed))}"
         yield _advice(
-            f"the motor gives {least}{to_digits(found.rms_n_m, 4)} N m in the mean square, more than its rated "
-            f"{rated:g} N m",
+            f"the motor gives, r.m.s., {gives(found.rms_n_m, most.rms_n_m)}, more than its rated {rated:g} N m",
             _at_least("drivetrain.motor.rated_torque_n_m", needed) + also + ", or a larger ratio or flywheel",
             Kind.MOTOR,
         )
-    if peak is not None and found.most_n_m > peak:
+    if Fault.WEAK in faults:
         yield _advice(
-            f"the motor gives up to {least}{to_digits(found.most_n_m, 4)} N m, more than its {peak:g} N m",
-            _at_least("drivetrain.motor.peak_torque_n_m", most.most_n_m),
+            f"the motor gives up to {gives(found.most_n_m, most.most_n_m)}, more than its {peak:g} N m",
+            _at_least("drivetrain.motor.peak_torque_n_m", largest),
             Kind.MOTOR,
         )
-    turns, rated_rpm = found.load.speed_rad_s / RAD_S_PER_RPM, given.rated_speed_rpm
-    if course is None and turns > (1.0 + OFF_SPEED) * rated_rpm:
+    if Fault.FAST in faults:
+        turns, rated_rpm = found.load.speed_rad_s / RAD_S_PER_RPM, given.rated_speed_rpm
         slower = given.gearbox.ratio * rated_rpm / turns
         yield _advice(
             f"the motor turns at {to_digits(turns, 4)} r/min, faster than the {rated_rpm:g} r/min of its rated torque",
             f"drivetrain.motor.gearbox.ratio: {shown_below(slower, 4)} or less",
             Kind.MOTOR,
         )
-    if course is not None and abs(course.mean_rad_s / wanted_rad_s - 1.0) > OFF_SPEED:
+    if course is not None and Fault.OFF_SPEED in faults:
         ratio = given.gearbox.ratio * course.mean_rad_s / wanted_rad_s
         yield _advice(
             f"with this motor and gearbox the machine runs at {_rpm(course.mean_rad_s)} r/min, not at "

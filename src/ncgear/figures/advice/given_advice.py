@@ -3,19 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import suppress
 from math import exp, log, pi
 
 import numpy as np
 
 from ncgear.design.keys.base import Model, listed
 from ncgear.design.keys.machine import LoadTable
-from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
+from ncgear.errors import DesignError
+from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy, Where
 from ncgear.figures.numbers import to_digits
 from ncgear.kinematics.crank_stretches import CrankStretch
 from ncgear.mechanisms.resistance import TableResistance
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
-from ncgear.project.alternatives import is_given
+from ncgear.pitch.shape import Gear
+from ncgear.project.alternatives import changed_drive, enough_teeth, is_given
 from ncgear.project.drive import Drive
 from ncgear.wishes.requirements import DecelerationWithin, EvenSpeed, Requirement, TimeWithin
 from ncgear.wishes.wish import DrivingWish
@@ -51,14 +54,41 @@ def without_effect(drive: Drive) -> Iterator[Advice]:
             "it asks nothing of the law" if len(always) == 1 else "they ask nothing of the law",
             "give a narrower bound, or leave it out",
         )
-    yield from (
-        _advice(f"{_are(names)} given {why}", f"no figure counts {'it' if len(names) == 1 else 'them'}", helps)
-        for names, why, helps in (*_idle_sections(drive), *_idle_keys(drive))
-    )
+    yield from (_idle(*one) for one in (*_idle_sections(drive), *_idle_keys(drive)))
 
 
 Idle = tuple[list[str], str, str]
 """Keys that no figure counts, why not, and what would make them count."""
+
+
+def before_teeth(drive: Drive) -> Iterator[Advice | NotJudged]:
+    """What is given and changes nothing, as far as it is known before teeth are made."""
+    yield from without_effect(drive)
+    if _allows_undercut(drive):
+        yield NotJudged(ONLY_TEETH)
+
+
+def with_teeth(drive: Drive) -> Iterator[Advice]:
+    """What is given and changes nothing, of the motion and of the teeth."""
+    yield from without_effect(drive)
+    if _allows_undercut(drive) and all(map(_is_clear_of_undercut, drive.by_stage)):
+        yield _idle(["gears.undercut"], "without a tooth that would be undercut", "leave it out")
+
+
+def _allows_undercut(drive: Drive) -> bool:
+    return drive.design.gears is not None and drive.gears.undercut == "allow"
+
+
+def _is_clear_of_undercut(pair: Drive) -> bool:
+    """Whether teeth are the same where undercut is avoided; sections of helical ones stand anywhere on the curves."""
+    if any(len(pair.teeth.of(gear).undercut) for gear in Gear):
+        return False
+    if pair.helix is not None:
+        return enough_teeth(pair) <= pair.pitch.size.driving_teeth
+    with suppress(DesignError):
+        avoiding = changed_drive(pair.whole, {"gears.undercut": "avoid"}).of_stage(pair.stage).teeth
+        return all(np.array_equal(pair.teeth.of(gear).outline_mm, avoiding.of(gear).outline_mm) for gear in Gear)
+    return False
 
 
 def _are(names: list[str]) -> str:
@@ -74,15 +104,17 @@ def _idle_sections(drive: Drive) -> Iterator[Idle]:
     if design.gears is None:
         found = [([*given, *toleranced], "without gears", "give gears")]
     elif design.resistance is None and design.masses is None:
-        found = [(given, "without resistance and masses, so that no tooth bears a load", "give resistance or masses")]
+        helps = "give resistance" if design.motion.is_open else "give resistance or masses"
+        found = [(given, "without resistance and masses, so that no tooth bears a load", helps)]
     else:
         simulated = [name for name in given if name == "simulation"]
         why = {
+            "with gears that turn less than once, which are not followed under load": design.motion.is_open,
             "without masses, of which ncgear simulate needs all": design.masses is None,
             "with helical teeth, which are not followed under load": design.gears.helix is not None,
             "with two pairs of gears, and forces are computed of one": design.stages > 1,
         }
-        helps = "give masses" if design.masses is None else "leave it out"
+        helps = "give masses" if design.masses is None and not design.motion.is_open else "leave it out"
         found = [(simulated, next((words for words, true in why.items() if true), ""), helps)]
     return (one for one in found if one[0] and one[1])
 
@@ -94,6 +126,9 @@ def _idle_keys(drive: Drive) -> Iterator[Idle]:
     shafts = {f"drivetrain.{name}": getattr(around, name) for name in ("driving_shaft", "driven_shaft") if around}
     bearings = any(shaft and shaft.bearing_a for shaft in shafts.values())
     motor, line = around.motor if around else None, design.simulation.motor
+    made = design.tolerances
+    of = {"tolerances.driving": made.driving, "tolerances.driven": made.driven} if made else {}
+    graded = {name: None in (one.single_pitch_mm, one.profile_mm) for name, one in of.items()}
     idle: list[tuple[bool, tuple[str, ...], str, str]] = [
         (
             design.simulation.damping_n_s_mm is not None,
@@ -158,6 +193,16 @@ def _idle_keys(drive: Drive) -> Iterator[Idle]:
             "give gears.backlash_mm",
         ),
         *(
+            (not asks, (f"{name}.grade",), "beside single_pitch_mm and profile_mm, which hold alone", "leave it out")
+            for name, asks in graded.items()
+        ),
+        (
+            bool(graded) and not any(asks and of[name].grade is None for name, asks in graded.items()),
+            ("tolerances.grade",),
+            "and each gear has its own grade, or single_pitch_mm and profile_mm",
+            "leave it out",
+        ),
+        *(
             (shaft is not None and not shaft.has_strength, (f"{name}.diameter_mm", f"{name}.blank_mm"), *OF_STEEL)
             for name, shaft in shafts.items()
         ),
@@ -180,6 +225,10 @@ def _presses_on_no_guide(drive: Drive) -> bool:
         return True
     loads = drive.loaded_machine(drive.machine).at(np.linspace(0.0, drive.transmission.cycle_rad, POINTS))
     return not np.any(loads.guide.value)
+
+
+def _idle(names: list[str], why: str, helps: str) -> Advice:
+    return _advice(f"{_are(names)} given {why}", f"no figure counts {'it' if len(names) == 1 else 'them'}", helps)
 
 
 def _advice(what: str, meaning: str, helps: str = "", *, matters: bool = True) -> Advice:

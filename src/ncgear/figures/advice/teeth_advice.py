@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from ncgear.contact.designed.as_designed import AsDesigned, SideContact
 from ncgear.contact.placement import BACK, PUSHING
-from ncgear.figures.advice.assembly_advice import jams
+from ncgear.figures.advice.assembly_advice import index_holes, jams
 from ncgear.figures.advice.law_advice import STEEPEST_DEG
 from ncgear.figures.advice.tried_advice import FINER, FLATTER
 from ncgear.figures.advice.values import Advice, Change, Kind, NotJudged, Remedy, Where, changed
@@ -29,13 +29,13 @@ from ncgear.teeth.lost import Loss, shortening, undercutting
 from ncgear.teeth.tips import Limit
 
 MEANINGS = {
-    Limit.SLOPE: "would slope too much, the other edge of the tooth being lower",
-    Limit.FILLET: "would reach into the mate's fillet",
-    Limit.CUSP: "would end in a cusp, so concave is the pitch curve there",
-    Limit.FOULING: "would run into the mate's tips, so concave is the pitch curve there",
-    Limit.HELIX: "would jump between sections of the helical teeth",
+    Limit.SLOPE: "their lands would slope too much, since the other edge of the tooth is lower",
+    Limit.FILLET: "they would reach into the mate's fillets",
+    Limit.CUSP: "they would end in cusps, so concave is the pitch curve there",
+    Limit.FOULING: "they would run into the mate's tips, so concave is the pitch curve there",
+    Limit.HELIX: "they would jump between sections of the helical teeth",
 }
-"""The words for each reason to shorten tips; undercut and pointed tips have advices of their own."""
+"""Why tips of full height are shortened; undercut and pointed tips have advices of their own."""
 
 
 NEGLIGIBLE = 0.02
@@ -112,9 +112,9 @@ def pointed(drive: Drive) -> Advice | None:
     if not found:
         return None
     least = drive.gears.least_tip_land
-    what = f"pointed teeth: tips shortened that would have a land under {least:g} modules: {_named(found)}"
+    what = f"shortened tips: at full height their lands would be under {least:g} modules wide; {_named(found)}"
     meaning = "a sharp tip chips when hardened and wears fast, so it ends lower; the contact is shorter for it"
-    brief = f"tips of {_counted(found)} shortened to a land of {least:g} modules"
+    brief = f"the tips of {_counted(found)} are shortened: their lands would be under {least:g} modules wide"
     return _judged(drive, Kind.POINTED, found, Told(found, what, meaning, brief), _ways_out_of_points)
 
 
@@ -130,8 +130,8 @@ def shortened(drive: Drive) -> list[Advice]:
     for reason, words in MEANINGS.items():
         found = _found(drive, partial(_lowered, reason=reason), shortening)
         if found:
-            what = f"tips shortened that {words}: {_named(found)}"
-            brief = f"tips of {_counted(found)} shortened, which {words.partition(',')[0]}"
+            what = f"shortened tips: at full height {words}; {_named(found)}"
+            brief = f"the tips of {_counted(found)} are shortened: {words.partition(',')[0]}"
             told = Told(found, what, "the contact of these teeth is shorter", brief)
             ways_out = _ways_out_of_jumps if reason is Limit.HELIX else _ways_out_of_shortening
             advices.append(_judged(drive, Kind.SHORTENED, found, told, ways_out))
@@ -259,6 +259,7 @@ def thrust(drive: Drive) -> Advice | None:
 JUDGES: dict[Kind, Callable[[Drive], Iterable[Advice | NotJudged | None]]] = {
     Kind.JAMS: lambda drive: (jams(drive),),
     Kind.CONTACT_RATIO: lambda drive: (contact_ratio(drive),),
+    Kind.INDEX_HOLES: lambda drive: (index_holes(drive),),
     Kind.UNDERCUT: lambda drive: (undercut(drive),),
     Kind.POINTED: lambda drive: (pointed(drive),),
     Kind.SHORTENED: shortened,

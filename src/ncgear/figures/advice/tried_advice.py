@@ -72,4 +72,4 @@ def _of_teeth(remedy: Remedy, search: Search, again: Good, drive: Drive, seconds
     last = ", ".join(map(str, changed(found.beyond)))
     if not found.is_whole:
         return Remedy(f"{remedy.text} than {last}, which does not do", short=f"{remedy.short} than {last}")
-    return Remedy(f"{search} does not help, up to {last}")
+    return Remedy(f"{search}: tried up to {last}, and none helps")

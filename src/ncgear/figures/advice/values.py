@@ -33,6 +33,7 @@ class Kind(StrEnum):
     NEGATIVE_RESISTANCE = "negative_resistance"
     WITHOUT_EFFECT = "without_effect"
     RATIO_RANGE = "ratio_range"
+    INDEX_HOLES = "index_holes"
     UNDERCUT = "undercut"
     POINTED = "pointed"
     SHORTENED = "shortened"

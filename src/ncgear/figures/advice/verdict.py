@@ -176,6 +176,7 @@ CONDITIONS: dict[Kind, Condition] = {
         lambda drive: drive.design.drivetrain is not None,
         drivetrain_advice.around,
         Known.TEETH,
+        drivetrain_advice.before_teeth,
         of_pair=False,
     ),
     Kind.MISSED_WISH: Condition(
@@ -203,7 +204,9 @@ CONDITIONS: dict[Kind, Condition] = {
         "what is given",
         "what is given acts",
         lambda _: True,
-        given_advice.without_effect,
+        given_advice.with_teeth,
+        Known.TEETH,
+        given_advice.before_teeth,
         of_pair=False,
     ),
     Kind.RATIO_RANGE: Condition(
@@ -211,6 +214,13 @@ CONDITIONS: dict[Kind, Condition] = {
         f"the ratio stays within 1:{law_advice.WIDEST_RATIO:g} and {law_advice.WIDEST_RATIO:g}:1",
         lambda _: True,
         _one(law_advice.ratio_range),
+    ),
+    Kind.INDEX_HOLES: Condition(
+        "index holes",
+        "both gears have their index hole",
+        lambda drive: _gears(drive) and drive.gears.index_holes,
+        _of_teeth(Kind.INDEX_HOLES),
+        Known.TEETH,
     ),
     Kind.UNDERCUT: Condition("undercut", "no tooth is undercut", _gears, _of_teeth(Kind.UNDERCUT), Known.TEETH),
     Kind.POINTED: Condition("points", "no tip is pointed", _gears, _of_teeth(Kind.POINTED), Known.TEETH),
