@@ -469,6 +469,7 @@ def test_while_the_hand_moves_its_newest_place_is_asked_for_and_the_text_is_left
     path = tmp_path / "ellipse.yaml"
     path.write_text(text_of("ellipse"), encoding="utf-8")
     monkeypatch.setattr(open_page, "BETWEEN_S", 0.001)
+    monkeypatch.setattr(open_page, "RESTS_S", 60.0)
     asked = Asked()
 
     async def drag() -> list[int]:
@@ -487,6 +488,7 @@ def test_while_the_hand_moves_its_newest_place_is_asked_for_and_the_text_is_left
         while asked.asked[-1][1] != {"operation.speed_rpm": 299}:
             await asyncio.sleep(0.001)
         assert page.history.now == text_of("ellipse")
+        assert [place.name for place in tmp_path.iterdir()] == ["ellipse.yaml"], "no draft of a hand that moves"
         await page.hear('{"do": "keep"}')
         assert "speed_rpm: 299" in page.history.now
         await page.closed()
