@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
 from math import cos, exp, pi, sin
 from pathlib import Path
@@ -117,7 +118,7 @@ def test_a_function_is_sampled_to_a_told_error() -> None:
     own = np.max(np.abs(found / np.mean(found / wanted) - wanted)) / wanted.max()
     assert 0.5 * own < followed.error < 1e-9
     assert f"{followed.points} points of the function" in str(followed)
-    assert "its series on 64 pieces die away to" in str(followed)
+    assert "its series on 256 pieces die away to" in str(followed)
 
 
 def bump(width: float) -> Callable[[float], float]:
@@ -145,8 +146,44 @@ def test_where_a_function_is_rough_is_told(ratio: Callable[[float], float], roug
     off = (np.array(found)[:, None] - rough + pi) % (2.0 * pi) - pi
     assert np.all(np.abs(off).min(axis=0, initial=9.0) < 1e-3)
     assert len(found) == len(rough)
-    assert pieces >= 64 - len(rough)
+    assert pieces >= 256 - len(rough)
     assert tail <= DIED
+
+
+def narrow(at: float, width: float) -> Callable[[Any], Any]:
+    """A smooth peak that is nothing beyond half its width on either side."""
+
+    def ratio(phi: Any) -> Any:
+        off = np.abs((np.asarray(phi) - at + pi) % (2.0 * pi) - pi) / (width / 2.0)
+        return (
+            1.0 + 0.2 * np.cos(phi) + 0.3 * np.where(off < 1.0, np.exp(-(off**2) / np.maximum(1.0 - off**2, 0.01)), 0.0)
+        )
+
+    return ratio
+
+
+@pytest.mark.slow
+def test_only_what_is_narrower_than_is_told_is_missed() -> None:
+    """Peaks of a thousandth of the cycle are refused wherever they stand; what lies between two angles is not seen."""
+    called: list[Array] = []
+
+    def smooth(phi: Any) -> Any:
+        called.append(np.atleast_1d(phi))
+        return 1.0 + 0.2 * np.cos(phi)
+
+    followed = ncgear.load(with_law(law="table", ratio=smooth, scale_to_close=True)).followed
+    angles = np.unique(np.concatenate(called))
+    gaps = np.diff(np.append(angles, angles[0] + 2.0 * pi))
+    assert gaps.max() == pytest.approx(followed.step_rad, rel=1e-9)
+    for at in (0.1234, 2.5, 2.0 * pi * 0.77):
+        with pytest.raises(WrongInput) as refused:
+            ncgear.load(with_law(law="table", ratio=narrow(at, 1e-3 * 2.0 * pi), scale_to_close=True))
+        told = re.search(r"near phi1 = ([\d.]+)", refused.value.problem)
+        assert told
+        assert float(told[1]) == pytest.approx(at, abs=1e-3 * pi)
+    widest = int(gaps.argmax())
+    between = narrow(angles[widest] + gaps[widest] / 2.0, 0.9 * gaps[widest])
+    assert ncgear.load(with_law(law="table", ratio=between, scale_to_close=True)).followed.rough_rad == ()
 
 
 def test_a_displacement_by_a_function_has_its_extended_end() -> None:

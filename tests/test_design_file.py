@@ -110,6 +110,38 @@ def test_wrong_profile_is_one_fault_not_four(tmp_path: Path) -> None:
     assert str(refusal(tmp_path, text)).count("\n") == 0
 
 
+SHAFT, UNIFORM = "name: a\nlinkage: {crank_mm: 100, rod_mm: 300}\n", "motion: {law: uniform_crank}\n"
+SLIPS = {
+    "key beside its empty group": (f"{SHAFT}operation:\nspeed_rpm: 60\n{UNIFORM}", "speed_rpm stands under operation"),
+    "misspelt beside its group": (f"{SHAFT}operation:\nspeed_rmp: 60\n{UNIFORM}", "speed_rpm stands under operation"),
+    "misspelt group and empty one": (
+        f"{SHAFT}operation:\noperatoin: {{speed_rpm: 60}}\n{UNIFORM}",
+        "unknown key; did you mean operation?",
+    ),
+    "angle without a unit": (
+        f"{HEAD}{UNIFORM}wishes: {{gentle_stop: [{{from_phi1: 60, to_phi1_deg: 90, speed_at_most_mm_s: 100}}]}}\n",
+        "did you mean from_phi1_rad, from_phi1_deg or from_phi1_pi?",
+    ),
+    "another law": (
+        f"{HEAD}motion: {{law: uniform_crank, theta1_pi: 0.4, theta2_pi: 0.7, ratio: [1, 2], v2_mm_s: 3}}\n",
+        "uniform_crank; law: three_segment_stroke has theta1_pi, theta2_pi and v2_mm_s, law: ratio_expression, "
+        "spline_ratio or table has ratio: give that law, or leave them out",
+    ),
+    "lists in a list": (
+        f"{HEAD}motion: {{law: table, phi1_deg: [0, 90, 180, 270], ratio: [[1], [2], [1], [2]]}}\n",
+        "ratios i12 = dphi1/dphi2, one for each angle); 3 more items alike",
+    ),
+    "a long number": (HEAD.replace("60", "1e9") + UNIFORM, "1e+09 given; a number of 1e+07 or under"),
+}
+
+
+@pytest.mark.parametrize(("text", "said"), SLIPS.values(), ids=SLIPS.keys())
+def test_one_slip_is_one_message(tmp_path: Path, text: str, said: str) -> None:
+    error = refusal(tmp_path, text)
+    assert said in error.problem
+    assert error.others == ()
+
+
 @pytest.mark.parametrize("spelling", ["phase_rad: 1.5707963267948966", "phase_deg: 90", "phase_pi: 0.5"])
 def test_angle_in_any_unit(tmp_path: Path, spelling: str) -> None:
     motion = loaded(tmp_path, HEAD + f"motion: {{law: ellipse, eccentricity: 0, {spelling}}}\n").design.motion

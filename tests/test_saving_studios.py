@@ -14,7 +14,8 @@ import pytest
 from websockets.exceptions import ConnectionClosed
 
 from drives import DESIGNS
-from ncgear.studio.drafts import draft_left
+from ncgear.files.one_file import UNFINISHED
+from ncgear.studio.drafts import DRAFT, draft_left
 from ncgear.studio.on_disk import design_on_disk
 from ncgear.studio.server import TAKEN_OVER
 from saving_only import saving_only
@@ -162,7 +163,46 @@ def test_edits_of_every_page_of_a_killed_studio_are_there_again_once(path: Path)
     left.let_go()
 
 
+def test_a_drag_that_rests_is_there_again_after_the_studio_was_killed(path: Path) -> None:
+    """At its last place, though no end of it was told."""
+    with saving_only(path) as studio, studio.page() as page:
+        page.until("state")
+        for number in range(60):
+            page.send("change", **speed(100 + number))
+            time.sleep(1 / 60)
+        end = time.monotonic() + 30.0
+        while not any(has(text, 159) for text in drafts(path)) and time.monotonic() < end:
+            time.sleep(0.01)
+        killed(studio)
+    with saving_only(path) as studio, studio.page() as page:
+        assert has(page.until("state")["content"]["text"], 159)
+        page.send("undo")
+        assert page.until("state")["content"]["saved"]
+    assert drafts(path) == []
+
+
+def drafts(path: Path) -> list[str]:
+    places = [place for place in path.parent.iterdir() if DRAFT in place.name and UNFINISHED not in place.name]
+    return [place.read_text(encoding="utf-8") for place in places]
+
+
 # --- reloads
+
+
+def test_a_drag_whose_page_goes_before_its_end_is_one_step(path: Path) -> None:
+    """Whether the page is closed, or loaded anew while its earlier connection is still there."""
+    with saving_only(path) as studio, ExitStack() as ends:
+        page = ends.enter_context(studio.page("same"))
+        page.until("state")
+        for number in (101, 102):
+            page.send("change", **speed(number))
+            page.until("asked")
+            if number == 101:
+                page.socket.close()
+            page = ends.enter_context(studio.page("same"))
+            assert has(page.until("state")["content"]["text"], number)
+        page.send("undo")
+        assert has(page.until("state")["content"]["text"], 101)
 
 
 def code_at_the_end(page: Page) -> int | None:

@@ -342,6 +342,14 @@ def test_a_v1_that_is_solved_for_is_named_with_what_would_do() -> None:
             refusal(tried)
 
 
+def test_no_law_speed_is_named_between_two_that_are_shown_alike() -> None:
+    """With a vanishing v2 there is one speed alone at which v1 is above zero and small enough."""
+    angles, at_law_speed = (0.4 * pi, 0.5 * pi, pi, 1.3 * pi), None
+    vanishing = StrokeRequest(*angles, None, 1e-300, -800.0, 30.0 * RPM, 120.0, at_law_speed)
+    assert "law speed" not in refusal(vanishing).problem
+    assert "law speed over" in refusal(SOLVED_V1).problem
+
+
 def test_a_v2_that_is_solved_for_is_named_with_what_would_do() -> None:
     request = replace(BALER, v2_mm_s=None, v1_mm_s=2300.0, law_speed_rad_s=48.0 * RPM)
     fault = refusal(request)

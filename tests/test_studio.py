@@ -29,7 +29,7 @@ from ncgear.design.reading.places import with_value
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.reference import keys_of
 from ncgear.drawings.charts.slider_charts import Quantity
-from ncgear.errors import WrongInput
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.interrupts import quiet_of_interrupts
 from ncgear.project.drive import Drive
 from ncgear.studio import editing, open_page, worker
@@ -342,9 +342,40 @@ def test_what_a_change_leaves_is_kept_and_what_it_touches_is_made_anew() -> None
             assert np.array_equal(kept.teeth.driving.outline_mm, anew.teeth.driving.outline_mm), changes
             assert np.array_equal(kept.teeth.driven.outline_mm, anew.teeth.driven.outline_mm), changes
     before = followed.drive(text, {}, path)
-    teeth, law = before.teeth, before.law
+    teeth, law, sliding = before.teeth, before.law, before.contact_extremes.sliding_mm_s.value
     assert followed.drive(text, {"operation.speed_rpm": 20}, path).teeth is teeth
     assert followed.drive(text, {"gears.teeth": 39}, path).law is law
+    _ = followed.drive(text, {}, path).contact_extremes
+    assert followed.drive(text, {"linkage.rod_mm": 333}, path).contact_extremes.sliding_mm_s.value == sliding
+    assert followed.drive(text, {"operation.speed_rpm": 45}, path).contact_extremes.sliding_mm_s.value == sliding / 2.0
+
+
+SHAPED_BY_THE_SLIDER = {"three_segment_stroke", "table"}
+"""Laws of designs that ask their mechanism for the ratio."""
+
+
+@pytest.mark.parametrize("name", NAMES)
+@pytest.mark.tiers(quick=["baler", "ellipse"], rest="slow")
+def test_a_length_of_the_mechanism_changes_gears_of_laws_that_ask_for_it_alone(name: str) -> None:
+    """Pitch curves are kept where the law does not ask, and are those of the changed text either way."""
+    text, path, followed = text_of(name), DESIGNS / f"{name}.yaml", Followed()
+    before, rows = followed.drive(text, {}, path), leaves(data_of(text).get("linkage", {}), "linkage")
+    changes = {key: 1.01 * value for key, value in rows if key.endswith("_mm")}
+    if before.design.gears is None or not changes:
+        return
+    asks, pairs = before.design.motion.law in SHAPED_BY_THE_SLIDER, [pair.pitch for pair in before.by_stage]
+    try:
+        kept = [pair.pitch for pair in followed.drive(text, changes, path).by_stage]
+    except (WrongInput, NoSuchMechanism):
+        assert asks
+        return
+    anew = [pair.pitch for pair in Drive(parsed(edited(text, changes), path).design).by_stage]
+    for was, same, own in zip(pairs, kept, anew, strict=True):
+        assert (same is was) != asks
+        angle = np.linspace(0.0, own.transmission.cycle_rad, 50)
+        laws = [one.transmission.driven_angle(angle).value for one in (same, own)]
+        assert np.array_equal(*laws)
+        assert same.center_distance_mm == own.center_distance_mm
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -469,6 +500,7 @@ def test_while_the_hand_moves_its_newest_place_is_asked_for_and_the_text_is_left
     path = tmp_path / "ellipse.yaml"
     path.write_text(text_of("ellipse"), encoding="utf-8")
     monkeypatch.setattr(open_page, "BETWEEN_S", 0.001)
+    monkeypatch.setattr(open_page, "RESTS_S", 60.0)
     asked = Asked()
 
     async def drag() -> list[int]:
@@ -487,6 +519,7 @@ def test_while_the_hand_moves_its_newest_place_is_asked_for_and_the_text_is_left
         while asked.asked[-1][1] != {"operation.speed_rpm": 299}:
             await asyncio.sleep(0.001)
         assert page.history.now == text_of("ellipse")
+        assert [place.name for place in tmp_path.iterdir()] == ["ellipse.yaml"], "no draft of a hand that moves"
         await page.hear('{"do": "keep"}')
         assert "speed_rpm: 299" in page.history.now
         await page.closed()

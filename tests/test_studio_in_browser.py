@@ -448,6 +448,20 @@ def test_what_is_shown_of_an_earlier_text_is_pale_while_a_text_is_refused(browse
     page.context.close()
 
 
+def test_controls_of_gears_are_there_with_gears_alone(browser: Any, pusher: Studio) -> None:
+    opened = Opened(browser, pusher)
+    page, views = opened.page, opened.page.locator('.views label:has(input[name="view"]):visible')
+    find, chosen = page.locator(".views .find"), page.locator('input[name="view"]:checked')
+    assert (views.all_inner_texts(), find.is_visible()) == (["machine", "gears", "mesh"], True)
+    page.locator('.views label:has(input[value="mesh"])').click()
+    opened.step(lambda: page.evaluate("ncgear.send({ do: 'set', changes: { gears: null } })"))
+    assert (views.all_inner_texts(), find.is_visible(), chosen.input_value()) == (["machine"], False, "machine")
+    opened.step(page.locator("#undo").click)
+    assert (views.all_inner_texts(), find.is_visible()) == (["machine", "gears", "mesh"], True)
+    assert opened.errors == []
+    page.context.close()
+
+
 @pytest.mark.parametrize("width", [1280, 390])
 def test_figures_side_by_side_do_not_lie_over_each_other(browser: Any, pusher: Studio, width: int) -> None:
     opened = Opened(browser, pusher, viewport={"width": width, "height": 844})

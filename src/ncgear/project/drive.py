@@ -139,9 +139,15 @@ class Drive(Geared):
     @computed
     def contact_extremes(self) -> ContactExtremes:
         """Extremes of the contact of the exact teeth, between its positions as well; raises where teeth overlap."""
+        _ = self.designed_contact
+        return self._free_extremes
+
+    @computed
+    def _free_extremes(self) -> ContactExtremes:
+        """The same of teeth whose contact may be too short."""
         from ncgear.contact.pair import sound_extremes
 
-        designed, tolerance = self.designed_contact, self.chord_tolerance_mm
+        designed, tolerance = self._free_contact, self.chord_tolerance_mm
         with self.stopwatch("contact"):
             return sound_extremes(self.pitch, self.teeth, designed, self.pair_speed_rad_s, tolerance)
 

@@ -5,19 +5,19 @@ to follow that formula to 1e-12, as it is of a written one (``numerics.proven``)
 driving angles of a cycle, twice as many until the law is as near as ``NEAR``.
 
 Of a function that is known by its values alone nothing can be proven.  Under ``table`` two things are measured instead,
-both at angles that the law is not made from.  How far the law is off, at eight angles between every two points.  And
-whether those eight miss anything: the cycle is cut into pieces, halved until the Chebyshev series through 17 values of
-each dies away and agrees with the function at other angles of the piece (L. N. Trefethen, "Approximation Theory and
-Approximation Practice", SIAM 2013, chapters 7 and 8).  Of a function that is analytic and bounded in an ellipse about
-each piece, as large as the coefficients fall, the series is off by no more than its tail; that it is so is the
-assumption that no sampling can prove.  Where pieces shrink to a corner, a jump or a narrow peak, that is told.
+both at angles that the law is not made from.  How far the law is off, at eight angles between every two points and at
+all angles of the second.  And whether the eight miss anything: the cycle is cut into pieces, halved until the Chebyshev
+series through 17 values of each dies away and agrees with the function at other angles of the piece (L. N. Trefethen,
+"Approximation Theory and Approximation Practice", SIAM 2013, chapters 7 and 8).  Of a function that is analytic and
+bounded in an ellipse about each piece, as large as the coefficients fall, the series is off by no more than its tail;
+that it is so is the assumption that no sampling can prove.  Where pieces shrink to a corner, a jump or a narrow peak,
+that is told, and how wide a peak is at most that lies between all these angles.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from functools import partial
-from math import pi
+from math import pi, sin
 from typing import Any
 
 import numpy as np
@@ -28,6 +28,7 @@ from ncgear.design.reading.places import with_value
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.chebyshev import on_panels, panel_coefficients
 from ncgear.numerics.traced import NotTraced, formula_of
 from ncgear.project.drive import Drive
@@ -53,11 +54,14 @@ jumps, does not come back at the end of the cycle, has a pole, or a peak between
 BETWEEN = 8
 """Angles between two points at which that is measured."""
 
-PIECES, HALVINGS = 64, 8
-"""Pieces of a cycle at first, and how often they are halved: the last ones are 0.02 deg.  A peak narrower than
-a hundredth of a radian may lie between the angles of the first ones."""
+PIECES, HALVINGS = 256, 6
+"""Pieces of a cycle at first, and how often they are halved: the last ones are 0.02 deg."""
 
 DEGREE = 16
+
+WIDEST = sin(pi / (DEGREE + 1)) / (2.0 * PIECES)
+"""Share of a cycle that is widest between two angles of the first pieces, in their middles: what is narrower may lie
+between them."""
 
 DIED = 1e-10
 """Share of the greatest value under which a series has died away: a tenth of ``NEAR``."""
@@ -71,15 +75,18 @@ and none of its halves' either."""
 class Followed:
     """How a law follows a function: by its ``formula``, exactly; or through ``points``, up to ``error``.
 
-    The error is the greatest that was measured at eight angles between every two points, as a share of the function's
-    greatest value.  ``tail`` is the greatest share of it by which the function's series on ``pieces`` of the cycle do
-    not die away, or differ from the function at other angles; where they do not, ``rough_rad`` has driving angles.
+    The error is the greatest that was measured at some ``angles``, as a share of the function's greatest value.
+    ``tail`` is the greatest share of it by which the function's series on ``pieces`` of the cycle do not die away, or
+    differ from the function at other angles; where they do not, ``rough_rad`` has driving angles.  No two of these
+    angles are further apart than ``step_rad``.
     """
 
     key: str
     formula: str = ""
     points: int = 0
     error: float = 0.0
+    angles: int = 0
+    step_rad: float = 0.0
     pieces: int = 0
     tail: float = 0.0
     rough_rad: tuple[float, ...] = ()
@@ -89,7 +96,7 @@ class Followed:
             return f"{self.key}: the function is the formula {self.formula}"
         return (
             f"{self.key}: {self.points} points of the function; between them the law is off by {self.error:.2g} of its "
-            f"greatest value at most, measured at {BETWEEN * self.points} angles; {self._smoothness}"
+            f"greatest value at most, measured at {self.angles} angles; {self._smoothness}"
         )
 
     @property
@@ -100,7 +107,10 @@ class Followed:
                 f"near phi1 = {self.rough_rad[0]:.4g} rad{more} the function has a corner, a jump or a narrow peak, "
                 "and the law may be off by more"
             )
-        return f"its series on {self.pieces} pieces die away to {self.tail:.2g}: nothing narrower was met"
+        return (
+            f"its series on {self.pieces} pieces die away to {self.tail:.2g}, and nothing wider than "
+            f"{shown_above(self.step_rad, 2)} rad lies between the angles that they were made from"
+        )
 
 
 def drive_of(given: Mapping[str, Any]) -> Drive:
@@ -143,6 +153,15 @@ def _points(data: dict[str, Any], key: str, function: Function) -> Drive:
     lobes = data.get("gears", {}).get("lobes", {}) if isinstance(data.get("gears"), dict) else {}
     driving = lobes.get("driving", 1) if isinstance(lobes, dict) else 1
     cycle = 2.0 * pi / driving if isinstance(driving, int) and driving > 0 else 2.0 * pi
+    seen: list[tuple[Array, Array]] = []
+
+    def noted(angles: Array) -> Array:
+        values = _called(function, angles, key)
+        seen.append((angles, values))
+        return values
+
+    decay = _decay(noted, cycle)
+    angles, wanted = (np.concatenate(parts) for parts in zip(*seen, strict=True))
     count = FEWEST
     while True:
         phi1 = np.arange(count) * cycle / count
@@ -150,7 +169,10 @@ def _points(data: dict[str, Any], key: str, function: Function) -> Drive:
             phi1 = _with_top(phi1, _called(function, phi1, key), function, key)
         values = {"phi1_rad": phi1.tolist(), key.removeprefix("motion."): _called(function, phi1, key).tolist()}
         drive = _drive({**data, "motion": {**data["motion"], **values}})
-        error, at_rad = _missed(drive, phi1, cycle, function, key, scaled=bool(data["motion"].get("scale_to_close")))
+        between = _between(phi1, cycle)
+        at = np.concatenate([between, angles])
+        off = _off(drive, at, np.concatenate([_called(function, between, key), wanted]), data["motion"], key)
+        error, at_rad = float(np.max(off)), float(at[np.argmax(off)])
         if error <= NEAR or 2 * count > MOST:
             if not error <= FARTHEST:
                 raise WrongInput(
@@ -159,7 +181,7 @@ def _points(data: dict[str, Any], key: str, function: Function) -> Drive:
                     f"at the end of the cycle; a function that the law follows to {FARTHEST:g} is right",
                     key=key,
                 )
-            followed = Followed(key, "", phi1.size, error, *_decay(partial(_called, function, key=key), cycle))
+            followed = Followed(key, "", phi1.size, error, at.size, WIDEST * cycle, *decay)
             return Drive(drive.design, loaded=drive.loaded, followed=followed)
         count *= 2
 
@@ -230,18 +252,19 @@ def _with_top(phi1: Array, values: Array, function: Function, key: str) -> Array
     return np.sort(np.append(phi1[np.abs(phi1 - end) > step / 4.0], end))
 
 
-def _missed(
-    drive: Drive, phi1: Array, cycle: float, function: Function, key: str, *, scaled: bool
-) -> tuple[float, float]:
-    """The greatest difference of law and function between the points, over the function's greatest value, and where."""
+def _between(phi1: Array, cycle: float) -> Array:
+    """Angles between the points at which a law is compared with its function."""
     width = np.diff(np.append(phi1, cycle))
-    between = (phi1[:, None] + width[:, None] * (np.arange(BETWEEN) + 0.5) / BETWEEN).ravel()
-    wanted = _called(function, between, key)
+    return (phi1[:, None] + width[:, None] * (np.arange(BETWEEN) + 0.5) / BETWEEN).ravel()
+
+
+def _off(drive: Drive, at: Array, wanted: Array, motion: Mapping[str, Any], key: str) -> Array:
+    """The differences of law and function at angles, over the function's greatest value."""
     if key.endswith("ratio"):
-        found = 1.0 / drive.transmission.driven_angle(between, 1).derivative(1)
+        found = 1.0 / drive.transmission.driven_angle(at, 1).derivative(1)
         # A scale that closes the cycle is part of the law
-        found *= np.mean(wanted / found) if scaled else 1.0
+        found *= np.median(wanted / found) if motion.get("scale_to_close") else 1.0
     else:
-        found = drive.linkage.OUTPUT.place.factor * drive.machine.displacement(between, 0).value
-    off = np.abs(found - wanted) / np.max(np.abs(wanted))
-    return float(np.max(off)), float(between[np.argmax(off)])
+        found = drive.linkage.OUTPUT.place.factor * drive.machine.displacement(at, 0).value
+    off: Array = np.abs(found - wanted) / np.max(np.abs(wanted))
+    return off

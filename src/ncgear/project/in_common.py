@@ -13,8 +13,8 @@ from ncgear.project.tooth_form import reach_in_pitches
 BODY = ("face_width_mm", "material")
 """Keys that change nothing of straight teeth in the plane across the axes."""
 
-SAME_TEETH = ("law", "pitch", "rack", "play", "tooth_form", "teeth", "_free_contact")
-"""Attributes of a drive that only such keys leave as they are."""
+SAME_TEETH = ("pitch", "rack", "play", "tooth_form", "teeth", "_free_contact")
+"""Attributes of a drive that such keys leave as they are, and the lengths of a mechanism that the law does not ask."""
 
 
 def drive_like(drive: Drive, design: Design, loaded: LoadedDesign | None = None) -> Drive:
@@ -34,15 +34,17 @@ def drive_like(drive: Drive, design: Design, loaded: LoadedDesign | None = None)
 
 def _in_common(one: Design, other: Design) -> tuple[str, ...]:
     """The attributes that drives of two designs have in common."""
-    if (one.motion, one.linkage, lobes_of(one)) != (other.motion, other.linkage, lobes_of(other)):
+    same_linkage = one.linkage == other.linkage
+    if (one.motion, lobes_of(one)) != (other.motion, lobes_of(other)) or (not same_linkage and one.motion.gives_slider):
         return ()
+    law = ("law",) if same_linkage else ()
     before, after = one.gears, other.gears
     if before is None or after is None:
-        return ("law",)
+        return law
     same_body = {name: getattr(before, name) for name in BODY}
     if before.helix is None and one.output == other.output and after.model_copy(update=same_body) == before:
-        return SAME_TEETH
+        return *law, *SAME_TEETH, *(("_free_extremes",) if one.operation == other.operation else ())
     sizes = [[getattr(gears, name) for name in (*SIZES, "mesh")] for gears in (before, after)]
     if sizes[0] == sizes[1] and reach_in_pitches(before) == reach_in_pitches(after):
-        return "law", "pitch"
-    return ("law",)
+        return *law, "pitch"
+    return law

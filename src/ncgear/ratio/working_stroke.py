@@ -407,8 +407,11 @@ class _Refused:
         speeds = [speed / RAD_S_PER_RPM for speed in self.speeds_rad_s if not np.isnan(speed)]
         if not speeds or not all(0.0 < speed < inf for speed in speeds):
             return ""
-        sides = zip(("over", "under"), sorted(speeds), strict=False)
-        return f", or a law speed {' and '.join(f'{side} {speed:.5g}' for side, speed in sides)} r/min"
+        shown = [f"{speed:.5g}" for speed in sorted(speeds)]
+        if len(set(shown)) < len(shown):
+            return ""
+        sides = zip(("over", "under"), shown, strict=False)
+        return f", or a law speed {' and '.join(f'{side} {speed}' for side, speed in sides)} r/min"
 
     def _reversal(self, angle: float, reason: str, key: str) -> NoSuchMechanism:
         return NoSuchMechanism(

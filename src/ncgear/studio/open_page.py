@@ -35,6 +35,9 @@ MOST_CHANGES = 200
 BETWEEN_S = 0.05
 """Time between two questions while something is dragged: 20 pictures a second leave the processor to the teeth."""
 
+RESTS_S = 0.3
+"""Time without a move after which the value that is dragged is kept as a draft, in case the studio is killed."""
+
 MOST_JOBS = 2
 """Commands that run at once; each may use all cores."""
 
@@ -73,6 +76,7 @@ class OpenPage:
             if self._send is None:
                 self._spawn(self._follow())
             self._send = send
+            await self._let_go()
             notices, self._notices = self._notices, ()
         await self._tried(self._show())
         if notices:
@@ -90,7 +94,14 @@ class OpenPage:
                     task.cancel()
             await asyncio.gather(*self._tasks, return_exceptions=True)
             await self._chains.close()
-            self.changes = {}
+            await self._let_go()
+
+    async def _let_go(self) -> None:
+        """Make one step of the history of what was dragged last, by a hand that has gone without a word."""
+        if self.changes:
+            text = await asyncio.to_thread(self._dragged_to)
+            self.history, self.changes = self.history.kept(text), {}
+            await asyncio.to_thread(self._draft_problem, text)
 
     async def closed(self) -> None:
         """End everything, commands as well."""
@@ -290,9 +301,26 @@ class OpenPage:
     async def _follow(self) -> None:
         """Ask for the answers of what is dragged: of the newest place only, however fast the hand is."""
         while True:
-            await self._changed.wait()
+            try:
+                await asyncio.wait_for(self._changed.wait(), RESTS_S if self.changes else None)
+            except TimeoutError:
+                await self._rest()
             await self._tried(self._ask())
             await asyncio.sleep(BETWEEN_S)
+
+    async def _rest(self) -> None:
+        """Keep the place of a hand that rests as a draft, and wait for it to go on."""
+        async with self._asking:
+            # A step of the history that comes in the meantime writes its own draft after this one.
+            if self.changes and (problem := await asyncio.to_thread(lambda: self._draft_problem(self._dragged_to()))):
+                await self._say(problem)
+        await self._changed.wait()
+
+    def _dragged_to(self) -> str:
+        """The text with what is dragged; without it where it has no place, which the answers say."""
+        with suppress(WrongInput):
+            return edited(self.history.now, dict(self.changes))
+        return self.history.now
 
     async def _ask(self) -> None:
         async with self._asking:

@@ -72,14 +72,35 @@ def problems(error: ValidationError, root: type[BaseModel], data: Mapping[str, A
     details = [detail for detail in error.errors() if detail["type"] != "default_factory_not_called"]
     meant = _meant(details, root)
     parents = {detail["loc"][:i] for detail in details for i in range(len(detail["loc"]))}
-    # A key that is there but misspelt is not missing, nor is its group.  A list is not short because its items are
-    # wrong, and the columns of a table are short together.
-    follows = {
-        "missing": {key[:i] for key in meant.values() for i in range(1, len(key) + 1)},
-        "too_short": parents.union(*(short[1:] for short in _short(details).values())),
-    }
-    told = [detail for detail in details if detail["loc"] not in follows.get(detail["type"], ())]
-    return [_problem(detail, root, data, meant.get(detail["loc"])) for detail in told]
+    # A key that is there but misspelt is neither missing nor empty, nor is its group.  A list is not short because its
+    # items are wrong, and the columns of a table are short together.
+    given = {key[:i] for key in meant.values() for i in range(1, len(key) + 1)}
+    follows = {"missing": given, "too_short": parents.union(*(short[1:] for short in _short(details).values()))}
+    told = [
+        detail
+        for detail in details
+        if detail["loc"] not in follows.get(detail["type"], given if detail["input"] is None else ())
+    ]
+    alike: dict[tuple[object, ...], list[ErrorDetails]] = {}
+    for detail in told:
+        alike.setdefault(_slip(detail), []).append(detail)
+    return [_problem(first, root, data, meant.get(first["loc"]), more) for first, *more in alike.values()]
+
+
+def _slip(detail: ErrorDetails) -> tuple[object, ...]:
+    """What faults have in common that come from one slip: items of a list, and keys of another law."""
+    location = detail["loc"]
+    if (detail["type"] in _NEEDED and isinstance(location[-1], int)) or _has_law(detail):
+        return location[:-1], detail["type"]
+    return (location,)
+
+
+def _has_law(detail: ErrorDetails) -> list[str]:
+    """The laws that have a key which the law of the file has not."""
+    location = detail["loc"]
+    if detail["type"] != "extra_forbidden" or len(location) != 3 or location[0] != "motion":
+        return []
+    return [law for law, model in LAWS.items() if location[2] in fields_of(model)]
 
 
 def _short(details: Sequence[ErrorDetails]) -> dict[Location, list[Location]]:
@@ -91,16 +112,38 @@ def _short(details: Sequence[ErrorDetails]) -> dict[Location, list[Location]]:
     return found
 
 
-def _problem(detail: ErrorDetails, root: type[BaseModel], data: Mapping[str, Any], meant: Location | None) -> Problem:
+def _problem(
+    detail: ErrorDetails,
+    root: type[BaseModel],
+    data: Mapping[str, Any],
+    meant: Location | None,
+    more: Sequence[ErrorDetails],
+) -> Problem:
+    """The words for a fault; ``more`` come from the same slip."""
     kind, key = detail["type"], _key(detail["loc"])
     context: Mapping[str, Any] = detail.get("ctx") or {}
     if kind == FAULT_TYPE:
         return _of_what_is_emptied(Problem(".".join(filter(None, (key, context["key"]))), context["problem"]), data)
+    if _has_law(detail):
+        return Problem(key, _of_another_law([detail, *more]))
     if kind == "extra_forbidden":
         return Problem(key, _unknown_key(detail, root, data, meant))
     if kind in ("union_tag_invalid", "union_tag_not_found"):
         return Problem(_key((*detail["loc"], "law")), _wrong_law(detail["input"]))
-    return Problem(key, _wrong_value(detail, context, root))
+    alike = f"; {len(more)} more item{'s' * (len(more) > 1)} alike" if more else ""
+    return Problem(key, f"{_wrong_value(detail, context, root)}{alike}")
+
+
+def _of_another_law(details: Sequence[ErrorDetails]) -> str:
+    """What laws have the keys that the law of the file has not, those with most of them first."""
+    left, own, said = [str(detail["loc"][-1]) for detail in details], details[0]["loc"][1], []
+    them = "it" if len(left) == 1 else "them"
+    while left:
+        has = {law: [word for word in left if word in fields_of(model)] for law, model in LAWS.items()}
+        most = max(has.values(), key=len)
+        said.append(f"law: {listed(law for law, words in has.items() if words == most)} has {listed(most, 'and')}")
+        left = [word for word in left if word not in most]
+    return f"unknown key of law {own}; {', '.join(said)}: give that law, or leave {them} out"
 
 
 def _of_what_is_emptied(problem: Problem, data: Mapping[str, Any]) -> Problem:
@@ -191,9 +234,10 @@ def _unknown_key(detail: ErrorDetails, root: type[BaseModel], data: Mapping[str,
     if meant[:-1] != group:
         return f"unknown key here; {meant[-1]} stands under {_key(meant[:-1])}"
     given = _at(data, _key(group))
-    there = next((one for one in (meant[-1], *spellings(quantity(str(meant[-1])))) if one in given), None)
+    units = spellings(quantity(str(meant[-1])))
+    there = next((one for one in (meant[-1], *units) if _at(given, str(one)) not in ("", None)), None)
     if there is None:
-        return f"unknown key; did you mean {meant[-1]}?"
+        return f"unknown key; did you mean {listed(units) if word == quantity(str(meant[-1])) else meant[-1]}?"
     return f"unknown key; {there}, which is like it, is given too: keep {there} and leave {word} out"
 
 
@@ -205,16 +249,20 @@ def _did_you_mean(word: str, known: Sequence[str] | Mapping[str, Any]) -> str:
 def _meant(details: Sequence[ErrorDetails], root: type[BaseModel]) -> dict[Location, Location]:
     """The location of the key that a person probably meant by each unknown one, where there is a guess.
 
-    It is a known key of the group with much the same name, the same key of another group, a known one with a name
-    rather like it, or else the only key of the group that is missing.
+    It is a known key of the group with much the same name, the same key of another group, one with a name like it of a
+    group that stands empty, a known one with a name rather like it, or else the only key of the group that is missing.
     """
-    unknown = [detail["loc"] for detail in details if detail["type"] == "extra_forbidden"]
+    unknown = [detail["loc"] for detail in details if detail["type"] == "extra_forbidden" and not _has_law(detail)]
+    emptied = [detail["loc"] for detail in details if detail["input"] is None]
     found: dict[Location, Location] = {}
     for *group, word in unknown:
         known, name = _keys_at(tuple(group), root), str(word)
-        close = [*get_close_matches(name, known, 1, 0.7), *(one for one in known if one.startswith(f"{name}_"))]
-        own, other = ([(*group, one) for one in ones] for ones in (close, get_close_matches(name, known, 1)))
+        own, other = (
+            [(*group, one) for one in ones] for ones in (_like(name, known), get_close_matches(name, known, 1))
+        )
         elsewhere = [one for one in _elsewhere(name, root) if one[0] not in group[:1]]
+        beside = [one for one in emptied if one[:-1] == tuple(group)]
+        elsewhere += [(*one, key) for one in beside for key in _like(name, _keys_at(one, root))]
         if guesses := [*elsewhere, *own] if "." in name else [*own, *elsewhere, *other]:
             found[(*group, word)] = guesses[0]
     missing = {detail["loc"] for detail in details if detail["type"] == "missing"} - {*found.values()}
@@ -223,6 +271,11 @@ def _meant(details: Sequence[ErrorDetails], root: type[BaseModel]) -> dict[Locat
         if location not in found and [len(ones) for ones in alike] == [1, 1]:
             found[location] = alike[0][0]
     return found
+
+
+def _like(name: str, known: Sequence[str]) -> list[str]:
+    """The known keys with much the same name, and those that have a unit after it."""
+    return [*get_close_matches(name, known, 1, 0.7), *(one for one in known if one.startswith(f"{name}_"))]
 
 
 def _elsewhere(word: str, root: type[BaseModel]) -> list[Location]:

@@ -108,6 +108,8 @@ def quoted(value: object) -> str:
         return str(value).lower()
     if isinstance(value, float) and not isfinite(value):
         return f"{value}".replace("nan", ".nan").replace("inf", ".inf")
+    if isinstance(value, float):
+        return f"{value:g}" if float(f"{value:g}") == value else repr(whole(value))
     return shortened(repr(value))
 
 

@@ -136,7 +136,7 @@ def _refuse_turning(phi1: Array, displacement: Array, top: int, output: Output, 
 def _between(closed: Array, at: int, top: int) -> str:
     """``30 and under 70``: what lies between a point's neighbours, empty where they leave no room in its stroke."""
     low, high = (closed[at - 1], closed[at + 1]) if at < top else (closed[at + 1], closed[at - 1])
-    return f"{low:g} and under {high:g}" if low < high else ""
+    return f"{low:g} and under {high:g}" if float(f"{low:g}") < float(f"{high:g}") else ""
 
 
 @dataclass(frozen=True, eq=False)

@@ -119,6 +119,7 @@ function start() {
   // Without teeth the mechanism alone is shown, unless there is an earlier machine to be seen behind the refusal.
   function takeBare(content) {
     if (!machine.scene()) machine.take(content);
+    finder.fit();
     clock.set(clock.deg());
   }
 
