@@ -21,16 +21,15 @@ ROOT = Path(__file__).parents[2]
 
 NO_MODULES = {"fcntl", "grp", "posix", "pty", "pwd", "readline", "resource", "syslog", "termios", "tty"}
 
-NOT_OF_OS = set(
-    """
+OF_UNIX = """
     chown chroot fchdir fchmod fchown fork forkpty geteuid getegid getgid getgroups getloadavg getpgid getpgrp
-    getpriority getresuid getsid getuid getxattr initgroups killpg lchown listxattr lockf major mkfifo mknod nice openpty
-    pathconf pidfd_open pipe2 posix_spawn posix_spawnp pread pwrite register_at_fork removexattr sched_getaffinity
+    getpriority getresuid getsid getuid getxattr initgroups killpg lchown listxattr lockf major mkfifo mknod nice
+    openpty pathconf pidfd_open pipe2 posix_spawn posix_spawnp pread pwrite register_at_fork removexattr sched_getaffinity
     sched_setaffinity sched_yield sendfile setegid seteuid setgid setgroups setpgid setpriority setsid setuid setxattr
     statvfs sync sysconf tcgetpgrp ttyname uname wait wait3 wait4 waitid
     O_CLOEXEC O_DIRECTORY O_DSYNC O_NOCTTY O_NOFOLLOW O_NONBLOCK O_SYNC WEXITSTATUS WIFSIGNALED WNOHANG WTERMSIG
-    """.split()
-)
+"""
+"""Names of ``os`` that Windows has not."""
 
 SIGNALS = {"SIGABRT", "SIGFPE", "SIGILL", "SIGINT", "SIGSEGV", "SIGTERM"}
 NOT_OF_SIGNAL = {name for name in dir(signal) if re.match("SIG[A-Z]|ITIMER|.*(itimer|sig[mptw]|alarm|pause)", name)}
@@ -93,7 +92,7 @@ MSVCRT.__dict__.update(locking=_locking, LK_LOCK=1, LK_NBLCK=2)
 
 MODULES: dict[str, ModuleType] = {
     "msvcrt": MSVCRT,
-    "os": Elsewhere(os, NOT_OF_OS, name="nt", open=_open, rename=_rename, O_BINARY=0),
+    "os": Elsewhere(os, set(OF_UNIX.split()), name="nt", open=_open, rename=_rename, O_BINARY=0),
     "signal": Elsewhere(signal, NOT_OF_SIGNAL, signal=_signal),
     "sys": Elsewhere(sys, {"getdlopenflags", "setdlopenflags"}, platform="win32"),
 }
