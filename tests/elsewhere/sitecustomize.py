@@ -24,7 +24,7 @@ NO_MODULES = {"fcntl", "grp", "posix", "pty", "pwd", "readline", "resource", "sy
 OF_UNIX = """
     chown chroot fchdir fchmod fchown fork forkpty geteuid getegid getgid getgroups getloadavg getpgid getpgrp
     getpriority getresuid getsid getuid getxattr initgroups killpg lchown listxattr lockf major mkfifo mknod nice
-    openpty pathconf pidfd_open pipe2 posix_spawn posix_spawnp pread pwrite register_at_fork removexattr sched_getaffinity
+    openpty pathconf pipe2 posix_spawn posix_spawnp pread pwrite register_at_fork removexattr sched_getaffinity
     sched_setaffinity sched_yield sendfile setegid seteuid setgid setgroups setpgid setpriority setsid setuid setxattr
     statvfs sync sysconf tcgetpgrp ttyname uname wait wait3 wait4 waitid
     O_CLOEXEC O_DIRECTORY O_DSYNC O_NOCTTY O_NOFOLLOW O_NONBLOCK O_SYNC WEXITSTATUS WIFSIGNALED WNOHANG WTERMSIG
