@@ -67,7 +67,7 @@ OF_EXTRAS = {
     "build {0}.yaml --format step --out step": ("step", DESIGNS),
     "animate {0}.yaml --out film.mp4": ("video", DESIGNS),
     f"sweep {{0}}.yaml {VARIED}": ("sweep", DESIGNS),
-    f"sweep {{0}}.yaml {VARIED} --scheduler local --processes 1 --out dask": ("sweep cluster", DESIGNS),
+    f"sweep {{0}}.yaml {VARIED} --scheduler local --processes 1 --out dask": ("cluster sweep", DESIGNS),
     "studio {0}.yaml --no-browser": ("studio", DESIGNS),
 }
 """Commands that need extras, and the designs; a frontier takes minutes, so it is one that its design cannot have."""
