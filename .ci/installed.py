@@ -3,7 +3,7 @@
 Each has to end with the status that it should have: 0, or 2 where a design lacks what it needs or an extra is missing.
 All commands on all designs take minutes of processor time, which no cell has. So quick commands get all five designs,
 and the others one of those that fit them: another in each ``--turn``; ``--turn all``, for a person, gives them all.
-Without ``--turn`` only the commands that need an extra are run.
+Without ``--turn`` only the commands that need the given extras are run.
 
 What is printed goes out in cp1252, the folder's name has letters that cp1252 has not, there is no HOME; and once the
 folder is one in which nothing may be written.
@@ -59,15 +59,13 @@ balance balance/threshing-drum.yaml
 REFUSED = {"simulate ellipse.yaml": "masses: missing", "strength ellipse.yaml": "resistance: missing"}
 """Commands of a design that lacks what they need, and what is said."""
 
-VARIED = "--vary gears.module_mm=1:2:2"
-
 OF_EXTRAS = {
     "optimize {0}.yaml": ("optimize", STROKES),
     "frontier ellipse.yaml": ("optimize", ()),
     "build {0}.yaml --format step --out step": ("step", DESIGNS),
     "animate {0}.yaml --out film.mp4": ("video", DESIGNS),
-    f"sweep {{0}}.yaml {VARIED}": ("sweep", DESIGNS),
-    f"sweep {{0}}.yaml {VARIED} --scheduler local --processes 1 --out dask": ("cluster sweep", DESIGNS),
+    "sweep {0}.yaml --vary gears.module_mm=1:2:2": ("sweep", DESIGNS),
+    "tolerance {0}.yaml --samples 64 --scheduler local": ("cluster", DESIGNS),
     "studio {0}.yaml --no-browser": ("studio", DESIGNS),
 }
 """Commands that need extras, and the designs; a frontier takes minutes, so it is one that its design cannot have."""
@@ -99,10 +97,9 @@ def runs_of(turn: int | None) -> Iterator[Run]:
 
 def runs_of_extras(turn: int | None, extras: set[str]) -> Iterator[Run]:
     """The commands that need an extra: done where it is there, and refused by its name where it is not."""
-    for each, (needed, names) in OF_EXTRAS.items():
-        missing = [extra for extra in needed.split() if extra not in extras]
-        if missing:
-            yield Run(each.format(STROKES[0]), 2, f"ncgear[{missing[0]}]")
+    for each, (extra, names) in OF_EXTRAS.items():
+        if extra not in extras:
+            yield Run(each.format(STROKES[0]), 2, f"ncgear[{extra}]")
         elif names:
             yield from (Run(each.format(name)) for name in turns(names, turn))
         else:
@@ -179,12 +176,15 @@ def main() -> None:
     with TemporaryDirectory(suffix="-\u017elut\u00fd k\u016f\u0148") as place:
         folder = Path(place)
         installed = Installed(program, folder)
-        for name in (*DESIGNS, *OTHERS):
-            installed.run(Run(f"new --example {name}"), folder)
+        extras = set(given.extras.split(","))
         alone = given.turn == -1
-        for run in () if alone else runs_of(given.turn):
-            installed.run(run, folder)
-        for run in runs_of_extras(0 if alone else given.turn, set(given.extras.split(","))):
+        for name in STROKES if alone else (*DESIGNS, *OTHERS):
+            installed.run(Run(f"new --example {name}"), folder)
+        if alone:
+            runs = [run for run in runs_of_extras(0, extras) if not run.said.startswith("ncgear[")]
+        else:
+            runs = [*runs_of(given.turn), *runs_of_extras(given.turn, extras)]
+        for run in runs:
             installed.run(run, folder)
         if not alone:
             installed.where_nothing_may_be_written()
