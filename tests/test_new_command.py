@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import pty
 import select
 import sys
 import time
@@ -32,6 +31,7 @@ PATIENCE_S = 60.0
 
 def at_terminal(arguments: Sequence[str], answers: Sequence[str], folder: Path) -> tuple[int, str]:
     """Exit status and all that a terminal shows of a run of ``ncgear``, whose questions get ``answers`` in turn."""
+    pty = pytest.importorskip("pty", reason="this system lends no terminals")
     pid, terminal = pty.fork()
     if pid == 0:
         os.chdir(folder)

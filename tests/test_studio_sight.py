@@ -246,7 +246,7 @@ def test_a_handle_of_harmonics_bends_the_series_where_it_stands(number: int) -> 
 
 
 def ratio_of_driven(made: Drive, phi2: np.ndarray) -> np.ndarray:
-    """exp of the series, up to its constant: the definition in docs/design-file.md."""
+    """exp of the series, up to its constant: the definition in docs/design-file/motion-harmonic_ratio.md."""
     motion, total = made.design.motion, np.zeros_like(phi2)
     for k, value in enumerate(motion.cosine, 1):
         total += value * np.cos(k * phi2)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import resource
 import signal
 import subprocess
 import sys
@@ -140,6 +139,8 @@ def test_a_cluster_of_this_computer_gives_the_same(tmp_path: Path) -> None:
 
 def faults_of_arrays(count: int) -> int:
     """Pages that so many arrays of 300 kB, one after the other, had to be given by the system."""
+    import resource
+
     before = resource.getrusage(resource.RUSAGE_SELF).ru_minflt
     for _ in range(count):
         np.ones(40_000)

@@ -13,7 +13,7 @@ from made.figures_page import NAME as FIGURES
 from made.figures_page import figures_page
 from made.gallery import NAME as GALLERY
 from made.gallery import gallery_page
-from made.key_pages import PAGES, key_page
+from made.key_pages import key_pages
 from made.kinds_page import NAME as KINDS
 from made.kinds_page import kinds_page
 from made.material_page import NAME as MATERIALS
@@ -30,8 +30,8 @@ def write_pages() -> None:
     for name in NAMES:
         page = FOLDER / f"{name}.md"
         page.write_text(with_head(page.read_text(encoding="utf-8") if page.exists() else "", name), encoding="utf-8")
-    for file in PAGES:
-        (DOCS / file).write_text(key_page(file), encoding="utf-8")
+    for file, text in key_pages().items():
+        (DOCS / file).write_text(text, encoding="utf-8")
     (DOCS / MATERIALS).write_text(material_page(), encoding="utf-8")
     (DOCS / CONDITIONS).write_text(conditions_page(), encoding="utf-8")
     (DOCS / FIGURES).write_text(figures_page(), encoding="utf-8")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import groupby
-from typing import Any
 
 from ncgear.design.keys.balance import Balance
 from ncgear.design.keys.design import Design
@@ -21,25 +20,28 @@ def _listed(names: Iterable[str]) -> str:
 
 MADE = "<!-- Made by `make docs` from the models that check such files. -->"
 
+FOLDER, FORMULAS_PAGE = "design-file", "design-file/formulas.md"
+"""Where the pages of a design file's sections are."""
+
 DESIGN_INTRODUCTION = f"""\
 # The design file
 
 {MADE}
 
-Every key of a design file. Files are YAML: `ncgear new NAME` writes one with comments, [the tutorial](tutorial.md)
-fills one in, `ncgear explain KEY` tells about one key, `ncgear schema` prints the JSON Schema for editors. A key that
-is not here is refused, and the message names the nearest that is. A key's end is its unit; an angle can be given in
-degrees (`_deg`), radians (`_rad`) or multiples of pi (`_pi`), by one of these keys. What [formulas](#formulas) are
-made of stands at the end; [materials](materials.md) have a page of their own.
+Every key of a design file, a page for each section. Files are YAML: `ncgear new NAME` writes one with comments, [the
+tutorial](tutorial.md) fills one in, `ncgear explain KEY` tells about one key, `ncgear schema` prints the JSON Schema
+for editors. A key that is not here is refused, and the message names the nearest that is. A key's end is its unit; an
+angle can be given in degrees (`_deg`), radians (`_rad`) or multiples of pi (`_pi`), by one of these keys.
 """
 
 FORMULAS = f"""\
-## Formulas
+# Formulas in a design file
 
-The keys [`motion.ratio`, `motion.driven_angle`](#motion-law-ratio_expression),
-[`motion.expression_mm`](#motion-law-pitch_curve) and [`resistance.expression_n`](#resistance) are formulas in
-Python's notation: powers are `**`, the decimal sign is a
-point, angles are in radians.
+{MADE}
+
+The keys [`motion.ratio`, `motion.driven_angle`](motion-ratio_expression.md),
+[`motion.expression_mm`](motion-pitch_curve.md) and [`resistance.expression_n`](resistance.md) are formulas in
+Python's notation: powers are `**`, the decimal sign is a point, angles are in radians.
 
 | what | for instance |
 |---|---|
@@ -66,7 +68,6 @@ Where a formula goes over from one expression to another, the law has a joint.
 Every formula is proven to have no feature, however narrow, that the numbers miss, or it is refused with the place.
 Bounds are {LONGEST} characters, {DEEPEST} levels of nesting, {MOST_PANELS} panels for a smooth stretch (a wave needs
 two), {MOST_CHOICES} joints, and {MOST_TURNS} ups and downs of a resistance over the stroke.
-
 """
 
 BALANCE_INTRODUCTION = f"""\
@@ -78,17 +79,11 @@ Every key of a balance file, which [`ncgear balance`](commands/balance.md) reads
 files are in [`designs/balance`](../designs/balance).
 """
 
-PAGES: dict[str, tuple[str, type[Any], str]] = {
-    "design-file.md": (DESIGN_INTRODUCTION, Design, FORMULAS),
-    "balance-file.md": (BALANCE_INTRODUCTION, Balance, ""),
-}
-"""Introduction, model and last section of each page."""
-
 HEADS = ("key", "unit", "meaning", "value", "left out")
 
 PICTURES = {
     "`motion`, law `three_segment_stroke`": "![The speed of a slider over the driving angle: theta1 to theta4, v1, v2, "
-    "a1 and the stroke are marked on it](images/stroke-keys.png)"
+    "a1 and the stroke are marked on it](../images/stroke-keys.png)"
 }
 """Pictures that explain the keys of a section, by its title."""
 
@@ -96,27 +91,49 @@ SPECIAL = str.maketrans({"|": "&#124;", "*": "\\*", "<": "&lt;"})
 """What would be more than a letter in a table of Markdown."""
 
 
-def key_page(name: str) -> str:
-    """One whole page."""
-    introduction, root, last = PAGES[name]
-    return "\n".join([introduction, *_section(keys_of(root), "", "", "Top of the file", 2), last]).rstrip() + "\n"
+def key_pages() -> dict[str, str]:
+    """The pages, by their places in the folder of the documentation."""
+    keys = keys_of(Design)
+    groups = [key for key in _inside(keys, "") if key.group]
+    sections = {
+        f"{FOLDER}/{'-'.join(filter(None, (group.path, law)))}.md": (group, law, title)
+        for group in groups
+        for law, title in _titles(keys, group)
+    }
+    contents = ",\n".join(f"[{title}]({place})" for place, (_, _, title) in sections.items())
+    also = f"[formulas]({FORMULAS_PAGE}) and [materials](materials.md)"
+    first = [DESIGN_INTRODUCTION, f"Sections:\n{contents}.\nWhat keys take: {also}.", ""]
+    first += _own(keys, "", "", "Top of the file", 2)
+    pages = {"design-file.md": first, FORMULAS_PAGE: [FORMULAS]}
+    for place, (group, law, title) in sections.items():
+        about = f"The section {title} of a [design file](../design-file.md): {group.meaning}."
+        pages[place] = [f"# {title}", "", MADE, "", about, "", *_section(keys, group.path, law, title, 1)]
+    balance = keys_of(Balance)
+    pages["balance-file.md"] = [BALANCE_INTRODUCTION, *_section(balance, "", "", "Top of the file", 2)]
+    return {place: "\n".join(lines).rstrip() + "\n" for place, lines in pages.items()}
 
 
 def _section(keys: Sequence[Key], above: str, law: str, title: str, level: int) -> Iterator[str]:
-    """The table of a group's own keys, then the groups in it."""
-    own = [key for key in _inside(keys, above) if key.law == law]
-    picture = [PICTURES[title], ""] if title in PICTURES else []
-    yield from (f"{'#' * min(level, 4)} {title}", "", *picture, *markdown(HEADS, map(_row, own)), "")
-    for group in (key for key in own if key.group):
-        yield from _groups(keys, group, level + bool(above))
+    """The table of a group's own keys, then the groups in it; a title of the first level stands already."""
+    yield from _own(keys, above, law, title, level)
+    for group in _inside(keys, above):
+        if group.group and group.law == law:
+            for its_law, its_title in _titles(keys, group):
+                yield from _section(keys, group.path, its_law, its_title, level + bool(above))
 
 
-def _groups(keys: Sequence[Key], group: Key, level: int) -> Iterator[str]:
-    """A group's section; of the motion one for each law."""
+def _own(keys: Sequence[Key], above: str, law: str, title: str, level: int) -> Iterator[str]:
+    """A title and the table of a group's own keys."""
+    yield from [] if level == 1 else (f"{'#' * min(level, 4)} {title}", "")
+    yield from [PICTURES[title], ""] if title in PICTURES else []
+    yield from (*markdown(HEADS, (_row(key) for key in _inside(keys, above) if key.law == law)), "")
+
+
+def _titles(keys: Sequence[Key], group: Key) -> Iterator[tuple[str, str]]:
+    """The titles of a group's sections by their laws; of the motion one for each law."""
     inside = [key for key in _inside(keys, group.path) if not group.law or key.law == group.law]
     for law, _ in groupby(inside, lambda key: key.law):
-        title = f"`{group.path}`" + (f", law `{law}`" if law else "")
-        yield from _section(keys, group.path, law, title, level)
+        yield law, f"`{group.path}`" + (f", law `{law}`" if law else "")
 
 
 def _inside(keys: Sequence[Key], above: str) -> list[Key]:

@@ -20,7 +20,6 @@ from typing import Any, ParamSpec, TypeVar
 
 from ncgear import __version__
 from ncgear.errors import WrongInput
-from ncgear.extras import require
 from ncgear.interrupts import deaf_processes, end_processes, end_with_parent, uninterrupted
 from ncgear.memory import begin_worker, keep_freed_memory
 
@@ -227,7 +226,6 @@ def _cluster(scheduler: str, processes: int) -> Iterator[tuple[Any, int]]:
 
     Raises WrongInput where its scheduler ends before it does.
     """
-    require("distributed", "cluster", OPTION)
     from distributed.comm.core import CommClosedError
 
     with _without_logs(), _client(scheduler, processes) as client:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ncgear.errors import located
+from ncgear.extras import require
 from ncgear.memory import keep_freed_memory
 
 if TYPE_CHECKING:
@@ -78,9 +79,19 @@ AsJson = Annotated[
     bool, typer.Option("--json", help="Print every figure as JSON to stdout, and everything else to stderr.")
 ]
 Verbose = Annotated[bool, typer.Option("--verbose", help="Print every figure, every file, and warnings in full.")]
+
+
+def _with_dask(context: typer.Context, address: str | None) -> str | None:
+    """The address of a scheduler; raises WrongInput before any work where Dask is not installed."""
+    if address is not None and not context.resilient_parsing:
+        require("distributed", "cluster", "--scheduler")
+    return address
+
+
 Scheduler = Annotated[
     str | None,
     typer.Option(
+        callback=_with_dask,
         metavar="ADDRESS",
         help="Dask scheduler (tcp://host:8786) that computes, or local for a Dask cluster of this computer.",
         show_default="processes of this computer",

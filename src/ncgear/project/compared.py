@@ -135,13 +135,14 @@ def _contact(outlines: Outlines, teeth: ToothedPair, placement: Placement, reach
     it would touch looks as if it touched.  So play is looked for a second time, on both sides of the middle of the play
     that was found around each position; of both, what is wider is the play: it is free all along.
     """
-    from scipy.ndimage import median_filter
-
     first = as_written(outlines, teeth, placement, reach)
     if not np.any(first.overlap_mm > 0.0):
         return first
-    mode = "nearest" if placement.toothed else "wrap"
-    middle = median_filter((first.pushing_rad + first.back_rad) / 2.0, size=NEIGHBOURS, mode=mode)
+    # By NumPy, since the median filter of SciPy 1.15.0 writes beyond its memory.
+    around = np.pad(
+        (first.pushing_rad + first.back_rad) / 2.0, NEIGHBOURS // 2, mode="edge" if placement.toothed else "wrap"
+    )
+    middle = np.median(np.lib.stride_tricks.sliding_window_view(around, NEIGHBOURS), axis=1)
     again = as_written(outlines, teeth, replace(placement, phi2_rad=placement.phi2_rad + middle), reach)
     wider = again.backlash_rad > first.backlash_rad
     return replace(
