@@ -21,7 +21,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.tolerance import PER_TOOTH, _sides, face_of, lot_of, tolerated
+from ncgear.project.tolerance import PER_TOOTH, face_of, lot_of, tolerated
 from ncgear.project.tolerance_limits import limits_of
 from ncgear.project.usual_tolerances import USUAL, Process
 from ncgear.ratio.laws.uniform import uniform_law
@@ -52,6 +52,7 @@ from ncgear.tolerances.study import (
     drawn_evenly,
     enough_samples,
     jammed,
+    signs_of,
     sobol_indices_of,
     sobol_tasks,
     surpassed,
@@ -964,7 +965,7 @@ def test_assemblies_join_in_their_order() -> None:
 
 def test_rounding_errors_do_not_turn_a_torque_round() -> None:
     """Where it is none, as in a stretch without load, it has the side that it had before."""
-    turned = _sides(np.array([1.0, 2.0, -1e-13, 3.0, 0.0, 0.0, -2.0, -1.0, 0.0]))
+    turned = signs_of(np.array([1.0, 2.0, -1e-13, 3.0, 0.0, 0.0, -2.0, -1.0, 0.0]))
     assert turned.tolist() == [1, 1, 1, 1, 1, 1, -1, -1, -1]
-    assert _sides(np.array([0.0, -1e-20, 5.0, 4.0])).tolist() == [1, 1, 1, 1]
-    assert _sides(np.zeros(3)).tolist() == [0, 0, 0]
+    assert signs_of(np.array([0.0, -1e-20, 5.0, 4.0])).tolist() == [1, 1, 1, 1]
+    assert signs_of(np.zeros(3)).tolist() == [0, 0, 0]

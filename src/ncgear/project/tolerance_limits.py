@@ -53,13 +53,6 @@ def limits_of(drive: Drive, given: AssemblyTolerances) -> Limits:
     )
 
 
-def nothing(limits: Limits) -> Limits:
-    """The limits of a pair that deviates by nothing."""
-    none = np.zeros(limits.flanks)
-    pair = 0.0, 0.0
-    return Limits(0.0, pair, pair, pair, none, none, (20.0, 20.0), 0.0, (0.0, 0.0, 0.0), pair)
-
-
 def _of_teeth(
     gear: ToothedGear, own: GearTolerances, grade: int | None, module_mm: float, key: str
 ) -> tuple[Array, Array]:

@@ -59,6 +59,12 @@ class Limits:
         """Number of flanks of both gears."""
         return self.pitch_mm.size
 
+    @property
+    def none(self) -> Limits:
+        """The limits of the same pair that deviates by nothing."""
+        none, pair = np.zeros(self.flanks), (0.0, 0.0)
+        return Limits(0.0, pair, pair, pair, none, none, (MADE_C, MADE_C), 0.0, (0.0, 0.0, 0.0), pair)
+
     def displaced_mm(self, size_mm: float) -> float:
         """About how far flanks are displaced against each other at most; ``size_mm`` is the centre distance."""
         driving, driven, housing = self.expansions

@@ -11,8 +11,9 @@ import numpy as np
 
 from ncgear.contact.placement import BACK, PUSHING
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.tolerances.assemblies import (
+    TOGETHER,
     Assemblies,
     Lot,
     PairAssemblies,
@@ -25,6 +26,7 @@ from ncgear.tolerances.assemblies import (
 )
 from ncgear.tolerances.drawn import COUNT, Source, spread
 from ncgear.tolerances.mesh import Deviations, Mesh
+from ncgear.tolerances.outlines import Exact, LinearError, linear_errors
 from ncgear.workers import finished
 
 JAMMED_RAD = 1e-9
@@ -69,6 +71,12 @@ def drawn_evenly(count: int, seed: int, pairs: int = 1) -> list[Task]:
 def drawn_at_random(count: int, seed: int, pairs: int = 1) -> list[Task]:
     """Tasks of assemblies that are drawn at random altogether."""
     return tasks_of(np.random.default_rng([seed, 1]).random((pairs * COUNT, count)), seed, 1)
+
+
+def as_designed(lot: Lot, task: Task) -> Assemblies:
+    """The assembly without deviations; any task of the lot tells the shapes."""
+    perfect = replace(lot, pairs=tuple(replace(pair, limits=pair.limits.none) for pair in lot.pairs))
+    return perfect.assembled([own.one(0) for own in perfect.drawn(task)])
 
 
 @dataclass(frozen=True)
@@ -252,3 +260,106 @@ def between_positions(pair: PairLot, finer: Mesh, of: Deviations) -> BetweenPosi
 
     signs = {"least_play_mm": -1.0, "largest_play_mm": 1.0, "transmission_error_mm": 1.0}
     return BetweenPositions(own.least_arc.size, **{name: beyond(name, sign) for name, sign in signs.items()})
+
+
+NO_TORQUE = 1e-9
+"""Share of the greatest torque that counts as none: a million rounding errors of the greatest torque."""
+
+
+def reversals(torque_n_mm: Array, *, closed: bool) -> IndexArray:
+    """The positions beside which a torque turns round: around a cycle, or where not ``closed`` from end to end.
+
+    Where gears turn to and fro it turns round at both ends, since loads act against the motion.
+    """
+    sign = signs_of(torque_n_mm)
+    count = sign.size
+    turning = np.flatnonzero(sign * np.roll(sign, -1) < 0.0)
+    if closed:
+        return np.unique(np.concatenate([turning, (turning + 1) % count]))
+    turning = turning[turning < count - 1]
+    return np.unique(np.concatenate([[0], turning, turning + 1, [count - 1]]))
+
+
+def signs_of(torque_n_mm: Array) -> Array:
+    """The sign of a torque at positions around a turn, shape (n,); no torque has the sign of the position before."""
+    sign = np.sign(np.where(np.abs(torque_n_mm) > NO_TORQUE * np.abs(torque_n_mm).max(), torque_n_mm, 0.0))
+    known = np.flatnonzero(sign)
+    if not known.size:
+        return sign
+    kept: Array = sign[known[np.searchsorted(known, np.arange(sign.size), side="right") - 1]]
+    return kept
+
+
+FINER, MOST_POSITIONS = 8, 20_000
+"""How many times as many positions tell what those miss, and how many these are at most; twice as many at least."""
+
+CHECKED = 2
+"""How many assemblies are checked by their outlines besides the assembly with the least play."""
+
+
+@dataclass(frozen=True, eq=False)
+class PairStudy:
+    """What one pair does in many assemblies, and how far the linear mesh tells it; ``stage`` is None of a single pair.
+
+    ``knock`` is None where the torque of the driven gear never turns round.  ``errors`` are the errors of the linear
+    mesh for the assembly with the least play and for the first assemblies.  ``between`` is what these do between
+    positions.
+    """
+
+    stage: int | None
+    lot: PairLot
+    assemblies: PairAssemblies
+    nominal: PairAssemblies
+    jam: Share
+    knock: Share | None
+    knocking_mm: float
+    first_order: FirstOrder
+    errors: tuple[LinearError, ...]
+    between: BetweenPositions
+
+    @property
+    def flank_limits_mm(self) -> tuple[Array, Array]:
+        """Tolerances of the pitch and of the profile of all flanks that touch any, shape (k,) each."""
+        flank = np.unique(self.lot.mesh.flank)
+        return self.lot.limits.pitch_mm[flank], self.lot.limits.profile_mm[flank]
+
+
+def finer_by(pair: PairLot) -> int:
+    """How many times as many positions a mesh has that tells what those of the pair miss."""
+    return int(np.clip(MOST_POSITIONS // pair.mesh.phi1_rad.size, 2, FINER))
+
+
+def pair_study(
+    lot: Lot,
+    number: int,
+    found: PairAssemblies,
+    nominal: PairAssemblies,
+    tasks: Sequence[Task],
+    *,
+    stage: int | None,
+    knocking_mm: float,
+    finer: Mesh,
+    exact: Exact,
+) -> PairStudy:
+    """What the pair ``number`` of a lot does in the assemblies found of the tasks, and as designed.
+
+    ``finer`` is its mesh at ``finer_by`` times as many positions, and ``exact`` the mesh by outlines.
+    """
+    pair = lot.pairs[number]
+
+    def one_of(assembly: int) -> Deviations:
+        task, place = divmod(assembly, TOGETHER)
+        return lot.drawn(tasks[task])[number].one(place)
+
+    return PairStudy(
+        stage=stage,
+        lot=pair,
+        assemblies=found,
+        nominal=nominal,
+        jam=jammed([found]),
+        knock=knocking([found], [knocking_mm]) if pair.reversals.size else None,
+        knocking_mm=knocking_mm,
+        first_order=first_order(lot, number, tasks[: max(len(tasks) // 4, 1)]),
+        errors=tuple(linear_errors(exact, [*map(one_of, (int(np.argmin(found.least_play_rad)), *range(CHECKED)))])),
+        between=between_positions(pair, finer, lot.drawn(tasks[0])[number]),
+    )
