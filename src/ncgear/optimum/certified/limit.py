@@ -17,11 +17,12 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.optimum.certified.cycle import CrankCycle, cycle
 from ncgear.optimum.certified.demands import Demands, NearMotion, Ranges
-from ncgear.optimum.certified.motion import MOST_ACCELERATION, ROUNDING, MotionProgramme, needs_times
+from ncgear.optimum.certified.motion import MOST_ACCELERATION, ROUNDING, MotionProgramme
 from ncgear.optimum.certified.problem import LimitProblem
 from ncgear.optimum.certified.proof import Linear, least
 from ncgear.optimum.certified.ranges import cells_that_matter, rows_of_places
 from ncgear.optimum.certified.refusals import refusal, refuse_ratios, turning_point
+from ncgear.optimum.certified.time_rows import needs_times
 from ncgear.optimum.certified.tree import Effort, FigureRanges, Solved, Trials, TriedMotion, bisected, motion_along
 from ncgear.optimum.task import Task
 

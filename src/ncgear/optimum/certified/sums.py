@@ -25,8 +25,8 @@ from ncgear.optimum.certified.limit import (
     q_of,
     tried,
 )
-from ncgear.optimum.certified.motion import MOST_ACCELERATION, MotionProgramme, motion_programme
-from ncgear.optimum.certified.problem import LimitProblem
+from ncgear.optimum.certified.motion import MOST_ACCELERATION, MotionProgramme
+from ncgear.optimum.certified.problem import LimitProblem, motion_programme
 from ncgear.optimum.certified.proof import Linear, least
 from ncgear.optimum.certified.ranges import halves
 from ncgear.optimum.certified.tree import Budget, Effort, FigureRanges, Solved, Trials, TriedMotion, proven, whole_tree

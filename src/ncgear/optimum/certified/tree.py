@@ -59,7 +59,7 @@ FigureRanges = Mapping[str, tuple[float, float]]
 class Trials:
     """What can be asked of the programmes of one cycle.
 
-    ``least`` gives the least value of the goal with ranges of q, or near a motion (see ``motion.motion_programme``),
+    ``least`` gives the least value of the goal with ranges of q, or near a motion (see ``problem.motion_programme``),
     in ranges of figures; ``below`` the programme of all motions in them whose goal is below a value.  ``prices`` are
     those of the figures.
     """
