@@ -23,7 +23,7 @@ from ncgear.project.frontier_run import Frontier
 from ncgear.project.measured import cut_gears
 from ncgear.shown import Shown
 
-FAULT = "a fault in ncgear"
+FAULT = "internal fault: "
 MACHINE = "linkage: {crank_mm: 40, rod_mm: 90}\noperation: {speed_rpm: 30}\nmotion: {law: uniform_crank}"
 FEW_TEETH = "gears: {teeth: 8, module_mm: 5, face_width_mm: 10}"
 
