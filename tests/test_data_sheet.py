@@ -24,7 +24,7 @@ from ncgear.figures.data_sheet.sheet import DataSheet, data_sheet, sheet_text
 from ncgear.figures.tables import Table
 from ncgear.project import measured
 from ncgear.project.drive import Drive
-from ncgear.project.measured import MeasuredGear
+from ncgear.project.workshop_measures import GearMeasures
 
 LIMITS = {"standard": "ISO 1328-1", "tooth_thickness_upper_mm": -0.05, "tooth_thickness_lower_mm": -0.1}
 
@@ -248,10 +248,10 @@ FIGURES = [
 def test_a_figure_that_cannot_be_computed_says_why_and_ends_nothing(
     figure: str, label: str, title: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def failing(gear: MeasuredGear) -> None:
+    def failing(gear: GearMeasures) -> None:
         raise ArithmeticError(f"no zero for the {gear.gear.value} gear | in 3 steps")
 
-    monkeypatch.setattr(MeasuredGear, figure, property(failing))
+    monkeypatch.setattr(GearMeasures, figure, property(failing))
     found = data_sheet(drive("ellipse"))
     assert row(found, label).driven == "could not be computed: no zero for the driven gear | in 3 steps"
     assert table(found, title).notes[0].startswith("could not be computed: no zero")

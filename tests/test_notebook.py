@@ -20,7 +20,7 @@ from ncgear.optimum.frontier import FamilyPoint, LawPoint
 from ncgear.project.balancing import Balancing
 from ncgear.project.best_law import BestLaw
 from ncgear.project.frontier_run import Frontier
-from ncgear.project.measured import cut_gears
+from ncgear.project.workshop_measures import cut_gears
 from ncgear.shown import Shown
 
 FAULT = "internal fault: "

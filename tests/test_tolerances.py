@@ -42,7 +42,7 @@ from ncgear.tolerances.drawn import (
     spread,
 )
 from ncgear.tolerances.iso1328 import flank_tolerances, rounded_um
-from ncgear.tolerances.mesh import RIGID, Deviations, Face, Mesh, mesh_of, straight_face
+from ncgear.tolerances.mesh import RIGID, Deviations, Face, LinearMesh, mesh_of, straight_face
 from ncgear.tolerances.outlines import exact_of, linear_errors
 from ncgear.tolerances.study import (
     Workers,
@@ -93,7 +93,7 @@ DISTANCE_MM = (TEETH + DRIVEN_TEETH) * MODULE / 2.0
 
 
 @cache
-def circular() -> tuple[PitchPair, ToothedPair, Placement, Mesh]:
+def circular() -> tuple[PitchPair, ToothedPair, Placement, LinearMesh]:
     """A pair of circular gears, 1:2."""
     pitch = sized_pair(uniform_law(Lobes(1, 2)), TEETH, MODULE, None)
     teeth = toothed_pair(pitch, ToothForm(rack(), backlash=Backlash(PLAY_MM)), 0.005)
@@ -471,7 +471,7 @@ def test_gears_that_turn_to_and_fro_are_told_as_their_outlines_are() -> None:
 
 
 @cache
-def leaning(overlap: float, sections: int) -> tuple[Mesh, float]:
+def leaning(overlap: float, sections: int) -> tuple[LinearMesh, float]:
     """The mesh of the circular pair with helical teeth that advance by so many pitches, and its overlap."""
     pitch, _, placement, _ = circular()
     form = ToothForm(rack(), backlash=Backlash(PLAY_MM))

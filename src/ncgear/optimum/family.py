@@ -43,9 +43,9 @@ from ncgear.optimum.task import Task
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.sampled_strokes import (
-    Motion,
-    Points,
+    ReturnGrid,
     ReturnSamples,
+    SampledMotion,
     return_samples,
     returns_with_skewness,
     working_angles,
@@ -60,7 +60,7 @@ lies at a bound, except at theta2 = theta3."""
 SEGMENT_POINTS = 65, 17, 33
 """Points on each segment of the stroke, ends included; the accelerations are of degree 3, 0 and 2."""
 
-RETURN_POINTS = Points(edges=(0.0, 1.0), count=97, steps=8)
+RETURN_POINTS = ReturnGrid(edges=(0.0, 1.0), count=97, steps=8)
 """Points on the return; four of Newton's steps give five digits."""
 
 CLOSED = 1e-6
@@ -114,7 +114,7 @@ def sampled_laws(family: Family, points: Array) -> SampledLaws:
     task = family.task
     linkage, omega = task.linkage, task.speed_rad_s
     motions = working_motions(strokes, SEGMENT_POINTS)
-    out = Motion(*(np.hstack(parts) for parts in zip(*motions, strict=True)))
+    out = SampledMotion(*(np.hstack(parts) for parts in zip(*motions, strict=True)))
     advancing = (motions[0].velocity[:, 1:].min(axis=1) > 0.0) & (strokes.approach_slope[0] > 0.0)
     with np.errstate(all="ignore"):
         asked = strokes, linkage, task.cycle_rad, skewness, RETURN_POINTS
@@ -127,7 +127,7 @@ def sampled_laws(family: Family, points: Array) -> SampledLaws:
     return SampledLaws(np.where(possible, acceleration, inf), np.where(possible, np.maximum(power, 0.0), inf))
 
 
-def _power_w(family: Family, strokes: WorkingStrokes[Array], out: Motion, back: ReturnSamples) -> Array:
+def _power_w(family: Family, strokes: WorkingStrokes[Array], out: SampledMotion, back: ReturnSamples) -> Array:
     """The power of the driving shaft in W, shape (n, points), negative where it brakes.
 
     Without masses it is the load's alone, at points of the return only where anything loads it.
@@ -142,7 +142,9 @@ def _power_w(family: Family, strokes: WorkingStrokes[Array], out: Motion, back: 
     return power * (task.speed_rad_s / 1000.0)
 
 
-def _power_with_masses_w(family: Family, strokes: WorkingStrokes[Array], out: Motion, back: ReturnSamples) -> Array:
+def _power_with_masses_w(
+    family: Family, strokes: WorkingStrokes[Array], out: SampledMotion, back: ReturnSamples
+) -> Array:
     """The power of the driving shaft with all masses at all points of the cycle."""
     task = family.task
     phi1, driven = working_angles(strokes, task.linkage, SEGMENT_POINTS, 2)

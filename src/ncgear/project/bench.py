@@ -60,7 +60,7 @@ class Trial:
 
 
 @dataclass(frozen=True)
-class Stage:
+class BenchStage:
     """One stage at several settings, from coarse to fine.
 
     ``varied`` is what is set, ``counted`` what its size counts; ``error_of`` and ``unit`` tell the error, ``reference``
@@ -107,7 +107,7 @@ class Stage:
         return falls if self.varied_unit else -falls
 
 
-def benched(drive: Drive, on_step: Callable[[str], None]) -> list[Stage]:
+def benched(drive: Drive, on_step: Callable[[str], None]) -> list[BenchStage]:
     """All stages that a design has, from its motion to its finite elements; raises what the stages of the drive raise.
 
     Two pairs of gears have all but the motion twice, each named by its pair: ``teeth of stage 1``.
@@ -124,7 +124,7 @@ def step_count(drive: Drive) -> int:
     return sum(1 for _ in _stages(drive))
 
 
-def _stages(drive: Drive) -> Iterator[tuple[str, Callable[[], Stage]]]:
+def _stages(drive: Drive) -> Iterator[tuple[str, Callable[[], BenchStage]]]:
     yield "motion", partial(_motion, drive)
     if drive.design.gears is None:
         return
@@ -177,7 +177,7 @@ def _twice(setting: float) -> float:
     return 2.0 * setting
 
 
-def _motion(drive: Drive) -> Stage:
+def _motion(drive: Drive) -> BenchStage:
     """The peak acceleration among samples, beside the peak between zeros of its derivative."""
     machine, exact = drive.machine, drive.check.peak_acceleration_cycle.value
     cycle = drive.transmission.cycle_rad
@@ -189,7 +189,7 @@ def _motion(drive: Drive) -> Stage:
         return machine.motion(np.linspace(0.0, cycle, int(count) + 1)).acceleration
 
     trials = _tried([125.0, 250.0, 500.0, 1000.0, 2000.0], _twice, compute, judge, PEAK_SHARE)
-    return Stage(
+    return BenchStage(
         "motion",
         "rows a cycle",
         "",
@@ -204,7 +204,7 @@ def _motion(drive: Drive) -> Stage:
     )
 
 
-def _pitch_curves(drive: Drive) -> Stage:
+def _pitch_curves(drive: Drive) -> BenchStage:
     """The length of the driving pitch curve by chords, beside its length by quadrature."""
     pitch, asked = drive.pitch, drive.chord_tolerance_mm
     length = pitch.driving.length_mm
@@ -218,7 +218,7 @@ def _pitch_curves(drive: Drive) -> Stage:
         return max(length - found[0], np.finfo(float).eps * length), found[1]
 
     trials = _tried([50.0, 100.0, 200.0, 400.0, 800.0], _twice, compute, judge, asked)
-    return Stage(
+    return BenchStage(
         "pitch curves",
         "points",
         "",
@@ -248,7 +248,7 @@ def _toothed(drive: Drive, tolerance_mm: float) -> ToothedPair:
     return toothed_pair(drive.pitch, drive.tooth_form, tolerance_mm)
 
 
-def _teeth(drive: Drive) -> Stage:
+def _teeth(drive: Drive) -> BenchStage:
     """The outlines by chord tolerance, beside points of the exact curves between all chords."""
     from ncgear.metrology.chord_error import exact_points, farthest_mm
 
@@ -260,7 +260,7 @@ def _teeth(drive: Drive) -> Stage:
         return max(found), sum(len(teeth.of(gear).outline_mm) for gear in Gear)
 
     compute = partial(_toothed, drive)
-    return Stage(
+    return BenchStage(
         "teeth",
         "tolerance",
         "mm",
@@ -279,7 +279,7 @@ PER_TOOTH, MOST_PER_TOOTH = (4.0, 8.0, 16.0, 32.0), 64.0
 """Positions per tooth that are tried at first, and at most."""
 
 
-def _contact(drive: Drive) -> Stage:
+def _contact(drive: Drive) -> BenchStage:
     """The extremes of the contact of the outlines among positions, beside those searched between them."""
     from ncgear.contact.placement import placed
     from ncgear.contact.written.as_written import Outlines, as_written, reach_mm
@@ -303,7 +303,7 @@ def _contact(drive: Drive) -> Stage:
     def finer(per_tooth: float) -> float | None:
         return 2.0 * per_tooth if 2.0 * per_tooth <= MOST_PER_TOOTH else None
 
-    return Stage(
+    return BenchStage(
         "contact",
         "positions a tooth",
         "",
@@ -322,7 +322,7 @@ FINER_SOLIDS = 16.0
 """The reference of solids is so many times finer than the finest that is tried first."""
 
 
-def _solids(drive: Drive) -> Stage:
+def _solids(drive: Drive) -> BenchStage:
     """The meshes by chord tolerance: a section beside points of the exact curves, the volume beside finer meshes."""
     from ncgear.metrology.chord_error import exact_points
     from ncgear.project.gear_solids import crank_pin_hole, straight_solids
@@ -350,7 +350,7 @@ def _solids(drive: Drive) -> Stage:
         away = (_section_error_mm(exact[gear], found.of(gear).mesh, gears.face_width_mm / 2.0) for gear in Gear)
         return max(*missed, *away), sum(len(found.of(gear).mesh.faces) for gear in Gear)
 
-    return Stage(
+    return BenchStage(
         "solids",
         "tolerance",
         "mm",
@@ -380,7 +380,7 @@ PARTS, REFERENCE_PARTS = (1.0, 2.0, 3.0), 5
 """How many parts the elements of the coarsest mesh are cut in along each side, and those of the reference."""
 
 
-def _elements(drive: Drive) -> Stage:
+def _elements(drive: Drive) -> BenchStage:
     """The largest root stress of the driving gear's teeth by mesh size, beside a finer mesh."""
     from ncgear.strength.elements.mesh import MeshSize, topology_of
     from ncgear.strength.elements.teeth import elements_of
@@ -402,7 +402,7 @@ def _elements(drive: Drive) -> Stage:
     def finer(parts: float) -> float | None:
         return parts + 1.0 if parts + 1.0 < REFERENCE_PARTS else None
 
-    return Stage(
+    return BenchStage(
         "elements",
         "parts a side",
         "",
@@ -417,7 +417,7 @@ def _elements(drive: Drive) -> Stage:
     )
 
 
-def dominating(stages: list[Stage]) -> Stage | None:
+def dominating(stages: list[BenchStage]) -> BenchStage | None:
     """The stage that takes longest as recommended; None where nothing is recommended."""
     known = [(stage.recommended.time_s, stage) for stage in stages if stage.recommended is not None]
     return max(known, key=lambda pair: pair[0])[1] if known else None

@@ -21,9 +21,9 @@ from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.optimum.offers import Refused
 from ncgear.optimum.task import Figures, Task, figures
-from ncgear.project.comparison import Comparison
+from ncgear.project.law_task import inertia_as_given, inertia_with, task_of, wishes_of
 from ncgear.project.moving_masses import TrainInertia
-from ncgear.project.wishes import inertia_as_given, inertia_with, task_of, wishes_of
+from ncgear.project.sought_machine import SoughtMachine
 from ncgear.ratio.transmission import Train
 from ncgear.shown import Shown
 from ncgear.workers import finished
@@ -45,7 +45,7 @@ class Starts:
     apart: float
 
 
-class BestLaw(Comparison, Shown):
+class BestLaw(SoughtMachine, Shown):
     """A design's machine with the best law that its wishes allow.
 
     Every attribute may raise WrongInput for wishes that contradict each other or the design, and NoSuchMechanism where

@@ -2,7 +2,7 @@
 
 Each gear is brought into the pose of best fit; what its points then tell is compared flank by flank.  The pair as
 measured is run through the contact of written outlines, as the outlines of files are, beside the exact outlines.
-Helical gears are compared in the section that is measured (``project.measured.measured_section``).
+Helical gears are compared in the section that is measured (``project.workshop_measures.measured_section``).
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.plane import as_complex
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.measured import measured_section
+from ncgear.project.workshop_measures import measured_section
 from ncgear.teeth.backlash import idle_arms_mm
 from ncgear.teeth.gear import ToothedPair
 

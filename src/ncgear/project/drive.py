@@ -26,11 +26,11 @@ if TYPE_CHECKING:
     from ncgear.dynamics.quasi_static import LoadedContact, LoadedPeaks
     from ncgear.formulas.checked import Formulas
     from ncgear.project.drivetrain import DrivetrainResult
-    from ncgear.project.measured import CutGear, MeasuredGear
     from ncgear.project.passing import Passing
     from ncgear.project.thickness import AtThickness
     from ncgear.project.tooth_load import ToothLoad
     from ncgear.project.tooth_strength import JudgedTeeth
+    from ncgear.project.workshop_measures import CutGear, GearMeasures
     from ncgear.strength.answer import Strength
     from ncgear.strength.conditions import Conditions
     from ncgear.strength.loading import Loading
@@ -377,9 +377,9 @@ class Drive(Geared):
         return motion_peaks(course, self.rigid.machine, on_share)
 
     @computed
-    def measured(self) -> tuple[MeasuredGear, MeasuredGear]:
+    def measured(self) -> tuple[GearMeasures, GearMeasures]:
         """The driving and the driven gear as a workshop measures them."""
-        from ncgear.project.measured import measured_gears
+        from ncgear.project.workshop_measures import measured_gears
 
         with located(self.places):
             return measured_gears(self)
@@ -387,7 +387,7 @@ class Drive(Geared):
     @computed
     def cut_by(self) -> tuple[CutGear, CutGear]:
         """What hob, shaper, wire and end mill make of the driving and the driven gear, and why."""
-        from ncgear.project.measured import cut_gears
+        from ncgear.project.workshop_measures import cut_gears
 
         with located(self.places):
             return cut_gears(self)

@@ -27,10 +27,10 @@ from ncgear.drivetrain.shafts import (
     FREE_HEIGHT_MM,
     LEAST_SAFETY,
     STEELS,
-    Key,
     KeySafety,
-    Section,
+    ShaftKey,
     ShaftSafety,
+    ShaftSection,
     Steel,
     key_safety,
     shaft_safety,
@@ -159,14 +159,14 @@ def _shaft(
     if diameter is None:
         raise WrongInput(f"missing; gears.{name} has no bore that tells it", key=f"drivetrain.{name}_shaft.diameter_mm")
     steel = STEELS[given.steel] if given.steel else Steel(given.tensile_mpa or 0.0, given.yield_mpa or 0.0)
-    section = Section(diameter, given.blank_mm or diameter, steel)
+    section = ShaftSection(diameter, given.blank_mm or diameter, steel)
 
     def borne(phi1: Array) -> tuple[ComplexArray, Array, Array]:
         at = shaft_loads(cycle, gear, phi1)
         return bending_moment_n_mm(at, bearings, crank_at_mm, 0.0), at.torque_n_mm, at.turned_rad
 
     def of_diameter(diameter_mm: float) -> ShaftSafety:
-        thick = Section(diameter_mm, max(diameter_mm, section.blank_mm), steel)
+        thick = ShaftSection(diameter_mm, max(diameter_mm, section.blank_mm), steel)
         return shaft_safety(thick, borne, places, _cycles_rad(gear, cycle))
 
     safety, key = of_diameter(diameter), _key(design, gear, given, section, loads.torque_n_mm)
@@ -199,7 +199,7 @@ def _cycles_rad(gear: Gear, cycle: Cycle) -> Array:
     return np.arange(lobes.driving, dtype=float) * (-place.mesh.sense * cycle.cycle_rad)
 
 
-def _key(design: Design, gear: Gear, given: DrivingShaft, section: Section, torque: Array) -> KeySafety | None:
+def _key(design: Design, gear: Gear, given: DrivingShaft, section: ShaftSection, torque: Array) -> KeySafety | None:
     key, gears, where = given.key, design.gears, f"drivetrain.{gear.value}_shaft.key"
     if key is None or gears is None:
         return None
@@ -216,7 +216,7 @@ def _key(design: Design, gear: Gear, given: DrivingShaft, section: Section, torq
             )
     yields = section.yield_mpa
     length = key.length_mm or gears.face_width_mm
-    made = Key(section.diameter_mm, height, length, min(yields, key.yield_mpa or yields))
+    made = ShaftKey(section.diameter_mm, height, length, min(yields, key.yield_mpa or yields))
     return key_safety(made, float(torque.max()), float(torque.min()))
 
 

@@ -24,9 +24,9 @@ from ncgear.interrupts import uninterrupted
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, family_point, law_point
 from ncgear.optimum.offers import Refused
 from ncgear.optimum.task import Figures
-from ncgear.project.comparison import GearsAsGiven
+from ncgear.project.law_task import refuse_guide_friction
 from ncgear.project.offered import may_be_asked
-from ncgear.project.wishes import refuse_guide_friction
+from ncgear.project.sought_machine import GearsAsGiven
 from ncgear.shown import Shown
 from ncgear.workers import finished
 

@@ -16,7 +16,7 @@ from ncgear.frozen import dataclass
 from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.offers import Refused
 from ncgear.optimum.task import Task
-from ncgear.project.wishes import wishes_of
+from ncgear.project.law_task import wishes_of
 from ncgear.wishes.wish import Offer
 
 if TYPE_CHECKING:

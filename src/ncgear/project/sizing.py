@@ -65,7 +65,7 @@ NARROWEST_MODULES = 5.0
 
 
 @dataclass(frozen=True)
-class Space:
+class GearRoom:
     """The room for a pair: largest centre distance and largest diameter of a gear in mm, both infinite where open.
 
     ``width_modules`` is the largest face width in modules.
@@ -133,7 +133,7 @@ def asked_design(design: Design, asked: Mapping[str, float | str]) -> Design:
     return design.model_copy(update={"gears": gears})
 
 
-def smallest_gears(drive: Drive, space: Space, on_trial: OnTrial = lambda done, total: None) -> list[Sized]:
+def smallest_gears(drive: Drive, space: GearRoom, on_trial: OnTrial = lambda done, total: None) -> list[Sized]:
     """The smallest gears that hold for each of a few modules, by the method ``estimate``, the smallest first.
 
     Raises NoSuchMechanism where none are found, with the nearest that were computed, WrongInput where the law gives the
@@ -187,7 +187,7 @@ class _Search:
     """What is known so far: all gears that were computed, first those it began with, and what teeth were refused."""
 
     drive: Drive
-    space: Space
+    space: GearRoom
     on_trial: OnTrial
     computed: list[Sized]
     refused: set[int] = field(default_factory=set)

@@ -19,7 +19,7 @@ from ncgear.solids.helical.sections import said_of_section
 from ncgear.teeth.gear import ToothedPair, toothed_pair
 from ncgear.tolerances.assemblies import Assemblies, Lot, Task, lot_of_pairs
 from ncgear.tolerances.drawn import Limits, reachable
-from ncgear.tolerances.mesh import Face, Mesh, mesh_of, straight_face
+from ncgear.tolerances.mesh import Face, LinearMesh, mesh_of, straight_face
 from ncgear.tolerances.outlines import exact_of
 from ncgear.tolerances.study import (
     Index,
@@ -215,14 +215,14 @@ def lot_of(drive: Drive, given: AssemblyTolerances) -> Lot:
     return lot_of_pairs(drive.machine, made, pitches, abs(peak))
 
 
-def _mesh_and_limits(drive: Drive, given: AssemblyTolerances) -> tuple[Mesh, Limits]:
+def _mesh_and_limits(drive: Drive, given: AssemblyTolerances) -> tuple[LinearMesh, Limits]:
     """The linear mesh of one pair, and what it may deviate by."""
     _ = drive.designed_contact
     limits = limits_of(drive, given)
     return _mesh(drive, limits, PER_TOOTH), limits
 
 
-def _mesh(drive: Drive, limits: Limits, per_tooth: int) -> Mesh:
+def _mesh(drive: Drive, limits: Limits, per_tooth: int) -> LinearMesh:
     """The linear mesh of one pair whose deviations have limits, at so many positions per tooth pitch."""
     size, module = drive.pitch.center_distance_mm, drive.pitch.size.module_mm
     within = float(np.clip(SPARE * limits.displaced_mm(size), LEAST_WITHIN * module, MOST_WITHIN * module))

@@ -30,7 +30,7 @@ from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.jet import Jet
 from ncgear.ratio.transmission import Pair
 from ncgear.tolerances.drawn import COUNT, Chances, Limits, Source, chances_of, drawn, sources_of, with_source
-from ncgear.tolerances.mesh import Deviations, Mesh
+from ncgear.tolerances.mesh import Deviations, LinearMesh
 
 SLOW_SHARE = 0.25
 """Share of the number of teeth up to which waves per turn of the driving gear, or in its range, count as slow."""
@@ -242,7 +242,7 @@ class PairLot:
     there, per angle of this pair's.
     """
 
-    mesh: Mesh
+    mesh: LinearMesh
     limits: Limits
     reversals: IndexArray
     way: Between
@@ -319,7 +319,7 @@ def of_pair(pair: PairLot, of: Deviations, lead: Array) -> PairAssemblies:
 
 def lot_of_pairs(
     machine: Machine,
-    made: Sequence[tuple[Mesh, Limits, IndexArray, Pair]],
+    made: Sequence[tuple[LinearMesh, Limits, IndexArray, Pair]],
     pitches: float,
     designed_peak: float,
 ) -> Lot:

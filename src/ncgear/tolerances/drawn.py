@@ -22,7 +22,7 @@ import numpy as np
 
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
-from ncgear.tolerances.mesh import RIGID, Deviations, Mesh
+from ncgear.tolerances.mesh import RIGID, Deviations, LinearMesh
 
 SIGMAS = 3.0
 """Standard deviations in a limit."""
@@ -198,7 +198,7 @@ def active(limits: Limits) -> tuple[str, ...]:
     return tuple(name for name in EVERY if sizes[name] > 0.0)
 
 
-def reachable(mesh: Mesh, limits: Limits) -> Mesh:
+def reachable(mesh: LinearMesh, limits: Limits) -> LinearMesh:
     """The mesh without the places of contact that no assembly within the limits has first.
 
     Such a place comes so much after the first one of the pair without deviations that both together cannot lose that.

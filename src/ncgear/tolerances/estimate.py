@@ -23,7 +23,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, counted_up
 from ncgear.teeth.gear import ToothedPair
 from ncgear.tolerances.drawn import COUNT, SIGMAS, Limits, deviating, rows_of
-from ncgear.tolerances.mesh import Deviations, Mesh, Places, mesh_at, places_of
+from ncgear.tolerances.mesh import ContactPlaces, Deviations, LinearMesh, mesh_at, places_of
 
 PER_PITCH = 2
 """Positions per tooth pitch.  With twice as many the mean of what assemblies need changes by a hundredth."""
@@ -86,7 +86,7 @@ def plays_of(teeth: Teeth, seed: int) -> Plays:
     return Plays(play.astype(float), shared)
 
 
-def _mesh_of(teeth: Teeth) -> Mesh:
+def _mesh_of(teeth: Teeth) -> LinearMesh:
     """The linear mesh of what touches as designed; of helical teeth the overlap carries along the face width.
 
     In another section the same flanks touch as at another position, whose deviations count here; displacements are
@@ -113,7 +113,7 @@ def _mesh_of(teeth: Teeth) -> Mesh:
     return _in_short(mesh_at(places, placement, arm_mm, mirrored=True))
 
 
-Values = TypeVar("Values", Mesh, Deviations)
+Values = TypeVar("Values", LinearMesh, Deviations)
 
 
 def _in_short(values: Values) -> Values:
@@ -131,7 +131,7 @@ def _tightest(touching: IndexArray, stretch: int) -> IndexArray:
     return tightest
 
 
-def _overlapping(places: Places, placement: Placement, further: int) -> Places:
+def _overlapping(places: ContactPlaces, placement: Placement, further: int) -> ContactPlaces:
     """Sorted places, and at each position those of so many positions further on besides."""
     if not further:
         return places

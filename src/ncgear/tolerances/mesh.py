@@ -112,7 +112,7 @@ def straight_face(teeth: ToothedPair, face_width_mm: float) -> Face:
 
 
 @dataclass(frozen=True, eq=False)
-class Mesh:
+class LinearMesh:
     """The linear mesh of a pair at p positions, with r places of contact.
 
     ``first`` (shape (2 p,)) is the first row of each side and position, pushing flanks before backs.  ``lead`` is urge
@@ -162,7 +162,7 @@ class Mesh:
         arcs: Array = self.arcs[:, None] + self.arc_rates @ of.rigid[:DISPLACING]
         return np.asarray(np.maximum(arcs.min(axis=0, initial=np.inf), 0.0))
 
-    def kept(self, rows: Mask) -> Mesh:
+    def kept(self, rows: Mask) -> LinearMesh:
         """The same with some of the places of contact, at least one on each side at each position."""
         counts = np.add.reduceat(rows.astype(int), self.first)
         return replace(
@@ -186,7 +186,7 @@ class Mesh:
         return foremost
 
 
-def mesh_of(face: Face, placement: Placement, within_mm: float, *, both_ways: bool = False) -> Mesh:
+def mesh_of(face: Face, placement: Placement, within_mm: float, *, both_ways: bool = False) -> LinearMesh:
     """The linear mesh of a pair, with all places that touch once the first ones are pressed in by ``within_mm``.
 
     With ``both_ways`` backs carry and wear as pushing flanks do.
@@ -195,7 +195,7 @@ def mesh_of(face: Face, placement: Placement, within_mm: float, *, both_ways: bo
     for teeth, height in zip(face.sections, face.heights_mm, strict=True):
         touching = Contacts.joined(contacts_within(teeth, placement, within_mm))
         found.append(places_of(teeth, height, touching, placement, both_ways=both_ways))
-    rows = Places.joined(found)
+    rows = ContactPlaces.joined(found)
     rows = rows.kept(np.argsort(rows.place, kind="stable"))
     arcs, rates = zip(*(arc_rates(teeth, placement, both_ways=both_ways) for teeth in face.sections), strict=True)
     mesh = mesh_at(rows, placement, np.zeros((2, placement.count)), mirrored=face.mirrored)
@@ -203,9 +203,9 @@ def mesh_of(face: Face, placement: Placement, within_mm: float, *, both_ways: bo
     return replace(mesh, arm_mm=arm_mm, arcs=np.concatenate(arcs) + face.overlap, arc_rates=np.concatenate(rates))
 
 
-def mesh_at(rows: Places, placement: Placement, arm_mm: Array, *, mirrored: bool) -> Mesh:
+def mesh_at(rows: ContactPlaces, placement: Placement, arm_mm: Array, *, mirrored: bool) -> LinearMesh:
     """The linear mesh of places of contact, sorted by ``place``, without arcs of contact."""
-    return Mesh(
+    return LinearMesh(
         phi1_rad=placement.phi1_rad,
         phi2_rad=placement.phi2_rad,
         cycle_rad=placement.cycle_rad,
@@ -225,8 +225,8 @@ def mesh_at(rows: Places, placement: Placement, arm_mm: Array, *, mirrored: bool
 
 
 @dataclass(frozen=True, eq=False)
-class Places(Columns):
-    """Places of contact in one section: their side and position as ``place``, and the rows of ``Mesh``, shape (r, ...).
+class ContactPlaces(Columns):
+    """Places of contact in one section: side and position as ``place``, and the rows of ``LinearMesh``, shape (r, ...).
 
     Of both gears there are two columns.  ``lever_mm`` is the arm of the normal about the driven axis.
     """
@@ -243,7 +243,7 @@ class Places(Columns):
 
 def places_of(
     teeth: ToothedPair, height_mm: float, found: Contacts, placement: Placement, *, both_ways: bool
-) -> Places:
+) -> ContactPlaces:
     """Those of contacts in a section at a height above the middle of the face width."""
     place, tangent = fixed_tangents(found, placement)
     normal = 1j * placement.mesh.sense * found.urge * tangent
@@ -271,7 +271,7 @@ def places_of(
             *worn,
         ]
     )
-    return Places(
+    return ContactPlaces(
         place=found.place(placement),
         lever_mm=lever,
         lead=found.lead_rad,

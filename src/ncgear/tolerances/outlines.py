@@ -21,10 +21,10 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import along, as_complex, as_points, square
 from ncgear.pitch.pair import PitchPair
-from ncgear.pitch.shape import Mesh as MeshKind
+from ncgear.pitch.shape import Mesh
 from ncgear.teeth.flank import FILLET, FLANK
 from ncgear.teeth.gear import ToothedGear
-from ncgear.tolerances.mesh import Deviations, Face, Mesh, crossing_arms_mm
+from ncgear.tolerances.mesh import Deviations, Face, LinearMesh, crossing_arms_mm
 
 ALONG = 64
 """Points along each run of a side among which that of each vertex is looked for."""
@@ -117,7 +117,7 @@ class Exact:
     """
 
     sections: tuple[Section, ...]
-    mesh: Mesh
+    mesh: LinearMesh
     placement: Placement
     rows: IndexArray
     reach_mm: float
@@ -172,11 +172,11 @@ class Exact:
 
 
 def exact_of(
-    pitch: PitchPair, face: Face, placement: Placement, mesh: Mesh, positions: int, *, both_ways: bool = False
+    pitch: PitchPair, face: Face, placement: Placement, mesh: LinearMesh, positions: int, *, both_ways: bool = False
 ) -> Exact:
     """The outlines of a pair at about so many of the positions of a mesh at most, evenly chosen."""
     rows = np.arange(0, placement.count, -(-placement.count // positions))
-    ring = pitch.mesh is MeshKind.INTERNAL
+    ring = pitch.mesh is Mesh.INTERNAL
     sections = tuple(
         Section(
             height,

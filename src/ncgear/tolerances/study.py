@@ -25,7 +25,7 @@ from ncgear.tolerances.assemblies import (
     tasks_of,
 )
 from ncgear.tolerances.drawn import COUNT, Source, spread
-from ncgear.tolerances.mesh import Deviations, Mesh
+from ncgear.tolerances.mesh import Deviations, LinearMesh
 from ncgear.tolerances.outlines import Exact, LinearError, linear_errors
 from ncgear.workers import finished
 
@@ -250,7 +250,7 @@ class BetweenPositions:
     transmission_error_mm: float
 
 
-def between_positions(pair: PairLot, finer: Mesh, of: Deviations) -> BetweenPositions:
+def between_positions(pair: PairLot, finer: LinearMesh, of: Deviations) -> BetweenPositions:
     """What the positions of a pair miss of those of ``finer``, many times as many, which are its own and more."""
     own = of_pair(pair, of, pair.mesh.leads(of))
     found = of_pair(replace(pair, mesh=finer, reversals=pair.reversals[:0]), of, finer.leads(of))
@@ -338,7 +338,7 @@ def pair_study(
     *,
     stage: int | None,
     knocking_mm: float,
-    finer: Mesh,
+    finer: LinearMesh,
     exact: Exact,
 ) -> PairStudy:
     """What the pair ``number`` of a lot does in the assemblies found of the tasks, and as designed.

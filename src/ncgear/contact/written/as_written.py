@@ -15,7 +15,7 @@ from math import sin
 import numpy as np
 
 from ncgear.contact.placement import Placement
-from ncgear.contact.written.play import Play, outline_play
+from ncgear.contact.written.play import WrittenPlay, outline_play
 from ncgear.contact.written.polar import polar_outline
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
@@ -78,7 +78,7 @@ def as_written(outlines: Outlines, teeth: ToothedPair, placement: Placement, rea
     return AsWritten(outlines.source, *bounds, play.overlap_mm, *tips)
 
 
-def require_reached(outlines: Outlines, play: Play, *tips_mm: float) -> None:
+def require_reached(outlines: Outlines, play: WrittenPlay, *tips_mm: float) -> None:
     """Raise NoSuchMechanism where outlines do not touch, or a normal does not meet one: a clearance is no number."""
     if not (np.isfinite(play.up_rad).all() and np.isfinite(play.down_rad).all()) or np.isnan(tips_mm).any():
         raise NoSuchMechanism(

@@ -32,7 +32,7 @@ BLOCK = 128
 
 
 @dataclass(frozen=True, eq=False)
-class Play:
+class WrittenPlay:
     """Play at n positions, in rad, negative where the outlines overlap; shape (n,) each.
 
     ``up_rad`` and ``down_rad`` are how far the driving gear, as the driven gear sees it, can be turned up and down
@@ -125,7 +125,7 @@ class _Crossings:
         return out
 
 
-def outline_play(driving_mm: Array, driven_mm: Array, placement: Placement, reach_mm: float) -> Play:
+def outline_play(driving_mm: Array, driven_mm: Array, placement: Placement, reach_mm: float) -> WrittenPlay:
     """Play of two outlines in their own frames, counter-clockwise, shape (n, 2) each, each around its axis once.
 
     Outlines are compared within the sector of the driving gear that ``reach_mm`` from the pitch point spans, which must
@@ -148,7 +148,7 @@ def outline_play(driving_mm: Array, driven_mm: Array, placement: Placement, reac
         up, down, depth = play[:, open_still]
         shallow = depth <= DEEP_IN_PITCHES * placement.pitch_mm
         open_still = open_still[~(np.isfinite(up) & np.isfinite(down) & shallow)]
-    return Play(*play)
+    return WrittenPlay(*play)
 
 
 def _longest_chord_mm(*outlines: ComplexArray) -> float:

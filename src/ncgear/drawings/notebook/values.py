@@ -63,8 +63,8 @@ from ncgear.project.balancing import Balancing
 from ncgear.project.best_law import BestLaw
 from ncgear.project.drive import Drive
 from ncgear.project.frontier_run import Frontier
-from ncgear.project.measured import CutGear
 from ncgear.project.mending import Mend, Mending
+from ncgear.project.workshop_measures import CutGear
 from ncgear.ratio.transmission import Law, Transmission
 from ncgear.solids.mesh.pair import GearSolid, SolidPair
 from ncgear.strength.answer import Strength

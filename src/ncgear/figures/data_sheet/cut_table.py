@@ -7,7 +7,7 @@ from math import floor
 from ncgear.figures.numbers import drawn
 from ncgear.figures.tables import Column, Table
 from ncgear.metrology.cut_by import CutBy
-from ncgear.project.measured import CutGear
+from ncgear.project.workshop_measures import CutGear
 
 COLUMNS = (Column("tool"), Column("result"), Column("because"))
 

@@ -10,7 +10,7 @@ from ncgear.figures.numbers import drawn, shown
 from ncgear.figures.tables import Column, Table, Value, cell_text
 from ncgear.metrology.pins import Misfit, Pins, TwoPins, over_two_pins
 from ncgear.metrology.span import Spans
-from ncgear.project.measured import MeasuredGear
+from ncgear.project.workshop_measures import GearMeasures
 
 SPACE = Column("space after tooth")
 
@@ -22,7 +22,7 @@ Spaces = tuple[int, ...]
 Readings = dict[Spaces, float]
 
 
-def pin_tables(gear: MeasuredGear) -> tuple[Table, ...]:
+def pin_tables(gear: GearMeasures) -> tuple[Table, ...]:
     """The distances from the axis over single pins, and over two nearly opposite ones.
 
     Tables without rows or notes are left out.
@@ -30,7 +30,7 @@ def pin_tables(gear: MeasuredGear) -> tuple[Table, ...]:
     return tuple(table for table in (one_pin_table(gear), two_pin_table(gear)) if table.rows or table.notes)
 
 
-def one_pin_table(gear: MeasuredGear) -> Table:
+def one_pin_table(gear: GearMeasures) -> Table:
     """The distances from the axis over pins, in a ring to their near sides: space, centre, distance, its limits."""
     ring, pins, name, tool = gear.working.is_ring, gear.pins, gear.gear.value, gear.tool
     limits = [_over_one(pins_there) for _, pins_there in gear.at_limits]
@@ -43,7 +43,7 @@ def one_pin_table(gear: MeasuredGear) -> Table:
     return Table(title, columns, tuple(rows), _pin_notes(pins, tool), long=True)
 
 
-def two_pin_table(gear: MeasuredGear) -> Table:
+def two_pin_table(gear: GearMeasures) -> Table:
     """The distances over two nearly opposite pins, in a ring between them: both spaces, distance, its limits."""
     word = "between" if gear.working.is_ring else "over"
     columns = (SPACE, Column("and after tooth"), Column(f"{word} two {gear.tool}s", "mm"))
@@ -94,7 +94,7 @@ SPAN_COLUMNS = (
 )
 
 
-def span_table(gear: MeasuredGear) -> tuple[Table, ...]:
+def span_table(gear: GearMeasures) -> tuple[Table, ...]:
     """The spans of a gear, in one row if it is circular; no table where no span is defined."""
     found = gear.spans
     if not found.first.size:

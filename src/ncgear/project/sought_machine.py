@@ -10,12 +10,12 @@ from ncgear.errors import DesignError
 from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.task import Figures, Task, figures
 from ncgear.project.law import keeps_even_speed, law_of
-from ncgear.project.wishes import inertia_as_given, task_of, wishes_of
+from ncgear.project.law_task import inertia_as_given, task_of, wishes_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Train, single
 
 
-class Comparison(ABC):
+class SoughtMachine(ABC):
     """A design's machine and its wishes, with other mechanisms that have the same masses and the same speed.
 
     Every attribute may raise WrongInput for wishes that contradict each other or the design.
@@ -63,7 +63,7 @@ class Comparison(ABC):
             return None
 
 
-class GearsAsGiven(Comparison):
+class GearsAsGiven(SoughtMachine):
     """The machine with its gears as given: laws under different caps are compared with the same masses."""
 
     @cached_property

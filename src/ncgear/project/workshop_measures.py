@@ -24,7 +24,7 @@ from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 
 
 @dataclass(frozen=True, eq=False)
-class MeasuredGear:
+class GearMeasures:
     """One gear in the section that is measured.
 
     ``tool`` is what lies in its spaces, a pin or, in helical ones, a ball, and ``pins_mm`` are the diameters to choose
@@ -83,7 +83,7 @@ class MeasuredGear:
         return tuple(found)
 
 
-def measured_gears(drive: Geared) -> tuple[MeasuredGear, MeasuredGear]:
+def measured_gears(drive: Geared) -> tuple[GearMeasures, GearMeasures]:
     """The driving and the driven gear, in the section of ``measured_section``.
 
     Raises WrongInput where given pins measure in no space, with the least and the largest sold ones that do.
@@ -140,13 +140,13 @@ def section_z_mm(helix: Helix) -> float:
     return helix.rise_mm / 2.0
 
 
-def _measured(drive: Geared, gear: Gear, toothed: ToothedGear) -> MeasuredGear:
+def _measured(drive: Geared, gear: Gear, toothed: ToothedGear) -> GearMeasures:
     tolerance = drive.chord_tolerance_mm
     working = working_flanks(toothed, drive.helix.angle_rad if drive.helix else 0.0)
     limits = thickness_limits_mm(drive.gears)
     tool = "ball" if drive.helix else "pin"
     z_mm = section_z_mm(drive.helix) if drive.helix else None
-    return MeasuredGear(gear, tool, working, toothed, _pins_to_try_mm(drive, working), tolerance, limits, z_mm)
+    return GearMeasures(gear, tool, working, toothed, _pins_to_try_mm(drive, working), tolerance, limits, z_mm)
 
 
 def _pins_to_try_mm(drive: Geared, working: WorkingFlanks) -> tuple[float, ...]:
