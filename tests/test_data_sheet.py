@@ -22,7 +22,7 @@ from ncgear.figures.data_sheet.entry import Entry
 from ncgear.figures.data_sheet.pitch_table import pitch_csv, turn_deg
 from ncgear.figures.data_sheet.sheet import DataSheet, data_sheet, sheet_text
 from ncgear.figures.tables import Table
-from ncgear.project import measured
+from ncgear.project import workshop_measures
 from ncgear.project.drive import Drive
 from ncgear.project.workshop_measures import GearMeasures
 
@@ -59,9 +59,9 @@ NAMES = ["ellipse", "internal-1-2", "helical-ellipse", "baler-66-two-stage", "un
 def test_flanks_at_the_limits_of_thickness_are_measured_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """The sheet asks for them for pins over one gear and between two spaces."""
     asked: list[float] = []
-    measure = measured.pins_in_spaces
-    monkeypatch.setattr(measured, "pins_in_spaces", lambda *of: (asked.append(of[1]), measure(*of))[1])
-    gear, _ = measured.measured_gears(changed("ellipse", tolerances=LIMITS, measuring_pin_mm=3.5))
+    measure = workshop_measures.pins_in_spaces
+    monkeypatch.setattr(workshop_measures, "pins_in_spaces", lambda *of: (asked.append(of[1]), measure(*of))[1])
+    gear, _ = workshop_measures.measured_gears(changed("ellipse", tolerances=LIMITS, measuring_pin_mm=3.5))
     assert gear.at_limits is gear.at_limits
     assert asked == [3.5] * 3
 

@@ -1,16 +1,18 @@
-"""The tables of a data sheet for measuring one gear: over pins in its spaces, and over teeth with a caliper."""
+"""The tables of a data sheet for a workshop: over pins and over teeth with a caliper, and which tools cut a gear."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import floor
 
 import numpy as np
 
 from ncgear.figures.numbers import drawn, shown
 from ncgear.figures.tables import Column, Table, Value, cell_text
+from ncgear.metrology.cut_by import CutBy
 from ncgear.metrology.pins import Misfit, Pins, TwoPins, over_two_pins
 from ncgear.metrology.span import Spans
-from ncgear.project.workshop_measures import GearMeasures
+from ncgear.project.workshop_measures import CutGear, GearMeasures
 
 SPACE = Column("space after tooth")
 
@@ -123,3 +125,27 @@ def _span_notes(found: Spans) -> tuple[str, ...]:
         f"changes as it is tilted until a plate's edge or a tip is touched{missed}",
         "where the reading grows, the caliper settles at the span; where it falls, the span is the greatest reading",
     )
+
+
+CUT_BY = (Column("tool"), Column("result"), Column("because"))
+
+
+def cut_table(gear: CutGear) -> Table:
+    """Tools with their sizes, what each makes of a gear, and why."""
+    largest = gear.round_tool
+    note = (
+        f"least concave radius of the outline {drawn(largest.hollow_mm, 'mm')} mm, in the space after tooth "
+        f"{largest.hollow_space}; a round tool as stated leaves {largest.left_mm:g} mm at most; of a wire the "
+        "diameter counts with its spark gap"
+    )
+    rows = tuple((_named(one), one.verdict.value, one.reason) for one in gear.by)
+    return Table(f"The {gear.gear.value} gear is cut by", CUT_BY, rows, (note,))
+
+
+def _named(one: CutBy) -> str:
+    """The tool with its size; diameters are rounded down, so that the stated one fits."""
+    if one.teeth is not None:
+        return f"{one.tool.value} of {one.teeth} teeth"
+    if one.diameter_mm is not None:
+        return f"{one.tool.value} of {floor(one.diameter_mm * 1000.0) / 1000.0:g} mm or less"
+    return one.tool.value

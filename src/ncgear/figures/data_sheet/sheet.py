@@ -12,9 +12,8 @@ from ncgear.design.keys.gears import PROFILES
 from ncgear.errors import DesignError
 from ncgear.figures.data_sheet.accuracy import tolerances
 from ncgear.figures.data_sheet.bodies import bodies
-from ncgear.figures.data_sheet.cut_table import cut_table
 from ncgear.figures.data_sheet.entry import Entry
-from ncgear.figures.data_sheet.measured_tables import pin_tables, span_table
+from ncgear.figures.data_sheet.measured_tables import cut_table, pin_tables, span_table
 from ncgear.figures.data_sheet.pitch_table import pitch_table
 from ncgear.figures.numbers import micrometres, shown, to_digits
 from ncgear.figures.passed import passed_rows
