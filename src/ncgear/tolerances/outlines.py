@@ -1,9 +1,9 @@
 """The check of the linear mesh: the outlines of an assembly with all its deviations, turned until they touch.
 
-The outlines are those of the exact teeth.  Their points on flanks are moved along the normal by what the flank deviates
-by, and the whole outline grows, is set off from its bore and turned; then ``ncgear.contact.written`` tells how far the
-driven gear turns before chords touch.  Nothing is linear in that.  Of tilted bores both ends of the face width are
-looked at.  What chords cost is taken off: the same is done with the outlines without deviations.
+The outlines are those of the exact teeth.  Points on flanks move along the normal by the flank's deviation.  The whole
+outline grows, shifts from its bore and turns.  ``ncgear.contact.written`` then tells how far the driven gear turns
+before chords touch.  None of this is linear.  With tilted bores both ends of the face width are checked.  The same
+check of outlines without deviations tells the error of chords, which is subtracted.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from ncgear.teeth.gear import ToothedGear
 from ncgear.tolerances.mesh import Deviations, Face, LinearMesh, crossing_arms_mm
 
 ALONG = 64
-"""Points along each run of a side among which that of each vertex is looked for."""
+"""Points along each run of a side; the nearest is sought for each vertex."""
 
 ASTRAY = 0.01
 """Distance from a side, in modules, within which a vertex lies on it: more than chords stray, less than a tip land."""
@@ -37,8 +37,8 @@ ASTRAY = 0.01
 class OnSides:
     """The outline of a gear (shape (n,)) and which of its points lie on the sides of teeth: on flanks and fillets.
 
-    For those, shape (k,) each: ``vertex``, the ``flank`` of the side, its ``share`` of the flank's height from -1/2 at
-    the root and on the fillet to 1/2 at the tip, and the unit ``normal`` that leads out of the material.
+    For these k points, shape (k,) each: ``vertex``, the ``flank`` of the side, its ``share`` of the flank's height from
+    -1/2 at the root and on the fillet to 1/2 at the tip, and the unit ``normal`` that leads out of the material.
     """
 
     outline: ComplexArray
@@ -50,8 +50,8 @@ class OnSides:
     def deviating(self, turned_rad: Array, added_mm: Array, profile_mm: Array) -> ComplexArray:
         """The outline with deviations of each side, shape (flanks,) each.
 
-        Sides are turned about the axis out of the material, and have material added along their normals, alike all over
-        and by their slope.
+        Each side is turned about the axis, out of the material, and gets more material along its normals: an even part
+        and a slope.
         """
         point = self.outline[self.vertex]
         # Normals of fillets lead anywhere.

@@ -1,4 +1,4 @@
-"""Many assemblies of a machine: what they do, with what chance, which tolerance matters, and what play is needed."""
+"""Many assemblies of a machine: their figures and chances, the tolerances that matter, and the play that is needed."""
 
 from __future__ import annotations
 
@@ -33,8 +33,9 @@ JAMMED_RAD = 1e-9
 """Overlap of the driven gear's angle from which teeth jam, and spread of an angle that counts: rounding is less."""
 
 ALONE = 3e9
-"""Places of contact times assemblies up to which this process computes alone, unless processes are asked for: some
-ten seconds, in which other processes would hardly have begun."""
+"""Places of contact times assemblies up to which this process computes alone, unless processes are asked for.  They
+take some ten seconds, and other processes would hardly have begun by then.
+"""
 
 OnDone = Callable[[int, int], None]
 
@@ -69,7 +70,7 @@ def drawn_evenly(count: int, seed: int, pairs: int = 1) -> list[Task]:
 
 
 def drawn_at_random(count: int, seed: int, pairs: int = 1) -> list[Task]:
-    """Tasks of assemblies that are drawn at random altogether."""
+    """Tasks of assemblies whose pairs and teeth are drawn at random."""
     return tasks_of(np.random.default_rng([seed, 1]).random((pairs * COUNT, count)), seed, 1)
 
 
@@ -81,7 +82,7 @@ def as_designed(lot: Lot, task: Task) -> Assemblies:
 
 @dataclass(frozen=True)
 class Share:
-    """A share of the assemblies, and the range in which that of all assemblies lies with 95 % confidence (Wilson)."""
+    """A share of the drawn assemblies, and the range of the share of all assemblies with 95 % confidence (Wilson)."""
 
     value: float
     least: float
@@ -89,7 +90,7 @@ class Share:
 
 
 def share_of(count: int, total: int) -> Share:
-    """The share that some of all drawn assemblies are."""
+    """The share of ``count`` of ``total`` drawn assemblies."""
     from scipy.stats import binomtest
 
     interval = binomtest(count, total).proportion_ci(0.95, method="wilson")
@@ -118,8 +119,8 @@ NORMAL_95 = 1.96
 def surpassed(values: Array, share: float) -> float | None:
     """A value that ``share`` of all assemblies surpass, with 95 % confidence; None where too few are drawn to tell.
 
-    It is the k-th smallest of n drawn values, k the greatest number for which more than k - 1 of n values lie below the
-    true quantile with that confidence (Wilks 1941).
+    It is the k-th smallest of n drawn values. k is the greatest number for which, with this confidence, more than k - 1
+    of n values lie below the true quantile (Wilks 1941).
     """
     from scipy.stats import binom
 
@@ -134,14 +135,14 @@ def enough_samples(share: float) -> int:
 
 
 INDEXED = "least_play_mm", "transmission_error_mm", "motion_error", "peak_acceleration"
-"""What the indices of Sobol are computed of."""
+"""The figures whose indices of Sobol are computed."""
 
 
 @dataclass(frozen=True)
 class Index:
-    """Indices of Sobol of one source: the share of the variance that it causes by itself, and together with others.
+    """Indices of Sobol of a source: the share of the variance that it causes alone, and together with other sources.
 
-    ``error`` is half the width of the 95 % range of the second, whose estimator is a mean (Jansen 1999).
+    ``error`` is half the width of the 95 % range of ``total``, whose estimator is a mean (Jansen 1999).
     """
 
     source: Source
@@ -151,7 +152,8 @@ class Index:
 
 
 def sobol_tasks(lot: Lot, count: int, seed: int) -> list[Task]:
-    """The tasks of Saltelli's scheme with all numbers of a source exchanged at once: of A, of B, then one set for each.
+    """The tasks of Saltelli's scheme, which exchanges all numbers of a source at once: A, B, then a set for each
+    source.
 
     ``count`` is a power of two, a multiple of the number of assemblies in a task or less.
     """
@@ -169,7 +171,7 @@ def sobol_tasks(lot: Lot, count: int, seed: int) -> list[Task]:
 def sobol_indices_of(lot: Lot, found: Assemblies) -> dict[str, tuple[Index, ...]]:
     """The indices of each of INDEXED from the assemblies of ``sobol_tasks``, the greatest first.
 
-    What does not vary has none, and all of the variance is a single source's.
+    A figure that does not vary has no indices; a single source has all of the variance.
     """
     from scipy.stats import sobol_indices
 
@@ -195,9 +197,10 @@ def sobol_indices_of(lot: Lot, found: Assemblies) -> dict[str, tuple[Index, ...]
 
 @dataclass(frozen=True, eq=False)
 class FirstOrder:
-    """Standard deviations by the first order, and those of drawn assemblies, in mm along the normal, shape (p,) each.
+    """Standard deviations of the play by the first order, and of drawn assemblies, in mm along the normal, shape (p,)
+    each.
 
-    They are of the play at each position.  ``by_source`` is each source's part of the first one.
+    There is a play at each position.  ``by_source`` is each source's part of ``linear_mm``.
     """
 
     linear_mm: Array
@@ -206,16 +209,16 @@ class FirstOrder:
 
     @property
     def difference(self) -> float:
-        """Largest difference of both, as a share of the largest of those drawn; 0 where nothing is spread."""
+        """Largest difference of both, as a share of the largest drawn deviation; 0 where nothing is spread."""
         largest = float(self.drawn_mm.max())
         return float(np.abs(self.linear_mm - self.drawn_mm).max() / largest) if largest else 0.0
 
 
 def first_order(lot: Lot, number: int, tasks: Iterable[Task]) -> FirstOrder:
-    """The spread of the play of the pair ``number`` of the lot by the first order, beside that of drawn assemblies.
+    """The spread of the play of the pair ``number`` of the lot: by the first order, and of drawn assemblies.
 
-    The first order takes the root of the sum of squares.  It knows one place of contact at each position and side, that
-    of the pair without deviations, and no tilt.
+    The first order takes the root of the sum of squares.  It knows one place of contact at each position and side,
+    where the pair without deviations touches, and no tilt.
     """
     mesh, known = lot.pairs[number].mesh, spread(lot.pairs[number].limits)
     arm = mesh.arm_mm[BACK]
@@ -239,9 +242,10 @@ def first_order(lot: Lot, number: int, tasks: Iterable[Task]) -> FirstOrder:
 
 @dataclass(frozen=True)
 class BetweenPositions:
-    """How far figures of any of some assemblies go beyond those told, between the positions, in mm at most.
+    """How far figures of some assemblies go, between the positions, beyond their values at the positions: in mm, at
+    most.
 
-    Eight times as many positions tell it to a tenth or so of itself.
+    Eight times as many positions tell this to about a tenth of its value.
     """
 
     assemblies: int
@@ -251,7 +255,7 @@ class BetweenPositions:
 
 
 def between_positions(pair: PairLot, finer: LinearMesh, of: Deviations) -> BetweenPositions:
-    """What the positions of a pair miss of those of ``finer``, many times as many, which are its own and more."""
+    """The figures that the positions of a pair miss; ``finer`` has the same positions and many more between them."""
     own = of_pair(pair, of, pair.mesh.leads(of))
     found = of_pair(replace(pair, mesh=finer, reversals=pair.reversals[:0]), of, finer.leads(of))
 
@@ -291,7 +295,9 @@ def signs_of(torque_n_mm: Array) -> Array:
 
 
 FINER, MOST_POSITIONS = 8, 20_000
-"""How many times as many positions tell what those miss, and how many these are at most; twice as many at least."""
+"""How many times as many positions tell the missed figures, at least twice as many, and the largest number of
+positions.
+"""
 
 CHECKED = 2
 """How many assemblies are checked by their outlines besides the assembly with the least play."""
@@ -325,7 +331,7 @@ class PairStudy:
 
 
 def finer_by(pair: PairLot) -> int:
-    """How many times as many positions a mesh has that tells what those of the pair miss."""
+    """How many times as many positions a mesh has that tells the figures which a pair's positions miss."""
     return int(np.clip(MOST_POSITIONS // pair.mesh.phi1_rad.size, 2, FINER))
 
 
