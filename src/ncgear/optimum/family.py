@@ -9,13 +9,13 @@ and the skewness of the return.  The approach's velocity, a quartic with v' = 0 
 factors of its derivative, v' ~ (1 - t)(rho - t)(cos chi + sin chi t), t = phi1/theta2, rho = theta1/theta2, which stays
 regular where theta1 comes near theta2 and v1 near v2.  ``brake`` is -a1 (theta4 - theta3)/v2.
 
-Sobol points of their box are looked at all at once.  From each of the best that lie apart, sequential quadratic
+All Sobol points of their box are looked at together.  From each of the best points that lie apart, sequential quadratic
 programming (D. Kraft, DFVLR-FB 88-28, 1988) goes down to a local optimum, with all samples of acceleration and power as
 constraints and the peak as a variable of its own; then it does so from random neighbours of the best.  The result is
-made into a law as a design file would make it and judged by its exact peaks, with masses those of the one loaded
-machine (``ncgear.dynamics.loaded_machine``), from which the samples of the power come as well; where exact peaks exceed
-the cap between samples, the cap is tightened by as much.  The same seed gives the same law.  A local method proves no
-optimum: that is what the certified limits are for.
+made into a law as a design file would make it and judged by its exact peaks.  With masses, exact peaks and samples of
+the power come from the same loaded machine (``ncgear.dynamics.loaded_machine``).  Where exact peaks exceed the cap
+between samples, the cap is tightened by the excess.  The same seed gives the same law.  A local method proves no
+optimum; the certified limits do.
 """
 
 from __future__ import annotations
@@ -194,7 +194,7 @@ AT_ONCE = 512
 """Points that are sampled at once: with masses this takes half the time that all of them at once take."""
 
 APART = 0.2
-"""Distance, in the unit box, of one start from the others."""
+"""Distance, in the unit box, of a start from the other starts."""
 
 PENALTY = 20.0
 """Price of a relative excess over the cap, in peaks, while starts are chosen."""
@@ -236,7 +236,8 @@ class FamilyOptimum:
 
 
 def best_of_family(family: Family, least: Peak, cap: float = inf, *, seed: int = 1, starts: int = 32) -> FamilyOptimum:
-    """The law of the family with the least peak of one kind, the other kind's at most ``cap`` (W or mm/s^2).
+    """The law of the family with the least peak of one kind, where the peak of the other kind is ``cap`` at most (W or
+    mm/s^2).
 
     Raises NoSuchMechanism where no law of the family is found under the cap, with the least that was found.
     """
@@ -274,7 +275,7 @@ def _capped(least: Peak) -> Peak:
 
 
 def _merit(family: Family, least: Peak, cap: float, points: Array) -> Array:
-    """The peak, made larger where the other one exceeds the cap; shape (n,)."""
+    """The peak, made larger where the other peak exceeds the cap; shape (n,)."""
     found = sampled_laws(family, points)
     peak, other = (np.abs(found.of(kind)).max(axis=1) for kind in (least, _capped(least)))
     excess = np.maximum(other / cap - 1.0, 0.0) if isfinite(cap) else np.where(np.isfinite(other), 0.0, inf)
@@ -307,7 +308,7 @@ class _Descent:
         self.start = np.append(start, 1.0)
 
     def values(self, variables: Array) -> Array:
-        """What must not be negative: peak minus samples, and what is left under the cap."""
+        """Values that must not be negative: peak minus samples, and cap minus samples."""
         self._see(variables[:-1])
         values: Array = self._values + variables[-1] * self._is_peak
         return values
@@ -370,7 +371,8 @@ def _under_cap(family: Family, least: Peak, cap: float, point: Array) -> FamilyO
 def _made(family: Family, point: Array) -> list[FamilyOptimum]:
     """The laws of a point of the unit box as a design file makes them, with their exact peaks; none where it cannot.
 
-    One has the return of least acceleration.  Where the return takes power, another has that of the point.
+    The first has the return of least acceleration.  Where the return takes power, the second has the return of the
+    point.
     """
     constants: list[float | None] = [None]
     if family.return_takes_power and isfinite(own := constant_at(family, point)):

@@ -58,7 +58,7 @@ def leaning(of: MotionProgramme) -> IndexArray:
 
 
 def limit_driving_curve(of: MotionProgramme, known: Ranges) -> None:
-    """y = ln q within what its range leaves, and three places in a row of a convex driving curve."""
+    """y = ln q within the range of q, and three places in a row of a convex driving curve."""
     cells = np.nonzero((known.least_in_cell > 0.0) & np.isfinite(known.most_in_cell))[0]
     places = np.unique(np.concatenate([cells, of.next[cells]]))
     low, high = of.lowest[places], np.maximum(of.highest[places], of.lowest[places])

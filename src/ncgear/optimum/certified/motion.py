@@ -1,4 +1,4 @@
-"""The variables of all motions as a conic programme, and what acceleration, power, speed and energy ask of them.
+"""The variables of all motions as a conic programme, and their relations by acceleration, power, speed and energy.
 
 Let phi2 be the crank's angle, s = dphi2/dphi1, q = s^2, primes by phi2.  The variables are q at the places, s there
 (at most the root of q), and the mean of 1/s in each cell, which is its share of driving angle.
@@ -6,8 +6,8 @@ Let phi2 be the crank's angle, s = dphi2/dphi1, q = s^2, primes by phi2.  The va
 - Acceleration w^2 (x'' q + x' q'/2) is the slope of half the squared speed along the slider's way: from place to place
   it changes by at most the peak times the way, and falls by at most a wished deceleration times it.
 - Power F w x' s of a resistance bounds q at each place, and the work of a cell takes its time at full power.  With
-  masses, work and change of kinetic energy of a cell take their time.  The time is a variable of its own that is no
-  less than the true one; where q is known to lie within ranges, it is no more than a chord leaves it.
+  masses, work and change of kinetic energy of a cell take their time.  The time is a variable that is no less than the
+  true time; where q is known to lie within ranges, a chord limits it from above.
 
 The relations are those of the time-optimal control of a path (Verscheure et al., "Time-optimal path tracking for
 robots: a convex optimization approach", IEEE Trans. Automat. Contr. 54 (2009), who use q as well).
@@ -35,12 +35,12 @@ ROUNDING = 1e-12
 """Relative error that ranges of variables made from other ranges may have, with much to spare."""
 
 MOST_ACCELERATION = 1e4
-"""Peak acceleration in units of crank w^2 beyond which none is told apart; an even crank has one or two."""
+"""Largest peak acceleration that is looked at, in units of crank w^2; an even crank has 1 or 2."""
 
 
 @dataclass(frozen=True, eq=False)
 class LimitedFigure:
-    """A limited figure: its share of the most, one expression, and the least share."""
+    """A limited figure: its share of the limit, as an expression, and the least share."""
 
     share: Linear
     least: float
@@ -57,7 +57,7 @@ class MotionProgramme:
 
     ``q`` (s^2), ``turning`` (s) and ``time`` (mean of 1/s in each cell) have one expression for each place.
     ``acceleration`` is in units of crank w^2, ``power_squared`` in units of ``power_unit_w`` squared, ``angle`` is the
-    driving angle that the cycle takes, over that which it has; one expression each.
+    driving angle that the motion takes, over the driving angle of the cycle.  Each is one expression.
     """
 
     def __init__(
@@ -153,10 +153,10 @@ class MotionProgramme:
         return slope
 
     def limit_decelerations(self) -> None:
-        """Wished decelerations over stretches: the mean over each whole cell, and what a dead centre is come to with.
+        """Wished decelerations over stretches: the mean over each whole cell, and the deceleration at a dead centre.
 
-        A law that keeps the deceleration at every point has no more in the mean, so the rows hold for every such law.
-        What they miss is the swing of the deceleration within a cell, of first order in its step.
+        A law that keeps the deceleration at every point also keeps it in the mean, so the rows hold for every such law.
+        They miss the swing of the deceleration within a cell, which is of first order in the step.
         """
         on = self.on
         for limit in self.asked.requirements(DecelerationWithin):
@@ -164,7 +164,7 @@ class MotionProgramme:
             cells = on.cells_within(*limit.stretch)
             self.falls[cells] = np.minimum(self.falls[cells], most)
             self.programme.positive(self._slope()[cells] + most)
-            # The dead centres at which one of these cells ends
+            # The dead centres at which any of these cells ends
             dead = np.intersect1d(self.next[cells], [0, on.extended])
             self.programme.positive(most - self.q[dead] * (on.bend_mm_rad2[dead] / self.crank))
 

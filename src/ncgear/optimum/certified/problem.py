@@ -31,12 +31,13 @@ def motion_programme(
 ) -> MotionProgramme:
     """The programme of all motions that keep the demands, and more that only keep these relations.
 
-    ``curve`` brings the driving curve in.  With ranges, for motions within these.  Near a motion, its relation is that
-    of q'' <= 2 + 2 sqrt(q) + q'^2/q with q'^2/q bounded from below by its tangent: a motion that keeps it has a convex
-    driving curve, but not every such motion keeps it.  That programme finds motions and proves nothing.  Where not
-    ``closed``, the cycle may take any driving angle.  ``powers_w`` is the range of peak powers that is looked at where
-    the peak power is not limited.  The peak of acceleration is a variable ``with_peak``, up to ``MOST_ACCELERATION``,
-    or where it is limited.  Figures that are ``priced`` are variables within their ranges, and demands.
+    ``curve`` brings the driving curve in.  Ranges give its relation for all motions within them.  Near a motion, the
+    relation is q'' <= 2 + 2 sqrt(q) + q'^2/q with q'^2/q bounded from below by its tangent.  A motion that keeps this
+    relation has a convex driving curve, but some motions with a convex driving curve do not keep it.  This programme
+    finds motions and proves nothing.  Where not ``closed``, the cycle may take any driving angle.  ``powers_w`` is the
+    range of peak powers that is looked at where the peak power is not limited.  The peak of acceleration is a variable
+    ``with_peak``, up to ``MOST_ACCELERATION``, or where it is limited.  Figures that are ``priced`` are variables
+    within their ranges, and demands.
     """
     asked = replace(asked, **{one.name: min(one.most, getattr(asked, one.name)) for one in priced})
     made = MotionProgramme(task, on, asked, curve if isinstance(curve, Ranges) else None, priced)
@@ -77,13 +78,17 @@ class LimitProblem:
 
     @cached_property
     def closing(self) -> float:
-        """Least driving angle of a cycle that keeps all other demands, over what it has; infinite where none does."""
+        """Least driving angle of a cycle that keeps all other demands, over the cycle's own; infinite where no motion
+        keeps them.
+        """
         made = self.programme(closed=False)
         return least(made.programme, made.angle).value
 
     @property
     def excess(self) -> float:
-        """By how much the least driving angle is over what the cycle has, as a share of that; zero or less: none."""
+        """Excess of the least driving angle over the cycle's own, as a share of the cycle's; zero or less means no
+        excess.
+        """
         return self.closing - 1.0
 
     @property

@@ -1,5 +1,6 @@
-"""What the mean of 1/s in each cell, the cell's share of driving angle, is at least and at most, as rows of the conic
-programme of motions."""
+"""Least and greatest mean of 1/s in each cell, which is the cell's share of driving angle, as rows of the conic
+programme.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +17,7 @@ from ncgear.wishes.requirements import TimeWithin
 
 
 def needs_times(task: Task, asked: Demands) -> bool:
-    """Whether a longer time than the true one eases a row: those of energies, and those of stretches."""
+    """Whether a time longer than the true time eases a row: a row of energies or of stretches."""
     return (
         task.masses is not None
         or bool(asked.requirements(TimeWithin))
