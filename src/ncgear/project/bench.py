@@ -1,12 +1,13 @@
 """Speed against error of a person's own design: each stage at several finenesses, its time, and its error.
 
-Errors are measured against what the stage does not know: exact peaks from closed forms, lengths by quadrature, points
-of the exact curves between the chords, or the same stage much finer.  From these the coarsest fineness is recommended
-whose measured error is within what the file asks for; where none of those tried is, finer ones are tried.
+Errors are measured against references that the stage does not use: exact peaks from closed forms, lengths by
+quadrature, points of the exact curves between the chords, or the same stage much finer.  The recommended fineness is
+the coarsest whose measured error is within the error that the file asks for; where no tried fineness is enough, finer
+ones are tried.
 
-What the file asks for is ``output.chord_tolerance_mm``: how far what is written may be from the exact teeth.  Errors
-that are lengths are held against it.  Those that are shares have no key, and are held against a thousandth of a peak
-and a hundredth of a stress.
+The file asks for an error by ``output.chord_tolerance_mm``: the largest distance between written and exact teeth.
+Errors that are lengths are held against it.  Errors that are shares have no key, and are held against a thousandth of a
+peak and a hundredth of a stress.
 """
 
 from __future__ import annotations
@@ -40,13 +41,15 @@ PEAK_SHARE, STRESS_SHARE = 1e-3, 1e-2
 """Errors of peaks and of stresses that are taken as asked for, as shares."""
 
 REPEATS, SHORT_S = 3, 0.5
-"""The median of so many times is told of what takes less than this; what takes longer is timed once."""
+"""A stage that takes less than this is timed so many times, and the median is told; a longer stage is timed once."""
 
 MOST_FINER = 4
 """Finer settings that are tried where none of the first is fine enough."""
 
 LEAST_IN_MODULES = 3e-6
-"""The least chord tolerance that is tried: finer ones take more points than any outline is made of."""
+"""The least chord tolerance that is tried: with a finer tolerance an outline would need more points than it may
+have.
+"""
 
 
 @dataclass(frozen=True)
@@ -63,9 +66,9 @@ class Trial:
 class BenchStage:
     """One stage at several settings, from coarse to fine.
 
-    ``varied`` is what is set, ``counted`` what its size counts; ``error_of`` and ``unit`` tell the error, ``reference``
-    what it was measured against.  ``asked`` is the error that the file asks for, ``key`` the key that says so or empty,
-    and ``used`` the setting of a build.
+    ``varied`` names the setting, ``counted`` the things that its size counts; ``error_of`` and ``unit`` tell the error,
+    ``reference`` the value it was measured against.  ``asked`` is the error that the file asks for, ``key`` its key or
+    empty, and ``used`` the setting of a build.
     """
 
     name: str
@@ -82,9 +85,9 @@ class BenchStage:
 
     @property
     def recommended(self) -> Trial | None:
-        """The coarsest trial whose error, and that of all finer ones, is within what is asked; None where none is.
+        """The coarsest trial with an error, like all finer trials, within the asked error; None where there is none.
 
-        Extremes among samples may be met by luck at one setting.
+        At one setting samples may meet extremes by luck.
         """
         found = None
         for trial in reversed(self.trials):
@@ -108,7 +111,7 @@ class BenchStage:
 
 
 def benched(drive: Drive, on_step: Callable[[str], None]) -> list[BenchStage]:
-    """All stages that a design has, from its motion to its finite elements; raises what the stages of the drive raise.
+    """All stages that a design has, from its motion to its finite elements; raises the errors of the drive's stages.
 
     Two pairs of gears have all but the motion twice, each named by its pair: ``teeth of stage 1``.
     """
@@ -158,7 +161,9 @@ def _tried(
     judge: Callable[[Result], tuple[float, int]],
     asked: float,
 ) -> tuple[Trial, ...]:
-    """Trials at settings and, while none is good enough, at finer ones; ``finer`` gives None where there is none."""
+    """Trials at settings and, while no trial is good enough, at finer settings; ``finer`` gives None where it has no
+    finer setting.
+    """
     trials: list[Trial] = []
     waiting = list(settings)
     while waiting:
@@ -280,7 +285,7 @@ PER_TOOTH, MOST_PER_TOOTH = (4.0, 8.0, 16.0, 32.0), 64.0
 
 
 def _contact(drive: Drive) -> BenchStage:
-    """The extremes of the contact of the outlines among positions, beside those searched between them."""
+    """The extremes of the contact of the outlines among positions, and the extremes searched between them."""
     from ncgear.contact.placement import placed
     from ncgear.contact.written.as_written import Outlines, as_written, reach_mm
     from ncgear.contact.written.extremes import play_extremes
@@ -319,7 +324,7 @@ def _contact(drive: Drive) -> BenchStage:
 
 
 FINER_SOLIDS = 16.0
-"""The reference of solids is so many times finer than the finest that is tried first."""
+"""The reference of solids is so many times finer than the finest solids that are tried first."""
 
 
 def _solids(drive: Drive) -> BenchStage:
@@ -377,7 +382,7 @@ def _section_error_mm(exact: Array, mesh: Trimesh, height_mm: float) -> float:
 
 
 PARTS, REFERENCE_PARTS = (1.0, 2.0, 3.0), 5
-"""How many parts the elements of the coarsest mesh are cut in along each side, and those of the reference."""
+"""In how many parts the elements of the coarsest mesh, and of the reference, are cut along each side."""
 
 
 def _elements(drive: Drive) -> BenchStage:

@@ -1,4 +1,4 @@
-"""The drive: one design and all that follows from it, each value computed when it is first asked for, and once."""
+"""The drive: a design and all values that follow from it; each is computed once, when it is first asked for."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class Drive(Geared):
         return tuple(Drive(self.design, number, self.loaded, self) for number in range(1, self.design.stages + 1))
 
     def of_stage(self, stage: int | None) -> Drive:
-        """The drive of one pair of gears: of two in series that of stage 1 or 2, else the only one, by None.
+        """The drive of one pair of gears: of stage 1 or 2 of two pairs in series, or with None of the only pair.
 
         Raises WrongInput where a stage is given of a single pair, or none of two.
         """
@@ -147,7 +147,8 @@ class Drive(Geared):
 
     @computed
     def thickness_band(self) -> tuple[AtThickness, ...]:
-        """The pair with the thinnest teeth that the file allows, with those of its outlines, and with the thickest.
+        """The pair with the thinnest teeth that the file allows, with the teeth of its outlines, and with the thickest
+        teeth.
 
         Empty where the file gives no limits of the thickness; raises where the thickest teeth overlap.
         """
@@ -167,7 +168,7 @@ class Drive(Geared):
 
     @computed
     def passings(self) -> tuple[Passing, ...]:
-        """How near crank pin and rods come to what stands beside the gears; none where no linkage moves."""
+        """How near crank pin and rods come to shafts, hubs and stops beside the gears; empty where no linkage moves."""
         from ncgear.project.passing import passings_of
 
         return passings_of(self)
@@ -406,7 +407,7 @@ class Drive(Geared):
         return self.judged_teeth(method).loading
 
     def judged_teeth(self, method: Literal["estimate", "elements"]) -> JudgedTeeth:
-        """Loads and strength of the teeth by a method, and what the method knows of them; made, or refused, once."""
+        """Loads and strength of the teeth by a method, and what else the method found; computed, or refused, once."""
         known = self._known_strengths
         if method not in known:
             try:
@@ -420,7 +421,7 @@ class Drive(Geared):
 
     @computed
     def still_teeth(self) -> JudgedTeeth:
-        """As ``judged_teeth`` by the design's method, with a dynamic factor of 1: what the teeth bear at least."""
+        """As ``judged_teeth`` by the design's method, with a dynamic factor of 1: the least load on the teeth."""
         return self._judged(self.design.strength.method, replace(self.conditions, dynamic_factor=1.0))
 
     def _judged(self, method: Literal["estimate", "elements"], conditions: Conditions) -> JudgedTeeth:

@@ -1,4 +1,4 @@
-"""From keys to values: what stands around the gears of a design, and what its loads make of it."""
+"""From keys to values: bearings, shafts, keys, motor and couplings around the gears of a design, and their loads."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ N_MM_PER_N_M = 1000.0
 
 @dataclass(frozen=True, eq=False)
 class ShaftResult:
-    """The bearings, the shaft with its largest moment, and the key of one gear; None where nothing is given of them.
+    """The bearings, the shaft with its largest moment, and the key of one gear; each None where it is not given.
 
     ``enough_mm`` is the diameter with which a shaft holds that does not; None where it holds, and where none does.
     """
@@ -62,7 +62,7 @@ class ShaftResult:
 
 @dataclass(frozen=True, eq=False)
 class PowerTakeOffResult:
-    """Where the limiter slips and where the clutch lets the machine run ahead; None without the one or the other."""
+    """Where the limiter slips and where the clutch lets the machine run ahead; None without limiter or clutch."""
 
     slips: list[Excursion] | None
     runs_ahead: list[Excursion] | None
@@ -73,8 +73,8 @@ class DrivetrainResult:
     """What stands around the gears of a design.
 
     ``flywheel_kg_mm2`` is the inertia on the driving shaft, its gear and the motor included, that the wanted
-    coefficient of fluctuation ``wanted_fluctuation`` needs by the torque with losses; ``disc`` gives what is not there
-    yet.
+    coefficient of fluctuation ``wanted_fluctuation`` needs by the torque with losses; ``disc`` gives the part of it
+    that the machine lacks.
     """
 
     wanted: WantedLife
@@ -178,7 +178,7 @@ MOST_TIMES, GROWN = 10.0, 1.002
 
 
 def _thick_enough_mm(of_diameter: Callable[[float], ShaftSafety], given_mm: float, safety: ShaftSafety) -> float | None:
-    """The diameter from which on a shaft that is too thin holds, to GROWN, by trials; None of one that holds.
+    """The diameter from which on a shaft that is too thin holds, to GROWN, by trials; None for a shaft that holds.
 
     Safety grows nearly as the third power of the diameter.
     """

@@ -27,7 +27,7 @@ class SoughtMachine(ABC):
     @property
     @abstractmethod
     def task(self) -> Task:
-        """The machine; its masses are those of all figures."""
+        """The machine; all figures count its masses."""
 
     @cached_property
     def wishes(self) -> Wishes:
@@ -41,12 +41,14 @@ class SoughtMachine(ABC):
 
     @property
     def soft(self) -> bool:
-        """Whether soft wishes count in what is least: they bend the law, and the limit is that of hard ones alone."""
+        """Whether soft wishes count in the goal: they bend the law, and the limit is for hard wishes alone."""
         return any(not wish.hard for wish in self.wishes.motion)
 
     @property
     def sizing(self) -> Train | None:
-        """The law whose gears say how far apart those of the uniform crank are; None: as far as their own size says."""
+        """The law whose gears tell the centre distance of the uniform crank's gears; None: these have a distance of
+        their own.
+        """
         return None
 
     @cached_property

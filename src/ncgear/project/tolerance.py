@@ -1,4 +1,4 @@
-"""From keys to values: the assemblies of a design within its tolerances, and what they say of it."""
+"""From keys to values: the assemblies of a design within its tolerances, and the backlash that they need."""
 
 from __future__ import annotations
 
@@ -64,9 +64,9 @@ KNOCKING = 2.0, 0.05
 class NeededBacklash:
     """The backlash with which 99.9 % of all assemblies turn, with 95 % confidence, by its key in the design file.
 
-    ``of_pairs`` are those with which each pair would by itself; the key holds for all of them.  ``jammed`` is the share
-    of fresh assemblies of the gears with that backlash that jam.  It is None where these gears cannot be made, for the
-    reason ``refused``.
+    ``of_pairs`` are the backlashes that each pair would need by itself; the key holds for all pairs.  ``jammed`` is the
+    share of jamming assemblies among fresh assemblies of the gears with this backlash.  It is None where these gears
+    cannot be made, for the reason ``refused``.
     """
 
     key: str
@@ -81,10 +81,10 @@ class NeededBacklash:
 class Tolerated:
     """What the assemblies of a design within its tolerances do: the machine, and each of its pairs.
 
-    A machine jams or knocks where one of its pairs does.  ``process`` is that whose usual tolerances are assumed; None
-    where the file gives some.  ``needed`` is None where fewer assemblies are drawn than tell
-    it.  ``knock`` is None where the torque of no driven gear ever turns round; ``loaded`` tells whether any load is
-    known: if not, every angle counts as one where it does.
+    A machine jams or knocks where one of its pairs does.  ``process`` is the process whose usual tolerances are
+    assumed; None where the file gives tolerances.  ``needed`` is None where too few assemblies are drawn to tell it.
+    ``knock`` is None where the torque of no driven gear ever turns round; ``loaded`` tells whether any load is known:
+    if not, the torque counts as turning round at every angle.
     """
 
     drive: Drive
@@ -180,10 +180,11 @@ def _pair(
 
 
 def face_of(drive: Drive, tolerances_mm: tuple[float, float] | None = None) -> Face:
-    """The sections of a pair: straight teeth have one, helical ones PER_TOOTH for each pitch that they advance.
+    """The sections of a pair: straight teeth have one section, helical teeth PER_TOOTH sections for each pitch of their
+    advance.
 
-    Their outlines are those of the design, or have the given chord tolerances, the second on flanks.  Raises
-    NoSuchMechanism, naming the height, where no tooth can stand.
+    Their outlines are the outlines of the design, or have the given chord tolerances: the second tolerance is for
+    flanks.  Raises NoSuchMechanism, naming the height, where no tooth can stand.
     """
     form, pitch, helix = drive.tooth_form, drive.pitch, drive.helix
     chord, flank = tolerances_mm or (drive.chord_tolerance_mm, None)
@@ -216,14 +217,14 @@ def lot_of(drive: Drive, given: AssemblyTolerances) -> Lot:
 
 
 def _mesh_and_limits(drive: Drive, given: AssemblyTolerances) -> tuple[LinearMesh, Limits]:
-    """The linear mesh of one pair, and what it may deviate by."""
+    """The linear mesh of one pair, and the limits of its deviations."""
     _ = drive.designed_contact
     limits = limits_of(drive, given)
     return _mesh(drive, limits, PER_TOOTH), limits
 
 
 def _mesh(drive: Drive, limits: Limits, per_tooth: int) -> LinearMesh:
-    """The linear mesh of one pair whose deviations have limits, at so many positions per tooth pitch."""
+    """The linear mesh of one pair whose deviations have limits, at ``per_tooth`` positions per tooth pitch."""
     size, module = drive.pitch.center_distance_mm, drive.pitch.size.module_mm
     within = float(np.clip(SPARE * limits.displaced_mm(size), LEAST_WITHIN * module, MOST_WITHIN * module))
     face, both = face_of(drive), drive.gears.drives == "both_ways"
@@ -262,7 +263,7 @@ def _needed(
         if lost is None:
             return None
         step, needs = 10.0**-decimals, max(-lost, 0.0)
-        # Nobody makes usual teeth to finer steps; tiny ones have two digits.
+        # Nobody makes usual teeth to finer steps; tiny teeth have two digits.
         return rounded_up(needs, step) if needs > 10.0 * step else float(shown_above(needs, 2))
 
     value = enough(np.minimum.reduce(left))

@@ -34,7 +34,7 @@ LoadedBy = Callable[["tuple[ToothMethod, ToothMethod]", tuple[Material, Material
 
 @dataclass(frozen=True, eq=False)
 class JudgedTeeth:
-    """The load of every tooth, what it makes of them, and the methods by which both gears' teeth were known."""
+    """The load of every tooth, its stresses, and the methods by which both gears' teeth were known."""
 
     loading: Loading
     strength: Strength

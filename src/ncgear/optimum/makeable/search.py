@@ -91,8 +91,7 @@ class LawSearch:
         return np.concatenate([knots.smoothed(motion.crank_angle_rad, logarithm) / (1 + pair) for pair in range(pairs)])
 
     def elsewhere(self, begun: Array, number: int) -> Array:
-        """Another start than ``begun``, with random harmonics in each pair's ln i12; ``number`` seeds them.
-        """
+        """Another start than ``begun``, with random harmonics in each pair's ln i12; ``number`` seeds them."""
         pairs, random = len(self.programme.cycles_rad), np.random.default_rng(number)
         angle = np.linspace(0.0, 2.0 * pi, begun.size // pairs, endpoint=False)
         waves = np.array([shape(wave * angle) / wave for wave in STRAYING_WAVES for shape in (np.cos, np.sin)])
