@@ -21,7 +21,7 @@ from ncgear.optimum.certified.demands import Demands, WishDemand
 from ncgear.optimum.certified.limit import Motion
 from ncgear.optimum.task import Figures, Task, figures
 from ncgear.project.law import law_of
-from ncgear.project.wishes import inertia_as_given, task_of
+from ncgear.project.law_task import inertia_as_given, task_of
 from ncgear.ratio.transmission import Train
 from ncgear.wishes.requirements import EvenSpeed, SpeedWithin, TimeWithin
 

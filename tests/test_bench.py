@@ -26,15 +26,15 @@ from ncgear.figures.answers.answer import COLUMNS, LINES, answer_text
 from ncgear.figures.answers.bench import bench_answer
 from ncgear.pitch.shape import Gear
 from ncgear.project import bench
-from ncgear.project.bench import Stage, Trial
+from ncgear.project.bench import BenchStage, Trial
 from ncgear.teeth.gear import toothed_pair
 
 NAME = "ellipse"
 
 
-def stage_of(errors: list[float], asked: float) -> Stage:
+def stage_of(errors: list[float], asked: float) -> BenchStage:
     trials = tuple(Trial(2.0**n, 1e-3 * 2.0**n, error, 2**n) for n, error in enumerate(errors))
-    return Stage("made up", "points", "", "points", "nothing", "mm", "nothing", asked, "k", 4.0, trials)
+    return BenchStage("made up", "points", "", "points", "nothing", "mm", "nothing", asked, "k", 4.0, trials)
 
 
 class TestRecommendation:
@@ -65,7 +65,7 @@ class TestRecommendation:
 
 
 @cache
-def stages() -> dict[str, Stage]:
+def stages() -> dict[str, BenchStage]:
     return {stage.name: stage for stage in bench.benched(drive(NAME), lambda name: None)}
 
 

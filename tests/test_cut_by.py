@@ -13,11 +13,11 @@ from shapely import Polygon
 
 from drives import drive
 from ncgear.figures.data_sheet.sheet import data_sheet
-from ncgear.metrology.cut_by import CutBy, Tool, Verdict, cut_by
+from ncgear.metrology.cut_by import CutBy, CutVerdict, Tool, cut_by
 from ncgear.metrology.round_tool import FILLET, RoundTool, round_tool
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear, Mesh
-from ncgear.project.measured import cut_gears
+from ncgear.project.workshop_measures import cut_gears
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
@@ -96,10 +96,10 @@ def of(name: str, gear: Gear, pair: ToothedPair) -> dict[Tool, CutBy]:
 
 @pytest.mark.slow
 def test_a_hob_cuts_what_it_is_the_tool_of_and_nothing_hollow() -> None:
-    assert of("ellipse", Gear.DRIVEN, made("ellipse"))[Tool.HOB].verdict is Verdict.CUTS
+    assert of("ellipse", Gear.DRIVEN, made("ellipse"))[Tool.HOB].verdict is CutVerdict.CUTS
     for name, gear, why in (("concave", Gear.DRIVING, "concave with a radius"), ("ring", Gear.DRIVEN, "inwards")):
         found = of(name, gear, made(name))[Tool.HOB]
-        assert found.verdict is Verdict.NOT
+        assert found.verdict is CutVerdict.NOT
         assert why in found.reason
 
 
@@ -110,15 +110,15 @@ def test_idle_flanks_that_stand_turned_take_the_hob_a_second_pass() -> None:
     pair = toothed_pair(PITCHES["circle"](), form, LEFT)
     driving, driven = (of("circle", gear, pair)[Tool.HOB] for gear in Gear)
     turn = degrees(float(np.ptp(pair.driven.flanks.turn_rad)))
-    assert (driving.verdict, driving.reason) == (Verdict.CUTS, "")
+    assert (driving.verdict, driving.reason) == (CutVerdict.CUTS, "")
     assert driven.reason == f"idle flanks in a second pass, the gear turned by {turn:.4g} deg"
 
 
 @pytest.mark.slow
 def test_a_hob_of_full_depth_does_not_make_spaces_that_are_shallower_against_undercut() -> None:
     allowed, avoided = (of("undercut", Gear.DRIVING, made("undercut", undercut=u))[Tool.HOB] for u in (True, False))
-    assert allowed.verdict is Verdict.CUTS
-    assert (avoided.verdict, avoided.reason[:28]) == (Verdict.NOT, "at full depth it undercuts t")
+    assert allowed.verdict is CutVerdict.CUTS
+    assert (avoided.verdict, avoided.reason[:28]) == (CutVerdict.NOT, "at full depth it undercuts t")
 
 
 @pytest.mark.slow
@@ -126,9 +126,9 @@ def test_the_shaper_of_the_design_cuts_it_and_others_leave_their_own_fillets() -
     """Judged by the outlines: on the flanks both designs agree to the chords, in the fillets they do not."""
     shaped = made("ellipse", Cutter(CutterKind.PINION, 40))
     own = of("ellipse", Gear.DRIVING, shaped)[Tool.SHAPER]
-    assert (own.verdict, own.teeth) == (Verdict.CUTS, 40)
+    assert (own.verdict, own.teeth) == (CutVerdict.CUTS, 40)
     other = of("ellipse", Gear.DRIVING, made("ellipse"))[Tool.SHAPER]
-    assert (other.verdict, other.teeth) == (Verdict.FLANKS, 40)
+    assert (other.verdict, other.teeth) == (CutVerdict.FLANKS, 40)
     hobbed, cut = made("ellipse").driving, shaped.driving
     heights = np.linspace(-hobbed.tips.met_depth_mm, np.minimum(hobbed.tips.height_mm, cut.tips.height_mm), 9)
     flank = np.broadcast_to(np.arange(hobbed.flanks.count), heights.shape)
@@ -142,17 +142,17 @@ def test_the_shaper_of_the_design_cuts_it_and_others_leave_their_own_fillets() -
 def test_a_shaper_that_is_too_shallow_for_the_mate_is_told_so() -> None:
     """A pinion's rounded tip begins higher up than a rack's: its flanks are 1.341 mm deep where 1.394 mm are met."""
     found = next(one for one in cut_gears(drive("pusher"))[0].by if one.tool is Tool.SHAPER)
-    assert found.verdict is Verdict.NOT
+    assert found.verdict is CutVerdict.NOT
     assert found.reason == "with 40 teeth it is not as deep beside tooth 4 as the mate's tips reach"
 
 
 def test_a_sharp_inner_corner_and_helical_teeth_take_no_round_tool() -> None:
     sharp = RoundTool(0.015, LEFT, 7, False, 0.0, 7)
     wire, mill = cut_by(PITCHES["circle"](), made("circle"), Gear.DRIVING, sharp)[2:]
-    assert (wire.verdict, mill.verdict) == (Verdict.NOT, Verdict.NOT)
+    assert (wire.verdict, mill.verdict) == (CutVerdict.NOT, CutVerdict.NOT)
     assert wire.reason == "there is a sharp inner corner in the space after tooth 7"
     helical = cut_by(PITCHES["circle"](), made("circle"), Gear.DRIVING, sharp, helix="herringbone")
-    assert [one.verdict for one in helical if one.tool is not Tool.SHAPER] == [Verdict.NOT] * 3
+    assert [one.verdict for one in helical if one.tool is not Tool.SHAPER] == [CutVerdict.NOT] * 3
 
 
 @pytest.mark.slow

@@ -22,9 +22,9 @@ from ncgear.figures.data_sheet.entry import Entry
 from ncgear.figures.data_sheet.pitch_table import pitch_csv, turn_deg
 from ncgear.figures.data_sheet.sheet import DataSheet, data_sheet, sheet_text
 from ncgear.figures.tables import Table
-from ncgear.project import measured
+from ncgear.project import workshop_measures
 from ncgear.project.drive import Drive
-from ncgear.project.measured import MeasuredGear
+from ncgear.project.workshop_measures import GearMeasures
 
 LIMITS = {"standard": "ISO 1328-1", "tooth_thickness_upper_mm": -0.05, "tooth_thickness_lower_mm": -0.1}
 
@@ -59,9 +59,9 @@ NAMES = ["ellipse", "internal-1-2", "helical-ellipse", "baler-66-two-stage", "un
 def test_flanks_at_the_limits_of_thickness_are_measured_once(monkeypatch: pytest.MonkeyPatch) -> None:
     """The sheet asks for them for pins over one gear and between two spaces."""
     asked: list[float] = []
-    measure = measured.pins_in_spaces
-    monkeypatch.setattr(measured, "pins_in_spaces", lambda *of: (asked.append(of[1]), measure(*of))[1])
-    gear, _ = measured.measured_gears(changed("ellipse", tolerances=LIMITS, measuring_pin_mm=3.5))
+    measure = workshop_measures.pins_in_spaces
+    monkeypatch.setattr(workshop_measures, "pins_in_spaces", lambda *of: (asked.append(of[1]), measure(*of))[1])
+    gear, _ = workshop_measures.measured_gears(changed("ellipse", tolerances=LIMITS, measuring_pin_mm=3.5))
     assert gear.at_limits is gear.at_limits
     assert asked == [3.5] * 3
 
@@ -248,10 +248,10 @@ FIGURES = [
 def test_a_figure_that_cannot_be_computed_says_why_and_ends_nothing(
     figure: str, label: str, title: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def failing(gear: MeasuredGear) -> None:
+    def failing(gear: GearMeasures) -> None:
         raise ArithmeticError(f"no zero for the {gear.gear.value} gear | in 3 steps")
 
-    monkeypatch.setattr(MeasuredGear, figure, property(failing))
+    monkeypatch.setattr(GearMeasures, figure, property(failing))
     found = data_sheet(drive("ellipse"))
     assert row(found, label).driven == "could not be computed: no zero for the driven gear | in 3 steps"
     assert table(found, title).notes[0].startswith("could not be computed: no zero")

@@ -33,7 +33,7 @@ from ncgear.files.workshop.sheets.sheets import sheets_of
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.measured import measured_gears
+from ncgear.project.workshop_measures import measured_gears
 from test_workshop_files import strayed_mm
 
 DESIGNS = ["baler", "ellipse", "internal-1-2"]

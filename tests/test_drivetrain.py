@@ -36,9 +36,9 @@ from ncgear.drivetrain.shafts import (
     STEELS,
     TEMPERED,
     Borne,
-    Key,
-    Section,
+    ShaftKey,
     ShaftSafety,
+    ShaftSection,
     Steel,
     fatigue_strengths_mpa,
     key_safety,
@@ -119,7 +119,7 @@ def bent_by(moment_n_mm: Callable[[Array], ComplexArray], torque_n_mm: float = 0
 
 def test_published_example_of_a_shaft_with_a_keyway() -> None:
     """A course's example (MEL1 2024W 2, public repository hanslhansl/din743): safeties 1.472 and 2.568."""
-    section = Section(60.0, 80.0, Steel(750.0, 520.0, *TEMPERED))
+    section = ShaftSection(60.0, 80.0, Steel(750.0, 520.0, *TEMPERED))
 
     def safety(share: float) -> ShaftSafety:
         borne = bent_by(lambda phi1: np.full(phi1.shape, share * 1402.294e3 + 0j), share * 1336.902e3)
@@ -132,7 +132,7 @@ def test_published_example_of_a_shaft_with_a_keyway() -> None:
 def test_fibres_see_what_turns_against_them() -> None:
     """A force that stands still bends to and fro; one that turns with the shaft bends one way; a smaller shaft less."""
     standing = bent_by(lambda phi1: np.full(phi1.shape, 1e6 + 0j))
-    section = Section(50.0, 50.0, STEELS["C45"])
+    section = ShaftSection(50.0, 50.0, STEELS["C45"])
     still = shaft_safety(section, standing, TURN, np.zeros(1))
     stress = 1e6 / (pi * 50.0**3 / 32.0)
     assert still.stresses.bending_amplitude_mpa == pytest.approx(stress, rel=2e-6)
@@ -140,7 +140,7 @@ def test_fibres_see_what_turns_against_them() -> None:
     along = shaft_safety(section, bent_by(lambda phi1: 1e6 * np.exp(1j * phi1)), TURN, np.zeros(1))
     assert along.stresses.bending_amplitude_mpa == pytest.approx(0.0, abs=1e-9 * stress)
     assert along.fatigue > 3.0 * still.fatigue
-    thinner = shaft_safety(Section(25.0, 50.0, STEELS["C45"]), standing, TURN, np.zeros(1))
+    thinner = shaft_safety(ShaftSection(25.0, 50.0, STEELS["C45"]), standing, TURN, np.zeros(1))
     # Eight times the stress, but thin shafts endure more of it
     assert 7.0 < still.fatigue / thinner.fatigue < 8.0
 
@@ -148,7 +148,7 @@ def test_fibres_see_what_turns_against_them() -> None:
 def test_a_shaft_that_needs_two_turns_sees_both() -> None:
     """A pull once in two turns, half a turn on: the same fibre is pulled, then pressed, only if both are followed."""
     turned = np.linspace(0.0, pi, 361)
-    section, pull = Section(50.0, 50.0, STEELS["C45"]), bent_by(lambda phi1: np.where(phi1 < 0.1, 1e6 + 0j, 0j))
+    section, pull = ShaftSection(50.0, 50.0, STEELS["C45"]), bent_by(lambda phi1: np.where(phi1 < 0.1, 1e6 + 0j, 0j))
     once = shaft_safety(section, pull, turned, np.zeros(1))
     both = shaft_safety(section, pull, turned, np.array([0.0, pi]))
     assert both.stresses.bending_amplitude_mpa == pytest.approx(2.0 * once.stresses.bending_amplitude_mpa, rel=1e-6)
@@ -156,7 +156,7 @@ def test_a_shaft_that_needs_two_turns_sees_both() -> None:
 
 def test_the_worst_fibre_and_its_stresses_lie_between_places() -> None:
     """Eight places over a turn: every fibre sees one amplitude, that at 2 rad, or opposite, the largest mean."""
-    places, section = np.linspace(0.0, 2.0 * pi, 9), Section(50.0, 50.0, STEELS["C45"])
+    places, section = np.linspace(0.0, 2.0 * pi, 9), ShaftSection(50.0, 50.0, STEELS["C45"])
 
     def moment(phi1: Array) -> ComplexArray:
         # In the shaft's frame a circle about a point beside its axis
@@ -212,11 +212,11 @@ def test_forces_and_stresses_of_shafts_against_many_more_places(gear: Gear) -> N
 
 def test_a_key_in_closed_form() -> None:
     """p = 2 T / (d h l): 2 * 100 N m / (40 mm * 3.3 mm * 50 mm)."""
-    found = key_safety(Key(40.0, 3.3, 50.0, 300.0), 1e5, 0.0)
+    found = key_safety(ShaftKey(40.0, 3.3, 50.0, 300.0), 1e5, 0.0)
     assert found.pressure_mpa == pytest.approx(2e5 / 6600.0, rel=1e-14)
     assert found.safety == pytest.approx(270.0 / found.pressure_mpa, rel=1e-14)
     assert not found.both_senses
-    assert key_safety(Key(40.0, 3.3, 50.0, 300.0), 1e5, -1.0).both_senses
+    assert key_safety(ShaftKey(40.0, 3.3, 50.0, 300.0), 1e5, -1.0).both_senses
 
 
 # Losses

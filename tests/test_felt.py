@@ -21,8 +21,8 @@ from ncgear.numerics.arrays import Array
 from ncgear.optimum.loads import machine_loads
 from ncgear.optimum.task import Felt, GearSize, Task, felt, figures, tooth_force_n
 from ncgear.pitch.shape import Mesh
+from ncgear.project.law_task import task_of
 from ncgear.project.moving_masses import TrainInertia
-from ncgear.project.wishes import task_of
 from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, single

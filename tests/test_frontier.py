@@ -31,11 +31,11 @@ from ncgear.optimum.family import (
 )
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, law_point, motion_of
 from ncgear.optimum.task import Figures
-from ncgear.project.comparison import GearsAsGiven
 from ncgear.project.drive import Drive
 from ncgear.project.frontier_run import POINTS_FILE, FinishedPoints, Frontier, frontier
+from ncgear.project.law_task import task_of, wishes_of
 from ncgear.project.moving_masses import TrainInertia
-from ncgear.project.wishes import task_of, wishes_of
+from ncgear.project.sought_machine import GearsAsGiven
 from published import FIT
 
 RESISTANCE = {"polynomial_n": FIT}

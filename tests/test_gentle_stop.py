@@ -30,7 +30,7 @@ from ncgear.optimum.makeable.search import Kept, scales, searched
 from ncgear.optimum.makeable.wishes import Goal, Wishes, levels
 from ncgear.optimum.task import Limits, Task, figures
 from ncgear.project.best_law import Begun, BestLaw
-from ncgear.project.wishes import inertia_as_given
+from ncgear.project.law_task import inertia_as_given
 from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Train, single

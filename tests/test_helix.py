@@ -33,7 +33,7 @@ from ncgear.solids.helical.even_tips import heights_fitted, with_even_tips
 from ncgear.solids.helical.helix import Hand, Helix
 from ncgear.solids.helical.mesh import helical_pair
 from ncgear.solids.helical.sections import Sections, pieces_of
-from ncgear.solids.helical.stack import MOST_STEPS, Limits, close_stacks, spread_columns, stacked
+from ncgear.solids.helical.stack import MOST_STEPS, StrayLimits, close_stacks, spread_columns, stacked
 from ncgear.solids.mesh.pair import SolidPair
 from ncgear.solids.plan.body import Blank, Bore, Keyway
 from ncgear.solids.plan.room import full_disc, largest_bore_mm
@@ -202,7 +202,7 @@ def test_what_strays_between_two_sections_is_the_closed_form_of_a_circle() -> No
     found = {}
     for step in (2.0, 1.0):
         ends = [pieces_of(exact("circular", s).driving) for s in (0.0, step)]
-        limits = Limits(1e-4, 1e-3)
+        limits = StrayLimits(1e-4, 1e-3)
         stack = stacked(np.array([0.0, 1.0]), ends, spread_columns(ends, limits), limits)
         middle = pieces_of(exact("circular", step / 2.0).driving)
         found[step] = float(stack.strays_mm(np.array([0]), [middle]).max())

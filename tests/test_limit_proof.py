@@ -21,8 +21,8 @@ from ncgear.optimum.certified import proof
 from ncgear.optimum.certified.cycle import CrankCycle, cycle
 from ncgear.optimum.certified.demands import Demands, Priced, Ranges
 from ncgear.optimum.certified.limit import least_acceleration
-from ncgear.optimum.certified.motion import MotionProgramme, motion_programme
-from ncgear.optimum.certified.problem import LimitProblem
+from ncgear.optimum.certified.motion import MotionProgramme
+from ncgear.optimum.certified.problem import LimitProblem, motion_programme
 from ncgear.optimum.certified.proof import DATA, ConicProgramme, Linear, Proof
 from ncgear.optimum.certified.ranges import KnownRanges, PlacesInRow, everywhere
 from ncgear.optimum.task import Task

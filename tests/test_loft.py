@@ -26,8 +26,8 @@ from ncgear.solids.helical.mesh import lofted
 from ncgear.solids.helical.sections import PER_TOOTH, Pieces, pieces_of
 from ncgear.solids.helical.stack import (
     Columns,
-    Limits,
     Stack,
+    StrayLimits,
     close_columns,
     falls,
     middle_section,
@@ -195,7 +195,7 @@ def test_an_outline_that_is_not_its_gears_is_noticed() -> None:
 
 # --- columns --------------------------------------------------------------------------------------------------------
 
-LIMITS = Limits(0.003, 0.002)
+LIMITS = StrayLimits(0.003, 0.002)
 
 
 def brute_sagitta(section: Pieces, columns: Columns) -> float:
@@ -235,7 +235,7 @@ def test_limits_that_no_halving_keeps_are_a_fault(monkeypatch: pytest.MonkeyPatc
     sections = [pieces_of(gear(advance)) for advance in (0.0, 0.5)]
     monkeypatch.setattr(stack_module, "COLUMN_HALVINGS", 2)
     with pytest.raises(Unanswered, match="strays from its chords even after 2 halvings"):
-        close_columns(spread_columns(sections, LIMITS), sections, Limits(1e-6, 1.0))
+        close_columns(spread_columns(sections, LIMITS), sections, StrayLimits(1e-6, 1.0))
 
 
 @given(st.lists(st.lists(st.floats(1e-3, 20.0), min_size=1, max_size=6), min_size=1, max_size=6))

@@ -89,7 +89,7 @@ from ncgear.design.reading.design_file import load
 from ncgear.optimum.makeable.demanded import certified_limit, demands_of
 from ncgear.optimum.makeable.search import scales
 from ncgear.optimum.makeable.wishes import levels
-from ncgear.project.wishes import inertia_as_given, task_of, wishes_of
+from ncgear.project.law_task import inertia_as_given, task_of, wishes_of
 
 design = load(Path("d.yaml")).design
 task, wishes = task_of(design, inertia_as_given(design)), wishes_of(design)

@@ -20,10 +20,10 @@ from ncgear.optimum.frontier import FamilyPoint, LawPoint
 from ncgear.project.balancing import Balancing
 from ncgear.project.best_law import BestLaw
 from ncgear.project.frontier_run import Frontier
-from ncgear.project.measured import cut_gears
+from ncgear.project.workshop_measures import cut_gears
 from ncgear.shown import Shown
 
-FAULT = "a fault in ncgear"
+FAULT = "internal fault: "
 MACHINE = "linkage: {crank_mm: 40, rod_mm: 90}\noperation: {speed_rpm: 30}\nmotion: {law: uniform_crank}"
 FEW_TEETH = "gears: {teeth: 8, module_mm: 5, face_width_mm: 10}"
 

@@ -29,10 +29,10 @@ from ncgear.files.sweep_run import Order, screening_of
 from ncgear.numerics.units import KG_M2
 from ncgear.optimum.task import Task, figures
 from ncgear.project.drive import Drive
+from ncgear.project.law_task import task_of
 from ncgear.project.moving_masses import disc_kg_mm2
 from ncgear.project.opened import loads
 from ncgear.project.service import densities_kg_m3
-from ncgear.project.wishes import task_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import single
 from ncgear.screening.designs import screened_part

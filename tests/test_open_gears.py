@@ -494,9 +494,9 @@ def test_what_is_not_offered_is_refused_by_its_key(old: str, new: str, key: str)
 
 @pytest.mark.parametrize("what", ["rigid", "masses", "best law", "strength"])
 def test_what_needs_whole_turns_says_so(what: str) -> None:
+    from ncgear.project.law_task import task_of
     from ncgear.project.moving_masses import TrainInertia
     from ncgear.project.strengthening import unknown
-    from ncgear.project.wishes import task_of
 
     found = drive_of_text(OPEN)
     if what == "strength":

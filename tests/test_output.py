@@ -32,8 +32,8 @@ from ncgear.errors import NoSuchMechanism, Unanswered, WrongInput
 from ncgear.figures.csv_text import law_csv, outline_csv, rows_text
 from ncgear.figures.numbers import json_text, shown
 from ncgear.figures.summary.build_summary import pitch_summary
-from ncgear.figures.tables import cell_text
-from ncgear.figures.terminal import MIXED_SPEEDS, SAME_SPEED, WIDTH, summary_text, timing_text
+from ncgear.figures.tables import WIDTH, cell_text
+from ncgear.figures.terminal import MIXED_SPEEDS, SAME_SPEED, summary_text, timing_text
 from ncgear.files.build import build
 from ncgear.files.manifest import MANIFEST, publish_run
 from ncgear.files.publish import STAGING_PREFIX, prepare

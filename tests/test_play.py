@@ -14,7 +14,7 @@ from shapely import Polygon
 from engaged import MODULE, TOLERANCE, least_driven_radius, made
 from ncgear.contact.placement import Placement, placed
 from ncgear.contact.written.as_written import BEYOND, reach_mm
-from ncgear.contact.written.play import Play, outline_play
+from ncgear.contact.written.play import WrittenPlay, outline_play
 from ncgear.contact.written.polar import NO_RUN, polar_outline, radial_runs
 from ncgear.pitch.shape import Mesh
 from oracles import meshing
@@ -27,7 +27,7 @@ Array = np.ndarray
 
 def play(
     name: str, teeth: int, ahead_rad: float = 0.0, apart_mm: float = 0.0, **kinds: float
-) -> tuple[Play, Placement]:
+) -> tuple[WrittenPlay, Placement]:
     """Play of a pair's outlines with the driven gear turned on, or the centre distance enlarged."""
     pitch, pair = made(name, teeth, **kinds)
     at = placed(pitch)

@@ -15,7 +15,7 @@ from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import changed_drive
 from ncgear.project.drive import Drive
-from ncgear.project.sizing import Space, smallest_gears
+from ncgear.project.sizing import GearRoom, smallest_gears
 from ncgear.project.strengthening import SERIES_I_MM, rating_of
 from ncgear.strength.answer import Strength
 from ncgear.strength.holding import Damage, Weakest, face_width_factor, module_factor
@@ -78,7 +78,7 @@ def least_width(teeth: int, module_mm: float) -> float:
 @pytest.mark.parametrize("space_mm", [inf, 120.0, 70.0])
 def test_the_smallest_of_all_sizes_is_found(pretend: list[int], space_mm: float) -> None:
     """No number of teeth from 20 to 240 and no module of the series give 5 % less volume than the first answer."""
-    found = smallest_gears(drive_of_text(TEXT), Space(space_mm))
+    found = smallest_gears(drive_of_text(TEXT), GearRoom(space_mm))
     every = [
         (teeth * module) ** 2 * width
         for module in SERIES_I_MM
@@ -98,7 +98,7 @@ def test_the_smallest_of_all_sizes_is_found(pretend: list[int], space_mm: float)
 
 @pytest.mark.slow
 def test_teeth_that_are_refused_are_asked_for_once(pretend: list[int]) -> None:
-    smallest_gears(drive_of_text(TEXT), Space())
+    smallest_gears(drive_of_text(TEXT), GearRoom())
     few = [teeth for teeth in pretend if teeth < 20]
     assert few
     assert len(few) == len(set(few))
@@ -107,14 +107,14 @@ def test_teeth_that_are_refused_are_asked_for_once(pretend: list[int]) -> None:
 @pytest.mark.slow
 def test_a_diameter_holds_for_both_gears(pretend: list[int]) -> None:
     """Circular gears reach one module beyond their pitch circles."""
-    for one in smallest_gears(drive_of_text(TEXT), Space(diameter_mm=90.0)):
+    for one in smallest_gears(drive_of_text(TEXT), GearRoom(diameter_mm=90.0)):
         assert one.diameter_mm == pytest.approx(one.teeth * one.module_mm + 2.0 * one.module_mm, rel=1e-3)
         assert one.diameter_mm <= 90.0
 
 
 def test_no_room_is_told_with_what_comes_nearest(pretend: list[int]) -> None:
     with pytest.raises(NoSuchMechanism, match=r"nearest of .* come 24 teeth of module 2 mm"):
-        smallest_gears(drive_of_text(TEXT), Space(30.0))
+        smallest_gears(drive_of_text(TEXT), GearRoom(30.0))
 
 
 def of_size(pair: CylindricalPair, torque_n_mm: float) -> float:
@@ -213,7 +213,7 @@ def test_with_the_real_estimate() -> None:
     """The first answer holds, and with a tenth less width or the next smaller module it does not."""
     given = drive_of_text(TEXT)
     assert not rating_of(given, "estimate").holds
-    first = smallest_gears(given, Space())[0]
+    first = smallest_gears(given, GearRoom())[0]
     assert first.rating.holds
     smaller = SERIES_I_MM[SERIES_I_MM.index(first.module_mm) - 1]
     for key, value in (("face_width_mm", 0.9 * first.face_width_mm), ("module_mm", smaller)):
@@ -255,14 +255,14 @@ def curve_text(*parts: str) -> str:
 def test_a_curve_in_mm_has_no_smaller_size() -> None:
     text = curve_text("", "semi_minor", ", center_distance_mm: 40").replace(", module_mm: 2", "")
     with pytest.raises(WrongInput, match="motion: a curve in mm that gives gears of 40 mm centre distance"):
-        smallest_gears(drive_of_text(text), Space())
+        smallest_gears(drive_of_text(text), GearRoom())
 
 
 @pytest.mark.long
 @pytest.mark.slow
 def test_a_curve_that_grows_with_its_gears_is_sized() -> None:
     text = curve_text(", semi_minor_mm: 16.44", "scale", "").replace("module_mm: 2", "module_mm: 1")
-    assert smallest_gears(drive_of_text(text), Space())[0].rating.holds
+    assert smallest_gears(drive_of_text(text), GearRoom())[0].rating.holds
 
 
 @pytest.mark.long
@@ -273,6 +273,6 @@ def test_gears_far_too_weak_to_be_rated_are_sized_all_the_same() -> None:
     weak = drive_of_text(text.replace("{width}", "0.3").replace("{module}", "0.4"))
     with pytest.raises(NoSuchMechanism, match="presses the driven gear"):
         rating_of(weak, "estimate")
-    found, others = smallest_gears(weak, Space()), smallest_gears(drive_of_text(TEXT), Space())
+    found, others = smallest_gears(weak, GearRoom()), smallest_gears(drive_of_text(TEXT), GearRoom())
     assert all(one.rating.holds for one in found)
     assert found[0].volume_mm3 == pytest.approx(others[0].volume_mm3, rel=0.25)

@@ -21,7 +21,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.tolerance import PER_TOOTH, _sides, face_of, lot_of, tolerated
+from ncgear.project.tolerance import PER_TOOTH, face_of, lot_of, tolerated
 from ncgear.project.tolerance_limits import limits_of
 from ncgear.project.usual_tolerances import USUAL, Process
 from ncgear.ratio.laws.uniform import uniform_law
@@ -42,7 +42,7 @@ from ncgear.tolerances.drawn import (
     spread,
 )
 from ncgear.tolerances.iso1328 import flank_tolerances, rounded_um
-from ncgear.tolerances.mesh import RIGID, Deviations, Face, Mesh, mesh_of, straight_face
+from ncgear.tolerances.mesh import RIGID, Deviations, Face, LinearMesh, mesh_of, straight_face
 from ncgear.tolerances.outlines import exact_of, linear_errors
 from ncgear.tolerances.study import (
     Workers,
@@ -52,6 +52,7 @@ from ncgear.tolerances.study import (
     drawn_evenly,
     enough_samples,
     jammed,
+    signs_of,
     sobol_indices_of,
     sobol_tasks,
     surpassed,
@@ -92,7 +93,7 @@ DISTANCE_MM = (TEETH + DRIVEN_TEETH) * MODULE / 2.0
 
 
 @cache
-def circular() -> tuple[PitchPair, ToothedPair, Placement, Mesh]:
+def circular() -> tuple[PitchPair, ToothedPair, Placement, LinearMesh]:
     """A pair of circular gears, 1:2."""
     pitch = sized_pair(uniform_law(Lobes(1, 2)), TEETH, MODULE, None)
     teeth = toothed_pair(pitch, ToothForm(rack(), backlash=Backlash(PLAY_MM)), 0.005)
@@ -470,7 +471,7 @@ def test_gears_that_turn_to_and_fro_are_told_as_their_outlines_are() -> None:
 
 
 @cache
-def leaning(overlap: float, sections: int) -> tuple[Mesh, float]:
+def leaning(overlap: float, sections: int) -> tuple[LinearMesh, float]:
     """The mesh of the circular pair with helical teeth that advance by so many pitches, and its overlap."""
     pitch, _, placement, _ = circular()
     form = ToothForm(rack(), backlash=Backlash(PLAY_MM))
@@ -966,7 +967,7 @@ def test_assemblies_join_in_their_order() -> None:
 
 def test_rounding_errors_do_not_turn_a_torque_round() -> None:
     """Where it is none, as in a stretch without load, it has the side that it had before."""
-    turned = _sides(np.array([1.0, 2.0, -1e-13, 3.0, 0.0, 0.0, -2.0, -1.0, 0.0]))
+    turned = signs_of(np.array([1.0, 2.0, -1e-13, 3.0, 0.0, 0.0, -2.0, -1.0, 0.0]))
     assert turned.tolist() == [1, 1, 1, 1, 1, 1, -1, -1, -1]
-    assert _sides(np.array([0.0, -1e-20, 5.0, 4.0])).tolist() == [1, 1, 1, 1]
-    assert _sides(np.zeros(3)).tolist() == [0, 0, 0]
+    assert signs_of(np.array([0.0, -1e-20, 5.0, 4.0])).tolist() == [1, 1, 1, 1]
+    assert signs_of(np.zeros(3)).tolist() == [0, 0, 0]

@@ -8,6 +8,7 @@ error that already has a place keeps it.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from typing import Protocol
@@ -110,3 +111,23 @@ def searched_for(what: Callable[[int], str], key: str) -> Iterator[None]:
         if not error.rows:
             raise
         raise Unanswered(f"{what(error.rows[0])}: {error.problem}", key=key) from error
+
+
+def fault_words(error: Exception) -> str:
+    """A fault of ncgear's own, where the package says to report it, and with what; its traceback too, if asked for."""
+    if os.environ.get("NCGEAR_DEBUG"):
+        import traceback
+
+        traceback.print_exception(error)
+    from importlib.metadata import PackageNotFoundError, metadata
+
+    try:
+        urls = dict(one.split(", ", 1) for one in metadata("ncgear").get_all("Project-URL") or ())
+    except PackageNotFoundError:
+        urls = {}
+    place = f" at {urls['Issues']}" if "Issues" in urls else ""
+    reason = " ".join(f"{type(error).__name__}: {error}".split())
+    return (
+        f"internal fault: {reason}; please report it{place} with what ncgear --version says; NCGEAR_DEBUG=1 shows "
+        "where it arose"
+    )

@@ -35,18 +35,15 @@ def explain(
     typer.echo(tree(keys) if key is None else told(keys, " ".join([key, *context.args])))
 
 
-SCREEN = 110
-"""Columns of a line."""
-
-
 def examples() -> None:
     """List the worked designs that come with ncgear; `ncgear new --example NAME` writes one here."""
     from ncgear.design.examples import description_of, examples
+    from ncgear.figures.tables import WIDTH
 
     found = examples()
     width = max(map(len, found), default=0) + 2
     for name, path in found.items():
-        typer.echo(f"{name:<{width}}{shorten(description_of(path), SCREEN - width, placeholder=' ...')}")
+        typer.echo(f"{name:<{width}}{shorten(description_of(path), WIDTH - width, placeholder=' ...')}")
 
 
 def schema(

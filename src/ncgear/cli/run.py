@@ -15,7 +15,7 @@ from types import FrameType
 from typing import NoReturn
 
 from ncgear.cli.streams import open_streams
-from ncgear.errors import DesignError
+from ncgear.errors import DesignError, fault_words
 from ncgear.interrupts import ENDING, quiet_of_interrupts
 from ncgear.memory import collect_rarely
 
@@ -138,26 +138,5 @@ def _run() -> tuple[int, str]:
         parts = [str(part) for part in (error.filename, error.strerror or error) if part]
         return WRONG_INPUT, f"{': '.join(parts)}; give a path that can be read or written"
     except Exception as error:
-        return FAULT, _internal_fault(error)
+        return FAULT, f"ncgear: {fault_words(error)}"
     return 0, ""
-
-
-def _internal_fault(error: Exception) -> str:
-    if os.environ.get("NCGEAR_DEBUG"):
-        import traceback
-
-        traceback.print_exception(error)
-    reason = " ".join(f"{type(error).__name__}: {error}".split())
-    return f"ncgear: internal fault: {reason}; {please_report()}"
-
-
-def please_report() -> str:
-    """What to do with a fault: report it where the package says, and with what."""
-    from importlib.metadata import PackageNotFoundError, metadata
-
-    try:
-        urls = dict(one.split(", ", 1) for one in metadata("ncgear").get_all("Project-URL") or ())
-    except PackageNotFoundError:
-        urls = {}
-    place = f" at {urls['Issues']}" if "Issues" in urls else ""
-    return f"please report it{place} with what ncgear --version says; NCGEAR_DEBUG=1 shows where it arose"

@@ -108,8 +108,8 @@ def frontier(
         from ncgear.figures.best_law import frontier_figures, frontier_text
         from ncgear.files.frontier import frontier_files
         from ncgear.files.manifest import publish_run
-        from ncgear.project.comparison import GearsAsGiven
         from ncgear.project.frontier_run import frontier as frontier_of
+        from ncgear.project.sought_machine import GearsAsGiven
 
         folder = out or EXPORT / f"{loaded.design.name}-frontier"
         prepare(folder)
@@ -180,7 +180,7 @@ def size(
         from ncgear.figures.terminal import written_lines
         from ncgear.files.manifest import Run, publish_named
         from ncgear.project.drive import Drive
-        from ncgear.project.sizing import Space, asked_design, smallest_gears, stated_inertias
+        from ncgear.project.sizing import GearRoom, asked_design, smallest_gears, stated_inertias
 
         options = {
             "strength.bending_safety": bending_safety,
@@ -190,7 +190,7 @@ def size(
         asked = {key: value for key, value in options.items() if value is not None}
         drive = Drive(asked_design(loaded.design, asked))
         with naming_what_helps(drive, BUILD), counted("gears computed") as on_trial:
-            found = smallest_gears(drive, Space(space or inf, diameter or inf, width), on_trial)
+            found = smallest_gears(drive, GearRoom(space or inf, diameter or inf, width), on_trial)
         run, then = Run([], []), f"ncgear size {design_file} --out NEW.yaml writes a file with the first"
         if out is not None:
             content = sized_design(loaded, found[0], asked).encode()

@@ -23,7 +23,7 @@ class Sampling(StrEnum):
     LATIN_HYPERCUBE = "latin-hypercube"
 
 
-class Stage(StrEnum):
+class Depth(StrEnum):
     """How far designs are followed."""
 
     CHECK = "check"
@@ -69,7 +69,7 @@ def sweep(
             show_default="peak acceleration and peak power",
         ),
     ] = None,
-    stage: Annotated[Stage, typer.Option(help="How far the best designs are followed.")] = Stage.PITCH,
+    stage: Annotated[Depth, typer.Option(help="How far the best designs are followed.")] = Depth.PITCH,
     keep: Annotated[int, typer.Option(metavar="N", min=1, help="Best designs that go on beyond pitch curves.")] = 100,
     scheduler: Scheduler = None,
     processes: Processes = None,

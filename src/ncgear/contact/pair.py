@@ -1,7 +1,7 @@
 """Contact of a pair over the whole cycle, as designed and as written, and which pairs are refused.
 
-Refused are teeth that overlap, as designed or as written, and flanks that do not touch long enough: the message says
-between which teeth, and what limits their tips.
+Refused are teeth that overlap, as designed or as written, and flanks that do not touch long enough: the message names
+the teeth, and the limits of their tips.
 """
 
 from __future__ import annotations
@@ -72,11 +72,14 @@ def pair_contact(
 
 
 CHORDS_OVERLAP = 1.1
-"""Overlap, in chord tolerances, that outlines may show.  Chords of flanks stay within the material; those of fillets
-that a rack leaves may stand out by a tolerance where a mate's corner passes.  A tenth is for rounding in the files."""
+"""Overlap, in chord tolerances, that outlines may show.  Chords of flanks stay within the material; chords of fillets
+that a rack leaves may stand out by a tolerance where a mate's corner passes.  A tenth is for rounding in the files.
+"""
 
 CHORDS_ASTRAY = 4.0
-"""Distance, in chord tolerances, from the designed contact at which outlines may touch: twice what both chords cost."""
+"""Distance, in chord tolerances, from the designed contact at which outlines may touch: twice the error of both
+chords.
+"""
 
 CAUSES = {
     Mesh.EXTERNAL: "tips of a concave stretch foul the mating gear there; more teeth of a smaller module are needed, "
@@ -84,7 +87,7 @@ CAUSES = {
     Mesh.INTERNAL: "tips foul the mating gear or, where a ring has too few teeth more than its driving gear, each "
     "other; a smaller addendum, more teeth of a smaller module, or more lobes of the driven gear are needed",
 }
-"""Why teeth overlap, and what helps against it."""
+"""Why teeth overlap, and changes that help against it."""
 
 
 def refuse_overlap(designed: AsDesigned, tolerance_mm: float) -> None:
@@ -110,7 +113,7 @@ def refuse_cut_arcs(designed: AsDesigned) -> None:
 
 
 BETWEEN_BODIES = 5
-"""Every so many positions whole bodies are laid over each other; between them they move by a quarter of a pitch."""
+"""After this number of positions whole bodies are compared again; in between they move by a quarter of a pitch."""
 
 
 def refuse_clashing_bodies(designed: AsDesigned, teeth: ToothedPair, tolerance_mm: float) -> None:
@@ -224,7 +227,7 @@ EXACT_FLANKS = "exact flanks help"
 """What helps where flanks are held apart that could touch: with tip relief, and without."""
 
 SidesInContact = tuple[PairsInContact, PairsInContact]
-"""The pairs of pushing flanks in contact, and those of their backs."""
+"""The pairs of pushing flanks in contact, and the pairs of their backs."""
 
 
 def short_contacts(
@@ -232,11 +235,11 @@ def short_contacts(
 ) -> tuple[str | None, str | None]:
     """What pushing flanks, and their backs, lack that touch over fewer than ``least`` pitches or lose contact.
 
-    What counts is the contact under load where ``loaded`` tells it, else that of the rigid teeth, with flanks that a
-    tip relief holds apart left out.  ``overlap`` is what a helix adds, in pitches: to the contact of each pair of
-    flanks, and across gaps between pairs.  A pair of flanks may touch over less than one pitch while its neighbours
-    bridge the rest: a ``least`` of exactly 1 asks only that contact never ceases, one above 1 asks for both, one below
-    1 for nothing.  The words name both teeth and what limits both tips; None where nothing is lacking.
+    Contact under load counts where ``loaded`` tells it.  Else the contact of rigid teeth counts, without flanks that a
+    tip relief holds apart.  ``overlap`` is the contact that a helix adds, in pitches: to each pair of flanks, and
+    across gaps between pairs.  A pair of flanks may touch over less than one pitch while its neighbours bridge the
+    rest.  So a ``least`` of exactly 1 asks only that contact never ceases, a ``least`` above 1 asks for both, below 1
+    for nothing.  The words name both teeth and the limits of both tips; None where contact is enough.
     """
     sides = designed.pushing, designed.back
     pairs = loaded or (designed.pushing.pairs, designed.back.pairs)
@@ -249,7 +252,7 @@ def short_contacts(
 
 
 def refuse_short_contact(short: tuple[str | None, str | None], *, both_ways: bool) -> None:
-    """Refuse a pair for what ``short_contacts`` tells of its pushing flanks and, with ``both_ways``, of their backs.
+    """Refuse a pair for short contacts of its pushing flanks and, with ``both_ways``, of their backs.
 
     Backs bear nothing while the driving gear pushes.  No other tool could lift these conditions.  Raises
     NoSuchMechanism.

@@ -26,14 +26,14 @@ FEWEST = 400
 """Least number of positions in a cycle, however few the teeth are."""
 
 PUSHING, BACK = 0, 1
-"""The side of the driving gear's flanks that push the driven gear on, and of those that would hold it back: the rows of
-tables of shape (2, ...).  Arc length grows against the driving gear's turning, so a pushing flank faces falling arc
-length."""
+"""The side of the driving gear's flanks that push the driven gear on, and the side of the flanks that would hold it
+back: the rows of tables of shape (2, ...).  Arc length grows against the driving gear's turning, so a pushing flank
+faces falling arc length."""
 
 BOTH_SIDES = PUSHING, BACK
 
 URGE = np.array([1.0, -1.0])
-"""+1 on pushing flanks, where the first contact is the one farthest ahead; -1 on their backs."""
+"""+1 on pushing flanks, where the first contact is farthest ahead; -1 on their backs."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +65,7 @@ class Placement:
         return self.phi1_rad.size
 
     def followed_by(self, other: Placement) -> Placement:
-        """These positions and then those of ``other``, of the same cycle."""
+        """These positions and then the positions of ``other``, of the same cycle."""
         return replace(
             self,
             rolled_mm=np.concatenate([self.rolled_mm, other.rolled_mm]),
@@ -81,7 +81,9 @@ class Placement:
 
     @property
     def steps(self) -> int:
-        """Steps from position to position: as many as there are positions, where the last one leads to the first."""
+        """Steps from position to position: as many as there are positions, where the last position leads to the
+        first.
+        """
         return self.count - (self.toothed is not None)
 
     @property
@@ -138,7 +140,7 @@ class Placement:
     def driving_points(self, points: ComplexArray, row: IndexArray) -> ComplexArray:
         """Points of the driving gear's frame in the driven gear's, at positions ``row``; shapes broadcast.
 
-        The driving gear has turned by +phi1 about (0, 0), the driven one by phi2 in its sense about (a, 0).
+        The driving gear has turned by +phi1 about (0, 0), the driven gear by phi2 in its sense about (a, 0).
         """
         return points * self._turn[row] + self._driving_axis[row]
 
@@ -163,7 +165,7 @@ class Placement:
         return turned
 
     def relative_velocity(self, points: ComplexArray, row: IndexArray) -> ComplexArray:
-        """Velocity of the driving gear against the driven one at points of the fixed frame, in mm per rad of phi1."""
+        """Velocity of the driving gear against the driven gear at points of the fixed frame, in mm per rad of phi1."""
         return 1j * points - 1j * self.mesh.sense * self.speed[row] * (points - self.center_distance_mm)
 
     @cached_property
@@ -188,7 +190,7 @@ def placed(pitch: PitchPair, per_tooth: int | None = None) -> Placement:
     """The pair at ``per_tooth`` positions per tooth, over the least number of pitches in which all teeth meet.
 
     ``per_tooth`` is even; by default it is 20, or more where there are few teeth.  Gears that turn less than once have
-    at least so many, evenly from end to end of their range.
+    at least this number, evenly from end to end of their range.
     """
     size, toothed = pitch.size, pitch.toothed
     if toothed is not None:
@@ -215,15 +217,17 @@ def placed_at(pitch: PitchPair, even: Placement, rolled_mm: Array) -> Placement:
 def _law_at(pitch: PitchPair, rolled_mm: Array) -> tuple[Array, Array, Array]:
     """The driving angle, the driven angle and its slope at rolled lengths."""
     covered = pitch.transmission.lobes.range
-    # Rounding errors must not put the first position before the seam of the law, or the last one beyond a range.
+    # Rounding errors must not put the first position before the seam of the law, or the last position beyond a range.
     phi1 = np.clip(pitch.driving.driving_angle(rolled_mm), 0.0, covered.driving_rad if covered else np.inf)
     angle = pitch.transmission.driven_angle(phi1, 1)
     return phi1, angle.value, angle.derivative(1)
 
 
 REACH_IN_PITCHES = 2.0
-"""A pair of flanks is looked at over this rolled length before and after it crosses the pitch point: twice what a rack
-tooth as high as the module covers at 20 degrees, since corners touch beyond the flanks' own contact."""
+"""A pair of flanks is looked at over this rolled length before and after it crosses the pitch point.  It is twice the
+length that a rack tooth as high as the module covers at 20 degrees, since corners touch beyond the flanks' own
+contact.
+"""
 
 
 NEARLY_IN_PITCHES = 1e-6

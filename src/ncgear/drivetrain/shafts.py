@@ -98,7 +98,7 @@ STEELS = {
 
 
 @dataclass(frozen=True)
-class Section:
+class ShaftSection:
     """A shaft where it has a keyway: its diameter and that of its blank when it was treated in mm, and its steel."""
 
     diameter_mm: float
@@ -136,7 +136,7 @@ class ShaftStresses:
 class ShaftSafety:
     """Estimated safeties of a shaft at its keyway; infinite where it bears nothing."""
 
-    section: Section
+    section: ShaftSection
     stresses: ShaftStresses
     fatigue: float
     yielding: float
@@ -147,7 +147,7 @@ Borne = Callable[[Array], tuple[ComplexArray, Array, Array]]
 the angle in rad that the shaft has turned, shape (n,) each."""
 
 
-def shaft_safety(section: Section, borne: Borne, places_rad: Array, cycles_rad: Array) -> ShaftSafety:
+def shaft_safety(section: ShaftSection, borne: Borne, places_rad: Array, cycles_rad: Array) -> ShaftSafety:
     """The safety of a shaft by what it bears over one cycle.
 
     ``places_rad`` (shape (n,), rising) are driving angles from the beginning of the cycle to its end, among them those
@@ -194,7 +194,7 @@ NOTCH_MM = 40.0
 """Diameter for which the factor of a keyway is known."""
 
 
-def fatigue_strengths_mpa(section: Section) -> tuple[float, float]:
+def fatigue_strengths_mpa(section: ShaftSection) -> tuple[float, float]:
     """sigma_WK and tau_WK, the alternating stresses of bending and torsion that the keyway endures."""
     tensile, thick = section.tensile_mpa, _thickness(section.diameter_mm)
     in_bending = 3.0 * (tensile / 1000.0) ** 0.38
@@ -217,7 +217,7 @@ def _notch(at_40_mm: float, thick: float) -> float:
 
 
 def _fatigue_used(
-    section: Section, amplitude: Array, mean: Array, torsion_amplitude: float, torsion_mean: float
+    section: ShaftSection, amplitude: Array, mean: Array, torsion_amplitude: float, torsion_mean: float
 ) -> Array:
     """1/S of fibres, shape (n,)."""
     equivalent = np.sqrt(mean**2 + 3.0 * torsion_mean**2)
@@ -242,7 +242,7 @@ FREE_HEIGHT_MM = 0.4
 
 
 @dataclass(frozen=True)
-class Key:
+class ShaftKey:
     """A key in its way: diameter of the shaft, carrying height and length in mm, least yield strength in MPa."""
 
     diameter_mm: float
@@ -258,13 +258,13 @@ class KeySafety:
     ``both_senses`` tells that the torque changes its sense, for which method C does not hold.
     """
 
-    key: Key
+    key: ShaftKey
     pressure_mpa: float
     safety: float
     both_senses: bool
 
 
-def key_safety(key: Key, most_n_mm: float, least_n_mm: float) -> KeySafety:
+def key_safety(key: ShaftKey, most_n_mm: float, least_n_mm: float) -> KeySafety:
     """The safety under torques that range from the least to the most; infinite where both are 0."""
     largest = max(abs(most_n_mm), abs(least_n_mm))
     pressure = 2.0 * largest / (key.diameter_mm * key.height_mm * key.length_mm)

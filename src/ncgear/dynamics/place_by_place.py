@@ -16,7 +16,7 @@ from ncgear.numerics.arrays import Array, Number
 from ncgear.numerics.periodic_table import PlaceByPlace, cubic, with_slope
 
 
-class Drive(Protocol):
+class DrivingSide(Protocol):
     """Answers a moment of the teeth in N mm at a driving speed in rad/s."""
 
     def answer(self, speed_rad_s: Number, moment_n_mm: Number) -> tuple[Number, Number]:
@@ -27,7 +27,7 @@ class Drive(Protocol):
 class StateByState:
     """What changes the states of a machine; it remembers the interval of each table that it was in."""
 
-    def __init__(self, drive: Drive, meshing: Meshing, load: CrankLoad) -> None:
+    def __init__(self, drive: DrivingSide, meshing: Meshing, load: CrankLoad) -> None:
         self._drive, self._meshing = drive, meshing
         self._law, self._gaps = PlaceByPlace(meshing.law), PlaceByPlace(meshing.gaps.table)
         self._load, self._rise = PlaceByPlace(load.table), float(meshing.law.rise)

@@ -8,10 +8,10 @@ from typing import Any
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import micrometres, to_digits
 from ncgear.figures.tables import aligned
-from ncgear.project.bench import Stage, Trial, dominating
+from ncgear.project.bench import BenchStage, Trial, dominating
 
 
-def bench_figures(stages: Sequence[Stage], name: str) -> dict[str, Any]:
+def bench_figures(stages: Sequence[BenchStage], name: str) -> dict[str, Any]:
     """Plain values; a recommendation is None where no trial was fine enough."""
     slowest = dominating(list(stages))
     return {
@@ -21,7 +21,7 @@ def bench_figures(stages: Sequence[Stage], name: str) -> dict[str, Any]:
     }
 
 
-def _stage_figures(stage: Stage) -> dict[str, Any]:
+def _stage_figures(stage: BenchStage) -> dict[str, Any]:
     best = stage.recommended
     return {
         "varied": stage.varied,
@@ -45,12 +45,12 @@ def _trial_figures(trial: Trial) -> dict[str, Any]:
 COLUMNS = ("stage", "varied", "setting", "size", "time_s", "error", "error_unit", "asked_error", "recommended")
 
 
-def bench_csv(stages: Sequence[Stage]) -> str:
+def bench_csv(stages: Sequence[BenchStage]) -> str:
     """A row for each trial; ``recommended`` is 1 for the one that is."""
     return rows_text(COLUMNS, _rows(stages))
 
 
-def _rows(stages: Sequence[Stage]) -> list[list[object]]:
+def _rows(stages: Sequence[BenchStage]) -> list[list[object]]:
     return [
         [
             stage.name,
@@ -68,12 +68,12 @@ def _rows(stages: Sequence[Stage]) -> list[list[object]]:
     ]
 
 
-def setting_words(stage: Stage, setting: float) -> str:
+def setting_words(stage: BenchStage, setting: float) -> str:
     """A setting with its unit."""
     return f"{to_digits(setting, 3)} {stage.varied_unit}".rstrip()
 
 
-def error_words(stage: Stage, error: float) -> str:
+def error_words(stage: BenchStage, error: float) -> str:
     """An error as a length or as a share."""
     return micrometres(error) if stage.unit == "mm" else f"{to_digits(100.0 * error, 2)} %"
 
@@ -83,7 +83,7 @@ def time_words(time_s: float) -> str:
     return f"{to_digits(time_s, 3)} s" if time_s >= 1.0 else f"{to_digits(1e3 * time_s, 2)} ms"
 
 
-def bench_text(stages: Sequence[Stage], name: str, written: Sequence[str]) -> str:
+def bench_text(stages: Sequence[BenchStage], name: str, written: Sequence[str]) -> str:
     """Every trial of every stage, with what its error was measured against."""
     blocks = [f"{name}: speed against error"]
     for stage in stages:

@@ -32,9 +32,9 @@ from ncgear.optimum.makeable.demanded import CLOSE
 from ncgear.optimum.makeable.wishes import Goal
 from ncgear.optimum.task import LOAD_LIMITS, Figures
 from ncgear.project.best_law import BestLaw
-from ncgear.project.comparison import Comparison
 from ncgear.project.frontier_run import Frontier
 from ncgear.project.law import kept_size
+from ncgear.project.sought_machine import SoughtMachine
 
 UNITS = {
     Goal.POWER: "W",
@@ -63,7 +63,7 @@ def unit_of_goal(best: BestLaw) -> str:
     return best.task.linkage.OUTPUT.acceleration.text if goal is Goal.ACCELERATION else UNITS[goal]
 
 
-def _named(values: dict[str, Any], beside: Comparison) -> dict[str, Any]:
+def _named(values: dict[str, Any], beside: SoughtMachine) -> dict[str, Any]:
     """Plain values with keys that end in the units of the output: those of the code end in the ones of a slider."""
     if not beside.task.linkage.OUTPUT.angular:
         return values
@@ -169,7 +169,7 @@ def optimized_text(best: BestLaw, paths: Sequence[Path], kept: Sequence[Path] = 
     )
 
 
-def _notes(beside: Comparison, found: str) -> list[str]:
+def _notes(beside: SoughtMachine, found: str) -> list[str]:
     """What the figures count besides the resistance, and what of the given motion the laws ``found`` do not keep."""
     lost = beside.not_kept
     notes = []
@@ -331,7 +331,7 @@ class OtherMechanism:
     peak_acceleration_mm_s2: float
 
 
-def other_mechanisms(beside: Comparison) -> list[OtherMechanism]:
+def other_mechanisms(beside: SoughtMachine) -> list[OtherMechanism]:
     """The design's own law, the uniform crank, and the published mechanisms whose two figures are known."""
     found = []
     if beside.given_figures is not None and beside.design.motion.law != "uniform_crank":
@@ -348,7 +348,7 @@ def other_mechanisms(beside: Comparison) -> list[OtherMechanism]:
     return found
 
 
-def frontier_csv(found: Frontier, beside: Comparison) -> str:
+def frontier_csv(found: Frontier, beside: SoughtMachine) -> str:
     """One line for each cap on the power; empty cells where nothing was found."""
     rows = []
     for point, family in points_of(found):
@@ -364,7 +364,7 @@ def points_of(found: Frontier) -> list[tuple[LawPoint, FamilyPoint]]:
     return [(point, families[point.cap_w]) for point in found.laws]
 
 
-def frontier_figures(found: Frontier, beside: Comparison) -> dict[str, Any]:
+def frontier_figures(found: Frontier, beside: SoughtMachine) -> dict[str, Any]:
     """The points with all figures of the laws, and the other mechanisms."""
     return {
         "design": beside.design.name,
@@ -390,7 +390,7 @@ def frontier_figures(found: Frontier, beside: Comparison) -> dict[str, Any]:
     }
 
 
-def frontier_text(found: Frontier, beside: Comparison, paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
+def frontier_text(found: Frontier, beside: SoughtMachine, paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
     """A table of the points, the mechanisms, the files written, and those kept."""
     rows, unit = [], beside.task.linkage.OUTPUT.acceleration.text
     for point, family in points_of(found):

@@ -13,7 +13,8 @@ from ncgear.design.words import LONGEST_NAME
 from ncgear.errors import DesignError
 from ncgear.figures.advice.values import changed
 from ncgear.figures.numbers import to_digits
-from ncgear.figures.terminal import INDENT, WIDTH
+from ncgear.figures.tables import WIDTH
+from ncgear.figures.terminal import INDENT
 from ncgear.project.mending import BACKLASH, ROOT_RADIUS, Kind, Mend, Mending, Way
 
 SUFFIX = "-mended"

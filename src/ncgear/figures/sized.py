@@ -15,8 +15,8 @@ from ncgear.figures.advice.values import changed
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import name_of
 from ncgear.figures.strong import LOADS, materials_words, strength_summary
-from ncgear.figures.tables import aligned
-from ncgear.figures.terminal import INDENT, WIDTH
+from ncgear.figures.tables import WIDTH, aligned
+from ncgear.figures.terminal import INDENT
 from ncgear.pitch.shape import Gear
 from ncgear.project.sizing import Sized, stated_inertias
 from ncgear.strength.holding import Damage, worst

@@ -15,8 +15,8 @@ from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import fixed, shown, to_digits
 from ncgear.figures.quantities import figure
 from ncgear.figures.summary.check_summary import stages_summary, verdict_summary
-from ncgear.figures.tables import Column, Table, aligned
-from ncgear.figures.terminal import INDENT, WIDTH, verdict_lines
+from ncgear.figures.tables import WIDTH, Column, Table, aligned
+from ncgear.figures.terminal import INDENT, verdict_lines
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.strengthening import Rating

@@ -13,7 +13,7 @@ import numpy as np
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import fixed, shown
 from ncgear.figures.quantities import name_of, told
-from ncgear.figures.tables import aligned
+from ncgear.figures.tables import WIDTH, aligned
 from ncgear.figures.terminal import written_lines
 from ncgear.screening.designs import Designs
 from ncgear.screening.overview import Overview, Refusal, rank_correlations
@@ -22,7 +22,7 @@ from ncgear.screening.wanted import Constraint, Objective, Wanted
 REFUSALS = 5
 """Problems that are told, the most frequent first."""
 
-WIDTH, COUNT_WIDTH = 110, 7
+COUNT_WIDTH = 7
 
 
 def title_of(objective: Objective) -> str:

@@ -15,6 +15,9 @@ Value = float | int | str | bool | None
 
 Cells = tuple[Value, ...]
 
+WIDTH = 110
+"""Columns of a line of text."""
+
 GAP = "  "
 """Between the columns of aligned text."""
 

@@ -11,12 +11,11 @@ from typing import Any
 from ncgear.figures.numbers import fixed, placed, shown
 from ncgear.figures.quantities import name_of, told
 from ncgear.figures.summary.check_summary import check_summary
-from ncgear.figures.tables import Column, aligned
+from ncgear.figures.tables import WIDTH, Column, aligned
 from ncgear.figures.wished import wish_line
 from ncgear.numerics.units import label_and_unit
 from ncgear.project.drive import Drive
 
-WIDTH = 110
 INDENT = "  "
 
 PLACE = "_at_rad"

@@ -18,12 +18,12 @@ from ncgear.figures.terminal import written_lines
 from ncgear.figures.tolerance_words import assumed_words, limit_words
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
-from ncgear.project.tolerance import Tolerated, ToleratedPair
+from ncgear.project.tolerance import Tolerated
 from ncgear.project.tolerance_limits import MOST_JAMMED, TURNING
 from ncgear.tolerances.assemblies import Assemblies, PairAssemblies
 from ncgear.tolerances.drawn import Source
 from ncgear.tolerances.iso1328 import rounded_um
-from ncgear.tolerances.study import Share
+from ncgear.tolerances.study import PairStudy, Share
 
 SOURCES = {
     "center_distance": "centre distance",
@@ -81,7 +81,7 @@ def figures_of(found: Assemblies, tolerated: Tolerated) -> dict[str, Array]:
     return told
 
 
-def pair_figures(found: PairAssemblies, of: ToleratedPair, *, loaded: bool) -> dict[str, Array]:
+def pair_figures(found: PairAssemblies, of: PairStudy, *, loaded: bool) -> dict[str, Array]:
     """The same figures of one of two pairs, as far as a pair has them; ``loaded`` tells whether any load is known."""
     told = {
         "least_play_mm": found.least_play_mm,
@@ -242,7 +242,7 @@ def _stages(tolerated: Tolerated) -> dict[str, Any]:
     """What each of two pairs has by itself."""
     needed = [None] * len(tolerated.pairs) if tolerated.needed is None else tolerated.needed.of_pairs
     return {
-        f"stage_{pair.drive.stage}": {
+        f"stage_{pair.stage}": {
             **_grades(pair),
             "figures": told,
             "jam": vars(pair.jam),
@@ -254,7 +254,7 @@ def _stages(tolerated: Tolerated) -> dict[str, Any]:
     }
 
 
-def _grades(pair: ToleratedPair) -> dict[str, Any]:
+def _grades(pair: PairStudy) -> dict[str, Any]:
     pitch, profile = pair.flank_limits_mm
     return {
         "single_pitch_um": [rounded_um(float(one)) for one in (pitch.min(), pitch.max())],
@@ -262,11 +262,11 @@ def _grades(pair: ToleratedPair) -> dict[str, Any]:
     }
 
 
-def _knock(pair: ToleratedPair) -> dict[str, Any] | None:
+def _knock(pair: PairStudy) -> dict[str, Any] | None:
     return None if pair.knock is None else {**vars(pair.knock), "largest_play_mm": pair.knocking_mm}
 
 
-def _checks(pair: ToleratedPair) -> dict[str, Any]:
+def _checks(pair: PairStudy) -> dict[str, Any]:
     first = pair.first_order
     return {
         "first_order": {
@@ -286,7 +286,7 @@ def assemblies_csv(tolerated: Tolerated) -> str:
     if len(tolerated.pairs) > 1:
         for pair in tolerated.pairs:
             own = pair_figures(pair.assemblies, pair, loaded=tolerated.loaded)
-            told.update({f"stage_{pair.drive.stage}_{key}": values for key, values in own.items()})
+            told.update({f"stage_{pair.stage}_{key}": values for key, values in own.items()})
     return csv_text(list(told), list(told.values()))
 
 
@@ -336,7 +336,7 @@ def tolerance_text(tolerated: Tolerated, paths: Sequence[Path], kept: Sequence[P
     tables = [("", percentiles(tolerated))]
     if not single:
         tables += [
-            (f"Stage {pair.drive.stage}", told)
+            (f"Stage {pair.stage}", told)
             for pair, told in zip(tolerated.pairs, pair_percentiles(tolerated), strict=True)
         ]
     blocks = [
@@ -366,12 +366,12 @@ def tolerance_text(tolerated: Tolerated, paths: Sequence[Path], kept: Sequence[P
     return "\n\n".join([*blocks, "\n".join(checks), "\n".join(written_lines(paths, kept))])
 
 
-def _of(pair: ToleratedPair) -> str:
+def _of(pair: PairStudy) -> str:
     """The stage in front of a line about one of two pairs."""
-    return "" if pair.drive.stage is None else f"{stage_words(pair.drive.stage)}: "
+    return "" if pair.stage is None else f"{stage_words(pair.stage)}: "
 
 
-def _check_lines(pair: ToleratedPair) -> list[str]:
+def _check_lines(pair: PairStudy) -> list[str]:
     first, of = pair.first_order, _of(pair).capitalize()
     spread, outlines = ("spread", "outlines") if of else ("Spread", "Outlines")
     return [

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from ncgear.drawings.plots import canvas
 from ncgear.figures.bench import bench_csv, bench_figures, error_words, setting_words
 from ncgear.figures.numbers import json_text
-from ncgear.project.bench import Stage
+from ncgear.project.bench import BenchStage
 
 WIDTH_IN, HEIGHT_IN = 7.2, 4.6
 
@@ -18,7 +18,7 @@ LEAST = 1e-16
 """Errors that are shown as this: zero has no place on a logarithmic scale."""
 
 
-def stage_png(stage: Stage, name: str) -> bytes:
+def stage_png(stage: BenchStage, name: str) -> bytes:
     """Error over time of the trials of a stage, each named by its setting, and what is asked."""
     made = canvas.figure(
         WIDTH_IN, HEIGHT_IN, f"{name}: {stage.name}, by {stage.varied}", canvas.Margins(left=0.9, right=0.3, top=0.75)
@@ -65,7 +65,7 @@ def stage_png(stage: Stage, name: str) -> bytes:
     return canvas.png(made)
 
 
-def bench_files(stages: Sequence[Stage], name: str) -> dict[str, bytes]:
+def bench_files(stages: Sequence[BenchStage], name: str) -> dict[str, bytes]:
     """The files by their names."""
     return {
         "bench.json": json_text(bench_figures(stages, name)).encode(),

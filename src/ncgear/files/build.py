@@ -28,7 +28,7 @@ from ncgear.figures.summary.check_summary import check_summary
 from ncgear.files.manifest import publish_run
 from ncgear.files.publish import prepare
 from ncgear.files.read_back import ERRORS, error_of_step_mm, exact_outlines, stl_bytes, written_outlines
-from ncgear.files.workshop.formats import WRITERS, Format, all_made, begun_workshop_files, require_libraries
+from ncgear.files.workshop.formats import WRITERS, Format, all_made, begun_workshop_files
 from ncgear.frozen import dataclass
 from ncgear.project.drive import Drive
 
@@ -76,7 +76,6 @@ def build(
     charts of the report.  Raises WrongInput or NoSuchMechanism from the steps, and WrongInput when the folder cannot be
     written; whatever fails, the last good build stays.
     """
-    require_libraries(formats)
     prepare(folder)
     pairs = {
         folder_of(pair.stage): _made(pair, naming_stage(pair, on_step), formats, drawer) for pair in drive.by_stage

@@ -11,8 +11,8 @@ from ncgear.figures.best_law import frontier_csv, frontier_figures, other_mechan
 from ncgear.figures.numbers import json_text
 from ncgear.optimum.frontier import limit_points
 from ncgear.project.best_law import BestLaw
-from ncgear.project.comparison import Comparison
 from ncgear.project.frontier_run import Frontier
+from ncgear.project.sought_machine import SoughtMachine
 
 Points = Sequence[tuple[float, float]]
 
@@ -20,7 +20,7 @@ PICTURE = "frontier.png"
 """Name of the picture of a frontier, and of that of a limit."""
 
 
-def frontier_files(found: Frontier, beside: Comparison) -> dict[str, bytes]:
+def frontier_files(found: Frontier, beside: SoughtMachine) -> dict[str, bytes]:
     """CSV, JSON and picture."""
     caps = [(point.cap_w, point.limit_mm_s2) for point in found.laws]
     curve = limit_points(beside.task, beside.wishes, caps[-1][0])
@@ -43,7 +43,7 @@ def limit_picture(best: BestLaw) -> bytes:
     return _picture(best, best.limit_points, [law], [], "this law and the limit")
 
 
-def _picture(beside: Comparison, limit: Points, laws: Points, family: Points, what: str) -> bytes:
+def _picture(beside: SoughtMachine, limit: Points, laws: Points, family: Points, what: str) -> bytes:
     """PNG of points of power in W and acceleration in mm/s2, with the mechanisms to compare with."""
     others = [(one.name, one.peak_power_w, one.peak_acceleration_mm_s2) for one in other_mechanisms(beside)]
     title = f"{beside.design.name}: {what}, all at {beside.design.operation.speed_rpm:.4g} r/min"

@@ -15,7 +15,8 @@ from ncgear.figures.toleranced import assemblies_csv, source_words, tolerance_js
 from ncgear.files.build import folder_of
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
-from ncgear.project.tolerance import Tolerated, ToleratedPair
+from ncgear.project.tolerance import Tolerated
+from ncgear.tolerances.study import PairStudy
 
 BINS = 60
 
@@ -115,8 +116,8 @@ def tolerance_files(tolerated: Tolerated) -> dict[str, bytes]:
     }
     if len(tolerated.pairs) > 1:
         for pair in tolerated.pairs:
-            title = f"{tolerated.drive.design.name}, stage {pair.drive.stage}: {tolerated.assemblies.count} assemblies"
-            files[f"{folder_of(pair.drive.stage)}spread.png"] = spreads(_of_pair(tolerated, pair), title)
+            title = f"{tolerated.drive.design.name}, stage {pair.stage}: {tolerated.assemblies.count} assemblies"
+            files[f"{folder_of(pair.stage)}spread.png"] = spreads(_of_pair(tolerated, pair), title)
     shown = {name: tolerated.indices[name] for name in SHOWN if name in tolerated.indices}
     if shown:
         of = {
@@ -160,7 +161,7 @@ JAMS = 0.0, True, "jams"
 """The limit of the least play, on which side of it is bad, and what assemblies do there."""
 
 
-def _of_pair(tolerated: Tolerated, pair: ToleratedPair) -> list[Spread]:
+def _of_pair(tolerated: Tolerated, pair: PairStudy) -> list[Spread]:
     found, nominal = pair.assemblies, pair.nominal
     shown = [
         Spread("least play in mm", found.least_play_mm, float(nominal.least_play_mm[0]), *JAMS),

@@ -52,7 +52,7 @@ class Tool(Enum):
     END_MILL = "end mill"
 
 
-class Verdict(Enum):
+class CutVerdict(Enum):
     """What a tool makes of a gear."""
 
     CUTS = "cuts it"
@@ -69,7 +69,7 @@ class CutBy:
     """
 
     tool: Tool
-    verdict: Verdict
+    verdict: CutVerdict
     reason: str = ""
     teeth: int | None = None
     diameter_mm: float | None = None
@@ -79,29 +79,29 @@ def cut_by(pitch: PitchPair, teeth: ToothedPair, gear: Gear, round_tool: RoundTo
     """What each kind of tool makes of one gear; ``helix`` is the kind of its helical teeth, empty where straight."""
     if teeth.driving.flanks.has_own_shifts:
         uneven = "its teeth stand evenly, while every space has a profile shift of its own"
-        hob, shaper = CutBy(Tool.HOB, Verdict.NOT, uneven), CutBy(Tool.SHAPER, Verdict.NOT, uneven)
+        hob, shaper = CutBy(Tool.HOB, CutVerdict.NOT, uneven), CutBy(Tool.SHAPER, CutVerdict.NOT, uneven)
     else:
         hob, shaper = _hob(pitch, teeth, gear), _shaper(pitch, teeth, gear)
     if helix == "herringbone":
-        hob = CutBy(Tool.HOB, Verdict.NOT, "herringbone teeth leave it no way out")
+        hob = CutBy(Tool.HOB, CutVerdict.NOT, "herringbone teeth leave it no way out")
     hob, shaper = (_passes(one, teeth.of(gear).flanks) for one in (hob, shaper))
     return [hob, shaper, *(_round(tool, round_tool, helix) for tool in (Tool.WIRE, Tool.END_MILL))]
 
 
 def _round(tool: Tool, largest: RoundTool, helix: str) -> CutBy:
     if helix:
-        return CutBy(tool, Verdict.NOT, "helical teeth do not stand upright")
+        return CutBy(tool, CutVerdict.NOT, "helical teeth do not stand upright")
     if largest.diameter_mm < FINEST_MM:
-        return CutBy(tool, Verdict.NOT, f"there is a sharp inner corner in the space after tooth {largest.space}")
+        return CutBy(tool, CutVerdict.NOT, f"there is a sharp inner corner in the space after tooth {largest.space}")
     by = "both sides" if largest.passage else "the fillet"
     return CutBy(
-        tool, Verdict.CUTS, f"held by {by} of the space after tooth {largest.space}", None, largest.diameter_mm
+        tool, CutVerdict.CUTS, f"held by {by} of the space after tooth {largest.space}", None, largest.diameter_mm
     )
 
 
 def _passes(generated: CutBy, flanks: Flanks) -> CutBy:
     """Idle flanks that stand turned are cut by themselves, with the gear turned by as much."""
-    if generated.verdict is Verdict.NOT or not flanks.is_turned:
+    if generated.verdict is CutVerdict.NOT or not flanks.is_turned:
         return generated
     turn = degrees(float(np.ptp(flanks.turn_rad)))
     second = f"idle flanks in a second pass, the gear turned by {turn:.4g} deg"
@@ -110,14 +110,14 @@ def _passes(generated: CutBy, flanks: Flanks) -> CutBy:
 
 def _hob(pitch: PitchPair, teeth: ToothedPair, gear: Gear) -> CutBy:
     if pitch.of(gear).is_ring:
-        return CutBy(Tool.HOB, Verdict.NOT, "the teeth of a ring point inwards")
+        return CutBy(Tool.HOB, CutVerdict.NOT, "the teeth of a ring point inwards")
     rack = teeth.of(gear).flanks.rack
     radius = pitch.least_concave_radius_mm(gear)
     if radius is not None and (depth := gouged_mm(pitch.of(gear), rack)) > HARMLESS * rack.module_mm:
         reason = (
             f"the pitch curve is concave with a radius of {radius:.4g} mm: a hob cuts {depth:.3g} mm too deep there"
         )
-        return CutBy(Tool.HOB, Verdict.NOT, reason)
+        return CutBy(Tool.HOB, CutVerdict.NOT, reason)
     verdict, reason = _tried(teeth, gear, RackLine())
     return CutBy(Tool.HOB, verdict, reason)
 
@@ -132,19 +132,19 @@ def _shaper(pitch: PitchPair, teeth: ToothedPair, gear: Gear) -> CutBy:
     module = pitch.size.module_mm
     most = MOST_TEETH if radius is None else min(MOST_TEETH, int(2.0 * radius / module) - FEWER_TEETH)
     if most < FEWEST_TEETH:
-        return CutBy(Tool.SHAPER, Verdict.NOT, f"the concave stretch takes cutters of {max(most, 0)} teeth at most")
+        return CutBy(Tool.SHAPER, CutVerdict.NOT, f"the concave stretch takes cutters of {max(most, 0)} teeth at most")
     first = ""
     for count in (max(int(share * most), FEWEST_TEETH) for share in SMALLER):
         verdict, why = _tried(teeth, gear, PinionCircle(count, module))
-        if verdict is not Verdict.NOT:
+        if verdict is not CutVerdict.NOT:
             return CutBy(Tool.SHAPER, verdict, why, count)
         first = first or f"with {count} teeth {why}"
         if OUT not in why:
             break
-    return CutBy(Tool.SHAPER, Verdict.NOT, first)
+    return CutBy(Tool.SHAPER, CutVerdict.NOT, first)
 
 
-def _tried(teeth: ToothedPair, gear: Gear, tool: RackLine | PinionCircle) -> tuple[Verdict, str]:
+def _tried(teeth: ToothedPair, gear: Gear, tool: RackLine | PinionCircle) -> tuple[CutVerdict, str]:
     """What a rack or a pinion cutter of the gear's rack makes of it, and why not all."""
     own, mate = teeth.of(gear), teeth.of(Gear.DRIVEN if gear is Gear.DRIVING else Gear.DRIVING)
     flanks, rack = own.flanks, own.flanks.rack
@@ -156,28 +156,28 @@ def _tried(teeth: ToothedPair, gear: Gear, tool: RackLine | PinionCircle) -> tup
         if isinstance(tool, PinionCircle):
             refuse_fouling_cutter(replace(own.tips, flanks=cut))
     except NoSuchMechanism as refusal:
-        return Verdict.NOT, refusal.problem.split(";")[0]
+        return CutVerdict.NOT, refusal.problem.split(";")[0]
     near = SAME * rack.module_mm
     made = flanks.is_made
     if type(flanks.tool) is type(tool) and not _differ(cut.flank_depth_mm[made], flanks.flank_depth_mm[made], near):
         if _differ(cut.root_radius_mm[made], cut.root_radius_mm[:1], near):
-            return Verdict.NOT, "its tip would need other roundings from tooth to tooth"
-        return Verdict.CUTS, ""
+            return CutVerdict.NOT, "its tip would need other roundings from tooth to tooth"
+        return CutVerdict.CUTS, ""
     undercut &= flanks.is_made
     if undercut.any():
-        return Verdict.NOT, f"at full depth it undercuts tooth {flanks.tooth[undercut][0]}"
+        return CutVerdict.NOT, f"at full depth it undercuts tooth {flanks.tooth[undercut][0]}"
     if isinstance(tool, PinionCircle) and np.any(own.tips.height_mm > tool.radius_mm * flanks.slant.sine**2):
-        return Verdict.NOT, "its involutes end at its base circle before they reach the tips"
+        return CutVerdict.NOT, "its involutes end at its base circle before they reach the tips"
     pairs = made_mates(teeth.driving.flanks, teeth.driven.flanks)
     mine, its = pairs if gear is Gear.DRIVING else pairs[::-1]
     shallow = (cut.flank_depth_mm < own.tips.met_depth_mm - near)[mine]
     shallow |= cut.root_depth_mm[mine] < mate.flanks.tip_height_mm[its] + near
     if shallow.any():
         return (
-            Verdict.NOT,
+            CutVerdict.NOT,
             f"it is not as deep beside tooth {flanks.tooth[mine[shallow]].min()} as the mate's tips reach",
         )
-    return Verdict.FLANKS, ""
+    return CutVerdict.FLANKS, ""
 
 
 def _differ(one: Array, other: Array, by: float) -> bool:

@@ -9,13 +9,13 @@ and the skewness of the return.  The approach's velocity, a quartic with v' = 0 
 factors of its derivative, v' ~ (1 - t)(rho - t)(cos chi + sin chi t), t = phi1/theta2, rho = theta1/theta2, which stays
 regular where theta1 comes near theta2 and v1 near v2.  ``brake`` is -a1 (theta4 - theta3)/v2.
 
-Sobol points of their box are looked at all at once.  From each of the best that lie apart, sequential quadratic
+All Sobol points of their box are looked at together.  From each of the best points that lie apart, sequential quadratic
 programming (D. Kraft, DFVLR-FB 88-28, 1988) goes down to a local optimum, with all samples of acceleration and power as
 constraints and the peak as a variable of its own; then it does so from random neighbours of the best.  The result is
-made into a law as a design file would make it and judged by its exact peaks, with masses those of the one loaded
-machine (``ncgear.dynamics.loaded_machine``), from which the samples of the power come as well; where exact peaks exceed
-the cap between samples, the cap is tightened by as much.  The same seed gives the same law.  A local method proves no
-optimum: that is what the certified limits are for.
+made into a law as a design file would make it and judged by its exact peaks.  With masses, exact peaks and samples of
+the power come from the same loaded machine (``ncgear.dynamics.loaded_machine``).  Where exact peaks exceed the cap
+between samples, the cap is tightened by the excess.  The same seed gives the same law.  A local method proves no
+optimum; the certified limits do.
 """
 
 from __future__ import annotations
@@ -43,9 +43,9 @@ from ncgear.optimum.task import Task
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.sampled_strokes import (
-    Motion,
-    Points,
+    ReturnGrid,
     ReturnSamples,
+    SampledMotion,
     return_samples,
     returns_with_skewness,
     working_angles,
@@ -60,7 +60,7 @@ lies at a bound, except at theta2 = theta3."""
 SEGMENT_POINTS = 65, 17, 33
 """Points on each segment of the stroke, ends included; the accelerations are of degree 3, 0 and 2."""
 
-RETURN_POINTS = Points(edges=(0.0, 1.0), count=97, steps=8)
+RETURN_POINTS = ReturnGrid(edges=(0.0, 1.0), count=97, steps=8)
 """Points on the return; four of Newton's steps give five digits."""
 
 CLOSED = 1e-6
@@ -114,7 +114,7 @@ def sampled_laws(family: Family, points: Array) -> SampledLaws:
     task = family.task
     linkage, omega = task.linkage, task.speed_rad_s
     motions = working_motions(strokes, SEGMENT_POINTS)
-    out = Motion(*(np.hstack(parts) for parts in zip(*motions, strict=True)))
+    out = SampledMotion(*(np.hstack(parts) for parts in zip(*motions, strict=True)))
     advancing = (motions[0].velocity[:, 1:].min(axis=1) > 0.0) & (strokes.approach_slope[0] > 0.0)
     with np.errstate(all="ignore"):
         asked = strokes, linkage, task.cycle_rad, skewness, RETURN_POINTS
@@ -127,7 +127,7 @@ def sampled_laws(family: Family, points: Array) -> SampledLaws:
     return SampledLaws(np.where(possible, acceleration, inf), np.where(possible, np.maximum(power, 0.0), inf))
 
 
-def _power_w(family: Family, strokes: WorkingStrokes[Array], out: Motion, back: ReturnSamples) -> Array:
+def _power_w(family: Family, strokes: WorkingStrokes[Array], out: SampledMotion, back: ReturnSamples) -> Array:
     """The power of the driving shaft in W, shape (n, points), negative where it brakes.
 
     Without masses it is the load's alone, at points of the return only where anything loads it.
@@ -142,7 +142,9 @@ def _power_w(family: Family, strokes: WorkingStrokes[Array], out: Motion, back: 
     return power * (task.speed_rad_s / 1000.0)
 
 
-def _power_with_masses_w(family: Family, strokes: WorkingStrokes[Array], out: Motion, back: ReturnSamples) -> Array:
+def _power_with_masses_w(
+    family: Family, strokes: WorkingStrokes[Array], out: SampledMotion, back: ReturnSamples
+) -> Array:
     """The power of the driving shaft with all masses at all points of the cycle."""
     task = family.task
     phi1, driven = working_angles(strokes, task.linkage, SEGMENT_POINTS, 2)
@@ -192,7 +194,7 @@ AT_ONCE = 512
 """Points that are sampled at once: with masses this takes half the time that all of them at once take."""
 
 APART = 0.2
-"""Distance, in the unit box, of one start from the others."""
+"""Distance, in the unit box, of a start from the other starts."""
 
 PENALTY = 20.0
 """Price of a relative excess over the cap, in peaks, while starts are chosen."""
@@ -234,7 +236,8 @@ class FamilyOptimum:
 
 
 def best_of_family(family: Family, least: Peak, cap: float = inf, *, seed: int = 1, starts: int = 32) -> FamilyOptimum:
-    """The law of the family with the least peak of one kind, the other kind's at most ``cap`` (W or mm/s^2).
+    """The law of the family with the least peak of one kind, where the peak of the other kind is ``cap`` at most (W or
+    mm/s^2).
 
     Raises NoSuchMechanism where no law of the family is found under the cap, with the least that was found.
     """
@@ -272,7 +275,7 @@ def _capped(least: Peak) -> Peak:
 
 
 def _merit(family: Family, least: Peak, cap: float, points: Array) -> Array:
-    """The peak, made larger where the other one exceeds the cap; shape (n,)."""
+    """The peak, made larger where the other peak exceeds the cap; shape (n,)."""
     found = sampled_laws(family, points)
     peak, other = (np.abs(found.of(kind)).max(axis=1) for kind in (least, _capped(least)))
     excess = np.maximum(other / cap - 1.0, 0.0) if isfinite(cap) else np.where(np.isfinite(other), 0.0, inf)
@@ -305,7 +308,7 @@ class _Descent:
         self.start = np.append(start, 1.0)
 
     def values(self, variables: Array) -> Array:
-        """What must not be negative: peak minus samples, and what is left under the cap."""
+        """Values that must not be negative: peak minus samples, and cap minus samples."""
         self._see(variables[:-1])
         values: Array = self._values + variables[-1] * self._is_peak
         return values
@@ -368,7 +371,8 @@ def _under_cap(family: Family, least: Peak, cap: float, point: Array) -> FamilyO
 def _made(family: Family, point: Array) -> list[FamilyOptimum]:
     """The laws of a point of the unit box as a design file makes them, with their exact peaks; none where it cannot.
 
-    One has the return of least acceleration.  Where the return takes power, another has that of the point.
+    The first has the return of least acceleration.  Where the return takes power, the second has the return of the
+    point.
     """
     constants: list[float | None] = [None]
     if family.return_takes_power and isfinite(own := constant_at(family, point)):

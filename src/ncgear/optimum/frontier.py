@@ -1,4 +1,4 @@
-"""Power against acceleration: what is possible at each cap on the power, and what makeable laws reach."""
+"""Power against acceleration: the limit at each cap on the power, and the laws that can be made."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ LIMIT_POINTS = 16
 """Points of the limit's curve: enough for a smooth curve, and computed in a second or two."""
 
 FAMILY_STARTS = 8
-"""Starts of the family's search at each cap: few are enough, because a law found at one cap counts at higher ones."""
+"""Starts of the family's search at each cap: few are enough, because a law found at a cap counts at all higher caps."""
 
 
 FAMILY_SEED = 0
@@ -71,9 +71,9 @@ def caps_w(task: Task, wishes: Wishes, count: int) -> list[float]:
 def limit_points(task: Task, wishes: Wishes, most_w: float) -> list[tuple[float, float]]:
     """The certified limit alone: caps on the power in W and least accelerations in mm/s2, up to ``most_w``.
 
-    The caps begin a tenth over the least power at any acceleration; there are none where nothing resists, and where the
-    limit does not know the power (``knows_loads``).  The driving curve is left free, so these limits are a little lower
-    than that of a law's own power.
+    The caps begin a tenth over the least power at any acceleration.  There are no caps where nothing resists, and where
+    the limit does not know the power (``knows_loads``).  The driving curve is left free, so these limits are a little
+    lower than the limit at a law's own power.
     """
     if not knows_loads(task, wishes):
         return []
@@ -112,7 +112,7 @@ def family_point(task: Task, cap_w: float) -> FamilyPoint:
 
 
 def motion_of(best: FamilyOptimum) -> dict[str, Any]:
-    """A law of the family as the motion of a design file; v2 is what closes the stroke."""
+    """A law of the family as the motion of a design file; v2 closes the stroke."""
     asked = best.request
     assert asked.law_speed_rad_s is not None
     return {

@@ -8,8 +8,8 @@ Euler's equations (``ncgear.mechanisms.forces``):
     force = static + w^2 (by_q q + by_rate q'/2)
 
 The static part holds resistance and weights.  The three columns follow from the mechanism's own equations, which are
-solved at rest, at unit speed and at unit acceleration of the crank.  So whatever is a size or a bound of such a force
-is convex in q.  The kinetic energy of all that moves with the crank is J(phi2) w^2 q / 2, and the crank's torque is
+solved at rest, at unit speed and at unit acceleration of the crank.  So every size or bound of such a force is convex
+in q.  The kinetic energy of all that moves with the crank is J(phi2) w^2 q / 2, and the crank's torque is
 
     M2 = static + w^2 (J' q + J q') / 2
 
@@ -67,10 +67,10 @@ class MachineLoads:
     """The loads of a machine at n crank angles.
 
     ``torque_n_mm`` is asked of the driven gear in the sense of the crank's turning.  ``bearing_n`` is the force that
-    the crank's bearings and the teeth together exert on the crank: the bearings' own where the teeth's is left apart.
-    ``joints_n`` are the forces between the bodies by the mechanism's names, ``guide_n`` presses on the slider across
-    its line.  ``shaking_n`` is what the moving masses do to the frame, weights and resistance apart.
-    ``inertia_kg_mm2`` is J, with all that turns with the crank, and ``inertia_slope_kg_mm2`` is dJ/dphi2.
+    the crank's bearings and the teeth together exert on the crank; where the teeth are left out, the force of the
+    bearings alone.  ``joints_n`` are the forces between the bodies by the mechanism's names, ``guide_n`` presses on the
+    slider across its line.  ``shaking_n`` is the force of the moving masses on the frame, without weights and
+    resistance.  ``inertia_kg_mm2`` is J, with all that turns with the crank, and ``inertia_slope_kg_mm2`` is dJ/dphi2.
     """
 
     crank_angle_rad: Array

@@ -1,4 +1,4 @@
-"""The refusals of wishes and limits that no law keeps together, with what could be asked for instead."""
+"""The refusals of wishes and limits that no law keeps together, with values that could be asked for instead."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.wishes.wish import Offer
 
 Told = Callable[[str, Sequence[Offer]], str]
-"""From what is said of a refusal, and the offers, to one text."""
+"""Makes one text from the words of a refusal and the offers."""
 
 
 class Refused(NoSuchMechanism):
     """The refusal of wishes and limits that no law keeps together, with offers.
 
-    ``told`` makes one sentence of what is ``said`` and of the offers.  With ``each``, every offer alone is enough;
-    without, all are together.  ``found`` is true where laws were found with the offers.
+    ``told`` makes one sentence from ``said`` and the offers.  With ``each``, every offer alone is enough; without it,
+    all offers are needed together.  ``found`` is true where laws were found with the offers.
     """
 
     def __init__(self, said: str, offers: Sequence[Offer], key: str, told: Told, *, each: bool, found: bool) -> None:

@@ -31,8 +31,8 @@ from ncgear.ratio.transmission import Lobes, Pair, Train, Transmission
 class GearSize:
     """The size of an external pair by two of three figures: teeth of the driving gear, module, centre distance.
 
-    ``rack_angle_rad`` is the pressure angle of its rack, ``idle_angle_rad`` that of the idle flanks, None where it is
-    the same.
+    ``rack_angle_rad`` is the pressure angle of its rack, ``idle_angle_rad`` the pressure angle of the idle flanks, None
+    where both are the same.
     """
 
     teeth: int | None
@@ -50,10 +50,11 @@ FLUCTUATION = 0.05
 class Task:
     """One turn of the crank against a load of the slider in one period of a driving gear that turns evenly.
 
-    ``masses`` are those that move, of the mechanism's class ``MASSES``; None: the resistance alone is felt.  ``gears``
-    is the size of the pair that force between teeth needs, None: not known.  ``speed_fluctuation`` is the coefficient,
-    largest less smallest speed over the mean, for which a flywheel on the driving shaft is computed.
-    ``guide_friction`` is the coefficient of friction of the slider in its guide, which figures count.
+    ``masses`` are the moving masses, of the mechanism's class ``MASSES``; with None only the resistance acts.
+    ``gears`` is the size of the pair, which the force between teeth needs; None where it is not known.
+    ``speed_fluctuation`` is the coefficient, largest less smallest speed over the mean, for which a flywheel on the
+    driving shaft is computed.  ``guide_friction`` is the coefficient of friction of the slider in its guide, which
+    figures count.
 
     Raises WrongInput for a speed that is not positive and for a driven gear of several lobes.
     """
@@ -113,12 +114,11 @@ LOAD_LIMITS = (
 class Limits:
     """Bounds on every position of the cycle; None for a quantity that is free.
 
-    ``ratio_min`` and ``ratio_max`` bound i12 = dphi1/dphi2;
-    ``pressure_angle_rad`` bounds the tangent angle of the pitch curves, |atan(r1'/r1)|, not counting the rack's own;
-    ``rack_angle_rad`` is the rack's own, which the limit in a design file and messages include;
-    The limits from ``braking_power_w`` on
-    are of what ``ncgear.optimum.task`` computes; the flywheel is the one for the task's speed fluctuation.  Raises
-    WrongInput for a value that bounds nothing, with its key in the design file.
+    ``ratio_min`` and ``ratio_max`` bound i12 = dphi1/dphi2; ``pressure_angle_rad`` bounds the tangent angle of the
+    pitch curves, |atan(r1'/r1)|, not counting the rack's own; ``rack_angle_rad`` is the rack's own, which the limit in
+    a design file and messages include; The limits from ``braking_power_w`` on are for figures of
+    ``ncgear.optimum.task``; the flywheel is for the task's speed fluctuation.  Raises WrongInput for a value that
+    bounds nothing, with its key in the design file.
     """
 
     ratio_min: float
@@ -171,8 +171,8 @@ class Figures:
 
     ``curvature_turns`` is the largest curvature of any curve, bulge or dent, times the length its pair rolls in one
     cycle.  With several pairs the ratios are the whole train's, and ``convex`` means that all curves are.  The figures
-    from ``braking_power_w`` on are those of ``ncgear.optimum.task``, None where no masses are given; ``tooth_force_n``
-    is None as well where the size of the gears is not known or there are several pairs.
+    from ``braking_power_w`` on are computed here, None where no masses are given; ``tooth_force_n`` is None as well
+    where the size of the gears is not known or there are several pairs.
     """
 
     peak_power_w: float
@@ -194,7 +194,7 @@ class Figures:
 
 @dataclass(frozen=True)
 class Prices:
-    """What one unit of each figure costs in a goal; names and units are those of ``Figures``.
+    """The cost of a unit of each figure in a goal; names and units are as in ``Figures``.
 
     The r.m.s. torque has a price only alone: the search knows its square.  Raises WrongInput for an endless price.
     """
@@ -219,7 +219,7 @@ class Prices:
         return any(getattr(self, name, 0.0) for name in LOAD_LIMITS)
 
     def of(self, found: Figures) -> float:
-        """The sum of all figures' costs; those without a price need not be known."""
+        """The sum of all figures' costs; figures without a price need not be known."""
         prices = {name: price for name, price in vars(self).items() if price}
         return float(sum(price * getattr(found, name) for name, price in prices.items()))
 
@@ -227,8 +227,8 @@ class Prices:
 def figures(task: Task, train: Train, as_large_as: Train | None = None) -> Figures:
     """The figures of a law on a machine; raises NoSuchMechanism for curves too sharp to be computed.
 
-    Power is that of the driving shaft: of the load alone, or with masses of these as well.  The force between the teeth
-    is that of gears at their own centre distance, or at that of another law's gears (``as_large_as``).
+    The power is the driving shaft's: for the load alone, or for load and masses.  The force between the teeth is for
+    gears at their own centre distance, or at the centre distance of another law's gears (``as_large_as``).
     """
     machine = Machine(train.whole, task.linkage, task.load, task.speed_rad_s)
     check = kinematic_check(machine)

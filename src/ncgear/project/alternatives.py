@@ -41,10 +41,10 @@ STEPS = 100
 """A gentler law is sought in steps of a hundredth of the law's swing; nobody would choose finer steps."""
 
 LEAST_RACK_DEG = 14.5
-"""The least pressure angle of common racks; teeth of a smaller one are undercut and weak at the root."""
+"""The least pressure angle of common racks; teeth with a smaller angle are undercut and weak at the root."""
 
 STEEPEST_RACK_DEG = 30.0
-"""The greatest pressure angle of common racks; teeth of a greater one are pointed."""
+"""The greatest pressure angle of common racks; teeth with a greater angle are pointed."""
 
 STEEPEST_HELIX_DEG = 30.0
 """The greatest helix angle in common use.
@@ -75,7 +75,7 @@ def kept_percent(design: Design, harmful: Callable[[Transmission], bool]) -> int
     """The largest part of the swing of a design's law that is not ``harmful``, in whole per cent.
 
     It is 0 where every part is harmful, and where ``gentler`` has no changes for the law.  The search halves an
-    interval; it assumes that a smaller swing is never more harmful than a larger one.
+    interval; it assumes that a smaller swing is never more harmful than a larger swing.
     """
     low, high = 0, STEPS
     while high - low > 1:
@@ -106,7 +106,7 @@ def changed_motion(design: Design, changes: Changes) -> Design:
 def gentler(design: Design, share: float) -> Changes:
     """The changes that leave ``share`` (0 to 1) of the swing of a law's ratio; empty where the law has no such measure.
 
-    Depending on the law, the share is that of the logarithm of the ratio, of the driven angle's deviation from an even
+    Depending on the law, it is a share of the logarithm of the ratio, of the driven angle's deviation from an even
     turn, or of the ellipse's eccentricity.
     """
     lobes = design.gears.lobes if design.gears else None
@@ -120,7 +120,7 @@ def gentler(design: Design, share: float) -> Changes:
 
 
 def is_given(design: Design, key: str) -> bool:
-    """Whether the design file gives a value at a dotted key, be it the one that it would have without."""
+    """Whether the design file gives a value at a dotted key, even if the value is the default."""
     group: object = design
     for name in key.split("."):
         if not isinstance(group, Model) or name not in group.model_fields_set:
@@ -132,7 +132,7 @@ def is_given(design: Design, key: str) -> bool:
 def overstepped(design: Design) -> set[str]:
     """The keys of the hard wishes that a design's law does not keep, and of the limits of the best law.
 
-    Of the limits, those of the ratio and of the motion without masses.  Raises DesignError where there is no such law.
+    Only limits of the ratio and of the motion without masses count.  Raises DesignError where there is no such law.
     """
     drive = Drive(design)
     outcomes = drive.achieved.outcomes if drive.achieved else ()
@@ -169,7 +169,7 @@ def changed_gears(gears: Gears, changes: Changes) -> Gears:
 
 
 def changed_drive(drive: Drive, changes: Changes) -> Drive:
-    """The drive of the design with such changes below ``gears``."""
+    """The drive of the design with changes below ``gears``."""
     return drive_like(drive, drive.design.model_copy(update={"gears": changed_gears(drive.gears, changes)}))
 
 
@@ -231,7 +231,7 @@ def shift_free_of_undercut(drive: Drive) -> tuple[float, Changes] | None:
 
 
 def shifted_against_undercut(gears: Gears) -> Changes:
-    """The changes that ask for the profile shift chosen against undercut, in the place of those that are given."""
+    """The changes that ask for the profile shift chosen against undercut, in the place of the given shifts."""
     given = gears.profile_shift
     dropped: Changes = {f"gears.profile_shift.{key}": None for key in SHIFTS if getattr(given, key) is not None}
     return {**dropped, "gears.profile_shift.against_undercut": True}
@@ -240,8 +240,8 @@ def shifted_against_undercut(gears: Gears) -> Changes:
 def steeper_rack(drive: Drive, steepest_deg: float) -> Changes:
     """The rack of the least pressure angle, in whole degrees, that leaves no tooth undercut.
 
-    Empty where the pressure angle of the pair would exceed ``steepest_deg`` with every such rack, and where teeth have
-    shifts of their own.
+    Empty where every rack would give the pair a pressure angle over ``steepest_deg``, and where teeth have shifts of
+    their own.
     """
     if drive.gears.profile_shift.per_tooth is not None:
         return {}
@@ -273,7 +273,8 @@ def rack_at(gears: Gears, angle_deg: float) -> Changes:
 
 
 def fitted_root_radius(gears: Gears, angle_deg: float) -> Changes:
-    """The root radius that fits at a pressure angle; empty where the given one fits, where none is given or none fits.
+    """The root radius that fits at a pressure angle; empty where the given radius fits, where none is given or none
+    fits.
 
     One that is left out fits by itself.
     """

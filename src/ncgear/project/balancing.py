@@ -127,7 +127,7 @@ class Balancing(Shown):
 
 
 def joint_masses_of(given: keys.Partial, mechanism: DrivenCrank) -> JointMasses:
-    """The masses at the joints: the given ones, or else those that follow from the parts."""
+    """The masses at the joints: the given masses, or else the masses that follow from the parts."""
     parts = joint_masses(mechanism.linkage, mechanism.masses)
     return JointMasses(
         parts.rotating_kg if given.rotating_kg is None else given.rotating_kg,

@@ -1,12 +1,13 @@
 """Speed against error of a person's own design: each stage at several finenesses, its time, and its error.
 
-Errors are measured against what the stage does not know: exact peaks from closed forms, lengths by quadrature, points
-of the exact curves between the chords, or the same stage much finer.  From these the coarsest fineness is recommended
-whose measured error is within what the file asks for; where none of those tried is, finer ones are tried.
+Errors are measured against references that the stage does not use: exact peaks from closed forms, lengths by
+quadrature, points of the exact curves between the chords, or the same stage much finer.  The recommended fineness is
+the coarsest whose measured error is within the error that the file asks for; where no tried fineness is enough, finer
+ones are tried.
 
-What the file asks for is ``output.chord_tolerance_mm``: how far what is written may be from the exact teeth.  Errors
-that are lengths are held against it.  Those that are shares have no key, and are held against a thousandth of a peak
-and a hundredth of a stress.
+The file asks for an error by ``output.chord_tolerance_mm``: the largest distance between written and exact teeth.
+Errors that are lengths are held against it.  Errors that are shares have no key, and are held against a thousandth of a
+peak and a hundredth of a stress.
 """
 
 from __future__ import annotations
@@ -40,13 +41,15 @@ PEAK_SHARE, STRESS_SHARE = 1e-3, 1e-2
 """Errors of peaks and of stresses that are taken as asked for, as shares."""
 
 REPEATS, SHORT_S = 3, 0.5
-"""The median of so many times is told of what takes less than this; what takes longer is timed once."""
+"""A stage that takes less than this is timed so many times, and the median is told; a longer stage is timed once."""
 
 MOST_FINER = 4
 """Finer settings that are tried where none of the first is fine enough."""
 
 LEAST_IN_MODULES = 3e-6
-"""The least chord tolerance that is tried: finer ones take more points than any outline is made of."""
+"""The least chord tolerance that is tried: with a finer tolerance an outline would need more points than it may
+have.
+"""
 
 
 @dataclass(frozen=True)
@@ -60,12 +63,12 @@ class Trial:
 
 
 @dataclass(frozen=True)
-class Stage:
+class BenchStage:
     """One stage at several settings, from coarse to fine.
 
-    ``varied`` is what is set, ``counted`` what its size counts; ``error_of`` and ``unit`` tell the error, ``reference``
-    what it was measured against.  ``asked`` is the error that the file asks for, ``key`` the key that says so or empty,
-    and ``used`` the setting of a build.
+    ``varied`` names the setting, ``counted`` the things that its size counts; ``error_of`` and ``unit`` tell the error,
+    ``reference`` the value it was measured against.  ``asked`` is the error that the file asks for, ``key`` its key or
+    empty, and ``used`` the setting of a build.
     """
 
     name: str
@@ -82,9 +85,9 @@ class Stage:
 
     @property
     def recommended(self) -> Trial | None:
-        """The coarsest trial whose error, and that of all finer ones, is within what is asked; None where none is.
+        """The coarsest trial with an error, like all finer trials, within the asked error; None where there is none.
 
-        Extremes among samples may be met by luck at one setting.
+        At one setting samples may meet extremes by luck.
         """
         found = None
         for trial in reversed(self.trials):
@@ -107,8 +110,8 @@ class Stage:
         return falls if self.varied_unit else -falls
 
 
-def benched(drive: Drive, on_step: Callable[[str], None]) -> list[Stage]:
-    """All stages that a design has, from its motion to its finite elements; raises what the stages of the drive raise.
+def benched(drive: Drive, on_step: Callable[[str], None]) -> list[BenchStage]:
+    """All stages that a design has, from its motion to its finite elements; raises the errors of the drive's stages.
 
     Two pairs of gears have all but the motion twice, each named by its pair: ``teeth of stage 1``.
     """
@@ -124,7 +127,7 @@ def step_count(drive: Drive) -> int:
     return sum(1 for _ in _stages(drive))
 
 
-def _stages(drive: Drive) -> Iterator[tuple[str, Callable[[], Stage]]]:
+def _stages(drive: Drive) -> Iterator[tuple[str, Callable[[], BenchStage]]]:
     yield "motion", partial(_motion, drive)
     if drive.design.gears is None:
         return
@@ -158,7 +161,9 @@ def _tried(
     judge: Callable[[Result], tuple[float, int]],
     asked: float,
 ) -> tuple[Trial, ...]:
-    """Trials at settings and, while none is good enough, at finer ones; ``finer`` gives None where there is none."""
+    """Trials at settings and, while no trial is good enough, at finer settings; ``finer`` gives None where it has no
+    finer setting.
+    """
     trials: list[Trial] = []
     waiting = list(settings)
     while waiting:
@@ -177,7 +182,7 @@ def _twice(setting: float) -> float:
     return 2.0 * setting
 
 
-def _motion(drive: Drive) -> Stage:
+def _motion(drive: Drive) -> BenchStage:
     """The peak acceleration among samples, beside the peak between zeros of its derivative."""
     machine, exact = drive.machine, drive.check.peak_acceleration_cycle.value
     cycle = drive.transmission.cycle_rad
@@ -189,7 +194,7 @@ def _motion(drive: Drive) -> Stage:
         return machine.motion(np.linspace(0.0, cycle, int(count) + 1)).acceleration
 
     trials = _tried([125.0, 250.0, 500.0, 1000.0, 2000.0], _twice, compute, judge, PEAK_SHARE)
-    return Stage(
+    return BenchStage(
         "motion",
         "rows a cycle",
         "",
@@ -204,7 +209,7 @@ def _motion(drive: Drive) -> Stage:
     )
 
 
-def _pitch_curves(drive: Drive) -> Stage:
+def _pitch_curves(drive: Drive) -> BenchStage:
     """The length of the driving pitch curve by chords, beside its length by quadrature."""
     pitch, asked = drive.pitch, drive.chord_tolerance_mm
     length = pitch.driving.length_mm
@@ -218,7 +223,7 @@ def _pitch_curves(drive: Drive) -> Stage:
         return max(length - found[0], np.finfo(float).eps * length), found[1]
 
     trials = _tried([50.0, 100.0, 200.0, 400.0, 800.0], _twice, compute, judge, asked)
-    return Stage(
+    return BenchStage(
         "pitch curves",
         "points",
         "",
@@ -248,7 +253,7 @@ def _toothed(drive: Drive, tolerance_mm: float) -> ToothedPair:
     return toothed_pair(drive.pitch, drive.tooth_form, tolerance_mm)
 
 
-def _teeth(drive: Drive) -> Stage:
+def _teeth(drive: Drive) -> BenchStage:
     """The outlines by chord tolerance, beside points of the exact curves between all chords."""
     from ncgear.metrology.chord_error import exact_points, farthest_mm
 
@@ -260,7 +265,7 @@ def _teeth(drive: Drive) -> Stage:
         return max(found), sum(len(teeth.of(gear).outline_mm) for gear in Gear)
 
     compute = partial(_toothed, drive)
-    return Stage(
+    return BenchStage(
         "teeth",
         "tolerance",
         "mm",
@@ -279,8 +284,8 @@ PER_TOOTH, MOST_PER_TOOTH = (4.0, 8.0, 16.0, 32.0), 64.0
 """Positions per tooth that are tried at first, and at most."""
 
 
-def _contact(drive: Drive) -> Stage:
-    """The extremes of the contact of the outlines among positions, beside those searched between them."""
+def _contact(drive: Drive) -> BenchStage:
+    """The extremes of the contact of the outlines among positions, and the extremes searched between them."""
     from ncgear.contact.placement import placed
     from ncgear.contact.written.as_written import Outlines, as_written, reach_mm
     from ncgear.contact.written.extremes import play_extremes
@@ -303,7 +308,7 @@ def _contact(drive: Drive) -> Stage:
     def finer(per_tooth: float) -> float | None:
         return 2.0 * per_tooth if 2.0 * per_tooth <= MOST_PER_TOOTH else None
 
-    return Stage(
+    return BenchStage(
         "contact",
         "positions a tooth",
         "",
@@ -319,10 +324,10 @@ def _contact(drive: Drive) -> Stage:
 
 
 FINER_SOLIDS = 16.0
-"""The reference of solids is so many times finer than the finest that is tried first."""
+"""The reference of solids is so many times finer than the finest solids that are tried first."""
 
 
-def _solids(drive: Drive) -> Stage:
+def _solids(drive: Drive) -> BenchStage:
     """The meshes by chord tolerance: a section beside points of the exact curves, the volume beside finer meshes."""
     from ncgear.metrology.chord_error import exact_points
     from ncgear.project.gear_solids import crank_pin_hole, straight_solids
@@ -350,7 +355,7 @@ def _solids(drive: Drive) -> Stage:
         away = (_section_error_mm(exact[gear], found.of(gear).mesh, gears.face_width_mm / 2.0) for gear in Gear)
         return max(*missed, *away), sum(len(found.of(gear).mesh.faces) for gear in Gear)
 
-    return Stage(
+    return BenchStage(
         "solids",
         "tolerance",
         "mm",
@@ -377,10 +382,10 @@ def _section_error_mm(exact: Array, mesh: Trimesh, height_mm: float) -> float:
 
 
 PARTS, REFERENCE_PARTS = (1.0, 2.0, 3.0), 5
-"""How many parts the elements of the coarsest mesh are cut in along each side, and those of the reference."""
+"""In how many parts the elements of the coarsest mesh, and of the reference, are cut along each side."""
 
 
-def _elements(drive: Drive) -> Stage:
+def _elements(drive: Drive) -> BenchStage:
     """The largest root stress of the driving gear's teeth by mesh size, beside a finer mesh."""
     from ncgear.strength.elements.mesh import MeshSize, topology_of
     from ncgear.strength.elements.teeth import elements_of
@@ -402,7 +407,7 @@ def _elements(drive: Drive) -> Stage:
     def finer(parts: float) -> float | None:
         return parts + 1.0 if parts + 1.0 < REFERENCE_PARTS else None
 
-    return Stage(
+    return BenchStage(
         "elements",
         "parts a side",
         "",
@@ -417,7 +422,7 @@ def _elements(drive: Drive) -> Stage:
     )
 
 
-def dominating(stages: list[Stage]) -> Stage | None:
+def dominating(stages: list[BenchStage]) -> BenchStage | None:
     """The stage that takes longest as recommended; None where nothing is recommended."""
     known = [(stage.recommended.time_s, stage) for stage in stages if stage.recommended is not None]
     return max(known, key=lambda pair: pair[0])[1] if known else None

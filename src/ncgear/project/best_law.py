@@ -21,9 +21,9 @@ from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.optimum.offers import Refused
 from ncgear.optimum.task import Figures, Task, figures
-from ncgear.project.comparison import Comparison
+from ncgear.project.law_task import inertia_as_given, inertia_with, task_of, wishes_of
 from ncgear.project.moving_masses import TrainInertia
-from ncgear.project.wishes import inertia_as_given, inertia_with, task_of, wishes_of
+from ncgear.project.sought_machine import SoughtMachine
 from ncgear.ratio.transmission import Train
 from ncgear.shown import Shown
 from ncgear.workers import finished
@@ -37,7 +37,8 @@ if TYPE_CHECKING:
 class Starts:
     """How many starts the search for a law had, from how many of them it found none, and how far goals are apart.
 
-    ``apart`` is what the best law found has less of the goal than the worst, as a share of the worst's.
+    ``apart`` is the difference of the goal between the worst and the best law found, as a share of the worst law's
+    goal.
     """
 
     count: int
@@ -45,12 +46,12 @@ class Starts:
     apart: float
 
 
-class BestLaw(Comparison, Shown):
+class BestLaw(SoughtMachine, Shown):
     """A design's machine with the best law that its wishes allow.
 
     Every attribute may raise WrongInput for wishes that contradict each other or the design, and NoSuchMechanism where
-    no law keeps the limits.  The law is the best of those found from ``starts`` starts, of which the first is the
-    motion of the certified limit; ``scheduler`` and ``processes`` say where the others are computed, as in
+    no law keeps the limits.  The law is the best of all laws found from ``starts`` starts, of which the first is the
+    motion of the certified limit; ``scheduler`` and ``processes`` say where the other laws are computed, as in
     ``ncgear.workers``.  ``on_programme`` is called with the numbers of programmes solved and at most to be solved while
     the limit is raised towards the law.
     """
@@ -71,8 +72,8 @@ class BestLaw(Comparison, Shown):
     def begun(self) -> Begun:
         """The machine with its gears as given, its certified limit, and where the search for a law starts.
 
-        Where no law keeps the limits with these gears, other laws have other gears: those of the law that comes nearest
-        are tried until they settle, and only then the limits are refused.
+        Where no law keeps the limits with these gears, other laws have other gears.  The gears of the law that comes
+        nearest are tried until they settle, and only then the limits are refused.
         """
         inertia = inertia_as_given(self.design)
         for _ in range(MOST_ROUNDS):
@@ -96,7 +97,7 @@ class BestLaw(Comparison, Shown):
     def _inertia_of_nearest(self, used: TrainInertia) -> TrainInertia | None:
         """That of the gears of the law that comes nearest to keeping the limits.
 
-        None where it is the one used, and where there is no such law or its gears cannot be made.
+        None where it is the law in use, and where there is no such law or its gears cannot be made.
         """
         if self.design.masses is None or not installed("casadi"):
             return None
@@ -111,7 +112,7 @@ class BestLaw(Comparison, Shown):
 
     @property
     def task(self) -> Task:
-        """The machine that is built: its masses are those with the gears that the best law makes."""
+        """The machine that is built: its masses include the gears that the best law makes."""
         return self._settled.task
 
     @cached_property
@@ -140,7 +141,7 @@ class BestLaw(Comparison, Shown):
 
     @contextmanager
     def _offering(self, task: Task) -> Iterator[None]:
-        """A context in which refusals get what can be asked for instead, checked by doing."""
+        """A context that adds to refusals what can be asked for instead, checked by doing it."""
         try:
             yield
         except Refused as refused:
@@ -194,7 +195,7 @@ class BestLaw(Comparison, Shown):
 
     @cached_property
     def _laws(self) -> list[MakeableLaw]:
-        """The laws found from all starts with the gears as given, that of the usual start first."""
+        """The laws found from all starts with the gears as given, the law of the usual start first."""
         require("casadi", "optimize", "ncgear optimize")
         from ncgear.optimum.makeable.law import makeable_law
 
@@ -217,7 +218,7 @@ class BestLaw(Comparison, Shown):
 
     @property
     def _costs(self) -> list[float]:
-        """What is to be least of every law found, with what soft wishes cost where it is that of the usual start."""
+        """The goal of every law found; the law of the usual start with the costs of soft wishes."""
         return [law.cost(self._laws[0].goal) for law in self._laws]
 
     @cached_property
@@ -253,11 +254,12 @@ class BestLaw(Comparison, Shown):
 
 
 SETTLED = 1e-7
-"""Share of all that turns with the crank by which the gears of a law may differ from those that it was found with: the
-figures and the limit are told for the gears that come out, and a law is so much nearer to its optimum still."""
+"""Share of the inertia of the crank by which the gears of a law may differ from the gears that it was found with.  The
+figures and the limit are told for the resulting gears, and a law is much nearer to its optimum than this.
+"""
 
 MOST_ROUNDS = 12
-"""Laws that are found one after the other at most; two or three are the rule."""
+"""Laws that are found in sequence, at most; two or three are usual."""
 
 
 class _WithoutOffers(BestLaw):
@@ -303,7 +305,9 @@ TURN_PLACES = 360
 
 
 def _change(task: Task, used: TrainInertia, made: TrainInertia) -> float:
-    """By how much the gears differ from those used, over the mean of all that turns with the crank, reduced to it."""
+    """Difference of the gears from the gears in use, over the mean inertia of all that turns with the crank, reduced to
+    it.
+    """
     apart = max(abs(used.between_kg_mm2 - made.between_kg_mm2), abs(used.driven_kg_mm2 - made.driven_kg_mm2))
     if not apart:
         return 0.0

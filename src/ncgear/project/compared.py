@@ -1,8 +1,8 @@
-"""Gears as a coordinate measuring machine found them: held against the exact ones, and run together.
+"""Gears as a coordinate measuring machine found them: compared with the exact gears, and run together.
 
-Each gear is brought into the pose of best fit; what its points then tell is compared flank by flank.  The pair as
-measured is run through the contact of written outlines, as the outlines of files are, beside the exact outlines.
-Helical gears are compared in the section that is measured (``project.measured.measured_section``).
+Each gear is brought into the pose of best fit; then its points are compared flank by flank.  The pair as measured,
+beside the exact outlines, is run through the contact of written outlines, like the outlines of files.  Helical gears
+are compared in the section that is measured (``project.workshop_measures.measured_section``).
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.plane import as_complex
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.measured import measured_section
+from ncgear.project.workshop_measures import measured_section
 from ncgear.teeth.backlash import idle_arms_mm
 from ncgear.teeth.gear import ToothedPair
 
@@ -41,10 +41,10 @@ class Fit(StrEnum):
 
 
 SUSPECT_IN_MODULES = 0.02
-"""R.m.s. distance, or that of a file whose points are mostly astray, from which on other readings are tried."""
+"""R.m.s. distance, also of a file whose points are mostly astray, from which on other readings are tried."""
 
 MOST_IN_MODULES = 0.1
-"""R.m.s. distance of a gear that is not the design's, whatever else it is."""
+"""R.m.s. distance from which on a gear is surely not the design's."""
 
 MUCH_NEARER = 0.5
 """Another reading is named where the points are at most this share as far from it."""
@@ -66,7 +66,7 @@ class ComparedGear:
 
 @dataclass(frozen=True, eq=False)
 class ComparedPair:
-    """Measured gears, and the contact of the pair as measured beside that of the exact outlines.
+    """Measured gears, the contact of the pair as measured, and the contact of the exact outlines.
 
     A gear that was not measured is exact.  ``measured_extremes`` and ``exact_extremes`` are searched between the
     positions as well.  ``lever_mm`` is the arm by which an angle of the driven gear is the least normal backlash of the
@@ -103,7 +103,7 @@ JAM_RAD = 1e-9
 
 
 def compared_pair(drive: Drive, files: Mapping[Gear, MeasuredFile], fit: Fit, probe_mm: float) -> ComparedPair:
-    """Hold measured gears against the exact ones and run the pair as measured; ``drive`` has one pair of gears.
+    """Compare measured gears with the exact gears and run the pair as measured; ``drive`` has one pair of gears.
 
     Raises WrongInput with a file's name where it does not hold points of its gear in mm, NoSuchMechanism where the
     outlines as measured do not reach each other.
@@ -129,11 +129,11 @@ NEIGHBOURS = 5
 
 
 def _contact(outlines: Outlines, teeth: ToothedPair, placement: Placement, reach: float) -> AsWritten:
-    """Contact of outlines that may overlap at the law's angle, as those of thick teeth do.
+    """Contact of outlines that may overlap at the law's angle, as outlines of thick teeth do.
 
     Play is looked for on both sides of an angle.  Where the gears overlap at that angle, a corner that has passed what
     it would touch looks as if it touched.  So play is looked for a second time, on both sides of the middle of the play
-    that was found around each position; of both, what is wider is the play: it is free all along.
+    that was found around each position.  The wider of both is the play: it is free all along.
     """
     first = as_written(outlines, teeth, placement, reach)
     if not np.any(first.overlap_mm > 0.0):
@@ -188,7 +188,7 @@ def compared_gear(
 def _other_reading(
     outlines: Mapping[Gear, ExactOutline], gear: Gear, points: ComplexArray, probe_mm: float
 ) -> str | None:
-    """What the points are more likely to be, and what to do; None where nothing else fits much better."""
+    """Another reading that fits the points much better, and what to do; None where there is none."""
     other = Gear.DRIVEN if gear is Gear.DRIVING else Gear.DRIVING
     own = outlines[gear]
     readings = {

@@ -32,6 +32,6 @@ class computed(cached_property[Value]):
 
 
 def take_over(names: Iterable[str], source: Any, target: Any) -> None:
-    """Give a drive those of the named attributes that another one has computed, where they are the same for both."""
+    """Give a drive the named attributes that another drive has computed, where they are the same for both."""
     known = vars(source)
     vars(target).update({name: known[name] for name in names if name in known})

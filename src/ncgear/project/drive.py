@@ -1,4 +1,4 @@
-"""The drive: one design and all that follows from it, each value computed when it is first asked for, and once."""
+"""The drive: a design and all values that follow from it; each is computed once, when it is first asked for."""
 
 from __future__ import annotations
 
@@ -26,11 +26,11 @@ if TYPE_CHECKING:
     from ncgear.dynamics.quasi_static import LoadedContact, LoadedPeaks
     from ncgear.formulas.checked import Formulas
     from ncgear.project.drivetrain import DrivetrainResult
-    from ncgear.project.measured import CutGear, MeasuredGear
     from ncgear.project.passing import Passing
     from ncgear.project.thickness import AtThickness
     from ncgear.project.tooth_load import ToothLoad
     from ncgear.project.tooth_strength import JudgedTeeth
+    from ncgear.project.workshop_measures import CutGear, GearMeasures
     from ncgear.strength.answer import Strength
     from ncgear.strength.conditions import Conditions
     from ncgear.strength.loading import Loading
@@ -60,7 +60,7 @@ class Drive(Geared):
         return tuple(Drive(self.design, number, self.loaded, self) for number in range(1, self.design.stages + 1))
 
     def of_stage(self, stage: int | None) -> Drive:
-        """The drive of one pair of gears: of two in series that of stage 1 or 2, else the only one, by None.
+        """The drive of one pair of gears: of stage 1 or 2 of two pairs in series, or with None of the only pair.
 
         Raises WrongInput where a stage is given of a single pair, or none of two.
         """
@@ -153,7 +153,8 @@ class Drive(Geared):
 
     @computed
     def thickness_band(self) -> tuple[AtThickness, ...]:
-        """The pair with the thinnest teeth that the file allows, with those of its outlines, and with the thickest.
+        """The pair with the thinnest teeth that the file allows, with the teeth of its outlines, and with the thickest
+        teeth.
 
         Empty where the file gives no limits of the thickness; raises where the thickest teeth overlap.
         """
@@ -173,7 +174,7 @@ class Drive(Geared):
 
     @computed
     def passings(self) -> tuple[Passing, ...]:
-        """How near crank pin and rods come to what stands beside the gears; none where no linkage moves."""
+        """How near crank pin and rods come to shafts, hubs and stops beside the gears; empty where no linkage moves."""
         from ncgear.project.passing import passings_of
 
         return passings_of(self)
@@ -383,9 +384,9 @@ class Drive(Geared):
         return motion_peaks(course, self.rigid.machine, on_share)
 
     @computed
-    def measured(self) -> tuple[MeasuredGear, MeasuredGear]:
+    def measured(self) -> tuple[GearMeasures, GearMeasures]:
         """The driving and the driven gear as a workshop measures them."""
-        from ncgear.project.measured import measured_gears
+        from ncgear.project.workshop_measures import measured_gears
 
         with located(self.places):
             return measured_gears(self)
@@ -393,7 +394,7 @@ class Drive(Geared):
     @computed
     def cut_by(self) -> tuple[CutGear, CutGear]:
         """What hob, shaper, wire and end mill make of the driving and the driven gear, and why."""
-        from ncgear.project.measured import cut_gears
+        from ncgear.project.workshop_measures import cut_gears
 
         with located(self.places):
             return cut_gears(self)
@@ -412,7 +413,7 @@ class Drive(Geared):
         return self.judged_teeth(method).loading
 
     def judged_teeth(self, method: Literal["estimate", "elements"]) -> JudgedTeeth:
-        """Loads and strength of the teeth by a method, and what the method knows of them; made, or refused, once."""
+        """Loads and strength of the teeth by a method, and what else the method found; computed, or refused, once."""
         known = self._known_strengths
         if method not in known:
             try:
@@ -426,7 +427,7 @@ class Drive(Geared):
 
     @computed
     def still_teeth(self) -> JudgedTeeth:
-        """As ``judged_teeth`` by the design's method, with a dynamic factor of 1: what the teeth bear at least."""
+        """As ``judged_teeth`` by the design's method, with a dynamic factor of 1: the least load on the teeth."""
         return self._judged(self.design.strength.method, replace(self.conditions, dynamic_factor=1.0))
 
     def _judged(self, method: Literal["estimate", "elements"], conditions: Conditions) -> JudgedTeeth:

@@ -1,4 +1,4 @@
-"""From keys to values: what stands around the gears of a design, and what its loads make of it."""
+"""From keys to values: bearings, shafts, keys, motor and couplings around the gears of a design, and their loads."""
 
 from __future__ import annotations
 
@@ -27,10 +27,10 @@ from ncgear.drivetrain.shafts import (
     FREE_HEIGHT_MM,
     LEAST_SAFETY,
     STEELS,
-    Key,
     KeySafety,
-    Section,
+    ShaftKey,
     ShaftSafety,
+    ShaftSection,
     Steel,
     key_safety,
     shaft_safety,
@@ -48,7 +48,7 @@ N_MM_PER_N_M = 1000.0
 
 @dataclass(frozen=True, eq=False)
 class ShaftResult:
-    """The bearings, the shaft with its largest moment, and the key of one gear; None where nothing is given of them.
+    """The bearings, the shaft with its largest moment, and the key of one gear; each None where it is not given.
 
     ``enough_mm`` is the diameter with which a shaft holds that does not; None where it holds, and where none does.
     """
@@ -62,7 +62,7 @@ class ShaftResult:
 
 @dataclass(frozen=True, eq=False)
 class PowerTakeOffResult:
-    """Where the limiter slips and where the clutch lets the machine run ahead; None without the one or the other."""
+    """Where the limiter slips and where the clutch lets the machine run ahead; None without limiter or clutch."""
 
     slips: list[Excursion] | None
     runs_ahead: list[Excursion] | None
@@ -73,8 +73,8 @@ class DrivetrainResult:
     """What stands around the gears of a design.
 
     ``flywheel_kg_mm2`` is the inertia on the driving shaft, its gear and the motor included, that the wanted
-    coefficient of fluctuation ``wanted_fluctuation`` needs by the torque with losses; ``disc`` gives what is not there
-    yet.
+    coefficient of fluctuation ``wanted_fluctuation`` needs by the torque with losses; ``disc`` gives the part of it
+    that the machine lacks.
     """
 
     wanted: WantedLife
@@ -159,14 +159,14 @@ def _shaft(
     if diameter is None:
         raise WrongInput(f"missing; gears.{name} has no bore that tells it", key=f"drivetrain.{name}_shaft.diameter_mm")
     steel = STEELS[given.steel] if given.steel else Steel(given.tensile_mpa or 0.0, given.yield_mpa or 0.0)
-    section = Section(diameter, given.blank_mm or diameter, steel)
+    section = ShaftSection(diameter, given.blank_mm or diameter, steel)
 
     def borne(phi1: Array) -> tuple[ComplexArray, Array, Array]:
         at = shaft_loads(cycle, gear, phi1)
         return bending_moment_n_mm(at, bearings, crank_at_mm, 0.0), at.torque_n_mm, at.turned_rad
 
     def of_diameter(diameter_mm: float) -> ShaftSafety:
-        thick = Section(diameter_mm, max(diameter_mm, section.blank_mm), steel)
+        thick = ShaftSection(diameter_mm, max(diameter_mm, section.blank_mm), steel)
         return shaft_safety(thick, borne, places, _cycles_rad(gear, cycle))
 
     safety, key = of_diameter(diameter), _key(design, gear, given, section, loads.torque_n_mm)
@@ -178,7 +178,7 @@ MOST_TIMES, GROWN = 10.0, 1.002
 
 
 def _thick_enough_mm(of_diameter: Callable[[float], ShaftSafety], given_mm: float, safety: ShaftSafety) -> float | None:
-    """The diameter from which on a shaft that is too thin holds, to GROWN, by trials; None of one that holds.
+    """The diameter from which on a shaft that is too thin holds, to GROWN, by trials; None for a shaft that holds.
 
     Safety grows nearly as the third power of the diameter.
     """
@@ -199,7 +199,7 @@ def _cycles_rad(gear: Gear, cycle: Cycle) -> Array:
     return np.arange(lobes.driving, dtype=float) * (-place.mesh.sense * cycle.cycle_rad)
 
 
-def _key(design: Design, gear: Gear, given: DrivingShaft, section: Section, torque: Array) -> KeySafety | None:
+def _key(design: Design, gear: Gear, given: DrivingShaft, section: ShaftSection, torque: Array) -> KeySafety | None:
     key, gears, where = given.key, design.gears, f"drivetrain.{gear.value}_shaft.key"
     if key is None or gears is None:
         return None
@@ -216,7 +216,7 @@ def _key(design: Design, gear: Gear, given: DrivingShaft, section: Section, torq
             )
     yields = section.yield_mpa
     length = key.length_mm or gears.face_width_mm
-    made = Key(section.diameter_mm, height, length, min(yields, key.yield_mpa or yields))
+    made = ShaftKey(section.diameter_mm, height, length, min(yields, key.yield_mpa or yields))
     return key_safety(made, float(torque.max()), float(torque.min()))
 
 

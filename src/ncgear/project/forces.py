@@ -30,12 +30,13 @@ SAMPLES = 720
 """Angles of a turn over which inertias are averaged."""
 
 STIFFEST, SOFTEST = 20.0, 1e-6
-"""Stiffness of pairs of teeth that can be, in that of ISO 6336-1 for steel.  Diamond has five times the modulus of
-steel, and teeth of steel are at most 1.8 times as stiff as ISO's; rubber has some 1e-5 of the modulus."""
+"""Possible stiffness of pairs of teeth, in units of the stiffness of ISO 6336-1 for steel.  Diamond has five times the
+modulus of steel, and teeth of steel are at most 1.8 times as stiff as ISO's; rubber has some 1e-5 of the modulus."""
 
 DEPTHS_MM = (1e-3, 1.0)
-"""Depths between which teeth bear their loads: a law of impact is possible whose force is that of possible teeth at
-any of them."""
+"""Depths between which teeth bear their loads: a law of impact is possible if its force is possible for teeth at any of
+them.
+"""
 
 
 STIFFNESS = "simulation.stiffness_n_mm"
@@ -47,7 +48,7 @@ teeth under load are pressed a few times deeper.  Gears of any size are damped a
 
 
 def require_possible_stiffness(given: Simulation, face_width_mm: float) -> None:
-    """Refuse a given stiffness that teeth of no material have; raises WrongInput with one that they may have."""
+    """Refuse a given stiffness that teeth of no material have; raises WrongInput with a possible stiffness."""
     if (stiffness := given.stiffness_n_mm) is None:
         return
     steel = 1e3 * ISO_N_MM_UM * face_width_mm
@@ -91,9 +92,9 @@ def stiffness_of(given: Simulation, own: PairStiffness) -> PairStiffness:
 def damped(given: Simulation, meshing: Meshing, drive: DriveLine, load: CrankLoad) -> Meshing:
     """The pair of gears with the damping given, or where none is, with the ratio given to the critical damping.
 
-    That is 2 sqrt(k m) of one pair of teeth with the mean stiffness k, between the shafts' mean inertias, each as a
-    mass at the end of the normal force's arm, 1/m = r1^2/J1 + r2^2/J2; for exponents other than 1, k is the slope of
-    the force at the depth of full damping.
+    It is 2 sqrt(k m) of one pair of teeth with the mean stiffness k, between the shafts' mean inertias, each as a mass
+    at the end of the normal force's arm, 1/m = r1^2/J1 + r2^2/J2; for exponents other than 1, k is the slope of the
+    force at the depth of full damping.
     """
     if given.damping_n_s_mm is not None:
         return meshing
@@ -109,9 +110,10 @@ def damped(given: Simulation, meshing: Meshing, drive: DriveLine, load: CrankLoa
 
 
 def loaded_places_rad(phi1_rad: Array, meshing: Meshing, rigid: RigidMachine) -> Array:
-    """Driving angles up to the last of those given at which the peaks of loaded teeth are looked for, rising.
+    """Driving angles, rising and up to the last given angle, at which the peaks of loaded teeth are looked for.
 
-    Those given, those at which pairs of teeth are known, and those at which the law has a joint or the load turns.
+    They are the given angles, the angles at which pairs of teeth are known, and the angles at which the law has a joint
+    or the load turns.
     """
     breaks = [rigid.breaks(stretch) for stretch in stretches(rigid.machine)]
     places = distinct(np.concatenate([phi1_rad, meshing.gaps.table.breaks, *breaks]))

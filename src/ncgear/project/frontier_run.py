@@ -1,6 +1,6 @@
 """The computation of a design's frontier, point by point on all cores.
 
-Finished points are kept in a file.  A run after an interrupted one goes on from there.
+Finished points are kept in a file.  A run after an interrupted run goes on from there.
 """
 
 from __future__ import annotations
@@ -24,9 +24,9 @@ from ncgear.interrupts import uninterrupted
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, family_point, law_point
 from ncgear.optimum.offers import Refused
 from ncgear.optimum.task import Figures
-from ncgear.project.comparison import GearsAsGiven
+from ncgear.project.law_task import refuse_guide_friction
 from ncgear.project.offered import may_be_asked
-from ncgear.project.wishes import refuse_guide_friction
+from ncgear.project.sought_machine import GearsAsGiven
 from ncgear.shown import Shown
 from ncgear.workers import finished
 
@@ -39,7 +39,7 @@ ENTRY = '{"key": "'
 
 @dataclass(frozen=True)
 class Frontier(Shown):
-    """Points in the order of their caps; a family point is the best one found at its cap or a lower one."""
+    """Points in the order of their caps; a family point is the best point found at its cap or at a lower cap."""
 
     laws: list[LawPoint]
     families: list[FamilyPoint]
@@ -91,7 +91,7 @@ class FinishedPoints:
 
     @contextmanager
     def _refused(self) -> Iterator[None]:
-        """A context that turns what the disk refuses into WrongInput."""
+        """A context that turns refusals of the disk into WrongInput."""
         try:
             yield
         except OSError as error:
@@ -163,7 +163,7 @@ def _assembled(caps: list[float], found: dict[tuple[str, float], dict[str, Any]]
 
 
 def _best_so_far(points: list[FamilyPoint]) -> list[FamilyPoint]:
-    """The best point at each cap or a lower one: a law that keeps one cap also keeps every higher one."""
+    """The best point at each cap or at a lower cap: a law that keeps a cap also keeps every higher cap."""
     best: list[FamilyPoint] = []
     for point in points:
         before = best[-1] if best else None

@@ -1,17 +1,17 @@
 """Laws that are functions of Python, and the drive of a mapping that may hold one.
 
 Under the law ``ratio_expression`` a function of phi1 in rad stands for its formula: it is traced, and the law is proven
-to follow that formula to 1e-12, as it is of a written one (``numerics.proven``).  Under ``table`` it is called at even
-driving angles of a cycle, twice as many until the law is as near as ``NEAR``.
+to follow that formula to 1e-12, as a law of a written formula is (``numerics.proven``).  Under ``table`` it is called
+at even driving angles of a cycle, twice as many until the law is as near as ``NEAR``.
 
 Of a function that is known by its values alone nothing can be proven.  Under ``table`` two things are measured instead,
-both at angles that the law is not made from.  How far the law is off, at eight angles between every two points and at
-all angles of the second.  And whether the eight miss anything: the cycle is cut into pieces, halved until the Chebyshev
-series through 17 values of each dies away and agrees with the function at other angles of the piece (L. N. Trefethen,
-"Approximation Theory and Approximation Practice", SIAM 2013, chapters 7 and 8).  Of a function that is analytic and
-bounded in an ellipse about each piece, as large as the coefficients fall, the series is off by no more than its tail;
-that it is so is the assumption that no sampling can prove.  Where pieces shrink to a corner, a jump or a narrow peak,
-that is told, and how wide a peak is at most that lies between all these angles.
+both at angles that the law is not made from.  The first is the error of the law, at eight angles between every two
+points and at all angles of the second.  The second is whether these eight angles miss anything: the cycle is cut into
+pieces, halved until the Chebyshev series through 17 values of each dies away and agrees with the function at other
+angles of the piece (L. N. Trefethen, "Approximation Theory and Approximation Practice", SIAM 2013, chapters 7 and 8).
+Of a function that is analytic and bounded in an ellipse about each piece, as large as the coefficients fall, the series
+is off by no more than its tail; sampling cannot prove that the function is so, which is an assumption.  Where pieces
+shrink to a corner, a jump or a narrow peak, that is told, and how wide a peak is at most that lies between all angles.
 """
 
 from __future__ import annotations
@@ -189,8 +189,8 @@ def _points(data: dict[str, Any], key: str, function: Function) -> Drive:
 def _decay(function: Callable[[Array], Array], cycle: float) -> tuple[int, float, tuple[float, ...]]:
     """Pieces on which the series of a function die away, the greatest share by which they do not, and where not.
 
-    Where they do not on the narrowest pieces, these are told by their middles, neighbours as one.  No piece ends at the
-    end of the cycle, or at an even part of it, where corners would lie between pieces.
+    Where they do not agree on the narrowest pieces, the middles of these are told; neighbours count as one piece.  No
+    piece ends at the end of the cycle, or at an even part of it, where corners would lie between pieces.
     """
     edges = (np.arange(PIECES + 1) + ASIDE[1]) * cycle / PIECES
     left, right, done, tail, greatest = edges[:-1], edges[1:], 0, 0.0, 0.0
@@ -215,7 +215,7 @@ def _decay(function: Callable[[Array], Array], cycle: float) -> tuple[int, float
 
 
 def _called(function: Function, phi1: Array, key: str) -> Array:
-    """The function at angles, called with all of them, or one by one if it takes no arrays."""
+    """The function at angles, called with all angles, or with one at a time if it takes no arrays."""
     with np.errstate(all="ignore"):
         try:
             values = _real(function(phi1), phi1.shape)
@@ -242,7 +242,9 @@ def _real(given: Any, shape: tuple[int, ...]) -> Array:
 
 
 def _with_top(phi1: Array, values: Array, function: Function, key: str) -> Array:
-    """The angles with that of the extended end, where the function is greatest: a table of displacements needs it."""
+    """The angles with the angle of the extended end, where the function is greatest: a table of displacements needs
+    it.
+    """
     step, top = phi1[1] - phi1[0], float(phi1[int(np.argmax(values))])
     nodes = top + step * chebyshev.chebpts1(17)
     series = chebyshev.Chebyshev.fit(nodes, _called(function, nodes, key), 16, [nodes[0], nodes[-1]])
@@ -255,7 +257,8 @@ def _with_top(phi1: Array, values: Array, function: Function, key: str) -> Array
 def _between(phi1: Array, cycle: float) -> Array:
     """Angles between the points at which a law is compared with its function."""
     width = np.diff(np.append(phi1, cycle))
-    return (phi1[:, None] + width[:, None] * (np.arange(BETWEEN) + 0.5) / BETWEEN).ravel()
+    angles: Array = (phi1[:, None] + width[:, None] * (np.arange(BETWEEN) + 0.5) / BETWEEN).ravel()
+    return angles
 
 
 def _off(drive: Drive, at: Array, wanted: Array, motion: Mapping[str, Any], key: str) -> Array:

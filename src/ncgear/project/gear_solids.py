@@ -37,8 +37,8 @@ From this thickness on, ISO 6336-3 counts no weakening of internal teeth (value 
 def crank_direction_rad(linkage: Mechanism, driving_axis_deg: float) -> float:
     """Polar angle of the crank at phi1 = 0 in the frame of the driven gear of an external pair.
 
-    In the frame of the mechanism the driving axis is at ``driving_axis_deg`` from the crank's; in that of the gear it
-    is at pi.  Both frames are seen from the side from which the crank turns clockwise.
+    In the frame of the mechanism the driving axis is at ``driving_axis_deg`` from the crank's; in the frame of the gear
+    it is at pi.  Both frames are seen from the side from which the crank turns clockwise.
     """
     return linkage.crank_start_rad - radians(driving_axis_deg) + pi
 
@@ -65,7 +65,7 @@ def straight_solids(
 def finished_plans(
     gears: Gears, pitch: PitchPair, teeth: ToothedPair, tolerance_mm: float, crank_pin: RoundHole | None = None
 ) -> tuple[BodyPlan, BodyPlan]:
-    """The bodies of both gears with straight teeth as they come out, whatever the process wants of the files.
+    """The bodies of both gears with straight teeth as they come out of the process, which may want other files.
 
     Raises WrongInput where a part of the body has no room.
     """
@@ -76,12 +76,12 @@ def finished_plans(
 
 
 def finished(gears: Gears) -> Gears:
-    """The gears without what the process alone wants: bevelled edges, and outlines moved into or out of material."""
+    """The gears without changes for the process alone: bevelled edges, and outlines moved into or out of material."""
     return gears.model_copy(update=dict.fromkeys(PROCESS, 0.0))
 
 
 PROCESS = ("first_layer_chamfer_mm", "process_clearance_mm")
-"""Keys of what the process alone wants."""
+"""Keys of changes for the process alone."""
 
 
 def _require_room_for_process(gears: Gears) -> None:
@@ -105,7 +105,7 @@ def _straight(
     crank_pin: RoundHole | None,
     makers: tuple[GearMaker[Made], RingMaker[Made]],
 ) -> tuple[Made, Made]:
-    """Solids or plans of both gears with straight teeth, by what makes one of a gear and of a ring.
+    """Solids or plans of both gears with straight teeth, by functions that make a gear and a ring.
 
     What the process wants and neither gear has room for is refused by the gear that has less.
     """
@@ -145,7 +145,7 @@ def helical_solids(
 ) -> SolidPair:
     """Both gears with helical teeth as closed meshes.
 
-    Raises WrongInput for an internal pair, and for what the process wants: sections are made as designed.
+    Raises WrongInput for an internal pair, and for keys of the process: sections are made as designed.
     """
     from ncgear.solids.helical.mesh import helical_pair
 
@@ -161,7 +161,7 @@ def helical_solids(
 
 
 def _blank(gears: Gears, body: GearBody, turned_rad: float = 0.0) -> Blank:
-    """The body that the file asks for, of one gear that is not a ring; ``turned_rad`` is between its end stops."""
+    """The body that the file asks for of a gear that is not a ring; ``turned_rad`` is between its end stops."""
     stop = body.end_stop
     keyway = Keyway(body.keyway.width_mm, body.keyway.depth_mm) if body.keyway else None
     holes = body.lightening_holes

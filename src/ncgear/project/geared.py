@@ -114,7 +114,7 @@ class Geared(Moving):
 
     @property
     def moves_output(self) -> bool:
-        """Whether its driven shaft moves the output: not that of the first of two pairs in series."""
+        """Whether its driven shaft moves the output; the first of two pairs in series does not."""
         return self.stage in (None, self.design.stages)
 
     @property
@@ -148,7 +148,7 @@ class Geared(Moving):
     def tooth_form(self) -> ToothForm:
         """The form of the teeth in mm; the tips of helical teeth are made so that they do not jump with height.
 
-        Raises NoSuchMechanism where no flank could turn its mate, whatever its form.
+        Raises NoSuchMechanism where no flank of any form could turn its mate.
         """
         from ncgear.solids.helical.even_tips import with_even_tips
 
@@ -194,7 +194,9 @@ class Geared(Moving):
 
     @computed
     def outer_radii_mm(self) -> dict[Gear, float]:
-        """How far each gear reaches from its axis: its teeth, in a ring the rim; helical ones in all their sections."""
+        """How far each gear reaches from its axis: its teeth, or the rim of a ring; helical teeth in all their
+        sections.
+        """
         from ncgear.project.gear_solids import rim_mm_of
         from ncgear.solids.plan.plan import outer_radius_mm
         from ncgear.teeth.reach import farthest_mm
@@ -239,7 +241,7 @@ class Geared(Moving):
 
     @computed
     def finished_plans(self) -> tuple[BodyPlan, BodyPlan]:
-        """The bodies of both gears as they come out, whatever the process wants of the files."""
+        """The bodies of both gears as they come out of the process, which may want other files."""
         from ncgear.project.gear_solids import crank_pin_hole, finished, finished_plans, helical_solids
 
         gears, pitch, tolerance = self.gears, self.pitch, self.chord_tolerance_mm
@@ -377,7 +379,7 @@ class Geared(Moving):
         return self._counted(at_speed(self.massless_check, speed_rpm), lambda: self._driving(machine))
 
     def _counted(self, massless: KinematicCheck, driving: Callable[[], DrivingShaft]) -> KinematicCheck:
-        """A check with the masses that the design gives, of the machine that turns such a driving shaft."""
+        """A check with the given masses, of the machine with this driving shaft."""
         if self.masses_left_out is not None:
             return massless
         from ncgear.dynamics.driving_shaft import counting_masses

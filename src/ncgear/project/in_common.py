@@ -1,4 +1,4 @@
-"""The drive of a design that differs from another one in some values: what both have in common is computed once."""
+"""The drive of a design that differs from another design in some values: common values are computed once."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ SAME_TEETH = ("pitch", "rack", "play", "tooth_form", "teeth", "_free_contact")
 
 
 def drive_like(drive: Drive, design: Design, loaded: LoadedDesign | None = None) -> Drive:
-    """The drive of another design; law, pitch curves and teeth are those of ``drive`` where both have the same."""
+    """The drive of another design; it takes law, pitch curves and teeth from ``drive`` where they are the same."""
     kept = _in_common(drive.design, design)
 
     def like(one: Drive, whole: Drive | None = None) -> Drive:

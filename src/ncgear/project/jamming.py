@@ -20,11 +20,12 @@ MOST_BACKLASH = 0.25
 """Backlash in modules beyond which teeth are thinner than any standard of backlash makes them."""
 
 LEAST_FACE, NEAR = 1e-3, 1.005
-"""Share of a face width down to which a narrower one is sought, and the factor to which it is found."""
+"""Share of a face width down to which a narrower face is sought, and the factor to which it is found."""
 
 SURELY = 1.1
-"""How many times what the estimate finds enough is told: it is a tenth off at most (tests/test_jamming.py), and what is
-told shall do where ncgear tolerance draws the assemblies."""
+"""Factor on the backlash that the estimate finds enough.  The estimate is off by a tenth at most
+(tests/test_jamming.py), and the told backlash shall be enough where ncgear tolerance draws the assemblies.
+"""
 
 STEP = 0.005
 """The backlash that is enough, in mm or degrees, is rounded up to a multiple of this, or if less to two digits:
@@ -33,13 +34,13 @@ nobody makes teeth of usual size to finer steps."""
 
 @dataclass(frozen=True)
 class Jamming:
-    """What assemblies need of the backlash that their design gives, as estimated.
+    """The estimated need of assemblies for backlash, beside the backlash that their design gives.
 
-    ``share`` is that of the assemblies of one pair that jam.  ``key`` of the design file gives the backlash, ``given``
-    is its value, and with ``enough`` 99.9 % of all machines turn.  ``fits`` is false where so much leaves no teeth.
-    ``narrower`` are changes to the widest face for which a usual backlash is enough, where that is not so; empty where
-    it is, and where no face does.  ``process`` is that whose usual tolerances are taken; None where the file gives
-    ``tolerances``.
+    ``share`` is the share of jamming assemblies of one pair.  ``key`` of the design file gives the backlash, ``given``
+    is its value, and with ``enough`` 99.9 % of all machines turn.  ``fits`` is false where this backlash leaves no
+    teeth.  Where a usual backlash is not enough, ``narrower`` are changes to the widest face for which it is; else, and
+    where no face helps, it is empty.  ``process`` is the process whose usual tolerances are taken; None where the file
+    gives ``tolerances``.
     """
 
     share: float
@@ -55,7 +56,7 @@ class Jamming:
 def jamming_of(drive: Drive) -> Jamming:
     """The estimate for one pair of gears; raises WrongInput where a grade does not hold for the gears.
 
-    One key gives the backlash of two pairs in series, so that what is enough is enough for both.
+    One key gives the backlash of two pairs in series, so ``enough`` is enough for both.
     """
     tolerances, process = tolerances_of(drive)
     of_pairs = backlash_needed(drive.whole)
@@ -84,7 +85,7 @@ def _made_up(backlash: float) -> float:
 def _narrower(drive: Drive, key: str, given: float) -> Changes:
     """The widest face, to three digits, for which a usual backlash is enough, and that backlash; empty where none is.
 
-    Tilted teeth take the more of a backlash the wider they are; helical ones need their width to keep contact.
+    The wider tilted teeth are, the more backlash they take; helical teeth need their width to keep contact.
     """
     own, low, high = drive.gears.face_width_mm, LEAST_FACE, 1.0
     most = max(given, MOST_BACKLASH * drive.pitch.size.module_mm)
@@ -110,9 +111,9 @@ def _narrower(drive: Drive, key: str, given: float) -> Changes:
 
 @lru_cache(maxsize=1)
 def backlash_needed(drive: Drive) -> tuple[Needed, ...]:
-    """What assemblies of every pair need of the backlash, in the unit of its key; raises as ``jamming_of``.
+    """The backlash that assemblies of every pair need, in the unit of its key; raises as ``jamming_of``.
 
-    That of the last machine is kept, since each of its pairs asks for it.
+    The result of the last machine is kept, since each of its pairs asks for it.
     """
     tolerances, _ = tolerances_of(drive)
     return tuple(_needed(pair, tolerances, seed) for seed, pair in enumerate(drive.by_stage))

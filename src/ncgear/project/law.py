@@ -45,7 +45,7 @@ def law_of(design: Design) -> Law:
 
 
 def require_whole_turns(design: Design, what: str) -> None:
-    """Raise WrongInput where the gears turn less than once; ``what`` is not offered for these."""
+    """Raise WrongInput where the gears turn less than once; ``what`` is not offered for such gears."""
     if design.motion.is_open:
         raise WrongInput(
             f"{design.motion.law} over a range, with which gears turn to and fro, less than once; {what} is offered "
@@ -159,7 +159,7 @@ def _torque_of(given: TurningLoad, key: str) -> Resistance:
 def keeps_even_speed(design: Design) -> bool:
     """Whether a hard wish asks for even speed somewhere on the stretch on which the design's own law prescribes it.
 
-    What a person needs of that stretch is then what the wish says.  False where the law prescribes none.
+    The wish then says what a person needs of this stretch.  False where the law prescribes no even speed.
     """
     stretch, wishes = design.motion.even_rad, design.wishes
     if stretch is None or wishes is None:

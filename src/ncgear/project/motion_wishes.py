@@ -36,14 +36,14 @@ def motion_wishes_of(design: Design, linkage: Mechanism, cycle_rad: float) -> tu
 
 
 def _wished(wishes: Wishes) -> Iterator[tuple[str, WishKeys]]:
-    """The dotted keys of all wishes, and what is there."""
+    """The dotted keys of all wishes, and their values."""
     for kind in KINDS:
         for number, keys in enumerate(kind.completed(wishes.of(kind))):
             yield f"wishes.{kind.KIND}.{number}" if kind.SEVERAL else f"wishes.{kind.KIND}", keys
 
 
 def _refuse_places(wished: dict[str, WishKeys], on: On) -> None:
-    """Refuse places beyond the stroke, and at its very end such as need the output to move there."""
+    """Refuse places beyond the stroke, and at its very end also places where the output has to move."""
     unit, stroke = on.linkage.OUTPUT.place, on.stroke
     for reaches in (False, True):
         for key, keys in wished.items():

@@ -121,12 +121,12 @@ class Moving(Shown):
 
     @computed
     def motion_wishes(self) -> tuple[Wish, ...]:
-        """What the design wishes of the motion; raises WrongInput or NoSuchMechanism for what no motion can do."""
+        """The wishes of the motion; raises WrongInput or NoSuchMechanism for wishes that no motion can keep."""
         return motion_wishes_of(self.design, self.linkage, self.transmission.cycle_rad)
 
     @computed
     def achieved(self) -> Achieved | None:
-        """What the motion achieves, whatever is wished, and of every wish; None of an output that never returns."""
+        """What the motion achieves without any wish, and of every wish; None for an output that never returns."""
         if not self.linkage.RETURNS:
             return None
         wishes = self.motion_wishes

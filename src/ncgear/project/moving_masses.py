@@ -1,10 +1,10 @@
 """From keys to values: the moving masses of a design, with the moments of inertia of its gears.
 
-Where a design leaves out a gear's moment of inertia, it is that of the gear's own body: slab by slab, from the plan of
-the gear as it comes out, without what the process wants of the written solid (bevels, and outlines moved). Gears that
-cannot be made as given have no body; then a disc within the pitch curve takes its place, with bore and hub, and the
-answer says so. On a circle such a disc is heavier than the toothed gear by about one module's width in ten of its rim,
-or 0.4 module over the radius (tests/test_one_machine.py).
+Where a design leaves out a gear's moment of inertia, the gear's own body gives it: slab by slab, from the plan of the
+gear as it comes out of the process, without changes of the written solid for the process (bevels, and moved outlines).
+Gears that cannot be made as given have no body; then a disc within the pitch curve takes its place, with bore and hub,
+and the answer says so.  On a circle such a disc is heavier than the toothed gear by about one module's width in ten of
+its rim, or 0.4 module over the radius (tests/test_one_machine.py).
 """
 
 from __future__ import annotations
@@ -40,7 +40,9 @@ class GearInertia:
 
 
 class TrainInertia(NamedTuple):
-    """Moments of inertia in kg mm2 of what turns with the driving shaft, with the shaft between, with the last gear."""
+    """Moments of inertia in kg mm2 of all that turns with the driving shaft, with the shaft between, with the last
+    gear.
+    """
 
     driving_kg_mm2: float = 0.0
     between_kg_mm2: float = 0.0
@@ -74,7 +76,7 @@ def _vector(gravity: Gravity | None) -> tuple[float, float]:
 
 
 def stated_inertia(given: ShaftMasses | DrivenShaftMasses) -> TrainInertia:
-    """The moments of inertia that a file states; those that it leaves out are zero."""
+    """The moments of inertia that a file states; moments that it leaves out are zero."""
     return TrainInertia(
         given.driving_gear_kg_mm2 or 0.0, given.shaft_between_kg_mm2 or 0.0, given.driven_gear_kg_mm2 or 0.0
     )
@@ -85,7 +87,8 @@ def train_inertia(
 ) -> TrainInertia:
     """The moments of inertia of a design's gears, as given or of their bodies.
 
-    ``bodies`` makes those of the first pair (0) or the last one (-1), only where one is left out; None without gears.
+    ``bodies`` makes the gears' bodies of the first pair (0) or the last pair (-1); it is called only where an inertia
+    is left out, and is None without gears.
     """
     driving, between, driven = given.driving_gear_kg_mm2, given.shaft_between_kg_mm2, given.driven_gear_kg_mm2
     known = driving is not None and driven is not None and (between is not None or stages == 1)

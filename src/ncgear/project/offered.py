@@ -1,4 +1,4 @@
-"""What is offered in place of wishes and limits that no law keeps, checked by doing what it says."""
+"""Offers in the place of wishes and limits that no law keeps, checked by doing what they say."""
 
 from __future__ import annotations
 
@@ -16,14 +16,16 @@ from ncgear.frozen import dataclass
 from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.offers import Refused
 from ncgear.optimum.task import Task
-from ncgear.project.wishes import wishes_of
+from ncgear.project.law_task import wishes_of
 from ncgear.wishes.wish import Offer
 
 if TYPE_CHECKING:
     from ncgear.optimum.makeable.law import Eased
 
 ROOMS = (0.0, 0.005, 0.02, 0.08)
-"""Shares by which limits are eased more than a law of few knots needs: the next where the one before does not do."""
+"""Shares by which limits are eased more than a law of few knots needs: each share is tried where the share before it is
+not enough.
+"""
 
 
 def asking_for(design: Design, offers: Sequence[Offer]) -> Design:
@@ -66,7 +68,7 @@ def may_be_asked(design: Design, offers: Sequence[Offer]) -> bool:
 def with_what_was_found(
     design: Design, task: Task, wishes: Wishes, refused: Refused, has_law: Callable[[Design], bool]
 ) -> Refused:
-    """The refusal with offers that a file may ask for, and behind them those with which laws were found, if any.
+    """The refusal with offers that a file may ask for, and behind them offers with which laws were found, if any.
 
     Where no limit alone is enough, all limits that together have to give way are named in their place, with values with
     which a law was found that keeps every wish; ``has_law`` tries a design.  Without the optimiser, all offers only
@@ -104,7 +106,7 @@ def _together(tried: Tried, wishes: Wishes, *, limits_alone: bool) -> list[Offer
 
 @dataclass(frozen=True, eq=False)
 class Tried:
-    """A design whose wishes are refused, its machine, and what tries a whole design.
+    """A design whose wishes are refused, its machine, and the function that tries a whole design.
 
     Where masses are given, other wishes have other gears, whose inertia counts: such a design is tried as a whole.
     """

@@ -1,15 +1,15 @@
-"""Whether the crank pin and the rods pass what stands beside the gears: the driving shaft with its hub, end stops,
-axes about which other links turn.
+"""Whether the crank pin and the rods pass the bodies beside the gears: the driving shaft with its hub, end stops, axes
+about which other links turn.
 
-The model is plane.  Crank pin and rods move in one plane beside the gears, seen along the axes.  What can stand in it
-are the driving gear's shaft (as thick as its bore) or hub, the pins of end stops, and the axes of rocker and lever,
-taken as lines since no key says how thick they are.  A rod is the straight line between its joints, with half its width
-on both sides and round ends; a yoke is two such lines, slot and bar, a rack its pitch line, and a pinion a disc.  The
-driven shaft cannot stand in the plane: at a dead centre every rod lies over the crank's axis.
+The model is plane.  Crank pin and rods move in one plane beside the gears, seen along the axes.  The driving gear's
+shaft (as thick as its bore) or hub, the pins of end stops, and the axes of rocker and lever can stand in this plane.
+The axes are taken as lines since no key says how thick they are.  A rod is the straight line between its joints, with
+half its width on both sides and round ends; a yoke is two such lines, slot and bar, a rack its pitch line, and a pinion
+a disc.  The driven shaft cannot stand in the plane: at a dead centre every rod lies over the crank's axis.
 
 Over the cycle the distance of an axis from such a line is a continuous function of the driving angle, which changes no
 faster than the ends of the line move.  So a step between two samples is left out only where it cannot hold the least
-distance; in all others it is looked for.
+distance; all other steps are searched.
 """
 
 from __future__ import annotations
@@ -47,13 +47,13 @@ class Standing:
 
     @property
     def about_driving_axis(self) -> bool:
-        """Whether it is the driving gear's shaft or hub, which may end below what moves."""
+        """Whether it is the driving gear's shaft or hub, which may end below the moving parts."""
         return self.name.startswith("driving")
 
 
 @dataclass(frozen=True)
 class Passing:
-    """How near the middle of a moving part comes to the centre of what stands, and at which driving angle.
+    """The least distance from the middle of a moving part to the centre of a standing body, and its driving angle.
 
     ``part`` is the crank pin or a rod by its name, ``half_mm`` half its width or diameter, None where it is not given.
     """
@@ -66,17 +66,19 @@ class Passing:
 
     @property
     def room_mm(self) -> float | None:
-        """The widest part that passes, or the negative of what is missing; None where the radius is not known."""
+        """The widest part that passes, or the negative of the missing room; None where the radius is not known."""
         return None if self.standing.radius_mm is None else 2.0 * (self.distance_mm - self.standing.radius_mm)
 
     @property
     def meets(self) -> bool | None:
-        """Whether the part, however thin where no width is given, meets what stands; None where that is not known."""
+        """Whether the part meets the standing body; without a given width, a part of any width; None where it is not
+        known.
+        """
         return None if self.room_mm is None else self.room_mm < 2.0 * (self.half_mm or 0.0)
 
     @property
     def clearance_mm(self) -> float | None:
-        """The room between both, negative where they meet; None where one of them is not known."""
+        """The room between both, negative where they meet; None where a size is not known."""
         if self.half_mm is None or self.standing.radius_mm is None:
             return None
         return self.distance_mm - self.standing.radius_mm - self.half_mm
@@ -125,7 +127,7 @@ def standing_of(drive: Geared) -> tuple[Standing, ...]:
     for gear, body, (x, y) in ((Gear.DRIVING, gears.driving, driving), (Gear.DRIVEN, gears.driven, (0.0, 0.0))):
         pin = drive.finished_plans[gear is Gear.DRIVEN].pin_mm if body.end_stop else None
         if pin is not None and body.end_stop is not None:
-            # The frame of the pair has the driven axis on +x of the driving one.
+            # The frame of the pair has the driven axis on +x of the driving axis.
             turned = complex(*pin) * np.exp(1j * (axis_rad - pi))
             center = x + float(turned.real), y + float(turned.imag)
             found.append(Standing(f"pin of the {gear.value} gear's end stop", center, body.end_stop.pin_mm / 2.0))
@@ -174,7 +176,7 @@ STEPS, PARTS, LEVELS = 720, 16, 2
 """Steps of a cycle, the parts into which a step is cut that may hold the least distance, and how often."""
 
 FASTER = 1.5
-"""The ends of a line move no faster between samples than so many times the greatest speed at samples."""
+"""The ends of a line move no faster between samples than this factor times the greatest speed at samples."""
 
 NARROWEST_RAD = 1e-12
 """Where a least distance is known as exactly, it is looked for no longer."""

@@ -41,8 +41,8 @@ from ncgear.strength.without_teeth import (
 class RoughStrength:
     """Both gears' safeties, roughly.
 
-    ``unjudged`` says why the teeth are not judged for the wanted life, and ``at_once`` that the safeties are those
-    against breaking at once instead; there are none where even these are not known.  ``needs_teeth`` says why the
+    ``unjudged`` says why the teeth are not judged for the wanted life.  ``at_once`` says that the safeties are against
+    breaking at once instead; there are no safeties where even these are not known.  ``needs_teeth`` says why the
     safeties are right within a factor of two and a half only.  Both are words that follow "because", and empty where
     there is no such reason.
     """
@@ -129,7 +129,7 @@ def rough_damage(found: RoughStrength, one: RoughSafety) -> str:
 
 
 def _no_life(drive: Drive) -> str:
-    """Why no life of these teeth is told, whatever they bear."""
+    """Why no life of these teeth is told under any load."""
     if drive.helix is not None:
         return (
             "helical teeth are not followed under load, and only roots are judged, as of straight teeth of one section"
@@ -165,14 +165,14 @@ def _would_be_undercut(drive: Drive) -> bool:
 
 
 MOST_UNEQUAL_RAD = radians(5.0)
-"""Difference of both pressure angles from which roots are not those of a rack with either."""
+"""Difference of both pressure angles from which roots are unlike the roots of a rack with either angle."""
 
 LEAST_SHIFT = 1e-9
 """Sum of both shifts in modules that is a rounding error of none."""
 
 
 def _warm(drive: Drive, sides: list[SharedLoad], positions: int) -> tuple[Material, Material]:
-    """The materials, plastics as warm as what friction takes makes them."""
+    """The materials; plastics are as warm as friction makes them."""
     choices, conditions, running = choices_of(drive.gears), drive.conditions, drive.running
     if not any(isinstance(choice.entry, Plastic) for choice in choices):
         return drive.materials
@@ -199,7 +199,7 @@ def rolled_load(drive: Drive) -> RolledLoad:
         end_mm, end_rad = toothed.covered_mm, toothed.covered_rad
         count = ceil(end_mm / step_mm) + 1
     rolled: Array = np.minimum(step_mm * np.arange(count, dtype=float), end_mm)
-    # Rounding errors must not put the first position before the seam of the law, or the last one beyond a range.
+    # Rounding errors must not put the first position before the seam of the law, or the last position beyond a range.
     phi1 = np.clip(pitch.driving.driving_angle(rolled), 0.0, end_rad)
     speed = pitch.transmission.driven_angle(phi1, 1).derivative(1)
     curvature = np.stack([pitch.of(gear).at_angle(phi1).curvature for gear in Gear])

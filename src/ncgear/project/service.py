@@ -12,7 +12,7 @@ from ncgear.strength.materials import TABLE, Choice, Ferrous, assumed_choice
 
 
 def choices_of(gears: Gears) -> tuple[Choice, Choice]:
-    """The materials of the driving and the driven gear; the assumed one where the design names none."""
+    """The materials of the driving and the driven gear; an assumed material where the design names none."""
     if gears.material is None:
         return assumed_choice(), assumed_choice()
     driving, driven = gears.material.each
@@ -36,7 +36,7 @@ def _choice_of(given: GearMaterial) -> Choice:
 
 
 def densities_kg_m3(given: float | None, gears: Gears) -> tuple[float, float]:
-    """The densities of the driving and the driven gear: that given with the masses, or those of their materials."""
+    """The densities of the driving and the driven gear: given with the masses, or by their materials."""
     if given is not None:
         return given, given
     driving, driven = choices_of(gears)

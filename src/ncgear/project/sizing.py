@@ -3,8 +3,8 @@
 The law stays as it is, so a number of teeth and a module give gears of the same shape in another size.  How the safety
 depends on the size is guessed from the nearest gears that are computed already (``ncgear.strength.holding``).  For each
 module the numbers of teeth are tried in the order of the volume that they are guessed to need, and the face width is
-set right by computing, so that each answer is one that was computed.  A number of teeth that is refused is refused for
-every module.
+set right by computing, so that each answer has been computed.  A number of teeth that is refused is refused for every
+module.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from ncgear.strength.holding import Damage, Weakest
 from ncgear.strength.materials import TABLE
 
 GEAR_INERTIA = ("driving_gear_kg_mm2", "shaft_between_kg_mm2", "driven_gear_kg_mm2")
-"""Keys of ``masses`` that hold what follows from the gears' bodies."""
+"""Keys of ``masses`` for values that follow from the gears' bodies."""
 
 
 def stated_inertias(design: Design) -> list[str]:
@@ -40,7 +40,7 @@ OnTrial = Callable[[int, int], None]
 """Called with the numbers of computed gears so far and at most."""
 
 MOST_COMPUTED = 24
-"""Gears that are computed at most, half a second to a second each: so long one waits."""
+"""Gears that are computed at most.  They take half a second to a second each: a person waits this long."""
 
 BEST = 6
 """Answers that are given."""
@@ -49,7 +49,7 @@ DOUBLED = tuple(2.0**power for power in range(1, 9))
 """Times the module of teeth that are too weak to be rated, from which the search may begin."""
 
 GREATER = 2.5
-"""Gears of so many times the volume of the smallest are not looked for."""
+"""Gears that have this many times the smallest gears' volume are not looked for."""
 
 TRIES = 3
 """Numbers of teeth that are tried for a module, and face widths for a number of teeth."""
@@ -65,7 +65,7 @@ NARROWEST_MODULES = 5.0
 
 
 @dataclass(frozen=True)
-class Space:
+class GearRoom:
     """The room for a pair: largest centre distance and largest diameter of a gear in mm, both infinite where open.
 
     ``width_modules`` is the largest face width in modules.
@@ -78,7 +78,7 @@ class Space:
 
 @dataclass(frozen=True, eq=False)
 class Sized:
-    """Gears that were computed: the changes of the design, its drive, and what holds of its teeth."""
+    """Gears that were computed: the changes of the design, its drive, and the safety of its teeth."""
 
     changes: Changes
     drive: Drive
@@ -121,7 +121,7 @@ def require_material(name: str, key: str) -> None:
 def asked_design(design: Design, asked: Mapping[str, float | str]) -> Design:
     """The design with another material and other wanted safeties, by their keys.
 
-    Moments of inertia of gears that the file states are left out: they are those of gears of another size.
+    Moments of inertia of gears that the file states are left out: they belong to gears of another size.
     """
     if design.masses is not None:
         design = design.model_copy(update={"masses": design.masses.model_copy(update=dict.fromkeys(GEAR_INERTIA))})
@@ -133,7 +133,7 @@ def asked_design(design: Design, asked: Mapping[str, float | str]) -> Design:
     return design.model_copy(update={"gears": gears})
 
 
-def smallest_gears(drive: Drive, space: Space, on_trial: OnTrial = lambda done, total: None) -> list[Sized]:
+def smallest_gears(drive: Drive, space: GearRoom, on_trial: OnTrial = lambda done, total: None) -> list[Sized]:
     """The smallest gears that hold for each of a few modules, by the method ``estimate``, the smallest first.
 
     Raises NoSuchMechanism where none are found, with the nearest that were computed, WrongInput where the law gives the
@@ -184,10 +184,10 @@ def _begun(drive: Drive) -> Sized:
 
 @dataclass(eq=False)
 class _Search:
-    """What is known so far: all gears that were computed, first those it began with, and what teeth were refused."""
+    """The knowledge so far: all gears that were computed, the initial gears first, and the refused numbers of teeth."""
 
     drive: Drive
-    space: Space
+    space: GearRoom
     on_trial: OnTrial
     computed: list[Sized]
     refused: set[int] = field(default_factory=set)
@@ -199,7 +199,7 @@ class _Search:
         return sorted((one for one in guessed if one[1] < inf), key=lambda one: one[1])
 
     def teeth(self) -> list[int]:
-        """Numbers of driving teeth that may be tried, with those of the design."""
+        """Numbers of driving teeth that may be tried, with the number of the design."""
         lobes = self.drive.gears.lobes.driving
         steps = np.exp(np.arange(log(FEWEST_TEETH), log(MOST_TEETH), log(FINENESS)))
         counts = {max(round(step / lobes), 1) * lobes for step in steps} | {self.computed[0].teeth}
@@ -239,7 +239,7 @@ class _Search:
         changes = {**sized(self.drive, teeth, module_mm), "gears.face_width_mm": width_mm}
         self.trials += 1
         self.on_trial(self.trials, MOST_COMPUTED)
-        # Teeth that are the same as those of earlier gears are not made again.
+        # Teeth that are the same as the teeth of earlier gears are not made again.
         same = [one for one in self.computed if (one.teeth, one.module_mm) == (teeth, module_mm)]
         try:
             changed = changed_drive(same[-1].drive if same else self.drive, changes)
@@ -272,7 +272,7 @@ class _Search:
     def wider(self, one: Weakest, near: Sized, teeth: int, module_mm: float) -> float:
         """The factor of the nearest gears' face width with which a tooth would just have the safety wanted.
 
-        The force goes as one over the scale; a root's stress as force over width and module; the square of the pressure
+        The force goes as 1 over the scale; a root's stress as force over width and module; the square of the pressure
         as force over width and scale.
         """
         scale = self.scale(teeth, module_mm) / self.scale(near.teeth, near.module_mm)
@@ -281,7 +281,7 @@ class _Search:
         return 1.0 / (one.share * scale) ** 2
 
     def scale(self, teeth: int, module_mm: float) -> float:
-        """The size of the pitch curves over that of the design as given."""
+        """The size of the pitch curves over their size in the design as given."""
         first = self.computed[0]
         return teeth * module_mm / (first.teeth * first.module_mm)
 
@@ -294,7 +294,7 @@ class _Search:
 
 
 def _nothing(search: _Search) -> str:
-    """The words where no gears are found: what comes nearest."""
+    """The words where no gears are found: the nearest gears."""
     near = max(search.computed, key=lambda one: min(weak.share for weak in one.rating.weakest))
     share = min(weak.share for weak in near.rating.weakest)
     return (

@@ -1,4 +1,4 @@
-"""Whether the teeth of a design hold, and what would make them: a face width, a module, or a material alone.
+"""Whether the teeth of a design hold, and a face width, a module or a material that alone would make them hold.
 
 Each change is first guessed by how stresses scale (``ncgear.strength.holding``), then computed with the changed design
 and made larger until it holds.
@@ -35,7 +35,7 @@ WIDEST_MODULES = 12.0
 makers of machines keep to 10 or 12."""
 
 STRONGER = ("PETG-print", "PLA-print", "PA66", "POM", "C45", "42CrMo4", "34CrNiMo6", "42CrMo4-nitrided", "18CrNiMo7-6")
-"""Materials of the table by what they endure, the weakest first."""
+"""Materials of the table by their endurance, the weakest first."""
 
 NOTHING_MPA = 1e-9
 """Force over face width and module under which teeth of any size bear nothing but rounding errors: no material endures
@@ -60,9 +60,9 @@ class Rating:
 
 
 def rating_of(drive: Drive, method: Literal["estimate", "elements"] | None = None) -> Rating:
-    """The rating of a drive's teeth by a method, or by that of its design.
+    """The rating of a drive's teeth by a method, or by the method of its design.
 
-    Raises WrongInput, with what is missing, where strength is not known, and where the teeth bear no load.
+    Raises WrongInput, with the missing keys, where strength is not known, and where the teeth bear no load.
     """
     if (why := unknown(drive)) is not None:
         raise why
@@ -90,7 +90,7 @@ def known_rating(drive: Drive) -> Rating | DesignError | None:
 
 
 def _wanted(drive: Drive, strength: Strength, gear: Gear) -> WantedSafety:
-    """What the design asks for or, where it says nothing, what is usual for the gear's material."""
+    """The wanted safety of the design or, where it gives none, the usual safety for the gear's material."""
     conditions, material = drive.conditions, strength.of(gear).material
     return WantedSafety(conditions.wanted_bending_safety(material), conditions.wanted_contact_safety(material))
 
@@ -136,14 +136,14 @@ def large_enough(drive: Drive, rating: Rating) -> Changes:
 def strong_enough(drive: Drive, rating: Rating) -> Changes:
     """The weakest material of STRONGER with which both gears hold; empty where none does.
 
-    A material that holds is taken to hold in the place of every weaker one, so that few are computed.
+    A material that holds is assumed to be no worse than every weaker material, so that few are computed.
     """
     given = drive.gears.material
     names = [ASSUMED] if given is None else [one.name for one in given.each]
     above = max((STRONGER.index(name) + 1 for name in names if name in STRONGER), default=0)
     low, high, found = above, len(STRONGER), Changes()
     while low < high:
-        # The strongest first: mostly none or that one does.
+        # The strongest material first: mostly it holds, or none does.
         middle = high - 1 if high == len(STRONGER) and not found else (low + high) // 2
         tried: Changes = {"gears.material": STRONGER[middle]}
         if _holds(drive, rating, tried):

@@ -1,4 +1,4 @@
-"""From keys to values: the limits of what a pair deviates by, and what its assemblies leave of the backlash."""
+"""From keys to values: the limits of a pair's deviations, and the backlash that its assemblies leave."""
 
 from __future__ import annotations
 
@@ -23,7 +23,9 @@ TURNING = 0.999
 """Share of the assemblies that shall turn."""
 
 MOST_JAMMED = 0.01
-"""Share of the assemblies that may jam without a warning: such a one is taken apart, and other gears are tried."""
+"""Share of the assemblies that may jam without a warning: such an assembly is taken apart, and other gears are
+tried.
+"""
 
 
 def limits_of(drive: Drive, given: AssemblyTolerances) -> Limits:
@@ -51,13 +53,6 @@ def limits_of(drive: Drive, given: AssemblyTolerances) -> Limits:
         expansions=(driving, driven, 1e-6 * given.housing_expansion_um_m_k),
         wear_mm=(given.driving.wear_mm, given.driven.wear_mm),
     )
-
-
-def nothing(limits: Limits) -> Limits:
-    """The limits of a pair that deviates by nothing."""
-    none = np.zeros(limits.flanks)
-    pair = 0.0, 0.0
-    return Limits(0.0, pair, pair, pair, none, none, (20.0, 20.0), 0.0, (0.0, 0.0, 0.0), pair)
 
 
 def _of_teeth(
@@ -99,10 +94,10 @@ def backlash_key(gears: Gears) -> str:
 
 
 def left_of_backlash(pair: Drive, least_play_rad: Array) -> Array:
-    """What the least plays of assemblies would leave of a backlash of 0, in the unit of its key.
+    """The backlash that assemblies with given least plays would leave of a backlash of 0, in the unit of its key.
 
-    The plays are those of teeth in the middle of their thickness, and what is left that of the thickest teeth that the
-    file allows.  Along the normal they count where its arm is least, as the key does.
+    The plays are for teeth in the middle of their thickness, the result is for the thickest teeth that the file allows.
+    Along the normal they count where its arm is least, as the key does.
     """
     least_arm_mm = idle_arms_mm(pair.pitch, pair.rack)[0].value
     unit = degrees(1.0) if pair.gears.backlash_deg is not None else least_arm_mm

@@ -73,7 +73,7 @@ def _relief(rack: Rack, module_mm: float) -> TipRelief | None:
 
 
 def tooth_form_of(gears: Gears, module_mm: float) -> ToothForm:
-    """The form of the teeth in mm for a given module; where only one shift is given, the other is its opposite."""
+    """The form of the teeth in mm for a given module; where a single shift is given, the other is its opposite."""
     shift = gears.profile_shift
     driving = shift.driving if shift.driving is not None else 0.0 - (shift.driven or 0.0)
     driven = shift.driven if shift.driven is not None else 0.0 - driving

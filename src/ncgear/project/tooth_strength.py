@@ -34,7 +34,7 @@ LoadedBy = Callable[["tuple[ToothMethod, ToothMethod]", tuple[Material, Material
 
 @dataclass(frozen=True, eq=False)
 class JudgedTeeth:
-    """The load of every tooth, what it makes of them, and the methods by which both gears' teeth were known."""
+    """The load of every tooth, its stresses, and the methods by which both gears' teeth were known."""
 
     loading: Loading
     strength: Strength
@@ -51,7 +51,7 @@ def judged_teeth(
     loaded_by: LoadedBy,
     load: Literal["masses", "resistance"],
 ) -> JudgedTeeth:
-    """The load of every tooth and what it makes of them.
+    """The load of every tooth and its stresses.
 
     Plastics are as warm as the power lost between the teeth makes them, which follows from their loads; the loads are
     shared by the stiffness of the materials ``cold``, at the temperature about them.

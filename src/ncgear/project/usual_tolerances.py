@@ -1,6 +1,6 @@
-"""What gears usually deviate by, by the process that makes them: taken where a design gives no tolerances.
+"""Usual deviations of gears by the process that makes them: taken where a design gives no tolerances.
 
-Sources, all for ordinary care and none for the best that a process can do:
+Sources, all for ordinary care, not for the best work of a process:
 
 - hobbed or shaped: class 8 of ISO 1328-1, which these leave without finishing (classes 7 to 9 in gear handbooks, from
   secondary sources);
@@ -8,10 +8,10 @@ Sources, all for ordinary care and none for the best that a process can do:
   quality miniature gears by wire electric discharge machining, DAAAM International Scientific Book 2013, chapter 40);
   two classes more are taken for work without such care.  Bore and teeth are cut in one set-up;
 - printed: service providers promise 0.2 mm either way for a whole part of calibrated machines that lay filament.  A
-  quarter of it is taken for one flank against its neighbour, since the swelling is alike at all, and for the bore.  No
-  gears were measured for this: it is a rough guess.
+  quarter of it is taken for a flank against its neighbour, since all flanks swell alike, and for the bore.  No gears
+  were measured for this: it is a rough guess.
 
-Centre distance and keyways are those of housings and shafts that are milled, and printed with the gears.
+Centre distance and keyways are for housings and shafts that are milled, or printed with the gears.
 """
 
 from __future__ import annotations
@@ -42,11 +42,11 @@ USUAL = {
     Process.CUT: AssemblyTolerances(grade=7, center_distance_mm=0.03, driving=_CUT, driven=_CUT),
     Process.PRINTED: AssemblyTolerances(center_distance_mm=0.1, driving=_PRINTED, driven=_PRINTED),
 }
-"""What is taken of each process."""
+"""The tolerances of each process."""
 
 
 def process_of(drive: Drive) -> Process:
-    """The process that the file tells by a printed material or what it does for prints, for kerfs or for a cutter.
+    """The process that the file tells by a printed material, or by keys for prints, for kerfs or for a cutter.
 
     Where it tells none: hobbed or shaped, if a hob can cut every gear, else wire-cut.
     """
@@ -75,10 +75,10 @@ def _is_convex(pair: Drive) -> bool:
 
 
 def tolerances_of(drive: Drive) -> tuple[AssemblyTolerances, Process | None]:
-    """What the assemblies of a design may deviate by: as given, or as usual for its process, which is then told.
+    """The tolerances of the assemblies of a design: as given, or as usual for its process, which is then told.
 
-    Housings are made by the drawing: what the file has it say of the centre distance counts before both, and where it
-    says JS7 by itself, the usual deviation is no smaller.
+    Housings are made by the drawing.  So a deviation of the centre distance on the drawing counts before both, and
+    where the drawing says JS7 by itself, the usual deviation is no smaller.
     """
     drawn_mm, given = drive.gears.tolerances.center_distance_mm, drive.design.tolerances
     process = process_of(drive) if given is None else None
@@ -91,12 +91,13 @@ def tolerances_of(drive: Drive) -> tuple[AssemblyTolerances, Process | None]:
 
 
 SMALLEST_MM = 10.0
-"""Centre distance from which on usual tolerances are those of the table; those of smaller gears that are cut are
-smaller in proportion, as watchmakers have to make them.  What a printer lays down does not become finer."""
+"""Centre distance from which on the usual tolerances of the table hold.  The tolerances of smaller gears that are cut
+are smaller in proportion, as watchmakers have to make them.  A printer does not become finer.
+"""
 
 
 def _usual(process: Process, distance_mm: float) -> AssemblyTolerances:
-    """What is taken of a process for gears at a centre distance in mm."""
+    """The tolerances of a process for gears at a centre distance in mm."""
     taken, share = USUAL[process], distance_mm / SMALLEST_MM
     if process is Process.PRINTED or share >= 1.0:
         return taken

@@ -31,7 +31,7 @@ START_ABOVE = 1e-3
 """Newton's method starts above the multiple at which the polynomial touches zero, by this share of its size."""
 
 
-class Motion(NamedTuple):
+class SampledMotion(NamedTuple):
     """Displacement in mm, velocity in mm/rad and acceleration in mm/rad^2 of the driving angle, shape (n, points)."""
 
     displacement: Array
@@ -39,7 +39,9 @@ class Motion(NamedTuple):
     acceleration: Array
 
 
-def working_motions(strokes: WorkingStrokes[Array], counts: tuple[int, int, int]) -> tuple[Motion, Motion, Motion]:
+def working_motions(
+    strokes: WorkingStrokes[Array], counts: tuple[int, int, int]
+) -> tuple[SampledMotion, SampledMotion, SampledMotion]:
     """The motion on approach, pressing and braking at Chebyshev points of each, ends included.
 
     The points of the braking run from the dead centre back to theta3.
@@ -73,7 +75,7 @@ def working_angles(
 
 def working_motions_at(
     strokes: WorkingStrokes[Array], phi1_rad: Array, beyond_rad: Array, before_rad: Array
-) -> tuple[Motion, Motion, Motion]:
+) -> tuple[SampledMotion, SampledMotion, SampledMotion]:
     """The motion at angles up to theta2, which is the last one, beyond theta2, and before theta4, all (n, points)."""
     advanced = _from_rest(strokes.approach_slope, strokes.approach_root, phi1_rad)
     left = _from_rest(strokes.braking_slope, strokes.braking_root, before_rad)
@@ -81,12 +83,12 @@ def working_motions_at(
     pressed = advanced.displacement[:, -1:] + speed * beyond_rad
     return (
         advanced,
-        Motion(pressed, np.broadcast_to(speed, pressed.shape), 0.0 * pressed),
-        Motion(strokes.stroke_mm[:, None] - left.displacement, left.velocity, -left.acceleration),
+        SampledMotion(pressed, np.broadcast_to(speed, pressed.shape), 0.0 * pressed),
+        SampledMotion(strokes.stroke_mm[:, None] - left.displacement, left.velocity, -left.acceleration),
     )
 
 
-def _from_rest(slope: Array, root: Array, angle: Array) -> Motion:
+def _from_rest(slope: Array, root: Array, angle: Array) -> SampledMotion:
     """The motion of v = t slope(t), whose displacement is t^2 root(t), at angles t (shape (n, points))."""
     order = np.arange(len(slope))
     powers = angle[:, :, None] ** order
@@ -94,7 +96,7 @@ def _from_rest(slope: Array, root: Array, angle: Array) -> Motion:
     over, displaced, change = (
         np.einsum("npk,nk->np", powers, np.ascontiguousarray(part.T)) for part in (slope, root, rising)
     )
-    return Motion(angle**2 * displaced, angle * over, change)
+    return SampledMotion(angle**2 * displaced, angle * over, change)
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,7 +112,7 @@ class Returns:
     length_rad: Array
     inverse: bool = False
 
-    def widths_rad(self, points: Points) -> Array:
+    def widths_rad(self, points: ReturnGrid) -> Array:
         """The driving angle of each piece, shape (n, pieces)."""
         widths: Array = self.length_rad[:, None] * np.diff(points.edges)
         return widths
@@ -122,7 +124,7 @@ class Returns:
         value: Array = polynomial_at(self.cubic, tau) + (self.bump + self.skew * (2.0 * tau - 1.0)) * bump
         return value
 
-    def polynomial(self, points: Points, order: int) -> Jet:
+    def polynomial(self, points: ReturnGrid, order: int) -> Jet:
         """Its value and derivatives by the driving angle up to ``order``, at most 2, at all points of each return."""
         at, rows, length = points.basis, self.cubic.T, self.length_rad[:, None]
         bump, skew = self.bump[:, None], self.skew[:, None]
@@ -154,12 +156,12 @@ class PeakedReturns:
         """Ends of the pieces in tau - about, shape (n, pieces + 1)."""
         return edges_about(self.about, QUARTERINGS)
 
-    def widths_rad(self, points: Points) -> Array:
+    def widths_rad(self, points: ReturnGrid) -> Array:
         """The driving angle of each piece, shape (n, pieces); zero for those beyond the return's ends."""
         widths: Array = np.diff(self._edges, axis=1) * self.length_rad[:, None]
         return widths
 
-    def polynomial(self, points: Points, order: int) -> Jet:
+    def polynomial(self, points: ReturnGrid, order: int) -> Jet:
         """The ratio and its derivatives by the driving angle up to ``order``, at most 2, at all points."""
         tau = _between(self._edges, points.count)
         return Jet(
@@ -226,7 +228,7 @@ class ReturnSamples:
 
 
 @dataclass(frozen=True)
-class Points:
+class ReturnGrid:
     """A return is cut at ``edges`` in tau, from 0 to 1, into pieces of ``count`` Chebyshev points each, ends included.
 
     ``steps`` of Newton's method on these points close a return in the ratio.
@@ -271,7 +273,7 @@ def returns_with_skewness(
     linkage: Mechanisms[Any],
     period_rad: float,
     skewness: Array,
-    points: Points,
+    points: ReturnGrid,
     *,
     inverse: bool,
 ) -> Returns:
@@ -289,7 +291,7 @@ def returns_with_skewness(
 
 
 def returns_with_constant(
-    strokes: WorkingStrokes[Array], linkage: Mechanisms[Any], period_rad: float, constant: Array, points: Points
+    strokes: WorkingStrokes[Array], linkage: Mechanisms[Any], period_rad: float, constant: Array, points: ReturnGrid
 ) -> Returns:
     """Returns in the ratio whose polynomial is ``constant`` (shape (n,)) at phi1 = 0, the published method's e."""
     length, driven = period_rad - strokes.theta4_rad, 2.0 * pi - linkage.working_angle_rad
@@ -306,7 +308,7 @@ TRIED = 512
 
 
 def peaked_returns(
-    strokes: WorkingStrokes[Array], linkage: Mechanisms[Any], period_rad: float, constant: Array, points: Points
+    strokes: WorkingStrokes[Array], linkage: Mechanisms[Any], period_rad: float, constant: Array, points: ReturnGrid
 ) -> PeakedReturns:
     """As ``returns_with_constant``, of ratios that nearly touch zero inside the return; NaN where one does not.
 
@@ -365,7 +367,7 @@ def _about(coefficients: Array, about: Array) -> Array:
 
 
 def return_samples(
-    returns: Returns | PeakedReturns, linkage: Mechanisms[Any], points: Points, order: int
+    returns: Returns | PeakedReturns, linkage: Mechanisms[Any], points: ReturnGrid, order: int
 ) -> ReturnSamples:
     """The returns, dphi2/dphi1 with derivatives up to ``order`` (1 or 2), and the slider's motion at all points."""
     widths = returns.widths_rad(points)[..., None]
@@ -404,7 +406,7 @@ def _rate(second: Array, third: Array, linkage: Mechanisms[Any], centre_rad: Any
     return rate, (third - linkage_third * rate**3) / (linkage_second * rate)
 
 
-def _ratio_lift(base: Array, direction: Array, mean: Array, points: Points) -> Array:
+def _ratio_lift(base: Array, direction: Array, mean: Array, points: ReturnGrid) -> Array:
     """The multiple (shape (n,)) of ``direction`` that makes the harmonic mean of the ratio over the return ``mean``.
 
     ``base`` has shape (n, points), ``direction`` that or (points,); it is positive but for double zeros at both ends.

@@ -27,8 +27,8 @@ from ncgear.optimum.makeable.quantities import Place, Slider, acceleration, velo
 from ncgear.ratio.laws.three_segment import approach_angle, braking_angle, pressing_angle, require_return
 from ncgear.ratio.sampled_strokes import (
     QUARTERINGS,
-    Motion,
-    Points,
+    ReturnGrid,
+    SampledMotion,
     edges_about,
     peaked_returns,
     returns_with_constant,
@@ -94,7 +94,7 @@ class Sampled:
     """
 
     samples: Samples
-    motion: Callable[[IndexArray], Motion]
+    motion: Callable[[IndexArray], SampledMotion]
     stroke_mm: Array
     law_speed_rpm: Array
     stroke_error_mm: Array
@@ -190,7 +190,7 @@ def _stroke_laws(laws: _Strokes, fineness: Fineness) -> Sampled:
     """Three-segment strokes that advance."""
     strokes, linkage, count = laws.strokes, laws.batch.mechanisms, fineness.count
     closed = peaked_returns if fineness.returned is None else returns_with_constant
-    points = Points(fineness.returned or WHOLE, count, CLOSING_STEPS)
+    points = ReturnGrid(fineness.returned or WHOLE, count, CLOSING_STEPS)
     returns = closed(strokes, linkage, laws.period_rad, laws.batch.column("motion.return.e"), points)
     segments, back_rad = _segments(strokes, fineness), returns.widths_rad(points)
     places = [segment.place(strokes, linkage, count) for segment in segments]
@@ -206,7 +206,7 @@ def _stroke_laws(laws: _Strokes, fineness: Fineness) -> Sampled:
     for segment in segments:
         closing = closing + segment.turned_rad(strokes, linkage)
 
-    def motion(rows: IndexArray) -> Motion:
+    def motion(rows: IndexArray) -> SampledMotion:
         kept = [replace(segment, edges_rad=segment.edges_rad[rows]) for segment in segments]
         return _stroke_motion(chosen(strokes, rows), chosen(linkage, rows), kept, samples.kept(rows))
 
@@ -288,7 +288,7 @@ def _slowest(strokes: WorkingStrokes[Array]) -> Array:
 
 def _stroke_motion(
     strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], segments: list[_Segment], samples: Samples
-) -> Motion:
+) -> SampledMotion:
     """The slider's motion by the segments' own polynomials, and on the return by the driven angle."""
     laws, _, count = samples.turning.shape
     phi1, pressing, braking = (segment.phi1_rad(count) for segment in segments)
@@ -303,19 +303,19 @@ def _stroke_motion(
     before = np.cumsum(turned[..., -1:], axis=1) - turned[..., -1:]
     driven = turned + before + np.reshape(linkage.working_angle_rad, (-1, 1, 1))
     back = _moved(linkage, driven, Place(*(values[:, working:] for values in samples.at)))
-    return Motion(
+    return SampledMotion(
         displacement,
         np.concatenate([speed, back.velocity], axis=1),
         np.concatenate([change, back.acceleration], axis=1),
     )
 
 
-def _moved(linkage: Mechanisms[Array], driven_rad: Array, at: Place) -> Motion:
+def _moved(linkage: Mechanisms[Array], driven_rad: Array, at: Place) -> SampledMotion:
     """The slider's motion at driven angles of shape (n, p, count), where the ratio is known."""
     motion = repeated(linkage, driven_rad[0].size).displacement(Jet.variable(driven_rad.ravel(), 2))
     displacement, first, second = (motion.derivative(k).reshape(driven_rad.shape) for k in range(3))
     slider = Slider(first, second, third=0.0, force_n=0.0)
-    return Motion(displacement, velocity(at, slider, 1.0), acceleration(at, slider, 1.0))
+    return SampledMotion(displacement, velocity(at, slider, 1.0), acceleration(at, slider, 1.0))
 
 
 def _place_of(slope: Array, first: Array, second: Array) -> Place:
@@ -350,7 +350,7 @@ def _harmonics(batch: Batch, count: int) -> Sampled:
     turning = np.broadcast_to(width[:, None], at.ratio.shape)
     samples = Samples(at, turning, there=np.ones(turning.shape[:2], dtype=bool))
 
-    def motion(rows: IndexArray) -> Motion:
+    def motion(rows: IndexArray) -> SampledMotion:
         kept = samples.kept(rows).at
         moved = _moved(chosen(linkage, rows), np.broadcast_to(phi2, kept.ratio.shape), kept)
         return moved._replace(displacement=moved.displacement[:, :HARMONIC_PIECES])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from ncgear.errors import DesignError, WrongInput
+from ncgear.errors import DesignError, WrongInput, fault_words
 
 
 def words_of(error: Exception) -> str:
@@ -14,7 +14,7 @@ def words_of(error: Exception) -> str:
             return str(error)
         case OSError(strerror=str(reason), filename=name):
             return f"{name}: {reason}" if name else reason
-    return f"internal fault: {type(error).__name__}: {error}; please report"
+    return fault_words(error)
 
 
 def refusal(error: Exception, part: str = "") -> dict[str, Any]:

@@ -3,9 +3,9 @@
 Drawings for cutters hold these: all programs read arcs, and few arcs follow a flank more closely than many chords.
 
 Each stretch of a curve is followed by two arcs that touch each other, and that begin and end on the curve in its own
-direction (a biarc).  Of all such pairs the one whose ends' tangents are equally long is taken.  It strays from the
-curve by the change of the curvature along it, times the square of its length, over some hundreds.
-Source: K. M. Bolton, "Biarc curves", Computer-Aided Design 7 (1975) 89-92.
+direction (a biarc).  Of all such pairs, the pair with equally long tangents at its ends is taken.  It strays from the
+curve by the change of the curvature along it, times the square of its length, over some hundreds.  Source: K. M.
+Bolton, "Biarc curves", Computer-Aided Design 7 (1975) 89-92.
 """
 
 from __future__ import annotations
@@ -109,7 +109,7 @@ def _biarcs(stretch: Stretch, rows: IndexArray, spans: int, straight: float) -> 
     """
     share = np.linspace(0.0, 1.0, spans + 1)
     point = as_complex(stretch.at(rows[:, None], share)[0])
-    # At a joint of the pitch curve itself the slope may be that of the joint's other side.
+    # At a joint of the pitch curve itself the slope may belong to the joint's other side.
     heading = as_complex(stretch.at(rows[:, None], np.clip(share, *INSIDE))[1])
     heading /= np.abs(heading)
     (start, end), (own, other) = (point[:, :-1], point[:, 1:]), (heading[:, :-1], heading[:, 1:])

@@ -1,9 +1,9 @@
 """Backlash by turning: both sides of the teeth follow the law exactly, and the play is the same angle everywhere.
 
 The driven gear's idle flanks are the exact flanks of the law, turned about the gear's axis by a constant angle delta.
-The pushing flanks touch at the law's driven angle phi2(phi1), the idle ones at phi2(phi1) + delta: they are conjugate
-too, whatever the curves are.  Between these two angles the gears are free, since a tooth that is turned off its loaded
-flank stays within the tooth without play.
+The pushing flanks touch at the law's driven angle phi2(phi1), the idle flanks at phi2(phi1) + delta: the idle flanks
+are conjugate too, for any curves.  Between these two angles the gears are free, since a tooth that is turned off its
+loaded flank stays within the tooth without play.
 
 How much of delta is taken off the driving gear's teeth is a choice: its idle flanks are set back by t along the pitch
 curve, and the driven gear's are set forward by t before they are turned.  Flanks that cross the rolling curves at equal
@@ -50,10 +50,10 @@ ROUNDING_MM = 1e-9
 class Play:
     """The play of a pair.
 
-    The driven gear's idle flanks stand turned by ``driven_rad``: by as much it can be turned on, wherever it stands,
-    where teeth have no deviation of their thickness.  ``least_normal_mm`` and ``largest_normal_mm`` are the play along
-    the idle flanks' normal, ``at`` driving angles in rad.  The driving gear's idle flanks are set back by
-    ``setback_mm`` along the pitch curve, and those of both gears stand out by ``thicker_mm``.
+    The driven gear's idle flanks stand turned by ``driven_rad``.  Where teeth have no deviation of their thickness, the
+    gear can be turned by this angle at every position.  ``least_normal_mm`` and ``largest_normal_mm`` are the play
+    along the idle flanks' normal, ``at`` driving angles in rad.  The driving gear's idle flanks are set back by
+    ``setback_mm`` along the pitch curve, and the idle flanks of both gears stand out by ``thicker_mm``.
     """
 
     driven_rad: float
@@ -70,7 +70,7 @@ NO_PLAY = Play(0.0, Extremum(0.0, 0.0), Extremum(0.0, 0.0), 0.0)
 def play_of(pitch: PitchPair, rack: BasicRack, asked: Backlash) -> Play:
     """The play that is asked for, on pitch curves of a size; raises WrongInput where it leaves no teeth.
 
-    The last one is kept, since all sections of helical teeth ask for the same.
+    The last play is kept, since all sections of helical teeth ask for the same.
     """
     lower, upper = asked.thickness_mm
     if not (asked.least_normal_mm or asked.driven_rad or lower or upper):

@@ -29,7 +29,7 @@ PLACED = 0.95
 """Share of the tolerance for which chords are placed: between probes the turning is known to a few per cent only."""
 
 GENTLE_RAD = 1.0
-"""Turning below which a curve is looked at as one that a single chord may do for."""
+"""Turning of a curve below which a single chord may be enough."""
 
 SURELY_ONE = 1.0 - 1e-6
 """Most chords, as a bound tells them, of a curve that is not probed: probes add less than the rest to their count."""
@@ -103,7 +103,7 @@ class _Chords(Columns):
         return last
 
     def halved(self, stretch: Stretch, cut: IndexArray) -> _Chords:
-        """The chords with those numbered ``cut`` in two halves."""
+        """The chords; chords numbered ``cut`` are cut in two halves."""
         whole = self.kept(cut)
         half = (whole.low + whole.high) / 2.0
         middles = np.column_stack([(whole.low + half) / 2.0, (half + whole.high) / 2.0])
@@ -123,10 +123,10 @@ class _Chords(Columns):
 
 
 def _chords(stretch: Stretch, row: IndexArray, share: Array) -> _Chords:
-    """The chords that begin at shares of rows, in order; every row has one at least."""
+    """The chords that begin at shares of rows, in order; every row has at least one chord."""
     last = np.diff(row, append=-1) != 0
     high = np.where(last, 1.0, np.append(share[1:], 1.0))
-    # Along each row: the beginning and the middle of every chord, and the end of the last one.
+    # Along each row: the beginning and the middle of every chord, and the end of the last chord.
     begin = 2 * np.arange(row.size) + row
     rows, shares = np.repeat(row, 2 + last), np.ones(2 * row.size + np.count_nonzero(last))
     shares[begin], shares[begin + 1] = share, (share + high) / 2.0
@@ -139,7 +139,7 @@ def _chords(stretch: Stretch, row: IndexArray, share: Array) -> _Chords:
 def _near(stretch: Stretch, chords: _Chords, allowed: Array, tolerance: Array) -> _Chords:
     """The chords, halved until none strays too far from its curve.
 
-    A given chord may stray by its ``allowed``, a halved one by the tolerance of its row.
+    A given chord may stray by its ``allowed``, a halved chord by the tolerance of its row.
     """
     for _ in range(HALVINGS):
         cut = np.nonzero(chords.strayed > allowed)[0]
@@ -172,7 +172,8 @@ the curve where it ends on it."""
 
 HOLLOW = 0.8
 """Share of the tolerance for which chords of curves that may be hollow are placed.  Where such a curve begins to bulge,
-a chord strays by its sagitta and by what its ends stand off."""
+a chord strays by its sagitta and by the offset of its ends.
+"""
 
 
 def sampled_within(stretch: Stretch, tolerance: Array, material: float) -> tuple[Array, Array]:
@@ -241,7 +242,7 @@ def _standing_off(chords: _Chords, sagitta: Array, most: Array) -> Array:
 
 
 def _placed(stretch: Stretch, tolerance: Array) -> _Chords:
-    """Chords as many as a tolerance needs on each row (shape (n,)), at even shares of what they are needed for."""
+    """As many chords as a tolerance needs on each row (shape (n,)), placed at even shares of the need."""
     placed_for = PLACED * tolerance
     total = _most_needed(stretch, placed_for)
     probed = np.nonzero(~(total <= SURELY_ONE))[0]
@@ -257,7 +258,9 @@ def _placed(stretch: Stretch, tolerance: Array) -> _Chords:
 
 
 class TooManyChords(WrongInput):
-    """A tolerance is out of all proportion to the curves of a kind: they need ``times`` as large a one, or more."""
+    """A tolerance is out of all proportion to the curves of a kind: they need a tolerance ``times`` as large, or
+    more.
+    """
 
     def __init__(self, needed: float, most: int) -> None:
         self.times = (needed / most) ** 2
@@ -272,7 +275,7 @@ class TooManyChords(WrongInput):
 
 
 def _refuse_too_many(needed: Array, rows: IndexArray) -> None:
-    """Raise TooManyChords for the kind of curves that needs the most beyond what is made."""
+    """Raise TooManyChords for the kind of curves that most exceeds the number of chords."""
     most = np.maximum(MOST_CHORDS, MOST_OF_ONE * rows)
     if np.any(needed > most):
         worst = int(np.argmax(needed / most))

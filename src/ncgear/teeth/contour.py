@@ -64,9 +64,9 @@ Curve = Line | Arc | Spline
 
 @dataclass(frozen=True, eq=False)
 class Contour:
-    """Curves one after the other round a gear, each beginning exactly where the last one ends.
+    """Curves in order round a gear, each beginning exactly where the curve before it ends.
 
-    ``deviation_mm`` is the largest distance that was found between their points and those of the exact curves.
+    ``deviation_mm`` is the largest distance that was found between their points and points of the exact curves.
     """
 
     curves: tuple[Curve, ...]
@@ -74,15 +74,16 @@ class Contour:
 
 
 CURVES_SHARE = 0.1
-"""Share of the chord tolerance by which curves in files may differ from the exact ones.
+"""Share of the chord tolerance by which curves in files may differ from the exact curves.
 
 The working flanks of an outline have a share of at least 0.15.  So faces and arcs are closer than outlines of chords,
 and gears made from them miss the law by no more.
 """
 
 SAME_IN_MODULES = 3e-8
-"""A curve so near to a line or a circle becomes one: about the distance at which programs for solids take two points of
-teeth of module 3 as one."""
+"""A curve this near to a line or a circle becomes a line or an arc.  It is about the distance at which programs for
+solids merge two points of teeth of module 3.
+"""
 
 SHORTEST_IN_MODULES = 100.0 * SAME_IN_MODULES
 """Curves shorter than this are left out, and the curve before ends where the curve after begins: a face so narrow would
@@ -93,10 +94,10 @@ LOOKED_AT = np.linspace(0.0, 1.0, 9)
 
 
 def contour_of(gear: ToothedGear, tolerance_mm: float, flank_tolerance_mm: float | None = None) -> Contour:
-    """A gear's outline as curves within ``tolerance_mm`` of the exact ones, in either sense.
+    """A gear's outline as curves within ``tolerance_mm`` of the exact curves, in either sense.
 
-    Flanks keep ``flank_tolerance_mm`` where it is given; ``deviation_mm`` then is that of the other curves as well.
-    Raises Unanswered where a curve cannot be followed so, or does not begin where the last ends.
+    Flanks keep ``flank_tolerance_mm`` where it is given; ``deviation_mm`` then counts the other curves as well.  Raises
+    Unanswered where a curve cannot be followed so, or does not begin where the last ends.
     """
     flanks, *others = exact_curves(gear.tips, gear.sides)
     module = gear.flanks.rack.module_mm
@@ -110,7 +111,7 @@ def contour_of(gear: ToothedGear, tolerance_mm: float, flank_tolerance_mm: float
 
 @dataclass(frozen=True, eq=False)
 class _Piece:
-    """A curve, its place along the outline, and how far it was found from the exact one."""
+    """A curve, its place along the outline, and its distance from the exact curve."""
 
     rank: float
     curve: Curve
@@ -177,7 +178,7 @@ def _ending(curve: Curve, end: Array, module: float) -> Curve:
 
 
 DEGREE = 3
-"""Twice continuously differentiable, and what every program for solids works with."""
+"""It is twice continuously differentiable, and every program for solids works with it."""
 
 SPANS = tuple(count for power in range(1, 10) for count in (2**power, 3 * 2 ** (power - 1)))
 """Numbers of spans that are tried in turn, up to 768; a curve that takes more is not smooth."""
@@ -186,8 +187,9 @@ PROBES = np.array([0.25, 0.5, 0.75])
 """Shares of each span at which the spline is compared with the curve; its error is largest near the middle."""
 
 INSIDE = np.array([1e-9, 1.0 - 1e-9])
-"""Shares at which the slopes at both ends are taken.  At a joint of the pitch curve itself the slope may be that of the
-joint's other side; so near to it the slope is wrong by a billionth."""
+"""Shares at which the slopes at both ends are taken.  At a joint of the pitch curve itself the slope may belong to the
+joint's other side; at this distance from the joint the slope is wrong by a billionth.
+"""
 
 
 @dataclass(frozen=True, eq=False)
@@ -287,7 +289,7 @@ def ring_of_arcs(ring_mm: Array, within_mm: float) -> list[Line | Arc]:
 
 
 def _through(corners: Array, within: float) -> Line | Arc | None:
-    """The line or arc along the sides between corners (n, 2), if there is one."""
+    """The line or arc along the sides between corners (n, 2), if any."""
     found = line_or_arc(corners, within)
     if found is None or distances_mm(found[0], (corners[:-1] + corners[1:]) / 2.0).max() > 2.0 * within:
         return None

@@ -30,8 +30,9 @@ BLUNT = 0.03
 leave the least flat."""
 
 TURNS = 8
-"""Turns of shortening one gear's tips after the other's, after which they count as fouling at any height; three do as a
-rule."""
+"""Turns of shortening one gear's tips after the other's.  After these turns tips count as fouling at any height; three
+turns are usually enough.
+"""
 
 PairTips = tuple[Tips, Tips]
 """The driving and the driven gear's tips."""
@@ -174,10 +175,12 @@ def _regular_tips(
 
 
 def _raised(own: Flanks, mate: Tips, mates: Mates) -> Flanks:
-    """The gear with tips longer by what the mate's tips have lost to avoid undercut, so that less contact is lost."""
+    """The gear with longer tips: by the height that the mate's tips have lost to avoid undercut, so that less contact
+    is lost.
+    """
     short = np.where(mate.limit == Limit.UNDERCUT, mate.flanks.full_tip_mm - mate.flanks.tip_height_mm, 0.0)
     missing = _most(own.count, mates, short)
-    # Contact passes from tooth to tooth: a tip also makes up for what the next tooth's pair has lost.
+    # Contact passes from tooth to tooth: a tip also makes up for contact that the next tooth's pair has lost.
     most = np.max([np.roll(missing, shift) for shift in range(-2, 3)], axis=0)
     return replace(own, tip_height_mm=own.tip_height_mm + most)
 

@@ -4,11 +4,11 @@ Everything is written in the gear's own moving frame: P the pitch point at arc l
 unit normal away from the gear.  A flank is named by the arc length c at which it crosses the pitch curve and by its
 side s, +1 for the flank that faces growing arc length.
 
-Flank: the rack's straight side touches where its normal goes through the pitch point, at height h above the tangent:
-X = P + h (s cot(alpha) T + N), sigma = c - s h / (sin(alpha) cos(alpha)).  Its speed along itself by sigma is
-sin(alpha) + h k / sin(alpha), k being the pitch curve's curvature.  Where that vanishes, that is where
-sin^2(alpha) + h k = 0, the flank has a cusp and ends: below the pitch curve on convex stretches, where the tool cuts
-the part beyond away (undercut), above it on concave ones.
+Flank: the rack's straight side touches where its normal goes through the pitch point, at height h above the tangent: X
+= P + h (s cot(alpha) T + N), sigma = c - s h / (sin(alpha) cos(alpha)).  Its speed along itself by sigma is sin(alpha)
++ h k / sin(alpha), k being the pitch curve's curvature.  Where that vanishes, that is where sin^2(alpha) + h k = 0, the
+flank has a cusp and ends: below the pitch curve on convex stretches, where the tool cuts the part beyond away
+(undercut), above it on concave stretches.
 
 Fillet: the envelope of the rounded tip of a tool (tool.py) whose rolling curve has the curvature k_t.  The rounding's
 centre rests in the tool.  With u T + v N from P to it, the point that touches lies on the line from P through the
@@ -124,7 +124,7 @@ class Flanks:
 
     @cached_property
     def idle(self) -> Mask:
-        """Which flanks do not push: the driving gear pushes with its back flanks, onto the driven front ones."""
+        """Which flanks do not push: the driving gear pushes with its back flanks onto the driven front flanks."""
         idle: Mask = self.side > 0.0 if self.curve.gear is Gear.DRIVING else self.side < 0.0
         return idle
 
@@ -151,7 +151,7 @@ class Flanks:
 
     @property
     def pulling(self) -> Flanks:
-        """The flanks as they stand where the idle ones touch, which are then at the law's angle."""
+        """The flanks in the position in which the idle flanks touch, which are then at the law's angle."""
         return replace(self, turn_rad=self.turn_rad - self.turn_rad[0]) if self.is_turned else self
 
     def with_tips(self, height_mm: Array) -> Flanks:
@@ -174,7 +174,8 @@ class Flanks:
         return self.curve.at_length(self.crossing_mm)
 
     def at_rolled(self, flank: IndexArray, sigma_mm: Array) -> CurvePoints:
-        """Points of what rolls for the given flanks: the pitch curve, or each flank's circle of curvature, unturned.
+        """Points of the rolling curve for the given flanks: the pitch curve, or each flank's circle of curvature,
+        unturned.
 
         Shapes broadcast.
         """
@@ -183,7 +184,7 @@ class Flanks:
         return self.curve.at_length(sigma_mm)
 
     def standing(self, flank: IndexArray, sigma_mm: Array) -> CurvePoints:
-        """Points of what rolls, as they stand."""
+        """Points of the rolling curve, as they stand."""
         at = self.at_rolled(flank, sigma_mm)
         return at.turned(self.turn_rad[flank]) if self.is_turned else at
 
@@ -217,8 +218,8 @@ class Flanks:
     def curvature(self, flank: IndexArray, height_mm: Array) -> Array:
         """Curvature of flanks in 1/mm at heights, positive where they bulge out of the tooth; shapes broadcast.
 
-        The tangent turns with the rolling curve's, by k per mm rolled, while the flank runs along itself.  On tip
-        relief, what the change of k adds to its slope is left out.
+        The tangent turns with the rolling curve's tangent, by k per mm rolled, while the flank runs along itself.  On
+        tip relief, the change of k also changes its slope, which is left out.
         """
         slant = self.slant.of(flank)
         turning = self.at_rolled(flank, self.rolled_mm(flank, height_mm)).curvature
@@ -271,7 +272,7 @@ class Flanks:
             return fillet
         if self.sweep is None:
             return _turned(fillet, self.turn_rad[flank], 0.0)
-        # A back flank is in the space after the tooth before; the first one's space begins before the seam.
+        # A back flank is in the space after the tooth before; the first space begins before the seam.
         tooth, teeth = (flank - 1) // 2, self.count // 2
         end, pace = self.sweep.end_mm[flank], self.sweep.pace[flank]
         place = end - pace * (sigma_mm - end) - self.curve.length_mm * (tooth // teeth)

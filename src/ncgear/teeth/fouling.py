@@ -2,8 +2,9 @@
 
 On concave stretches teeth enter their spaces from above, as in a ring.  The edge of a tip is followed in the mate's
 frame; where its path crosses a tooth of the mate above the pitch curve, the edge is too high, and is lowered until its
-path just passes.  With play that is done at both ends of it: where the pushing flanks touch and where the idle ones do.
-Edges that play has turned are also held against the bottoms of the mate's spaces: they come where no tip comes without.
+path just passes.  With play this is done at both ends of the play: where the pushing flanks touch and where the idle
+flanks touch.  Edges that play has turned are also checked against the bottoms of the mate's spaces: they reach places
+that no tip reaches without play.
 
 The tip of a pinion cutter may cut teeth in the same way on its way out of a space.  There nothing can be lowered: the
 cutter is refused.
@@ -127,7 +128,8 @@ def _parted_mm(own: Flanks, mate: Flanks, met: Array, rolled: Array) -> Array:
 
 
 def freed(own: Tips, mate: Tips, paths: TipPaths) -> Tips:
-    """The gear with those tips shortened that would run into the mate's on concave stretches; itself where none does.
+    """The gear with shorter tips where they would run into the mate's tips on concave stretches; the same gear where
+    none does.
 
     Raises NoSuchMechanism, naming the tooth, where no tip is left.
     """
@@ -138,7 +140,8 @@ def freed(own: Tips, mate: Tips, paths: TipPaths) -> Tips:
 
 
 def freed_of_bottoms(own: Tips, mate: Flanks, paths: TipPaths) -> Tips:
-    """The gear with those tips shortened that play turns into the bottoms of the mate's spaces; itself where none is.
+    """The gear with shorter tips where play turns them into the bottoms of the mate's spaces; the same gear where it
+    turns none.
 
     Raises NoSuchMechanism, naming the tooth, where no tip is left.
     """
@@ -162,7 +165,7 @@ def _free_of(own: Tips, paths: TipPaths, fouling: Fouling) -> Tips:
 
 
 def _stands(flanks: Flanks) -> tuple[Flanks, Flanks]:
-    """The flanks where the pushing sides of the teeth touch, and where the idle ones do."""
+    """The flanks where the pushing sides of the teeth touch, and where the idle sides touch."""
     return flanks, flanks.pulling
 
 
@@ -181,7 +184,7 @@ def _lowered(own: Tips, paths: TipPaths, fouling: Fouling, hit: Mask) -> Flanks:
 def _fouling(flanks: Flanks, top: Array, paths: TipPaths, teeth: list[Array]) -> Mask:
     """Which tip edges of a gear, at heights ``top``, run into the mate's teeth on their paths; shape (2 z,).
 
-    ``teeth`` are those of the mate as each of ``_stands`` has them, of which there is one without play.
+    ``teeth`` are the mate's teeth in each position of ``_stands``; without play there is a single position.
     """
     hit = np.zeros(flanks.count, dtype=bool)
     for stand, mating in zip(_stands(flanks)[: len(teeth)], teeth, strict=True):
@@ -192,7 +195,7 @@ def _fouling(flanks: Flanks, top: Array, paths: TipPaths, teeth: list[Array]) ->
 def _in_bottoms(flanks: Flanks, top: Array, paths: TipPaths, spaces: list[Array]) -> Mask:
     """Which tip edges of a gear, at heights ``top``, run into the mate's spaces where play has turned them; (2 z,).
 
-    ``spaces`` are those of the mate as each of ``_stands`` has them.  An edge that is not turned touches the mate's
+    ``spaces`` are the mate's spaces in each position of ``_stands``.  An edge that is not turned touches the mate's
     flank and leaves it along the fillet.
     """
     hit = np.zeros(flanks.count, dtype=bool)
@@ -205,7 +208,9 @@ def _in_bottoms(flanks: Flanks, top: Array, paths: TipPaths, spaces: list[Array]
 def _edges_in(
     stand: Flanks, top: Array, paths: TipPaths, outlines: Array, number: IndexArray, beside: int
 ) -> IndexArray:
-    """Flanks with tip edges, at heights ``top``, that run into the outline of their path's number, or one beside it."""
+    """Flanks with tip edges, at heights ``top``, that run into the outline of their path's number, or into an outline
+    beside it.
+    """
     path = paths.in_mate(stand.flank(paths.own, top[paths.own])[0])
     return paths.own[_running_into(path, outlines, number, beside)]
 

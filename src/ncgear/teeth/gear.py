@@ -1,7 +1,7 @@
-"""Toothed gears: from the pitch curves and what is asked of the teeth to both gears' outlines.
+"""Toothed gears: from the pitch curves and the form of the teeth to both gears' outlines.
 
 This is the way in to the room.  A tool is chosen, flanks stand along both pitch curves with the profile shifts that are
-given or chosen against undercut, spaces and tips are fitted to each other, and what is left of the teeth's sides makes
+given or chosen against undercut, spaces and tips are fitted to each other, and the remaining sides of the teeth make
 the outlines.
 """
 
@@ -38,7 +38,7 @@ LEAST_COSINE = 0.1
 
 
 NEXT = 1.0 + 1e-4
-"""Least factor from one tolerance that is tried to the next."""
+"""Least factor from a tolerance that is tried to the next."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +71,7 @@ class ToothedGear(Shown):
         return self._numbers(self.tips.undercut)
 
     def shortened(self, reason: Limit) -> list[int]:
-        """Numbers of the teeth, from 1, with a tip that is limited by one reason."""
+        """Numbers of the teeth, from 1, with a tip that is limited by a given reason."""
         return self._numbers(self.tips.limit == reason)
 
     def _numbers(self, marked: Mask) -> list[int]:
@@ -124,7 +124,9 @@ def toothed_pair(
 
 
 def finest_tolerance_mm(pitch: PitchPair, form: ToothForm, from_mm: float) -> float:
-    """The finest tolerance from one on, to a ten-thousandth, for which ``toothed_pair`` makes the points."""
+    """The finest tolerance, from a given tolerance on and to a ten-thousandth, for which ``toothed_pair`` makes the
+    points.
+    """
     tolerance_mm = from_mm
     while True:
         try:
@@ -205,9 +207,9 @@ def shift_against_undercut(pitch: PitchPair, rack: BasicRack) -> float:
     """The driving gear's shift in mm that leaves least undercut; the driven gear's is its opposite.
 
     Where k is a gear's largest curvature, its flank of depth f - x is regular while (f - x) k < sin^2(alpha).  That
-    bounds the shift from below and from above, of unequal flanks the one whose bound is closer.  A gear that is nowhere
-    convex, as most rings are, sets no bound.  Between both bounds the shift nearest to zero is taken; where the bounds
-    leave nothing between them, their mean.
+    bounds the shift from below and from above; of unequal flanks, the flank with the closer bound counts.  A gear that
+    is nowhere convex, as most rings are, sets no bound.  Between both bounds the shift nearest to zero is taken; where
+    the bounds leave nothing between them, their mean.
     """
     sharpest = [pitch.curvature_range[gear][1].value for gear in Gear]
     bounds = []

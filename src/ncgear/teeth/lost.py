@@ -1,7 +1,7 @@
 """How much undercut and shortened tips take away, and how much contact that costs.
 
-A flank that loses the height d loses d / (sin(alpha) cos(alpha)) of rolled length: by so much is its contact shorter,
-if its mate would have touched it there.
+A flank that loses the height d loses d / (sin(alpha) cos(alpha)) of rolled length.  Its contact is shorter by this
+length, if its mate would have touched it there.
 """
 
 from __future__ import annotations
@@ -37,7 +37,8 @@ class Loss:
 
 
 def shortening(gear: ToothedGear, chosen: Mask) -> Loss:
-    """How much lower the tips of the ``chosen`` flanks (shape (2 z,), at least one) are than the rack's full height.
+    """How much lower the tips of the ``chosen`` flanks (shape (2 z,), at least one flank) are than the rack's full
+    height.
 
     Amounts are distances from the pitch curve.  A tip that was raised before it was shortened may have lost none.
     """
@@ -50,11 +51,11 @@ def shortening(gear: ToothedGear, chosen: Mask) -> Loss:
 
 
 def undercutting(gear: ToothedGear) -> Loss:
-    """How much of the flanks a tool of full depth undercuts, of the gear's undercut flanks (at least one).
+    """How much a tool of full depth undercuts the gear's undercut flanks (at least one flank).
 
     Where spaces are cut to the full depth all the same, a flank ends where the notch crosses it: the amount is the
-    height that it loses.  Elsewhere it is how far the full depth goes below the cusp at which the flank ends,
-    hF - r sin^2(alpha) on a pitch circle; such flanks lose no contact, as it is the mate's tips that are shortened.
+    height that it loses.  Elsewhere it is how far the full depth goes below the cusp at which the flank ends, hF - r
+    sin^2(alpha) on a pitch circle; such flanks lose no contact, since the mate's tips are shortened.
     """
     flanks, which = gear.flanks, np.nonzero(gear.tips.undercut)[0]
     full = _full_depth_mm(flanks)[which]

@@ -1,6 +1,6 @@
 """The closed outline of a gear, sampled from its exact curves to a chord tolerance.
 
-The last check is whether the outline is a simple polygon: it sees what no single tooth's side can show.
+The last check is whether the outline is a simple polygon: it sees faults that no single tooth's side can show.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ Toleranced = tuple[Stretch, float]
 def outline_points(tips: Tips, sides: Sides, chords: ChordTolerance) -> Array:
     """The outline in mm, shape (n, 2), counter-clockwise, first point not repeated.
 
-    No chord strays farther from the exact curve than its tolerance.  The points are on the curve, but for those of
+    No chord strays farther from the exact curve than its tolerance.  The points are on the curve, except points of
     hollow and of straddling flanks.
     """
     flanks, elsewhere = tips.flanks, chords.elsewhere_mm
@@ -74,7 +74,7 @@ def outline_points(tips: Tips, sides: Sides, chords: ChordTolerance) -> Array:
 
 
 def _together(flanks: Flanks, curves: list[Toleranced]) -> tuple[Stretch, Array]:
-    """The real rows of all curves as rows of one, and the tolerance of each row."""
+    """The real rows of all curves as rows of a single curve, and the tolerance of each row."""
     rows = _real(flanks, joined([curve for curve, _ in curves]))
     tolerance = np.repeat([tolerance for _, tolerance in curves], [curve.owner.size for curve, _ in curves])
     return rows, tolerance[rows.owner]
@@ -156,8 +156,9 @@ def _most_turning(flanks: Flanks) -> float:
 def _tip_lands(flanks: Flanks, sides: Sides) -> Stretch:
     """From each tooth's back flank to its front flank, after the last run of the back flank.
 
-    A land's height over the pitch curve changes evenly from one flank's end to the other's: the land is parallel to the
-    curve where both are equal, and does not jump where they cease to be equal from section to section of helical teeth.
+    A land's height over the pitch curve changes evenly from one flank's end to the other's.  The land is parallel to
+    the curve where both heights are equal, and does not jump where they become unequal from section to section of
+    helical teeth.
     """
     back = np.arange(0, flanks.count, 2)
     start, end = sides.tip_mm[back], sides.tip_mm[back + 1]
@@ -199,7 +200,7 @@ REMEDY = "more teeth, a smaller addendum or dedendum, or a less uneven ratio avo
 def simple_polygon(outline_mm: Array, key: str) -> Polygon:
     """The polygon of an outline in mm, shape (n, 2).
 
-    Raises NoSuchMechanism for ``key``, naming the place, where the outline crosses itself: both sides of one space may
+    Raises NoSuchMechanism for ``key``, naming the place, where the outline crosses itself: both sides of a space may
     meet where the pitch curve is deeply concave.
     """
     polygon = Polygon(outline_mm)

@@ -15,10 +15,10 @@ from ncgear.teeth.outline import exact_curves
 from ncgear.teeth.stretch import Stretch
 
 FLANK_CURVE, FILLET_CURVE, TIP_LAND, ROOT_LAND = range(4)
-"""The numbers of kinds of curves among ``exact_curves``; what follows is beyond the teeth of an open gear."""
+"""The numbers of kinds of curves among ``exact_curves``; later kinds are beyond the teeth of an open gear."""
 
 PROBES = np.linspace(0.0, 1.0, 9)
-"""Shares of each curve between which its radius has one extreme at most: it turns by far less than half a turn."""
+"""Shares of each curve between which its radius has at most one extreme: it turns by far less than half a turn."""
 
 
 def tip_radii_mm(gear: ToothedGear) -> Array:

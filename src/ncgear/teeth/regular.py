@@ -17,7 +17,8 @@ from ncgear.teeth.tool import RackLine
 
 CLEAR_OF_CUSPS = 0.99
 """Share of the height up to a cusp that is used.  At the cusp the flank's radius of curvature is zero; a hundredth of
-the height before it, the radius is a tenth of what it is at the pitch curve."""
+the height before it, the radius is a tenth of the radius at the pitch curve.
+"""
 
 CLEAR = 1e-9
 """A zero that lies before a fillet's end by less than this share of its rolled length is at the end: rounding."""
@@ -28,10 +29,11 @@ numbers left to tell its sides apart."""
 
 
 def regular_height(flanks: Flanks, limit_mm: float | Array, which: IndexArray | None = None) -> Array:
-    """Height over the pitch line, at most ``limit_mm``, up to which flanks are regular; of all, or of those numbered.
+    """Height over the pitch line, at most ``limit_mm``, up to which flanks are regular: all flanks, or the numbered
+    flanks.
 
-    Both limits and heights have shape (n,), but one limit does for all.  Raises NoSuchMechanism where the pitch curve
-    bends many times along the height of one tooth.
+    Both limits and heights have shape (n,); a single limit holds for all flanks.  Raises NoSuchMechanism where the
+    pitch curve bends many times along the height of one tooth.
     """
     return _reach(flanks, limit_mm, 1.0, which)
 
@@ -89,7 +91,9 @@ def _never_folds(flanks: Flanks) -> bool:
 
 
 def _joints(flanks: Flanks) -> Array:
-    """Arc lengths between which one polynomial follows what rolls: its curvature and the slope of it may jump there."""
+    """Arc lengths between which a polynomial follows the rolling curve: its curvature and the slope of the curvature
+    may jump there.
+    """
     return np.empty(0) if flanks.equivalent else flanks.curve.panels_around_mm
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from math import cos, floor, sin, tan
 
 PER_MODULE = 100
-"""Root radii that are chosen are whole hundredths of the module, as those of ISO 53 are."""
+"""Root radii that are chosen are whole hundredths of the module, like the radii of ISO 53."""
 
 ROUNDING = 1e-9
-"""Share by which a chosen radius stays clear of the greatest one, where rounding would decide whether it fits."""
+"""Share by which a chosen radius stays clear of the greatest radius, where rounding would decide whether it fits."""
 
 
 def largest_root_radius(angles_rad: tuple[float, float], dedendum: float, half_width: float) -> float:
@@ -34,5 +34,7 @@ def deepest_rounded(angles_rad: tuple[float, float], radius: float, half_width: 
 
 
 def fitting_root_radius(wanted: float, largest: float) -> float:
-    """A radius in modules: the one that is ``wanted`` or, where that exceeds the ``largest``, what fits; 0 at least."""
+    """A radius in modules: the ``wanted`` radius or, where it exceeds the ``largest``, a radius that fits; at least
+    0.
+    """
     return wanted if wanted <= largest else max(floor(largest * (1.0 - ROUNDING) * PER_MODULE) / PER_MODULE, 0.0)

@@ -1,20 +1,20 @@
 """A profile shift for each tooth: where flanks, tips and roots of both gears then stand.
 
 Both gears are made by one imaginary rack between them, whose flanks cross its pitch line where the teeth's flanks cross
-the pitch curves.  A driving tooth with the shift x has both flanks moved outwards by x: along the pitch line that is
-x tan(alpha) each, so that the tooth is thicker on the pitch curve by x (tan(alpha) + tan(beta)), alpha and beta being
-the pressure angles of its flanks, and its tip is higher by x.  The driven space that it meets is the same rack tooth:
-as much wider and deeper, which is the shift -x.  A driving space lies between teeth of the shifts x and y.  The rack's
-tooth in it keeps its form where its shift is the mean (x tan(beta) + y tan(alpha)) / (tan(alpha) + tan(beta)) of both,
-each weighted with its own flank: it only moves along the pitch line besides.  So every space of both gears can be cut
-by one tooth of the same rack cutter, and the clearance at all roots is that of the rack.  Whatever the shifts are,
-flanks that meet cross the pitch curves at equal arc lengths, and therefore keep the law.
+the pitch curves.  A driving tooth with the shift x has both flanks moved outwards by x: along the pitch line each moves
+by x tan(alpha).  So the tooth is thicker on the pitch curve by x (tan(alpha) + tan(beta)), with the pressure angles
+alpha and beta of its flanks, and its tip is higher by x.  The driven space that it meets is the same rack tooth: wider
+and deeper by the same amounts, which is the shift -x.  A driving space lies between teeth of the shifts x and y.  The
+rack's tooth in it keeps its form where its shift is the mean (x tan(beta) + y tan(alpha)) / (tan(alpha) + tan(beta)) of
+both, each weighted with its own flank; the tooth also moves along the pitch line.  So a tooth of the same rack cutter
+can cut every space of both gears, and all roots have the clearance of the rack.  With any shifts, flanks that meet
+cross the pitch curves at equal arc lengths, and therefore keep the law.
 
 A driven space that several driving teeth meet has the same shift for all of them.  Teeth of numbers z1 and z2 meet
-every gcd(z1, z2)-th tooth of each other, so the shifts repeat after so many teeth.
+every gcd(z1, z2)-th tooth of each other, so the shifts repeat after this number of teeth.
 
 I. Zarebski and T. Salacinski, "Designing of non-circular gears", Archive of Mechanical Engineering 55 (2008) 275-292,
-made such a gear, and another one with unequal pressure angles.
+made such a gear, and another gear with unequal pressure angles.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ class ToothShifts:
 
     @property
     def beside_flanks_mm(self) -> Array:
-        """The shift of the space beside each flank, shape (2 z,): a back flank's is the one before its tooth."""
+        """The shift of the space beside each flank, shape (2 z,): a back flank's space is before its tooth."""
         beside: Array = np.roll(np.repeat(self.space_mm, 2), 1)
         return beside
 
@@ -71,7 +71,8 @@ def thickness_mm(module_mm: float, shift_mm: Array, angles_rad: tuple[float, flo
 def tooth_shifts(
     shift_mm: Array, module_mm: float, angles_rad: tuple[float, float], teeth: tuple[int, int]
 ) -> tuple[ToothShifts, ToothShifts]:
-    """The shifts of the driving and the driven gear, from those of the driving teeth, of which tooth 1 comes first.
+    """The shifts of the driving and the driven gear, from the shifts of the driving teeth, of which tooth 1 comes
+    first.
 
     ``angles_rad`` are the pressure angles of pushing and of idle flanks, ``teeth`` the numbers of both gears' teeth.
     Shifts of fewer teeth are repeated round the gear.  Raises WrongInput where that does not go up, where teeth that

@@ -1,9 +1,10 @@
 """The sides of all teeth as runs of exact curves, from the tip land down to the root land.
 
 A regular flank starts on the tip land and passes into its fillet tangentially.  Where the tool undercuts the flank, or
-its fillet folds, the curves cross themselves, and the side is trimmed to what the tool really leaves: wherever the
-whole path from tip land to root land crosses itself, the loop between is cut away.  Crossings are found on chords and
-refined on the exact curves.  A side is done when nothing that is left of it folds; else it is followed on finer chords.
+its fillet folds, the curves cross themselves, and the side is trimmed to the material that the tool leaves: wherever
+the whole path from tip land to root land crosses itself, the loop between is cut away.  Crossings are found on chords
+and refined on the exact curves.  A side is finished when no remaining part of it folds; else it is followed on finer
+chords.
 """
 
 from __future__ import annotations
@@ -115,8 +116,8 @@ def refuse_folded_lands(flanks: Flanks, sides: Sides) -> None:
     """Refuse a pitch curve that is too sharply curved for its tip and root lands.
 
     A tip land is parallel to the pitch curve and folds where the curve is hollow with a radius less than the land's
-    height.  A root land folds where it is deeper than the radius with which gear and tool turn about each other (one
-    over the sum of their curvatures).  Raises NoSuchMechanism with the radius, the tooth and the angle.
+    height.  A root land folds where it is deeper than the radius with which gear and tool turn about each other (1 over
+    the sum of their curvatures).  Raises NoSuchMechanism with the radius, the tooth and the angle.
     """
     _refuse_folded_tips(flanks, sides)
     start, end = sides.roots.lands()
@@ -175,7 +176,7 @@ FINE = 257
 """Points per curve at which folds are looked for."""
 
 FLAT = 1e-9
-"""Regularity, a pure number of order one, that counts as zero."""
+"""Regularity, a pure number of order 1, that counts as zero."""
 
 ROUNDS = (49, 145, 433)
 """Points per curve in the rounds: the first does for nearly all sides, the others for loops smaller than its chords."""
@@ -185,7 +186,7 @@ Loop = tuple[float, float]
 
 
 def trimmed_sides(flanks: Flanks, sides: Sides, irregular: Mask) -> Sides:
-    """The sides with those of ``irregular`` flanks replaced by their trimmed paths.
+    """The sides; sides of ``irregular`` flanks are replaced by their trimmed paths.
 
     Raises NoSuchMechanism, naming the tooth, where nothing is left of a side or it cannot be untangled.
     """
@@ -270,7 +271,7 @@ class _Paths:
     def reaches(
         self, row: IndexArray, kind1: IndexArray, first: Array, kind2: IndexArray, second: Array
     ) -> tuple[Array, Array]:
-        """How far, in parameters, the crossings of the curves may be from those of their chords.
+        """How far, in parameters, the crossings of the curves may be from the crossings of their chords.
 
         On both curves one and a half times the longer chord: where a coarse chord crosses fine ones, its sagitta shifts
         the crossing by many of them.

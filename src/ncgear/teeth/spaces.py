@@ -4,11 +4,11 @@ A space is as deep as the tool goes, or shallower where the tool would undercut 
 f, where the tool's rounded tip begins.  A rack or a pinion cutter has a depth of its own; the mating gear as a tool is
 rounded where its own flanks end, so that it reaches as deep as its tips need.
 
-The root land is what the straight edge between the two roundings of a tool's tip leaves at the bottom of a space.  The
-edge runs along t, with the normal n towards the gear, one radius beyond the roundings' centres Q.  It touches at the
-foot of the perpendicular from the pitch point P_t; a fillet passes into the land where the rounding's centre is that
-foot: (Q - P_t) . t = 0.  On a tool of even height the centre stands right under the pitch point there; the edge slopes
-where the tool is the mate and the mate's tip slopes.
+The straight edge between the two roundings of a tool's tip leaves the root land at the bottom of a space.  The edge
+runs along t, with the normal n towards the gear, one radius beyond the roundings' centres Q.  It touches at the foot of
+the perpendicular from the pitch point P_t; a fillet passes into the land where the rounding's centre is that foot: (Q -
+P_t) . t = 0.  On a tool of even height the centre stands right under the pitch point there; the edge slopes where the
+tool is the mate and the mate's tip slopes.
 """
 
 from __future__ import annotations
@@ -141,8 +141,8 @@ def _sides_of_spaces(flanks: Flanks) -> tuple[IndexArray, IndexArray, Array]:
 def _largest_fitting(flats: ByRadius, most_mm: Array, least_mm: float, within_mm: float) -> Array:
     """Largest radii, at most ``most_mm`` (shape (n,)), that leave flats of ``least_mm`` between two roundings.
 
-    The flats are no longer than that by twice ``within_mm``.  ``flats`` tells them at radii for tooth numbers; where a
-    tip is too pointed for its radius they are NaN.  NaN where not even sharp corners leave one.
+    The flats are at most twice ``within_mm`` longer.  ``flats`` tells them at radii for tooth numbers; where a tip is
+    too pointed for its radius they are NaN.  NaN where not even sharp corners leave one.
     """
     radii, every = most_mm.copy(), np.arange(most_mm.size)
     most = flats(radii, every)[0] - least_mm

@@ -1,4 +1,4 @@
-"""Stretches of the curves that make an outline: one curve of every flank or land, between two parameters each."""
+"""Stretches of the curves that make an outline: a curve of every flank or land, between two parameters each."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class Stretch:
     between them arc length is linear in the parameter.  ``rank`` orders the rows along the outline, and ``span`` is the
     part of the way to the next rank that a row takes, shape (n,) each.  ``most_turning`` (shape (n,)) bounds how fast a
     row turns to either side, in rad per mm of arc length; it is infinite where no bound is known.  ``kind`` (shape
-    (n,)) numbers the curves that have been joined into this one.
+    (n,)) numbers the curves that have been joined into this stretch.
     """
 
     curve: Curve
@@ -70,7 +70,9 @@ def parted(stretch: Stretch, cut: Array) -> Stretch:
 
 
 def joined(stretches: Sequence[Stretch]) -> Stretch:
-    """The rows of several stretches as rows of one curve; the owners are the rows' numbers, and go to it in order."""
+    """The rows of several stretches as rows of a single curve; the owners are the rows' numbers, and go to it in
+    order.
+    """
     counts = [stretch.owner.size for stretch in stretches]
     first = np.cumsum([0, *counts])
 
@@ -88,7 +90,7 @@ def joined(stretches: Sequence[Stretch]) -> Stretch:
 
 
 def _of(curve: Curve, parts: Sequence[Stretch]) -> Stretch:
-    """The rows of all parts, of one curve."""
+    """The rows of all parts, as a single curve."""
     return Stretch(curve, *(np.concatenate([getattr(part, name) for part in parts], axis=-1) for name in BY_ROW))
 
 

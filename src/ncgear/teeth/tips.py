@@ -1,4 +1,4 @@
-"""How high tips can be, tooth by tooth, so that what is left of the flanks is exact, free and not pointed.
+"""How high tips can be, tooth by tooth, so that the remaining flanks are exact, free and not pointed.
 
 A tip is shortened where its flank would end in a cusp (on a concave stretch), where it would reach deeper into the
 mate's space than the mate's flank is regular (it would undercut the mate) or than the space is cut (it would foul the
@@ -25,16 +25,17 @@ from ncgear.teeth.regular import CLEAR_OF_CUSPS, regular_height
 from ncgear.teeth.tool import AGREEMENT
 
 HALFWAY = 0.5
-"""Share of the tip's height, on the way to which the pitch curve's curvature is taken for that of the whole way."""
+"""Share of the tip's height: the pitch curve's curvature on the way to it stands for the whole way."""
 
 PROBES = 17
 """Points on the way to a crossing at which the flank must be regular, where bounds of the curvature do not prove it;
 fitted tips are held against the exact cusp."""
 
 FAR, FARTHEST = 3.0, 8.0
-"""Flanks are followed up to so many tip heights; those of low tips step by step up to the second number, but no farther
-than those of full tips.  On a circle they lean so much that they reach the tip land within two; where the curvature
-changes on the way they may need more."""
+"""Flanks are followed up to the first number of tip heights; flanks of low tips step by step up to the second number,
+but no farther than flanks of full tips.  On a circle they lean so much that they reach the tip land within 2; where the
+curvature changes on the way they may need more.
+"""
 
 LOWEST = 0.05
 """Share of a pointed tip's height at which the search for the height of the least land begins."""
@@ -63,8 +64,8 @@ class Limit(IntEnum):
 class Bounds:
     """What the mate allows each flank, shape (2 z,).
 
-    ``contact_mm`` is the greatest height of contact over the pitch line, ``tip_mm`` that of the tip land, and
-    ``regular_mm`` the height up to which the flank itself is regular, if that is less than the contact's; ``undercut``
+    ``contact_mm`` is the greatest height of contact over the pitch line, ``tip_mm`` the height of the tip land, and
+    ``regular_mm`` the height up to which the flank itself is regular, if it is less than the contact's; ``undercut``
     marks flanks whose bound comes from a mate that a tool of full depth would undercut.
     """
 
@@ -101,14 +102,14 @@ class _Edges:
     met: Mask
 
     def moved(self, height_mm: Array) -> _Edges:
-        """The edges of tips of other heights, of which only those that differ are sought."""
+        """The edges of tips of other heights; only edges that differ are sought."""
         moved = np.nonzero(height_mm != self.flanks.tip_height_mm)[0]
         if not moved.size:
             return self
         return self.placed(height_mm, moved, tip_crossing(self.flanks.with_tips(height_mm), moved))
 
     def placed(self, height_mm: Array, rows: IndexArray, found: tuple[Array, Array, Mask]) -> _Edges:
-        """The edges of tips of other heights, of which those of ``rows`` are as found."""
+        """The edges of tips of other heights; the edges of ``rows`` are as found."""
         known = self.top_mm.copy(), self.at_mm.copy(), self.met.copy()
         for values, new in zip(known, found, strict=True):
             values[rows] = new
@@ -153,7 +154,7 @@ def fitted_tips(flanks: Flanks, bounds: Bounds, undercut: Mask, least_land_mm: f
 
 
 def held_below(tips: Tips, ceiling_mm: Array) -> Tips:
-    """The tips, lowered to a ceiling, shape (2 z,).  Lower tips need no new bounds: they stay within the old ones.
+    """The tips, lowered to a ceiling, shape (2 z,).  Lower tips need no new bounds: they stay within the old bounds.
 
     Raises NoSuchMechanism, naming the tooth, where no tip is left.
     """
@@ -176,7 +177,7 @@ def even_heights(flanks: Flanks, height: Array) -> Array:
 
 
 CLEARANCE_SHARE = 0.5
-"""Share of the rack's clearance that tips may take where they stand higher at one end of the play."""
+"""Share of the rack's clearance that tips may take where they stand higher at an end of the play."""
 
 
 def _within_play(edges: _Edges) -> Array:
@@ -295,7 +296,7 @@ def _crossing_below_cusp(flanks: Flanks, which: IndexArray) -> tuple[Array, Arra
 
 
 def _with_lands(edges: _Edges, least: float) -> tuple[_Edges, Mask]:
-    """The edges of tips that are lowered where their land is narrower than ``least``, and which those are."""
+    """The edges of tips, lowered where their land is narrower than ``least``, and the numbers of the lowered tips."""
     flanks, height = edges.flanks, edges.flanks.tip_height_mm
     width = _width(flanks, np.arange(flanks.count), flanks.offset(edges.at_mm, height), edges.at_mm, edges.met)
     narrow = ~(width >= least)
@@ -323,7 +324,7 @@ STEPS = 12
 def _newton_lands(edges: _Edges, back: IndexArray, least: float) -> tuple[Array, tuple[Array, Array], Mask]:
     """As ``_height_of_land``, by Newton's method: heights, where their edges are, and which of them it finds.
 
-    They have shape (n,), and those of the edges, which are heights of contact and arc lengths, (2 n,).
+    They have shape (n,); the edges, which are heights of contact and arc lengths, have shape (2 n,).
 
     A tip's height and where both flanks reach its land are sought together.  An edge that is as high as the tip moves
     by N for each mm of that height, N being the pitch curve's normal; an edge that is lower moves only along the land.
@@ -345,7 +346,8 @@ def _newton_lands(edges: _Edges, back: IndexArray, least: float) -> tuple[Array,
         if met[found].all():
             break
         outwards = np.where(own >= np.repeat(land, 2), as_complex(flanks.curve.at_length(sigma).normal), 0.0)
-        # Newton's steps of both parameters: what closes the gap, and what follows the tip for each mm of its height.
+        # Newton's steps of both parameters: the step that closes the gap, and the step that follows the tip per mm of
+        # its height.
         steps = [(across(way, ahead) / area, across(way, rise) / area) for way in (gap, outwards)]
         moved = steps[0][1] * ahead, steps[1][1] * ahead + outwards
         chord = np.repeat(np.diff(edge.reshape(-1, 2))[:, 0] * np.sign(np.diff(sigma.reshape(-1, 2))[:, 0]), 2)
@@ -394,9 +396,9 @@ def _land(flanks: Flanks, back: IndexArray) -> Array:
 def _width(flanks: Flanks, both: IndexArray, land: tuple[Array, Array], at: Array, met: Mask) -> Array:
     """Width of tip lands in mm along the chord, negative where the flanks have crossed below it.
 
-    ``both`` are the back and the front flank of each of n lands, one after the other, ``at`` the arc lengths where they
-    reach it, if they have ``met`` it, shape (2 n,), and ``land`` the points there and the land's derivatives.  Play
-    takes off what it moves the flanks along the curve.
+    ``both`` are the back and the front flank of each of n lands in order, ``at`` the arc lengths where they reach the
+    land, if they have ``met`` it, shape (2 n,), and ``land`` the points there and the land's derivatives.  Play moves
+    the flanks along the curve, which makes the land narrower.
     """
     point, way = land
     edges = point.reshape(-1, 2, 2)

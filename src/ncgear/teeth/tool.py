@@ -1,8 +1,8 @@
 """The tool that leaves the fillets: a rack, a pinion cutter, or the mating gear itself with rounded tips.
 
 A tool is described by the curve with which it rolls on the pitch curve, in the tool's own frame: a straight line, a
-circle, or the mate's pitch curve.  Its teeth are conjugate to the gear's, so the working flanks are the same whatever
-the tool is; its rounded tip leaves the fillet.
+circle, or the mate's pitch curve.  Its teeth are conjugate to the gear's, so the working flanks are the same with every
+tool; its rounded tip leaves the fillet.
 
 In the tool's frame, with the pitch point at sigma: the flank touches at depth f below the pitch curves' tangent when
 sigma = c + s f / (sin(alpha) cos(alpha)); one radius along the flank's normal from there is the rounding's centre
@@ -100,7 +100,7 @@ Tool = RackLine | PinionCircle | PitchCurve
 
 @dataclass(frozen=True, eq=False)
 class Rounding:
-    """Roundings of the tool's tip, one for each of n flanks.
+    """Roundings of the tool's tip, a rounding for each of n flanks.
 
     ``lowest_mm`` (shape (n,)) is the arc length at which the rounding stands right under the pitch point, ``depth_mm``
     (shape (n,)) is how far below the pitch curve it reaches there, and ``center_mm`` (shape (n, 2)) is its centre in
@@ -174,7 +174,7 @@ MOST_TEETH = 40
 
 
 def chosen_tools(pitch: PitchPair, form: ToothForm) -> tuple[CutterKind, tuple[Tool, Tool]]:
-    """The kind of tool, and what cuts the driving and what cuts the driven gear.
+    """The kind of tool, and the tools that cut the driving and the driven gear.
 
     Where no kind is asked for it is a rack for convex curves, else the mating gear, since no rack goes into a concave
     stretch.  Raises NoSuchMechanism for a rack whose straight edge would cut more than HARMLESS modules into the hollow
@@ -211,12 +211,12 @@ def least_concave_radius_mm(pitch: PitchPair) -> float | None:
 
 
 def _is_concave(pitch: PitchPair) -> bool:
-    """Whether ``least_concave_radius_mm`` is one."""
+    """Whether the pitch curves have a ``least_concave_radius_mm``."""
     return any(pitch.of(gear).bends_below(-STRAIGHT / pitch.center_distance_mm) for gear in Gear)
 
 
 def most_teeth(pitch: PitchPair, rack: BasicRack) -> int:
-    """Most teeth of a pinion cutter that works in the concave stretches; may be less than one."""
+    """Most teeth of a pinion cutter that works in the concave stretches; may be less than 1."""
     radius = least_concave_radius_mm(pitch)
     return MOST_TEETH if radius is None else min(MOST_TEETH, int(2.0 * radius / rack.module_mm) - FEWER_TEETH)
 

@@ -1,11 +1,11 @@
 """The teeth that are made of gears that turn less than once, and how the body goes on behind the last of them.
 
-Teeth are made on the continued curves (ncgear.pitch.continued), and of these the ones that any flank of the range can
-touch (ncgear.pitch.pair.ToothedArc): flanks of usual height touch over one pitch at most to either side of the pitch
-point, and stand a quarter of a pitch from the middle of their tooth.  Beside the first and the last tooth stands the
-root land of the continued gear.  From there a wall leads towards the axis, and a round heel closes the outline.  Its
-radius is that of the lower of both ends, or what the root land would fall to within another pitch: there the mate's
-last teeth pass by with the clearance of the roots.
+Teeth are made on the continued curves (ncgear.pitch.continued), and the range keeps all teeth that any of its flanks
+can touch (ncgear.pitch.pair.ToothedArc): flanks of usual height touch over one pitch at most to either side of the
+pitch point, and stand a quarter of a pitch from the middle of their tooth.  Beside the first and the last tooth stands
+the root land of the continued gear.  From there a wall leads towards the axis, and a round heel closes the outline.
+Its radius is the radius of the lower end, or the radius to which the root land would fall within another pitch: there
+the mate's last teeth pass by with the clearance of the roots.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ LEAST_GAP_RAD = pi / 18.0
 
 
 def kept_teeth(curves: list[Stretch], flanks: Flanks, made: int) -> list[Stretch]:
-    """Of the curves of ``whole_curves`` those of the first ``made`` teeth, and the heel that closes the outline.
+    """The curves of ``whole_curves`` for the first ``made`` teeth, and the heel that closes the outline.
 
     Raises NoSuchMechanism where the toothed arc leaves no room for a heel.
     """
@@ -50,7 +50,7 @@ def kept_teeth(curves: list[Stretch], flanks: Flanks, made: int) -> list[Stretch
 
 
 def _heel(flanks: Flanks, after: Stretch, before: Stretch) -> Stretch:
-    """From the end of the last root land around the axis to the beginning of the first one."""
+    """From the end of the last root land around the axis to the beginning of the first root land."""
     only = np.zeros(1, dtype=int)
     end, start = (complex(*land.at(only, np.array([share]))[0][0]) for land, share in ((after, 1.0), (before, 0.0)))
     clockwise = flanks.curve.gear is Gear.DRIVING
@@ -59,7 +59,7 @@ def _heel(flanks: Flanks, after: Stretch, before: Stretch) -> Stretch:
     if left < LEAST_GAP_RAD:
         _refuse(flanks, left, after)
     module, low = flanks.rack.module_mm, min(abs(end), abs(start), *_beyond_mm(flanks, after, before))
-    # Where the step is low, the heel's radius goes from one end to the other.
+    # Where the step is low, the heel's radius goes from one end's radius to the other's.
     radii = [low if abs(point) - low > LEAST_WALL * module else abs(point) for point in (end, start)]
     rounding = [_rounding(abs(point), radius, module, left) for point, radius in zip((end, start), radii, strict=True)]
     used = [asin(rho / (radius + rho)) for rho, radius in zip(rounding, radii, strict=True)]
@@ -110,13 +110,13 @@ def _heel(flanks: Flanks, after: Stretch, before: Stretch) -> Stretch:
 
     ones = np.ones(rows.size)
     rank = float(after.rank[0]) + 1.0 + rows
-    # It rolls over nothing; arc lengths beyond the turns beside the first one have no joint of the pitch curve.
+    # It rolls over nothing; arc lengths beyond the turns beside the first turn have no joint of the pitch curve.
     rolled = 4.0 * flanks.curve.length_mm + np.array([rows, rows + 1.0])
     return Stretch(curve, rows, 0.0 * ones, ones, rolled, rank, ones, np.inf * ones, np.zeros_like(rows))
 
 
 def _beyond_mm(flanks: Flanks, after: Stretch, before: Stretch) -> list[float]:
-    """Distances from the axis of what root lands would be half a pitch and a pitch beyond both ends of the arc."""
+    """Distances from the axis that root lands would have half a pitch and a pitch beyond both ends of the arc."""
     ahead = flanks.rack.pitch_mm * np.array([0.5, 1.0])
     found: list[float] = []
     for land, sigma in ((after, after.rolled[1] + ahead), (before, before.rolled[0] - ahead)):
@@ -127,7 +127,9 @@ def _beyond_mm(flanks: Flanks, after: Stretch, before: Stretch) -> list[float]:
 
 
 def _rounding(end_mm: float, radius_mm: float, module_mm: float, left_rad: float) -> float:
-    """Radius of the corner between a wall and the heel: a module, or what has room on the wall and along the heel."""
+    """Radius of the corner between a wall and the heel: a module, or as much as has room on the wall and along the
+    heel.
+    """
     if end_mm - radius_mm <= LEAST_WALL * module_mm:
         return 0.0
     share = sin(min(left_rad / 4.0, pi / 4.0))
@@ -135,7 +137,7 @@ def _rounding(end_mm: float, radius_mm: float, module_mm: float, left_rad: float
 
 
 def _covered_rad(flanks: Flanks, after: Stretch, before: Stretch) -> float:
-    """The angle about the gear's axis from the beginning of the first root land to the end of the last one."""
+    """The angle about the gear's axis from the beginning of the first root land to the end of the last root land."""
     curve = flanks.curve
     first, last = float(before.rolled[0, 0]) - curve.length_mm, float(after.rolled[1, 0])
     phi1 = curve.driving_angle(np.array([first, last]))

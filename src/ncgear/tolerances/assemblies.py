@@ -1,10 +1,10 @@
 """What each of many assemblies does: transmission error, play, contact, and the motion of the output.
 
-What counts is kinematic and quasi-static: the gears turn slowly and rest on their pushing flanks, without load.  The
-output follows the driven gear, and so its transmission error; of it, the part that is slower than the teeth counts in
-the acceleration, up to a quarter of the number of teeth per turn.  Faster ones shake the machine as vibration, which
-needs masses and stiffness: that is what ``ncgear simulate`` computes.  Gears that turn to and fro are followed from one
-end of their range to the other.
+The figures are kinematic and quasi-static: the gears turn slowly and rest on their pushing flanks, without load.  The
+output follows the driven gear, and so its transmission error.  The acceleration counts the slow part of this error, up
+to a quarter of the number of teeth per turn.  Faster parts shake the machine as vibration, which needs masses and
+stiffness: ``ncgear simulate`` computes it.  Gears that turn to and fro are followed from one end of their range to the
+other.
 
 Of two pairs in series, the first turns the second by its error e1, which the second passes on by its law's slope.  To
 first order the crank is ahead by
@@ -30,7 +30,7 @@ from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.jet import Jet
 from ncgear.ratio.transmission import Pair
 from ncgear.tolerances.drawn import COUNT, Chances, Limits, Source, chances_of, drawn, sources_of, with_source
-from ncgear.tolerances.mesh import Deviations, Mesh
+from ncgear.tolerances.mesh import Deviations, LinearMesh
 
 SLOW_SHARE = 0.25
 """Share of the number of teeth up to which waves per turn of the driving gear, or in its range, count as slow."""
@@ -53,7 +53,7 @@ class Between:
 def between(angle_rad: Array, position_rad: Array, cycle_rad: float | None) -> Between:
     """Angles (shape (n,)) between positions (shape (p,)).
 
-    The first position comes again after ``cycle_rad``; None of a range, which ends with the last one.
+    The first position comes again after ``cycle_rad``.  It is None for a range, which ends at the last position.
     """
     before = np.searchsorted(position_rad, angle_rad, side="right") - 1
     if cycle_rad is None:
@@ -81,11 +81,11 @@ class Waves:
 
 @dataclass(frozen=True)
 class Smoothed:
-    """The slow part over a range from end to end: what is left when ``count`` waves in the range are halved.
+    """The slow part over a range from end to end: a filter that halves ``count`` waves in the range.
 
     The sum of the squared differences from the values and of the squared third differences, times a penalty, is least
-    (Whittaker 1923, Henderson 1924).  Of w waves it leaves 1 / (1 + (w / count)^6).  Nothing is made up beyond the
-    ends, as going round or back would: a parabola is left as it is, up to the ends.
+    (Whittaker 1923, Henderson 1924).  It leaves the share 1 / (1 + (w / count)^6) of w waves.  It makes up no values
+    beyond the ends, so a parabola stays as it is, up to the ends.
     """
 
     range_rad: float
@@ -118,8 +118,8 @@ class Follower:
 
     ``radius_mm`` (shape (p,)) is the pitch radius of the last driven gear, ``slope`` (shape (p,)) the output's way per
     driven angle, in mm/rad or rad/rad.  ``driven`` (shape (2, g)) are the first and second derivative of the driven
-    angle by the driving angle, ``output`` (shape (3, g)) the first three of the output by the driven angle.  ``even``
-    tells where the even angles lie between the positions, and ``slowly`` what of the errors there is slow.
+    angle by the driving angle, ``output`` (shape (3, g)) the first three derivatives of the output by the driven angle.
+    ``even`` tells where the even angles lie between the positions, and ``slowly`` takes the slow part of errors there.
     ``designed_peak`` is the largest acceleration of the output without deviations, in mm/s2 or rad/s2.
     """
 
@@ -140,8 +140,8 @@ class Follower:
     def peaks(self, error: Array) -> Array:
         """Largest acceleration with an error of the driven angle and its two derivatives, shape (3, g, N); shape (N,).
 
-        The output's derivatives are followed to first order in the error.  What the even angles miss of the peak
-        without deviations, they are taken to miss of the others.
+        The output's derivatives are followed to first order in the error.  The even angles miss a little of the peak
+        without deviations; this little is added to all other peaks.
         """
         missed = self.designed_peak - self.speed_rad_s**2 * self._even_peak
         return np.asarray(self.speed_rad_s**2 * np.abs(self._seconds(error)).max(axis=0) + missed)
@@ -163,9 +163,9 @@ class Follower:
 class PairAssemblies:
     """What one pair of N assemblies does over a cycle of meetings, shape (N,) each.
 
-    ``transmission_error_rad`` and ``transmission_error_mm`` are peak to peak, of the driven shaft's angle and of that
-    times the pitch radius.  Plays are those of the driven gear in rad, and of the idle flanks along their normal; those
-    below 0 mean that the teeth jam.  ``reversal_play_mm`` is the largest play where the torque turns round.
+    ``transmission_error_rad`` and ``transmission_error_mm`` are peak to peak: the driven shaft's angle, and this angle
+    times the pitch radius.  A play is an angle of the driven gear in rad, or a distance of the idle flanks along their
+    normal; where it is below 0 the teeth jam.  ``reversal_play_mm`` is the largest play where the torque turns round.
     ``least_arc`` is in pitches.
     """
 
@@ -187,10 +187,10 @@ class PairAssemblies:
 class Assemblies:
     """What N assemblies do over a cycle of meetings, shape (N,) each: each pair by itself, and the machine.
 
-    The transmission errors, peak to peak, are those of the last driven gear against the driving shaft, and
-    ``play_max_rad`` is how far that gear can be turned at most while the driving shaft is held.  ``motion_error`` is
-    the largest deviation of the output's place, and ``peak_acceleration`` its largest acceleration: in mm and mm/s2,
-    or in rad and rad/s2 where it turns.
+    The transmission errors, peak to peak, compare the last driven gear with the driving shaft.  ``play_max_rad`` is the
+    largest angle by which this gear can be turned while the driving shaft is held.  ``motion_error`` is the largest
+    deviation of the output's place, and ``peak_acceleration`` its largest acceleration: in mm and mm/s2, or in rad and
+    rad/s2 where it turns.
     """
 
     pairs: tuple[PairAssemblies, ...]
@@ -202,7 +202,7 @@ class Assemblies:
 
     @property
     def count(self) -> int:
-        """How many they are."""
+        """The number of assemblies."""
         return self.motion_error.size
 
     @property
@@ -238,24 +238,24 @@ class PairLot:
     """One pair of a machine, of which assemblies are computed.
 
     ``reversals`` are the positions next to which the torque of the driven gear turns round.  ``way`` tells where the
-    machine's positions lie between those of the mesh, and ``slope`` (shape (p,)) by how much the last driven gear turns
-    there, per angle of this pair's.
+    machine's positions lie between those of the mesh, and ``slope`` (shape (p,)) how far the last driven gear turns
+    there per angle of this pair's driven gear.
     """
 
-    mesh: Mesh
+    mesh: LinearMesh
     limits: Limits
     reversals: IndexArray
     way: Between
     slope: Array
 
     def carried(self, angle_rad: Array) -> Array:
-        """Angles of this pair's driven gear (shape (q, N)) as those of the last one, at the machine's positions."""
+        """Angles of this pair's driven gear (shape (q, N)) as the last gear's, at the machine's positions."""
         return np.asarray(self.slope[:, None] * self.way.of(angle_rad))
 
 
 @dataclass(frozen=True, eq=False)
 class Lot:
-    """All that assemblies are computed from: their pairs from the driving shaft on, and the output."""
+    """The values from which assemblies are computed: their pairs from the driving shaft on, and the output."""
 
     pairs: tuple[PairLot, ...]
     follower: Follower
@@ -267,7 +267,7 @@ class Lot:
 
     @property
     def sources(self) -> tuple[Source, ...]:
-        """What deviates."""
+        """The sources of deviations."""
         return sources_of([pair.limits for pair in self.pairs])
 
     @property
@@ -276,7 +276,7 @@ class Lot:
         return sum(pair.mesh.lead.size for pair in self.pairs)
 
     def drawn(self, task: Task) -> tuple[Deviations, ...]:
-        """What each pair deviates by in the assemblies of a task."""
+        """The deviations of each pair in the assemblies of a task."""
         chances = task.chances(self.flanks)
         return tuple(drawn(pair.limits, own) for pair, own in zip(self.pairs, chances, strict=True))
 
@@ -302,7 +302,7 @@ class Lot:
 
 
 def of_pair(pair: PairLot, of: Deviations, lead: Array) -> PairAssemblies:
-    """What a pair does whose first contacts lead by so much, shape (2, q, N)."""
+    """The figures of a pair whose first contacts lead by ``lead``, shape (2, q, N)."""
     mesh = pair.mesh
     error, play = lead[PUSHING], -lead[PUSHING] - lead[BACK]
     play_mm = play * mesh.arm_mm[BACK][:, None]
@@ -319,15 +319,16 @@ def of_pair(pair: PairLot, of: Deviations, lead: Array) -> PairAssemblies:
 
 def lot_of_pairs(
     machine: Machine,
-    made: Sequence[tuple[Mesh, Limits, IndexArray, Pair]],
+    made: Sequence[tuple[LinearMesh, Limits, IndexArray, Pair]],
     pitches: float,
     designed_peak: float,
 ) -> Lot:
     """The lot of a machine's pairs from the driving shaft on, each by its mesh, limits, reversals and law.
 
-    The machine's positions are those of all pairs.  ``pitches`` is how many tooth pitches a turn of the first driving
-    gear has, or its range where gears turn less than once.  ``designed_peak`` is the largest acceleration of the output
-    as designed.  Two pairs have one lobe each, so that the cycle of meetings of both is one turn of every shaft.
+    The machine's positions are the positions of all pairs.  ``pitches`` is the number of tooth pitches in a turn of the
+    first driving gear, or in its range where gears turn less than once.  ``designed_peak`` is the largest acceleration
+    of the output as designed.  Two pairs have one lobe each, so that the cycle of meetings of both is one turn of every
+    shaft.
     """
     last, covered, is_open = made[-1][0], made[0][0].cycle_rad, machine.transmission.lobes.range is not None
     cycle = None if is_open else covered
@@ -370,9 +371,9 @@ TOGETHER = 64
 
 @dataclass(frozen=True, eq=False)
 class Task:
-    """Some assemblies to be drawn: the numbers of s pairs (shape (s COUNT, n)), and seeds of those of the teeth.
+    """Assemblies to be drawn: the numbers of s pairs (shape (s COUNT, n)), and seeds for the numbers of the teeth.
 
-    With ``other`` they have the numbers of ``source`` from there and everything else from here.
+    With ``other``, the numbers of ``source`` come from that task and all other numbers from this task.
     """
 
     number: int
@@ -404,7 +405,7 @@ def sobol_points(count: int, seed: int, dimensions: int) -> Array:
     from scipy.stats import qmc
 
     points = qmc.Sobol(dimensions, rng=np.random.default_rng([seed, dimensions])).random(count)
-    # A number of exactly 0 would lie at the end of a distribution that has none.
+    # A distribution may have no end, so a number of exactly 0 has no value.
     return np.ascontiguousarray(np.clip(points.T, 1e-12, 1.0 - 1e-12))
 
 

@@ -1,16 +1,16 @@
-"""What assemblies may deviate by, and the chance with which they do.
+"""The deviations of assemblies, and their chances.
 
 Each tolerance has a distribution, which is drawn by its percent point function from numbers between 0 and 1:
 
 - centre distance, index errors, pitch and profile of each flank: normal, with the limit at three standard deviations
   and nothing beyond it;
-- eccentricity and tilt of a bore: normal along both axes alike, which makes the size a Rayleigh distribution, with the
-  limit where 0.27 % would lie beyond and nothing beyond it; every direction is as likely;
+- eccentricity and tilt of a bore: normal along both axes alike, so the size has a Rayleigh distribution; the limit is
+  where 0.27 % would lie beyond, and nothing lies beyond it; all directions are equally likely;
 - temperature: uniform between its two ends, the same for gears and housing;
 - wear: uniform from none to the limit, at the same share of it on both gears.
 
-All are independent of each other.  Of two pairs in series each has its own, but for the temperature and the share of
-the wear, which both have alike.
+All are independent of each other.  Each of two pairs in series has deviations of its own; only the temperature and the
+share of the wear are the same for both.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ import numpy as np
 
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
-from ncgear.tolerances.mesh import RIGID, Deviations, Mesh
+from ncgear.tolerances.mesh import RIGID, Deviations, LinearMesh
 
 SIGMAS = 3.0
 """Standard deviations in a limit."""
@@ -36,11 +36,11 @@ MADE_C = 20.0
 
 @dataclass(frozen=True, eq=False)
 class Limits:
-    """The limits of a pair's deviations; of two, that of the driving gear comes first.
+    """The limits of a pair's deviations; where both gears have a limit, the driving gear's comes first.
 
-    ``pitch_mm`` and ``profile_mm`` (shape (flanks,), first those of the driving gear) are the tolerances of each
-    flank: the single pitch deviation, between two neighbouring flanks, and the total profile deviation.  Expansions are
-    shares per K, of the gears and the housing.  ``warmer_k`` is how much warmer gears run than their housing.
+    ``pitch_mm`` and ``profile_mm`` (shape (flanks,), the driving gear's flanks first) are the tolerances of each flank:
+    the single pitch deviation, between two neighbouring flanks, and the total profile deviation.  Expansions are shares
+    per K, of the gears and the housing.  ``warmer_k`` is how much warmer gears run than their housing.
     """
 
     center_distance_mm: float
@@ -58,6 +58,12 @@ class Limits:
     def flanks(self) -> int:
         """Number of flanks of both gears."""
         return self.pitch_mm.size
+
+    @property
+    def none(self) -> Limits:
+        """The limits of the same pair without deviations."""
+        none, pair = np.zeros(self.flanks), (0.0, 0.0)
+        return Limits(0.0, pair, pair, pair, none, none, (MADE_C, MADE_C), 0.0, (0.0, 0.0, 0.0), pair)
 
     def displaced_mm(self, size_mm: float) -> float:
         """About how far flanks are displaced against each other at most; ``size_mm`` is the centre distance."""
@@ -89,10 +95,10 @@ SOURCES = {
     "temperature": 1,
     "wear": 1,
 }
-"""What may deviate for the whole pair, and how many numbers between 0 and 1 it is drawn from, in their order."""
+"""The sources of a whole pair, and how many numbers between 0 and 1 each is drawn from, in their order."""
 
 TOOTH_SOURCES = "pitch", "profile"
-"""What may deviate at each flank, drawn from a number for each."""
+"""The sources of each flank, drawn from one number per flank."""
 
 EVERY = (*SOURCES, *TOOTH_SOURCES)
 COUNT = sum(SOURCES.values())
@@ -103,7 +109,7 @@ COUNT = sum(SOURCES.values())
 class Chances:
     """Numbers between 0 and 1 that N assemblies are drawn from.
 
-    ``pair`` has shape (COUNT, N), ``teeth`` (2, flanks, N): the second are those of TOOTH_SOURCES.
+    ``pair`` has shape (COUNT, N).  ``teeth`` has shape (2, flanks, N), for TOOTH_SOURCES.
     """
 
     pair: Array
@@ -121,12 +127,12 @@ class Chances:
 
 
 SHARED = "temperature", "wear"
-"""What the pairs of a machine have alike."""
+"""The sources that the pairs of a machine share."""
 
 
 @dataclass(frozen=True)
 class Source:
-    """What deviates, of the pair ``stage`` of two; None of what both have alike, and of a single pair."""
+    """A source of the pair ``stage`` of two pairs; the stage is None for a shared source and for a single pair."""
 
     name: str
     stage: int | None = None
@@ -148,7 +154,9 @@ def sources_of(pairs: Sequence[Limits]) -> tuple[Source, ...]:
 
 
 def chances_of(pairs: Array, teeth: Sequence[Array]) -> tuple[Chances, ...]:
-    """Those of s pairs, from numbers of shape (s, COUNT, N) and of the teeth of each; of SHARED the first's count."""
+    """The chances of s pairs, from numbers of shape (s, COUNT, N) and of their teeth; SHARED come from the first
+    pair.
+    """
     pairs = pairs.copy()
     for name in SHARED:
         pairs[:, rows_of(name)] = pairs[0, rows_of(name)]
@@ -192,10 +200,11 @@ def active(limits: Limits) -> tuple[str, ...]:
     return tuple(name for name in EVERY if sizes[name] > 0.0)
 
 
-def reachable(mesh: Mesh, limits: Limits) -> Mesh:
-    """The mesh without the places of contact that no assembly within the limits has first.
+def reachable(mesh: LinearMesh, limits: Limits) -> LinearMesh:
+    """The mesh without places of contact that come first in no assembly within the limits.
 
-    Such a place comes so much after the first one of the pair without deviations that both together cannot lose that.
+    Without deviations such a place lies far behind the first place; the deviations of both cannot make up for this
+    distance.
     """
     counts = np.diff(mesh.first, append=mesh.lead.size)
     leader = np.repeat(mesh.foremost.ravel(), counts)
@@ -222,7 +231,7 @@ def drawn(limits: Limits, chances: Chances) -> Deviations:
 
 
 def deviating(limits: Limits, pair: Array, teeth: Array) -> Deviations:
-    """The deviations of assemblies from the numbers of their pair, shape (COUNT, N), as those of ``Chances``.
+    """The deviations of assemblies from the numbers of their pair, shape (COUNT, N), as in ``Chances``.
 
     ``teeth`` (shape (2, flanks, N)) are the deviations of TOOTH_SOURCES as shares of their limits.
     """
@@ -250,7 +259,7 @@ def deviating(limits: Limits, pair: Array, teeth: Array) -> Deviations:
     rigid[8] = limits.index_rad[0] * _within_limit(single("index_driving"))
     rigid[9], rigid[10] = (limit * age for limit in limits.wear_mm)
     tilts = zip(("tilt_driving", "tilt_driven"), limits.tilt_rad, strict=True)
-    # Two neighbours that each stand off by f / sqrt(2) are a pitch apart that is off by f.
+    # Two neighbours that each deviate by f / sqrt(2) have a pitch between them that deviates by f.
     pitch, profile = (limits.pitch_mm / sqrt(2.0)).astype(teeth.dtype), limits.profile_mm.astype(teeth.dtype)
     return Deviations(
         rigid=rigid,
@@ -273,8 +282,9 @@ def _within_limit(share: Array) -> Array:
 class Spread:
     """Independent causes of ``Deviations`` with their standard deviations; tilt, which has no slope at 0, is left out.
 
-    ``rigid`` (shape (11, k)) is what one standard deviation of each of k causes makes of RIGID, and ``sources`` names
-    the source of each.  ``pitch_mm`` and ``profile_mm`` (shape (flanks,)) are the standard deviations of the flanks.
+    ``rigid`` (shape (11, k)) is the change of RIGID by one standard deviation of each of k causes, and ``sources``
+    names the source of each.  ``pitch_mm`` and ``profile_mm`` (shape (flanks,)) are the standard deviations of the
+    flanks.
     """
 
     sources: tuple[str, ...]
@@ -284,11 +294,11 @@ class Spread:
 
 
 def spread(limits: Limits) -> Spread:
-    """The standard deviations of what ``drawn`` gives, in closed form."""
+    """The standard deviations of the deviations that ``drawn`` gives, in closed form."""
     from scipy.stats import rayleigh, truncnorm
 
     normal = float(truncnorm.std(-SIGMAS, SIGMAS)) / SIGMAS
-    # Half the mean square of a Rayleigh distribution that is cut off where BEYOND is left, which falls to each axis.
+    # Each axis has half the mean square of a Rayleigh distribution that is cut off where BEYOND is left.
     axis = sqrt(1.0 + np.log(BEYOND) * BEYOND / (1.0 - BEYOND)) / float(rayleigh.ppf(1.0 - BEYOND))
     even = 1.0 / sqrt(12.0)
     low, high = limits.temperature_c

@@ -1,10 +1,10 @@
 """The share of assemblies that jam, estimated in milliseconds from the contact that a build has found.
 
-It is the linear mesh of ``ncgear.tolerances.mesh`` with few positions and few assemblies.  Its places of contact are
-those that touch as designed, at two positions a pitch; ``ncgear tolerance`` follows ten, and the places that nearly
-touch besides.  Few assemblies tell what the centre distance, the temperature and the wear make of the backlash that is
-needed, and the spread of what all else adds.  A gamma distribution with that spread then gives the share for which a
-backlash is too small, and the backlash that is enough.
+It is the linear mesh of ``ncgear.tolerances.mesh`` with few positions and few assemblies.  Its places of contact touch
+as designed, at two positions per pitch; ``ncgear tolerance`` takes ten positions, and also the places that nearly
+touch.  A few assemblies tell how the needed backlash depends on centre distance, temperature and wear, and how far all
+other deviations spread it.  A gamma distribution with that spread then gives the share for which a backlash is too
+small, and the backlash that is enough.
 """
 
 from __future__ import annotations
@@ -23,18 +23,19 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, counted_up
 from ncgear.teeth.gear import ToothedPair
 from ncgear.tolerances.drawn import COUNT, SIGMAS, Limits, deviating, rows_of
-from ncgear.tolerances.mesh import Deviations, Mesh, Places, mesh_at, places_of
+from ncgear.tolerances.mesh import ContactPlaces, Deviations, LinearMesh, mesh_at, places_of
 
 PER_PITCH = 2
-"""Positions per tooth pitch.  With twice as many the mean of what assemblies need changes by a hundredth."""
+"""Positions per tooth pitch.  With twice as many, the mean backlash that assemblies need changes by a hundredth."""
 
 LEAST_ASSEMBLIES, MOST_ASSEMBLIES, AT_ONCE = 128, 512, 160_000
 """Assemblies that are drawn at least and at most; in between so many that they and the places of contact make AT_ONCE:
 some three milliseconds."""
 
 SHAPE = 16.0
-"""Of the gamma distribution of what bores, tilts and teeth make of the backlash that assemblies need, whose skewness is
-2 / sqrt(SHAPE) = 0.5: the greatest value at many teeth has a longer tail than a normal one."""
+"""Shape of the gamma distribution of the backlash that bores, tilts and teeth need.  Its skewness is 2 / sqrt(SHAPE) =
+0.5: the greatest value at many teeth has a longer tail than a normal distribution.
+"""
 
 FARTHEST = 12.0
 """Standard deviations above the mean beyond which a gamma distribution of that shape has nothing left to speak of."""
@@ -48,7 +49,7 @@ TINY = 1e-12
 
 @dataclass(frozen=True, eq=False)
 class Teeth:
-    """The teeth of a pair in contact as designed, and what they may deviate by; ``overlap`` is that of a helix."""
+    """The teeth of a pair in contact as designed, and their limits; ``overlap`` is the overlap ratio of a helix."""
 
     pair: ToothedPair
     contact: AsDesigned
@@ -62,8 +63,8 @@ class Teeth:
 class Plays:
     """The least plays of N assemblies in rad of the driven gear, ``least_rad`` (shape (N,)).
 
-    ``shared`` (shape (3, N)) are the numbers of theirs that all positions have alike: those of the centre distance, the
-    temperature and the wear.
+    ``shared`` (shape (3, N)) are the numbers that are the same at all positions: of centre distance, temperature and
+    wear.
     """
 
     least_rad: Array
@@ -86,11 +87,11 @@ def plays_of(teeth: Teeth, seed: int) -> Plays:
     return Plays(play.astype(float), shared)
 
 
-def _mesh_of(teeth: Teeth) -> Mesh:
-    """The linear mesh of what touches as designed; of helical teeth the overlap carries along the face width.
+def _mesh_of(teeth: Teeth) -> LinearMesh:
+    """The linear mesh of the places that touch as designed; the overlap of helical teeth carries along the face width.
 
-    In another section the same flanks touch as at another position, whose deviations count here; displacements are
-    those of this position.
+    Another section touches with the flanks of another position.  The deviations of these flanks count, with the
+    displacements of this position.
     """
     every = teeth.contact.placement
     found = Contacts.joined([teeth.contact.pushing.touching, teeth.contact.back.touching])
@@ -113,11 +114,11 @@ def _mesh_of(teeth: Teeth) -> Mesh:
     return _in_short(mesh_at(places, placement, arm_mm, mirrored=True))
 
 
-Values = TypeVar("Values", Mesh, Deviations)
+Values = TypeVar("Values", LinearMesh, Deviations)
 
 
 def _in_short(values: Values) -> Values:
-    """The same in numbers of seven digits, which are computed in half the time."""
+    """The same teeth in numbers of seven digits: they take half the time."""
     every = vars(values).items()
     long = {name: one for name, one in every if isinstance(one, np.ndarray) and one.dtype == float}
     short: dict[str, Any] = {name: one.astype(np.float32) for name, one in long.items()}
@@ -125,14 +126,14 @@ def _in_short(values: Values) -> Values:
 
 
 def _tightest(touching: IndexArray, stretch: int) -> IndexArray:
-    """The position at which most places touch in each stretch of so many; ``touching`` is their number at each."""
+    """In each ``stretch`` of positions, the position at which most places touch; ``touching`` is their number."""
     padded = np.append(touching, np.full(-touching.size % stretch, -1)).reshape(-1, stretch)
     tightest: IndexArray = np.arange(0, touching.size, stretch) + padded.argmax(axis=1)
     return tightest
 
 
-def _overlapping(places: Places, placement: Placement, further: int) -> Places:
-    """Sorted places, and at each position those of so many positions further on besides."""
+def _overlapping(places: ContactPlaces, placement: Placement, further: int) -> ContactPlaces:
+    """Sorted places; each position also has the places of the position that lies ``further`` positions on."""
     if not further:
         return places
     first = np.searchsorted(places.place, np.arange(2 * placement.count))
@@ -148,10 +149,10 @@ def _overlapping(places: Places, placement: Placement, further: int) -> Places:
 
 @dataclass(frozen=True, eq=False)
 class Needed:
-    """What assemblies need of a backlash, in its unit.
+    """The backlash that assemblies need, in its unit.
 
-    ``shared`` (shape (N,)) is what the centre distance, the temperature and the wear of each make of it on the average
-    over all else, and ``deviation`` the standard deviation of what all else adds.
+    ``shared`` (shape (N,)) is the mean backlash for each assembly's centre distance, temperature and wear.  All other
+    deviations add to it with the standard deviation ``deviation``.
     """
 
     shared: Array
@@ -168,9 +169,9 @@ class Needed:
 
 
 def needed(backlash: Array, shared: Array) -> Needed:
-    """What assemblies need that were drawn: the backlash of each, shape (N,), and the numbers of ``Plays.shared``.
+    """The needed backlash from drawn assemblies: the backlash of each, shape (N,), and the numbers of ``Plays.shared``.
 
-    What these make of it is followed to first order, by least squares.
+    The backlash is linear in these numbers, by least squares.
     """
     from scipy.linalg import lstsq
 
@@ -180,10 +181,10 @@ def needed(backlash: Array, shared: Array) -> Needed:
 
 
 def enough(of_pairs: Sequence[Needed], turning: float) -> float:
-    """The least backlash with which so great a share of machines turns, whose pairs need so much, with 95 % confidence.
+    """The least backlash with which a share of machines turns, with 95 % confidence.
 
-    Pairs jam independently.  Of n assemblies the mean has the variance 1/n of theirs, and the standard deviation
-    1/(2 n); a value K standard deviations above the mean is as unsure as both.
+    Pairs jam independently.  With n assemblies, the variance of the mean is 1/n of the assemblies' variance, and the
+    variance of the standard deviation is 1/(2 n) of it.  A value K standard deviations above the mean has both errors.
     """
     from scipy.optimize import brentq
 

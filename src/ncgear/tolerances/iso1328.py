@@ -10,9 +10,9 @@ prints the example of tests/test_tolerances.py).  In micrometres, with lengths i
     profile form       f_falphaT = 0.55 m + 5
     total profile      F_alphaT = sqrt(f_HalphaT^2 + f_falphaT^2)
 
-The standard knows circular gears only.  For each tooth of a non-circular one, the local radius of curvature of the
-pitch curve stands for the radius of the pitch circle; where the curve is flatter than that or hollow, the largest
-diameter of the gear does.
+The standard knows circular gears only.  For each tooth of a non-circular gear, the local radius of curvature of the
+pitch curve stands for the radius of the pitch circle.  Where the curve is flat or hollow, the largest diameter of the
+gear stands for the diameter.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ CLASSES = 1, 11
 MODULES_MM = 0.5, 70.0
 DIAMETERS_MM = 5.0, 15_000.0
 TEETH = 5, 1000
-"""What the formulas hold for; the standard forbids to go on beyond it."""
+"""The ranges in which the formulas hold; the standard forbids to use them beyond."""
 
 MM_PER_UM = 1e-3
 

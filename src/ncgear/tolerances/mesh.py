@@ -2,17 +2,17 @@
 
 At a position, a pair of teeth touches at the driven angle e beyond the law's.  Let n be the unit normal at the place of
 contact, which leads into the driven tooth, L the arm of n about the driven axis, and ``urge`` +1 on pushing flanks and
--1 on their backs.  Where both gears are displaced there by small u1 and u2, and m1 and m2 is material that their flanks
-have too much along n, the pair touches by the principle of virtual work, to first order, at
+-1 on their backs.  Small displacements u1 and u2 move the gears there, and m1 and m2 is excess material of their flanks
+along n.  By the principle of virtual work, to first order, the pair then touches at
 
     urge e = urge e0 + (m1 + m2 - n . (u2 - u1)) / L.
 
-The pair that has the greatest value of all pairs on its side of the teeth is the one that touches: this maximum is
-exact, so that what changes from pair to pair is kept.  Between the sides is the play,
+On each side of the teeth, the pair with the greatest value touches.  This maximum is exact, so changes from pair to
+pair are kept.  The play lies between both sides:
 
     play = - max over pushing (urge e) - max over backs (urge e),
 
-and a pair without play somewhere jams.  Displacements are
+A pair jams where its play is below zero.  Displacements are
 
     driving gear  c1 exp(i phi1) + P g1 + i P eps1,
     driven gear   da + c2 exp(i s phi2) + (P - a) g2 + a gh,
@@ -22,9 +22,9 @@ growths g1, g2 and gh of gears and housing, the index error eps1 of the driving 
 driven gear turns.  A tilted bore makes a section at height z run out by z tau.  As n . u is linear in z, the flanks
 touch first at one end of the face width b, by b/2 |n . (tau2 exp(i s phi2) - tau1 exp(i phi1))| earlier.
 
-Helical teeth are a pair of spur gears in each section, whose teeth stand farther along the pitch curves.  All sections
-turn together, so that their places of contact are those of one mesh, and the first of all sections carries.  A tilted
-bore moves each by its own height.  Material counts across the flank in the section.
+Helical teeth are a pair of spur gears in each section, and their teeth stand farther along the pitch curves.  All
+sections turn together, so their places of contact belong to one mesh, and the section that touches first carries.  A
+tilted bore moves each section by its own height.  Material counts across the flank in the section.
 
 A flank whose pitch deviates by x stands turned about its gear's axis, as an indexing error of the machine leaves it: by
 x cos(alpha) / L0, where L0 is the arm of its normal where it crosses the pitch curve.  Deviations of the profile and
@@ -64,21 +64,21 @@ RIGID = (
     "driving_wear",
     "driven_wear",
 )
-"""What moves whole gears or all their flanks alike, in mm, rad or as a share: the rows of ``Deviations.rigid``."""
+"""Deviations that move whole gears or all their flanks alike, in mm, rad or shares: rows of ``Deviations.rigid``."""
 
 DISPLACING = 8
-"""So many of these, the first, move one gear against the other; the contact ratio follows from them."""
+"""The first rows of RIGID, in this number, move one gear against the other; the contact ratio follows from them."""
 
 
 @dataclass(frozen=True, eq=False)
 class Deviations:
-    """What N assemblies deviate by.
+    """The deviations of N assemblies.
 
     ``rigid`` (shape (11, N)) has the quantities of RIGID.  ``tilt`` (shape (4, N)) is the tilt of the driving bore
     about both axes in its gear's frame, then that of the driven bore, in rad.  ``pitch`` and ``profile`` (shape
-    (flanks, N), first those of the driving gear) are each flank's deviations in mm: where it stands along the pitch
-    curve, material added being positive, and its slope, as the material at the tip less that at the root.
-    ``output_rad`` (shape (N,)) is the index error of the driven gear on its shaft.
+    (flanks, N), the driving gear's flanks first) are each flank's deviations in mm: its place along the pitch curve,
+    with added material positive, and its slope, the material at the tip less the material at the root.  ``output_rad``
+    (shape (N,)) is the index error of the driven gear on its shaft.
     """
 
     rigid: Array
@@ -88,7 +88,7 @@ class Deviations:
     output_rad: Array
 
     def one(self, number: int) -> Deviations:
-        """Those of a single assembly, as of N = 1."""
+        """The deviations of one of the assemblies, with N = 1."""
         return Deviations(*(values[..., number : number + 1] for values in vars(self).values()))
 
 
@@ -96,8 +96,8 @@ class Deviations:
 class Face:
     """The sections of a pair over its face width, at heights in mm above its middle.
 
-    With ``mirrored`` each is there at the opposite height too: straight teeth are one section that ends in two, and
-    both halves of herringbone teeth are alike.  ``overlap`` is the overlap ratio of the helix.
+    With ``mirrored`` each section also stands at the opposite height: straight teeth have one section for both ends of
+    the face, and both halves of herringbone teeth are alike.  ``overlap`` is the overlap ratio of the helix.
     """
 
     sections: tuple[ToothedPair, ...]
@@ -107,23 +107,23 @@ class Face:
 
 
 def straight_face(teeth: ToothedPair, face_width_mm: float) -> Face:
-    """That of straight teeth."""
+    """The face of straight teeth."""
     return Face((teeth,), (face_width_mm / 2.0,), mirrored=True)
 
 
 @dataclass(frozen=True, eq=False)
-class Mesh:
+class LinearMesh:
     """The linear mesh of a pair at p positions, with r places of contact.
 
     ``first`` (shape (2 p,)) is the first row of each side and position, pushing flanks before backs.  ``lead`` is urge
     times e0.  The other arrays have a row for each place: ``rigid`` (shape (r, 11)), ``tilt`` (shape (r, 4)), and for
     the driving and the driven flank (shape (2, r) each) its ``flank``, numbered as in ``Deviations.pitch``, its
-    ``pitch_share`` and its ``profile_share``: what their deviations change the lead by, in rad per mm.
+    ``pitch_share`` and its ``profile_share``: the change of the lead by its deviations, in rad per mm.
 
     ``radius_mm`` (shape (p,)) is the driven pitch radius, ``arm_mm`` (shape (2, p)) the arm of each side's normal.
-    With ``mirrored`` each place is there at the opposite height too.  ``arcs`` (shape (k,)) are the arcs of contact in
-    pitches of all pairs of flanks that carry, those of the overlap included, ``arc_rates`` (shape (k, 8)) how they
-    change with the first of RIGID.
+    With ``mirrored`` each place also stands at the opposite height.  ``arcs`` (shape (k,)) are the arcs of contact in
+    pitches of all pairs of flanks that carry, with the overlap, ``arc_rates`` (shape (k, 8)) how they change with the
+    first of RIGID.
     """
 
     phi1_rad: Array
@@ -157,13 +157,13 @@ class Mesh:
     def least_arcs(self, of: Deviations) -> Array:
         """The least arc of contact of any pair of flanks that carries, in pitches, shape (N,).
 
-        It is infinite where all touch at an end of a range.
+        It is infinite where all pairs touch at an end of a range.
         """
         arcs: Array = self.arcs[:, None] + self.arc_rates @ of.rigid[:DISPLACING]
         return np.asarray(np.maximum(arcs.min(axis=0, initial=np.inf), 0.0))
 
-    def kept(self, rows: Mask) -> Mesh:
-        """The same with some of the places of contact, at least one on each side at each position."""
+    def kept(self, rows: Mask) -> LinearMesh:
+        """The mesh with some of its places of contact: at least one on each side at each position."""
         counts = np.add.reduceat(rows.astype(int), self.first)
         return replace(
             self,
@@ -186,8 +186,8 @@ class Mesh:
         return foremost
 
 
-def mesh_of(face: Face, placement: Placement, within_mm: float, *, both_ways: bool = False) -> Mesh:
-    """The linear mesh of a pair, with all places that touch once the first ones are pressed in by ``within_mm``.
+def mesh_of(face: Face, placement: Placement, within_mm: float, *, both_ways: bool = False) -> LinearMesh:
+    """The linear mesh of a pair, with all places that touch when the first places are pressed in by ``within_mm``.
 
     With ``both_ways`` backs carry and wear as pushing flanks do.
     """
@@ -195,7 +195,7 @@ def mesh_of(face: Face, placement: Placement, within_mm: float, *, both_ways: bo
     for teeth, height in zip(face.sections, face.heights_mm, strict=True):
         touching = Contacts.joined(contacts_within(teeth, placement, within_mm))
         found.append(places_of(teeth, height, touching, placement, both_ways=both_ways))
-    rows = Places.joined(found)
+    rows = ContactPlaces.joined(found)
     rows = rows.kept(np.argsort(rows.place, kind="stable"))
     arcs, rates = zip(*(arc_rates(teeth, placement, both_ways=both_ways) for teeth in face.sections), strict=True)
     mesh = mesh_at(rows, placement, np.zeros((2, placement.count)), mirrored=face.mirrored)
@@ -203,9 +203,9 @@ def mesh_of(face: Face, placement: Placement, within_mm: float, *, both_ways: bo
     return replace(mesh, arm_mm=arm_mm, arcs=np.concatenate(arcs) + face.overlap, arc_rates=np.concatenate(rates))
 
 
-def mesh_at(rows: Places, placement: Placement, arm_mm: Array, *, mirrored: bool) -> Mesh:
+def mesh_at(rows: ContactPlaces, placement: Placement, arm_mm: Array, *, mirrored: bool) -> LinearMesh:
     """The linear mesh of places of contact, sorted by ``place``, without arcs of contact."""
-    return Mesh(
+    return LinearMesh(
         phi1_rad=placement.phi1_rad,
         phi2_rad=placement.phi2_rad,
         cycle_rad=placement.cycle_rad,
@@ -225,8 +225,8 @@ def mesh_at(rows: Places, placement: Placement, arm_mm: Array, *, mirrored: bool
 
 
 @dataclass(frozen=True, eq=False)
-class Places(Columns):
-    """Places of contact in one section: their side and position as ``place``, and the rows of ``Mesh``, shape (r, ...).
+class ContactPlaces(Columns):
+    """Places of contact in one section: side and position as ``place``, and the rows of ``LinearMesh``, shape (r, ...).
 
     Of both gears there are two columns.  ``lever_mm`` is the arm of the normal about the driven axis.
     """
@@ -243,8 +243,8 @@ class Places(Columns):
 
 def places_of(
     teeth: ToothedPair, height_mm: float, found: Contacts, placement: Placement, *, both_ways: bool
-) -> Places:
-    """Those of contacts in a section at a height above the middle of the face width."""
+) -> ContactPlaces:
+    """The places of contacts in a section at a height above the middle of the face width."""
     place, tangent = fixed_tangents(found, placement)
     normal = 1j * placement.mesh.sense * found.urge * tangent
     lever = found.lever_mm
@@ -271,7 +271,7 @@ def places_of(
             *worn,
         ]
     )
-    return Places(
+    return ContactPlaces(
         place=found.place(placement),
         lever_mm=lever,
         lead=found.lead_rad,
@@ -287,8 +287,8 @@ def places_of(
 class _Side:
     """How the deviations of one gear's flanks act along the common normal, shape (r,) each.
 
-    ``pitch`` is what a deviation along the pitch curve adds, ``share`` the place on the flank, from -1/2 at its root to
-    1/2 at its tip, and ``along`` the part of the flank's own normal.
+    ``pitch`` is the effect of a deviation along the pitch curve, ``share`` the place on the flank, from -1/2 at its
+    root to 1/2 at its tip, and ``along`` the part of the flank's own normal.
     """
 
     pitch: Array
@@ -304,9 +304,9 @@ def _side(
     outwards: ComplexArray,
     arm_mm: Array,
 ) -> _Side:
-    """Of each place; ``outwards`` is the normal that leads out of the gear, in its own frame, with its ``arm_mm``.
+    """The action at each place; ``outwards`` is the normal out of the gear, in the gear's frame, with its ``arm_mm``.
 
-    The height of a place is that of the closed form; beyond the ends of a flank its end counts.
+    The closed form gives the height of a place; beyond the ends of a flank the end counts.
     """
     flanks = gear.flanks
     length = flanks.curve.length_mm
@@ -329,7 +329,7 @@ def crossing_arms_mm(gear: ToothedGear) -> Array:
 
 
 STEP_IN_MODULES = 1e-4
-"""Displacement over which the change of an arc of contact is measured, both ways; it is smooth."""
+"""Displacement, both ways, over which the change of an arc of contact is measured; the change is smooth."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -340,7 +340,7 @@ class Displaced(Placement):
     scale: float = 1.0
 
     def driving_points(self, points: ComplexArray, row: IndexArray) -> ComplexArray:
-        """As those of a placement."""
+        """The positions, as a placement gives them."""
         shifted: ComplexArray = self.moved_mm * np.exp(-1j * self.mesh.sense * self.phi2_rad[row])
         return super().driving_points(self.scale * points, row) - shifted
 
@@ -348,8 +348,8 @@ class Displaced(Placement):
 def arc_rates(teeth: ToothedPair, placement: Placement, *, both_ways: bool) -> tuple[Array, Array]:
     """The arcs of contact of pairs of flanks that carry, in pitches (shape (k,)), and their rates (shape (k, 8)).
 
-    How far both flanks reach counts, whatever else holds them apart.  The rates are differences of the exact contact
-    of displaced gears: where an arc begins and where it ends each moves by the displacement at that position.
+    An arc lasts as far as both flanks reach, even where other teeth hold them apart.  The rates are differences of the
+    exact contact of displaced gears: begin and end of an arc each move by the displacement at their positions.
     """
     met = meetings(teeth, placement)
     carrying = np.flatnonzero((met.side == PUSHING) | both_ways)

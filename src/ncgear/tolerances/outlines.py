@@ -1,9 +1,9 @@
 """The check of the linear mesh: the outlines of an assembly with all its deviations, turned until they touch.
 
-The outlines are those of the exact teeth.  Their points on flanks are moved along the normal by what the flank deviates
-by, and the whole outline grows, is set off from its bore and turned; then ``ncgear.contact.written`` tells how far the
-driven gear turns before chords touch.  Nothing is linear in that.  Of tilted bores both ends of the face width are
-looked at.  What chords cost is taken off: the same is done with the outlines without deviations.
+The outlines are those of the exact teeth.  Points on flanks move along the normal by the flank's deviation.  The whole
+outline grows, shifts from its bore and turns.  ``ncgear.contact.written`` then tells how far the driven gear turns
+before chords touch.  None of this is linear.  With tilted bores both ends of the face width are checked.  The same
+check of outlines without deviations tells the error of chords, which is subtracted.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import along, as_complex, as_points, square
 from ncgear.pitch.pair import PitchPair
-from ncgear.pitch.shape import Mesh as MeshKind
+from ncgear.pitch.shape import Mesh
 from ncgear.teeth.flank import FILLET, FLANK
 from ncgear.teeth.gear import ToothedGear
-from ncgear.tolerances.mesh import Deviations, Face, Mesh, crossing_arms_mm
+from ncgear.tolerances.mesh import Deviations, Face, LinearMesh, crossing_arms_mm
 
 ALONG = 64
-"""Points along each run of a side among which that of each vertex is looked for."""
+"""Points along each run of a side; the nearest is sought for each vertex."""
 
 ASTRAY = 0.01
 """Distance from a side, in modules, within which a vertex lies on it: more than chords stray, less than a tip land."""
@@ -37,8 +37,8 @@ ASTRAY = 0.01
 class OnSides:
     """The outline of a gear (shape (n,)) and which of its points lie on the sides of teeth: on flanks and fillets.
 
-    For those, shape (k,) each: ``vertex``, the ``flank`` of the side, its ``share`` of the flank's height from -1/2 at
-    the root and on the fillet to 1/2 at the tip, and the unit ``normal`` that leads out of the material.
+    For these k points, shape (k,) each: ``vertex``, the ``flank`` of the side, its ``share`` of the flank's height from
+    -1/2 at the root and on the fillet to 1/2 at the tip, and the unit ``normal`` that leads out of the material.
     """
 
     outline: ComplexArray
@@ -50,8 +50,8 @@ class OnSides:
     def deviating(self, turned_rad: Array, added_mm: Array, profile_mm: Array) -> ComplexArray:
         """The outline with deviations of each side, shape (flanks,) each.
 
-        Sides are turned about the axis out of the material, and have material added along their normals, alike all over
-        and by their slope.
+        Each side is turned about the axis, out of the material, and gets more material along its normals: an even part
+        and a slope.
         """
         point = self.outline[self.vertex]
         # Normals of fillets lead anywhere.
@@ -117,7 +117,7 @@ class Exact:
     """
 
     sections: tuple[Section, ...]
-    mesh: Mesh
+    mesh: LinearMesh
     placement: Placement
     rows: IndexArray
     reach_mm: float
@@ -172,11 +172,11 @@ class Exact:
 
 
 def exact_of(
-    pitch: PitchPair, face: Face, placement: Placement, mesh: Mesh, positions: int, *, both_ways: bool = False
+    pitch: PitchPair, face: Face, placement: Placement, mesh: LinearMesh, positions: int, *, both_ways: bool = False
 ) -> Exact:
     """The outlines of a pair at about so many of the positions of a mesh at most, evenly chosen."""
     rows = np.arange(0, placement.count, -(-placement.count // positions))
-    ring = pitch.mesh is MeshKind.INTERNAL
+    ring = pitch.mesh is Mesh.INTERNAL
     sections = tuple(
         Section(
             height,

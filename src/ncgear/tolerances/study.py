@@ -1,4 +1,4 @@
-"""Many assemblies of a machine: what they do, with what chance, which tolerance matters, and what play is needed."""
+"""Many assemblies of a machine: their figures and chances, the tolerances that matter, and the play that is needed."""
 
 from __future__ import annotations
 
@@ -11,8 +11,9 @@ import numpy as np
 
 from ncgear.contact.placement import BACK, PUSHING
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.tolerances.assemblies import (
+    TOGETHER,
     Assemblies,
     Lot,
     PairAssemblies,
@@ -24,15 +25,17 @@ from ncgear.tolerances.assemblies import (
     tasks_of,
 )
 from ncgear.tolerances.drawn import COUNT, Source, spread
-from ncgear.tolerances.mesh import Deviations, Mesh
+from ncgear.tolerances.mesh import Deviations, LinearMesh
+from ncgear.tolerances.outlines import Exact, LinearError, linear_errors
 from ncgear.workers import finished
 
 JAMMED_RAD = 1e-9
 """Overlap of the driven gear's angle from which teeth jam, and spread of an angle that counts: rounding is less."""
 
 ALONE = 3e9
-"""Places of contact times assemblies up to which this process computes alone, unless processes are asked for: some
-ten seconds, in which other processes would hardly have begun."""
+"""Places of contact times assemblies up to which this process computes alone, unless processes are asked for.  They
+take some ten seconds, and other processes would hardly have begun by then.
+"""
 
 OnDone = Callable[[int, int], None]
 
@@ -67,13 +70,19 @@ def drawn_evenly(count: int, seed: int, pairs: int = 1) -> list[Task]:
 
 
 def drawn_at_random(count: int, seed: int, pairs: int = 1) -> list[Task]:
-    """Tasks of assemblies that are drawn at random altogether."""
+    """Tasks of assemblies whose pairs and teeth are drawn at random."""
     return tasks_of(np.random.default_rng([seed, 1]).random((pairs * COUNT, count)), seed, 1)
+
+
+def as_designed(lot: Lot, task: Task) -> Assemblies:
+    """The assembly without deviations; any task of the lot tells the shapes."""
+    perfect = replace(lot, pairs=tuple(replace(pair, limits=pair.limits.none) for pair in lot.pairs))
+    return perfect.assembled([own.one(0) for own in perfect.drawn(task)])
 
 
 @dataclass(frozen=True)
 class Share:
-    """A share of the assemblies, and the range in which that of all assemblies lies with 95 % confidence (Wilson)."""
+    """A share of the drawn assemblies, and the range of the share of all assemblies with 95 % confidence (Wilson)."""
 
     value: float
     least: float
@@ -81,7 +90,7 @@ class Share:
 
 
 def share_of(count: int, total: int) -> Share:
-    """The share that some of all drawn assemblies are."""
+    """The share of ``count`` of ``total`` drawn assemblies."""
     from scipy.stats import binomtest
 
     interval = binomtest(count, total).proportion_ci(0.95, method="wilson")
@@ -110,8 +119,8 @@ NORMAL_95 = 1.96
 def surpassed(values: Array, share: float) -> float | None:
     """A value that ``share`` of all assemblies surpass, with 95 % confidence; None where too few are drawn to tell.
 
-    It is the k-th smallest of n drawn values, k the greatest number for which more than k - 1 of n values lie below the
-    true quantile with that confidence (Wilks 1941).
+    It is the k-th smallest of n drawn values. k is the greatest number for which, with this confidence, more than k - 1
+    of n values lie below the true quantile (Wilks 1941).
     """
     from scipy.stats import binom
 
@@ -126,14 +135,14 @@ def enough_samples(share: float) -> int:
 
 
 INDEXED = "least_play_mm", "transmission_error_mm", "motion_error", "peak_acceleration"
-"""What the indices of Sobol are computed of."""
+"""The figures whose indices of Sobol are computed."""
 
 
 @dataclass(frozen=True)
 class Index:
-    """Indices of Sobol of one source: the share of the variance that it causes by itself, and together with others.
+    """Indices of Sobol of a source: the share of the variance that it causes alone, and together with other sources.
 
-    ``error`` is half the width of the 95 % range of the second, whose estimator is a mean (Jansen 1999).
+    ``error`` is half the width of the 95 % range of ``total``, whose estimator is a mean (Jansen 1999).
     """
 
     source: Source
@@ -143,7 +152,8 @@ class Index:
 
 
 def sobol_tasks(lot: Lot, count: int, seed: int) -> list[Task]:
-    """The tasks of Saltelli's scheme with all numbers of a source exchanged at once: of A, of B, then one set for each.
+    """The tasks of Saltelli's scheme, which exchanges all numbers of a source at once: A, B, then a set for each
+    source.
 
     ``count`` is a power of two, a multiple of the number of assemblies in a task or less.
     """
@@ -161,7 +171,7 @@ def sobol_tasks(lot: Lot, count: int, seed: int) -> list[Task]:
 def sobol_indices_of(lot: Lot, found: Assemblies) -> dict[str, tuple[Index, ...]]:
     """The indices of each of INDEXED from the assemblies of ``sobol_tasks``, the greatest first.
 
-    What does not vary has none, and all of the variance is a single source's.
+    A figure that does not vary has no indices; a single source has all of the variance.
     """
     from scipy.stats import sobol_indices
 
@@ -187,9 +197,10 @@ def sobol_indices_of(lot: Lot, found: Assemblies) -> dict[str, tuple[Index, ...]
 
 @dataclass(frozen=True, eq=False)
 class FirstOrder:
-    """Standard deviations by the first order, and those of drawn assemblies, in mm along the normal, shape (p,) each.
+    """Standard deviations of the play by the first order, and of drawn assemblies, in mm along the normal, shape (p,)
+    each.
 
-    They are of the play at each position.  ``by_source`` is each source's part of the first one.
+    There is a play at each position.  ``by_source`` is each source's part of ``linear_mm``.
     """
 
     linear_mm: Array
@@ -198,16 +209,16 @@ class FirstOrder:
 
     @property
     def difference(self) -> float:
-        """Largest difference of both, as a share of the largest of those drawn; 0 where nothing is spread."""
+        """Largest difference of both, as a share of the largest drawn deviation; 0 where nothing is spread."""
         largest = float(self.drawn_mm.max())
         return float(np.abs(self.linear_mm - self.drawn_mm).max() / largest) if largest else 0.0
 
 
 def first_order(lot: Lot, number: int, tasks: Iterable[Task]) -> FirstOrder:
-    """The spread of the play of the pair ``number`` of the lot by the first order, beside that of drawn assemblies.
+    """The spread of the play of the pair ``number`` of the lot: by the first order, and of drawn assemblies.
 
-    The first order takes the root of the sum of squares.  It knows one place of contact at each position and side, that
-    of the pair without deviations, and no tilt.
+    The first order takes the root of the sum of squares.  It knows one place of contact at each position and side,
+    where the pair without deviations touches, and no tilt.
     """
     mesh, known = lot.pairs[number].mesh, spread(lot.pairs[number].limits)
     arm = mesh.arm_mm[BACK]
@@ -231,9 +242,10 @@ def first_order(lot: Lot, number: int, tasks: Iterable[Task]) -> FirstOrder:
 
 @dataclass(frozen=True)
 class BetweenPositions:
-    """How far figures of any of some assemblies go beyond those told, between the positions, in mm at most.
+    """How far figures of some assemblies go, between the positions, beyond their values at the positions: in mm, at
+    most.
 
-    Eight times as many positions tell it to a tenth or so of itself.
+    Eight times as many positions tell this to about a tenth of its value.
     """
 
     assemblies: int
@@ -242,8 +254,8 @@ class BetweenPositions:
     transmission_error_mm: float
 
 
-def between_positions(pair: PairLot, finer: Mesh, of: Deviations) -> BetweenPositions:
-    """What the positions of a pair miss of those of ``finer``, many times as many, which are its own and more."""
+def between_positions(pair: PairLot, finer: LinearMesh, of: Deviations) -> BetweenPositions:
+    """The figures that the positions of a pair miss; ``finer`` has the same positions and many more between them."""
     own = of_pair(pair, of, pair.mesh.leads(of))
     found = of_pair(replace(pair, mesh=finer, reversals=pair.reversals[:0]), of, finer.leads(of))
 
@@ -252,3 +264,108 @@ def between_positions(pair: PairLot, finer: Mesh, of: Deviations) -> BetweenPosi
 
     signs = {"least_play_mm": -1.0, "largest_play_mm": 1.0, "transmission_error_mm": 1.0}
     return BetweenPositions(own.least_arc.size, **{name: beyond(name, sign) for name, sign in signs.items()})
+
+
+NO_TORQUE = 1e-9
+"""Share of the greatest torque that counts as none: a million rounding errors of the greatest torque."""
+
+
+def reversals(torque_n_mm: Array, *, closed: bool) -> IndexArray:
+    """The positions beside which a torque turns round: around a cycle, or where not ``closed`` from end to end.
+
+    Where gears turn to and fro it turns round at both ends, since loads act against the motion.
+    """
+    sign = signs_of(torque_n_mm)
+    count = sign.size
+    turning = np.flatnonzero(sign * np.roll(sign, -1) < 0.0)
+    if closed:
+        return np.unique(np.concatenate([turning, (turning + 1) % count]))
+    turning = turning[turning < count - 1]
+    return np.unique(np.concatenate([[0], turning, turning + 1, [count - 1]]))
+
+
+def signs_of(torque_n_mm: Array) -> Array:
+    """The sign of a torque at positions around a turn, shape (n,); no torque has the sign of the position before."""
+    sign = np.sign(np.where(np.abs(torque_n_mm) > NO_TORQUE * np.abs(torque_n_mm).max(), torque_n_mm, 0.0))
+    known = np.flatnonzero(sign)
+    if not known.size:
+        return sign
+    kept: Array = sign[known[np.searchsorted(known, np.arange(sign.size), side="right") - 1]]
+    return kept
+
+
+FINER, MOST_POSITIONS = 8, 20_000
+"""How many times as many positions tell the missed figures, at least twice as many, and the largest number of
+positions.
+"""
+
+CHECKED = 2
+"""How many assemblies are checked by their outlines besides the assembly with the least play."""
+
+
+@dataclass(frozen=True, eq=False)
+class PairStudy:
+    """What one pair does in many assemblies, and how far the linear mesh tells it; ``stage`` is None of a single pair.
+
+    ``knock`` is None where the torque of the driven gear never turns round.  ``errors`` are the errors of the linear
+    mesh for the assembly with the least play and for the first assemblies.  ``between`` is what these do between
+    positions.
+    """
+
+    stage: int | None
+    lot: PairLot
+    assemblies: PairAssemblies
+    nominal: PairAssemblies
+    jam: Share
+    knock: Share | None
+    knocking_mm: float
+    first_order: FirstOrder
+    errors: tuple[LinearError, ...]
+    between: BetweenPositions
+
+    @property
+    def flank_limits_mm(self) -> tuple[Array, Array]:
+        """Tolerances of the pitch and of the profile of all flanks that touch any, shape (k,) each."""
+        flank = np.unique(self.lot.mesh.flank)
+        return self.lot.limits.pitch_mm[flank], self.lot.limits.profile_mm[flank]
+
+
+def finer_by(pair: PairLot) -> int:
+    """How many times as many positions a mesh has that tells the figures which a pair's positions miss."""
+    return int(np.clip(MOST_POSITIONS // pair.mesh.phi1_rad.size, 2, FINER))
+
+
+def pair_study(
+    lot: Lot,
+    number: int,
+    found: PairAssemblies,
+    nominal: PairAssemblies,
+    tasks: Sequence[Task],
+    *,
+    stage: int | None,
+    knocking_mm: float,
+    finer: LinearMesh,
+    exact: Exact,
+) -> PairStudy:
+    """What the pair ``number`` of a lot does in the assemblies found of the tasks, and as designed.
+
+    ``finer`` is its mesh at ``finer_by`` times as many positions, and ``exact`` the mesh by outlines.
+    """
+    pair = lot.pairs[number]
+
+    def one_of(assembly: int) -> Deviations:
+        task, place = divmod(assembly, TOGETHER)
+        return lot.drawn(tasks[task])[number].one(place)
+
+    return PairStudy(
+        stage=stage,
+        lot=pair,
+        assemblies=found,
+        nominal=nominal,
+        jam=jammed([found]),
+        knock=knocking([found], [knocking_mm]) if pair.reversals.size else None,
+        knocking_mm=knocking_mm,
+        first_order=first_order(lot, number, tasks[: max(len(tasks) // 4, 1)]),
+        errors=tuple(linear_errors(exact, [*map(one_of, (int(np.argmin(found.least_play_rad)), *range(CHECKED)))])),
+        between=between_positions(pair, finer, lot.drawn(tasks[0])[number]),
+    )

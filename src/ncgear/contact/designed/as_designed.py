@@ -35,10 +35,10 @@ positions is told by their lead over the corners at both."""
 
 @dataclass(frozen=True, eq=False)
 class SideTouch:
-    """What touches on one ``side`` of the teeth, PUSHING or BACK.
+    """The contacts on a ``side`` of the teeth, PUSHING or BACK.
 
-    ``first`` has the first contact at each of the n positions, in order; of several equally first ones, the one nearest
-    to the pitch point.  ``touching`` has all contacts that touch along with the first.
+    ``first`` has the first contact at each of the n positions, in order; of several contacts that are equally first,
+    the contact nearest to the pitch point.  ``touching`` has all contacts that touch together with the first.
     """
 
     side: int
@@ -65,9 +65,9 @@ class SideTouch:
 class SideContact(SideTouch):
     """Contact on one side of the teeth over the whole cycle.
 
-    ``meetings`` are those of its flanks, ``pairs`` the pairs that touch without load; ``reaches`` (shape (m,)) is how
-    long the flanks of each meeting could touch, in pitches, if nothing held them apart.  ``driving_tips`` and
-    ``driven_tips`` are the clearances of these gears' tips.
+    ``meetings`` are the meetings of its flanks, ``pairs`` the pairs that touch without load; ``reaches`` (shape (m,))
+    is how long the flanks of each meeting could touch, in pitches, if nothing held them apart.  ``driving_tips`` and
+    ``driven_tips`` are the clearances of the tips of both gears.
     """
 
     meetings: Meetings

@@ -26,8 +26,8 @@ from ncgear.teeth.spaces import FOOT_IN_MODULES
 class TipClearance:
     """Least distances in mm of a gear's tips from the other's roots, negative where a tip is inside the other gear.
 
-    ``over_root_mm`` is the distance of tips over root lands, infinite where no tip comes over one; ``from_fillet_mm``
-    is the distance of tips' corners from fillets.
+    ``over_root_mm`` is the distance of tips over root lands, infinite where no tip comes over a root land;
+    ``from_fillet_mm`` is the distance of tips' corners from fillets.
     """
 
     over_root_mm: float
@@ -38,7 +38,7 @@ class TipClearance:
 class _Facing:
     """Tips of one gear over roots of the other, at m pairs of flanks.
 
-    ``flank`` (shape (m,)) numbers the flanks of the tips' gear, ``other`` (shape (m,)) those of the roots' gear.
+    ``flank`` (shape (m,)) numbers the flanks of the tips' gear, ``other`` (shape (m,)) the flanks of the roots' gear.
     ``lead_mm`` (shape (m,)) is the rolled length by which ``flank`` crosses the pitch point before ``other``, ``sense``
     (shape (m,)) the sense, +1 or -1 of the arc length, in which ``flank`` faces.
     """
@@ -141,7 +141,7 @@ class _Lands:
 
     ``from_crossing_mm`` is the arc length from the flank's crossing of the pitch curve to the land's end at this flank,
     ``width_mm`` the land's length along the pitch curve, ``height_mm`` its height over the pitch curve at this end and
-    ``far_mm`` at the other one; heights are negative for roots.  Values are NaN where they were not found.
+    ``far_mm`` at the other end; heights are negative for roots.  Values are NaN where they were not found.
     """
 
     from_crossing_mm: Array
@@ -151,7 +151,7 @@ class _Lands:
 
     @classmethod
     def ending(cls, from_crossing_mm: Array, feet_mm: Array, height_mm: Array, first: int) -> _Lands:
-        """Lands by feet and heights of both their ends, shape (n, 2); flank ``first`` is the one at the first end."""
+        """Lands by feet and heights of both their ends, shape (n, 2); flank ``first`` is at the first end."""
         far, width = height_mm[:, ::-1], np.repeat(feet_mm[:, 1] - feet_mm[:, 0], 2)
         columns = (np.roll(values.ravel(), first) for values in (width, height_mm, far))
         return cls(from_crossing_mm, *columns)
@@ -167,7 +167,7 @@ class _Lands:
 
 
 def _tip_lands(paths: SidePaths) -> _Lands:
-    """The tips of all teeth; a pointed one has no width.
+    """The tips of all teeth; a pointed tip has no width.
 
     Raises Unanswered where the point of the pitch curve that a pointed tooth's tip stands over is not found.
     """

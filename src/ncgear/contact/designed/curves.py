@@ -57,7 +57,9 @@ class Contacts(Columns):
 
     @cached_property
     def lead_rad(self) -> Array:
-        """How early each contact touches: the one that leads at a position is the first on its side of the teeth."""
+        """How early each contact touches: the contact that leads at a position is the first on its side of the
+        teeth.
+        """
         return self.urge * self.error_rad
 
     def place(self, placement: Placement) -> IndexArray:
@@ -83,7 +85,9 @@ class Contacts(Columns):
         return placement.fixed_points(self.point, self.position, self.error_rad)
 
     def sliding_mm(self, placement: Placement) -> Array:
-        """Speed at which the driving tooth slides over the driven one, in mm per rad of phi1; outwards is positive."""
+        """Speed at which the driving tooth slides over the driven tooth, in mm per rad of phi1; outwards is
+        positive.
+        """
         place = self.fixed_points(placement)
         tangent = placement.fixed_directions(self.tangent, self.position, self.error_rad) / np.abs(self.tangent)
         outwards = np.sign(along(tangent, place))
@@ -113,10 +117,10 @@ class SidePaths:
     """The paths from all f flanks of a gear with c chords each, in the gear's frame.
 
     ``places`` (shape (f, c + 1)) are the ends of the chords; shorter paths stay at their end.  ``run`` (shape (f, any
-    number)) numbers the runs of each path in ``runs``, -1 beyond its end.  Of each of the r runs ``parameter``,
-    ``point`` and ``slope`` (by the parameter) are those at the ends of its chords, shape (r, CHORDS + 1) each.
-    ``corner`` has the places at which a side has an edge, its tip first, then where two of its curves meet at an angle,
-    shape (f, any number), padded with NaN.
+    number)) numbers the runs of each path in ``runs``, -1 beyond its end.  Each of the r runs has ``parameter``,
+    ``point`` and ``slope`` (by the parameter) at the ends of its chords, shape (r, CHORDS + 1) each.  ``corner`` has
+    the places at which a side has an edge, its tip first, then where two of its curves meet at an angle, shape (f, any
+    number), padded with NaN.
     """
 
     flanks: Flanks
@@ -226,7 +230,7 @@ def _curve(
 
 
 def _corners(runs: _Runs, points: ComplexArray, slopes: ComplexArray) -> ComplexArray:
-    """The start of each side, and of each run of it that does not go on in the direction of the one before."""
+    """The start of each side, and of each of its runs that does not go on in the direction of the run before."""
     heading = slopes * np.sign(runs.end - runs.start)[:, None]
     tip = runs.number == 0
     bend = np.append(np.inf, np.abs(angle_between(heading[:-1, -1], heading[1:, 0])))

@@ -1,8 +1,8 @@
 """Edge contact: corners of one gear's teeth against the curves of the other.
 
 As one gear turns against the other about the driven axis, its corners run along circles.  Chords of the curves tell
-which corners come near enough to matter, since how far curves may stray from them is known; only for those the crossing
-of circle and exact curve is solved.
+which corners come near enough to matter, since it is known how far curves may stray from chords.  Only for these
+corners the crossing of circle and exact curve is solved.
 """
 
 from __future__ import annotations
@@ -33,8 +33,9 @@ CLOSE_IN_MODULES = 1e-10
 """Last step of Newton's method, which is taken along the tangent: the curve leaves that by the square of the step."""
 
 SURELY = 2.0
-"""How far the angle at which a curve holds its corner may be from that of its chord, in strays over the lever: a curve
-leans from its chord, and its own arm is a little shorter."""
+"""How far the angle at which a curve holds its corner may be from the chord's angle, in strays over the lever: a curve
+leans from its chord, and its arm is a little shorter.
+"""
 
 CUBIC_STEPS = 2
 """Steps of Newton's method from a chord to a circle along the cubic that has the curve's slopes at the chord's ends."""
@@ -50,7 +51,7 @@ class EdgeHits(Columns):
     ``driving`` and ``driven`` number the flanks that meet in ``position``.  ``corner`` is in the driven gear's frame.
     ``run`` and ``chord`` number the chord, ``share`` is how far along it the crossing lies, ``lever_mm`` the arm of a
     force across it.  Turned by ``turn_rad`` the corner is on the chord.  ``side`` is the side of the teeth whose flanks
-    hold the corner in the same sense: that of the flanks that meet, and the other side in the notch of an undercut
+    hold the corner in the same sense: the side of the flanks that meet, and the other side in the notch of an undercut
     tooth or at the far side of a space.
     """
 
@@ -68,12 +69,12 @@ class EdgeHits(Columns):
 
     @cached_property
     def lead_rad(self) -> Array:
-        """As that of ``Contacts``, for the chords."""
+        """As in ``Contacts``, for the chords."""
         return URGE[self.side] * _ahead(self.curves, self.turn_rad)
 
     @property
     def place(self) -> IndexArray:
-        """As that of ``Contacts``."""
+        """As in ``Contacts``."""
         return self.side * self.curves.placement.count + self.position
 
     @property
@@ -99,9 +100,9 @@ def edge_hits(
 ) -> list[EdgeHits]:
     """Corners of the driving gear on the driven gear's curves, and the other way round, of the flanks that meet.
 
-    ``paths`` are those of the driving gear and of the driven gear.  Corners that flanks hold farther away than
+    ``paths`` are the paths of the driving gear and of the driven gear.  Corners that flanks hold farther away than
     ``within_mm`` are left out; ``first_rad`` (shape (2, n)) is the lead with which flanks first touch on both sides of
-    the teeth at each position, -inf where there are none.
+    the teeth at each position, -inf where no flanks touch.
     """
     driving, driven = paths
     moving = SeenGear(driving, meetings.driving, placement, moving=True)

@@ -22,9 +22,10 @@ from ncgear.pitch.pair import PitchPair
 from ncgear.teeth.gear import ToothedPair
 
 KNOWN, CLOSELY = 1e-3, 1e-6
-"""Shares of its variation over the cycle to which an extreme is known at least: one of an error, which has a kink at
-every change of teeth and is told from rounding only as far as angles are, and one of a pressure angle, the sliding or
-the lever, which is a one-sided limit where the teeth change at the most."""
+"""Shares of its variation over the cycle to which an extreme is known at least.  The first is for an error, which has a
+kink at every change of teeth and is known only as far as angles are free of rounding.  The second is for a pressure
+angle, the sliding or the lever, which is a one-sided limit where the teeth change at the extreme.
+"""
 
 
 @dataclass(frozen=True)
@@ -44,9 +45,9 @@ class Range:
 class ContactExtremes:
     """Extremes over a whole cycle, ``at`` driving angles in rad; quantities as in ``AsDesigned``.
 
-    ``least_lever_mm`` is that of the first contact of pushing flanks about the driven axis.  ``overlap_mm`` is 0 where
-    teeth never run into each other; ``overlap_teeth`` are the numbers of the driving and the
-    driven tooth at the pitch point where they do so most.
+    ``least_lever_mm`` is the lever of the first contact of pushing flanks about the driven axis.  ``overlap_mm`` is 0
+    where teeth never run into each other; ``overlap_teeth`` are the numbers of the driving and the driven tooth at the
+    pitch point where they overlap most.
     """
 
     pushing_error_rad: Range
@@ -93,22 +94,22 @@ def over_cycle(even: Placement, values: Array) -> tuple[Array, Array]:
 
 
 def at_angle(pitch: PitchPair, even: Placement, found: Extremum) -> Extremum:
-    """An extremum at a rolled length of the cycle of ``even`` positions, as one at the driving angle in rad."""
+    """An extremum at a rolled length of the cycle of ``even`` positions, as an extremum at the driving angle in rad."""
     return Extremum(found.value, float(placed_at(pitch, even, np.array([found.at])).phi1_rad[0]))
 
 
 def ranges_of(largest: Sequence[Extremum]) -> list[Range]:
-    """The ranges of quantities, from the largest value of each and that of its negative, one after the other."""
+    """The ranges of quantities, from the largest value of each and the largest value of its negative, in turn."""
     pairs = zip(largest[0::2], largest[1::2], strict=True)
     return [Range(replace(low, value=0.0 - low.value), high) for high, low in pairs]
 
 
 ERRORS = 6
-"""So many of the quantities, the first, are those of errors and of the backlash; the last is the overlap."""
+"""The first quantities, in this number, are errors and backlash; the last quantity is the overlap."""
 
 
 def _quantities(touch: PairTouch, speed_rad_s: Callable[[Array], Array]) -> Array:
-    """What the largest values are sought of, shape (q, n), the errors without what is nothing but rounding."""
+    """The quantities whose largest values are sought, shape (q, n); errors are without mere rounding."""
     sides = touch.pushing, touch.back
     errors = [_told(side.error_rad) for side in sides]
     angles = [side.first.pressure_angle_rad for side in sides]

@@ -16,17 +16,19 @@ from ncgear.teeth.gear import ToothedGear, ToothedPair
 
 BEYOND_IN_PITCHES = 0.15
 """Flanks are also solved over this rolled length beyond their ends, so that the ends lie between solved positions.  It
-is three positions long, which also covers what backlash shifts."""
+is three positions long, which also covers the shift by backlash.
+"""
 
 END_IN_MODULES = 1e-9
 """Height beyond its end at which a flank still counts as touching: rounding errors where an end meets a position."""
 
 TOUCHING_IN_PITCHES = 1e-4
-"""Distance at which teeth count as touching along with the first ones, which the lightest load closes: a micrometre of
-teeth of module 3."""
+"""Distance at which teeth count as touching together with the first teeth, since the lightest load closes it: a
+micrometre for teeth of module 3.
+"""
 
 GAP = 1e-3
-"""Share of a step between positions by which one pair must part before the next one meets to count as a gap.  Beside
+"""Share of a step between positions: a pair must part so much before the next pair meets for a gap to count.  Beside
 tip relief the lead is no straight line between positions; half a hundredth of a per cent of a pitch matters nowhere."""
 
 
@@ -110,9 +112,9 @@ class PairsInContact:
 class FlankContacts:
     """Where flanks touch, on each side of the teeth, if nothing else holds the gears apart.
 
-    ``contacts`` are those within what is left of both flanks.  ``near`` are these and the ones a little beyond the
-    flanks' ends, shape (n,): ``room`` (shape (4, combinations, n)) is how far in mm each is from the ends of both
-    flanks' runs, negative beyond them, and ``place`` its row and column in the table of ``meetings``.
+    ``contacts`` are the contacts within the remaining parts of both flanks.  ``near`` are these and the contacts a
+    little beyond the flanks' ends, shape (n,): ``room`` (shape (4, combinations, n)) is how far in mm each is from the
+    ends of both flanks' runs, negative beyond them, and ``place`` its row and column in the table of ``meetings``.
     """
 
     contacts: Contacts
@@ -233,7 +235,7 @@ class FlankContacts:
 
 
 def _fewest(starts: Array, ends: Array, steps: int) -> int:
-    """Least number of stretches that cover a place anywhere, left out what is shorter than a gap may be.
+    """Least number of stretches that cover a place anywhere; parts shorter than a gap may be are left out.
 
     Both ``starts`` and ``ends`` are in order.
     """
@@ -295,7 +297,7 @@ def _heights(gear: ToothedGear) -> _Heights:
 def _near(
     teeth: ToothedPair, placement: Placement, meetings: Meetings, driving: _Heights, driven: _Heights
 ) -> tuple[IndexArray, IndexArray, FacingFlanks]:
-    """Where in the meetings' table (row, column) both flanks are on or near what is left of them, and these flanks."""
+    """Where in the meetings' table (row, column) both flanks are on or near their remaining parts, and these flanks."""
     pitch_mm, slant = teeth.driving.flanks.rack.pitch_mm, teeth.driving.flanks.slant.of(meetings.driving)
     # Heights, by the closed form, at which flanks touch before they cross the pitch point.
     per_rolled = (slant.height_per_rolled * meetings.urge)[:, None]

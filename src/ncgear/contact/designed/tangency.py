@@ -7,7 +7,7 @@ approximate method) touch at another angle, which is their transmission error.
 
 Where the curvature jumps, the distance of such flanks may have two least values, or no point with a common tangent.
 There the first touch is searched for: points of the driving flank are followed along their circles about the driven
-axis to the driven flank, and the point that gets there first is closed in on.
+axis to the driven flank, and the search closes in on the point that gets there first.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ from ncgear.teeth.tool import AGREEMENT
 class FacingFlanks(Columns):
     """n pairs of a driving and a driven flank, each in one position, shape (n,) each.
 
-    ``driving_mm`` and ``driven_mm`` are the heights at which they touch by the closed form.  Where ``upward`` is +1
-    the first contact is the one for which the driving gear is seen turned the farthest up; where -1, the farthest down.
+    ``driving_mm`` and ``driven_mm`` are the heights at which they touch by the closed form.  Where ``upward`` is +1,
+    the driving gear is seen turned the farthest up at the first contact; where -1, the farthest down.
     """
 
     teeth: ToothedPair
@@ -106,9 +106,9 @@ flanks are rolled unequally."""
 class _State(Columns):
     """Where a search stands, shape (n,) each: heights in mm and the angle by which the driving gear is seen turned.
 
-    ``point`` and ``slope`` (by the height) are those of the driving flank, ``other_slope`` that of the driven flank.
-    ``gap`` leads from the driving point to the driven point; ``bend_rad`` is the angle from the driving tangent to the
-    driven tangent.
+    ``point`` and ``slope`` (by the height) belong to the driving flank, ``other_slope`` to the driven flank.  ``gap``
+    leads from the driving point to the driven point; ``bend_rad`` is the angle from the driving tangent to the driven
+    tangent.
     """
 
     driving_mm: Array
@@ -140,14 +140,14 @@ class _Rates:
 
     @property
     def relative_bend(self) -> Array:
-        """How the driving tangent turns against the driven one as both points run along together."""
+        """How the driving tangent turns against the driven tangent as both points run along together."""
         return self.own_bend - self.other_bend * self.own / self.other
 
 
 def tangencies(facing: FacingFlanks, limits_mm: Array) -> Touches:
     """Where flanks touch near the heights that the closed form gives.
 
-    About jumps of the curvature, where the first touch need not be the one tangency, it is searched for between
+    Near jumps of the curvature the first touch need not be the only tangency: there it is searched for between
     ``limits_mm`` (shape (2, 2, n)): the least and the greatest height of the driving flanks and of the driven flanks.
     """
     state = _state(facing, facing.driving_mm, facing.driven_mm, facing.turn_rad)
@@ -259,7 +259,7 @@ def _about_joints(facing: FacingFlanks, state: _State) -> Mask:
 
 
 def _touches(state: _State) -> Touches:
-    """Where the search ended, with the angle corrected by what is left of the gap across the tangent."""
+    """Where the search ended, with the angle corrected by the remaining gap across the tangent."""
     lever = along(state.slope, state.point)
     found = lever != 0.0
     turn = state.turn_rad + across(state.slope, state.gap) / np.where(found, lever, 1.0)
@@ -272,9 +272,9 @@ REACH_IN_PITCHES = 0.15
 SHARES = np.linspace(-1.0, 1.0, 33)
 
 ROUNDS = 4
-"""Shares of the reach at which points are tried, and the number of rounds, each a sixteenth as wide as the one before.
-The height comes out to some millionths of a module, and the driven angle, which is stationary there, to rounding
-errors."""
+"""Shares of the reach at which points are tried, and the number of rounds, each a sixteenth as wide as the round
+before.  The height comes out to some millionths of a module, and the driven angle, which is stationary there, to
+rounding errors."""
 
 CIRCLE_STEPS = 8
 """Steps of Newton's method to a circle; four do on flanks, which cross circles about their axis steeply."""

@@ -1,9 +1,9 @@
 """Play of two outlines in the positions in which they stand apart, which are nearly all.
 
-Where no chords of two outlines cross, no point of one gear is inside the other, and the play is the least angle by
-which a vertex comes upon a chord.  (Neither outline crosses itself.)  Only chords that are nearly as close as the play
-matter, so that few pairs of chords are looked at.  Positions follow each other so closely that one set of pairs serves
-a stretch of them.
+Where no chords of two outlines cross, no point of one gear is inside the other, and the play is the least angle after
+which a vertex meets a chord.  (Neither outline crosses itself.)  Only chords that are nearly as close as the play
+matter, so that few pairs of chords are looked at.  Positions follow each other so closely that a set of pairs serves a
+stretch of positions.
 """
 
 from __future__ import annotations
@@ -28,11 +28,14 @@ GRAIN_IN_PITCHES = 0.04
 """The grain of outlines, by which the sizes below count, is the mean length of their chords, and this at most."""
 
 LONGEST = 4.0
-"""Grains from which chords of the driving outline are cut into pieces: a long one would make all have many pairs."""
+"""Grains from which chords of the driving outline are cut into pieces: a long chord would give all chords many
+pairs.
+"""
 
 CELL, MOST_CELLS = 4.0, 2000
-"""Size in grains of the cells by which pairs are found, and most cells across an outline.  Smaller ones find fewer
-pairs that are not near, and take longer to make."""
+"""Size in grains of the cells by which pairs are found, and most cells across an outline.  Smaller cells find fewer
+pairs that are not near, and take longer to make.
+"""
 
 SPANS_IN_STEPS, MOST_TOGETHER = (9.0, 3.0, 1.0, 0.25), 9
 """Steps of the cycle's even positions that a stretch spans, of which the greatest is taken that leaves chords near each
@@ -92,7 +95,7 @@ class _Stretches:
 
 @dataclass(frozen=True, eq=False)
 class _Setting:
-    """What is the same at all positions: the chords of both outlines, those of the driven one twice round.
+    """The values for all positions: the chords of both outlines, the driven chords twice round.
 
     ``windows`` are the middles of driving chords, shape (chords, width): each chord's own and those that follow it.
     """
@@ -153,7 +156,7 @@ def apart_play(driving: ComplexArray, driven: ComplexArray, placement: Placement
             position, within = stretches.position[rows].ravel(), bounds.max(axis=0) * outermost <= followed * pitch
             crossed[position] = ~apart
             play[:, position[apart & within]] = bounds[:, apart & within]
-            # Where no play is within reach, the next one is tried at once.
+            # Where no play is within reach, the next reach is tried at once.
             if apart.any() and not within[apart].any():
                 break
     return Apart(play[0], play[1], np.isfinite(play).all(axis=0))
@@ -182,7 +185,7 @@ def _stretches(chords: Chords, placement: Placement, reach_mm: float, most_mm: f
 
 
 def _together(placement: Placement, steps: float) -> IndexArray:
-    """Neighbouring positions within so many steps, shape (stretches, k)."""
+    """Neighbouring positions within a number of steps, shape (stretches, k)."""
     number = np.arange(placement.count)
     if steps:
         # Rounding errors must not part a position from its step.
@@ -257,7 +260,7 @@ def _block_play(setting: _Setting, pairs: _Pairs, rows: IndexArray, reach_mm: fl
     driving_vertices, driven_vertices = -driven.against * between, driving.against * between
     lean = across(driven.against, driving.against)
     least = (TOUCHING_IN_PITCHES * placement.pitch_mm) ** 2
-    # Chords do not cross if both ends of one are on the same side of the other.
+    # Chords do not cross if both ends of a chord are on the same side of the other chord.
     separate = driven_vertices.imag * (driven_vertices.imag + lean * driven.length_mm) > least
     separate |= driving_vertices.imag * (driving_vertices.imag - lean * driving.length_mm) > least
     apart = np.ones(position.size, dtype=bool)
@@ -265,10 +268,10 @@ def _block_play(setting: _Setting, pairs: _Pairs, rows: IndexArray, reach_mm: fl
     slack = SLACK_IN_PITCHES * placement.pitch_mm
     own = _least_turns(driving_vertices, driven, pairs.row, position.size, reach_mm, slack)
     other = _least_turns(driven_vertices, driving, pairs.row, position.size, reach_mm, slack)
-    # Where nothing crosses, all vertices are inside if the nearest one is.
+    # Where nothing crosses, all vertices are inside if the nearest vertex is.
     for leaving, entering in (own.min(axis=1), other.min(axis=1)):
         apart &= entering <= leaving
-    # To turn the driving gear up is to turn the driven one's vertices down.
+    # To turn the driving gear up is to turn the driven gear's vertices down.
     return np.minimum(own, other[:, ::-1]).min(axis=0), apart
 
 
@@ -295,9 +298,9 @@ def _least_turns(
 ) -> Array:
     """Least angles by which vertices turn about the driven axis until they are on chords, within reach of them.
 
-    Vertices, shape (n, k), are seen from the chords' starts, with the chords along the first axis.
-    The angles have the shape (2, 2, places): those at which a vertex leaves the other gear and at which it enters it,
-    each up and down.
+    Vertices, shape (n, k), are seen from the chords' starts, with the chords along the first axis.  The angles have the
+    shape (2, 2, places): the angles at which a vertex leaves the other gear and at which it enters it, each up and
+    down.
     """
     positions, moves = vertex.shape[1], chord.start.shape == vertex.shape
     near = np.flatnonzero(np.abs(vertex.imag) <= reach_mm)

@@ -15,7 +15,7 @@ from math import sin
 import numpy as np
 
 from ncgear.contact.placement import Placement
-from ncgear.contact.written.play import Play, outline_play
+from ncgear.contact.written.play import WrittenPlay, outline_play
 from ncgear.contact.written.polar import polar_outline
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
@@ -31,7 +31,7 @@ from ncgear.teeth.gear import ToothedGear, ToothedPair
 
 @dataclass(frozen=True, eq=False)
 class Outlines:
-    """Both outlines as read from what was written (mm, shape (n, 2), own frames), and the ``source`` they are from."""
+    """Both outlines as read from written files (mm, shape (n, 2), own frames), and the ``source`` they are from."""
 
     source: str
     driving_mm: Array
@@ -45,7 +45,7 @@ class AsWritten:
     ``pushing_rad`` and ``back_rad`` are the driven angles beyond the law's at which pushing flanks and their backs
     touch; ``overlap_mm`` is how deep the outlines overlap at the law's angle, shape (n,) each.  ``driving_tips_mm`` and
     ``driven_tips_mm`` are the least clearances of these gears' tip lands over the other gear's root lands, infinite
-    where none stands over one.
+    where no tip land stands over a root land.
     """
 
     source: str
@@ -78,8 +78,8 @@ def as_written(outlines: Outlines, teeth: ToothedPair, placement: Placement, rea
     return AsWritten(outlines.source, *bounds, play.overlap_mm, *tips)
 
 
-def require_reached(outlines: Outlines, play: Play, *tips_mm: float) -> None:
-    """Raise NoSuchMechanism where outlines do not touch, or a normal does not meet one: a clearance is no number."""
+def require_reached(outlines: Outlines, play: WrittenPlay, *tips_mm: float) -> None:
+    """Raise NoSuchMechanism where outlines do not touch, or a normal meets no outline: a clearance is no number."""
     if not (np.isfinite(play.up_rad).all() and np.isfinite(play.down_rad).all()) or np.isnan(tips_mm).any():
         raise NoSuchMechanism(
             f"the outlines written as {outlines.source} do not reach each other at some angles; less backlash_mm, "
@@ -89,8 +89,9 @@ def require_reached(outlines: Outlines, play: Play, *tips_mm: float) -> None:
 
 
 PER_CHORD = 2
-"""Places of a land to each chord of it from which the nearest is searched: between two vertices lands part or near each
-other evenly but for what a chord turns."""
+"""Places of a land per chord, from which the nearest place is searched: between two vertices lands part or near each
+other evenly, apart from the turning of a chord.
+"""
 
 INSET = 1e-9
 """Share of a land at its ends that is left out, so that a rounding error leads to no flank."""
@@ -109,7 +110,7 @@ def _tip_clearances(outlines: Outlines, teeth: ToothedPair, placement: Placement
     """
     number = np.arange(placement.meetings)
     if placement.toothed is not None:
-        # Both teeth of a meeting, and the one before, are made.
+        # Both teeth of a meeting, and of the meeting before, are made.
         number = np.arange(1, min(teeth.driving.teeth, teeth.driven.teeth))
     own, other = number % teeth.driving.teeth, number % teeth.driven.teeth
     before = (number - 1) % teeth.driven.teeth
@@ -147,7 +148,7 @@ def _least_clearance(tips: Written, tooth: IndexArray, roots: Written, space: In
         return np.where(met, height - depth, UNMET_MM)
 
     each = np.arange(over.size)
-    # Lands lie end to end, each as long as the straight bridge that leads from it to the next one.
+    # Lands lie end to end, each as long as the straight bridge that leads from it to the next land.
     ends = np.stack([nearness(each, np.full(over.size, end)) for end in (0.0, 1.0)], axis=1).ravel()
 
     def chained(places: Array) -> Array:

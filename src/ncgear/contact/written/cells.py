@@ -31,7 +31,7 @@ class Chords(Columns):
 
 
 def chords_of(outline: ComplexArray, longest_mm: float) -> Chords:
-    """The chords of a closed outline, shape (n,), one after the other; longer ones are cut into equal pieces."""
+    """The chords of a closed outline, shape (n,), in order; long chords are cut into equal pieces."""
     step = np.roll(outline, -1) - outline
     length = np.abs(step)
     pieces = np.maximum(np.ceil(length / longest_mm), 1.0).astype(int)
@@ -57,7 +57,7 @@ class Cells:
     beyond: IndexArray
 
     def cell(self, places: ComplexArray) -> IndexArray:
-        """Numbers of the cells that places lie in, shape (n,); no chord is near those at the grid's edge."""
+        """Numbers of the cells that places lie in, shape (n,); no chord is near cells at the grid's edge."""
         steps = (places - self.corner).view(float) * (1.0 / self.cell_mm)
         number = np.clip(steps, 0.0, self.side - 1.0).astype(int)
         cell: IndexArray = number[0::2] * self.side + number[1::2]

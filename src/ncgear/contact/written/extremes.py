@@ -105,7 +105,7 @@ def written_extremes(
 def _largest(
     quantities: Callable[[Array], Array], even: Placement, known: Array, finest: float = ALIKE_RAD
 ) -> list[Extremum]:
-    """The largest values of quantities at rolled lengths, from those at even positions, shape (q, n)."""
+    """The largest values of quantities at rolled lengths, from values at even positions, shape (q, n)."""
     rolled, values = over_cycle(even, known)
     return largest_from(quantities, rolled, values, np.maximum(KNOWN * np.ptp(values, axis=1), finest))
 
@@ -141,7 +141,7 @@ def _touched_at(
         overlap_mm[:] = 0.0
         if doubtful.size:
             law, overlap_mm[doubtful] = _touch(outlines, placed_at(pitch, even, rolled_mm[doubtful]), reach_mm)
-            # A corner that has passed what it would touch looks as if it touched; the wider play is free all along.
+            # A corner that has passed its flank looks as if it touched; the wider play is free all along.
             touch[:, doubtful] = np.where(law[1] - law[0] > (touch[1] - touch[0])[doubtful], law, touch[:, doubtful])
         return at, touch, overlap_mm
 
@@ -158,7 +158,7 @@ def _touch(outlines: Outlines, at: Placement, reach_mm: float) -> tuple[Array, A
 def _errors_at(pitch: PitchPair, teeth: ToothedPair, designed: AsDesigned) -> Callable[[Array], Array]:
     """The errors of the exact teeth on both sides at rolled lengths, shape (2, n).
 
-    Teeth whose errors do not vary, but for rounding, have the same ones between the positions.
+    Teeth whose errors vary by rounding only have the same errors between the positions.
     """
     sides = np.stack([designed.pushing.error_rad, designed.back.error_rad])
     if np.all(np.ptp(sides, axis=1) <= ALIKE_RAD):

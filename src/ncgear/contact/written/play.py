@@ -1,10 +1,10 @@
-"""Play of two outlines as written: how far one can be turned against the other each way before they touch.
+"""Play of two outlines as written: how far a gear can be turned each way against the other before they touch.
 
-Nearly always outlines stand apart, and ``apart.py`` finds their play.  Here is what is done where they may overlap.
+Nearly always outlines stand apart, and ``apart.py`` finds their play.  This file finds it where outlines may overlap.
 Every vertex of one outline near the mesh is followed along its circle about the driven axis to the chords of the other
 outline, and the other way round.  That gives the exact play of two polygons.  The driven outline is cut into runs along
 which its radius grows; bins of the radius tell where a chord of the driving outline begins and ends on such a run, and
-so both which chord its vertex meets and which of the run's vertices meet the chord.
+so tell both the chord that a vertex meets and the run's vertices that meet a chord.
 """
 
 from __future__ import annotations
@@ -24,15 +24,16 @@ always the first reach finds its nearer side.  Where nothing is in reach, or an 
 
 DEEP_IN_PITCHES = 0.05
 """Overlap from which vertices are followed over the greater reach.  A vertex that is too deep inside for the first
-reach has others beside it that the first reach shows to be this deep, if no chord is longer than the first reach is
-beyond this depth; where one is, there is no first reach."""
+reach has other vertices beside it, which the first reach shows to be this deep.  This holds if no chord is longer than
+the first reach beyond this depth; where a chord is longer, there is no first reach.
+"""
 
 BLOCK = 128
 """Positions treated at once, so few that their arrays stay in the processor's cache."""
 
 
 @dataclass(frozen=True, eq=False)
-class Play:
+class WrittenPlay:
     """Play at n positions, in rad, negative where the outlines overlap; shape (n,) each.
 
     ``up_rad`` and ``down_rad`` are how far the driving gear, as the driven gear sees it, can be turned up and down
@@ -125,7 +126,7 @@ class _Crossings:
         return out
 
 
-def outline_play(driving_mm: Array, driven_mm: Array, placement: Placement, reach_mm: float) -> Play:
+def outline_play(driving_mm: Array, driven_mm: Array, placement: Placement, reach_mm: float) -> WrittenPlay:
     """Play of two outlines in their own frames, counter-clockwise, shape (n, 2) each, each around its axis once.
 
     Outlines are compared within the sector of the driving gear that ``reach_mm`` from the pitch point spans, which must
@@ -148,7 +149,7 @@ def outline_play(driving_mm: Array, driven_mm: Array, placement: Placement, reac
         up, down, depth = play[:, open_still]
         shallow = depth <= DEEP_IN_PITCHES * placement.pitch_mm
         open_still = open_still[~(np.isfinite(up) & np.isfinite(down) & shallow)]
-    return Play(*play)
+    return WrittenPlay(*play)
 
 
 def _longest_chord_mm(*outlines: ComplexArray) -> float:
@@ -200,7 +201,7 @@ def _near_chords(setting: _Setting, position: IndexArray) -> _Chords:
 
 
 def _split_at_feet(chords: _Chords) -> _Chords:
-    """The chords, with those cut in two along which the radius falls and then grows."""
+    """The chords; a chord along which the radius falls and then grows is cut in two."""
     split, foot = with_feet(chords.start, chords.end)
     end = chords.end.copy()
     end[split] = foot
@@ -274,7 +275,7 @@ def _across(turn_rad: Array, radius_mm: Array, aside_mm: Array) -> Array:
 def _numbered(position: IndexArray, entry: IndexArray, entries: int, positions: int) -> tuple[IndexArray, IndexArray]:
     """Numbers for pairs of a position and an entry: the position of each number, and the number of each pair.
 
-    Entries that are met in one position are neighbours around the outline, so they are counted from one of them.
+    Entries that are met in a position are neighbours around the outline, so they are counted from any of them.
     """
     some = np.zeros(positions, dtype=int)
     some[position] = entry
@@ -285,10 +286,10 @@ def _numbered(position: IndexArray, entry: IndexArray, entries: int, positions: 
 
 
 def _free(crossings: _Crossings, positions: int) -> tuple[Array, Array, Array]:
-    """Least angles by which the vertices of each position can move up and down, and the deepest one's depth.
+    """Least angles by which the vertices of each position can move up and down, and the depth of the deepest vertex.
 
-    A vertex is inside the other gear if, turned one way or the other, it would come out of the gear before it goes in;
-    the other side of a thick tooth may be out of reach.  It then counts as past the nearer side.
+    A vertex is inside the other gear if, turned either way, it would come out of the gear before it goes in; the other
+    side of a thick tooth may be out of reach.  It then counts as past the nearer side.
     """
     least = np.full((4, crossings.position.size), np.inf)
     kind = 2 * np.signbit(crossings.turn_rad) + crossings.entering

@@ -63,7 +63,7 @@ NO_RUN = -1
 
 @dataclass(frozen=True, eq=False)
 class RadialRuns:
-    """The runs of an outline, each from its end nearest the axis outwards, one after the other.
+    """The runs of an outline in order, each outwards from its end nearest the axis.
 
     ``point`` and ``square`` (squared distance from the axis) have shape (entries,), ``first`` and ``last`` number each
     run's entries and ``rising`` tells whether the outline runs outwards there, shape (runs,).  ``near`` lists the runs
@@ -128,7 +128,7 @@ class RadialRuns:
 
     @cached_property
     def _first_in_bin(self) -> IndexArray:
-        """First entry in each bin of a run or beyond, bins + 1 numbers for each run, one run after the other."""
+        """First entry in each bin of a run or beyond, bins + 1 numbers for each run, in the order of runs."""
         run, _ = counted_up(self.first, self.last - self.first + 1)
         places = np.arange(self.first.size * (self._bins + 1))
         return np.searchsorted(self._bin(run, self.square), places)
@@ -145,7 +145,7 @@ class RadialRuns:
         return np.where(sector < 0, sector + sectors, sector) % sectors
 
     def entry_beyond(self, run: IndexArray, squared: Array) -> IndexArray:
-        """First entry of runs at or beyond squared radii; one after the last where there is none."""
+        """First entry of runs at or beyond squared radii; the number after the last where there is none."""
         found, last = self._first_in_bin[self._bin(run, squared)], self.last[run]
         short = np.nonzero((found <= last) & (self.square[np.minimum(found, self.square.size - 1)] < squared))[0]
         while short.size:

@@ -74,24 +74,24 @@ PIXEL_SHARE = 0.1
 
 
 @dataclass(frozen=True)
-class Moving:
+class MovingArtists:
     """Artists in the order in which they are drawn; ``pose`` puts them into the pose of a given number."""
 
     artists: tuple[Artist, ...]
     pose: Callable[[Poses, int], None]
 
 
-def body_artist(axes: Axes, body: Body, pixel_mm: float, to_screen: Transform) -> Moving:
+def body_artist(axes: Axes, body: Body, pixel_mm: float, to_screen: Transform) -> MovingArtists:
     """A body's section; ``to_screen`` turns places in the machine's frame into pixels of ``pixel_mm``."""
     contours = simplified(body.contours_mm, PIXEL_SHARE * pixel_mm)
     transform = Affine2D()
     # Snapped to whole pixels, a slow body would jump from one pixel to the next.
     patch = PathPatch(_path(contours), transform=transform + to_screen, snap=False, **BODIES[body.kind])
     axes.add_artist(patch)
-    return Moving((patch,), lambda poses, row: _place(transform, poses.places[body.name], row))
+    return MovingArtists((patch,), lambda poses, row: _place(transform, poses.places[body.name], row))
 
 
-def gear_artists(axes: Axes, gear: SceneGear, pixel_mm: float, to_screen: Transform) -> Moving:
+def gear_artists(axes: Axes, gear: SceneGear, pixel_mm: float, to_screen: Transform) -> MovingArtists:
     """A gear with the edges on its face and its pitch curve."""
     filled = body_artist(axes, gear.body, pixel_mm, to_screen)
     (patch,) = filled.artists
@@ -101,7 +101,7 @@ def gear_artists(axes: Axes, gear: SceneGear, pixel_mm: float, to_screen: Transf
     edges = [Line2D(*loop.T, transform=patch.get_transform(), **style) for loop in loops]
     for line in (*edges, curve):
         axes.add_artist(line)
-    return Moving((patch, *edges, curve), filled.pose)
+    return MovingArtists((patch, *edges, curve), filled.pose)
 
 
 def _place(transform: Affine2D, places: Places, row: int) -> None:
@@ -115,7 +115,7 @@ def _path(contours: Sequence[Array]) -> Path:
     return Path.make_compound_path(*closed)
 
 
-def material_artists(axes: Axes, scene: Scene) -> Iterator[Moving]:
+def material_artists(axes: Axes, scene: Scene) -> Iterator[MovingArtists]:
     """The material before the slider, up to the chamber's wall, and the material behind it, where there is any."""
     chamber = scene.chamber
     if chamber is not None:
@@ -123,7 +123,7 @@ def material_artists(axes: Axes, scene: Scene) -> Iterator[Moving]:
         yield from (_strip(axes, scene, chamber, name) for name, met_mm in shown if met_mm is not None)
 
 
-def _strip(axes: Axes, scene: Scene, chamber: Chamber, name: str) -> Moving:
+def _strip(axes: Axes, scene: Scene, chamber: Chamber, name: str) -> MovingArtists:
     """A strip of unit length, squeezed to that of the material, whose left end is put to its place."""
     squeezed = Affine2D()
     transform = squeezed + axes.transData
@@ -142,10 +142,10 @@ def _strip(axes: Axes, scene: Scene, chamber: Chamber, name: str) -> Moving:
         for artist in parts:
             artist.set_visible(depth_mm != 0.0)
 
-    return Moving(tuple(parts), pose)
+    return MovingArtists(tuple(parts), pose)
 
 
-def pin_artists(axes: Axes, scene: Scene) -> Moving:
+def pin_artists(axes: Axes, scene: Scene) -> MovingArtists:
     """The pins of the mechanism."""
     linkage = scene.machine.linkage
     pins = [Circle((0.0, 0.0), pin_radius_mm(linkage), **PIN) for _ in linkage.PINS]
@@ -156,17 +156,17 @@ def pin_artists(axes: Axes, scene: Scene) -> Moving:
         for pin, name in zip(pins, linkage.PINS.values(), strict=True):
             pin.set_center(tuple(poses.places[name].origin_mm[row]))
 
-    return Moving(tuple(pins), pose)
+    return MovingArtists(tuple(pins), pose)
 
 
-def standing_artist(axes: Axes, points_mm: Array, style: Style, to_screen: Transform) -> Moving:
+def standing_artist(axes: Axes, points_mm: Array, style: Style, to_screen: Transform) -> MovingArtists:
     """A line or marks at points of shape (n, 2) that stand still, but are drawn over the moving bodies."""
     line = Line2D(*points_mm.T, transform=to_screen, **style)
     axes.add_artist(line)
-    return Moving((line,), lambda poses, row: None)
+    return MovingArtists((line,), lambda poses, row: None)
 
 
-def pitch_point_artist(axes: Axes, to_screen: Transform) -> Moving:
+def pitch_point_artist(axes: Axes, to_screen: Transform) -> MovingArtists:
     """The pitch points of all pairs."""
     points = Line2D([], [], transform=to_screen, **PITCH_POINT)
     axes.add_artist(points)
@@ -174,4 +174,4 @@ def pitch_point_artist(axes: Axes, to_screen: Transform) -> Moving:
     def pose(poses: Poses, row: int) -> None:
         points.set_data(*np.array([point[row] for point in poses.pitch_points_mm]).T)
 
-    return Moving((points,), pose)
+    return MovingArtists((points,), pose)

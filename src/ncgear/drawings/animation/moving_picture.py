@@ -23,7 +23,7 @@ from matplotlib.transforms import Affine2D, ScaledTranslation, Transform
 from numpy.typing import NDArray
 
 from ncgear.drawings.animation import artists as looks
-from ncgear.drawings.animation.artists import Moving, standing_artist
+from ncgear.drawings.animation.artists import MovingArtists, standing_artist
 from ncgear.drawings.charts.chart import Chart, Role, decimals_of
 from ncgear.drawings.charts.drawer import Look, draw
 from ncgear.drawings.charts.slider_charts import Quantity, motion_chart
@@ -59,7 +59,7 @@ def draw_standing(axes: Axes, scene: Scene) -> None:
     axes.add_artist(Circle((0.0, 0.0), scene.machine.linkage.crank_mm, fill=False, **looks.ORBIT))
 
 
-def machine(axes: Axes, scene: Scene, pixel_mm: float) -> Iterator[Moving]:
+def machine(axes: Axes, scene: Scene, pixel_mm: float) -> Iterator[MovingArtists]:
     """All moving parts of the whole machine, from the back to the front."""
     bodies = [looks.body_artist(axes, body, pixel_mm, axes.transData) for body in scene.links]
     output, links = bodies[:1], bodies[1:]
@@ -73,13 +73,13 @@ def machine(axes: Axes, scene: Scene, pixel_mm: float) -> Iterator[Moving]:
     yield standing_artist(axes, np.array(scene.axes_mm), looks.SHAFT, axes.transData)
 
 
-def gears(axes: Axes, scene: Scene, pixel_mm: float) -> Iterator[Moving]:
+def gears(axes: Axes, scene: Scene, pixel_mm: float) -> Iterator[MovingArtists]:
     """The gears with their pitch curves, line of centres, pitch points and shafts."""
     yield from _gears(axes, scene, pixel_mm, axes.transData)
     yield standing_artist(axes, np.array(scene.axes_mm), looks.SHAFT, axes.transData)
 
 
-def mesh(axes: Axes, scene: Scene, pixel_mm: float) -> Iterator[Moving]:
+def mesh(axes: Axes, scene: Scene, pixel_mm: float) -> Iterator[MovingArtists]:
     """The gears about the pitch point of the last pair, which stays at the origin of the axes."""
     camera = Affine2D()
 
@@ -87,11 +87,11 @@ def mesh(axes: Axes, scene: Scene, pixel_mm: float) -> Iterator[Moving]:
         x, y = poses.pitch_points_mm[-1][row]
         camera.clear().translate(-float(x), -float(y))
 
-    yield Moving((), pose)
+    yield MovingArtists((), pose)
     yield from _gears(axes, scene, pixel_mm, camera + axes.transData)
 
 
-def _gears(axes: Axes, scene: Scene, pixel_mm: float, to_screen: Transform) -> Iterator[Moving]:
+def _gears(axes: Axes, scene: Scene, pixel_mm: float, to_screen: Transform) -> Iterator[MovingArtists]:
     for pair in scene.pairs:
         yield looks.gear_artists(axes, pair.driving, pixel_mm, to_screen)
         yield looks.gear_artists(axes, pair.driven, pixel_mm, to_screen)
@@ -110,7 +110,7 @@ TICKS = 4
 """Steps of a chart's scale of angles over the loop."""
 
 
-def charts(both: Sequence[Axes], scene: Scene) -> list[Moving]:
+def charts(both: Sequence[Axes], scene: Scene) -> list[MovingArtists]:
     """Displacement and velocity over the loop on two axes, with the present value in words."""
     phi1 = np.linspace(0.0, scene.loop_rad, CURVE_POINTS)
     motion = scene.machine.motion(phi1)
@@ -119,7 +119,7 @@ def charts(both: Sequence[Axes], scene: Scene) -> list[Moving]:
     return [_chart(axes, linkage, motion, quantity) for axes, quantity in zip(both, shown, strict=True)]
 
 
-def _chart(axes: Axes, linkage: Mechanism, motion: OutputMotion, quantity: Quantity) -> Moving:
+def _chart(axes: Axes, linkage: Mechanism, motion: OutputMotion, quantity: Quantity) -> MovingArtists:
     chart = motion_chart(quantity, linkage, motion)
     draw(axes, chart, CHART_LOOK)
     decimals = decimals_of(float(np.abs(chart.own.values).max()), DIGITS)
@@ -133,7 +133,7 @@ def _chart(axes: Axes, linkage: Mechanism, motion: OutputMotion, quantity: Quant
         dot.set_data([degrees(poses.motion.phi1_rad[row])], [value])
         number.set_text(fixed(value, decimals))
 
-    return Moving((dot, number), pose)
+    return MovingArtists((dot, number), pose)
 
 
 ABOVE = 1.06
@@ -172,7 +172,7 @@ def _dress_chart(axes: Axes, chart: Chart, _: str) -> None:
 CHART_LOOK = Look({Role.OWN: {"color": DRIVING, "linewidth": 1.2}}, marks_extremes=False, finish=_dress_chart)
 
 
-def angles(figure: Figure, x: float, y: float) -> Moving:
+def angles(figure: Figure, x: float, y: float) -> MovingArtists:
     """Both angles in words that end at a point given in shares of the figure; only the numbers in them move."""
     style: Style = {"size": NORMAL, "color": INK, "ha": "right", "va": "top", "family": "DejaVu Sans Mono"}
     figure.text(x, y, ANGLES, **style)
@@ -184,7 +184,7 @@ def angles(figure: Figure, x: float, y: float) -> Moving:
         for number, angle in zip(numbers, (poses.motion.phi1_rad[row], poses.motion.phi2_rad[row]), strict=True):
             number.set_text(fixed(degrees(angle), 1))
 
-    return Moving(numbers, pose)
+    return MovingArtists(numbers, pose)
 
 
 DEGREE = "\u00b0"
@@ -222,7 +222,7 @@ class Picture:
     """A figure whose moving artists are drawn frame by frame."""
 
     figure: Figure
-    moving: tuple[Moving, ...]
+    moving: tuple[MovingArtists, ...]
 
     def frames(self, poses: Poses) -> Iterator[Frame]:
         """A frame for each pose."""

@@ -27,7 +27,7 @@ from ncgear.drawings.page.chart_svg import drawn
 from ncgear.drawings.page.scene_svg import closed_path, grid_mm, scene_svg
 from ncgear.drawings.palette import DARK, LIGHT
 from ncgear.drawings.scene.scene import Scene
-from ncgear.errors import DesignError
+from ncgear.errors import DesignError, fault_words
 from ncgear.figures.tables import Table
 from ncgear.figures.terminal import labelled
 from ncgear.numerics.arrays import Array
@@ -118,7 +118,7 @@ def not_made(error: Exception) -> Markup:
     """What an error tells: a refusal by its words, anything else as a fault."""
     if isinstance(error, DesignError):
         return refusal(str(error))
-    return refusal(f"a fault in ncgear, please report it: {type(error).__name__}: {error}")
+    return refusal(fault_words(error))
 
 
 def refusal(words: str) -> Markup:

@@ -46,7 +46,7 @@ from ncgear.figures.advice.verdict import Known, judged
 from ncgear.figures.answers.machine import gear_facts, machine_facts
 from ncgear.figures.balance.parts import figures_of
 from ncgear.figures.best_law import figures_summary
-from ncgear.figures.data_sheet.cut_table import cut_table
+from ncgear.figures.data_sheet.measured_tables import cut_table
 from ncgear.figures.mended import found_words, tried_words
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
@@ -63,8 +63,8 @@ from ncgear.project.balancing import Balancing
 from ncgear.project.best_law import BestLaw
 from ncgear.project.drive import Drive
 from ncgear.project.frontier_run import Frontier
-from ncgear.project.measured import CutGear
 from ncgear.project.mending import Mend, Mending
+from ncgear.project.workshop_measures import CutGear
 from ncgear.ratio.transmission import Law, Transmission
 from ncgear.solids.mesh.pair import GearSolid, SolidPair
 from ncgear.strength.answer import Strength

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.bench import error_words, setting_words, time_words
 from ncgear.figures.numbers import fixed
-from ncgear.project.bench import Stage, dominating
+from ncgear.project.bench import BenchStage, dominating
 
 HEADS = ("recommended", "a build uses", "error", "asked", "time", "share")
 
 
-def bench_answer(stages: Sequence[Stage], name: str, then: str) -> Answer:
+def bench_answer(stages: Sequence[BenchStage], name: str, then: str) -> Answer:
     """A row for each stage, what dominates, and the stages for which nothing tried was fine enough."""
     recommended = [(stage, stage.recommended) for stage in stages]
     whole = sum(trial.time_s for _, trial in recommended if trial)

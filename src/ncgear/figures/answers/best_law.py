@@ -23,8 +23,8 @@ from ncgear.numerics.units import label_and_unit
 from ncgear.optimum.makeable.wishes import Goal
 from ncgear.optimum.task import Figures
 from ncgear.project.best_law import BestLaw
-from ncgear.project.comparison import Comparison
 from ncgear.project.frontier_run import Frontier
+from ncgear.project.sought_machine import SoughtMachine
 
 GOALS = {Goal.WEIGHTED: "least weighted sum"}
 """Words for goals whose own name says too little."""
@@ -99,20 +99,20 @@ def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
     return [*rows, *_without_masses(best)]
 
 
-def _without_masses(best: Comparison) -> list[Row]:
+def _without_masses(best: SoughtMachine) -> list[Row]:
     """That masses are not counted, where the design gives none and has a power."""
     if best.design.masses is not None or best.design.resistance is None:
         return []
     return [Row("masses", ("not counted in power: give them as masses",))]
 
 
-def _lost(beside: Comparison) -> tuple[Fault, ...]:
+def _lost(beside: SoughtMachine) -> tuple[Fault, ...]:
     """What of the motion as given is not kept."""
     lost = beside.not_kept
     return (Fault(f"not kept of the design as given: {lost}"),) if lost else ()
 
 
-def frontier_answer(found: Frontier, beside: Comparison, then: str) -> Answer:
+def frontier_answer(found: Frontier, beside: SoughtMachine, then: str) -> Answer:
     """Some points from least power to least acceleration, and the mechanisms beside them."""
     output = beside.task.linkage.OUTPUT.acceleration
     key = f"peak_acceleration_cycle_{output.ending}"

@@ -46,7 +46,7 @@ def tolerance_answer(tolerated: Tolerated) -> Answer:
     if len(tolerated.pairs) > 1:
         left_out += ["least_play_mm", "largest_play_mm"]
         columns = [
-            _row(f"stage {pair.drive.stage}: ", "least_play_mm", own["least_play_mm"])
+            _row(f"stage {pair.stage}: ", "least_play_mm", own["least_play_mm"])
             for pair, own in zip(tolerated.pairs, pair_percentiles(tolerated), strict=True)
         ]
     columns += [_row("", key, values) for key, values in told.items() if key not in left_out]

@@ -1,16 +1,18 @@
-"""The tables of a data sheet for measuring one gear: over pins in its spaces, and over teeth with a caliper."""
+"""The tables of a data sheet for a workshop: over pins and over teeth with a caliper, and which tools cut a gear."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import floor
 
 import numpy as np
 
 from ncgear.figures.numbers import drawn, shown
 from ncgear.figures.tables import Column, Table, Value, cell_text
+from ncgear.metrology.cut_by import CutBy
 from ncgear.metrology.pins import Misfit, Pins, TwoPins, over_two_pins
 from ncgear.metrology.span import Spans
-from ncgear.project.measured import MeasuredGear
+from ncgear.project.workshop_measures import CutGear, GearMeasures
 
 SPACE = Column("space after tooth")
 
@@ -22,7 +24,7 @@ Spaces = tuple[int, ...]
 Readings = dict[Spaces, float]
 
 
-def pin_tables(gear: MeasuredGear) -> tuple[Table, ...]:
+def pin_tables(gear: GearMeasures) -> tuple[Table, ...]:
     """The distances from the axis over single pins, and over two nearly opposite ones.
 
     Tables without rows or notes are left out.
@@ -30,7 +32,7 @@ def pin_tables(gear: MeasuredGear) -> tuple[Table, ...]:
     return tuple(table for table in (one_pin_table(gear), two_pin_table(gear)) if table.rows or table.notes)
 
 
-def one_pin_table(gear: MeasuredGear) -> Table:
+def one_pin_table(gear: GearMeasures) -> Table:
     """The distances from the axis over pins, in a ring to their near sides: space, centre, distance, its limits."""
     ring, pins, name, tool = gear.working.is_ring, gear.pins, gear.gear.value, gear.tool
     limits = [_over_one(pins_there) for _, pins_there in gear.at_limits]
@@ -43,7 +45,7 @@ def one_pin_table(gear: MeasuredGear) -> Table:
     return Table(title, columns, tuple(rows), _pin_notes(pins, tool), long=True)
 
 
-def two_pin_table(gear: MeasuredGear) -> Table:
+def two_pin_table(gear: GearMeasures) -> Table:
     """The distances over two nearly opposite pins, in a ring between them: both spaces, distance, its limits."""
     word = "between" if gear.working.is_ring else "over"
     columns = (SPACE, Column("and after tooth"), Column(f"{word} two {gear.tool}s", "mm"))
@@ -94,7 +96,7 @@ SPAN_COLUMNS = (
 )
 
 
-def span_table(gear: MeasuredGear) -> tuple[Table, ...]:
+def span_table(gear: GearMeasures) -> tuple[Table, ...]:
     """The spans of a gear, in one row if it is circular; no table where no span is defined."""
     found = gear.spans
     if not found.first.size:
@@ -123,3 +125,27 @@ def _span_notes(found: Spans) -> tuple[str, ...]:
         f"changes as it is tilted until a plate's edge or a tip is touched{missed}",
         "where the reading grows, the caliper settles at the span; where it falls, the span is the greatest reading",
     )
+
+
+CUT_BY = (Column("tool"), Column("result"), Column("because"))
+
+
+def cut_table(gear: CutGear) -> Table:
+    """Tools with their sizes, what each makes of a gear, and why."""
+    largest = gear.round_tool
+    note = (
+        f"least concave radius of the outline {drawn(largest.hollow_mm, 'mm')} mm, in the space after tooth "
+        f"{largest.hollow_space}; a round tool as stated leaves {largest.left_mm:g} mm at most; of a wire the "
+        "diameter counts with its spark gap"
+    )
+    rows = tuple((_named(one), one.verdict.value, one.reason) for one in gear.by)
+    return Table(f"The {gear.gear.value} gear is cut by", CUT_BY, rows, (note,))
+
+
+def _named(one: CutBy) -> str:
+    """The tool with its size; diameters are rounded down, so that the stated one fits."""
+    if one.teeth is not None:
+        return f"{one.tool.value} of {one.teeth} teeth"
+    if one.diameter_mm is not None:
+        return f"{one.tool.value} of {floor(one.diameter_mm * 1000.0) / 1000.0:g} mm or less"
+    return one.tool.value

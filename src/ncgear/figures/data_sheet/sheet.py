@@ -12,9 +12,8 @@ from ncgear.design.keys.gears import PROFILES
 from ncgear.errors import DesignError
 from ncgear.figures.data_sheet.accuracy import tolerances
 from ncgear.figures.data_sheet.bodies import bodies
-from ncgear.figures.data_sheet.cut_table import cut_table
 from ncgear.figures.data_sheet.entry import Entry
-from ncgear.figures.data_sheet.measured_tables import pin_tables, span_table
+from ncgear.figures.data_sheet.measured_tables import cut_table, pin_tables, span_table
 from ncgear.figures.data_sheet.pitch_table import pitch_table
 from ncgear.figures.numbers import micrometres, shown, to_digits
 from ncgear.figures.passed import passed_rows
@@ -26,7 +25,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.measured import MeasuredGear, cut_gears, section_z_mm
+from ncgear.project.workshop_measures import GearMeasures, cut_gears, section_z_mm
 from ncgear.teeth.form import CutterKind
 from ncgear.teeth.lost import Loss, shortening, undercutting
 from ncgear.teeth.reach import root_radii_mm, tip_radii_mm
@@ -125,7 +124,7 @@ def rows_found(tables: Callable[[], tuple[Table, ...]]) -> list[Cells]:
     return [row for table in tables_or_why("", tables) for row in table.rows]
 
 
-def _of_one(pair: Drive, number: int, tables: Callable[[MeasuredGear], tuple[Table, ...]]) -> tuple[Table, ...]:
+def _of_one(pair: Drive, number: int, tables: Callable[[GearMeasures], tuple[Table, ...]]) -> tuple[Table, ...]:
     return tables(pair.measured[number])
 
 
@@ -354,11 +353,11 @@ def _with_amount(numbers: list[int], loss: Callable[[ToothedGear], Loss], gear: 
     return f"{shown(numbers)}, by up to {micrometres(found.amount_mm)} (tooth {found.tooth})"
 
 
-def measurements(drive: Drive, gears: tuple[MeasuredGear, MeasuredGear]) -> tuple[Entry, ...]:
+def measurements(drive: Drive, gears: tuple[GearMeasures, GearMeasures]) -> tuple[Entry, ...]:
     """The means of measuring, and the number of places where they can be used."""
     driving, driven = gears
 
-    def of_both(label: str, value: Callable[[MeasuredGear], Value], unit: str = "") -> Entry:
+    def of_both(label: str, value: Callable[[GearMeasures], Value], unit: str = "") -> Entry:
         return Entry(label, unit, driving=_cell(partial(value, driving)), driven=_cell(partial(value, driven)))
 
     return (
@@ -369,12 +368,12 @@ def measurements(drive: Drive, gears: tuple[MeasuredGear, MeasuredGear]) -> tupl
     )
 
 
-def _spaces(gear: MeasuredGear) -> Value:
+def _spaces(gear: GearMeasures) -> Value:
     measured, spaces = gear.pins.space.size, gear.toothed.teeth - (gear.toothed.flanks.made is not None)
     return "all" if measured == spaces else f"{measured} of {spaces}"
 
 
-def _places(gear: MeasuredGear) -> Value:
+def _places(gear: GearMeasures) -> Value:
     """The number of places in which a span is defined, or why there is none."""
     spans = gear.spans
     if gear.working.is_ring:

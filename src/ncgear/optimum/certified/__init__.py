@@ -1,1 +1,1 @@
-"""The certified limit: what no law can be below, and motions that show how near to it one can come."""
+"""The certified limit: no law has a lower value, and motions show how near a law can come to it."""

@@ -19,10 +19,12 @@ from ncgear.optimum.loads import machine_loads
 from ncgear.optimum.task import Task
 
 PLACES = 240
-"""Places of a cycle: on the baler the limit is then within 0.1 % of what a much finer grid gives."""
+"""Places of a cycle: on the baler the limit is then within 0.1 % of the limit on a much finer grid."""
 
 NEAREST = 0.15
-"""Least distance of two places, in steps of the even grid: the relations of nearer ones lose digits to no gain."""
+"""Least distance of two places, in steps of the even grid: the relations of nearer places lose digits and gain
+nothing.
+"""
 
 SAME = 1e-9
 """Crank angle in rad by which the ends of a stretch may miss the places that were made for them."""
@@ -110,7 +112,9 @@ def cycle(task: Task, places: int = PLACES, at_rad: Sequence[float] = ()) -> Cra
 
 
 def _angles(task: Task, places: int, at_rad: Sequence[float]) -> Array:
-    """Crank angles of all places, rising: both dead centres, then what matters most, then even ones between."""
+    """Crank angles of all places, rising: both dead centres, then the angles that matter most, then even angles
+    between.
+    """
     working = task.linkage.working_angle_rad
     step = 2.0 * pi / places
     kept = [0.0, working]
@@ -166,9 +170,10 @@ def _over_cells(task: Task, angles: Array, step: Array, integrand: Callable[[Arr
 
 
 def _cuts(task: Task, step_rad: float) -> Array:
-    """Crank angles that cut cells of such steps about corners that are narrower, shape (k,).
+    """Crank angles, shape (k,), that cut cells about corners which are narrower than the step.
 
-    Each cut is twice as far from the corner as the one before it, so no part is wider than it is far from there.
+    Each cut is twice as far from the corner as the cut before it, so no part is wider than its distance from the
+    corner.
     """
     cuts = [np.empty(0)]
     for angle, width in task.linkage.corners:

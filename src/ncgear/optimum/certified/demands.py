@@ -1,4 +1,4 @@
-"""What the certified limit demands of a motion: limits that have a convex form, or a relaxed one."""
+"""The demands of the certified limit on a motion: limits that have a convex form or a relaxed form."""
 
 from __future__ import annotations
 
@@ -18,11 +18,12 @@ KINDS = (TimeWithin, EvenSpeed, SpeedWithin, DecelerationWithin)
 
 @dataclass(frozen=True)
 class WishDemand:
-    """What a wish requires of every motion; of a time the upper bound alone, the lower one being that of the rest.
+    """The requirement of a wish on every motion; a time has its upper bound alone, since the rest of the turn has the
+    lower bound.
 
-    ``key`` is the wish's in the design file; a stretch may go on over the end of the turn.  ``shown`` says in words of
-    the wish what would have to be asked for instead, for the value that ``eased`` takes.  Where a stretch must be short
-    so that the rest of the turn, a dwell, can be long, ``instead`` says what would do at the greatest ratio.
+    ``key`` is the key of the wish in the design file; a stretch may go on over the end of the turn.  ``shown`` tells in
+    words of the wish the value to ask for instead, from the value that ``eased`` takes.  Where a stretch must be short
+    so that the rest of the turn, a dwell, can be long, ``instead`` tells the value that is kept at the greatest ratio.
     """
 
     key: str
@@ -85,7 +86,7 @@ class Demands:
         return sorted(self.wishes, key=lambda one: KINDS.index(type(one.asked)))
 
     def requirements(self, kind: type[Asked]) -> list[Asked]:
-        """Those of one kind."""
+        """The requirements of one kind."""
         return [one.asked for one in self.wishes if isinstance(one.asked, kind)]
 
 

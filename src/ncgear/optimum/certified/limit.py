@@ -17,16 +17,17 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.optimum.certified.cycle import CrankCycle, cycle
 from ncgear.optimum.certified.demands import Demands, NearMotion, Ranges
-from ncgear.optimum.certified.motion import MOST_ACCELERATION, ROUNDING, MotionProgramme, needs_times
+from ncgear.optimum.certified.motion import MOST_ACCELERATION, ROUNDING, MotionProgramme
 from ncgear.optimum.certified.problem import LimitProblem
 from ncgear.optimum.certified.proof import Linear, least
 from ncgear.optimum.certified.ranges import cells_that_matter, rows_of_places
 from ncgear.optimum.certified.refusals import refusal, refuse_ratios, turning_point
+from ncgear.optimum.certified.time_rows import needs_times
 from ncgear.optimum.certified.tree import Effort, FigureRanges, Solved, Trials, TriedMotion, bisected, motion_along
 from ncgear.optimum.task import Task
 
 PLACES_ROUGH = 960
-"""Places where pitch curves need not be convex: what is known between the places is then of first order only."""
+"""Places where pitch curves need not be convex: the relations between places are then of first order only."""
 
 PLACES_CURVED = 240
 """Places where they must be; more are added where the driving curve matters."""
@@ -56,8 +57,9 @@ class Motion:
 class Bound:
     """A least value: no law has less.  ``motion`` keeps the limits at ``places`` places, and comes near the value.
 
-    ``reach`` is about what a motion has that keeps all relations: no proof raises the value beyond it; infinite where
-    it is not known.  ``effort`` is what it took to raise the value towards a law; None where it was not.
+    ``reach`` is about the value of a motion that keeps all relations: no proof raises the limit beyond it.  It is
+    infinite where it is not known.  ``effort`` is the work that raised the value towards a law; None where it was not
+    raised.
     """
 
     value: float
@@ -132,10 +134,10 @@ def least_power(task: Task, asked: Demands, places: int | None = None, *, proven
 
 
 def least_of(task: Task, asked: Demands, name: str, places: int | None = None) -> Bound:
-    """Least value of one demand, by its name in ``Demands``, with which the others can be kept.
+    """Least value of a demand, by its name in ``Demands``, with which the other demands can be kept.
 
-    The driving curve is left free, and with masses the limit is a relaxation; ``raised`` gives a higher one beside a
-    law.  Raises NoSuchMechanism as ``least_acceleration`` does.
+    The driving curve is left free, and with masses the limit is a relaxation; ``raised`` gives a higher limit from a
+    known law.  Raises NoSuchMechanism as ``least_acceleration`` does.
     """
     problem = problem_of(task, asked, places).under(**{name: inf})
     found = turning_point(lambda value: problem.under(**{name: value}).excess, _mean_power_w(task), BISECTED)
@@ -151,7 +153,7 @@ def least_of(task: Task, asked: Demands, name: str, places: int | None = None) -
 
 
 def _mean_power_w(task: Task) -> float:
-    """Mean power over the cycle in W, or the order of what moves the masses, if more; as a first guess of any limit."""
+    """Mean power over the cycle in W, or about the power that moves the masses, if more: a first guess of any limit."""
     moving = task.moving.slider_kg * task.linkage.stroke_mm**2 / task.cycle_s**3 / 1e6
     return max(abs(task.work_n_mm) / 1000.0 / task.cycle_s, moving, 1e-3)
 
@@ -193,8 +195,8 @@ def _with_curves(problem: LimitProblem, least_value: LeastValue, name: str, *, p
 def _solved(problem: LimitProblem, least_value: LeastValue, name: str) -> tuple[LimitProblem, Trials, Solved]:
     """The least value without the driving curve, and its motion; raises NoSuchMechanism where there is none.
 
-    Where demands are so tight that no motion is found, of the problem with demands that are a little easier: what is
-    certain of that problem is certain of this one.
+    Where demands are so tight that no motion is found, the problem with slightly easier demands is solved: its certain
+    limit holds for this problem too.
     """
     for factor in EASED:
         easier = problem.eased(factor)
@@ -226,7 +228,7 @@ def q_of(q: Linear, variables: Array) -> Array:
 
 
 def motion_of(on: CrankCycle, q: Array) -> Motion:
-    """The motion with such q at the places of a cycle."""
+    """The motion that has the values ``q`` at the places of a cycle."""
     return Motion(on.crank_angle_rad, np.sqrt(q))
 
 

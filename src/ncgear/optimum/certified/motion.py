@@ -1,4 +1,4 @@
-"""The relations between places that every motion keeps, as a conic programme.
+"""The variables of all motions as a conic programme, and their relations by acceleration, power, speed and energy.
 
 Let phi2 be the crank's angle, s = dphi2/dphi1, q = s^2, primes by phi2.  The variables are q at the places, s there
 (at most the root of q), and the mean of 1/s in each cell, which is its share of driving angle.
@@ -6,100 +6,41 @@ Let phi2 be the crank's angle, s = dphi2/dphi1, q = s^2, primes by phi2.  The va
 - Acceleration w^2 (x'' q + x' q'/2) is the slope of half the squared speed along the slider's way: from place to place
   it changes by at most the peak times the way, and falls by at most a wished deceleration times it.
 - Power F w x' s of a resistance bounds q at each place, and the work of a cell takes its time at full power.  With
-  masses, work and change of kinetic energy of a cell take their time.  The time is a variable of its own that is no
-  less than the true one; where q is known to lie within ranges, it is no more than a chord leaves it.
-- The driven curve, 1/r2 = (1 + s)/a, is convex where 1 + s + s'' >= 0.  So 1 + s lies at or below the sine curve
-  through two places.  For three places in a row that is exact: s0 <= alpha + beta s- + gamma s+.  Squared, it bounds q0
-  by a concave function of q- and q+.  In a cell, the curve through its ends bounds the mean of 1/s from below.
-- The tangent, |s'| <= t (1 + s), lets 1 + s grow by at most exp(t h) in a cell of h rad.
-- The driving curve, 1/r1 = (1 + 1/s)/a, is convex where y'' <= 2 exp(-y) + 2 exp(-y/2), with y = ln q.  Where q is
-  known to lie within a range, the right side lies below its chord a - c y: so y lies at or above the solution of y'' +
-  c y = a through two places (the maximum principle), which for three places in a row is linear.  The variables y lie
-  below the tangents of ln q and above its chord over the range.
+  masses, work and change of kinetic energy of a cell take their time.  The time is a variable that is no less than the
+  true time; where q is known to lie within ranges, a chord limits it from above.
 
-The first three are of the time-optimal control of a path (Verscheure et al., "Time-optimal path tracking for robots: a
-convex optimization approach", IEEE Trans. Automat. Contr. 54 (2009), who use q as well); those of the curves are ours.
+The relations are those of the time-optimal control of a path (Verscheure et al., "Time-optimal path tracking for
+robots: a convex optimization approach", IEEE Trans. Automat. Contr. 54 (2009), who use q as well).
+
+``curve_rows`` adds the shape of the pitch curves, ``time_rows`` the times of cells; ``problem.motion_programme`` puts a
+programme together.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
-from math import inf, isinf, log
+from math import inf, isinf
 
 import numpy as np
 
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.arrays import Array
 from ncgear.optimum.certified.cycle import CrankCycle
-from ncgear.optimum.certified.demands import Demands, NearMotion, Priced, Ranges
+from ncgear.optimum.certified.demands import Demands, Priced, Ranges
 from ncgear.optimum.certified.proof import ConicProgramme, Linear
-from ncgear.optimum.certified.ranges import along, curved
 from ncgear.optimum.task import Task
-from ncgear.wishes.requirements import DecelerationWithin, EvenSpeed, SpeedWithin, TimeWithin
+from ncgear.wishes.requirements import DecelerationWithin, EvenSpeed, SpeedWithin
 
 ROUNDING = 1e-12
 """Relative error that ranges of variables made from other ranges may have, with much to spare."""
 
 MOST_ACCELERATION = 1e4
-"""Peak acceleration in units of crank w^2 beyond which none is told apart; an even crank has one or two."""
-
-
-def motion_programme(
-    task: Task,
-    on: CrankCycle,
-    asked: Demands,
-    curve: Ranges | NearMotion | None = None,
-    *,
-    closed: bool = True,
-    with_peak: bool = False,
-    powers_w: tuple[float, float] = (0.0, inf),
-    priced: Sequence[Priced] = (),
-) -> MotionProgramme:
-    """The programme of all motions that keep the demands, and more that only keep these relations.
-
-    ``curve`` brings the driving curve in.  With ranges, for motions within these.  Near a motion, its relation is that
-    of q'' <= 2 + 2 sqrt(q) + q'^2/q with q'^2/q bounded from below by its tangent: a motion that keeps it has a convex
-    driving curve, but not every such motion keeps it.  That programme finds motions and proves nothing.  Where not
-    ``closed``, the cycle may take any driving angle.  ``powers_w`` is the range of peak powers that is looked at where
-    the peak power is not limited.  The peak of acceleration is a variable ``with_peak``, up to ``MOST_ACCELERATION``,
-    or where it is limited.  Figures that are ``priced`` are variables within their ranges, and demands.
-    """
-    asked = replace(asked, **{one.name: min(one.most, getattr(asked, one.name)) for one in priced})
-    made = MotionProgramme(task, on, asked, curve if isinstance(curve, Ranges) else None, priced)
-    made.limit_acceleration(with_peak)
-    made.limit_power(powers_w)
-    if asked.convex:
-        made.limit_bulge()
-    if not isinf(asked.steepness):
-        made.limit_lean()
-    if isinstance(curve, Ranges):
-        if asked.convex:
-            made.limit_driving_curve(curve)
-        if closed and needs_times(task, asked):
-            made.limit_times(curve)
-    if isinstance(curve, NearMotion):
-        made.follow_driving_curve(curve)
-    made.limit_speeds()
-    made.limit_decelerations()
-    made.limit_energies()
-    made.least_times()
-    made.take_time(closed)
-    return made
-
-
-def needs_times(task: Task, asked: Demands) -> bool:
-    """Whether a longer time than the true one eases a row: those of energies, and those of stretches."""
-    return (
-        task.masses is not None
-        or bool(asked.requirements(TimeWithin))
-        or any(not isinf(one) for one in (asked.braking_w, asked.fluctuation_n_mm, asked.torque_n_mm))
-    )
+"""Largest peak acceleration that is looked at, in units of crank w^2; an even crank has 1 or 2."""
 
 
 @dataclass(frozen=True, eq=False)
 class LimitedFigure:
-    """A limited figure: its share of the most, one expression, and the least share."""
+    """A limited figure: its share of the limit, as an expression, and the least share."""
 
     share: Linear
     least: float
@@ -116,7 +57,7 @@ class MotionProgramme:
 
     ``q`` (s^2), ``turning`` (s) and ``time`` (mean of 1/s in each cell) have one expression for each place.
     ``acceleration`` is in units of crank w^2, ``power_squared`` in units of ``power_unit_w`` squared, ``angle`` is the
-    driving angle that the cycle takes, over that which it has; one expression each.
+    driving angle that the motion takes, over the driving angle of the cycle.  Each is one expression.
     """
 
     def __init__(
@@ -189,7 +130,7 @@ class MotionProgramme:
         on, most = self.on, self.asked.acceleration_mm_s2 / self.acceleration_unit_mm_s2
         self.has_peak = with_peak or not isinf(most)
         if not self.has_peak:
-            self.acceleration = self._constant(np.zeros(1))
+            self.acceleration = self.constant(np.zeros(1))
             return
         self.most_acceleration = top = min(most, MOST_ACCELERATION)
         self.acceleration = self.programme.variable(np.zeros(1), np.full(1, top))
@@ -212,10 +153,10 @@ class MotionProgramme:
         return slope
 
     def limit_decelerations(self) -> None:
-        """Wished decelerations over stretches: the mean over each whole cell, and what a dead centre is come to with.
+        """Wished decelerations over stretches: the mean over each whole cell, and the deceleration at a dead centre.
 
-        A law that keeps the deceleration at every point has no more in the mean, so the rows hold for every such law.
-        What they miss is the swing of the deceleration within a cell, of first order in its step.
+        A law that keeps the deceleration at every point also keeps it in the mean, so the rows hold for every such law.
+        They miss the swing of the deceleration within a cell, which is of first order in the step.
         """
         on = self.on
         for limit in self.asked.requirements(DecelerationWithin):
@@ -223,7 +164,7 @@ class MotionProgramme:
             cells = on.cells_within(*limit.stretch)
             self.falls[cells] = np.minimum(self.falls[cells], most)
             self.programme.positive(self._slope()[cells] + most)
-            # The dead centres at which one of these cells ends
+            # The dead centres at which any of these cells ends
             dead = np.intersect1d(self.next[cells], [0, on.extended])
             self.programme.positive(most - self.q[dead] * (on.bend_mm_rad2[dead] / self.crank))
 
@@ -232,7 +173,7 @@ class MotionProgramme:
         top = float(np.max(self.pressing, initial=0.0))
         self.power_unit_w = top if top > 0.0 else 1.0
         if self.task.masses is not None or not isinf(self.asked.power_w) or top <= 0.0:
-            self.power_squared = self._constant(np.zeros(1))
+            self.power_squared = self.constant(np.zeros(1))
             return
         least, most = (end / top for end in powers_w)
         most = min(most, 1.0 / self.asked.ratio_min)
@@ -247,105 +188,8 @@ class MotionProgramme:
         # The work of a cell at full power: time * power >= work
         lasting = self.on.work_n_mm * self.speed / (1000.0 * top * self.after_h)
         worked = np.nonzero(lasting > 0.0)[0]
-        least_product = self._constant(np.sqrt(lasting[worked]))
+        least_product = self.constant(np.sqrt(lasting[worked]))
         self.programme.product(self.time[worked], root.repeated(worked.size), least_product)
-
-    def limit_bulge(self) -> None:
-        """Three places in a row of a convex driven curve, over alpha, which is of the square of their distance."""
-        near, far = self.before_h, self.after_h
-        whole = np.sin(near + far)
-        beta, gamma = np.sin(far) / whole, np.sin(near) / whole
-        alpha = 2.0 * np.sin(near / 2.0) * np.sin(far / 2.0) / np.cos((near + far) / 2.0)
-        # The geometric mean of the values on both sides
-        low, high = (np.sqrt(ends[self.before] * ends[self.next]) for ends in (self.lowest, self.highest))
-        between = self.programme.variable(low * (1.0 - ROUNDING), high * (1.0 + ROUNDING))
-        self.programme.cone(
-            self.q[self.before] + self.q[self.next], 2.0 * between, self.q[self.before] - self.q[self.next]
-        )
-        roots = 2.0 * (beta * self.turning[self.before] + gamma * self.turning[self.next])
-        squares = (beta**2 / alpha) * self.q[self.before] + (gamma**2 / alpha) * self.q[self.next]
-        mixed = (2.0 * beta * gamma / alpha) * between
-        self.programme.positive(roots + squares + mixed + alpha - self.q * (1.0 / alpha))
-
-    def limit_lean(self) -> None:
-        """1 + s grows by at most exp(t h) from place to place, either way."""
-        cells = self._leaning()
-        here, there = cells, self.next[cells]
-        growth = np.exp(self.asked.steepness * self.after_h[cells])
-        more = np.expm1(self.asked.steepness * self.after_h[cells])
-        for start, end in ((here, there), (there, here)):
-            reach = 2.0 * growth * self.turning[start] + (growth**2 / more) * self.q[start] + more
-            self.programme.positive(reach - self.q[end] * (1.0 / more))
-
-    def _leaning(self) -> IndexArray:
-        """Cells in which the tangent holds 1 + s back more than the ratios do."""
-        widest = log((1.0 + 1.0 / self.asked.ratio_min) / (1.0 + 1.0 / self.asked.ratio_max))
-        return np.nonzero(self.asked.steepness * self.after_h < widest)[0]
-
-    def limit_driving_curve(self, known: Ranges) -> None:
-        """y = ln q within what its range leaves, and three places in a row of a convex driving curve."""
-        cells = np.nonzero((known.least_in_cell > 0.0) & np.isfinite(known.most_in_cell))[0]
-        places = np.unique(np.concatenate([cells, self.next[cells]]))
-        low, high = self.lowest[places], np.maximum(self.highest[places], self.lowest[places])
-        y = self.programme.variable(np.log(low), np.log(high))
-        q = self.q[places]
-        for at in (low, np.sqrt(low * high), high):
-            self.programme.positive(q * (1.0 / at) + (np.log(at) - 1.0) - y)
-        # The chord of ln q over the range; a tangent where the range has no width
-        width = high / low - 1.0
-        rise = np.where(width > 0.0, np.log1p(width) / np.where(width > 0.0, width, 1.0), 1.0)
-        self.programme.positive(y - np.log(low) - (q * (1.0 / low) - 1.0) * rise)
-        inner = np.nonzero(np.isin(self.before[places], cells) & np.isin(places, cells))[0]
-        here = places[inner]
-        number = np.zeros(self.on.count, dtype=int)
-        number[places] = np.arange(places.size)
-        near, far = self.before_h[here], self.after_h[here]
-        least = np.minimum(known.least_in_cell[here], known.least_in_cell[self.before[here]])
-        most = np.maximum(known.most_in_cell[here], known.most_in_cell[self.before[here]])
-        first, second, rest, good = curved(np.log(least), np.log(most), near, far)
-        lowest = first * y[number[self.before[here]]] + second * y[number[self.next[here]]] + rest
-        self.programme.positive((y[inner[good]] - lowest[good]) * (1.0 / (near * far)[good]))
-
-    def follow_driving_curve(self, motion: NearMotion) -> None:
-        """Three places in a row of a driving curve that stays convex by the tangents at a motion."""
-        rate = (motion.rate + motion.rate[self.before]) / 2.0
-        first, second, rest = along(rate, motion.q, self.before_h, self.after_h)
-        lowest = first * self.q[self.before] + second * self.q[self.next] + rest
-        self.programme.positive((self.q - lowest) * (1.0 / (self.before_h * self.after_h)))
-
-    def limit_times(self, known: Ranges) -> None:
-        """Upper bounds of the mean of 1/s in cells: the mean of a bound for each end, which lies below its chord in q.
-
-        A convex driving curve lets ln q bend up by 2 i + 2 i^2 at most, so 1/s lies below the mean of both ends but for
-        the bend.  Else the tangent lets 1 + s fall by exp(-t d) at most over d rad from an end; on half a cell of h rad
-        1/s has the mean -ln(1 - f/s) 2/(t h) then, with f = exp(t h/2) - 1.
-        """
-        cells = np.nonzero((known.least_in_cell > 0.0) & np.isfinite(known.most_in_cell))[0]
-        if self.asked.convex:
-            ratio = 1.0 / np.sqrt(known.least_in_cell[cells])
-            bent = np.exp((2.0 * ratio + 2.0 * ratio**2) * self.after_h[cells] ** 2 / 16.0)
-
-            def mean(s: Array) -> Array:
-                return bent / s
-        else:
-            half = self.asked.steepness * self.after_h / 2.0
-            slowest = np.sqrt(np.minimum(self.lowest, self.lowest[self.next]))
-            cells = cells[np.expm1(half[cells]) < slowest[cells]]
-            half = half[cells]
-
-            def mean(s: Array) -> Array:
-                longest: Array = -np.log1p(-np.expm1(half) / s) / half * (1.0 + ROUNDING)
-                return longest
-
-        for_ends = []
-        for end in (cells, self.next[cells]):
-            low, high = self.lowest[end], np.maximum(self.highest[end], self.lowest[end])
-            longest, width = mean(np.sqrt(low)), high - low
-            fall = np.where(width > ROUNDING * high, longest - mean(np.sqrt(high)), 0.0)
-            for_ends.append((self.q[end] - low) * (-fall / np.maximum(width, ROUNDING * high)) + longest)
-        self.programme.positive((for_ends[0] + for_ends[1]) * 0.5 - self.time[cells])
-        # The times fill the cycle
-        self.programme.positive(self.angle - 1.0)
 
     def limit_speeds(self) -> None:
         """Even speeds over stretches, and ranges of the speed; squared, over crank w."""
@@ -396,7 +240,7 @@ class MotionProgramme:
         most = getattr(self.asked, name)
         if isinf(most):
             return None
-        return self.priced.get(name, LimitedFigure(self._constant(np.ones(1)), 1.0, most))
+        return self.priced.get(name, LimitedFigure(self.constant(np.ones(1)), 1.0, most))
 
     def _limit_flow(self, name: str, given: Linear) -> None:
         """The energy given in each cell takes its time at a peak power.
@@ -430,62 +274,7 @@ class MotionProgramme:
         self.programme.positive(top.repeated(on.count) - level)
         self.programme.positive(level - top.repeated(on.count) + swing.share.repeated(on.count) * (swing.most / size))
 
-    def least_times(self) -> None:
-        """Upper bounds of the mean of s in a cell: its inverse is no more than the mean of 1/s."""
-        one = self._constant(np.ones(self.on.count))
-        ends = (self.turning + self.turning[self.next]) * 0.5
-        if self.asked.convex:
-            wide = np.tan(self.after_h / 2.0) / (self.after_h / 2.0)
-            self.programme.product(self.time, wide * ends + (wide - 1.0), one)
-            return
-        if not isinf(self.asked.steepness):
-            cells = self._leaning()
-            lean = self.asked.steepness * self.after_h[cells] / 2.0
-            wide = np.expm1(lean) / lean
-            self.programme.product(self.time[cells], wide * ends[cells] + (wide - 1.0), one[cells])
-        self._keep_under_roofs()
-
-    def _keep_under_roofs(self) -> None:
-        """A cell's mean of half the squared speed is under the roof that accelerations leave, which limits its time.
-
-        Over a way of length 1 from a to b it rises by A at most and falls by D at most, so it is at most the lower of a
-        + A u and b + D (1 - u) at u.  The mean of that is b + D/2 - (b - a + D)^2/(2 (A + D)).
-        """
-        cells = np.nonzero(np.isfinite(self.falls) | self.has_peak)[0]
-        if not cells.size:
-            return
-        per, falls = 1.0 / self.length[cells], self.falls[cells]
-        here, there = self.energy[cells] * per, self.energy[self.next[cells]] * per
-        fastest = self.on.slope_mm_rad**2 * self.highest / (2.0 * self.crank**2)
-        ends = fastest[cells] * per, fastest[self.next[cells]] * per
-        rising = np.maximum(*ends) + (self.most_acceleration / 2.0 if self.has_peak else inf)
-        top = 1.1 * np.minimum(float(np.max(fastest)) * per, np.minimum(rising, ends[1] + falls / 2.0))
-        mean, root = (
-            self.programme.variable(np.zeros(cells.size), top),
-            self.programme.variable(np.zeros(cells.size), np.sqrt(top)),
-        )
-        peak, fallen = self.acceleration.repeated(cells.size), np.nonzero(np.isfinite(falls))[0]
-        fall, room = falls[fallen], there[fallen] - mean[fallen]
-        if self.has_peak:
-            self.programme.product(peak, 2.0 * here + 2.0 * there + peak - 4.0 * mean, there - here)
-            self.programme.product(peak[fallen] + fall, 2.0 * room + fall, (there - here)[fallen] + fall)
-        else:
-            self.programme.positive(room + fall / 2.0)
-        self.programme.root(root, mean)
-        # time * step >= length / (mean speed), over crank w
-        least = np.sqrt(np.sqrt(self.length[cells] / 2.0) / self.after_h[cells])
-        self.programme.product(self.time[cells], root, self._constant(least))
-
     @staticmethod
-    def _constant(values: Array) -> Linear:
+    def constant(values: Array) -> Linear:
+        """Values as expressions without variables."""
         return Linear(np.zeros((1, values.size), dtype=int), np.zeros((1, values.size)), values)
-
-    def take_time(self, closed: bool) -> None:
-        """The driving angles that the cycle and its stretches have."""
-        if closed:
-            self.programme.positive(1.0 - self.angle)
-        for limit in self.asked.requirements(TimeWithin):
-            cells = self.on.cells_within(*limit.stretch)
-            if cells.size:
-                taken = (self.time[cells] * self.after_h[cells]).total()
-                self.programme.positive((limit.most_rad - taken) * (1.0 / limit.most_rad))

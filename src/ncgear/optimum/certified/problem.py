@@ -2,17 +2,64 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property
-from math import inf, sqrt
+from math import inf, isinf, sqrt
 from typing import Any
 
 from ncgear.frozen import dataclass
+from ncgear.optimum.certified.curve_rows import follow_driving_curve, limit_bulge, limit_driving_curve, limit_lean
 from ncgear.optimum.certified.cycle import CrankCycle
-from ncgear.optimum.certified.demands import Demands, NearMotion, Ranges
-from ncgear.optimum.certified.motion import MotionProgramme, motion_programme
+from ncgear.optimum.certified.demands import Demands, NearMotion, Priced, Ranges
+from ncgear.optimum.certified.motion import MotionProgramme
 from ncgear.optimum.certified.proof import least
+from ncgear.optimum.certified.time_rows import least_times, limit_times, needs_times, take_time
 from ncgear.optimum.task import Task
+
+
+def motion_programme(
+    task: Task,
+    on: CrankCycle,
+    asked: Demands,
+    curve: Ranges | NearMotion | None = None,
+    *,
+    closed: bool = True,
+    with_peak: bool = False,
+    powers_w: tuple[float, float] = (0.0, inf),
+    priced: Sequence[Priced] = (),
+) -> MotionProgramme:
+    """The programme of all motions that keep the demands, and more that only keep these relations.
+
+    ``curve`` brings the driving curve in.  Ranges give its relation for all motions within them.  Near a motion, the
+    relation is q'' <= 2 + 2 sqrt(q) + q'^2/q with q'^2/q bounded from below by its tangent.  A motion that keeps this
+    relation has a convex driving curve, but some motions with a convex driving curve do not keep it.  This programme
+    finds motions and proves nothing.  Where not ``closed``, the cycle may take any driving angle.  ``powers_w`` is the
+    range of peak powers that is looked at where the peak power is not limited.  The peak of acceleration is a variable
+    ``with_peak``, up to ``MOST_ACCELERATION``, or where it is limited.  Figures that are ``priced`` are variables
+    within their ranges, and demands.
+    """
+    asked = replace(asked, **{one.name: min(one.most, getattr(asked, one.name)) for one in priced})
+    made = MotionProgramme(task, on, asked, curve if isinstance(curve, Ranges) else None, priced)
+    made.limit_acceleration(with_peak)
+    made.limit_power(powers_w)
+    if asked.convex:
+        limit_bulge(made)
+    if not isinf(asked.steepness):
+        limit_lean(made)
+    if isinstance(curve, Ranges):
+        if asked.convex:
+            limit_driving_curve(made, curve)
+        if closed and needs_times(task, asked):
+            limit_times(made, curve)
+    if isinstance(curve, NearMotion):
+        follow_driving_curve(made, curve)
+    made.limit_speeds()
+    made.limit_decelerations()
+    made.limit_energies()
+    least_times(made)
+    take_time(made, closed)
+    return made
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,13 +78,17 @@ class LimitProblem:
 
     @cached_property
     def closing(self) -> float:
-        """Least driving angle of a cycle that keeps all other demands, over what it has; infinite where none does."""
+        """Least driving angle of a cycle that keeps all other demands, over the cycle's own; infinite where no motion
+        keeps them.
+        """
         made = self.programme(closed=False)
         return least(made.programme, made.angle).value
 
     @property
     def excess(self) -> float:
-        """By how much the least driving angle is over what the cycle has, as a share of that; zero or less: none."""
+        """Excess of the least driving angle over the cycle's own, as a share of the cycle's; zero or less means no
+        excess.
+        """
         return self.closing - 1.0
 
     @property

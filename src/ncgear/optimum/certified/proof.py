@@ -73,7 +73,7 @@ class Linear:
         return Linear(self.columns[:, places], self.coefficients[:, places], self.constant[places])
 
     def total(self) -> Linear:
-        """The sum of all, as one expression."""
+        """The sum of all expressions, as a single expression."""
         return Linear(
             self.columns.reshape(-1, 1), self.coefficients.reshape(-1, 1), np.sum(self.constant, keepdims=True)
         )
@@ -139,7 +139,7 @@ class ConicAnswer:
 
 
 def least(programme: ConicProgramme, goal: Linear) -> ConicAnswer:
-    """The least value of a goal, one expression, and variables that come near it.
+    """The least value of a goal, a single expression, and variables that come near it.
 
     Raises WrongInput where Clarabel is not installed.
     """
@@ -152,7 +152,7 @@ def least(programme: ConicProgramme, goal: Linear) -> ConicAnswer:
     shapes = [clarabel.NonnegativeConeT(bounds.size - 3 * cones), *[clarabel.SecondOrderConeT(3)] * cones]
     proof = Proof(matrix, bounds, cones, np.concatenate(programme.low), np.concatenate(programme.high), programme.error)
     answer = ConicAnswer(-inf, None)
-    # The rows are scaled already and the proof judges, so the first try does without what costs a third of the time
+    # The rows are scaled already and the proof judges, so the first try leaves out steps that cost a third of the time
     for thorough in (False, True):
         settings = clarabel.DefaultSettings()
         settings.verbose = False
@@ -193,7 +193,7 @@ def _standard_form(programme: ConicProgramme) -> tuple[sparse.csc_matrix, Array,
 
 
 def _interleaved(cones: Sequence[tuple[Linear, Linear, Linear]]) -> list[Linear]:
-    """Rows of cones, the three of one cone after each other."""
+    """Rows of cones: the three rows of a cone follow each other."""
     blocks = []
     for three in cones:
         terms, count = max(one.columns.shape[0] for one in three), three[0].constant.size

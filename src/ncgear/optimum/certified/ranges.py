@@ -72,7 +72,7 @@ class KnownRanges:
     most: Array
 
     def within(self, place: int, least: float, most: float) -> KnownRanges:
-        """The same with a range at one place, unless a narrower one is known."""
+        """The ranges with a range at one place, unless a narrower range is known."""
         low, high = self.least.copy(), self.most.copy()
         low[place] = max(low[place], least)
         high[place] = min(high[place], most)
@@ -95,7 +95,7 @@ FLAT = 0.02
 
 
 def _spare(on: CrankCycle, q: Array) -> Array:
-    """1 + s - s s'' + s'^2 over the size of its terms, shape (n,): what is left until the driving curve is flat."""
+    """1 + s - s s'' + s'^2 over the size of its terms, shape (n,): the room until the driving curve is flat."""
     after, before = on.step_rad, np.roll(on.step_rad, 1)
     s = np.sqrt(q)
     forward, backward = (np.roll(s, -1) - s) / after, (s - np.roll(s, 1)) / before
@@ -118,7 +118,7 @@ def rows_of_places(cells: IndexArray, count: int) -> list[IndexArray]:
 def everywhere(
     on: CrankCycle, known: KnownRanges, stretches: Sequence[PlacesInRow], checkpoints: Sequence[Sequence[int]]
 ) -> Ranges:
-    """Ranges of q at all places and in all cells of the stretches, from those known and between checkpoints."""
+    """Ranges of q at all places and in all cells of the stretches, from known ranges and between checkpoints."""
     least, most = np.zeros(on.count), np.full(on.count, inf)
     least_in_cell, most_in_cell = np.zeros(on.count), np.full(on.count, inf)
     for stretch, chosen in zip(stretches, checkpoints, strict=True):
@@ -139,7 +139,7 @@ def everywhere(
 
 
 def _leaning(known: Array, angle_rad: Array, steepness: float) -> tuple[Array, Array]:
-    """Greatest q at places from those known, and in the cells, where 1 + s changes by exp(t d) at most over d rad.
+    """Greatest q at places from known places, and in the cells, where 1 + s changes by exp(t d) at most over d rad.
 
     With a negative steepness, the least q.
     """
@@ -153,7 +153,7 @@ def _leaning(known: Array, angle_rad: Array, steepness: float) -> tuple[Array, A
 
 
 def _between_upper(known: Array, angle_rad: Array) -> tuple[Array, Array]:
-    """Greatest q at places from those known, and in the cells: 1 + s lies below the sine curve through both ends."""
+    """Greatest q at places from known places, and in the cells: 1 + s lies below the sine curve through both ends."""
     length = angle_rad[-1]
     ends = 1.0 + np.sqrt(known[[0, -1]])
     if not np.all(np.isfinite(ends)):
@@ -165,7 +165,7 @@ def _between_upper(known: Array, angle_rad: Array) -> tuple[Array, Array]:
 
 
 def _between_lower(known: Array, angle_rad: Array, ratio_max: float) -> tuple[Array, Array]:
-    """Least q at places from those known, and in the cells: ln q bends up by 2 i + 2 i^2 at most."""
+    """Least q at places from known places, and in the cells: ln q bends up by 2 i + 2 i^2 at most."""
     length, ends = float(angle_rad[-1]), known[[0, -1]]
     ratio = _greatest_ratio(1.0 / sqrt(float(np.min(ends))), length, ratio_max)
     bend = 2.0 * ratio + 2.0 * ratio**2
@@ -240,7 +240,7 @@ LEAST_C = 0.3
 
 
 def _tangent(product: Array, about: Array) -> Array:
-    """The value of q whose tangent is used: the one given, or the nearest with a c that is not too small."""
+    """The value of q whose tangent is used: the given value, or the nearest value with a c that is not too small."""
     c = product - 1.0 / np.sqrt(about)
     lifted = np.where(c >= 0.0, product - LEAST_C, product + LEAST_C)
     lifted = np.where(lifted > 0.0, lifted, product + LEAST_C)

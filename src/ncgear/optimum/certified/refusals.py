@@ -34,7 +34,8 @@ BEYOND = 10.0
 def turning_point(
     excess: Callable[[float], float], guess: float, fine: float = FINE, step: float = log(2.0)
 ) -> tuple[float, float] | None:
-    """A value whose excess is over zero and a higher one, at most ``fine`` apart, with none; the excess never grows.
+    """A value with an excess over zero and a higher value without excess, at most ``fine`` apart; the excess never
+    grows.
 
     It may be infinite.  The guess, which must be positive, should be right to a share of ``step``.  The first value is
     0 where there is no excess down to 2^-60 of the guess.  None where there is some up to 2^60 times the guess.
@@ -137,7 +138,7 @@ PEAKS = {
 
 
 def _key_and_unit(task: Task, name: str) -> tuple[str, str]:
-    """The dotted key of such a demand, and its unit there, in those of the output."""
+    """The dotted key of a demand, and its unit at this key, in units of the output."""
     key, unit = PEAKS[name]
     if name == "acceleration_mm_s2":
         told = task.linkage.OUTPUT.acceleration
@@ -146,7 +147,9 @@ def _key_and_unit(task: Task, name: str) -> tuple[str, str]:
 
 
 def in_demand(task: Task, name: str) -> float:
-    """What one unit of a limit in a design file is in the unit of the demand: power in W, torque in N mm, and so on."""
+    """The factor from the unit of a limit in a design file to the unit of the demand: power in W, torque in N mm, and
+    so on.
+    """
     # Swing of energy = J w^2 times the coefficient of fluctuation; 1 N mm is 1000 kg mm^2/s^2
     swing = task.speed_rad_s**2 * task.speed_fluctuation / 1000.0
     return {"torque_n_mm": 1000.0, "fluctuation_n_mm": swing}.get(name, 1.0)
@@ -161,8 +164,8 @@ def too_little(task: Task, name: str, value: float, enough: float) -> Refused:
 def refusal(problem: LimitProblem) -> Refused:
     """The error that says why no law keeps the demands: the peaks that bind, then curves and wishes.
 
-    For a peak that is too low whatever the others are, its nearest value with the others as they are, if there is one;
-    else for each peak that binds its nearest value.
+    For a peak that is too low with any values of the others: its nearest value with the others as they are, if it
+    exists.  Else the nearest value of each peak that binds.
     """
     asked, task = problem.asked, problem.task
     given = {name: getattr(asked, name) for name in PEAKS if getattr(asked, name) < inf}
@@ -217,7 +220,7 @@ def _least(problem: LimitProblem, name: str) -> float:
 def _of_curves_and_wishes(problem: LimitProblem) -> Refused:
     """The refusal where no peak is enough: convex curves, the pressure angle or a wish leave no law.
 
-    A wish that cannot be kept alone is told before those that cannot be kept together.
+    A wish that cannot be kept alone is told before wishes that cannot be kept together.
     """
     wishes, bare = problem.asked.in_order, problem.under(wishes=())
     for wish in wishes:
@@ -266,7 +269,7 @@ def _nearest_wish(free: LimitProblem, wish: WishDemand) -> list[Offer]:
 def _eased(problem: LimitProblem, demands: Callable[[float], dict[str, Any]], guess: float) -> float:
     """The least value with which demands that follow from it can be kept, to a share of EASED; infinite where none is.
 
-    On a grid of many places, one of few places tells where to look.
+    Where the grid has many places, a grid of few places tells where to look.
     """
 
     def turned(on: LimitProblem, guess: float, step: float) -> tuple[float, float] | None:
@@ -283,7 +286,7 @@ EASED = 1e-3
 """Relative width of the interval to which the nearest of a wish or of the pressure angle is narrowed."""
 
 FEW_PLACES = 200
-"""Places on which such an interval is looked for first."""
+"""Places on which an interval is looked for first."""
 
 LEAST_EASE = 0.01
 """Where the search for a spread or a range of speeds begins, as a share of the speed."""

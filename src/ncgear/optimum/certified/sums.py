@@ -25,8 +25,8 @@ from ncgear.optimum.certified.limit import (
     q_of,
     tried,
 )
-from ncgear.optimum.certified.motion import MOST_ACCELERATION, MotionProgramme, motion_programme
-from ncgear.optimum.certified.problem import LimitProblem
+from ncgear.optimum.certified.motion import MOST_ACCELERATION, MotionProgramme
+from ncgear.optimum.certified.problem import LimitProblem, motion_programme
 from ncgear.optimum.certified.proof import Linear, least
 from ncgear.optimum.certified.ranges import halves
 from ncgear.optimum.certified.tree import Budget, Effort, FigureRanges, Solved, Trials, TriedMotion, proven, whole_tree
@@ -39,7 +39,7 @@ CLOSE_ENOUGH = 0.99
 """Share of the law from which more places are of no use."""
 
 EARLY = 1.0 / 3.0
-"""Share of the programmes that the first grid may have used for the finer one to have enough of them."""
+"""Share of the programmes that the first grid may use, so that enough of them are left for the finer grid."""
 
 TOLERANCE = 5e-3
 """Relative width to which the least sum is enclosed."""
@@ -135,7 +135,7 @@ def _sum_with_masses(problem: LimitProblem, weights: PeakWeights, tolerance: flo
 def raised(
     task: Task, asked: Demands, prices: Mapping[str, float], law: Mapping[str, float], motion: Motion, budget: Budget
 ) -> tuple[float, Effort]:
-    """A certain least sum of priced figures, by their names in ``Demands``, and what it took to prove it.
+    """A certain least sum of priced figures, by their names in ``Demands``, and the effort of its proof.
 
     From the figures and the motion of a law.  Ranges of q all around the turn, and of the figures, are narrowed and
     divided.  Both pitch curves must be convex, or their tangent limited.  Raises NoSuchMechanism where the demands
@@ -161,7 +161,7 @@ def _raised_on(
     motion: Motion,
     budget: Budget,
 ) -> tuple[float, Effort]:
-    """The same on a grid of so many places."""
+    """The least sum on a grid of this number of places."""
     problem = problem_of(task, asked, places)
     trials, whole = _trials(problem, prices), sum(price * law[name] for name, price in prices.items())
     without = trials.least(None, dict.fromkeys(prices, (0.0, inf)), whole).value

@@ -1,15 +1,15 @@
 """Branch and bound: no motion has less than a target where every part of the motions below it is shown to be empty.
 
-A part is a box: ranges of q at the checkpoints (``ranges``), and of the figures that a sum counts.  All of it lies in
-the ranges that the programmes of its motions leave, so the least and the greatest q at each checkpoint narrow the box,
-and so do the rows that narrower ranges allow.  A box in which nothing is allowed, or whose least value is not below the
-target, is done with; another is narrowed again as long as that pays, and then cut in two where it is widest.  Every
-bound of a box is proven by multipliers (``proof``), and each cut leaves every motion in one of both halves.
+A part is a box: ranges of q at the checkpoints (``ranges``), and of the figures that a sum counts.  The programmes of
+its motions give the least and the greatest q at each checkpoint, which narrow the box; narrower ranges allow narrower
+rows, which narrow it again.  A box is finished where it allows no motion, or where its least value is not below the
+target.  Any other box is narrowed as long as that pays, and then cut in two where it is widest.  Every bound of a box
+is proven by multipliers (``proof``), and each cut leaves every motion in one of both halves.
 
-If the boxes are not all done with after a share of the programmes that may be solved, the target is lowered: what is
-known of motions below a target holds of those below a lower one, and so the boxes that are left are taken on.  Where
-they are done with, and programmes are left, a target between is tried with them.  In the end no motion has less than
-the highest target that was met, or than the least value of any box that is left.
+If some boxes are not finished after a share of the allowed programmes, the target is lowered.  Facts about motions
+below a target also hold for motions below a lower target, so the search goes on with the boxes that are left.  Where
+all boxes are finished, and programmes are left, a target between is tried.  In the end no motion has less than the
+highest target that was met, or than the least value of any box that is left.
 
 This is spatial branch and bound (A. H. Land and A. G. Doig, Econometrica 28 (1960); H. S. Ryoo and N. V. Sahinidis,
 J. Glob. Optim. 8 (1996)) with the tightening of bounds by optimization and its filter (A. M. Gleixner et al., "Three
@@ -57,11 +57,11 @@ FigureRanges = Mapping[str, tuple[float, float]]
 
 @dataclass(frozen=True, eq=False)
 class Trials:
-    """What can be asked of the programmes of one cycle.
+    """The questions to the programmes of one cycle.
 
-    ``least`` gives the least value of the goal with ranges of q, or near a motion (see ``motion.motion_programme``),
-    in ranges of figures; ``below`` the programme of all motions in them whose goal is below a value.  ``prices`` are
-    those of the figures.
+    ``least`` gives the least value of the goal with ranges of q, or near a motion (see ``problem.motion_programme``),
+    in ranges of figures; ``below`` gives the programme of all motions in them whose goal is below a value.  ``prices``
+    are the prices of the figures.
     """
 
     on: CrankCycle
@@ -74,7 +74,8 @@ class Trials:
 class Effort:
     """What the proof of a limit took: programmes solved, and parts into which the motions were divided.
 
-    ``places`` are those of its grid; ``ended`` says whether the limit is as near to the law as they let it be.
+    ``places`` is the number of places of its grid; ``ended`` says whether the limit is as near to the law as this grid
+    allows.
     """
 
     programmes: int
@@ -108,7 +109,7 @@ ENOUGH = 0.001
 """What the limit may lack of the motion's value: the law itself lacks about as much."""
 
 WIDENED = 1.03
-"""Ranges about the law's own q, by this factor to each side, that tell what the grid itself lacks."""
+"""Factor to each side of the law's own q: motions in these ranges tell how much the grid itself misses."""
 
 OVER_GRID = 0.3
 """How much more than that a target lacks, as a share: nearer to it the boxes about the law do not end."""
@@ -127,7 +128,7 @@ PHASE = 0.5
 """Share of the programmes left that a target may take."""
 
 NARROW = 1.1
-"""A range of q this narrow leaves next to nothing of what the relations lack."""
+"""In a range of q that is this narrow the relations miss almost nothing."""
 
 WORTH = 0.85
 """A box is narrowed again while a round leaves less than this share of its widths."""
@@ -147,7 +148,7 @@ LEAST_GAIN = 0.1
 
 
 def motion_along(trials: Trials, found: Solved) -> Solved:
-    """The motion to which a few steps along the tangent of the driving curve's relation lead, from another one."""
+    """The motion after a few steps from another motion, along the tangent of the driving curve's relation."""
     for _ in range(STEPS):
         near = NearMotion(found.q, np.log(np.roll(found.q, -1) / found.q) / trials.on.step_rad)
         step = trials.least(near, {}, inf)
@@ -168,7 +169,7 @@ class MotionBox:
 
 @dataclass(frozen=True, eq=False)
 class Tree:
-    """The stretches in which ranges of q are looked for, and what narrows and divides boxes of them."""
+    """The stretches in which ranges of q are looked for; it narrows and divides boxes of these ranges."""
 
     trials: Trials
     stretches: Sequence[PlacesInRow]
@@ -183,12 +184,12 @@ class Tree:
             if box is None:
                 continue
             if not (halves := self.halves(box)):
-                # No wider than what the relations know: this target is out of reach
+                # No wider than the relations can tell: this target is out of reach
                 stuck.append(box)
                 break
             self.budget.parts += 1
             tried = [self.bounded(half, target) for half in halves]
-            # The one with the higher value comes first, so that few boxes are left beside the hardest
+            # The half with the higher value comes first, so that few boxes are left beside the hardest
             left += sorted((half for half in tried if half is not None), key=lambda half: half.value)
         return [*left, *stuck]
 
@@ -205,7 +206,7 @@ class Tree:
             box = after
 
     def round(self, box: MotionBox, target: float) -> MotionBox | None:
-        """A box with the range at each checkpoint, and of each figure, narrowed once; None where one is empty."""
+        """A box with the range at each checkpoint, and of each figure, narrowed once; None where a range is empty."""
         seen = Seen(self.trials.on.count)
         for name in box.figures if len(box.figures) > 1 else ():
             made = self.trials.below(self.ranges(box), box.figures, target)
@@ -308,7 +309,7 @@ class Seen:
         self.least, self.most = np.minimum(self.least, q), np.maximum(self.most, q)
 
     def worth(self, place: int, low: float, high: float) -> list[float]:
-        """The sides of a range that may move by enough: 1 for the lower one, -1 for the upper one."""
+        """The sides of a range that may move by enough: 1 for the lower side, -1 for the upper side."""
         room = LEAST_GAIN * log(high / low)
         sides = {1.0: log(max(self.least[place], low) / low), -1.0: log(high / max(min(self.most[place], high), low))}
         return [side for side, gain in sides.items() if gain > room]
@@ -317,8 +318,8 @@ class Seen:
 def bisected(trials: Trials, parts: Sequence[IndexArray], without: float, motion: Solved, asked: Demands) -> float:
     """A certain least value with ranges of q in parts of the turn, places in a row each, from one box.
 
-    ``without`` is what is certain without ranges, ``motion`` one that keeps all relations.  The target is halfway back
-    to what is certain, as often as the box is not empty.
+    ``without`` is the certain limit without ranges, ``motion`` a motion that keeps all relations.  Each time the box is
+    not empty, the target goes halfway back to the certain limit.
     """
     tree, box = whole_tree(trials, parts, without, motion, asked, Budget(0))
     target = (1.0 - ENOUGH) * motion.value
@@ -331,9 +332,9 @@ def bisected(trials: Trials, parts: Sequence[IndexArray], without: float, motion
 
 
 def proven(tree: Tree, whole: MotionBox, law: float, lacking: float) -> tuple[float, Effort]:
-    """A certain least value, from boxes into which the whole one is divided, and what it took.
+    """A certain least value, from boxes into which the whole box is divided, and the effort.
 
-    ``law`` is a value that a law has, ``lacking`` what the grid misses of it.
+    ``law`` is the value of a law, ``lacking`` the part of it that the grid misses.
     """
     budget, without = tree.budget, whole.value
     # One box alone first: it may be narrow enough for the highest target

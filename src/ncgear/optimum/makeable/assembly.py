@@ -1,8 +1,8 @@
-"""The functions that an interior-point method needs, put together from one small function of one place.
+"""The functions that an interior-point method needs, put together from a small function of a single place.
 
 A ratio at a place depends on four coefficients of its spline, and every row is a sum of terms local to places.  The
-terms at one place, with their first and second derivatives by casadi, therefore give all sparse matrices: their entries
-are those of the small function at all places, times constant matrices that are made once.
+terms at one place, with their first and second derivatives by casadi, therefore give all sparse matrices: the entries
+are the values of the small function at all places, times constant matrices that are made once.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ LOCAL = 3
 
 @dataclass(frozen=True, eq=False)
 class LocalTerms:
-    """Terms at one place, and those entries of their first and second derivatives that are not always zero.
+    """Terms at one place, and all entries of their first and second derivatives that are not always zero.
 
-    ``values`` and ``slopes`` are casadi functions of the variables at a place, which are those of the ratios (3 per
-    pair) and then those of the whole that terms depend on, and of the slider there; ``bends`` also of weights of the
-    terms, whose weighted sum it derives twice.  ``of_slopes`` names the entries by term and variable, ``of_bends`` by
-    two variables, shape (2, entries).  ``counts`` are the numbers of every level's terms.
+    ``values`` and ``slopes`` are casadi functions of the variables at a place and of the slider there.  The variables
+    are of the ratios (3 per pair), then of the whole law as far as terms depend on them.  ``bends`` also takes weights
+    of the terms, and derives their weighted sum twice.  ``of_slopes`` names the entries by term and variable,
+    ``of_bends`` by two variables, shape (2, entries).  ``counts`` are the numbers of every level's terms.
     """
 
     counts: Sequence[int]
@@ -43,7 +43,7 @@ class LocalTerms:
 
 
 def local_terms(levels: Sequence[Level], pairs: int) -> LocalTerms:
-    """The terms of levels and those that close the turn."""
+    """The terms of levels, and the terms that close the turn."""
     ratio = [casadi.SX.sym("ratio", LOCAL) for _ in range(pairs)]
     length = [casadi.SX.sym("length") for _ in range(pairs)]
     data = casadi.SX.sym("slider", len(Slider._fields))
@@ -76,7 +76,7 @@ def _entries(matrix: Any) -> Any:
 
 @dataclass(frozen=True, eq=False)
 class _Combined:
-    """A sparse matrix with entries that are constant combinations of local ones, beside constant ones."""
+    """A sparse matrix whose entries are constant, or constant combinations of local entries."""
 
     sparsity: Any
     combining: Any
@@ -120,7 +120,7 @@ class Assembly:
 
     @property
     def variables(self) -> int:
-        """Number of all variables: coefficients, then those of the whole."""
+        """Number of all variables: coefficients, then variables of the whole law."""
         return self._splines + self.rows.wholes
 
     def _reach(self, variable: Any, place: Any) -> tuple[Any, Any]:

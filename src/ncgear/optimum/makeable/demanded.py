@@ -1,4 +1,4 @@
-"""What of the wishes the certified limit knows, and what it does not."""
+"""The wishes that the certified limit knows, and the wishes that it does not know."""
 
 from __future__ import annotations
 
@@ -176,8 +176,8 @@ def raised_limit(
 ) -> Bound:
     """The limit of a goal, raised towards the figures of a law, if it is not close to them, from the law's motion.
 
-    Where it is close to what a motion of the places has, the law is what could come nearer, with more knots.  Ranges of
-    q all around the turn can raise it where both curves must be convex or the pressure angle is limited, and cases of
+    Where the limit is close to a motion of the places, the law could come nearer to it with more knots.  Ranges of q
+    all around the turn can raise it where both curves must be convex or the pressure angle is limited, and cases of
     driving ranges where there are some.  ``tell`` is called with the numbers of cases, or of programmes, solved and at
     most to be solved.
     """
@@ -198,7 +198,7 @@ def raised_limit(
 def _by_cases(task: Task, wishes: Wishes, known: float, law: float, tell: Callable[[int, int], None]) -> float:
     """The least limit of all cases of driving ranges; the case with the least one is halved until it is close to a law.
 
-    ``known`` is the limit of all laws.  The value is never over that of the law, which is in one of the cases.
+    ``known`` is the limit of all laws.  The value is never over the value of the law, which is in one of the cases.
     """
     every = _every_law(task, wishes)
     left: list[tuple[float, int, Case]] = [(known, 0, every)] if every else []
@@ -244,11 +244,11 @@ def _refuse_together(task: Task, asked: Demands) -> None:
 
 
 def start_motion(task: Task, wishes: Wishes, bound: Bound | None = None) -> Motion:
-    """Where the search for a law starts: the motion of the certified limit, or of that of acceleration.
+    """Where the search for a law starts: the motion of the certified limit, or of the limit of acceleration.
 
-    Soft wishes over driving angles count as hard here where some motion may keep them: from the crank angles that the
-    best law without them passes, the search does not find those of the law that keeps them.  Raises NoSuchMechanism
-    where certainly no law keeps the limits.
+    Soft wishes over driving angles count as hard here where some motion may keep them: from the crank angles of the
+    best law without these wishes, the search does not find the crank angles of the law that keeps them.  Raises
+    NoSuchMechanism where certainly no law keeps the limits.
     """
     soft = [number for number in ranges(wishes) if not wishes.motion[number].hard]
     if soft:

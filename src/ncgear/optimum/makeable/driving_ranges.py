@@ -2,9 +2,9 @@
 
 Which crank angles a law passes in a range of driving angles is known when the law is.  A search therefore holds the
 bound over given crank angles and asks that the law begins them no later, and ends them no earlier, than the range; such
-a law keeps the wish.  The crank angles begin as those that a first law passes, and are moved, each end by itself, as
-long as the law found over them is better.  The certified limit holds the bound where every law is within the range,
-or tells the laws apart by the crank angles at which they begin and end it.
+a law keeps the wish.  A first law gives the crank angles.  Then each end is moved by itself, as long as the law found
+over them is better.  The certified limit holds the bound where every law is within the range, or tells the laws apart
+by the crank angles at which they begin and end it.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from ncgear.wishes.requirements import DrivingRange, Requirement, passed_no_earl
 from ncgear.wishes.wish import DrivingWish
 
 STEPS = (0.1, 0.03)
-"""Crank angles in rad by which ends are moved, one after the other: the second leaves a degree."""
+"""Crank angles in rad by which ends are moved, in turn: the second step leaves a degree."""
 
 MOST_MOVES = 4
 """Moves of one end by a step at most; a search takes a second or so."""
 
 BETTER = 1e-4
-"""Share of what is to be least by which a law must be better for crank angles to be moved."""
+"""Share of the goal by which a law must be better for crank angles to be moved."""
 
 LEAST = 1e-3
 """Crank angle in rad that a stretch keeps, from end to end and to the dead centre that it begins or ends at."""
@@ -43,7 +43,7 @@ class FoundLaw(Protocol):
         """How the crank turns."""
 
     def cost(self, first: float) -> float:
-        """What is to be least, with what soft wishes cost where it is ``first``."""
+        """The goal; where it is ``first``, with the costs of soft wishes."""
 
     @property
     def goal(self) -> float:
@@ -56,7 +56,7 @@ Found = TypeVar("Found", bound=FoundLaw)
 class Passed(NamedTuple):
     """The least and the greatest crank angle in rad at which laws begin a driving range, and at which they end it.
 
-    All laws are in one such case; halved again and again, the cases tell what each law passes in the range.
+    Every law is in one case; halved again and again, the cases tell the crank angles of each law in the range.
     """
 
     start: tuple[float, float]
@@ -68,7 +68,7 @@ class Passed(NamedTuple):
         return max(most - least for least, most in self)
 
     def halves(self) -> list[Passed]:
-        """Two cases, one of which each law of this one is in."""
+        """Two cases; each law of this case is in one of them."""
         number = max((0, 1), key=lambda number: self[number][1] - self[number][0])
         least, most = self[number]
         middle = (least + most) / 2.0
@@ -90,7 +90,8 @@ class Passed(NamedTuple):
 def passed_by_all(driving: DrivingRange, cycle_rad: float, ratio_min: float, ratio_max: float) -> Passed:
     """The case of every law with i12 = dphi1/dphi2 in a range.
 
-    The crank turns by phi1/i12_max to phi1/i12_min from the retracted dead centre on, and so back from the next one.
+    The crank turns by phi1/i12_max to phi1/i12_min from the retracted dead centre on, and likewise back from the next
+    retracted dead centre.
     """
 
     def turned(phi1: float) -> tuple[float, float]:
@@ -150,7 +151,9 @@ def best_held(wishes: Wishes, found: Found, find: Callable[[Wishes, Motion], Fou
 
 
 def _moved(wishes: Wishes, number: int, end: int, step: float) -> Iterator[Wishes]:
-    """The wishes with one end of a range's crank angles moved further and further; not one at the retracted end."""
+    """The wishes with an end of a range's crank angles moved further and further; an end at the retracted dead centre
+    stays.
+    """
     crank = _driving(wishes, number).crank
     turn = 2.0 * pi * np.floor(crank[end] / (2.0 * pi))
     if not turn < crank[end] < turn + 2.0 * pi:

@@ -30,7 +30,7 @@ from ncgear.ratio.transmission import Lobes, Train, single
 from ncgear.wishes.wish import Offer
 
 NO_EXCESS = 1e-6
-"""Excess over caps that counts as none: far under what is left between the places of the programme."""
+"""Excess over caps that counts as none: far under the excess between the places of the programme."""
 
 PRESSING = 1e-4
 """Share in keeping up the excess below which a cap counts as having none."""
@@ -39,10 +39,10 @@ DEARER = 10.0
 """How many times more an excess over the other caps costs than it gains: it is left only where no law is without."""
 
 CHEAP = 0.1
-"""Share of the excess below which a higher price may do away with what is left."""
+"""Share of the excess below which a higher price may remove the rest."""
 
 TOGETHER = 1e3
-"""Price of an excess over all caps where several levels are free, in units that are of the order of one."""
+"""Price of an excess over all caps where several levels are free, in units of the order of 1."""
 
 ANY_DENT = 10.0
 """Depth of a dent, in units of the level of convexity, that no law of any use has."""
@@ -92,7 +92,7 @@ class MakeableLaw:
         return float(sum(level.weight * value for level, value in zip(self.levels, self.reached, strict=True)))
 
     def cost(self, first: float) -> float:
-        """What was to be least with what soft wishes cost where it is ``first``."""
+        """The goal; where it is ``first``, with the costs of soft wishes."""
         return cost(self.levels, goal_weights(self.levels, first), self.reached)
 
 
@@ -150,7 +150,7 @@ def _kept_law(task: Task, wishes: Wishes, start: Motion, number: int | None = No
 
 
 def _weighed(search: LawSearch, law: MakeableLaw) -> MakeableLaw:
-    """The law found from another, with soft wishes that count in shares of what the other has of the goal."""
+    """The law found from another law, with soft wishes that count in shares of the other law's goal."""
     if not any(level.share_of_goal for level in law.levels):
         return law
     ratio = [law.ratio] if law.second is None else [law.ratio, law.second]
@@ -160,7 +160,7 @@ def _weighed(search: LawSearch, law: MakeableLaw) -> MakeableLaw:
 
 
 def _kept_at_last(search: LawSearch, start: Array) -> MakeableLaw:
-    """The law found from the one that comes nearest to keeping all limits; raises NoSuchMechanism where none is."""
+    """The law found from the law that comes nearest to all limits; raises NoSuchMechanism where no law keeps them."""
     near = _nearest(search, start)
     if near.excess > NO_EXCESS:
         raise _cannot_be(search, near)
@@ -178,8 +178,9 @@ def _nearest(search: LawSearch, start: Array) -> Solution:
 def _kept_between(search: LawSearch, near: Array) -> MakeableLaw:
     """A law that keeps all limits between the places too, from coefficients that keep them at the places.
 
-    Raises NoSuchMechanism with the least value found of each limit with which a law keeps all others everywhere; where
-    none was found, with what the coefficients reach of those that they overstep.
+    Raises NoSuchMechanism.  It names, for each limit, the least value found with which a law keeps all other limits
+    everywhere.  Where no such law was found, it names the values that the coefficients reach of the limits that they
+    overstep.
     """
     levels, reached = search.programme.levels, search.reached(near)
     limited = dict.fromkeys(level.wish for level in levels if level.limit is not None and level.wish != CONVEX)
@@ -196,15 +197,18 @@ def _kept_between(search: LawSearch, near: Array) -> MakeableLaw:
 
 
 def _kept_without(search: LawSearch, wishes: Sequence[str], *starts: Array | Solution) -> Kept | None:
-    """Coefficients that keep all limits but some everywhere, and those as nearly as they can, from the first start."""
+    """Coefficients that keep all limits everywhere but a few, and come as near to these few as they can, from the first
+    start.
+    """
     freed = _freed(search, wishes)
     return next((found for start in starts if (found := kept(freed, start)) is not None), None)
 
 
 def _freed(search: LawSearch, wishes: Sequence[str]) -> LawSearch:
-    """The search that keeps all limits but those of these wishes, each of them as nearly as it can, and no nearer.
+    """The search that keeps all limits except the limits of these wishes; it comes to each of these as near as it can,
+    and no nearer.
 
-    Of a wish with two sides, such as a place at an angle, no law is better for a side that has room.
+    Of a wish with two sides, as a place at an angle, no law is better for a side that has room.
     """
     levels = search.programme.levels
     freed = np.array([level.wish in wishes for level in levels])
@@ -229,7 +233,7 @@ def law_of(search: LawSearch, found: Kept) -> MakeableLaw:
 
 
 def _cannot_be(search: LawSearch, near: Solution) -> Refused:
-    """The refusal: what each limit would have to be with all the others, or several of them together."""
+    """The refusal: the value that each limit needs with all other limits, or the values of several limits together."""
     alone = [
         easing
         for wish, found in _eased(search, near)
@@ -273,8 +277,8 @@ Eased = Callable[[float], list[Offer]]
 def found_instead(task: Task, wishes: Wishes, over: float = NO_EXCESS) -> list[Eased]:
     """Limits and wishes, each eased alone to a value with which a law was found that keeps all others everywhere.
 
-    For wishes that no law keeps all of.  Laws of few knots are looked for, which take about a second: with more knots
-    less easing may do.  Empty where no law was found, and where one oversteps all limits by no more than ``over``.
+    For wishes of which no law keeps all.  The laws have few knots and take about a second each; with more knots less
+    easing may be enough.  Empty where no law was found, and where a law oversteps all limits by no more than ``over``.
     """
     found = (list(_found_instead(search, over)) for search in _few_knots(task, wishes))
     return next(filter(None, found), [])
@@ -308,8 +312,8 @@ def _freed_together(
 ) -> tuple[list[str], Solution | None]:
     """Wishes, of those that may give way, without which a law keeps all others at the places, and that law.
 
-    The most pressing wish is given up, then the one that presses most without it, and so on; then each is kept again
-    where the others are enough.  The law is None where none was found.
+    The most pressing wish is given up, then the wish that presses most without it, and so on.  Then each is kept again
+    where the others are enough.  The law is None where no law was found.
     """
     freed: list[str] = []
     found: Solution | None = near
@@ -355,7 +359,7 @@ def keeps_all(task: Task, wishes: Wishes) -> bool:
 
 
 def _from_even(search: LawSearch) -> Kept | None:
-    """The law found from an even crank, at once or from the one that comes nearest to keeping all limits."""
+    """The law found from an even crank: directly, or from the law that comes nearest to all limits."""
     begun = search.begun(EVEN)
     if (found := kept(search, begun)) is not None:
         return found
@@ -366,8 +370,8 @@ def _from_even(search: LawSearch) -> Kept | None:
 def _without(search: LawSearch, wishes: Sequence[str], price: float, near: Solution) -> Solution | None:
     """The law with these wishes' levels as low as they go; an excess over all other caps costs the price.
 
-    Where the method does not settle from the coefficients of the nearest law, it goes on from all its variables; where
-    what little is left of an excess was too cheap, with a higher price.
+    Where the method does not settle from the coefficients of the nearest law, it goes on from all its variables.  Where
+    a small excess is left because it was too cheap, it goes on with a higher price.
     """
     free = _freed(search, wishes)
     nearest = free.programme.nearest

@@ -1,7 +1,7 @@
 """A level: a number that bounds something around the turn.  A limit holds it down; a goal makes it as low as it goes.
 
-What a level bounds is told by terms at one place of the crank (``quantities.py``) and by its kind: the largest value of
-the terms, how far they spread, an integral of them over the driving angle, or how far such an integral swings.
+A level bounds a figure of terms at a place of the crank (``quantities.py``).  Its kind tells which: the largest value
+of the terms, their spread, their integral over the driving angle, or the swing of such an integral.
 """
 
 from __future__ import annotations
@@ -35,15 +35,15 @@ Sides = Callable[[Place, Slider, Term], tuple[Term, ...]]
 class LevelKind(Enum):
     """What a level bounds, from its terms at the places of its stretch.
 
-    An integral is one over the driving angle phi1 in rad, so that of the term 1.0 is the driving angle that a stretch
-    takes, and of a term divided by the cycle the term's mean over time.
+    An integral is over the driving angle phi1 in rad.  So the integral of the term 1.0 is the driving angle that a
+    stretch takes, and the integral of a term divided by the cycle is the term's mean over time.
     """
 
     PEAK = "peak"
     """The largest value of every term."""
 
     SPREAD = "spread"
-    """The largest value of every term less its least one."""
+    """The largest value of every term less its least value."""
 
     INTEGRAL = "integral"
     """Every term's integral over the stretch, less ``target``: at most the level.  Negative terms bound it below."""
@@ -62,13 +62,14 @@ TURN = CrankStretch(0.0, 2.0 * pi)
 class Level:
     """One level: the ``wish`` that it comes from, its ``limit`` (None: none) and its ``weight`` in the goal.
 
-    Terms and limit are in units in which they are of the order of one; ``shown`` says what the user's limit would
-    have to be for a level that exceeds it.  ``of_pairs`` is true for a level of every pair of gears, false for
-    one of the machine as a whole.  Beyond ``widest`` no limit can be asked for.  Integrals and swings are levels of the
-    machine as a whole; the integral of a pair's term would be one over the driving angle of the whole train, too.
+    Terms and limit are in units in which they are of the order of 1; ``shown`` tells the limit that the user would need
+    for a level that exceeds it.  ``of_pairs`` is true for a level of every pair of gears, false for a level of the
+    whole machine.  Beyond ``widest`` no limit can be asked for.  Integrals and swings are levels of the whole machine,
+    since the integral of a pair's term would be over the driving angle of the whole train, too.
 
     ``group`` is the group of keys that the wish belongs to, with its dot.  Below ``floor`` a level costs no less.
-    ``share_of_goal`` is what one unit costs in shares of what is least without any such level: so soft wishes count.
+    ``share_of_goal`` is the cost of a unit in shares of the least goal without such levels: soft wishes count like
+    this.
     """
 
     wish: str
@@ -121,13 +122,13 @@ def limited(
     return Level(name, limit, weight, sides, lambda level: limit_offer(name, words, number(level)), **more)
 
 
-# --- what a machine feels with its masses, in units of the order of what a crank that turns evenly feels -----------
+# --- forces of a machine with its masses, in units of the order of the forces at a crank that turns evenly ----------
 
 LEAST_N_MM, LEAST_N = 1.0, 1e-3
 """Least units of torque and force, for a machine that feels next to nothing."""
 
 ROUND = 1e-4
-"""Force, in its unit, by which the size of a force is rounded where it is zero; at a peak of one unit it adds 5e-9."""
+"""Force, in its unit, by which the size of a force is rounded where it is zero; it adds 5e-9 to a peak of 1 unit."""
 
 
 @dataclass(frozen=True)
@@ -157,14 +158,16 @@ def machine_scales(task: Task, slider: Slider) -> MachineScales:
 
 
 def of_loads(task: Task, units: MachineScales, limits: Limits, prices: Prices) -> Iterator[Level]:
-    """The levels of all limits and prices on what the machine feels: the figures of these names in ``Figures``."""
+    """The levels of all limits and prices on forces of the machine: the figures of these names in ``Figures``."""
     speed, torque = task.speed_rad_s, units.torque_n_mm
 
     def driving(at: Place, slider: Slider, _: Term = 0.0) -> Term:
         return quantities.driving_torque(at, slider, speed) / torque
 
     def level(name: str, words: str, unit: float, sides: Sides, kind: LevelKind = LevelKind.PEAK) -> Iterator[Level]:
-        """The level of a figure that has a limit or a price; ``unit`` is what one unit of it is in the figure's."""
+        """The level of a figure that has a limit or a price; ``unit`` is the unit of the level in units of the
+        figure.
+        """
         limit, price = getattr(limits, name), getattr(prices, name, 0.0)
         if limit is not None or price:
             cap = None if limit is None else limit / unit
@@ -206,7 +209,9 @@ def of_loads(task: Task, units: MachineScales, limits: Limits, prices: Prices) -
 
 
 def _tooth_force(task: Task, limit: float) -> Level:
-    """The force of the flanks that carry: of those that do not, the other sign is far under the limit."""
+    """The force of the flanks that carry; the value with the other sign, of flanks that do not carry, is far under the
+    limit.
+    """
     size = task.gears
     assert size is not None
     lobes, idle = task.lobes.driving, size.idle_angle_rad

@@ -1,11 +1,12 @@
-"""Levels of what a person wishes of the motion: even speeds, speeds at places, and driving angles of stretches.
+"""Levels of a person's wishes of the motion: even speeds, speeds at places, and driving angles of stretches.
 
-A wish says what it asks by requirements on stretches of the crank (``ncgear.wishes.requirements``); here each becomes a
-level.  Speeds count by their logarithm, ln(w |x'|) - ln i12, which is linear in the spline, and times by the integral
-of i12, the driving angle that a stretch takes.
+A wish has requirements on stretches of the crank (``ncgear.wishes.requirements``); here each becomes a level.  Speeds
+count by their logarithm, ln(w |x'|) - ln i12, which is linear in the spline, and times by the integral of i12, the
+driving angle that a stretch takes.
 
-A hard wish is a limit.  A soft one is a level that costs nothing down to its ``floor``: its weight is the wish's per
-share of the speed (the logarithm's small differences) or of the cycle's driving angle, in shares of the goal.
+A hard wish is a limit.  A soft wish is a level that costs nothing down to its ``floor``.  Its weight is the weight of
+the wish per share of the speed (the logarithm's small differences) or of the cycle's driving angle, in shares of the
+goal.
 """
 
 from __future__ import annotations
@@ -54,7 +55,9 @@ def _level(
     per_share: float = 1.0,
     target: float = 0.0,
 ) -> Level:
-    """A hard wish's level of at most ``most``; a soft one's costs from there on, ``per_share`` of it a share."""
+    """The level of a wish: a hard wish keeps it to ``most``; a soft wish costs from ``most`` on, by shares of
+    ``per_share``.
+    """
     return Level(
         wish.key,
         most if wish.hard else None,
@@ -105,9 +108,10 @@ def _speed(task: Task, wish: Wish, asked: SpeedWithin) -> Level:
 
 
 def _deceleration(task: Task, wish: Wish, asked: DecelerationWithin) -> Level:
-    """Deceleration over ``most_mm_s2``, less one; the speed falls where acceleration is against velocity.
+    """Deceleration over ``most_mm_s2``, less 1; the speed falls where acceleration is against velocity.
 
-    One level for both strokes.  x' has the sign of the stroke at every place, since those at dead centres are moved in.
+    Both strokes have one level. x' has the sign of the stroke at every place, since places at dead centres are moved
+    in.
     """
 
     def sides(at: Place, slider: Slider, _: Term) -> tuple[Term, ...]:

@@ -63,7 +63,7 @@ class Places:
         return np.nonzero((middle - stretch.start_rad) % A_TURN < stretch.end_rad - stretch.start_rad)[0]
 
     def within(self, stretch: CrankStretch) -> IndexArray:
-        """Numbers of the places in a stretch; of all at its one angle, where it has no length."""
+        """Numbers of the places in a stretch; where it has no length, of all places at its angle."""
         if stretch.end_rad > stretch.start_rad:
             return np.unique(self.number[self.cells(stretch)])
         apart = np.abs((self.angle_rad - stretch.start_rad + pi) % A_TURN - pi)
@@ -93,7 +93,7 @@ def places(task: Task, ends_rad: Array, steps: int) -> Places:
     cells, width = ends_rad.size - 1, np.diff(ends_rad)
     share = np.arange(steps + 1.0) / steps
     working = int(np.argmin(np.abs(ends_rad - task.linkage.working_angle_rad)))
-    # The extended dead centre is a place of the cell before it and another one of the cell behind it
+    # The extended dead centre is a place of the cell before it and another place of the cell behind it
     number = np.arange(cells)[:, None] * steps + np.arange(steps + 1)
     number[working:] += 1
     angle = np.empty(number[-1, -1] + 1)

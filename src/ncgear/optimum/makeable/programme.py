@@ -1,6 +1,6 @@
 """The nonlinear programme of a makeable law: splines of ln i12 under levels, for an interior-point method.
 
-``rows.py`` says what is held, ``assembly.py`` gives it to the solver with exact first and second derivatives.  With two
+``rows.py`` has the rows, ``assembly.py`` gives them to the solver with exact first and second derivatives.  With two
 stages there are two splines, ln i12 and ln iB.
 """
 
@@ -29,15 +29,15 @@ STOPPED = "User_Requested_Stop"
 """The solver's status after Ctrl-C."""
 
 AHEAD = 0.1
-"""How far levels start above what the start reaches: an interior-point method begins inside."""
+"""How far levels begin above the levels of the start: an interior-point method begins inside."""
 
 
 @dataclass(frozen=True, eq=False)
 class Solution:
     """A local optimum: coefficients of every spline, shape (pairs n,); all variables and multipliers, to go on from.
 
-    ``excess`` is by how much all caps are overstepped; ``levels`` has what every level is at the programme's places,
-    ``pressing`` each cap's multiplier, shape (levels,).
+    ``excess`` is the amount by which all caps are overstepped; ``levels`` has the value of every level at the
+    programme's places, ``pressing`` each cap's multiplier, shape (levels,).
     """
 
     coefficients: Array
@@ -74,16 +74,16 @@ class LawProgramme:
     ) -> Solution | None:
         """A local optimum under caps on the levels (infinite: none), from a start; None where none is found.
 
-        Caps and weights have shape (levels,), starts that are coefficients (pairs n,); every row at or below zero is
-        ``kept_back`` from it, shape (rows.bounded,).  ``missed`` is what the places have too much of every pair's
-        driving angle and length, shape (2 pairs,).
+        Caps and weights have shape (levels,), starts that are coefficients (pairs n,).  Every row at or below zero is
+        ``kept_back`` from zero, shape (rows.bounded,).  ``missed`` is the excess of the places' driving angle and
+        length of every pair, shape (2 pairs,).
         """
         return self._solved(caps, np.append(weights, 0.0), start, 0.0, kept_back, missed)
 
     def nearest(self, caps: Array, weights: Array, price: float, start: Array | Solution) -> Solution | None:
         """A law that may overstep all caps by one excess, which has a price beside the weights of the levels.
 
-        There always is one.  Where caps can be kept and the price is high enough, it has no excess.
+        Such a law always exists.  Where caps can be kept and the price is high enough, it has no excess.
         """
         return self._solved(caps, np.append(weights, price), start, np.inf, 0.0, 0.0)
 
@@ -132,7 +132,7 @@ class LawProgramme:
     def _row_bounds(
         self, caps: Array, most: float, kept_back: Array | float, missed: Array | float
     ) -> tuple[Array, Array]:
-        """Bounds of all rows; a deviation that may not deviate at all is one equation."""
+        """Bounds of all rows; a deviation that must be zero is one equation."""
         least, greatest = np.zeros(self.rows.count), np.zeros(self.rows.count)
         least[self.rows.equations :] = -np.inf
         greatest[self.rows.equations :] -= kept_back
@@ -151,7 +151,9 @@ class LawProgramme:
         return self.afresh, {"x0": self.inside(start)}
 
     def inside(self, coefficients: Array) -> Array:
-        """All variables from coefficients: those of the whole so that rows hold with room, or are zero."""
+        """All variables from coefficients: variables of the whole law are such that rows hold with room, or are
+        zero.
+        """
         at, columns = self.rows.at, self.rows.columns
         law = ratios(at, self.basis, coefficients, self.cycles_rad)
         judged = JudgedLaw(self.levels, at, law)
@@ -180,7 +182,7 @@ class LawProgramme:
 
 
 TOLERANCE = 1e-8
-"""Tolerance of the interior-point method on terms of the order of one: far below what is left between the places."""
+"""Tolerance of the interior-point method on terms of the order of 1: far below the excess between the places."""
 
 MOST_STEPS = 500
 """Most steps; thirty to sixty are the rule."""

@@ -1,4 +1,4 @@
-"""What is limited, at one place of the crank, from ln i12 there and its two derivatives by the driven angle.
+"""The limited quantities at a place of the crank, from ln i12 there and its two derivatives by the driven angle.
 
 Numbers, arrays and symbols share the arithmetic used here, so the optimiser and its judges use the same formulas.
 With i = dphi1/dphi2, s = 1/i, f = ln i and primes by phi2:  d/dphi1 = s d/dphi2, di/dphi1 = f', d2i/dphi1^2 = s f''.
@@ -96,7 +96,9 @@ def moved(at: Place, by_q: Term, by_rate: Term, speed_rad_s: Term) -> Term:
 
 
 def driving_torque(at: Place, slider: Slider, speed_rad_s: Term) -> Term:
-    """Torque on the driving gear in N mm with all masses: that of the driven gear, times s, and of a shaft between."""
+    """Torque on the driving gear in N mm with all masses: the driven gear's torque times s, and the torque of a shaft
+    between.
+    """
     crank = (slider.torque + moved(at, slider.torque_by_q, slider.torque_by_rate, speed_rad_s)) * at.slope
     return crank + speed_rad_s**2 * slider.between
 
@@ -176,7 +178,7 @@ def pairs(ratios: Sequence[Place]) -> tuple[Place, ...]:
 
 
 def with_shaft_between(slider: Slider, ratios: Sequence[Place]) -> Slider:
-    """The machine at a place with what the shaft between two pairs does: m' = iB s and m'' = m' s (g' - f')."""
+    """The machine at a place with the motion of the shaft between two pairs: m' = iB s and m'' = m' s (g' - f')."""
     if len(ratios) == 1:
         return slider._replace(between=0.0)
     whole, second = ratios

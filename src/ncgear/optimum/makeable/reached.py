@@ -1,7 +1,7 @@
 """The levels that a spline of ln i12 reaches around a turn: the judge of the optimiser, in plain arrays.
 
-The judge's places have the programme's cells, in more steps.  What is between its places is told by the parabola
-through three of them, which misses a peak by the third power of the step.
+The judge's places have the programme's cells, in more steps.  A parabola through three places tells the values between
+them; it misses a peak by the third power of the step.
 """
 
 from __future__ import annotations
@@ -71,7 +71,7 @@ class JudgedLaw:
 
     @property
     def flat(self) -> list[Array]:
-        """All terms of all levels, one after the other."""
+        """All terms of all levels, in order."""
         return [term for terms in self.terms for term in terms]
 
     @cached_property
@@ -126,7 +126,8 @@ class JudgedLaw:
     def beyond(self, blocks: Sequence[RowBlock], coarse: Places) -> Array:
         """By how much every row's term is further out around its place than at it, shape (rows at or below zero,).
 
-        "Around" is half a step of the coarse places to both sides.  An integral's is what the coarse places miss of it.
+        "Around" is half a step of the coarse places to both sides.  An integral rises by the part that the coarse
+        places miss.
         """
         flat = [(level, term) for level, terms in zip(self.levels, self.terms, strict=True) for term in terms]
         return np.concatenate([self._beyond(block, *flat[block.term], coarse) for block in blocks])
@@ -171,7 +172,7 @@ def _rise(values: Array, number: IndexArray, count: int) -> Array:
 def peaks(values: Array) -> Array:
     """Largest value in every step, ends included, of values in cells, shape (n, p + 1) with an even p; shape (n, p).
 
-    It is that of the parabola through the ends and the middle of two steps.
+    It is the largest value of the parabola through the ends and the middle of two steps.
     """
     start, middle, end = values[:, :-1:2], values[:, 1::2], values[:, 2::2]
     tops = np.maximum(values[:, :-1], values[:, 1:])

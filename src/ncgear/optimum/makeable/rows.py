@@ -35,7 +35,7 @@ def level_terms(
     lengths: Sequence[Term],
     mean_of: Callable[[Term], Term],
 ) -> list[list[Term]]:
-    """Every level's terms at a place; those of integrals per unit of phi2, those of swings less their means."""
+    """Every level's terms at a place; terms of integrals are per unit of phi2, terms of swings less their means."""
     found = []
     for level in levels:
         terms = level.terms(ratios, slider, lengths)
@@ -46,7 +46,9 @@ def level_terms(
 
 
 def closing_terms(ratios: Sequence[Place]) -> list[Term]:
-    """What is integrated over the turn whatever the levels: every ratio, and the rate of every pair's length."""
+    """The values that are integrated over the turn with any levels: every ratio, and the rate of every pair's
+    length.
+    """
     return [*(one.ratio for one in ratios), *length_rates(ratios)]
 
 
@@ -54,9 +56,9 @@ def closing_terms(ratios: Sequence[Place]) -> list[Term]:
 class RowBlock:
     """Rows that hold one term of one level, from the row ``first`` on, at places of the programme or ends of cells.
 
-    Integrals have one row and one place, which means nothing.  With ``sense`` 1 rows hold the term from above; with -1
-    they hold a spread, a swing or a deviation from below.  ``base`` is the column of the base of a spread or swing;
-    ``running`` are those of the running integral, but for the first end of a cell, where it is zero.
+    An integral has one row and one place, which has no meaning.  With ``sense`` 1 rows hold the term from above; with
+    -1 they hold a spread, a swing or a deviation from below.  ``base`` is the column of the base of a spread or swing.
+    ``running`` are the columns of the running integral, without the first end of a cell, where it is zero.
     """
 
     level: int
@@ -84,7 +86,7 @@ class WholeColumns:
 
 @dataclass(eq=False)
 class ProgrammeRows:
-    """Rows that grow as levels are added: ``equations``, which are zero, and then those at or below zero.
+    """Rows that grow as levels are added: ``equations``, which are zero, and then rows at or below zero.
 
     ``terms`` counts the terms at a place and ``wholes`` the variables of the whole.
     """
@@ -101,18 +103,18 @@ class ProgrammeRows:
     _fixed: list[Array] = field(default_factory=list)
 
     def new(self, count: int, fixed: float = 0.0) -> IndexArray:
-        """Numbers of so many new rows, with a constant part."""
+        """Numbers of new rows, with a constant part."""
         self.count += count
         self._fixed.append(np.full(count, fixed))
         return np.arange(self.count - count, self.count)
 
     def new_wholes(self, count: int) -> IndexArray:
-        """Columns of so many new variables of the whole."""
+        """Columns of new variables of the whole law."""
         self.wholes += count
         return np.arange(self.wholes - count, self.wholes)
 
     def put_term(self, row: Any, place: Any, term: int, weight: Any = 1.0) -> None:
-        """Add a term at places to rows, with weights; row, place and weight have one shape together."""
+        """Add a term at places to rows, with weights; row, place and weight broadcast to one shape."""
         self._local.append(np.broadcast_arrays(row, place * self.terms + term, weight))
 
     def put_whole(self, row: Any, column: Any, weight: Any = 1.0) -> None:
@@ -128,7 +130,7 @@ class ProgrammeRows:
 def rows_of(
     levels: Sequence[Level], term_counts: Sequence[int], at: Places, cycles_rad: Sequence[float]
 ) -> ProgrammeRows:
-    """The rows of levels, each with so many terms, for pairs that turn through ``cycles_rad`` per turn of the crank."""
+    """The rows of levels with their terms, for pairs that turn through ``cycles_rad`` per turn of the crank."""
     # First come two equations for every pair: its driving angle and its length
     pairs, of_levels = len(cycles_rad), sum(term_counts)
     swings = sum(count for level, count in zip(levels, term_counts, strict=True) if level.kind is LevelKind.SWING)

@@ -1,8 +1,8 @@
 """The search for a law under levels: where it starts, and how limits come to be kept everywhere.
 
-The programme of ``programme.py`` keeps limits at its own places.  It is solved again, with each term kept back by as
-much as it rises between those places and integrals over a turn as the finer places have them, until places at least
-eight times as dense find all limits kept.
+The programme of ``programme.py`` keeps limits at its own places.  It is solved again until places at least eight times
+as dense find all limits kept.  Each time a term is kept back by its rise between the places, and integrals over a turn
+are corrected by the finer places.
 """
 
 from __future__ import annotations
@@ -27,8 +27,9 @@ STEPS = 2
 """Steps of the programme's places in a cell: both ends and the middle."""
 
 STRAYING = 0.3
-"""Standard deviation of the first random harmonic of ln i12 by which other starts differ from the usual one; that of
-the n-th is an n-th of it.  Ratios then begin up to three times as large or as small."""
+"""Standard deviation of the first random harmonic of ln i12 by which other starts differ from the usual start; the n-th
+harmonic has an n-th of it.  Ratios then begin up to three times as large or as small.
+"""
 
 STRAYING_WAVES = (1.0, 2.0, 3.0)
 
@@ -36,14 +37,15 @@ FINER = 16
 """Fewest steps of the judge's places in a cell."""
 
 FINER_TURN = 2880
-"""Fewest steps of the judge's places between even knots in a turn: what parabolas miss of a peak falls with the third
-power of the step, and is under a millionth with a tenth of these steps."""
+"""Fewest steps of the judge's places between even knots in a turn.  The error of a parabola at a peak falls with the
+third power of the step, and is under a millionth with a tenth of these steps.
+"""
 
 FINEST = 256
 """Most steps of the judge's places in a cell, for narrow peaks of the force."""
 
 ROOM = 1e-7
-"""How far laws stay below their caps, in units of the levels: over what the judge's parabolas miss."""
+"""How far laws stay below their caps, in units of the levels: more than the error of the judge's parabolas."""
 
 ROUNDS = 6
 """Most rounds in which the programme is solved again; three are the rule."""
@@ -53,13 +55,13 @@ PATIENCE = 2
 the caps, or less."""
 
 MARGIN = 1e-6
-"""How much more terms are kept back, in their units, for what is left between the places of the finer grid."""
+"""How much more terms are kept back, in their units, for their rise between the places of the finer grid."""
 
 TOLD = 1e-4
-"""Share of what is wished by which a soft wish may be missed more than the places say: what is told has four digits."""
+"""Share of a soft wish by which it may be missed more than the places say: four digits are told."""
 
 DECIMALS = 10
-"""Decimals of the ratios at the knots, so that the law that is judged is the one that a design file holds."""
+"""Decimals of the ratios at the knots, so that the judged law is the law in the design file."""
 
 ROUNDED_KNOTS = 180
 """Knots up to which they do: rounding dents a curve by the square of the number of knots."""
@@ -89,7 +91,7 @@ class LawSearch:
         return np.concatenate([knots.smoothed(motion.crank_angle_rad, logarithm) / (1 + pair) for pair in range(pairs)])
 
     def elsewhere(self, begun: Array, number: int) -> Array:
-        """Coefficients of another start than one: with random harmonics of a number's own in each pair's ln i12."""
+        """Another start than ``begun``, with random harmonics in each pair's ln i12; ``number`` seeds them."""
         pairs, random = len(self.programme.cycles_rad), np.random.default_rng(number)
         angle = np.linspace(0.0, 2.0 * pi, begun.size // pairs, endpoint=False)
         waves = np.array([shape(wave * angle) / wave for wave in STRAYING_WAVES for shape in (np.cos, np.sin)])
@@ -144,7 +146,7 @@ def searched(task: Task, wishes: Wishes) -> LawSearch:
 
 
 def _judging(task: Task, ends_rad: Array, steps: int) -> Places:
-    """The judge's places: so many steps in a cell, or more until parabolas through them tell the force."""
+    """The judge's places: ``steps`` steps in a cell, or more until parabolas through them tell the force."""
     found = places(task, ends_rad, steps)
     force = found.slider.force_n[found.number]
     # Through every second place, at the places between; with every place the parabolas miss an eighth of it
@@ -154,7 +156,7 @@ def _judging(task: Task, ends_rad: Array, steps: int) -> Places:
 
 
 def goal_weights(wanted: Sequence[Level], goal: float) -> Array:
-    """What one unit of every level costs where what is to be least is about ``goal``, shape (levels,)."""
+    """The cost of a unit of every level where the goal is about ``goal``, shape (levels,)."""
     return np.array([level.weight + level.share_of_goal * goal for level in wanted])
 
 
@@ -164,7 +166,7 @@ def cost(wanted: Sequence[Level], weights: Array, reached: Array) -> float:
 
 
 def scales(task: Task) -> Scales:
-    """Units of the order of what a uniform crank feels."""
+    """Units of the order of the forces at a uniform crank."""
     turning = task.speed_rad_s * 2.0 * pi / task.cycle_rad
     slider = places(task, cell_ends(task, even_knots(EVEN_CELLS).angle_rad, []), STEPS).slider
     power = float(np.max(slider.force_n * slider.first)) * turning / 1000.0
@@ -174,11 +176,11 @@ def scales(task: Task) -> Scales:
 
 
 def kept(search: LawSearch, start: Array | Solution) -> Kept | None:
-    """The best law from one start, solved again until all limits hold on the finer grid; None where none do.
+    """The best law from a start, solved again until all limits hold on the finer grid; None where they never hold.
 
-    Every term is kept back at each place by as much as it rises beside the place.  Each round leaves less excess; in
-    the last rounds, what is left is taken off the caps as well.  Soft wishes are told so, too: a law that misses one by
-    more than its places say is solved again, and the one that costs least is taken.
+    Every term is kept back at each place by its rise beside the place.  Each round leaves less excess; in the last
+    rounds, the rest is also taken off the caps.  Soft wishes are told exactly, too: a law that misses a soft wish by
+    more than its places say is solved again, and the law that costs least is taken.
     """
     programme = search.programme
     blocks, coarse, levels = programme.rows.blocks, programme.rows.at, programme.levels
@@ -201,7 +203,7 @@ def kept(search: LawSearch, start: Array | Solution) -> Kept | None:
         kept_back = np.where(exact, beyond, np.maximum(kept_back, beyond + MARGIN))
         if tried >= PATIENCE:
             caps = caps - over
-        # Where the next solution is too far away to be reached from this one, solve afresh from its coefficients
+        # Where the next solution is too far away to be reached from this solution, solve afresh from its coefficients
         missed = judged.missed(coarse)
         onwards = programme.solved(caps, search.weights, found, kept_back, missed)
         found = onwards or programme.solved(caps, search.weights, found.coefficients, kept_back, missed)

@@ -1,4 +1,4 @@
-"""Periodic cubic splines over one turn of the crank: their matrices, and the smoothing of a rough motion into one.
+"""Periodic cubic splines over one turn of the crank: their matrices, and a spline that smooths a rough motion.
 
 A spline with n knots has n coefficients; the k-th belongs to the B-spline that is centred on the k-th knot.  At any
 angle four of them count, so that all matrices are sparse.  B-splines and their derivatives follow the recursion of C.
@@ -22,7 +22,7 @@ from ncgear.ratio.laws.spline import even_steps
 TURN = 2.0 * pi
 
 NEAR = 4
-"""Coefficients that count at any one angle."""
+"""Coefficients that count at an angle."""
 
 FEWEST_KNOTS = 5
 """With fewer, a B-spline would meet itself around the turn."""
@@ -59,7 +59,7 @@ class Knots:
         """The B-splines at angles in rad between 0 and a turn, shape (m,)."""
         count = self.count
         piece = np.searchsorted(self.angle_rad, angle_rad, side="right") - 1
-        # The knots t[-2] .. t[3] around each angle, t[0] being the one at or before it
+        # The knots t[-2] .. t[3] around each angle; t[0] is at the angle or before it
         number = piece[:, None] + np.arange(-2, 4)
         knot = self.angle_rad[number % count] + TURN * (number // count)
         linear = _raised(np.ones((angle_rad.size, 1)), knot[:, 2:4], angle_rad)
@@ -113,7 +113,9 @@ def even_knots(count: int) -> Knots:
 
 
 def _raised(lower: Array, knot: Array, angle: Array) -> Array:
-    """B-splines of the next degree d, shape (m, d + 1), from those of degree d - 1 and 2 d knots, shape (m, 2 d)."""
+    """B-splines of the next degree d, shape (m, d + 1), from B-splines of degree d - 1 and 2 d knots, shape (m, 2
+    d).
+    """
     degree = lower.shape[1]
     before, after = knot[:, :degree], knot[:, degree:]
     left = lower * (angle[:, None] - before) / (after - before)
@@ -124,7 +126,7 @@ def _raised(lower: Array, knot: Array, angle: Array) -> Array:
 
 
 def _derivative(lower: Array, knot: Array) -> Array:
-    """Derivatives of B-splines of degree d, shape (m, d + 1), from splines of one degree less or their derivatives."""
+    """Derivatives of B-splines of degree d, shape (m, d + 1), from splines of degree d - 1 or their derivatives."""
     degree = lower.shape[1]
     slope = degree * lower / (knot[:, degree:] - knot[:, :degree])
     rows = np.zeros((lower.shape[0], degree + 1))

@@ -1,4 +1,4 @@
-"""What is asked of a makeable law, and each wish as a level: a number that bounds a quantity around the turn.
+"""The wishes of a makeable law, and each wish as a level: a number that bounds a quantity around the turn.
 
 A limit holds its level down; a goal makes it as low as it will go.
 """
@@ -44,7 +44,7 @@ ALONE = {
     Goal.BEARING_FORCE: Prices(bearing_force_n=1.0),
     Goal.SHAKING_FORCE: Prices(shaking_force_n=1.0),
 }
-"""The figure that is least under each goal but the weighted one."""
+"""The figure that is least under each goal, without the weighted goal."""
 
 
 class CurvatureWish(Enum):
@@ -66,12 +66,12 @@ class TwoStages:
 
 @dataclass(frozen=True)
 class Wishes:
-    """A goal and limits; what is None is not limited.
+    """A goal and limits; None means no limit.
 
-    ``limits`` are those that a certified bound exists for, the others restrict makeable laws only.
-    ``curvature_turns`` limits the curvature of both pitch curves, dents as well as bulges, times the length that they
-    roll in one cycle: 2 pi on circles; with two stages, that limit and ``convex`` hold for each pair.  It follows from
-    ``curvature_given``, the user's value for ``curvature_wish``.
+    A certified bound exists for ``limits``; the other fields restrict makeable laws only.  ``curvature_turns`` limits
+    the curvature of both pitch curves, dents as well as bulges, times the length that they roll in one cycle: 2 pi on
+    circles; with two stages, this limit and ``convex`` hold for each pair.  It follows from ``curvature_given``, the
+    user's value for ``curvature_wish``.
     """
 
     limits: Limits
@@ -89,7 +89,7 @@ class Wishes:
 
     @property
     def prices(self) -> Prices:
-        """What shall be least: one figure alone, or the weighted sum."""
+        """The goal to be least: a single figure, or the weighted sum."""
         if self.goal is Goal.WEIGHTED and self.weights is not None:
             return self.weights
         return ALONE[self.goal]
@@ -105,15 +105,17 @@ CONVEX = "convex"
 
 STEEPEST = tan(radians(60.0))
 """Limit of the tangent of each pair where two stages have no pressure angle given: with its rack such a pair has 80
-degrees and all but locks.  Without a limit the method strays into ratios that only cancel each other."""
+degrees and almost locks.  Without a limit the method strays into ratios that only cancel each other.
+"""
 
 EASE = 0.3
-"""What a tangent of one costs, in units of the goal, where two stages have no pressure angle given.  On the baler 2 %
-of acceleration buy nine degrees; at a tenth the method takes five times as long, and at times finds nothing."""
+"""Cost of a tangent of 1, in units of the goal, where two stages have no pressure angle given.  On the baler 2 % of
+acceleration buy nine degrees; at a tenth the method takes five times as long, and at times finds nothing."""
 
 EVENLY = 1e-3
-"""The same cost where a pressure angle is given: it picks the least angle among the ways to share one law, and takes
-next to nothing off the goal."""
+"""The same cost where a pressure angle is given: it picks the least angle among the ways to share a law, and takes
+almost nothing off the goal.
+"""
 
 
 NEXT_TO_LOCKED = radians(89.0)
@@ -123,9 +125,9 @@ turn the driven gear, and beyond it the force changes its sign."""
 
 @dataclass(frozen=True)
 class Scales:
-    """A task, and units of acceleration (mm/s2) and power (W) of the order of what its machine feels.
+    """A task, and units of acceleration (mm/s2) and power (W) of the order of its machine's.
 
-    ``loads`` has the units of what it feels with masses; None where no masses are known.
+    ``loads`` has the units of forces with masses; None where no masses are known.
     """
 
     task: Task
@@ -138,7 +140,7 @@ def levels(wishes: Wishes, scales: Scales) -> list[Level]:
     """The levels of all wishes that say anything."""
     peaks = list(_of_peaks(wishes, scales))
     if wishes.two_stages is not None:
-        # Weights that sum to one, as what pressure angles cost is told in units of the goal
+        # Weights with the sum 1, since costs of pressure angles are in units of the goal
         goal = sum(level.weight for level in peaks)
         peaks = [replace(level, weight=level.weight / goal) for level in peaks]
     motion = of_motion_wishes(scales.task, wishes.motion)

@@ -44,7 +44,7 @@ FINEST_TABLE = 40
 
 
 @dataclass(frozen=True, eq=False)
-class Stretch:
+class SmoothPart:
     """A smooth part of a curve between two parameters; at ``knots``, inner ones, only a high derivative jumps."""
 
     start: float
@@ -68,16 +68,16 @@ class Stretch:
         """Smallest and largest radius in mm, with the parameter."""
         return extremes_between(lambda at: self.polar(at, 1)[1], self.start, self.end, np.array(self.knots))
 
-    def turned(self, by_rad: float) -> Stretch:
+    def turned(self, by_rad: float) -> SmoothPart:
         """The stretch at angles that are greater by a constant."""
 
         def polar(at: Array, order: int) -> tuple[Jet, Jet]:
             angle, radius = self.polar(at, order)
             return angle + by_rad, radius
 
-        return Stretch(self.start, self.end, polar, self.knots)
+        return SmoothPart(self.start, self.end, polar, self.knots)
 
-    def mirrored(self) -> Stretch:
+    def mirrored(self) -> SmoothPart:
         """The stretch at the angles' negatives, from its end to its start."""
 
         def polar(at: Array, order: int) -> tuple[Jet, Jet]:
@@ -85,9 +85,9 @@ class Stretch:
             angle, radius = self.polar(-at, order)
             return Jet(-angle.coefficients * signs), Jet(radius.coefficients * signs)
 
-        return Stretch(-self.end, -self.start, polar, tuple(-knot for knot in reversed(self.knots)))
+        return SmoothPart(-self.end, -self.start, polar, tuple(-knot for knot in reversed(self.knots)))
 
-    def cut(self, low_rad: float, high_rad: float) -> Stretch | None:
+    def cut(self, low_rad: float, high_rad: float) -> SmoothPart | None:
         """The part between two angles; None where there is none, or only a sliver."""
         start, end = self.ends[0][0], self.ends[1][0]
         if end - low_rad <= SLIVER_RAD or high_rad - start <= SLIVER_RAD:
@@ -95,7 +95,7 @@ class Stretch:
         first = self.start if start >= low_rad - SLIVER_RAD else self._parameter(low_rad)
         last = self.end if end <= high_rad + SLIVER_RAD else self._parameter(high_rad)
         least = SLIVER_RAD * (self.end - self.start)
-        return Stretch(
+        return SmoothPart(
             first, last, self.polar, tuple(knot for knot in self.knots if first + least < knot < last - least)
         )
 
@@ -108,7 +108,7 @@ class Stretch:
 class Radius:
     """The radius by the angle on a stretch, whose ends count as at these two angles in rad."""
 
-    stretch: Stretch
+    stretch: SmoothPart
     start_rad: float
     end_rad: float
 
@@ -161,7 +161,7 @@ class ClosedCurve:
     ``endless`` tells of a single stretch that goes on smoothly beyond its end as it began.
     """
 
-    stretches: tuple[Stretch, ...]
+    stretches: tuple[SmoothPart, ...]
     endless: bool = False
 
     @cached_property
@@ -213,7 +213,7 @@ class ClosedCurve:
                 )
 
 
-def _over_two_turns(stretch: Stretch) -> Stretch:
+def _over_two_turns(stretch: SmoothPart) -> SmoothPart:
     """An endless stretch with one more turn after its own."""
     length = stretch.end - stretch.start
 
@@ -224,10 +224,10 @@ def _over_two_turns(stretch: Stretch) -> Stretch:
 
     once = (stretch.start, *stretch.knots)
     knots = (*once[1:], *(knot + length for knot in once)) if stretch.knots else ()
-    return Stretch(stretch.start, stretch.end + length, polar, knots)
+    return SmoothPart(stretch.start, stretch.end + length, polar, knots)
 
 
-def _sine(stretch: Stretch) -> Callable[[Array], Jet]:
+def _sine(stretch: SmoothPart) -> Callable[[Array], Jet]:
     """The sine of the angle from the radius to the curve, positive where the angle rises."""
 
     def sine(at: Array) -> Jet:
@@ -243,11 +243,11 @@ def drawn(points: Sequence[tuple[PointFunction, Sequence[float]]], key: str, *, 
 
     Raises NoSuchMechanism for parts that do not come round the axis once.
     """
-    stretches: list[Stretch] = []
+    stretches: list[SmoothPart] = []
     for point, breaks in points:
         edges = np.asarray(breaks, dtype=float)
         polar = _polar(point, edges, key)
-        part = Stretch(float(edges[0]), float(edges[-1]), polar, tuple(edges[1:-1].tolist()))
+        part = SmoothPart(float(edges[0]), float(edges[-1]), polar, tuple(edges[1:-1].tolist()))
         after = stretches[-1].ends[1][0] if stretches else part.ends[0][0]
         stretches.append(part.turned(tau * round((after - part.ends[0][0]) / tau)))
     turned = stretches[-1].ends[1][0] - stretches[0].ends[0][0]
@@ -260,7 +260,7 @@ def drawn(points: Sequence[tuple[PointFunction, Sequence[float]]], key: str, *, 
     return curve if turned > 0.0 else ClosedCurve(tuple(map(_backwards, reversed(stretches))), endless)
 
 
-def _backwards(stretch: Stretch) -> Stretch:
+def _backwards(stretch: SmoothPart) -> SmoothPart:
     """The same stretch from its end to its start."""
 
     def polar(at: Array, order: int) -> tuple[Jet, Jet]:
@@ -268,7 +268,7 @@ def _backwards(stretch: Stretch) -> Stretch:
         angle, radius = stretch.polar(-at, order)
         return Jet(angle.coefficients * signs), Jet(radius.coefficients * signs)
 
-    return Stretch(-stretch.end, -stretch.start, polar, tuple(-knot for knot in reversed(stretch.knots)))
+    return SmoothPart(-stretch.end, -stretch.start, polar, tuple(-knot for knot in reversed(stretch.knots)))
 
 
 def _polar(point: PointFunction, breaks: Array, key: str) -> PolarFunction:
@@ -307,9 +307,9 @@ def by_angle(
 ) -> ClosedCurve:
     """The curve whose radius in mm is given by the angle, each part with its rising breaks in rad, 2 pi in all."""
 
-    def stretch(radius: Callable[[Array, int], Jet], breaks: Sequence[float]) -> Stretch:
+    def stretch(radius: Callable[[Array, int], Jet], breaks: Sequence[float]) -> SmoothPart:
         edges = [float(edge) for edge in breaks]
-        return Stretch(
+        return SmoothPart(
             edges[0], edges[-1], lambda at, order: (Jet.variable(at, order), radius(at, order)), tuple(edges[1:-1])
         )
 

@@ -29,7 +29,7 @@ from ncgear.numerics.chebyshev import NotSmooth, PiecewiseChebyshev
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import in_words
 from ncgear.numerics.zeros import zeros_between
-from ncgear.ratio.laws.closed_curve import JOINED, ClosedCurve, Radius, Stretch
+from ncgear.ratio.laws.closed_curve import JOINED, ClosedCurve, Radius, SmoothPart
 from ncgear.ratio.laws.integrated import Slope, integrated_law, smooth_or_refused
 from ncgear.ratio.transmission import Lobes, Piece, Transmission
 
@@ -155,7 +155,7 @@ def turned_by(curve: ClosedCurve, key: str) -> TurnedBy:
     return TurnedBy(chebyshev.joined(forms), curve.radius_range_mm[1])
 
 
-def _columns(stretch: Stretch, shift: float) -> Callable[[Array], Array]:
+def _columns(stretch: SmoothPart, shift: float) -> Callable[[Array], Array]:
     def columns(at: Array) -> Array:
         angle, radius = stretch.polar(at + shift, 1)
         return np.column_stack([radius.value, angle.derivative(1)])

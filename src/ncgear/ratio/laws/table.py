@@ -52,7 +52,7 @@ def displacement_table_law(phi1_rad: Array, displacement_mm: Array, linkage: Mec
         return place.factor * float(linkage.displacement(Jet(np.array([[crank_rad]]))).value[0])
 
     movable = np.nonzero((displacement > 0.0) & (displacement < np.max(displacement)))[0]
-    points = Points(phi1, crank, movable, phi1 * lobes.driving, in_file, place.text, key)
+    points = TablePoints(phi1, crank, movable, phi1 * lobes.driving, in_file, place.text, key)
     return _with_advice(through, points, lobes)
 
 
@@ -74,7 +74,9 @@ def ratio_table_law(phi1_rad: Array, ratio: Array, lobes: Lobes, *, scale_to_clo
         whole = splined_slope(partial(spline_jet, spline), phi1[phi1 > 0.0], lobes, key)
         return integrated_law([whole], lobes, scale_to_close=scale_to_close, key=key)
 
-    points = Points(phi1, 1.0 / values, np.arange(phi1.size), np.zeros_like(phi1), lambda value: 1.0 / value, "", key)
+    points = TablePoints(
+        phi1, 1.0 / values, np.arange(phi1.size), np.zeros_like(phi1), lambda value: 1.0 / value, "", key
+    )
     return _with_advice(through, points, lobes)
 
 
@@ -140,7 +142,7 @@ def _between(closed: Array, at: int, top: int) -> str:
 
 
 @dataclass(frozen=True, eq=False)
-class Points:
+class TablePoints:
     """Points at phi1 (shape (n,)), their interpolated ``values``, and the numbers of those that may be moved.
 
     ``values`` less ``trend`` are periodic.  ``in_file`` turns a value into that of the file, in its ``unit``.
@@ -159,7 +161,7 @@ NEAR = 6
 """Points on which a smooth curve that turns back is blamed: three on each side, as many as a quintic's piece feels."""
 
 
-def _with_advice(through: Callable[[Array], Transmission], points: Points, lobes: Lobes) -> Transmission:
+def _with_advice(through: Callable[[Array], Transmission], points: TablePoints, lobes: Lobes) -> Transmission:
     """The law through the points; where the curve between them turns back, the refusal names a point to move."""
     try:
         return through(points.values)
@@ -179,7 +181,7 @@ def _with_advice(through: Callable[[Array], Transmission], points: Points, lobes
 
 
 def _moves(
-    through: Callable[[Array], Transmission], points: Points, lobes: Lobes, at_rad: float
+    through: Callable[[Array], Transmission], points: TablePoints, lobes: Lobes, at_rad: float
 ) -> Iterator[tuple[float, int, float]]:
     """Moves of one point near an angle onto the curve of the others, where that makes a law.
 

@@ -56,7 +56,7 @@ TINY = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True)
-class Limits:
+class StrayLimits:
     """How far, in mm, the mesh may stray.
 
     ``sagitta_mm`` is for a section's outline from the chords between columns, ``twist_mm`` for the middle of a
@@ -73,7 +73,7 @@ def close_stacks(sections: Sections, tolerance_mm: float) -> dict[Gear, Stack]:
     Raises NoSuchMechanism, naming the height, where a section cannot be made or no halving keeps to the tolerance;
     WrongInput when that would take too many sections.
     """
-    limits = Limits(SAGITTA * tolerance_mm, TWIST * tolerance_mm)
+    limits = StrayLimits(SAGITTA * tolerance_mm, TWIST * tolerance_mm)
     heights = _first_heights(sections, tolerance_mm)
     columns = {gear: spread_columns(sections.pieces(gear, heights), limits) for gear in Gear}
     for _ in range(SECTION_HALVINGS + 1):
@@ -192,7 +192,7 @@ class Stack:
         return np.asarray(np.stack(found).reshape(len(found), -1, 2).max(axis=2))
 
 
-def stacked(heights_mm: Array, sections: Sequence[Pieces], columns: Columns, limits: Limits) -> Stack:
+def stacked(heights_mm: Array, sections: Sequence[Pieces], columns: Columns, limits: StrayLimits) -> Stack:
     """The stack of sections at heights (l,), with columns added until they keep the limits."""
     close = close_columns(columns, sections, limits)
     return Stack(heights_mm, close, close.rings(sections))
@@ -264,7 +264,7 @@ class Columns:
         return Columns(self.piece[row], np.where(step == 0, self.share[row], middle[row]))
 
 
-def spread_columns(sections: Sequence[Pieces], limits: Limits) -> Columns:
+def spread_columns(sections: Sequence[Pieces], limits: StrayLimits) -> Columns:
     """Columns about as far apart as the limits allow, by the sections they are for."""
     columns = Columns(np.arange(sections[0].count), np.zeros(sections[0].count))
     for _ in range(SPREADS):
@@ -272,7 +272,7 @@ def spread_columns(sections: Sequence[Pieces], limits: Limits) -> Columns:
     return columns
 
 
-def close_columns(columns: Columns, sections: Sequence[Pieces], limits: Limits) -> Columns:
+def close_columns(columns: Columns, sections: Sequence[Pieces], limits: StrayLimits) -> Columns:
     """The columns with others halfway between them until the limits are kept on all sections.
 
     Raises Unanswered if they cannot be kept so.
@@ -285,7 +285,7 @@ def close_columns(columns: Columns, sections: Sequence[Pieces], limits: Limits) 
     raise Unanswered(f"a section's outline strays from its chords even after {COLUMN_HALVINGS} halvings")
 
 
-def _wanted(columns: Columns, sections: Sequence[Pieces], limits: Limits) -> Array:
+def _wanted(columns: Columns, sections: Sequence[Pieces], limits: StrayLimits) -> Array:
     """Into how many parts each interval would have to be divided, shape (c,).
 
     A sagitta falls with the square of the interval, a twist in proportion to it.

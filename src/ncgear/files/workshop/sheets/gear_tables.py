@@ -25,7 +25,7 @@ from ncgear.files.workshop.sheets.gear_view import point_at_circle
 from ncgear.files.workshop.sheets.sheet import Item, Pen, Text
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.measured import MeasuredGear
+from ncgear.project.workshop_measures import GearMeasures
 from ncgear.solids.plan.body import BodyPlan, Bore
 
 DATA = Columns((44.0, 35.0), (False, False))
@@ -61,7 +61,7 @@ NOTHING = ("helix angle", "0")
 """A row that says nothing."""
 
 
-def gear_tables(drive: Drive, measured: MeasuredGear, plan: BodyPlan, pitch_radii: Table, box: Box) -> list[Item]:
+def gear_tables(drive: Drive, measured: GearMeasures, plan: BodyPlan, pitch_radii: Table, box: Box) -> list[Item]:
     """The data of the gear, its pitch radii, its measurements, and its bore enlarged."""
     gear = measured.gear
     items: list[Item] = [*_data(drive, gear, box.height).drawn(box.left, box.high)]
@@ -158,7 +158,7 @@ def _even_step(count: int, most: int) -> int:
     return next((step for step in range(least, 2 * least + 1) if count % step == 0), least)
 
 
-def _measurements(measured: MeasuredGear, width_mm: float, height_mm: float) -> list[PaperTable]:
+def _measurements(measured: GearMeasures, width_mm: float, height_mm: float) -> list[PaperTable]:
     """Over two pins or balls, or over one where no two lie opposite each other, and the spans; some rows of each."""
     two, one = (rows_found(partial(_alone, of, measured)) for of in (two_pin_table, one_pin_table))
     spans = rows_found(partial(span_table, measured))
@@ -188,7 +188,7 @@ def _measurements(measured: MeasuredGear, width_mm: float, height_mm: float) -> 
     return made
 
 
-def _alone(table: Callable[[MeasuredGear], Table], measured: MeasuredGear) -> tuple[Table, ...]:
+def _alone(table: Callable[[GearMeasures], Table], measured: GearMeasures) -> tuple[Table, ...]:
     return (table(measured),)
 
 

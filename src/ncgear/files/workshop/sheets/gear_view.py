@@ -31,7 +31,7 @@ from ncgear.files.workshop.sheets.sheet import Anchor, Dimension, Item, Line, Me
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.shape import Gear, meeting_direction_rad
 from ncgear.project.drive import Drive
-from ncgear.project.measured import MeasuredGear
+from ncgear.project.workshop_measures import GearMeasures
 from ncgear.solids.plan.body import BodyPlan
 from ncgear.teeth.gear import ToothedGear
 from ncgear.tolerances.iso286 import hole_text
@@ -65,7 +65,7 @@ def turns_crank(drive: Drive) -> bool:
     return drive.linkage.HAS_CRANK and drive.stage in (None, drive.design.stages)
 
 
-def gear_views(drive: Drive, measured: MeasuredGear, plan: BodyPlan, area: Box) -> tuple[View, list[Item]]:
+def gear_views(drive: Drive, measured: GearMeasures, plan: BodyPlan, area: Box) -> tuple[View, list[Item]]:
     """The gear from above and its section to the right, as large as there is room for."""
     low, high = np.split(np.array(plan.disc.bounds), 2)
     section = section_of(plan)
@@ -89,7 +89,7 @@ def gear_views(drive: Drive, measured: MeasuredGear, plan: BodyPlan, area: Box) 
     return view, [*board.items, *cut.items]
 
 
-def _draw_gear(board: Board, drive: Drive, measured: MeasuredGear, plan: BodyPlan, view: View) -> None:
+def _draw_gear(board: Board, drive: Drive, measured: GearMeasures, plan: BodyPlan, view: View) -> None:
     """The gear from above, its numbers first, then what there is room for beside them."""
     gear, module = measured.gear, drive.pitch.size.module_mm
     board.add(*drawn_body(drive, gear, plan, view, "outline"))
@@ -161,7 +161,7 @@ def _is_nearest(trees: Sequence[shapely.STRtree], row: int, places: Array) -> Ma
     return np.asarray((nearest == row).all(axis=(0, 2)))
 
 
-def _draw_pins(board: Board, measured: MeasuredGear, view: View) -> None:
+def _draw_pins(board: Board, measured: GearMeasures, view: View) -> None:
     """Two pins with the dimension over them, on the left or the right; of several pairs the most upright that fits.
 
     The dimension is what the table of the measurements says: its limits, where it has some.

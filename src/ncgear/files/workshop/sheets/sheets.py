@@ -64,7 +64,7 @@ from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import turned
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.measured import MeasuredGear
+from ncgear.project.workshop_measures import GearMeasures
 from ncgear.solids.plan.body import BodyPlan
 
 GAP_MM = 2.0
@@ -339,7 +339,7 @@ TABLES_MM = 108.0
 """Height of the tables: a title, two lines of heads and 24 rows."""
 
 
-def gear_sheet(drive: Drive, measured: MeasuredGear, pitch_radii: Table) -> Sheet:
+def gear_sheet(drive: Drive, measured: GearMeasures, pitch_radii: Table) -> Sheet:
     """The sheet of a gear, in its own frame and in the pose of phi1 = 0, seen from its upper face.
 
     ``pitch_radii`` is the data sheet's table of both gears.

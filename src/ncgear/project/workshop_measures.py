@@ -24,10 +24,10 @@ from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 
 
 @dataclass(frozen=True, eq=False)
-class MeasuredGear:
+class GearMeasures:
     """One gear in the section that is measured.
 
-    ``tool`` is what lies in its spaces, a pin or, in helical ones, a ball, and ``pins_mm`` are the diameters to choose
+    ``tool`` lies in its spaces: a pin or, in spaces of helical teeth, a ball.  ``pins_mm`` are the diameters to choose
     from.  ``section_z_mm`` is the height at which the balls' centres lie, None where any height is the same.
     ``limits_mm`` are the lower and upper deviation of its tooth thickness, None where they are not given; the teeth
     stand in the middle of both.
@@ -44,7 +44,7 @@ class MeasuredGear:
 
     @cached_property
     def pins(self) -> Pins:
-        """The pins that fit in the most spaces; of several such, those tried first."""
+        """The pins that fit in the most spaces; of several such pins, the first."""
         return max(map(self.pins_of, self.pins_mm), key=lambda pins: pins.space.size)
 
     def pins_of(self, diameter_mm: float) -> Pins:
@@ -76,14 +76,14 @@ class MeasuredGear:
         found = []
         for thicker in self._thicker_mm:
             working = self.working.thicker(thicker)
-            # The outline is that of teeth in the middle.
+            # The outline has teeth in the middle of their thickness.
             astray_mm = self.tolerance_mm + abs(thicker)
             outline_mm = self.toothed.outline_mm
             found.append((working, pins_in_spaces(working, self.pins.diameter_mm, outline_mm, astray_mm)))
         return tuple(found)
 
 
-def measured_gears(drive: Geared) -> tuple[MeasuredGear, MeasuredGear]:
+def measured_gears(drive: Geared) -> tuple[GearMeasures, GearMeasures]:
     """The driving and the driven gear, in the section of ``measured_section``.
 
     Raises WrongInput where given pins measure in no space, with the least and the largest that do of those that are
@@ -104,7 +104,7 @@ def measured_gears(drive: Geared) -> tuple[MeasuredGear, MeasuredGear]:
 
 @dataclass(frozen=True)
 class CutGear(Shown):
-    """One gear as tools cut it: the largest round tool that follows its outline, and what each kind of tool makes.
+    """One gear as tools cut it: the largest round tool that follows its outline, and the result of each kind of tool.
 
     Of helical gears the section at z = 0 is tried.
     """
@@ -138,17 +138,17 @@ def measured_section(drive: Geared) -> ToothedPair:
 
 
 def section_z_mm(helix: Helix) -> float:
-    """Height of the section that is measured: half way up helical teeth, or up the lower half of herringbone ones."""
+    """Height of the section that is measured: half way up helical teeth, or up the lower half of herringbone teeth."""
     return helix.rise_mm / 2.0
 
 
-def _measured(drive: Geared, gear: Gear, toothed: ToothedGear) -> MeasuredGear:
+def _measured(drive: Geared, gear: Gear, toothed: ToothedGear) -> GearMeasures:
     tolerance = drive.chord_tolerance_mm
     working = working_flanks(toothed, drive.helix.angle_rad if drive.helix else 0.0)
     limits = thickness_limits_mm(drive.gears)
     tool = "ball" if drive.helix else "pin"
     z_mm = section_z_mm(drive.helix) if drive.helix else None
-    return MeasuredGear(gear, tool, working, toothed, _pins_to_try_mm(drive, working), tolerance, limits, z_mm)
+    return GearMeasures(gear, tool, working, toothed, _pins_to_try_mm(drive, working), tolerance, limits, z_mm)
 
 
 def _pins_to_try_mm(drive: Geared, working: WorkingFlanks) -> tuple[float, ...]:

@@ -10,12 +10,12 @@ from ncgear.errors import DesignError
 from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.task import Figures, Task, figures
 from ncgear.project.law import keeps_even_speed, law_of
-from ncgear.project.wishes import inertia_as_given, task_of, wishes_of
+from ncgear.project.law_task import inertia_as_given, task_of, wishes_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Train, single
 
 
-class Comparison(ABC):
+class SoughtMachine(ABC):
     """A design's machine and its wishes, with other mechanisms that have the same masses and the same speed.
 
     Every attribute may raise WrongInput for wishes that contradict each other or the design.
@@ -27,7 +27,7 @@ class Comparison(ABC):
     @property
     @abstractmethod
     def task(self) -> Task:
-        """The machine; its masses are those of all figures."""
+        """The machine; all figures count its masses."""
 
     @cached_property
     def wishes(self) -> Wishes:
@@ -41,12 +41,14 @@ class Comparison(ABC):
 
     @property
     def soft(self) -> bool:
-        """Whether soft wishes count in what is least: they bend the law, and the limit is that of hard ones alone."""
+        """Whether soft wishes count in the goal: they bend the law, and the limit is for hard wishes alone."""
         return any(not wish.hard for wish in self.wishes.motion)
 
     @property
     def sizing(self) -> Train | None:
-        """The law whose gears say how far apart those of the uniform crank are; None: as far as their own size says."""
+        """The law whose gears tell the centre distance of the uniform crank's gears; None: these have a distance of
+        their own.
+        """
         return None
 
     @cached_property
@@ -63,7 +65,7 @@ class Comparison(ABC):
             return None
 
 
-class GearsAsGiven(Comparison):
+class GearsAsGiven(SoughtMachine):
     """The machine with its gears as given: laws under different caps are compared with the same masses."""
 
     @cached_property

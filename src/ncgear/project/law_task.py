@@ -25,14 +25,14 @@ from ncgear.project.moving_masses import TrainInertia, masses_of
 from ncgear.project.tooth_form import rack_of
 
 RACK_ANGLE_DEG = 20.0
-"""Pressure angle of the rack where a design has no gears; it is the one of ISO 53."""
+"""Pressure angle of the rack where a design has no gears, as in ISO 53."""
 
 
 def task_of(design: Design, gears: TrainInertia) -> task.Task:
     """The machine: mechanism, load, masses with the moments of inertia of its gears, speed and lobes.
 
     Raises WrongInput for gears that turn less than once, for a mechanism whose output never returns (limits and laws of
-    strokes know dead centres), and where friction in the guide would change what is limited.
+    strokes know dead centres), and where friction in the guide would change limited figures.
     """
     require_whole_turns(design, "the search for a best law")
     linkage, given, limits = mechanism_of(design.linkage), design.masses, (design.optimize or Optimize()).limits
@@ -53,7 +53,7 @@ def task_of(design: Design, gears: TrainInertia) -> task.Task:
 
 
 def _masses_of(design: Design, gears: TrainInertia) -> Masses | None:
-    """All masses that move; zero ones where a figure is asked for that is not of the motion alone, else None."""
+    """All masses that move.  Without masses: zero masses where a figure of forces is asked for, else None."""
     linkage, asked = mechanism_of(design.linkage), design.optimize or Optimize()
     if design.masses is not None:
         return masses_of(design.masses, linkage, gears)
@@ -71,7 +71,7 @@ def _refuse_guide_friction(design: Design) -> None:
 
 
 def refuse_guide_friction(design: Design, changed: str) -> None:
-    """Refuse friction in the guide, which changes what a search limits and which the search for a law does not know."""
+    """Refuse friction in the guide: it changes limited figures, and the search for a law does not know it."""
     if design.drivetrain is not None and design.drivetrain.guide_friction:
         raise WrongInput(
             f"given, but the search for a law does not know friction in the guide, which changes {changed}; "
@@ -98,7 +98,7 @@ def inertia_with(design: Design, motion: LawKeys) -> TrainInertia:
 def inertia_as_given(design: Design) -> TrainInertia:
     """The moments of inertia of a design's gears with its own law.
 
-    With round gears where that cannot be made, and where it is one of one pair and two are looked for.
+    With round gears where the law cannot be made, and where the law is for one pair and two pairs are looked for.
     """
     pairs = design.optimize.limits.stages if design.optimize else 1
     even = even_motion(pairs)
