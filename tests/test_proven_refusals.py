@@ -75,8 +75,10 @@ def judged(number: int) -> str:
     return "made"
 
 
-@pytest.mark.tiers(quick=["1001-1"], slow=["1002-4"], rest="long")
-@pytest.mark.parametrize(("first", "count"), [(1001, 1), (1002, 4), (0, 1000)], ids=["1001-1", "1002-4", "0-1000"])
+@pytest.mark.tiers(quick=["1001-1"], slow=["1002-4", "577-1"], rest="long")
+@pytest.mark.parametrize(
+    ("first", "count"), [(1001, 1), (1002, 4), (577, 1), (0, 1000)], ids=["1001-1", "1002-4", "577-1", "0-1000"]
+)
 def test_deep_designs_are_made_or_refused(first: int, count: int) -> None:
     found = Counter(judged(number) for number in range(first, first + count))
     assert found["made"] >= 0.2 * count, found

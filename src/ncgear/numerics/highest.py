@@ -40,8 +40,9 @@ LEAST = 1e-200
 """Difference of values that is never told apart; values over it do not overflow."""
 
 MOST_PARTS = 50_000
-"""Most parts that are looked at in a round: where values are rounding errors, each round finds more parts that may lead
-to the highest one, and no end.  Smooth functions with kinks and jumps take some thousands in their first round."""
+"""Most parts that are looked at in a round, beside those of all first intervals: where values are rounding errors, each
+round finds more parts that may lead to the highest one, and no end.  Outlines that touch at every vertex need nearly as
+many in their second round as there are intervals at first, and few in the third."""
 
 BLOCK = 1 << 11
 """Places evaluated at once: few enough for the cache, and long motions do not fill the memory."""
@@ -100,7 +101,7 @@ def largest_from(functions: Callable[[Array], Array], places: Array, values: Arr
         left = _worth_cutting(left, top, np.maximum(missed, EVEN * np.abs(top)))
         if not left.owner.size:
             break
-        if SHARES * left.owner.size > MOST_PARTS + places.size * len(values):
+        if SHARES * left.owner.size > MOST_PARTS + SHARES * values.size:
             number = int(np.bincount(left.owner).argmax())
             raise Unanswered(
                 f"the largest value {top[number]:.3g} was not closed in on, since the values beside it cannot be told "
