@@ -12,6 +12,8 @@ import pytest
 from drives import drive_of_text
 from ncgear.errors import DesignError
 from ncgear.numerics.bounds import rounded_up, shown_above, shown_below
+from ncgear.pitch.shape import Gear
+from ncgear.project.finest_chords import SOON
 
 BASE = """\
 name: bounds
@@ -82,11 +84,28 @@ def test_the_finest_chord_tolerance_that_is_told_is_the_finest(name: str) -> Non
     def finest_over(tolerance_mm: str) -> str:
         with pytest.raises(DesignError, match=r"mm or more is right") as caught:
             made(tolerance_mm)
-        return caught.value.problem.split()[-6]
+        found = re.search(r"; ([\d.e+-]+) mm or more is right", caught.value.problem)
+        assert found
+        return found[1]
 
     finest = finest_over("1e-9")
     made(finest)
     assert finest_over(f"{0.998 * float(finest):.12g}") == finest
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["desk-toy", "ellipse"])
+def test_a_chord_tolerance_is_told_with_which_a_build_is_done_soon(name: str) -> None:
+    """Its outlines have the points of half a minute, to a tenth; those of the finest have many times more."""
+    design = re.sub(r"\noutput:.*", "", Path(f"designs/{name}.yaml").read_text("utf-8"))
+    with pytest.raises(DesignError, match="a build takes minutes under") as caught:
+        _ = drive_of_text(f"{design}\noutput: {{chord_tolerance_mm: 1e-11}}\n").teeth
+    found = re.search(r"; ([\d.e+-]+) mm or more is right; .* under ([\d.e+-]+) mm", caught.value.problem)
+    assert found
+    finest, soon = (drive_of_text(f"{design}\noutput: {{chord_tolerance_mm: {one}}}\n").teeth for one in found.groups())
+    points, many = (max(len(one.of(gear).outline_mm) for gear in Gear) for one in (soon, finest))
+    assert 0.85 * SOON < points < 1.1 * SOON
+    assert many > 3 * SOON
 
 
 @pytest.mark.slow

@@ -85,13 +85,13 @@ BOUNDS = {
     "half its dynamic load rating": {"driving_shaft": SHAFT},
     "dented": {"driven_shaft": SHAFT},
     "the key of": {"driven_shaft": {**SHAFT, "steel": "S355", "key": {"length_mm": 0.04}}},
-    "mean square": {"motor": {"rated_torque_n_m": 0.001, "rated_speed_rpm": 1000}},
+    "r.m.s.": {"motor": {"rated_torque_n_m": 0.001, "rated_speed_rpm": 1000}},
     "gives up to": {"motor": {"rated_torque_n_m": 1.0, "peak_torque_n_m": 1.2, "rated_speed_rpm": 1000}},
     "limiter slips": {"pto": {"torque_limiter_n_m": 0.5}},
 }
 
 
-@pytest.mark.tiers(quick=["mean square"], long=["lasts", "dented"], rest="slow")
+@pytest.mark.tiers(quick=["r.m.s."], long=["lasts", "dented"], rest="slow")
 @pytest.mark.parametrize("words", BOUNDS)
 def test_the_bound_that_is_told_is_enough_and_not_much_more(words: str) -> None:
     data = of(BOUNDS[words])
@@ -113,7 +113,7 @@ def test_a_motor_faster_than_it_gives_its_torque_is_told(ratio: float, told_so: 
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("words", ["mean square", "runs at"])
+@pytest.mark.parametrize("words", ["r.m.s.", "runs at"])
 def test_a_motor_of_falling_torque_runs_as_is_told(words: str) -> None:
     gearbox = {"ratio": 1.2} if words == "runs at" else {}
     data = of({"motor": {**MOTOR, "gearbox": gearbox, "rated_torque_n_m": 6.0 if gearbox else 0.8}})

@@ -16,14 +16,23 @@ SPARE = 1.05
 by a few per cent at most, and the tolerance by twice that."""
 
 
-def finest_chords_mm(made: Iterable[tuple[PitchPair, ToothForm, Helix | None]], from_mm: float) -> float:
-    """The finest tolerance from one on with which pairs are made, each with a form and the helix of its teeth."""
-    finest_mm = from_mm
+SOON = 6_000
+"""Points of an outline with which a build takes half a minute of processor time at most; with 28 000 it took 76 s.
+Their number falls with the root of the tolerance."""
+
+
+def finest_chords_mm(made: Iterable[tuple[PitchPair, ToothForm, Helix | None]], from_mm: float) -> tuple[float, float]:
+    """The finest tolerance from one on with which pairs are made, and the finest with which they are made soon.
+
+    Each pair has a form and the helix of its teeth.
+    """
+    finest_mm = soon_mm = from_mm
     for pitch, form, helix in made:
         if helix is None:
-            finest_mm = finest_tolerance_mm(pitch, form, finest_mm)
+            finest_mm, points = finest_tolerance_mm(pitch, form, finest_mm)
         else:
-            within_mm = finest_tolerance_mm(pitch, form, SPARE * OUTLINE * finest_mm)
+            within_mm, points = finest_tolerance_mm(pitch, form, SPARE * OUTLINE * finest_mm)
             in_steps_mm = finest_in_steps_mm(Sections(pitch, form, helix, within_mm))
             finest_mm = max(within_mm / OUTLINE, in_steps_mm)
-    return finest_mm
+        soon_mm = max(soon_mm, finest_mm * max(points / SOON, 1.0) ** 2)
+    return finest_mm, soon_mm

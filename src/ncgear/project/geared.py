@@ -91,7 +91,7 @@ class Geared(Moving):
         return chord_mm
 
     def _too_fine(self, said: str, from_mm: float) -> WrongInput:
-        """That chords are too fine, with the finest from a tolerance on that all gears are made with."""
+        """That chords are too fine, with the finest from a tolerance on that makes all gears, and makes them soon."""
         from ncgear.project.finest_chords import finest_chords_mm
 
         made = [
@@ -99,8 +99,10 @@ class Geared(Moving):
             for pair in self.whole.by_stage
             for form in (pair.tooth_form, *pair.forms_at_limits)
         ]
-        finest = shown_above(finest_chords_mm(made, from_mm), 4)
-        return WrongInput(f"{said}; {finest} mm or more is right", key="output.chord_tolerance_mm")
+        finest_mm, soon_mm = finest_chords_mm(made, from_mm)
+        soon = f"; a build takes minutes under {shown_above(soon_mm, 2)} mm" if soon_mm > finest_mm else ""
+        problem = f"{said}; {shown_above(finest_mm, 4)} mm or more is right{soon}"
+        return WrongInput(problem, key="output.chord_tolerance_mm")
 
     @contextmanager
     def telling_the_finest(self) -> Iterator[None]:

@@ -123,18 +123,19 @@ def toothed_pair(
     return ToothedPair(driving, driven, kind)
 
 
-def finest_tolerance_mm(pitch: PitchPair, form: ToothForm, from_mm: float) -> float:
-    """The finest tolerance, from a given tolerance on and to a ten-thousandth, for which ``toothed_pair`` makes the
-    points.
+def finest_tolerance_mm(pitch: PitchPair, form: ToothForm, from_mm: float) -> tuple[float, int]:
+    """The finest tolerance from a given one on, to a ten-thousandth, for which ``toothed_pair`` makes the points.
+
+    Also the number of points, the greater number of both gears.
     """
     tolerance_mm = from_mm
     while True:
         try:
-            toothed_pair(pitch, form, tolerance_mm)
+            made = toothed_pair(pitch, form, tolerance_mm)
         except TooManyChords as refused:
             tolerance_mm *= max(refused.times, NEXT)
         else:
-            return tolerance_mm
+            return tolerance_mm, max(len(made.of(gear).outline_mm) for gear in Gear)
 
 
 def pair_tips(pitch: PitchPair, form: ToothForm, advance_mm: float) -> tuple[CutterKind, tuple[Tips, Tips]]:
