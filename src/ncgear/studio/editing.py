@@ -115,10 +115,10 @@ def _counterparts(former: list[str], lines: list[str]) -> dict[int, int]:
     ending = next((back for back in range(left) if former[-1 - back] != lines[-1 - back]), left)
     kept = {place: place for place in range(same)}
     kept |= {len(lines) - 1 - back: len(former) - 1 - back for back in range(ending)}
-    middle = [one[same : len(one) - ending] for one in (former, lines)]
-    if len(middle[0]) * len(middle[1]) > MOST_PAIRS:
+    old, new = (one[same : len(one) - ending] for one in (former, lines))
+    if len(old) * len(new) > MOST_PAIRS:
         return kept
-    alike = SequenceMatcher(None, *middle, autojunk=False).get_matching_blocks()
+    alike = SequenceMatcher(None, old, new, autojunk=False).get_matching_blocks()
     return kept | {same + block.b + step: same + block.a + step for block in alike for step in range(block.size)}
 
 
