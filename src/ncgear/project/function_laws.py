@@ -255,7 +255,8 @@ def _with_top(phi1: Array, values: Array, function: Function, key: str) -> Array
 def _between(phi1: Array, cycle: float) -> Array:
     """Angles between the points at which a law is compared with its function."""
     width = np.diff(np.append(phi1, cycle))
-    return (phi1[:, None] + width[:, None] * (np.arange(BETWEEN) + 0.5) / BETWEEN).ravel()
+    found: Array = (phi1[:, None] + width[:, None] * (np.arange(BETWEEN) + 0.5) / BETWEEN).ravel()
+    return found
 
 
 def _off(drive: Drive, at: Array, wanted: Array, motion: Mapping[str, Any], key: str) -> Array:
