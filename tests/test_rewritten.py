@@ -12,9 +12,10 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
-from ncgear.design.reading.places import with_value
+from ncgear.design import rewritten as rewriting
+from ncgear.design.reading.places import Document, with_value
 from ncgear.design.reading.yaml import read_yaml
-from ncgear.design.rewritten import rewritten
+from ncgear.design.rewritten import document_of, rewritten
 from ncgear.errors import WrongInput
 from ncgear.studio.editing import edited, in_line_ends_of
 from ncgear.studio.on_disk import design_on_disk
@@ -265,6 +266,29 @@ def test_a_typed_text_keeps_the_line_ends_of_its_file(lines: list[tuple[str, str
     assert in_line_ends_of(text, seen) == text
     first = (re.findall("\r\n|\r|\n", text) or ["\n"])[0]
     assert in_line_ends_of(text, f"new\n{seen}") == f"new{first}{text}"
+
+
+def test_lines_about_an_exchanged_part_keep_their_ends() -> None:
+    """However long it is."""
+    about, former = "x: 1\r\ny: 2\n{}y: 2\nx: 1\r\n", "".join(f"{number}\r" for number in range(2000))
+    typed = "".join(f"{number % 100}!\n" for number in range(2000))
+    found = in_line_ends_of(about.format(former), f"x: 1\ny: 2\n{typed}y: 2\nx: 1\n")
+    assert found == about.format(typed.replace("\n", "\r\n"))
+
+
+def test_a_text_is_read_once_for_several_changes(monkeypatch: pytest.MonkeyPatch) -> None:
+    read: list[str] = []
+
+    def noted(text: str, file: str) -> Document:
+        read.append(text)
+        return read_yaml(text, file)
+
+    monkeypatch.setattr(rewriting, "read_yaml", noted)
+    document_of.cache_clear()
+    texts = ["a: 1\nb: 2\n"]
+    for number in range(3):
+        texts.append(edited(texts[-1], {"a": number + 5}))
+    assert read == texts
 
 
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])

@@ -9,14 +9,14 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterable, Mapping, Sequence
-from functools import reduce
+from functools import lru_cache, reduce
 from typing import Any
 
 from ruamel.yaml import YAML
 from ruamel.yaml.nodes import MappingNode, SequenceNode
 
 from ncgear.design.reading.design_file import LoadedDesign
-from ncgear.design.reading.places import with_value
+from ncgear.design.reading.places import Document, with_value
 from ncgear.design.reading.text import plain_value
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.frozen import dataclass
@@ -39,6 +39,12 @@ _AS_IT_IS = re.compile(rf"[^\s{_STRANGE}\-?:,\[\]{{}}#&*!|>'\"%@`][^{_STRANGE},\
 """A text that needs no quotation marks, neither in a row; it has no ``: `` or `` #`` in it, nor blanks about it."""
 
 
+@lru_cache(maxsize=8)
+def document_of(text: str) -> Document:
+    """The values of a design's text, which is read once for several changes; raises WrongInput as reading does."""
+    return read_yaml(text, "design")
+
+
 def rewritten(text: str, values: Mapping[str, Any]) -> str:
     """A design file with other values at some dotted keys; None leaves a key out.
 
@@ -46,11 +52,11 @@ def rewritten(text: str, values: Mapping[str, Any]) -> str:
     that is given as a group is written anew.  A number in a key is the place of an item in a list.  Raises WrongInput
     where the text cannot be read, ValueError, LookupError or TypeError where it has no such places.
     """
-    data = read_yaml(text, "design").data
+    data = document_of(text).data
     wanted = reduce(lambda made, key: with_value(made, key, values[key]), values, data)
     anew = {key for key, value in values.items() if isinstance(value, dict)}
     made = _Rewriting(text, anew).made(data, wanted)
-    if read_yaml(made, "design").data != wanted:
+    if document_of(made).data != wanted:
         raise ValueError("the text has no such place")
     return made
 

@@ -21,13 +21,16 @@ from ncgear.design.mechanisms import MECHANISMS, NO_LINKAGE
 from ncgear.design.reading.places import Document, with_value
 from ncgear.design.reading.text import whole
 from ncgear.design.reading.yaml import read_yaml
-from ncgear.design.rewritten import BREAK, rewritten
+from ncgear.design.rewritten import BREAK, document_of, rewritten
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 
 MOST_STEPS = 500
 """Steps that can be undone; with texts of some kilobytes they take a megabyte or two."""
 
+
+MOST_PAIRS = 1_000_000
+"""Pairs of lines that are compared for what a line ends with: those of a thousand exchanged lines, half a second."""
 
 MOST_CHARACTERS = 16_000_000
 """Characters of all steps together; of texts of a megabyte fewer steps can be undone."""
@@ -96,13 +99,27 @@ def in_line_ends_of(before: str, text: str) -> str:
     ends = BREAK.findall(before)
     if "\r" in text or set(ends) <= {"\n"}:
         return text
-    lines = text.split("\n")
-    alike = SequenceMatcher(None, BREAK.split(before), lines, autojunk=False).get_matching_blocks()
-    own = {block.b + step: block.a + step for block in alike for step in range(block.size)}
+    lines, former = text.split("\n"), BREAK.split(before)
+    own = _counterparts(former, lines)
     # What has no line of the file, or stands in place of its last one, ends as the first line does.
     last = len(ends)
     ended = [line + ends[own.get(place, last) % last] for place, line in enumerate(lines[:-1])]
     return "".join(ended) + lines[-1]
+
+
+def _counterparts(former: list[str], lines: list[str]) -> dict[int, int]:
+    """The places of lines in a former text; of more that were exchanged than can soon be compared there are none."""
+    least = min(len(former), len(lines))
+    same = next((place for place in range(least) if former[place] != lines[place]), least)
+    left = least - same
+    ending = next((back for back in range(left) if former[-1 - back] != lines[-1 - back]), left)
+    kept = {place: place for place in range(same)}
+    kept |= {len(lines) - 1 - back: len(former) - 1 - back for back in range(ending)}
+    old, new = (one[same : len(one) - ending] for one in (former, lines))
+    if len(old) * len(new) > MOST_PAIRS:
+        return kept
+    alike = SequenceMatcher(None, old, new, autojunk=False).get_matching_blocks()
+    return kept | {same + block.b + step: same + block.a + step for block in alike for step in range(block.size)}
 
 
 def values_of(text: str, changes: Mapping[str, Any]) -> dict[str, Any]:
@@ -137,7 +154,7 @@ def _another_law(text: str, name: Any) -> dict[str, Any]:
     """The group ``motion`` of another law in proportion to the machine of the text."""
     if name not in tuple(LawName):
         raise WrongInput(f"{name!r} given; a law of ncgear is right", key="motion.law")
-    document = read_yaml(text, "design")
+    document = document_of(text)
     crank = document.at("linkage.crank_mm")
     answers = {"crank_mm": crank} if fault_of("crank_mm", crank) is None else {}
     return {"motion": read_yaml(begun("new", LawName(name), answers), "template").at("motion")}
@@ -149,7 +166,7 @@ def _another_mechanism(text: str, name: Any) -> dict[str, Any]:
         raise WrongInput(f"{name!r} given; a mechanism of ncgear is right", key="linkage.kind")
     if name == NO_LINKAGE:
         return {"linkage": None, "fit": None, "masses": None, "resistance": None, "wishes": None, "optimize": None}
-    document = read_yaml(text, "design")
+    document = document_of(text)
     own = document.at("linkage.crank_mm") or document.at("linkage.radius_mm") or 40
     unit = float(own) if isinstance(own, int | float) else 40.0
     lengths = {key: whole(float(f"{share * unit:.{DIGITS}g}")) for key, share in MECHANISMS[name].proportions.items()}

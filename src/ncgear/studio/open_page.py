@@ -17,7 +17,7 @@ from typing import Any
 
 from ncgear.design.reading.design_file import parsed
 from ncgear.design.reading.text import shortened
-from ncgear.design.reading.yaml import read_yaml
+from ncgear.design.rewritten import document_of
 from ncgear.errors import WrongInput
 from ncgear.studio.chains import Chains
 from ncgear.studio.drafts import Draft, draft_left
@@ -344,7 +344,7 @@ class OpenPage:
     def _state(self) -> dict[str, Any]:
         text, saved = self.history.now, self.file.text
         try:
-            data = read_yaml(text, self.file.path.name).data
+            data = document_of(text).data
         except WrongInput:
             data = None
         rows = form(data) if isinstance(data, dict) else None
