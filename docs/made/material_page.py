@@ -25,8 +25,8 @@ INTRODUCTION = f"""\
 
 <!-- Made by `make docs` from the table of materials that the program has. -->
 
-What flanks and roots of gears endure, by name. [`gears.material`](design-file/gears.md#gearsmaterial) takes one name for
-both gears or one for each, and a person's own values in place of the table's:
+What flanks and roots of gears endure, by name. [`gears.material`](design-file/gears.md#gearsmaterial) takes one name
+for both gears or one for each, and a person's own values in place of the table's:
 
 | written | what it is |
 |---|---|
