@@ -29,6 +29,7 @@ lint: .venv  ## style, formatting, types
 bench: .venv  ## measure speed against error, how long builds take, and more; write docs/speed-against-error.md, benchmarks/*.md
 	PYTHONPATH=benchmarks $(PYTHON) -m speed_against_error.run --out docs
 	$(PYTHON) benchmarks/timing.py
+	$(PYTHON) benchmarks/first_gears.py
 	$(PYTHON) benchmarks/equivalent_gear.py
 	$(PYTHON) benchmarks/limit.py
 	$(PYTHON) benchmarks/makeable.py

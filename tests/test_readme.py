@@ -6,6 +6,7 @@ import json
 import re
 from functools import cache
 from math import degrees, floor, pi, radians
+from runpy import run_path
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,25 @@ def test_the_two_commands() -> None:
     assert build.startswith("python3 -m venv .venv && ")
     assert build.endswith(".venv/bin/ncgear build designs/pusher.yaml")
     assert test in (ROOT / ".ci" / "run").read_text(encoding="utf-8").splitlines()
+
+
+@pytest.mark.parametrize("source", [None, "https://forge.example/ncgear/"])
+def test_an_index_of_packages_shows_no_path(source: str | None) -> None:
+    """Each address is that of a file of this checkout at its version; without an address there is no link."""
+    pytest.importorskip("hatchling", reason="what builds packages is not installed")
+    shown = run_path(str(ROOT / ".ci" / "long_description.py"))["for_index"](README, source, "1.2.3")
+    found = re.findall(r"(!?)\]\(([^)\s]+)\)", re.sub(r"(!?)\[[^\]]*\]", r"\1]", shown))
+    paths = re.findall(r"(!?)\]\((?!\w+:)([^)\s]+)\)", re.sub(r"(!?)\[[^\]]*\]", r"\1]", README))
+    assert len(paths) > 50
+    if source is None:
+        assert [address for _, address in found if "://" not in address or "forge" in address] == []
+        return
+    own = [(sign, address.removeprefix(source)) for sign, address in found if address.startswith(source)]
+    assert [(sign, address.partition("/v1.2.3/")[2]) for sign, address in own] == paths
+    for sign, address in own:
+        kind, _, path = address.partition("/v1.2.3/")
+        assert kind == ("raw" if sign else "blob")
+        assert (ROOT / path.partition("#")[0]).exists(), path
 
 
 @cache

@@ -9,12 +9,14 @@ import sys
 from html import unescape
 from importlib.util import find_spec
 from pathlib import Path
+from typing import Any
 from urllib.parse import unquote
 
 import pytest
 
 from commands import ROOT
 from documented.pages import PAGES
+from scenes import in_a_browser
 
 pytestmark = pytest.mark.skipif(find_spec("furo") is None, reason="the site needs .venv/bin/pip install -e '.[docs]'")
 
@@ -85,6 +87,43 @@ def test_the_site_loads_nothing_from_outside(site: Path) -> None:
     assert [page for page in site.rglob("*.html") if loads.search(page.read_text(encoding="utf-8"))] == []
     styles = [path.read_text(encoding="utf-8") for path in site.rglob("*.css")]
     assert not any(re.search(r"(?:url\(|@import)\s*[\"']?(?:https?:)?//", style) for style in styles)
+
+
+@pytest.mark.slow
+def test_every_page_says_what_it_is_about_to_those_who_search(site: Path) -> None:
+    said = {}
+    for name in (page.relative_to(ROOT).with_suffix(".html") for page in PAGES):
+        found = re.findall(r'<meta content="([^"]*)" name="description"', (site / name).read_text(encoding="utf-8"))
+        said[str(name)] = unescape(found[0]) if len(found) == 1 else ""
+    assert {name: words for name, words in said.items() if not 20 <= len(words) <= 155 or "](" in words} == {}
+    assert len(set(said.values())) == len(said)
+
+
+@pytest.mark.slow
+def test_the_folder_of_the_site_leads_to_its_first_page(site: Path) -> None:
+    (first,) = targets(site / "index.html")
+    text = (site / first).read_text(encoding="utf-8")
+    assert "What it costs" in text
+    assert f"url={first}" in (site / "index.html").read_text(encoding="utf-8")
+
+
+WIDE = """() => Array.from(document.querySelectorAll('article *'))
+    .filter(one => one.getBoundingClientRect().right > innerWidth + 1 && !one.closest('pre, .math'))
+    .map(one => one.outerHTML.slice(0, 80))"""
+"""What goes over the right edge of a window; programs and equations are moved by a finger."""
+
+
+@in_a_browser
+@pytest.mark.slow
+def test_on_a_phone_nothing_is_wider_than_the_page(site: Path, browser: Any) -> None:
+    page = browser.new_page(viewport={"width": 390, "height": 844})
+    wide = {}
+    for name in (one.relative_to(ROOT).with_suffix(".html") for one in PAGES):
+        page.goto((site / name).as_uri(), wait_until="domcontentloaded")
+        wide[str(name)] = page.evaluate(WIDE)
+    assert {name: found for name, found in wide.items() if found} == {}
+    page.add_style_tag(content="article p { min-width: 30em }")
+    assert page.evaluate(WIDE), "what is too wide is seen"
 
 
 @pytest.mark.long

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from ncgear.project.mending import mending
     from ncgear.project.opened import load, loads
 
-__version__ = "0.1.0"
+__version__ = "1.0.0"
 
 __all__ = [
     "DesignError",
