@@ -236,8 +236,7 @@ class FamilyOptimum:
 
 
 def best_of_family(family: Family, least: Peak, cap: float = inf, *, seed: int = 1, starts: int = 32) -> FamilyOptimum:
-    """The law of the family with the least peak of one kind, where the peak of the other kind is ``cap`` at most (W or
-    mm/s^2).
+    """The law of the family with the least peak of a kind; the other kind's peak is ``cap`` at most (W or mm/s^2).
 
     Raises NoSuchMechanism where no law of the family is found under the cap, with the least that was found.
     """

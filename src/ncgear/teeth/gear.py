@@ -124,9 +124,7 @@ def toothed_pair(
 
 
 def finest_tolerance_mm(pitch: PitchPair, form: ToothForm, from_mm: float) -> float:
-    """The finest tolerance, from a given tolerance on and to a ten-thousandth, for which ``toothed_pair`` makes the
-    points.
-    """
+    """The finest tolerance from ``from_mm`` on, to a ten-thousandth, at which ``toothed_pair`` makes the points."""
     tolerance_mm = from_mm
     while True:
         try:

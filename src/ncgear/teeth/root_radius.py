@@ -26,7 +26,5 @@ def largest_root_radius(angles_rad: tuple[float, float], dedendum: float, half_w
 
 
 def fitting_root_radius(wanted: float, largest: float) -> float:
-    """A radius in modules: the ``wanted`` radius or, where it exceeds the ``largest``, a radius that fits; at least
-    0.
-    """
+    """A radius in modules: the ``wanted`` radius or, above the ``largest``, a radius that fits; at least 0."""
     return wanted if wanted <= largest else max(floor(largest * (1.0 - ROUNDING) * PER_MODULE) / PER_MODULE, 0.0)
