@@ -176,7 +176,7 @@ def request_at(family: Family, point: Array) -> StrokeRequest:
     one = {name: float(values[0]) for name, values in vars(strokes).items() if values.ndim == 1}
     omega = family.task.speed_rad_s
     theta = one["theta1_rad"], one["theta2_rad"], max(one["theta3_rad"], one["theta2_rad"]), one["theta4_rad"]
-    return StrokeRequest(*theta, one["v1_mm_s"] * omega, None, one["a1_mm_s2"] * omega**2, omega, one["stroke_mm"])
+    return StrokeRequest(*theta, one["v1"] * omega, None, one["a1"] * omega**2, omega, one["stroke_mm"])
 
 
 def constant_at(family: Family, point: Array) -> float:
