@@ -76,7 +76,7 @@ def made(shape: Array, family: Family) -> StrokeLaw:
     point = points_of(shape[None])
     stroke = solved_stroke(request_at(family, point[0]))
     strokes, _ = strokes_at(family, point)
-    assert stroke.v2_mm_s == pytest.approx(strokes.pressing_mm_rad[0] * OMEGA, rel=1e-9)
+    assert stroke.v2 == pytest.approx(strokes.pressing_mm_rad[0] * OMEGA, rel=1e-9)
     return stroke_law(stroke, family.task.linkage, family.task.lobes, inverse_basis=family.inverse)
 
 
@@ -152,7 +152,7 @@ def baler_point() -> Array:
     def ratio(chi: float) -> float:
         point = points_of(np.array([[0.65, 1.0 / 1.3, 0.7, 0.4 / 0.7, chi, brake]]))
         strokes, _ = strokes_at(family_of(BALER_LINKAGE), point)
-        return float(strokes.v1_mm_s[0] / strokes.v2_mm_s[0])
+        return float(strokes.v1[0] / strokes.v2[0])
 
     chi = brentq(lambda angle: ratio(angle) - 16.0 / 11.0, 0.0, 1.5)
     point: Array = points_of(np.array([[0.65, 1.0 / 1.3, 0.7, 0.4 / 0.7, chi, brake]]))[0]

@@ -40,7 +40,7 @@ def case(name: str) -> tuple[WorkingStroke, CrankSlider, oracle.Stroke]:
     linkage = CrankSlider(*lengths)
     request = replace(request, stroke_mm=linkage.stroke_mm)
     angles = request.theta1_rad, request.theta2_rad, request.theta3_rad, request.theta4_rad
-    speeds = request.v1_mm_s, request.v2_mm_s, request.a1_mm_s2
+    speeds = request.v1, request.v2, request.a1
     exact = oracle.Stroke(oracle.StrokeParameters(*angles, *speeds, *lengths, request.a1_speed_rad_s))
     return solved_stroke(request), linkage, exact
 

@@ -612,7 +612,7 @@ def test_two_lobes_run_the_same_law_twice_as_often(single: str, double: str) -> 
 @pytest.mark.slow
 def test_the_published_law_against_mpmath_over_the_whole_turn() -> None:
     angles = BALER.theta1_rad, BALER.theta2_rad, BALER.theta3_rad, BALER.theta4_rad
-    speeds = BALER.v1_mm_s, BALER.v2_mm_s, BALER.a1_mm_s2
+    speeds = BALER.v1, BALER.v2, BALER.a1
     exact = oracle.cycle(oracle.StrokeParameters(*angles, *speeds, 380.0, 960.0, 0.0, BALER.a1_speed_rad_s))
     phi1 = np.linspace(0.0, 2.0 * pi - 1e-9, 31)
     series = law("stroke, e = 0").driven_angle(phi1, 1)

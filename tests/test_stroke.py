@@ -33,13 +33,7 @@ REQUESTS = {"baler": BALER, "at law speed": AT_LAW_SPEED, "short": SHORT, "no pr
 
 every_request = pytest.mark.parametrize("name", REQUESTS)
 
-FIELDS = {
-    "law_speed_rad_s": "law_speed_rad_s",
-    "v1_mm_s": "v1_mm_s",
-    "v2_mm_s": "v2_mm_s",
-    "a1_mm_s2": "a1_mm_s2",
-    "stroke_mm": "stroke_mm",
-}
+FIELDS = "law_speed_rad_s", "v1", "v2", "a1", "stroke_mm"
 
 
 def displacements(stroke: WorkingStroke) -> tuple[Polynomial, Polynomial, Polynomial]:
@@ -56,18 +50,18 @@ def conditions(request: StrokeRequest, stroke: WorkingStroke) -> list[tuple[str,
     first, second, third = displacements(stroke)
     t1, t2, t3, t4 = request.theta1_rad, request.theta2_rad, request.theta3_rad, request.theta4_rad
     omega = stroke.law_speed_rad_s
-    braking = stroke.a1_mm_s2 / (request.a1_speed_rad_s or omega) ** 2
+    braking = stroke.a1 / (request.a1_speed_rad_s or omega) ** 2
     return [
         ("start", first(0.0), 0.0),
         ("start velocity", first.deriv()(0.0), 0.0),
-        ("v1", first.deriv()(t1), stroke.v1_mm_s / omega),
+        ("v1", first.deriv()(t1), stroke.v1 / omega),
         ("a at theta1", first.deriv(2)(t1), 0.0),
-        ("v2", first.deriv()(t2), stroke.v2_mm_s / omega),
+        ("v2", first.deriv()(t2), stroke.v2 / omega),
         ("a at theta2", first.deriv(2)(t2), 0.0),
         ("joint at theta2", first(t2), second(t2)),
-        ("pressing", second.deriv()(t2), stroke.v2_mm_s / omega),
+        ("pressing", second.deriv()(t2), stroke.v2 / omega),
         ("joint at theta3", second(t3), third(t3)),
-        ("v2 at theta3", third.deriv()(t3), stroke.v2_mm_s / omega),
+        ("v2 at theta3", third.deriv()(t3), stroke.v2 / omega),
         ("a at theta3", third.deriv(2)(t3), 0.0),
         ("v at theta4", third.deriv()(t4), 0.0),
         ("a1", third.deriv(2)(t4), braking),
@@ -118,7 +112,7 @@ def test_both_readings_of_the_paper(request_: StrokeRequest, rpm: float) -> None
 def exact_parameters(request: StrokeRequest) -> oracle.StrokeParameters:
     """The oracle's parameters for the in-line linkage of the request's stroke."""
     angles = request.theta1_rad, request.theta2_rad, request.theta3_rad, request.theta4_rad
-    speeds = request.v1_mm_s, request.v2_mm_s, request.a1_mm_s2
+    speeds = request.v1, request.v2, request.a1
     crank = (request.stroke_mm or 0.0) / 2.0
     return oracle.StrokeParameters(*angles, *speeds, crank, 3.0 * crank, 0.0, request.a1_speed_rad_s)
 
@@ -156,11 +150,11 @@ def test_a_different_stroke_gives_a_different_speed() -> None:
 
 def test_v1_is_the_speed_at_theta1_even_where_v2_is_over_it() -> None:
     """As its key says: solved for, v1 need not be the largest speed; at theta1 there is no acceleration."""
-    stroke = solved_stroke(replace(BALER, v1_mm_s=None, law_speed_rad_s=5.53, v2_mm_s=1300.0))
+    stroke = solved_stroke(replace(BALER, v1=None, law_speed_rad_s=5.53, v2=1300.0))
     speed = displacements(stroke)[0].deriv() * stroke.law_speed_rad_s
-    assert stroke.v1_mm_s < stroke.v2_mm_s
-    assert speed(BALER.theta1_rad) == pytest.approx(stroke.v1_mm_s, rel=1e-12)
-    assert speed.deriv()(BALER.theta1_rad) == pytest.approx(0.0, abs=1e-9 * stroke.v1_mm_s)
+    assert stroke.v1 < stroke.v2
+    assert speed(BALER.theta1_rad) == pytest.approx(stroke.v1, rel=1e-12)
+    assert speed.deriv()(BALER.theta1_rad) == pytest.approx(0.0, abs=1e-9 * stroke.v1)
     described = ThreeSegmentStroke.model_fields["v1_mm_s"].description or ""
     assert "slider speed v1 at theta1" in described
     assert "largest" not in described
@@ -207,8 +201,8 @@ def test_v2_just_too_small_against_v1() -> None:
     for _ in range(40):
         middle = (low + high) / 2.0
         low, high = (low, middle) if reverses(t1, t2, v1, middle) > 0.0 else (middle, high)
-    solved_stroke(replace(OPEN, theta1_rad=t1, v2_mm_s=high * (1.0 + 1e-6)))
-    fault = refusal(replace(OPEN, theta1_rad=t1, v2_mm_s=low * (1.0 - 1e-4)))
+    solved_stroke(replace(OPEN, theta1_rad=t1, v2=high * (1.0 + 1e-6)))
+    fault = refusal(replace(OPEN, theta1_rad=t1, v2=low * (1.0 - 1e-4)))
     assert fault.key == "motion.v1_mm_s"
     phi = np.linspace(1e-4, t2, 4001)
     backwards = phi[approach_velocity(t1, t2, v1, low * (1.0 - 1e-2))(phi) <= 0.0]
@@ -222,7 +216,7 @@ def test_refused_exactly_where_the_velocity_turns_negative(share: float, t2: flo
     t1, v1 = share * t2, 1000.0
     least = reverses(t1, t2, v1, against * v1)
     request = replace(
-        OPEN, theta1_rad=t1, theta2_rad=t2, theta3_rad=t2 + 0.3, theta4_rad=t2 + 1.0, v1_mm_s=v1, v2_mm_s=against * v1
+        OPEN, theta1_rad=t1, theta2_rad=t2, theta3_rad=t2 + 0.3, theta4_rad=t2 + 1.0, v1=v1, v2=against * v1
     )
     if abs(least) < 1e-3 * v1:
         return  # sampling cannot decide
@@ -241,7 +235,7 @@ def test_refused_exactly_where_the_velocity_turns_negative(share: float, t2: flo
 
 @pytest.mark.parametrize("a1", [0.0, 1.0, 1500.0])
 def test_an_end_that_does_not_brake_is_refused(a1: float) -> None:
-    fault = refusal(replace(OPEN, a1_mm_s2=a1))
+    fault = refusal(replace(OPEN, a1=a1))
     assert fault.key == "motion.a1_mm_s2"
     assert stated_angle(fault) == pytest.approx(1.3 * pi, rel=1e-5)
 
@@ -252,8 +246,8 @@ def steepest_a1() -> float:
 
 
 def test_a1_so_steep_that_nothing_is_left_of_the_stroke() -> None:
-    assert solved_stroke(replace(BALER, a1_mm_s2=0.999 * steepest_a1())).law_speed_rad_s > 1000.0 * 5.53 * 0.9
-    fault = refusal(replace(BALER, a1_mm_s2=1.001 * steepest_a1()))
+    assert solved_stroke(replace(BALER, a1=0.999 * steepest_a1())).law_speed_rad_s > 1000.0 * 5.53 * 0.9
+    fault = refusal(replace(BALER, a1=1.001 * steepest_a1()))
     assert fault.key == "motion.solve_for"
     assert "no law speed closes" in fault.problem
 
@@ -269,24 +263,24 @@ def test_an_approach_that_goes_backwards_is_refused_for_theta1(theta1: float) ->
 NO_V1 = StrokeRequest(0.25 * pi, 0.5 * pi, pi, 1.3 * pi, None, 140.0, -800.0, 30.0 * RPM, 120.0)
 """A pusher whose way at v2 and braking together are over its stroke."""
 
-NO_V2 = replace(BALER, v2_mm_s=None, law_speed_rad_s=5.0, a1_mm_s2=-30000.0)
+NO_V2 = replace(BALER, v2=None, law_speed_rad_s=5.0, a1=-30000.0)
 """A baler whose way up to v1 and braking together are over its stroke."""
 
 
 @pytest.mark.parametrize(
     ("request_", "remedy", "eased"),
     [
-        (NO_V1, "lower v2", {"v2_mm_s": 130.0}),
+        (NO_V1, "lower v2", {"v2": 130.0}),
         (NO_V1, "shorten the stretch at v2", {"theta3_rad": 0.9 * pi, "theta4_rad": 1.2 * pi}),
-        (NO_V1, "bring a1 nearer to zero", {"a1_mm_s2": -500.0}),
+        (NO_V1, "bring a1 nearer to zero", {"a1": -500.0}),
         (NO_V1, "lengthen the stroke", {"stroke_mm": 130.0}),
         (
-            replace(NO_V1, theta1_rad=0.4 * pi, v2_mm_s=10.0),
+            replace(NO_V1, theta1_rad=0.4 * pi, v2=10.0),
             "theta1 lies too near 0 or theta2",
             {"theta1_rad": 0.2 * pi},
         ),
-        (NO_V2, "lower v1", {"v1_mm_s": 300.0}),
-        (NO_V2, "bring a1 nearer to zero", {"a1_mm_s2": -1500.0}),
+        (NO_V2, "lower v1", {"v1": 300.0}),
+        (NO_V2, "bring a1 nearer to zero", {"a1": -1500.0}),
         (NO_V2, "lengthen the stroke", {"stroke_mm": 1600.0}),
     ],
 )
@@ -304,10 +298,10 @@ def told(problem: str, words: str) -> float:
     return float(re.findall(rf"{words} (-?[\d.]+)", problem)[0])
 
 
-STEEP = replace(BALER, v1_mm_s=7000.0, v2_mm_s=800.0)
-NEAR_END = replace(BALER, theta1_rad=0.55 * pi, v1_mm_s=2600.0)
-NEAR_START = replace(BALER, theta1_rad=0.12 * pi, v1_mm_s=1900.0)
-SOLVED_V1 = replace(BALER, v1_mm_s=None, v2_mm_s=700.0, law_speed_rad_s=70.0 * RPM)
+STEEP = replace(BALER, v1=7000.0, v2=800.0)
+NEAR_END = replace(BALER, theta1_rad=0.55 * pi, v1=2600.0)
+NEAR_START = replace(BALER, theta1_rad=0.12 * pi, v1=1900.0)
+SOLVED_V1 = replace(BALER, v1=None, v2=700.0, law_speed_rad_s=70.0 * RPM)
 
 
 @pytest.mark.parametrize("request_", [STEEP, NEAR_END, NEAR_START])
@@ -316,12 +310,12 @@ def test_speeds_too_far_apart_are_refused_with_the_values_that_would_do(request_
     fault = refusal(request_)
     assert fault.key in ("motion.v1_mm_s", "motion.theta1_rad")
     v1 = told(fault.problem, "v1 under")
-    solved_stroke(replace(request_, v1_mm_s=v1 * (1.0 - 1e-4)))
-    refusal(replace(request_, v1_mm_s=v1 * (1.0 + 1e-4)))
+    solved_stroke(replace(request_, v1=v1 * (1.0 - 1e-4)))
+    refusal(replace(request_, v1=v1 * (1.0 + 1e-4)))
     if "v2 over" in fault.problem:
         v2 = told(fault.problem, "v2 over")
-        solved_stroke(replace(request_, v2_mm_s=v2 * (1.0 + 1e-4)))
-        refusal(replace(request_, v2_mm_s=v2 * (1.0 - 1e-4)))
+        solved_stroke(replace(request_, v2=v2 * (1.0 + 1e-4)))
+        refusal(replace(request_, v2=v2 * (1.0 - 1e-4)))
     for words in ("theta1 from", "theta1 from [\\d.]+ to"):
         solved_stroke(replace(request_, theta1_rad=told(fault.problem, words) * pi))
 
@@ -330,14 +324,14 @@ def test_a_v1_that_is_solved_for_is_named_with_what_would_do() -> None:
     fault = refusal(SOLVED_V1)
     assert fault.key == "motion.v1_mm_s"
     needed, most = told(fault.problem, "closing the stroke needs v1 ="), told(fault.problem, "v1 under")
-    given = replace(SOLVED_V1, law_speed_rad_s=None, v1_mm_s=most * (1.0 - 1e-4))
+    given = replace(SOLVED_V1, law_speed_rad_s=None, v1=most * (1.0 - 1e-4))
     assert needed > most
-    assert solved_stroke(given).v1_mm_s < most
+    assert solved_stroke(given).v1 < most
     low, high = told(fault.problem, "law speed over"), told(fault.problem, "law speed over [\\d.]+ and under")
     for speed, stays in ((0.999 * low, False), (1.001 * low, True), (0.999 * high, True), (1.001 * high, False)):
         tried = replace(SOLVED_V1, law_speed_rad_s=speed * RPM)
         if stays:
-            assert 0.0 < solved_stroke(tried).v1_mm_s < most
+            assert 0.0 < solved_stroke(tried).v1 < most
         else:
             refusal(tried)
 
@@ -351,18 +345,18 @@ def test_no_law_speed_is_named_between_two_that_are_shown_alike() -> None:
 
 
 def test_a_v2_that_is_solved_for_is_named_with_what_would_do() -> None:
-    request = replace(BALER, v2_mm_s=None, v1_mm_s=2300.0, law_speed_rad_s=48.0 * RPM)
+    request = replace(BALER, v2=None, v1=2300.0, law_speed_rad_s=48.0 * RPM)
     fault = refusal(request)
     assert fault.key == "motion.v2_mm_s"
     assert 0.0 < told(fault.problem, "closing the stroke needs v2 =") < told(fault.problem, "; over")
     least = told(fault.problem, "law speed over")
-    assert solved_stroke(replace(request, law_speed_rad_s=1.001 * least * RPM)).v2_mm_s > told(fault.problem, "; over")
+    assert solved_stroke(replace(request, law_speed_rad_s=1.001 * least * RPM)).v2 > told(fault.problem, "; over")
     refusal(replace(request, law_speed_rad_s=0.999 * least * RPM))
 
 
 def test_a1_that_accelerates_leaves_no_law_speed_in_the_other_reading() -> None:
     """The quadratic in 1/omega has no real root beyond some positive a1."""
-    assert refusal(replace(AT_LAW_SPEED, a1_mm_s2=1e5)).key == "motion.solve_for"
+    assert refusal(replace(AT_LAW_SPEED, a1=1e5)).key == "motion.solve_for"
 
 
 @pytest.mark.slow
@@ -370,7 +364,7 @@ def test_a1_that_accelerates_leaves_no_law_speed_in_the_other_reading() -> None:
 @given(st.floats(-1e6, -1e-3), st.floats(1.0, 5000.0), st.floats(0.05, 3.0))
 def test_braking_alone_never_reverses_the_slider(a1: float, v2: float, delta: float) -> None:
     """v / delta = -a1 (1 - u)^2 + (v2 / delta) u (3 - 2 u) has no negative term: no a1 is too steep."""
-    request = replace(OPEN, theta4_rad=pi + delta, v1_mm_s=v2, v2_mm_s=v2, a1_mm_s2=a1)
+    request = replace(OPEN, theta4_rad=pi + delta, v1=v2, v2=v2, a1=a1)
     stroke = solved_stroke(request)
     u = np.linspace(0.0, 1.0, 201)
     assert np.all(Polynomial(stroke.braking_slope)(u * delta) > 0.0)
@@ -379,9 +373,9 @@ def test_braking_alone_never_reverses_the_slider(a1: float, v2: float, delta: fl
 @pytest.mark.parametrize(
     ("free", "changed", "key"),
     [
-        ("v1_mm_s", {"stroke_mm": 300.0}, "motion.v1_mm_s"),
-        ("v2_mm_s", {"stroke_mm": 100.0}, "motion.v2_mm_s"),
-        ("a1_mm_s2", {"stroke_mm": 500.0}, "motion.a1_mm_s2"),
+        ("v1", {"stroke_mm": 300.0}, "motion.v1_mm_s"),
+        ("v2", {"stroke_mm": 100.0}, "motion.v2_mm_s"),
+        ("a1", {"stroke_mm": 500.0}, "motion.a1_mm_s2"),
     ],
 )
 def test_closing_values_of_the_wrong_sign_are_refused(free: str, changed: dict[str, Any], key: str) -> None:

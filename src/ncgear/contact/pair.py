@@ -77,8 +77,7 @@ that a rack leaves may stand out by a tolerance where a mate's corner passes.  A
 """
 
 CHORDS_ASTRAY = 4.0
-"""Distance, in chord tolerances, from the designed contact at which outlines may touch: twice the error of both
-chords.
+"""Distance of contact, in chord tolerances, from the designed contact: twice the error of both chords.
 """
 
 CAUSES = {

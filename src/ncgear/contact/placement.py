@@ -81,9 +81,7 @@ class Placement:
 
     @property
     def steps(self) -> int:
-        """Steps from position to position: as many as there are positions, where the last position leads to the
-        first.
-        """
+        """Steps from position to position: as many as positions, where the last position leads to the first."""
         return self.count - (self.toothed is not None)
 
     @property

@@ -176,7 +176,7 @@ def request_at(family: Family, point: Array) -> StrokeRequest:
     one = {name: float(values[0]) for name, values in vars(strokes).items() if values.ndim == 1}
     omega = family.task.speed_rad_s
     theta = one["theta1_rad"], one["theta2_rad"], max(one["theta3_rad"], one["theta2_rad"]), one["theta4_rad"]
-    return StrokeRequest(*theta, one["v1_mm_s"] * omega, None, one["a1_mm_s2"] * omega**2, omega, one["stroke_mm"])
+    return StrokeRequest(*theta, one["v1"] * omega, None, one["a1"] * omega**2, omega, one["stroke_mm"])
 
 
 def constant_at(family: Family, point: Array) -> float:
@@ -236,8 +236,7 @@ class FamilyOptimum:
 
 
 def best_of_family(family: Family, least: Peak, cap: float = inf, *, seed: int = 1, starts: int = 32) -> FamilyOptimum:
-    """The law of the family with the least peak of one kind, where the peak of the other kind is ``cap`` at most (W or
-    mm/s^2).
+    """The law of the family with the least peak of a kind; the other kind's peak is ``cap`` at most (W or mm/s^2).
 
     Raises NoSuchMechanism where no law of the family is found under the cap, with the least that was found.
     """

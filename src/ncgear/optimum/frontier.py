@@ -120,8 +120,8 @@ def motion_of(best: FamilyOptimum) -> dict[str, Any]:
         "solve_for": "v2",
         "law_speed_rpm": asked.law_speed_rad_s / RAD_S_PER_RPM,
         **{f"theta{number}_rad": getattr(asked, f"theta{number}_rad") for number in (1, 2, 3, 4)},
-        "v1_mm_s": asked.v1_mm_s,
-        "a1_mm_s2": asked.a1_mm_s2,
+        "v1_mm_s": asked.v1,
+        "a1_mm_s2": asked.a1,
         "return": {
             "basis": "inverse_ratio" if best.inverse else "ratio",
             "e": "least_acceleration" if best.constant is None else best.constant,

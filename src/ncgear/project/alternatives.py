@@ -273,8 +273,7 @@ def rack_at(gears: Gears, angle_deg: float) -> Changes:
 
 
 def fitted_root_radius(gears: Gears, angle_deg: float) -> Changes:
-    """The root radius that fits at a pressure angle; empty where the given radius fits, where none is given or none
-    fits.
+    """The root radius that fits at a pressure angle; empty where the given radius fits, is left out, or none fits.
 
     One that is left out fits by itself.
     """

@@ -47,8 +47,7 @@ MOST_FINER = 4
 """Finer settings that are tried where none of the first is fine enough."""
 
 LEAST_IN_MODULES = 3e-6
-"""The least chord tolerance that is tried: with a finer tolerance an outline would need more points than it may
-have.
+"""The least chord tolerance that is tried: finer chords are more points than an outline may have.
 """
 
 
@@ -161,9 +160,7 @@ def _tried(
     judge: Callable[[Result], tuple[float, int]],
     asked: float,
 ) -> tuple[Trial, ...]:
-    """Trials at settings and, while no trial is good enough, at finer settings; ``finer`` gives None where it has no
-    finer setting.
-    """
+    """Trials at settings and, while no trial is good enough, at finer settings; ``finer`` gives None at its end."""
     trials: list[Trial] = []
     waiting = list(settings)
     while waiting:

@@ -305,9 +305,7 @@ TURN_PLACES = 360
 
 
 def _change(task: Task, used: TrainInertia, made: TrainInertia) -> float:
-    """Difference of the gears from the gears in use, over the mean inertia of all that turns with the crank, reduced to
-    it.
-    """
+    """Difference of the gears from the gears in use, over the mean inertia of the crank and all that turns with it."""
     apart = max(abs(used.between_kg_mm2 - made.between_kg_mm2), abs(used.driven_kg_mm2 - made.driven_kg_mm2))
     if not apart:
         return 0.0

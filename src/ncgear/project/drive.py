@@ -153,8 +153,7 @@ class Drive(Geared):
 
     @computed
     def thickness_band(self) -> tuple[AtThickness, ...]:
-        """The pair with the thinnest teeth that the file allows, with the teeth of its outlines, and with the thickest
-        teeth.
+        """The pair with the thinnest teeth that the file allows, with its outlines' teeth, and with the thickest.
 
         Empty where the file gives no limits of the thickness; raises where the thickest teeth overlap.
         """

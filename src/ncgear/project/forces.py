@@ -34,8 +34,7 @@ STIFFEST, SOFTEST = 20.0, 1e-6
 modulus of steel, and teeth of steel are at most 1.8 times as stiff as ISO's; rubber has some 1e-5 of the modulus."""
 
 DEPTHS_MM = (1e-3, 1.0)
-"""Depths between which teeth bear their loads: a law of impact is possible if its force is possible for teeth at any of
-them.
+"""Depths at which teeth bear loads: a law of impact is possible if its force is, at any of these depths.
 """
 
 

@@ -242,9 +242,7 @@ def _real(given: Any, shape: tuple[int, ...]) -> Array:
 
 
 def _with_top(phi1: Array, values: Array, function: Function, key: str) -> Array:
-    """The angles with the angle of the extended end, where the function is greatest: a table of displacements needs
-    it.
-    """
+    """The angles with the extended end's, where the function is greatest: a table of displacements needs it."""
     step, top = phi1[1] - phi1[0], float(phi1[int(np.argmax(values))])
     nodes = top + step * chebyshev.chebpts1(17)
     series = chebyshev.Chebyshev.fit(nodes, _called(function, nodes, key), 16, [nodes[0], nodes[-1]])

@@ -196,9 +196,7 @@ class Geared(Moving):
 
     @computed
     def outer_radii_mm(self) -> dict[Gear, float]:
-        """How far each gear reaches from its axis: its teeth, or the rim of a ring; helical teeth in all their
-        sections.
-        """
+        """How far each gear reaches from its axis: its teeth in all sections, or the rim of a ring."""
         from ncgear.project.gear_solids import rim_mm_of
         from ncgear.solids.plan.plan import outer_radius_mm
         from ncgear.teeth.reach import farthest_mm

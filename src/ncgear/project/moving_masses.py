@@ -40,9 +40,7 @@ class GearInertia:
 
 
 class TrainInertia(NamedTuple):
-    """Moments of inertia in kg mm2 of all that turns with the driving shaft, with the shaft between, with the last
-    gear.
-    """
+    """Moments of inertia in kg mm2 of all that turns with driving shaft, shaft between, and last gear."""
 
     driving_kg_mm2: float = 0.0
     between_kg_mm2: float = 0.0

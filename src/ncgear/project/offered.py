@@ -23,8 +23,7 @@ if TYPE_CHECKING:
     from ncgear.optimum.makeable.law import Eased
 
 ROOMS = (0.0, 0.005, 0.02, 0.08)
-"""Shares by which limits are eased more than a law of few knots needs: each share is tried where the share before it is
-not enough.
+"""Shares by which limits are eased more than a law of few knots needs, tried in turn until a share is enough.
 """
 
 

@@ -71,9 +71,7 @@ class Passing:
 
     @property
     def meets(self) -> bool | None:
-        """Whether the part meets the standing body; without a given width, a part of any width; None where it is not
-        known.
-        """
+        """Whether the part meets the standing body; a part without width, at any width; None where it is not known."""
         return None if self.room_mm is None else self.room_mm < 2.0 * (self.half_mm or 0.0)
 
     @property

@@ -46,9 +46,7 @@ class SoughtMachine(ABC):
 
     @property
     def sizing(self) -> Train | None:
-        """The law whose gears tell the centre distance of the uniform crank's gears; None: these have a distance of
-        their own.
-        """
+        """The law whose gears tell the centre distance of the uniform crank's gears; None: their own size does."""
         return None
 
     @cached_property

@@ -32,8 +32,7 @@ class AtThickness:
 
 
 def thickness_band(pair: Geared, contact: AsDesigned, extremes: ContactExtremes) -> tuple[AtThickness, ...]:
-    """The pair with the thinnest teeth, with the teeth of its outlines, and with the thickest teeth; empty without
-    limits.
+    """The pair with the thinnest teeth, its outlines' teeth, and the thickest teeth; empty without limits.
 
     ``contact`` and ``extremes`` belong to its outlines.  Raises NoSuchMechanism where the thickest teeth overlap.
     """

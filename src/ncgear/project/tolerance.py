@@ -180,8 +180,7 @@ def _pair(
 
 
 def face_of(drive: Drive, tolerances_mm: tuple[float, float] | None = None) -> Face:
-    """The sections of a pair: straight teeth have one section, helical teeth PER_TOOTH sections for each pitch of their
-    advance.
+    """The sections of a pair: one of straight teeth, PER_TOOTH for each pitch that helical teeth advance.
 
     Their outlines are the outlines of the design, or have the given chord tolerances: the second tolerance is for
     flanks.  Raises NoSuchMechanism, naming the height, where no tooth can stand.

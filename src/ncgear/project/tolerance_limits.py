@@ -23,8 +23,7 @@ TURNING = 0.999
 """Share of the assemblies that shall turn."""
 
 MOST_JAMMED = 0.01
-"""Share of the assemblies that may jam without a warning: such an assembly is taken apart, and other gears are
-tried.
+"""Share of the assemblies that may jam without a warning: the assembly gets other gears then.
 """
 
 

@@ -34,17 +34,17 @@ from ncgear.numerics.zeros import real_roots
 class StrokeRequests(Generic[Number]):
     """What is asked of one stroke, or, in arrays of shape (n,), of many; one field that may be None is solved for.
 
-    Angles of the driving gear in rad, velocities in mm/s at ``law_speed_rad_s``, ``a1_mm_s2`` at ``a1_speed_rad_s``
-    (None: at the law speed), ``stroke_mm`` the displacement to be covered.
+    Angles of the driving gear in rad, velocities ``v1`` and ``v2`` in mm/s at ``law_speed_rad_s``, acceleration ``a1``
+    in mm/s2 at ``a1_speed_rad_s`` (None: at the law speed), ``stroke_mm`` the displacement to be covered.
     """
 
     theta1_rad: Number
     theta2_rad: Number
     theta3_rad: Number
     theta4_rad: Number
-    v1_mm_s: Number | None
-    v2_mm_s: Number | None
-    a1_mm_s2: Number | None
+    v1: Number | None
+    v2: Number | None
+    a1: Number | None
     law_speed_rad_s: Number | None
     stroke_mm: Number | None
     a1_speed_rad_s: Number | None = None
@@ -71,9 +71,9 @@ class WorkingStrokes(Generic[Number]):
     theta4_rad: Number
     stroke_mm: Number
     law_speed_rad_s: Number
-    v1_mm_s: Number
-    v2_mm_s: Number
-    a1_mm_s2: Number
+    v1: Number
+    v2: Number
+    a1: Number
     pressing_mm_rad: Number
     approach_slope: Array
     approach_root: Array
@@ -157,7 +157,7 @@ def polynomial_at(coefficients: Array, argument: Number) -> Number:
 def _approach_slope(request: StrokeRequests[Number]) -> Array:
     """Q of a closed request."""
     omega = _known(request.law_speed_rad_s)
-    return _approach_through(request, _known(request.v1_mm_s) / omega, _known(request.v2_mm_s) / omega)
+    return _approach_through(request, _known(request.v1) / omega, _known(request.v2) / omega)
 
 
 def _approach_through(request: StrokeRequests[Number], v1: Number, v2: Number) -> Array:
@@ -213,9 +213,9 @@ def _closed(request: StrokeRequests[Number]) -> StrokeRequests[Number]:
         return replace(request, law_speed_rad_s=1.0 / _closing_period(request, per_v1, per_v2, per_a1))
     omega = request.law_speed_rad_s
     factors = {
-        "v1_mm_s": per_v1 / omega,
-        "v2_mm_s": per_v2 / omega,
-        "a1_mm_s2": per_a1 / _a1_speed(request, omega) ** 2,
+        "v1": per_v1 / omega,
+        "v2": per_v2 / omega,
+        "a1": per_a1 / _a1_speed(request, omega) ** 2,
     }
     given = {name: getattr(request, name) for name in factors}
     known = sum(factor * given[name] for name, factor in factors.items() if given[name] is not None)
@@ -230,7 +230,7 @@ def _closing_period(request: StrokeRequests[Number], per_v1: Number, per_v2: Num
 
     Not positive, or not a number, where nothing closes the stroke.
     """
-    v1, v2, a1 = _known(request.v1_mm_s), _known(request.v2_mm_s), _known(request.a1_mm_s2)
+    v1, v2, a1 = _known(request.v1), _known(request.v2), _known(request.a1)
     stroke, linear = _known(request.stroke_mm), per_v1 * v1 + per_v2 * v2
     if request.a1_speed_rad_s is not None:
         return (stroke - per_a1 * a1 / request.a1_speed_rad_s**2) / linear
@@ -252,8 +252,8 @@ def _known(value: Number | None) -> Number:
 
 def _assembled(request: StrokeRequests[Number], approach: Array) -> dict[str, Any]:
     """The fields of the stroke of a closed request, from its Q."""
-    omega, v2 = _known(request.law_speed_rad_s), _known(request.v2_mm_s)
-    braking = _braking_slope(request, v2 / omega, _known(request.a1_mm_s2) / _a1_speed(request, omega) ** 2)
+    omega, v2 = _known(request.law_speed_rad_s), _known(request.v2)
+    braking = _braking_slope(request, v2 / omega, _known(request.a1) / _a1_speed(request, omega) ** 2)
     return {
         **{name: value for name, value in vars(request).items() if name not in ("a1_speed_rad_s", "output")},
         "pressing_mm_rad": v2 / omega,
@@ -284,11 +284,11 @@ def stroke_refusals(
     with np.errstate(all="ignore"):
         zero = _first_zeros(strokes.approach_slope, strokes.theta2_rad)
         speed = strokes.law_speed_rad_s
-        advancing = (strokes.v1_mm_s > 0.0) & (strokes.v2_mm_s > 0.0) & (strokes.a1_mm_s2 < 0.0)
+        advancing = (strokes.v1 > 0.0) & (strokes.v2 > 0.0) & (strokes.a1 < 0.0)
         sound = (speed > 0.0) & (speed < inf) & advancing & np.isnan(zero)
         if requests.law_speed_rad_s is None:
             per_v1, per_v2, _ = _stroke_sensitivities(requests)
-            sound &= per_v1 * _known(requests.v1_mm_s) + per_v2 * _known(requests.v2_mm_s) > 0.0
+            sound &= per_v1 * _known(requests.v1) + per_v2 * _known(requests.v2) > 0.0
         rows = np.nonzero(~sound)[0]
         if not rows.size:
             return {}
@@ -340,8 +340,8 @@ class _Refused:
         request, stroke = self.request, self.stroke
         speed, acceleration = self.output.speed, self.output.acceleration
         if request.law_speed_rad_s is None:
-            v2 = _known(request.v2_mm_s)
-            if not self.per_v1 * _known(request.v1_mm_s) + self.per_v2 * v2 > 0.0:
+            v2 = _known(request.v2)
+            if not self.per_v1 * _known(request.v1) + self.per_v2 * v2 > 0.0:
                 reason = (
                     f"the approach goes backwards altogether; theta1 lies too near 0 or theta2: v1 under "
                     f"{shown_below(self.most * v2)} {speed.text} is right there, or {self._free_theta1}"
@@ -349,21 +349,21 @@ class _Refused:
                 return self._reversal(request.theta1_rad, reason, "theta1_rad")
         if not 0.0 < stroke.law_speed_rad_s < inf:
             return self._no_speed()
-        if not stroke.v1_mm_s > 0.0:
-            reason = f"closing the stroke needs v1 = {stroke.v1_mm_s:.4g} {speed.text}; {self._remedy_of_v1}"
+        if not stroke.v1 > 0.0:
+            reason = f"closing the stroke needs v1 = {stroke.v1:.4g} {speed.text}; {self._remedy_of_v1}"
             return self._reversal(request.theta1_rad, reason + self._closing_speeds, f"v1_{speed.ending}")
-        if not stroke.v2_mm_s > 0.0:
+        if not stroke.v2 > 0.0:
             remedy = f"lower v1, bring a1 nearer to zero or lengthen the stroke{self._closing_speeds}"
-            reason = f"closing the stroke needs v2 = {stroke.v2_mm_s:.4g} {speed.text}; {remedy}"
+            reason = f"closing the stroke needs v2 = {stroke.v2:.4g} {speed.text}; {remedy}"
             return self._reversal(stroke.theta2_rad, reason, f"v2_{speed.ending}")
-        if not stroke.a1_mm_s2 < 0.0:
-            reason = f"a1 = {stroke.a1_mm_s2:.4g} {acceleration.text} is not negative"
+        if not stroke.a1 < 0.0:
+            reason = f"a1 = {stroke.a1:.4g} {acceleration.text} is not negative"
             return self._reversal(stroke.theta4_rad, reason, f"a1_{acceleration.ending}")
-        changed = "v2" if request.v2_mm_s is None else "v1"
+        changed = "v2" if request.v2 is None else "v1"
         return self._reversal(self.zero_rad, self._too_far_apart, f"{changed}_{speed.ending}")
 
     def _no_speed(self) -> NoSuchMechanism:
-        v1, v2, a1 = self.stroke.v1_mm_s, self.stroke.v2_mm_s, self.stroke.a1_mm_s2
+        v1, v2, a1 = self.stroke.v1, self.stroke.v2, self.stroke.a1
         stroke = self.output.place.factor * self.stroke.stroke_mm
         return NoSuchMechanism(
             f"no law speed closes a stroke of {stroke:g} {self.output.place.text} with v1 = {v1:g}, v2 = {v2:g} "
@@ -375,11 +375,11 @@ class _Refused:
     @property
     def _too_far_apart(self) -> str:
         """The words for v1 and v2 between which the output turns back, with the values that would do."""
-        v1, v2, unit = self.stroke.v1_mm_s, self.stroke.v2_mm_s, self.output.speed.text
+        v1, v2, unit = self.stroke.v1, self.stroke.v2, self.output.speed.text
         enough = f"v1 under {shown_below(self.most * v2)} {unit} is right"
-        if self.request.v1_mm_s is None:
+        if self.request.v1 is None:
             said = f"closing the stroke needs v1 = {v1:.5g} {unit}, too much for v2 = {v2:g}; {enough} with this v2"
-        elif self.request.v2_mm_s is None:
+        elif self.request.v2 is None:
             least = f"over {shown_above(v1 / self.most)} is right"
             said = f"closing the stroke needs v2 = {v2:.5g} {unit}, too little for v1 = {v1:g}; {least}"
         else:
@@ -452,10 +452,10 @@ def _product_term(a: Array, b: Array, power: int) -> Array:
 def _closing_speeds(request: StrokeRequests[Array], most: Array) -> list[Array]:
     """The law speeds in rad/s at both ends of a v1 or v2 that is solved for and advances; NaN where there is no end."""
     ends: dict[str, tuple[Array, ...]] = {}
-    if request.v1_mm_s is None:
-        ends = {"v1_mm_s": (np.zeros_like(most), most * _known(request.v2_mm_s))}
-    elif request.v2_mm_s is None:
-        ends = {"v2_mm_s": (request.v1_mm_s / most,)}
+    if request.v1 is None:
+        ends = {"v1": (np.zeros_like(most), most * _known(request.v2))}
+    elif request.v2 is None:
+        ends = {"v2": (request.v1 / most,)}
     return [
         np.where(
             values < inf,

@@ -258,9 +258,7 @@ def _placed(stretch: Stretch, tolerance: Array) -> _Chords:
 
 
 class TooManyChords(WrongInput):
-    """A tolerance is out of all proportion to the curves of a kind: they need a tolerance ``times`` as large, or
-    more.
-    """
+    """A tolerance is out of proportion to the curves of a kind: they need ``times`` this tolerance, or more."""
 
     def __init__(self, needed: float, most: int) -> None:
         self.times = (needed / most) ** 2

@@ -175,9 +175,7 @@ def _regular_tips(
 
 
 def _raised(own: Flanks, mate: Tips, mates: Mates) -> Flanks:
-    """The gear with longer tips: by the height that the mate's tips have lost to avoid undercut, so that less contact
-    is lost.
-    """
+    """The gear with tips longer by the height that the mate's tips lost to avoid undercut: less contact is lost."""
     short = np.where(mate.limit == Limit.UNDERCUT, mate.flanks.full_tip_mm - mate.flanks.tip_height_mm, 0.0)
     missing = _most(own.count, mates, short)
     # Contact passes from tooth to tooth: a tip also makes up for contact that the next tooth's pair has lost.

@@ -174,8 +174,7 @@ class Flanks:
         return self.curve.at_length(self.crossing_mm)
 
     def at_rolled(self, flank: IndexArray, sigma_mm: Array) -> CurvePoints:
-        """Points of the rolling curve for the given flanks: the pitch curve, or each flank's circle of curvature,
-        unturned.
+        """Points of the rolling curve of given flanks, the pitch curve or each flank's circle of curvature, unturned.
 
         Shapes broadcast.
         """

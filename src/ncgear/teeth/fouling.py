@@ -128,8 +128,7 @@ def _parted_mm(own: Flanks, mate: Flanks, met: Array, rolled: Array) -> Array:
 
 
 def freed(own: Tips, mate: Tips, paths: TipPaths) -> Tips:
-    """The gear with shorter tips where they would run into the mate's tips on concave stretches; the same gear where
-    none does.
+    """The gear with shorter tips where they would foul the mate's on concave stretches; else the same gear.
 
     Raises NoSuchMechanism, naming the tooth, where no tip is left.
     """
@@ -140,8 +139,7 @@ def freed(own: Tips, mate: Tips, paths: TipPaths) -> Tips:
 
 
 def freed_of_bottoms(own: Tips, mate: Flanks, paths: TipPaths) -> Tips:
-    """The gear with shorter tips where play turns them into the bottoms of the mate's spaces; the same gear where it
-    turns none.
+    """The gear with shorter tips where play turns them into the bottoms of the mate's spaces; else the same gear.
 
     Raises NoSuchMechanism, naming the tooth, where no tip is left.
     """
@@ -208,9 +206,7 @@ def _in_bottoms(flanks: Flanks, top: Array, paths: TipPaths, spaces: list[Array]
 def _edges_in(
     stand: Flanks, top: Array, paths: TipPaths, outlines: Array, number: IndexArray, beside: int
 ) -> IndexArray:
-    """Flanks with tip edges, at heights ``top``, that run into the outline of their path's number, or into an outline
-    beside it.
-    """
+    """Flanks whose tip edges, at heights ``top``, run into the outline of their path's number or beside it."""
     path = paths.in_mate(stand.flank(paths.own, top[paths.own])[0])
     return paths.own[_running_into(path, outlines, number, beside)]
 

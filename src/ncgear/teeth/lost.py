@@ -37,8 +37,7 @@ class Loss:
 
 
 def shortening(gear: ToothedGear, chosen: Mask) -> Loss:
-    """How much lower the tips of the ``chosen`` flanks (shape (2 z,), at least one flank) are than the rack's full
-    height.
+    """How far tips of the ``chosen`` flanks (shape (2 z,), at least one) are below the rack's full height.
 
     Amounts are distances from the pitch curve.  A tip that was raised before it was shortened may have lost none.
     """

@@ -29,8 +29,7 @@ numbers left to tell its sides apart."""
 
 
 def regular_height(flanks: Flanks, limit_mm: float | Array, which: IndexArray | None = None) -> Array:
-    """Height over the pitch line, at most ``limit_mm``, up to which flanks are regular: all flanks, or the numbered
-    flanks.
+    """Height over the pitch line, at most ``limit_mm``, up to which all or the numbered flanks are regular.
 
     Both limits and heights have shape (n,); a single limit holds for all flanks.  Raises NoSuchMechanism where the
     pitch curve bends many times along the height of one tooth.

@@ -34,7 +34,5 @@ def deepest_rounded(angles_rad: tuple[float, float], radius: float, half_width: 
 
 
 def fitting_root_radius(wanted: float, largest: float) -> float:
-    """A radius in modules: the ``wanted`` radius or, where it exceeds the ``largest``, a radius that fits; at least
-    0.
-    """
+    """A radius in modules: the ``wanted`` radius or, above the ``largest``, a radius that fits; at least 0."""
     return wanted if wanted <= largest else max(floor(largest * (1.0 - ROUNDING) * PER_MODULE) / PER_MODULE, 0.0)

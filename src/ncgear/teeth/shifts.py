@@ -71,8 +71,7 @@ def thickness_mm(module_mm: float, shift_mm: Array, angles_rad: tuple[float, flo
 def tooth_shifts(
     shift_mm: Array, module_mm: float, angles_rad: tuple[float, float], teeth: tuple[int, int]
 ) -> tuple[ToothShifts, ToothShifts]:
-    """The shifts of the driving and the driven gear, from the shifts of the driving teeth, of which tooth 1 comes
-    first.
+    """The shifts of the driving and the driven gear, from the shifts of the driving teeth from tooth 1 on.
 
     ``angles_rad`` are the pressure angles of pushing and of idle flanks, ``teeth`` the numbers of both gears' teeth.
     Shifts of fewer teeth are repeated round the gear.  Raises WrongInput where that does not go up, where teeth that

@@ -70,9 +70,7 @@ def parted(stretch: Stretch, cut: Array) -> Stretch:
 
 
 def joined(stretches: Sequence[Stretch]) -> Stretch:
-    """The rows of several stretches as rows of a single curve; the owners are the rows' numbers, and go to it in
-    order.
-    """
+    """The rows of several stretches as a single curve, whose owners are the rows' numbers, in order."""
     counts = [stretch.owner.size for stretch in stretches]
     first = np.cumsum([0, *counts])
 

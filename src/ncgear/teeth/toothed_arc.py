@@ -127,9 +127,7 @@ def _beyond_mm(flanks: Flanks, after: Stretch, before: Stretch) -> list[float]:
 
 
 def _rounding(end_mm: float, radius_mm: float, module_mm: float, left_rad: float) -> float:
-    """Radius of the corner between a wall and the heel: a module, or as much as has room on the wall and along the
-    heel.
-    """
+    """Radius of the corner between a wall and the heel: a module, or the largest that wall and heel allow."""
     if end_mm - radius_mm <= LEAST_WALL * module_mm:
         return 0.0
     share = sin(min(left_rad / 4.0, pi / 4.0))

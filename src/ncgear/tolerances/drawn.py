@@ -154,9 +154,7 @@ def sources_of(pairs: Sequence[Limits]) -> tuple[Source, ...]:
 
 
 def chances_of(pairs: Array, teeth: Sequence[Array]) -> tuple[Chances, ...]:
-    """The chances of s pairs, from numbers of shape (s, COUNT, N) and of their teeth; SHARED come from the first
-    pair.
-    """
+    """The chances of s pairs, from numbers (s, COUNT, N) and of their teeth; SHARED come from the first pair."""
     pairs = pairs.copy()
     for name in SHARED:
         pairs[:, rows_of(name)] = pairs[0, rows_of(name)]

@@ -152,8 +152,7 @@ class Index:
 
 
 def sobol_tasks(lot: Lot, count: int, seed: int) -> list[Task]:
-    """The tasks of Saltelli's scheme, which exchanges all numbers of a source at once: A, B, then a set for each
-    source.
+    """The tasks of Saltelli's scheme with a source's numbers exchanged at once: A, B, then a set per source.
 
     ``count`` is a power of two, a multiple of the number of assemblies in a task or less.
     """
@@ -197,8 +196,7 @@ def sobol_indices_of(lot: Lot, found: Assemblies) -> dict[str, tuple[Index, ...]
 
 @dataclass(frozen=True, eq=False)
 class FirstOrder:
-    """Standard deviations of the play by the first order, and of drawn assemblies, in mm along the normal, shape (p,)
-    each.
+    """Standard deviations of the play by the first order, and drawn, in mm along the normal, shape (p,) each.
 
     There is a play at each position.  ``by_source`` is each source's part of ``linear_mm``.
     """
@@ -242,8 +240,7 @@ def first_order(lot: Lot, number: int, tasks: Iterable[Task]) -> FirstOrder:
 
 @dataclass(frozen=True)
 class BetweenPositions:
-    """How far figures of some assemblies go, between the positions, beyond their values at the positions: in mm, at
-    most.
+    """How far figures of assemblies go, between the positions, beyond their values at them: in mm, at most.
 
     Eight times as many positions tell this to about a tenth of its value.
     """

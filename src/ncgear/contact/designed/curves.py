@@ -57,9 +57,7 @@ class Contacts(Columns):
 
     @cached_property
     def lead_rad(self) -> Array:
-        """How early each contact touches: the contact that leads at a position is the first on its side of the
-        teeth.
-        """
+        """How early each contact touches: the leading contact at a position is the first on its side of the teeth."""
         return self.urge * self.error_rad
 
     def place(self, placement: Placement) -> IndexArray:
@@ -85,9 +83,7 @@ class Contacts(Columns):
         return placement.fixed_points(self.point, self.position, self.error_rad)
 
     def sliding_mm(self, placement: Placement) -> Array:
-        """Speed at which the driving tooth slides over the driven tooth, in mm per rad of phi1; outwards is
-        positive.
-        """
+        """Speed of the driving tooth's sliding over the driven tooth, in mm per rad of phi1; outwards is positive."""
         place = self.fixed_points(placement)
         tangent = placement.fixed_directions(self.tangent, self.position, self.error_rad) / np.abs(self.tangent)
         outwards = np.sign(along(tangent, place))

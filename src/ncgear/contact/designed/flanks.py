@@ -23,8 +23,7 @@ END_IN_MODULES = 1e-9
 """Height beyond its end at which a flank still counts as touching: rounding errors where an end meets a position."""
 
 TOUCHING_IN_PITCHES = 1e-4
-"""Distance at which teeth count as touching together with the first teeth, since the lightest load closes it: a
-micrometre for teeth of module 3.
+"""Distance that the lightest load closes, so teeth touch with the first teeth: a micrometre for module 3.
 """
 
 GAP = 1e-3

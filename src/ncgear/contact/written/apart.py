@@ -28,8 +28,7 @@ GRAIN_IN_PITCHES = 0.04
 """The grain of outlines, by which the sizes below count, is the mean length of their chords, and this at most."""
 
 LONGEST = 4.0
-"""Grains from which chords of the driving outline are cut into pieces: a long chord would give all chords many
-pairs.
+"""Grains from which on driving chords are cut into pieces: a long chord would give all chords many pairs.
 """
 
 CELL, MOST_CELLS = 4.0, 2000

@@ -181,9 +181,9 @@ class ThreeSegmentStroke(LawKeys):
         stroke, back, output = law.stroke, law.return_law, linkage.OUTPUT
         facts = {
             "solved_for": self.solve_for,
-            f"v1_{output.speed.ending}": stroke.v1_mm_s,
-            f"v2_{output.speed.ending}": stroke.v2_mm_s,
-            f"a1_{output.acceleration.ending}": stroke.a1_mm_s2,
+            f"v1_{output.speed.ending}": stroke.v1,
+            f"v2_{output.speed.ending}": stroke.v2,
+            f"a1_{output.acceleration.ending}": stroke.a1,
             "return_basis": "inverse_ratio" if back.inverse else "ratio",
             "return_constant_e": back.extrapolated_ratio,
         }
@@ -215,9 +215,9 @@ class ThreeSegmentStroke(LawKeys):
             theta2_rad=self.theta2,
             theta3_rad=self.theta3,
             theta4_rad=self.theta4,
-            v1_mm_s=self.v1_rad_s if self.turns else self.v1_mm_s,
-            v2_mm_s=self.v2_rad_s if self.turns else self.v2_mm_s,
-            a1_mm_s2=self.a1_rad_s2 if self.turns else self.a1_mm_s2,
+            v1=self.v1_rad_s if self.turns else self.v1_mm_s,
+            v2=self.v2_rad_s if self.turns else self.v2_mm_s,
+            a1=self.a1_rad_s2 if self.turns else self.a1_mm_s2,
             law_speed_rad_s=None if self.law_speed_rpm is None else self.law_speed_rpm * RAD_S_PER_RPM,
             stroke_mm=stroke_mm,
             a1_speed_rad_s=None if self.a1_speed_rpm is None else self.a1_speed_rpm * RAD_S_PER_RPM,

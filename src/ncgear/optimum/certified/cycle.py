@@ -22,8 +22,7 @@ PLACES = 240
 """Places of a cycle: on the baler the limit is then within 0.1 % of the limit on a much finer grid."""
 
 NEAREST = 0.15
-"""Least distance of two places, in steps of the even grid: the relations of nearer places lose digits and gain
-nothing.
+"""Least distance of two places, in steps of the even grid: relations of nearer places lose digits, gain nothing.
 """
 
 SAME = 1e-9
@@ -112,9 +111,7 @@ def cycle(task: Task, places: int = PLACES, at_rad: Sequence[float] = ()) -> Cra
 
 
 def _angles(task: Task, places: int, at_rad: Sequence[float]) -> Array:
-    """Crank angles of all places, rising: both dead centres, then the angles that matter most, then even angles
-    between.
-    """
+    """Crank angles of all places, rising: both dead centres, the angles that matter most, even angles between."""
     working = task.linkage.working_angle_rad
     step = 2.0 * pi / places
     kept = [0.0, working]

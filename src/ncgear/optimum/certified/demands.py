@@ -18,8 +18,7 @@ KINDS = (TimeWithin, EvenSpeed, SpeedWithin, DecelerationWithin)
 
 @dataclass(frozen=True)
 class WishDemand:
-    """The requirement of a wish on every motion; a time has its upper bound alone, since the rest of the turn has the
-    lower bound.
+    """The requirement of a wish on every motion; a time has its upper bound alone, the rest of the turn the lower.
 
     ``key`` is the key of the wish in the design file; a stretch may go on over the end of the turn.  ``shown`` tells in
     words of the wish the value to ask for instead, from the value that ``eased`` takes.  Where a stretch must be short

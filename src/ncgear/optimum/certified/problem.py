@@ -78,17 +78,13 @@ class LimitProblem:
 
     @cached_property
     def closing(self) -> float:
-        """Least driving angle of a cycle that keeps all other demands, over the cycle's own; infinite where no motion
-        keeps them.
-        """
+        """Least driving angle of a motion that keeps all other demands, over the cycle's; infinite where none does."""
         made = self.programme(closed=False)
         return least(made.programme, made.angle).value
 
     @property
     def excess(self) -> float:
-        """Excess of the least driving angle over the cycle's own, as a share of the cycle's; zero or less means no
-        excess.
-        """
+        """Excess of the least driving angle over the cycle's, as a share of it; zero or less means no excess."""
         return self.closing - 1.0
 
     @property

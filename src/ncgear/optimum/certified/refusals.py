@@ -34,8 +34,7 @@ BEYOND = 10.0
 def turning_point(
     excess: Callable[[float], float], guess: float, fine: float = FINE, step: float = log(2.0)
 ) -> tuple[float, float] | None:
-    """A value with an excess over zero and a higher value without excess, at most ``fine`` apart; the excess never
-    grows.
+    """A value with an excess and a higher value without, at most ``fine`` apart; the excess never grows.
 
     It may be infinite.  The guess, which must be positive, should be right to a share of ``step``.  The first value is
     0 where there is no excess down to 2^-60 of the guess.  None where there is some up to 2^60 times the guess.
@@ -147,9 +146,7 @@ def _key_and_unit(task: Task, name: str) -> tuple[str, str]:
 
 
 def in_demand(task: Task, name: str) -> float:
-    """The factor from the unit of a limit in a design file to the unit of the demand: power in W, torque in N mm, and
-    so on.
-    """
+    """The factor from a limit's unit in a design file to the demand's unit: power in W, torque in N mm, and so on."""
     # Swing of energy = J w^2 times the coefficient of fluctuation; 1 N mm is 1000 kg mm^2/s^2
     swing = task.speed_rad_s**2 * task.speed_fluctuation / 1000.0
     return {"torque_n_mm": 1000.0, "fluctuation_n_mm": swing}.get(name, 1.0)

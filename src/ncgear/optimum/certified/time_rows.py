@@ -1,6 +1,4 @@
-"""Least and greatest mean of 1/s in each cell, which is the cell's share of driving angle, as rows of the conic
-programme.
-"""
+"""The mean of 1/s in each cell, its share of the driving angle, as rows of the conic programme."""
 
 from __future__ import annotations
 

@@ -151,9 +151,7 @@ def best_held(wishes: Wishes, found: Found, find: Callable[[Wishes, Motion], Fou
 
 
 def _moved(wishes: Wishes, number: int, end: int, step: float) -> Iterator[Wishes]:
-    """The wishes with an end of a range's crank angles moved further and further; an end at the retracted dead centre
-    stays.
-    """
+    """The wishes with an end of a range's crank angles moved further and further; a retracted end stays."""
     crank = _driving(wishes, number).crank
     turn = 2.0 * pi * np.floor(crank[end] / (2.0 * pi))
     if not turn < crank[end] < turn + 2.0 * pi:

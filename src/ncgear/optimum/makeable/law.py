@@ -197,16 +197,13 @@ def _kept_between(search: LawSearch, near: Array) -> MakeableLaw:
 
 
 def _kept_without(search: LawSearch, wishes: Sequence[str], *starts: Array | Solution) -> Kept | None:
-    """Coefficients that keep all limits everywhere but a few, and come as near to these few as they can, from the first
-    start.
-    """
+    """Coefficients that keep all limits but a few everywhere, and come near these few, from the first start."""
     freed = _freed(search, wishes)
     return next((found for start in starts if (found := kept(freed, start)) is not None), None)
 
 
 def _freed(search: LawSearch, wishes: Sequence[str]) -> LawSearch:
-    """The search that keeps all limits except the limits of these wishes; it comes to each of these as near as it can,
-    and no nearer.
+    """The search that keeps all other limits, and comes to the limits of these wishes as near as it can.
 
     Of a wish with two sides, as a place at an angle, no law is better for a side that has room.
     """

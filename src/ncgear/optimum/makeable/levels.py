@@ -165,9 +165,7 @@ def of_loads(task: Task, units: MachineScales, limits: Limits, prices: Prices) -
         return quantities.driving_torque(at, slider, speed) / torque
 
     def level(name: str, words: str, unit: float, sides: Sides, kind: LevelKind = LevelKind.PEAK) -> Iterator[Level]:
-        """The level of a figure that has a limit or a price; ``unit`` is the unit of the level in units of the
-        figure.
-        """
+        """The level of a figure with a limit or a price; ``unit`` is the level's unit in units of the figure."""
         limit, price = getattr(limits, name), getattr(prices, name, 0.0)
         if limit is not None or price:
             cap = None if limit is None else limit / unit
@@ -209,9 +207,7 @@ def of_loads(task: Task, units: MachineScales, limits: Limits, prices: Prices) -
 
 
 def _tooth_force(task: Task, limit: float) -> Level:
-    """The force of the flanks that carry; the value with the other sign, of flanks that do not carry, is far under the
-    limit.
-    """
+    """The force of the flanks that carry; the other sign, of flanks that do not, is far under the limit."""
     size = task.gears
     assert size is not None
     lobes, idle = task.lobes.driving, size.idle_angle_rad

@@ -55,9 +55,7 @@ def _level(
     per_share: float = 1.0,
     target: float = 0.0,
 ) -> Level:
-    """The level of a wish: a hard wish keeps it to ``most``; a soft wish costs from ``most`` on, by shares of
-    ``per_share``.
-    """
+    """The level of a wish: a hard wish keeps it to ``most``; a soft wish costs from there, by ``per_share``."""
     return Level(
         wish.key,
         most if wish.hard else None,

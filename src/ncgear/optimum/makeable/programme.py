@@ -151,9 +151,7 @@ class LawProgramme:
         return self.afresh, {"x0": self.inside(start)}
 
     def inside(self, coefficients: Array) -> Array:
-        """All variables from coefficients: variables of the whole law are such that rows hold with room, or are
-        zero.
-        """
+        """All variables from coefficients; with variables of the whole law rows hold with room, or are zero."""
         at, columns = self.rows.at, self.rows.columns
         law = ratios(at, self.basis, coefficients, self.cycles_rad)
         judged = JudgedLaw(self.levels, at, law)

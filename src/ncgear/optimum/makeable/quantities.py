@@ -96,9 +96,7 @@ def moved(at: Place, by_q: Term, by_rate: Term, speed_rad_s: Term) -> Term:
 
 
 def driving_torque(at: Place, slider: Slider, speed_rad_s: Term) -> Term:
-    """Torque on the driving gear in N mm with all masses: the driven gear's torque times s, and the torque of a shaft
-    between.
-    """
+    """Torque on the driving gear in N mm with all masses: the driven gear's times s, and a shaft between's."""
     crank = (slider.torque + moved(at, slider.torque_by_q, slider.torque_by_rate, speed_rad_s)) * at.slope
     return crank + speed_rad_s**2 * slider.between
 

@@ -46,9 +46,7 @@ def level_terms(
 
 
 def closing_terms(ratios: Sequence[Place]) -> list[Term]:
-    """The values that are integrated over the turn with any levels: every ratio, and the rate of every pair's
-    length.
-    """
+    """The values integrated over the turn with any levels: every ratio, and the rate of every pair's length."""
     return [*(one.ratio for one in ratios), *length_rates(ratios)]
 
 

@@ -113,9 +113,7 @@ def even_knots(count: int) -> Knots:
 
 
 def _raised(lower: Array, knot: Array, angle: Array) -> Array:
-    """B-splines of the next degree d, shape (m, d + 1), from B-splines of degree d - 1 and 2 d knots, shape (m, 2
-    d).
-    """
+    """B-splines of degree d, shape (m, d + 1), from B-splines of degree d - 1 and 2 d knots, shape (m, 2 d)."""
     degree = lower.shape[1]
     before, after = knot[:, :degree], knot[:, degree:]
     left = lower * (angle[:, None] - before) / (after - before)

@@ -113,8 +113,7 @@ EASE = 0.3
 acceleration buy nine degrees; at a tenth the method takes five times as long, and at times finds nothing."""
 
 EVENLY = 1e-3
-"""The same cost where a pressure angle is given: it picks the least angle among the ways to share a law, and takes
-almost nothing off the goal.
+"""The same cost with a given pressure angle: it picks the way with the least angle, at almost no cost.
 """
 
 
