@@ -598,7 +598,7 @@ def failing(error: BaseException) -> Callable[[Path], None]:
         (
             ImportError("libGL.so.1: cannot open shared object file: No such file or directory"),
             2,
-            "libGL.so.1: cannot open shared object file: No such file or directory; install what it needs of the system",
+            "libGL.so.1: cannot open shared object file: No such file or directory; install what it needs",
         ),
         (ImportError("cannot import name 'a' from 'b'"), 1, "ncgear: internal fault: ImportError: cannot import name"),
         (KeyboardInterrupt(), 130, ""),
