@@ -595,6 +595,12 @@ def failing(error: BaseException) -> Callable[[Path], None]:
             "ncgear: internal fault: RecursionError: too deep; please report it with what ncgear --version says; "
             "NCGEAR_DEBUG=1 shows where it arose\n",
         ),
+        (
+            ImportError("libGL.so.1: cannot open shared object file: No such file or directory"),
+            2,
+            "libGL.so.1: cannot open shared object file: No such file or directory; install what it needs",
+        ),
+        (ImportError("cannot import name 'a' from 'b'"), 1, "ncgear: internal fault: ImportError: cannot import name"),
         (KeyboardInterrupt(), 130, ""),
     ],
 )

@@ -29,6 +29,9 @@ READER_LEFT = 141
 WRONG_INPUT = 2
 FAULT = 1
 
+NOT_LOADED = "cannot open shared object", "Library not loaded", "DLL load failed"
+"""What Linux, macOS and Windows say where the system lacks what a compiled library needs."""
+
 AGAIN_SECONDS = 0.2
 
 COMPILED_IMPORT = {ExtensionFileLoader.create_module.__code__, ExtensionFileLoader.exec_module.__code__}
@@ -138,5 +141,7 @@ def _run() -> tuple[int, str]:
         parts = [str(part) for part in (error.filename, error.strerror or error) if part]
         return WRONG_INPUT, f"{': '.join(parts)}; give a path that can be read or written"
     except Exception as error:
+        if isinstance(error, ImportError) and any(words in str(error) for words in NOT_LOADED):
+            return WRONG_INPUT, f"{error}; install what it needs of the system, or do without this output"
         return FAULT, f"ncgear: {fault_words(error)}"
     return 0, ""
