@@ -174,7 +174,7 @@ def _shaft(
 
 
 MOST_TIMES, GROWN = 10.0, 1.002
-"""The thickest shaft that is tried, in diameters of the given one, and the factor by which trials grow at least."""
+"""The thickest shaft that is tried, in diameters of the given shaft, and the least factor between trials."""
 
 
 def _thick_enough_mm(of_diameter: Callable[[float], ShaftSafety], given_mm: float, safety: ShaftSafety) -> float | None:

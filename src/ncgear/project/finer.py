@@ -1,7 +1,7 @@
-"""The search for the least change of one size, as a number of teeth, with which gears are as they should be.
+"""The search for the least change of a size, as a number of teeth, with which gears are good.
 
-Each trial makes the changed gears.  Numbers grow until one does, and then those between are halved, so that the one
-before the number found is known not to do.
+Each trial makes the changed gears.  Numbers grow until a number is good.  Then the numbers between are halved, so that
+the number before the found number is known not to be good.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ Does = Callable[[int], bool | None]
 def fewest(does: Does, low: int, most: int, each: int = 1, needed: float = 0.0, about: float = FINER_STEP - 1.0) -> int:
     """The least multiple of ``each`` over ``low`` that does, and is no more than ``most``; 0 where none was found.
 
-    Numbers are tried from ``needed`` on, near which the least one is expected to a share ``about``.
+    Numbers are tried from ``needed`` on, near which the least number is expected to a share ``about``.
     """
     high, found = most + each, 0
 
@@ -94,7 +94,7 @@ def fewest_teeth(pair: Drive, good: Good, seconds: float) -> Least:
 
 
 def steepest_helix(pair: Drive, good: Good, seconds: float) -> Least:
-    """The greatest helix angle in whole degrees, below the given one, with which a pair is good and can be made."""
+    """The greatest helix angle in whole degrees, below the given angle, with which a pair is good and can be made."""
     angle = pair.gears.helix.angle_deg if pair.gears.helix else 0.0
     whole = ceil(angle) - 1
 
@@ -130,7 +130,7 @@ def _least(
         return True
 
     low, most, each = numbers
-    # Contact of the outlines takes longest, and hardly ever refuses what is good
+    # Contact of the outlines takes longest, and hardly ever refuses good gears
     while found := fewest(lambda count: does(count, is_good), low, most, each, needed=float(low + each)):
         answer = does(found, is_made)
         if answer:

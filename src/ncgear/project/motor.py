@@ -1,7 +1,7 @@
-"""From keys to values: what the motor of a design makes of its machine, before any tooth is followed in time.
+"""From keys to values: how the motor of a design drives its machine, before any tooth is followed in time.
 
-A design has one motor at the most: that of ``drivetrain``, behind a gearbox, or that of ``simulation``, at the driving
-gear.  A motor that does not do is answered with one that does, tried with the very numbers that are told.
+A design has one motor at the most: the motor of ``drivetrain``, behind a gearbox, or of ``simulation``, at the driving
+gear.  A motor that is not enough is answered with a motor that is, tried with the very numbers that are told.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from ncgear.project.tooth_form import reach_in_pitches
 
 @dataclass(frozen=True, eq=False)
 class MotorResult:
-    """The motor of a drivetrain: what the machine asks for, the motor's load at even speed, the course of the speed.
+    """The motor of a drivetrain: the machine's demand, the motor's load at even speed, the course of the speed.
 
     The course is None without a line of the motor, and where it ``stops``: why, in words.
     """
@@ -56,7 +56,7 @@ class MotorResult:
 
 
 def demand_of(design: Design, rigid: Rigid, mesh_loss_factor: float | None) -> Demand:
-    """What the machine asks of the driving shaft, friction counted, and the motor's rotor with what turns."""
+    """The machine's demand on the driving shaft, with friction, and with the motor's rotor among the turning masses."""
     smooth, motor = cycle_of(rigid), design.drivetrain.motor if design.drivetrain else None
     losses = losses_of(smooth, mesh_loss_factor, design.simulation.friction.dynamic)
     rotor_kg_mm2 = motor.inertia_kg_mm2 * motor.gearbox.ratio**2 if motor else 0.0
@@ -101,7 +101,7 @@ def _gearbox(given: DrivetrainMotor) -> Gearbox:
 
 
 def _line_drive(design: Design, given: DrivetrainMotor) -> LineDrive | None:
-    """The motor's line: its own, or that of the simulation at the driving gear."""
+    """The motor's line: its own, or the simulation's at the driving gear."""
     gearbox, simulated = _gearbox(given), design.simulation.motor
     if given.no_load_speed_rpm is not None:
         stall = _rest_n_m(given) / N_M_PER_N_MM
@@ -126,7 +126,7 @@ def _rest_n_m(given: DrivetrainMotor) -> float:
 
 
 def _asked(drive: Geared) -> tuple[Demand, LineDrive] | None:
-    """What the machine asks of the motor of the simulation, friction in the guide counted, that of the teeth left out.
+    """The machine's demand on the motor of the simulation, with friction in the guide, without friction of the teeth.
 
     None where no motor is given; raises WrongInput where its shaft has no inertia.
     """
@@ -167,12 +167,14 @@ Told = dict[str, float]
 """Dotted keys of the design file with values, as they are written."""
 
 TRIES = 3
-"""Speeds without load that are tried with a torque: that at which the machine's mean torque leaves its own speed, and
-nearer ones by what these missed."""
+"""Number of speeds without load that are tried with a torque.  At the first the machine's mean torque leaves its own
+speed; each next speed is corrected by the error of the speed before.
+"""
 
 STRONGER = (2.0, 4.0)
-"""Torques at rest that are tried if the given one does not do, over the most that the machine asks for: nearer to it
-motors lose half their speed and more."""
+"""Torques at rest that are tried if the given torque is not enough, over the machine's greatest torque: nearer to it
+motors lose half their speed and more.
+"""
 
 STIFFENED = 1.01
 """Times the mean square of its torque that a motor is rated for which has to be stronger: it holds its speed better."""
@@ -182,7 +184,7 @@ MOST_SECONDS = 5.0
 
 
 OFF_SPEED = 0.03
-"""Share by which a motor's own speed may differ from the wanted one: what the slip of usual motors makes."""
+"""Share by which a motor's own speed may differ from the wanted speed: about the slip of usual motors."""
 
 
 def told_words(found: Told | None) -> str:
@@ -195,7 +197,7 @@ def told_words(found: Told | None) -> str:
 def fitting_simulated(drive: Geared) -> Told | None:
     """Keys of a motor of the simulation that turns the machine at its own speed.
 
-    Only keys that change are told; the torque is the given one where this does.  None where none of those tried does.
+    Only keys that change are told; the torque is the given torque where this is enough.  None where no tried motor is.
     """
     asked, given = _asked(drive), drive.design.simulation.motor
     if asked is None or given is None:

@@ -286,7 +286,7 @@ class _Search:
         return teeth * module_mm / (first.teeth * first.module_mm)
 
     def nearest(self, teeth: int, module_mm: float) -> Sized:
-        """The gears computed last of those with the most similar number of teeth and then module."""
+        """Of the gears with the most similar number of teeth and then module, the gears computed last."""
         return min(
             reversed(self.computed),
             key=lambda one: (abs(log(one.teeth / teeth)), abs(log(one.module_mm / module_mm))),

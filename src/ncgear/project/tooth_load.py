@@ -28,7 +28,7 @@ class ToothLoad:
     """The torque that a machine at constant driving speed asks of the driven gear of one of its pairs.
 
     ``load`` says what counts: the machine's masses with the resistance, or the resistance alone.  ``place`` is how the
-    pair's gears lie.  Angles are those of the pair's own driving gear.
+    pair's gears lie.  Angles are of the pair's own driving gear.
 
     A pair passes on the power that its driven gear's shaft takes in; friction between the teeth is not counted.  The
     first of two pairs turns the shaft between them, whose inertia the whole machine counts; the last pair turns the

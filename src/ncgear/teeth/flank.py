@@ -340,7 +340,7 @@ def _turned(curve: tuple[Array, Array], angle_rad: Array, rate: Array | float) -
 def on_circles(touched: CurvePoints, rolled_mm: Array) -> CurvePoints:
     """Points at arc lengths ``rolled_mm`` along the circles of curvature that touch a curve at ``touched``.
 
-    The touched points' shape broadcasts against that of ``rolled_mm``.
+    The touched points' shape broadcasts against the shape of ``rolled_mm``.
     """
     tangent, normal = as_complex(touched.tangent), as_complex(touched.normal)
     curvature = np.broadcast_to(touched.curvature, rolled_mm.shape)

@@ -146,7 +146,7 @@ def pair_tips(pitch: PitchPair, form: ToothForm, advance_mm: float) -> tuple[Cut
     kind, tools = chosen_tools(pitch, form)
     # Flanks that meet cross at equal arc lengths: where both gears are shifted outwards, their teeth stay so much
     # thinner.  Arc length runs against the driving gear's turning: it pushes with its back flanks, onto the driven
-    # front ones; its front flanks are idle, and the driven back ones.
+    # front ones; its front flanks are idle, and the driven back flanks.
     quarter = form.rack.pitch_mm / 4.0
     pushing, idle = ((racks[0].shift_mm - racks[1].shift_mm) / 2.0 * tan(angle) for angle in form.rack.angles_rad)
     turn = -pitch.mesh.sense * play.driven_rad

@@ -273,8 +273,8 @@ class _Paths:
     ) -> tuple[Array, Array]:
         """How far, in parameters, the crossings of the curves may be from the crossings of their chords.
 
-        On both curves one and a half times the longer chord: where a coarse chord crosses fine ones, its sagitta shifts
-        the crossing by many of them.
+        On both curves one and a half times the longer chord: where a coarse chord crosses fine chords, its sagitta
+        shifts the crossing by many of them.
         """
         spacing1, length1 = self._chord(row, kind1, first)
         spacing2, length2 = self._chord(row, kind2, second)

@@ -317,7 +317,7 @@ def _with_lands(edges: _Edges, least: float) -> tuple[_Edges, Mask]:
 
 
 STEPS = 12
-"""Steps of Newton's method to the height of a land; five do as a rule."""
+"""Steps of Newton's method to the height of a land; five are usually enough."""
 
 
 @np.errstate(all="ignore")

@@ -238,7 +238,7 @@ class PairLot:
     """One pair of a machine, of which assemblies are computed.
 
     ``reversals`` are the positions next to which the torque of the driven gear turns round.  ``way`` tells where the
-    machine's positions lie between those of the mesh, and ``slope`` (shape (p,)) how far the last driven gear turns
+    machine's positions lie between positions of the mesh, and ``slope`` (shape (p,)) how far the last driven gear turns
     there per angle of this pair's driven gear.
     """
 

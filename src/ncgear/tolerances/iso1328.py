@@ -61,7 +61,7 @@ def flank_tolerances(grade: int, diameter_mm: Array, module_mm: float) -> FlankT
 
 
 def rounded_um(tolerance_mm: float) -> float:
-    """A tolerance in micrometres as drawings give it (5.2.3): whole ones above 10, halves from 5, tenths below."""
+    """A tolerance in micrometres as drawings give it (5.2.3): a whole number above 10, halves from 5, tenths below."""
     value = tolerance_mm / MM_PER_UM
     parts = 1.0 if value > 10.0 else 2.0 if value >= 5.0 else 10.0
     return float(np.floor(parts * value + 0.5) / parts)

@@ -75,10 +75,10 @@ class Deviations:
     """The deviations of N assemblies.
 
     ``rigid`` (shape (11, N)) has the quantities of RIGID.  ``tilt`` (shape (4, N)) is the tilt of the driving bore
-    about both axes in its gear's frame, then that of the driven bore, in rad.  ``pitch`` and ``profile`` (shape
-    (flanks, N), the driving gear's flanks first) are each flank's deviations in mm: its place along the pitch curve,
-    with added material positive, and its slope, the material at the tip less the material at the root.  ``output_rad``
-    (shape (N,)) is the index error of the driven gear on its shaft.
+    about both axes in its gear's frame, then of the driven bore, in rad.  ``pitch`` and ``profile`` (shape (flanks, N),
+    the driving gear's flanks first) are each flank's deviations in mm: its place along the pitch curve, with added
+    material positive, and its slope, the material at the tip less the material at the root.  ``output_rad`` (shape
+    (N,)) is the index error of the driven gear on its shaft.
     """
 
     rigid: Array
@@ -334,7 +334,7 @@ STEP_IN_MODULES = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Displaced(Placement):
-    """Positions with the driven gear moved by ``moved_mm`` in the fixed frame, and the driving one scaled."""
+    """Positions with the driven gear moved by ``moved_mm`` in the fixed frame, and the driving gear scaled."""
 
     moved_mm: complex = 0.0j
     scale: float = 1.0

@@ -1,6 +1,6 @@
 """The check of the linear mesh: the outlines of an assembly with all its deviations, turned until they touch.
 
-The outlines are those of the exact teeth.  Points on flanks move along the normal by the flank's deviation.  The whole
+The outlines belong to the exact teeth.  Points on flanks move along the normal by the flank's deviation.  The whole
 outline grows, shifts from its bore and turns.  ``ncgear.contact.written`` then tells how far the driven gear turns
 before chords touch.  None of this is linear.  With tilted bores both ends of the face width are checked.  The same
 check of outlines without deviations tells the error of chords, which is subtracted.
@@ -205,7 +205,7 @@ def _turns(gear: ToothedGear) -> Array:
 
 @dataclass(frozen=True)
 class LinearError:
-    """How far the linear mesh is off the outlines of an assembly, and how far those are displaced, in mm, at most."""
+    """How far the linear mesh is off the outlines of an assembly, and how far outlines are displaced, in mm at most."""
 
     error_mm: float
     displaced_mm: float

@@ -96,7 +96,8 @@ class _Stretches:
 class _Setting:
     """The values for all positions: the chords of both outlines, the driven chords twice round.
 
-    ``windows`` are the middles of driving chords, shape (chords, width): each chord's own and those that follow it.
+    ``windows`` are the middles of driving chords, shape (chords, width): each chord's own and the middles that follow
+    it.
     """
 
     placement: Placement

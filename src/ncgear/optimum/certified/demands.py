@@ -48,13 +48,12 @@ Asked = TypeVar("Asked", TimeWithin, EvenSpeed, SpeedWithin, DecelerationWithin)
 
 @dataclass(frozen=True)
 class Demands:
-    """Limits; infinite ones are free.
+    """Limits; an infinite limit is none.
 
     ``steepness`` bounds |s'|/(1 + s) with s = dphi2/dphi1, the prime by phi2: the tangent of the pitch curves against
     their common perpendicular, without the rack's own angle, which messages add.  ``convex`` asks both pitch curves to
-    be convex.  Powers are those of the motor, with every mass that the task has.  ``fluctuation_n_mm`` bounds the swing
-    of the energy that the driving shaft gives and takes beside its mean, ``torque_n_mm`` the root mean square of its
-    torque.
+    be convex.  Powers are the motor's, with every mass that the task has.  ``fluctuation_n_mm`` bounds the swing of the
+    energy that the driving shaft gives and takes beside its mean, ``torque_n_mm`` the root mean square of its torque.
     """
 
     ratio_min: float

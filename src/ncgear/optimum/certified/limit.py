@@ -83,8 +83,8 @@ def problem_of(task: Task, asked: Demands, places: int | None = None) -> LimitPr
 def least_acceleration(task: Task, asked: Demands, places: int | None = None, *, proven: bool = True) -> Bound:
     """Least peak of the slider's acceleration in mm/s^2; a demand on acceleration itself is not looked at.
 
-    Where not ``proven``, only the motion is wanted: the value knows the driven curve and not the driving one.
-    Raises NoSuchMechanism where no acceleration is enough, with the limits that bind and their nearest values.
+    Where not ``proven``, only the motion is wanted: the value knows the driven curve and not the driving curve.  Raises
+    NoSuchMechanism where no acceleration is enough, with the limits that bind and their nearest values.
     """
     problem = problem_of(task, replace(asked, acceleration_mm_s2=inf), places)
 

@@ -61,8 +61,8 @@ def least_weighted_sum(
     """Least weighted sum of both peaks; demands on the two peaks themselves are not looked at.
 
     The programme knows the square of the power P.  Between P1 and P2 the chord, (P^2 + P1 P2)/(P1 + P2), is at most P.
-    Intervals of powers are split, the one with the lowest sum first, until it is within ``tolerance`` of the best sum
-    found.  The driving curve is left free.  Raises NoSuchMechanism as ``least_acceleration`` does.
+    Intervals of powers are split, the interval with the lowest sum first, until it is within ``tolerance`` of the best
+    sum found.  The driving curve is left free.  Raises NoSuchMechanism as ``least_acceleration`` does.
     """
     free = replace(asked, acceleration_mm_s2=inf, power_w=inf)
     problem = problem_of(task, free, places)

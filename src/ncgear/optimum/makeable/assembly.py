@@ -88,7 +88,7 @@ class _Combined:
 
 
 def _combined(row: Any, column: Any, source: Any, weight: Any, fixed: Any, sources: int) -> _Combined:
-    """A matrix with local entries ``source``, times ``weight``, at (row, column), and those of ``fixed``."""
+    """A matrix with local entries ``source``, times ``weight``, at (row, column), and the entries of ``fixed``."""
     height, width = fixed.shape
     own, always = column.astype(np.int64) * height + row, fixed.col.astype(np.int64) * height + fixed.row
     places, which = np.unique(np.concatenate([own, always]), return_inverse=True)

@@ -196,7 +196,8 @@ def raised_limit(
 
 
 def _by_cases(task: Task, wishes: Wishes, known: float, law: float, tell: Callable[[int, int], None]) -> float:
-    """The least limit of all cases of driving ranges; the case with the least one is halved until it is close to a law.
+    """The least limit of all cases of driving ranges; the case with the least limit is halved until it is close to a
+    law.
 
     ``known`` is the limit of all laws.  The value is never over the value of the law, which is in one of the cases.
     """

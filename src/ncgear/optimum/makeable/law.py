@@ -307,7 +307,7 @@ def _eased_by(search: LawSearch, wishes: Sequence[str], reached: Array) -> Eased
 def _freed_together(
     search: LawSearch, near: Solution, may_give: Callable[[Level], bool]
 ) -> tuple[list[str], Solution | None]:
-    """Wishes, of those that may give way, without which a law keeps all others at the places, and that law.
+    """Wishes that give way, without which a law keeps all other wishes at the places, and that law.
 
     The most pressing wish is given up, then the wish that presses most without it, and so on.  Then each is kept again
     where the others are enough.  The law is None where no law was found.
