@@ -260,7 +260,9 @@ def test_an_undercut_of_half_a_micrometre_is_a_remark(undercut: str, deeper_mm: 
     Where undercut is allowed these mates do not reach down to the notch, so no contact is lost, but the roots are cut.
     """
     drive, free = (drive_of(undercut_by(deeper, undercut)) for deeper in (deeper_mm, -0.1))
-    assert judged(free, Known.TEETH).advices == []
+    # That nothing is undercut makes a key idle that allows it.
+    idle = [Kind.WITHOUT_EFFECT] if undercut == "allow" else []
+    assert [advice.kind for advice in judged(free, Known.TEETH).advices] == idle
     (advice,) = judged(drive, Known.TEETH).advices
     assert (advice.kind, advice.matters, bool(advice.remedies)) == (Kind.UNDERCUT, matters, matters)
     assert ("does not matter" in advice.line) is not matters
