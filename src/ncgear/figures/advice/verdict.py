@@ -156,11 +156,16 @@ CONDITIONS: dict[Kind, Condition] = {
     ),
     Kind.CRANK_PIN: Condition(
         "crank pin",
-        "the crank pin passes shafts and hubs",
+        "the crank pin, as thick as the file says or else as the shaft of its crank, passes shafts and hubs",
         _crank,
         lambda drive: (*law_advice.crank_pin(drive), law_advice.pin_beside_hub(drive)),
     ),
-    Kind.ROD: Condition("rods", "the rods pass what stands in their plane", _beside, law_advice.rods),
+    Kind.ROD: Condition(
+        "rods",
+        "the rods, as wide as fit.rod_width_mm says or else their centre lines, pass what stands in their plane",
+        _beside,
+        law_advice.rods,
+    ),
     Kind.MOTOR: Condition(
         "motor",
         "the motor moves the machine at its speed and is not overloaded",
