@@ -300,3 +300,31 @@ def test_a_lever_s_ram_meets_a_shaft_in_its_way(axis: float, met: list[str]) -> 
     assert [advice.what.partition(":")[0] for advice in found] == [
         f"the {part} meets the driving shaft" for part in met
     ]
+
+
+@pytest.mark.parametrize(
+    ("driven", "told", "mended"),
+    [
+        ("bore_mm: 56", "make the shaft with its crank pin no more than 28 mm thick", "bore_mm: 28"),
+        (
+            "bore_mm: 20, crank_pin: {diameter_mm: 40}",
+            "make the shaft no more than 16 mm thick",
+            "bore_mm: 16, crank_pin: {diameter_mm: 40}",
+        ),
+        (
+            "bore_mm: 20, crank_pin: {diameter_mm: 60}",
+            "make the crank pin no more than 36 mm thick",
+            "bore_mm: 20, crank_pin: {diameter_mm: 36}",
+        ),
+    ],
+)
+def test_the_crank_s_own_shaft_and_pin_are_told_sizes_that_pass(driven: str, told: str, mended: str) -> None:
+    """They stand a crank's length apart, so that nothing can be farther off."""
+    text = (
+        "name: own\nlinkage: {crank_mm: 28, rod_mm: 100}\noperation: {speed_rpm: 60}\n"
+        "motion: {law: harmonic_ratio, cosine: [-0.2]}\n"
+        "gears: {teeth: 40, module_mm: 2, face_width_mm: 20, driving: {bore_mm: 12}, driven: {DRIVEN}}\n"
+    )
+    found = [one for one in crank_pin(drive_of_text(text.replace("DRIVEN", driven))) if isinstance(one, Advice)]
+    assert [remedy.text for advice in found for remedy in advice.remedies] == [told]
+    assert not [one for one in crank_pin(drive_of_text(text.replace("DRIVEN", mended))) if isinstance(one, Advice)]

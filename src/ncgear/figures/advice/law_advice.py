@@ -9,7 +9,7 @@ from ncgear.design.keys.optimize import Optimize
 from ncgear.design.laws.registry import LawName, design_law
 from ncgear.figures.advice.values import Advice, Change, Kind, NotJudged, Remedy, Where, changed
 from ncgear.figures.numbers import drawn, fixed, micrometres, placed, to_digits
-from ncgear.numerics.bounds import shown_below
+from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.pitch import shape
 from ncgear.pitch.pair import STRAIGHT, largest_tangent_angle_rad
 from ncgear.pitch.shape import Gear, Mesh
@@ -188,7 +188,7 @@ def crank_pin(drive: Drive) -> list[Advice | NotJudged]:
                 f"about which there is a {part} of {drawn(2.0 * radius, 'mm')} mm diameter",
                 f"a pin of {drawn(2.0 * pin, 'mm')} mm diameter touches it, where both are on the same side of the "
                 "gears",
-                (_below(drive, NO_MEETING) if gear is Gear.DRIVING else _thinner(part, passing[gear] - pin),),
+                (_below(drive, NO_MEETING) if gear is Gear.DRIVING else _beside_own_shaft(drive, part, radius, pin),),
                 brief=f"a {drawn(2.0 * pin, 'mm')} mm crank pin touches the {gear.value} gear's {part}",
             )
             for gear, part, radius in near
@@ -227,6 +227,20 @@ def _thinner(part: str, room_mm: float) -> Remedy:
         words = f"no {part} is thin enough, but one {drawn(-room_mm, 'mm')} mm farther off or more"
         return Remedy(words, short=words)
     words = f"make the {part} no more than {shown_below(2.0 * room_mm, 3)} mm thick"
+    return Remedy(words, short=words)
+
+
+def _beside_own_shaft(drive: Drive, part: str, radius_mm: float, pin_mm: float) -> Remedy:
+    """The crank's own shaft or hub beside its pin, by their radii: the distance between them is the crank's length."""
+    crank_mm = drive.linkage.crank_mm
+    if part == "shaft" and drive.gears.driven.crank_pin is None:
+        # The pin is taken to be as thick as the shaft.
+        return _thinner("shaft with its crank pin", crank_mm / 2.0)
+    if pin_mm < crank_mm:
+        return _thinner(part, crank_mm - pin_mm)
+    if radius_mm < crank_mm:
+        return _thinner("crank pin", crank_mm - radius_mm)
+    words = f"take a crank of {shown_above(radius_mm + pin_mm, 3)} mm or more, or thinner parts"
     return Remedy(words, short=words)
 
 
