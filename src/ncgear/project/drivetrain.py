@@ -137,12 +137,6 @@ def _shaft(
     assert gears is not None
     if given.bearing_a is None or given.bearing_b is None:
         return ShaftResult(None, None, None, None)
-    if gears.helix is not None and gears.helix.kind == "helical":
-        raise WrongInput(
-            "given, but helical teeth press along their shafts, which is not followed; herringbone or straight ones, "
-            "or leave the bearings out",
-            key=f"drivetrain.{name}_shaft.bearing_a",
-        )
     a, b = given.bearing_a, given.bearing_b
     bearings = (
         Bearing(a.at_mm, a.kind, a.dynamic_rating_n, a.static_rating_n),

@@ -171,6 +171,20 @@ class Design(Model, Shown):
         return self
 
     @model_validator(mode="after")
+    def _bearings_bear_no_thrust(self) -> Self:
+        if not (self.drivetrain and self.gears and self.gears.helix and self.gears.helix.kind == "helical"):
+            return self
+        for name in ("driving_shaft", "driven_shaft"):
+            shaft = getattr(self.drivetrain, name)
+            if shaft is not None and shaft.bearing_a is not None:
+                raise fault(
+                    f"drivetrain.{name}.bearing_a",
+                    "given, but helical teeth press along their shafts, which is not followed; herringbone or straight "
+                    "ones, or leave the bearings out",
+                )
+        return self
+
+    @model_validator(mode="after")
     def _bearings_stand_beside_their_gears(self) -> Self:
         if self.drivetrain is None or self.gears is None:
             return self

@@ -192,6 +192,22 @@ def _idle_keys(drive: Drive) -> Iterator[Idle]:
             "without a backlash that it could share out",
             "give gears.backlash_mm",
         ),
+        (
+            made is not None and made.temperature is None,
+            ("tolerances.housing_expansion_um_m_k",),
+            "without tolerances.temperature, so that nothing expands",
+            "give temperature",
+        ),
+        *(
+            (
+                not drive.machine.load.on(returning).negative_stretches_mm(drive.linkage.stroke_mm),
+                (f"{key}.where_negative",),
+                "with a load that is nowhere negative",
+                "leave it out",
+            )
+            for key, returning, part in _forces(drive)
+            if part
+        ),
         *(
             (not asks, (f"{name}.grade",), "beside single_pitch_mm and profile_mm, which hold alone", "leave it out")
             for name, asks in graded.items()
