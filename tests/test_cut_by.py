@@ -146,11 +146,11 @@ def test_a_shaper_that_is_too_shallow_for_the_mate_is_told_so() -> None:
     assert found.reason == "with 40 teeth it is not as deep beside tooth 4 as the mate's tips reach"
 
 
-def test_a_sharp_inner_corner_and_helical_teeth_take_no_round_tool() -> None:
+def test_a_corner_that_is_too_sharp_and_helical_teeth_take_no_round_tool() -> None:
     sharp = RoundTool(0.015, LEFT, 7, False, 0.0, 7)
     wire, mill = cut_by(PITCHES["circle"](), made("circle"), Gear.DRIVING, sharp)[2:]
     assert (wire.verdict, mill.verdict) == (CutVerdict.NOT, CutVerdict.NOT)
-    assert wire.reason == "there is a sharp inner corner in the space after tooth 7"
+    assert wire.reason == "the space after tooth 7 takes 0.015 mm at most, and the finest have 0.02 mm"
     helical = cut_by(PITCHES["circle"](), made("circle"), Gear.DRIVING, sharp, helix="herringbone")
     assert [one.verdict for one in helical if one.tool is not Tool.SHAPER] == [CutVerdict.NOT] * 3
 

@@ -77,6 +77,27 @@ IDLE: dict[str, tuple[str, Data, Data]] = {
         {"simulation": {"friction": STEADY}},
         {"simulation": {"friction": {**STEADY, "static": 0.2}}},
     ),
+    "nowhere negative": (
+        "resistance.where_negative is given with a load that is nowhere negative",
+        {"resistance": {"polynomial_n": [50], "where_negative": "keep"}},
+        {"resistance": {"polynomial_n": [50, -1], "where_negative": "keep"}},
+    ),
+    "nowhere negative on the way back": (
+        "resistance.returning.where_negative is",
+        {"resistance": {"polynomial_n": [50], "returning": {"polynomial_n": [7], "where_negative": "zero"}}},
+        {"resistance": {"polynomial_n": [50], "returning": {"polynomial_n": [7, -1], "where_negative": "zero"}}},
+    ),
+    "no temperature": (
+        "tolerances.housing_expansion_um_m_k is",
+        {"tolerances": {"grade": 8, "housing_expansion_um_m_k": 23.8}},
+        {
+            "tolerances": {
+                "grade": 8,
+                "housing_expansion_um_m_k": 23.8,
+                "temperature": {"least_c": 5, "largest_c": 45},
+            }
+        },
+    ),
     "life": (
         "drivetrain.life_h is",
         {"drivetrain": {"life_h": 9}},
@@ -196,6 +217,14 @@ def refused(changed: Data) -> str:
     except ValidationError as error:
         return str(error)
     return ""
+
+
+def test_bearings_of_helical_teeth_are_refused_as_the_file_is_read() -> None:
+    """Straight and herringbone ones bear no thrust."""
+    for kind, of_thrust in (("helical", True), ("herringbone", False)):
+        gears = {**HELIX, "helix": {**HELIX["helix"], "kind": kind}}
+        said = refused({"gears": gears, "drivetrain": {"driven_shaft": BEARINGS}})
+        assert ("helical teeth press along their shafts" in said) == of_thrust
 
 
 @pytest.mark.parametrize(

@@ -22,6 +22,7 @@ from circular_pairs import (
 from ncgear.strength.iso6336 import (
     RackTip,
     lubricant_factor,
+    rim_factor,
     root_factors,
     root_section,
     roughness_factor,
@@ -152,3 +153,24 @@ def test_the_outer_point_of_single_contact_is_a_base_pitch_from_the_end_of_conta
     way = (sqrt(22.0**2 - base**2) - sqrt(diameter**2 - base**2)) / 2.0
     assert way == pytest.approx((ratio - 1.0) * pi * cos(radians(20.0)), rel=1e-12)
     assert pair.center_distance_mm == pytest.approx(25.0, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("wall", "internal", "factor"),
+    [
+        (5.4, False, 1.0),
+        (3.0, False, 1.6 * np.log(2.242 * 4.5 / 3.0)),
+        (7.0, True, 1.0),
+        (5.0, True, 1.15 * np.log(3.3296)),
+    ],
+)
+def test_a_thin_rim_raises_root_stress_and_a_thick_one_does_not(wall: float, internal: bool, factor: float) -> None:
+    assert rim_factor(wall, 4.5, 2.0, internal=internal) == pytest.approx(factor, rel=1e-12)
+
+
+@pytest.mark.parametrize(("internal", "thick", "thin"), [(False, 5.4, 2.25), (True, 7.0, 3.5)])
+def test_the_factor_of_a_rim_has_no_jump_but_where_it_is_not_known(internal: bool, thick: float, thin: float) -> None:
+    just_thinner = rim_factor(thick * (1.0 - 1e-9), 4.5, 2.0, internal=internal)
+    assert just_thinner == pytest.approx(1.0, abs=5e-3)
+    assert 1.5 < rim_factor(thin, 4.5, 2.0, internal=internal) < 3.0
+    assert rim_factor(thin * (1.0 - 1e-9), 4.5, 2.0, internal=internal) == np.inf

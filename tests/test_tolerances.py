@@ -42,7 +42,7 @@ from ncgear.tolerances.drawn import (
     spread,
 )
 from ncgear.tolerances.iso1328 import flank_tolerances, rounded_um
-from ncgear.tolerances.mesh import RIGID, Deviations, Face, LinearMesh, mesh_of, straight_face
+from ncgear.tolerances.mesh import RIGID, Deviations, Face, LinearMesh, arc_rates, mesh_of, straight_face
 from ncgear.tolerances.outlines import exact_of, linear_errors
 from ncgear.tolerances.study import (
     Workers,
@@ -971,3 +971,12 @@ def test_rounding_errors_do_not_turn_a_torque_round() -> None:
     assert turned.tolist() == [1, 1, 1, 1, 1, 1, -1, -1, -1]
     assert signs_of(np.array([0.0, -1e-20, 5.0, 4.0])).tolist() == [1, 1, 1, 1]
     assert signs_of(np.zeros(3)).tolist() == [0, 0, 0]
+
+
+@pytest.mark.slow
+def test_the_shortest_contact_is_that_of_a_build() -> None:
+    """Of the worse side of the teeth, whichever pushes: here the backs."""
+    made = drive("pump-1-2")
+    arcs, _ = arc_rates(made.teeth, placed(made.pitch))
+    assert arcs.min() == pytest.approx(made.designed_contact.least_arc, rel=1e-6)
+    assert made.designed_contact.least_arc < 0.999 * made.designed_contact.pushing.pairs.least_arc

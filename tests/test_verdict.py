@@ -363,3 +363,19 @@ def test_an_exact_pair_that_is_wanted_is_not_said_to_turn() -> None:
     unsaid = {key: value for key, value in PLAIN["gears"].items() if key != "backlash_mm"}
     assert states(verdict_of(Known.TEETH, gears=unsaid))[Kind.JAMS] is State.BROKEN
     assert states(verdict_of(Known.TEETH))[Kind.JAMS] is State.KEPT
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("body", "said"),
+    [
+        ("lightening_holes: {count: 6, least_wall_mm: 0.2}", "the wall of 0.2 mm under the roots of the driven gear"),
+        ("web: {thickness_mm: 2, rim_mm: 9, hub_mm: 20}", "the web of the driven gear, of 2 mm under 12 mm"),
+        ("web: {thickness_mm: 4, rim_mm: 9, hub_mm: 20}", ""),
+    ],
+)
+def test_teeth_on_a_thin_wall_are_not_said_to_hold(body: str, said: str) -> None:
+    text = (Path(__file__).parents[1] / "designs" / "pusher.yaml").read_text(encoding="utf-8")
+    text = text.replace("  driven: {bore_mm: 10", f"  driven: {{{body}, bore_mm: 10")
+    row = next(one for one in judged(drive_of_text(text), Known.TEETH).rows if one.kind is Kind.STRENGTH)
+    assert (row.state, said in row.why) == (State.NOT_JUDGED if said else State.KEPT, True)

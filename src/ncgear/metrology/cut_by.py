@@ -92,7 +92,8 @@ def _round(tool: Tool, largest: RoundTool, helix: str) -> CutBy:
     if helix:
         return CutBy(tool, CutVerdict.NOT, "helical teeth do not stand upright")
     if largest.diameter_mm < FINEST_MM:
-        return CutBy(tool, CutVerdict.NOT, f"there is a sharp inner corner in the space after tooth {largest.space}")
+        takes = f"takes {largest.diameter_mm:.3g} mm at most, and the finest have {FINEST_MM:g} mm"
+        return CutBy(tool, CutVerdict.NOT, f"the space after tooth {largest.space} {takes}")
     by = "both sides" if largest.passage else "the fillet"
     return CutBy(
         tool, CutVerdict.CUTS, f"held by {by} of the space after tooth {largest.space}", None, largest.diameter_mm

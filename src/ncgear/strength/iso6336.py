@@ -11,7 +11,7 @@ Each function names the part its formula belongs to.
 
 from __future__ import annotations
 
-from math import pi, radians, sqrt, tan
+from math import inf, log, pi, radians, sqrt, tan
 from typing import Any
 
 import numpy as np
@@ -147,3 +147,24 @@ def single_stiffness_theoretical(teeth: Real, shift: Real) -> Real:
     (z1, z2), (x1, x2) = teeth, shift
     q = 0.04723 + 0.15551 / z1 + 0.25791 / z2 - 0.00635 * x1 - 0.11654 * x1 / z1 - 0.00193 * x2 - 0.24188 * x2 / z2
     return 1.0 / (q + 0.00529 * x1**2 + 0.00182 * x2**2)
+
+
+THICK_RIM, THIN_RIM = (1.2, 0.5), (3.5, 1.75)
+"""Walls under the roots from which on a rim weakens no root, and down to which its factor is known: those of external
+teeth in tooth heights, those of a ring in modules."""
+
+THINNEST_WEB = 0.2
+"""Share of the face width under which the stiffness of a web is not known."""
+
+
+def rim_factor(wall_mm: float, height_mm: float, module_mm: float, *, internal: bool) -> float:
+    """Y_B, by how much a thin rim raises root stress; infinite where the rim is thinner than what is known.
+
+    ISO 6336-3:2006, 9: 1.6 ln(2.242 h / s) of external teeth, 1.15 ln(8.324 m / s) of a ring (values from secondary
+    sources).
+    """
+    thick, thin = THIN_RIM if internal else THICK_RIM
+    share = wall_mm / (module_mm if internal else height_mm)
+    if share >= thick:
+        return 1.0
+    return inf if share < thin else (1.15 * log(8.324 / share) if internal else 1.6 * log(2.242 / share))

@@ -122,7 +122,7 @@ class LinearMesh:
 
     ``radius_mm`` (shape (p,)) is the driven pitch radius, ``arm_mm`` (shape (2, p)) the arm of each side's normal.
     With ``mirrored`` each place also stands at the opposite height.  ``arcs`` (shape (k,)) are the arcs of contact in
-    pitches of all pairs of flanks that carry, with the overlap, ``arc_rates`` (shape (k, 8)) how they change with the
+    pitches of all pairs of flanks, with the overlap, ``arc_rates`` (shape (k, 8)) how they change with the
     first of RIGID.
     """
 
@@ -155,7 +155,7 @@ class LinearMesh:
         return np.asarray(np.maximum.reduceat(lead, self.first, axis=0).reshape(2, self.phi1_rad.size, -1))
 
     def least_arcs(self, of: Deviations) -> Array:
-        """The least arc of contact of any pair of flanks that carries, in pitches, shape (N,).
+        """The least arc of contact of any pair of flanks on either side of the teeth, in pitches, shape (N,).
 
         It is infinite where all pairs touch at an end of a range.
         """
@@ -197,7 +197,7 @@ def mesh_of(face: Face, placement: Placement, within_mm: float, *, both_ways: bo
         found.append(places_of(teeth, height, touching, placement, both_ways=both_ways))
     rows = ContactPlaces.joined(found)
     rows = rows.kept(np.argsort(rows.place, kind="stable"))
-    arcs, rates = zip(*(arc_rates(teeth, placement, both_ways=both_ways) for teeth in face.sections), strict=True)
+    arcs, rates = zip(*(arc_rates(teeth, placement) for teeth in face.sections), strict=True)
     mesh = mesh_at(rows, placement, np.zeros((2, placement.count)), mirrored=face.mirrored)
     arm_mm = rows.lever_mm[mesh.foremost]
     return replace(mesh, arm_mm=arm_mm, arcs=np.concatenate(arcs) + face.overlap, arc_rates=np.concatenate(rates))
@@ -345,14 +345,13 @@ class Displaced(Placement):
         return super().driving_points(self.scale * points, row) - shifted
 
 
-def arc_rates(teeth: ToothedPair, placement: Placement, *, both_ways: bool) -> tuple[Array, Array]:
-    """The arcs of contact of pairs of flanks that carry, in pitches (shape (k,)), and their rates (shape (k, 8)).
+def arc_rates(teeth: ToothedPair, placement: Placement) -> tuple[Array, Array]:
+    """The arcs of contact of all pairs of flanks, in pitches (shape (k,)), and their rates (shape (k, 8)).
 
     An arc lasts as far as both flanks reach, even where other teeth hold them apart.  The rates are differences of the
     exact contact of displaced gears: begin and end of an arc each move by the displacement at their positions.
     """
     met = meetings(teeth, placement)
-    carrying = np.flatnonzero((met.side == PUSHING) | both_ways)
     step = STEP_IN_MODULES * teeth.driving.flanks.rack.module_mm
     distance = placement.center_distance_mm
 
@@ -361,13 +360,13 @@ def arc_rates(teeth: ToothedPair, placement: Placement, *, both_ways: bool) -> t
         return flank_contacts(teeth, Displaced(**given, moved_mm=moved_mm, scale=scale), met)
 
     def ends(moved_mm: complex, scale: float) -> Array:
-        return contacts(moved_mm, scale).reach_ends[:, carrying]
+        return contacts(moved_mm, scale).reach_ends[:, lasting]
 
     designed = contacts(0.0j, 1.0)
-    nominal = designed.reach_ends[:, carrying]
+    nominal = designed.reach_ends
     # Flanks that touch at an end of a range do so over a part of their arc.
-    lasting = np.isfinite(nominal).all(axis=0) & designed.whole[carrying]
-    carrying, nominal = carrying[lasting], nominal[:, lasting]
+    lasting = np.isfinite(nominal).all(axis=0) & designed.whole
+    nominal = nominal[:, lasting]
     changes = (step, 0.0), (1j * step, 0.0), (0.0, step / distance)
     rates = []
     for moved, grown in changes:
@@ -375,7 +374,7 @@ def arc_rates(teeth: ToothedPair, placement: Placement, *, both_ways: bool) -> t
         change = (after - before) / (2.0 * (abs(moved) or grown))
         rates.append(np.where(np.isfinite(change), change, 0.0))
     x_rate, y_rate, growth_rate = rates
-    position = (met.position[carrying, 0] + np.rint(nominal).astype(int)) % placement.count
+    position = (met.position[lasting, 0] + np.rint(nominal).astype(int)) % placement.count
     first = np.exp(1j * placement.phi1_rad)[position]
     second = np.exp(1j * placement.mesh.sense * placement.phi2_rad)[position]
 

@@ -190,7 +190,7 @@ def _idle_keys(drive: Drive) -> Iterator[Idle]:
             gears is not None and not gears.backlash_mm and not gears.backlash_deg,
             ("gears.backlash_share",),
             "without a backlash that it could share out",
-            "give gears.backlash_mm",
+            "give gears.backlash_mm over 0",
         ),
         (
             made is not None and made.temperature is None,

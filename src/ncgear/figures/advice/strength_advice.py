@@ -9,6 +9,7 @@ from ncgear.figures.advice.tried_advice import ENOUGH
 from ncgear.figures.advice.values import Advice, Kind, NotJudged, Remedy, Search, Where, changed
 from ncgear.figures.numbers import placed, to_digits
 from ncgear.numerics.bounds import shown_above
+from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.rough_strength import RoughStrength, beside_refusal, rough_damage, rough_strength
 from ncgear.project.strengthening import (
@@ -19,6 +20,7 @@ from ncgear.project.strengthening import (
     known_rating,
 )
 from ncgear.strength.holding import Damage, Weakest, face_width_factor, module_factor, worst
+from ncgear.strength.iso6336 import THINNEST_WEB, rim_factor
 
 SIZE = "ncgear size"
 
@@ -37,7 +39,8 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
     if not isinstance(rating, Rating):
         return _roughly(drive, beside_refusal(drive, rating))
     if rating.holds:
-        return NotJudged(WEAR) if rating.strength.wears else None
+        why = WEAR if rating.strength.wears else _thin_body(drive, rating)
+        return NotJudged(why) if why else None
     weak = [one for one in rating.weakest if not one.holds]
     first = worst(weak)
     at = degrees(first.phi1_rad)
@@ -56,6 +59,30 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
         brief=f"the teeth do not hold: safety {_under(first.safety, first.wanted)} against {first.damage.words}, "
         f"{first.wanted:g} wanted",
     )
+
+
+def _thin_body(drive: Drive, rating: Rating) -> str:
+    """Why a gear whose teeth hold may break under its roots; empty where its rim and web are thick enough."""
+    from ncgear.project.gear_solids import rim_mm_of
+
+    module, face_mm = drive.pitch.size.module_mm, drive.gears.face_width_mm
+    height = drive.rack.addendum_mm + drive.rack.dedendum_mm
+    for gear, body in ((Gear.DRIVING, drive.gears.driving), (Gear.DRIVEN, drive.gears.driven)):
+        ring = drive.pitch.of(gear).is_ring
+        walls = [*([body.web.rim_mm] if body.web else []), *([rim_mm_of(drive.gears, module)] if ring else [])]
+        walls += [body.lightening_holes.least_wall_mm] if body.lightening_holes else []
+        share = min(one.share for one in rating.weakest if one.gear is gear and one.damage is Damage.BENDING)
+        if walls and rim_factor(min(walls), height, module, internal=ring) > share:
+            return (
+                f"the wall of {min(walls):g} mm under the roots of the {gear.value} gear is so thin that these may "
+                "break, which is not followed"
+            )
+        if body.web and body.web.thickness_mm < THINNEST_WEB * face_mm:
+            return (
+                f"the web of the {gear.value} gear, of {body.web.thickness_mm:g} mm under {face_mm:g} mm of face "
+                "width, is not followed"
+            )
+    return ""
 
 
 def _under(safety: float, wanted: float) -> str:

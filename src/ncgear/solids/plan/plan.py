@@ -13,7 +13,7 @@ from shapely.geometry.base import BaseGeometry
 
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear, Mesh, meeting_direction_rad
-from ncgear.solids.plan.areas import TooThick, moved_inwards, moved_outwards
+from ncgear.solids.plan.areas import TooThick, floored, moved_inwards, moved_outwards
 from ncgear.solids.plan.body import (
     ArcSlot,
     Blank,
@@ -149,11 +149,16 @@ def _with_kerf(plan: BodyPlan, half_mm: float) -> BodyPlan:
     openings = [(width, name) for name, width in _widths_cut(plan)]
     if openings and min(openings)[0] <= 2.0 * half_mm:
         width, name = min(openings)
+        largest, right = width / 2.0, f"over {-width / 2.0:g} mm is right"
+        try:
+            moved_outwards(plan.disc, largest, plan.chord_tolerance_mm, CLEARANCE_KEY)
+        except TooThick as narrower:
+            largest = narrower.largest_mm
+            right = f"{-floored(largest):.10g} mm is the most" if largest > 0.0 else "no kerf is right"
         raise TooThick(
-            f"a kerf of {2.0 * half_mm:g} mm does not go into {name} of {width:g} mm; over {-width / 2.0:g} mm is "
-            "right",
+            f"a kerf of {2.0 * half_mm:g} mm does not go into {name} of {width:g} mm; {right}",
             key=CLEARANCE_KEY,
-            largest_mm=width / 2.0,
+            largest_mm=largest,
         )
     return replace(
         plan,
