@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import replace
+from math import degrees
 from pathlib import Path
 from typing import Any
 
@@ -17,6 +18,7 @@ from lxml.html import HtmlElement
 import drives
 import reports
 from commands import ROOT, Run, python
+from ncgear.contact.written.as_written import Outlines
 from ncgear.drawings import palette
 from ncgear.drawings.charts.chart import decimals_of
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION
@@ -31,6 +33,7 @@ from ncgear.drawings.plots import canvas
 from ncgear.files.manifest import MANIFEST
 from ncgear.kinematics.motion import OutputMotion
 from ncgear.mechanisms.mechanism import Output
+from ncgear.pitch.shape import Gear
 
 PAGE = ROOT / "src" / "ncgear" / "drawings" / "page"
 CSS = style_of_colors() + (PAGE / "page.css").read_text(encoding="utf-8")
@@ -413,3 +416,18 @@ def test_every_colour_of_the_drawings_is_one_of_the_page() -> None:
     assert set(known) == set(colors(DARK))
     svg: Any = re.findall(r"<svg.*?</svg>", reports.page("baler"), re.DOTALL)
     assert [found for one in svg for found in re.findall(r"(?:fill|stroke): ?#\w+", one)] == []
+
+
+@pytest.mark.slow
+def test_charts_of_teeth_hold_the_extremes_that_are_searched() -> None:
+    """What a caption names as least and greatest is what the summary has; between samples there is more."""
+    made = drives.drive("pusher")
+    contact = made.contact([Outlines("points", *(made.teeth.of(gear).outline_mm for gear in Gear))])
+    charts = {one.key: one.chart for one in gear_charts(made, contact)}
+    written, angle = (charts[key].lines[0] for key in ("transmission_error", "pressure_angle"))
+    error, pressed = contact.extremes[0].pushing_rad, made.contact_extremes.pushing_pressure_angle_rad
+    assert [written.values.min(), written.values.max()] == [1e6 * error.low.value, 1e6 * error.high.value]
+    ends = [degrees(pressed.low.value), degrees(pressed.high.value)]
+    assert [angle.values.min(), angle.values.max()] == pytest.approx(ends, rel=1e-15)
+    assert np.ptp(written.values) > 1.001e6 * np.ptp(contact.as_written[0].pushing_rad)
+    assert (np.diff(written.x) > 0.0).all()

@@ -12,6 +12,7 @@ from math import degrees
 
 import numpy as np
 
+from ncgear.contact.designed.extremes import Range
 from ncgear.contact.pair import PairContact
 from ncgear.drawings.charts import teeth_charts
 from ncgear.drawings.charts.chart import Chart, Line, Role, joints_up_to
@@ -57,6 +58,9 @@ def _pressure_angle(drive: Drive) -> Chart:
     """The pressure angle at the first contact as designed; for circular gears the rack's, of flanks that push."""
     chart = teeth_charts.pressure_angle(drive.designed_contact)
     backs, pushing = chart.lines
+    extremes = drive.contact_extremes
+    pushing = _with_extremes(pushing, extremes.pushing_pressure_angle_rad, degrees(1.0))
+    backs = _with_extremes(backs, extremes.back_pressure_angle_rad, degrees(1.0))
     circular = np.full(2, degrees(drive.rack.pressure_angle_rad))
     lines = (
         _closed(pushing, chart.end, Role.OWN, "pushing flanks"),
@@ -70,12 +74,23 @@ def _transmission_error(contact: PairContact) -> Chart:
     """The transmission error of the worst written outlines, from which gears are cut, and of the design."""
     chart = teeth_charts.transmission_error(contact)
     designed, written = chart.lines
-    source = teeth_charts.worst_written(contact).source.upper()
+    worst = teeth_charts.worst_written(contact)
+    written = _with_extremes(written, contact.extremes[contact.as_written.index(worst)].pushing_rad, 1e6)
+    source = worst.source.upper()
     lines = (
         _closed(written, chart.end, Role.WRITTEN, f"as written ({source})"),
         _closed(designed, chart.end, Role.OWN, "as designed"),
     )
     return replace(chart, lines=lines)
+
+
+def _with_extremes(line: Line, found: Range, factor: float) -> Line:
+    """The line with the least and the greatest value, searched between its places, as the page names them."""
+    at = np.degrees([found.low.at, found.high.at])
+    values = factor * np.array([found.low.value, found.high.value])
+    new = ~np.isin(at, line.x)
+    place = np.searchsorted(line.x, at[new])
+    return replace(line, x=np.insert(line.x, place, at[new]), values=np.insert(line.values, place, values[new]))
 
 
 def _closed(line: Line, end_deg: float, role: Role, label: str) -> Line:
