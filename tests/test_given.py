@@ -248,6 +248,16 @@ def test_a_crank_within_its_gear_is_told(at_mm: float | None, inside: bool) -> N
     assert not found or found[0].remedies[0].brief == "drivetrain.driven_shaft.crank_at_mm: 6 or over"
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("at_mm", "matters"), [(25.0, [True]), (10.0, [False]), (-20.0, [True]), (25.1, []), (-20.1, []), (5.0, [])]
+)
+def test_a_crank_between_its_bearings_or_in_one_is_told(at_mm: float, matters: list[bool]) -> None:
+    shaft = {**BEARINGS, "crank_at_mm": at_mm}
+    made = Drive(design_of({**PUMP, "gears": HELIX, "drivetrain": {"driven_shaft": shaft}}))
+    assert [one.matters for one in around(made) if "passes over the shaft's axis" in one.what] == matters
+
+
 # --- wishes that every law keeps
 
 

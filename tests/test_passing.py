@@ -328,3 +328,17 @@ def test_the_crank_s_own_shaft_and_pin_are_told_sizes_that_pass(driven: str, tol
     found = [one for one in crank_pin(drive_of_text(text.replace("DRIVEN", driven))) if isinstance(one, Advice)]
     assert [remedy.text for advice in found for remedy in advice.remedies] == [told]
     assert not [one for one in crank_pin(drive_of_text(text.replace("DRIVEN", mended))) if isinstance(one, Advice)]
+
+
+@pytest.mark.parametrize(("linkage", "width", "told"), [("scotch_yoke", 12, 1), ("scotch_yoke", 12.1, 0), ("", 5, 0)])
+def test_a_slot_has_room_for_the_crank_pin(linkage: str, width: float, told: int) -> None:
+    """The yoke's slot is in a bar of the width that fit gives; the rod of a crank-slider has an eye about the pin."""
+    of = "kind: scotch_yoke, crank_mm: 40" if linkage else "crank_mm: 40, rod_mm: 150"
+    made = drive_of_text(
+        f"name: slot\nlinkage: {{{of}}}\noperation: {{speed_rpm: 60}}\n"
+        "motion: {law: harmonic_ratio, cosine: [-0.2]}\n"
+        "gears: {teeth: 60, module_mm: 2, face_width_mm: 20, driving: {bore_mm: 12}, driven: {bore_mm: 12}}\n"
+        f"fit: {{rod_width_mm: {width}}}\n"
+    )
+    found = [one for one in crank_pin(made) if isinstance(one, Advice) and "slot of a part" in one.what]
+    assert len(found) == told

@@ -123,6 +123,16 @@ def _of_crank(drive: Drive) -> Iterator[Advice]:
             "wide: it would turn within the gear, and shaft and bearings are told for that",
             _at_least("drivetrain.driven_shaft.crank_at_mm", half),
         )
+    if given and given.bearing_a and given.bearing_b and drive.linkage.HAS_CRANK:
+        low, high = sorted((given.bearing_a.at_mm, given.bearing_b.at_mm))
+        if half <= abs(given.crank_at_mm) and low <= given.crank_at_mm <= high:
+            where = "between" if low < given.crank_at_mm < high else "in one of"
+            told = _advice(
+                f"the crank's middle, at {given.crank_at_mm:g} mm, is {where} the bearings at {low:g} and {high:g} mm: "
+                "what it moves passes over the shaft's axis, which has to be cranked there",
+                f"drivetrain.driven_shaft.crank_at_mm: over {high:g} or under {low:g}",
+            )
+            yield replace(told, matters=where != "between")
 
 
 def _at_least(key: str, value: float) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from math import cos, degrees, floor, isclose, radians
 
 from ncgear.design.keys.optimize import Optimize
@@ -208,8 +208,25 @@ def crank_pin(drive: Drive) -> list[Advice | NotJudged]:
             if one.part == CRANK_PIN and not one.standing.about_driving_axis
             if one.distance_mm < (one.standing.radius_mm or 0.0) + pin
         ),
+        *_in_slot(drive, pin),
         *([NO_BORE] if unknown else []),
     ]
+
+
+def _in_slot(drive: Drive, pin_mm: float) -> Iterator[Advice]:
+    """A pin of a given radius that is as thick as the bar in whose slot it slides."""
+    fit = drive.design.fit
+    slotted = any(shape.slots for shape in drive.linkage.shapes().values())
+    if slotted and fit and fit.rod_width_mm is not None and fit.rod_width_mm <= 2.0 * pin_mm:
+        wide, thick = drawn(fit.rod_width_mm, "mm"), drawn(2.0 * pin_mm, "mm")
+        yield Advice(
+            Kind.CRANK_PIN,
+            (Where(),),
+            f"the crank pin of {thick} mm slides in a slot of a part that is {wide} mm wide",
+            "it does not go in",
+            (Remedy(f"make that part wider than {thick} mm, or the pin thinner"),),
+            brief=f"a {thick} mm crank pin does not go into a slot of a part {wide} mm wide",
+        )
 
 
 NO_BORE = NotJudged("a gear has no bore_mm, and so no shaft of known size")
