@@ -258,6 +258,15 @@ def test_a_crank_between_its_bearings_or_in_one_is_told(at_mm: float, matters: l
     assert [one.matters for one in around(made) if "passes over the shaft's axis" in one.what] == matters
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("inertia", "idle"), [(1e9, True), (0.0, False)])
+def test_the_diameter_of_a_disc_that_nothing_needs_is_told(inertia: float, idle: bool) -> None:
+    wheel = {"inertia_kg_mm2": inertia, "speed_fluctuation": 0.05}
+    masses = {**PUMP["masses"], "flywheel": wheel}
+    made = Drive(design_of({**PUMP, "gears": HELIX, "masses": masses, "drivetrain": {"flywheel_diameter_mm": 300}}))
+    assert [one.matters for one in around(made) if "no disc is needed" in one.what] == [False] * idle
+
+
 # --- wishes that every law keeps
 
 

@@ -25,7 +25,10 @@ if TYPE_CHECKING:
 def around(drive: Drive) -> Iterator[Advice]:
     """What does not hold, with what would; raises as ``Drive.drivetrain`` does."""
     yield from _of_bores(drive)
-    found = drive.drivetrain
+    found, given = drive.drivetrain, drive.design.drivetrain
+    if given and given.flywheel_diameter_mm is not None and found.disc is None:
+        what = "drivetrain.flywheel_diameter_mm is given, and no disc is needed: what turns has inertia enough"
+        yield replace(_advice(what, "leave it out"), matters=False)
     for name, shaft in (("driving", found.driving_shaft), ("driven", found.driven_shaft)):
         if shaft is not None:
             yield from _of_bearings(name, shaft, found.wanted.hours)
