@@ -589,7 +589,11 @@ def computed(requests: worker.Requests, seconds: float) -> None:
         requests.computing = False
 
 
-def test_a_picture_of_an_older_place_is_broken_off_where_the_hand_rests_and_not_while_it_moves() -> None:
+def test_a_picture_of_an_older_place_is_broken_off_where_the_hand_rests_and_not_while_it_moves(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    # Where cores are busy, a moving hand lets a tenth of a second pass.
+    monkeypatch.setattr(worker, "RESTING_S", 0.5)
     lines: queue.Queue[bytes] = queue.Queue()
     requests = worker.Requests(iter(lines.get, None))  # type: ignore[arg-type]
     before = signal.signal(signal.SIGINT, requests.interrupt)
@@ -608,7 +612,7 @@ def test_a_picture_of_an_older_place_is_broken_off_where_the_hand_rests_and_not_
         come(lines, 1)
         assert requests.next()["n"] == 1
         hand.start()
-        computed(requests, 5.0 * worker.RESTING_S)
+        computed(requests, 2.0 * worker.RESTING_S)
         over.set()
         hand.join()
         with pytest.raises(worker.Superseded):

@@ -522,7 +522,9 @@ def test_the_newest_request_is_answered_and_older_ones_are_broken_off() -> None:
 def test_chains_of_one_process_show_a_request_in_both_while_newer_ones_come() -> None:
     """Requests that come from the gears' picture on wait for the strength; the last one then gets all."""
     text = (DESIGNS / "pusher.yaml").read_text(encoding="utf-8")
-    command = [sys.executable, "-m", "ncgear.studio.worker", "gears", "contact"]
+    # Where cores are busy, a picture takes longer than the worker's patience, and the hand seems to rest.
+    patient = "from ncgear.studio import worker; worker.PATIENCE_S = worker.RESTING_S = 100.0; worker.main()"
+    command = [sys.executable, "-c", patient, "gears", "contact"]
     with subprocess.Popen(
         command, text=True, env=environment(), stdin=subprocess.PIPE, stdout=subprocess.PIPE
     ) as process:
