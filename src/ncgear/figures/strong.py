@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ncgear.dynamics.flank_changes import Knock
 from ncgear.figures.advice.values import Remedy
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.csv_text import rows_text
@@ -68,6 +69,7 @@ def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rat
             "peak_tooth_force_at_rad": float(contacts.phi1_rad[most]),
             "contact_ratio_under_load_mean": rating.loading.contact_ratio,
             "transmission_error_under_load_rad": rating.loading.transmission_error_rad,
+            **_knock_figures(rating.loading.knocks),
         },
         "gears": {"module_mm": size.module_mm, "face_width_mm": drive.gears.face_width_mm},
         "strength": strength_summary(rating),
@@ -75,6 +77,26 @@ def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rat
         **{gear.value: _gear_figures(rating, gear) for gear in Gear},
         **verdict_summary(verdict),
     }
+
+
+def _knock_figures(knocks: Sequence[Knock] | None) -> dict[str, Any]:
+    """How often teeth knock in a turn of the driven gear, and how fast where they do it fastest."""
+    if knocks is None:
+        return {"knocks": "not judged"}
+    fastest = max(knocks, key=lambda knock: knock.speed_mm_s, default=None)
+    told = {} if fastest is None else {"knock_max_mm_s": fastest.speed_mm_s, "knock_max_at_rad": fastest.phi1_rad}
+    return {"knocks": len(knocks), **told}
+
+
+def knock_words(knocks: Sequence[Knock] | None) -> str:
+    """How often and how fast teeth knock; empty where they do not, or where nobody knows."""
+    if not knocks:
+        return ""
+    fastest = max(knocks, key=lambda knock: knock.speed_mm_s)
+    return (
+        f"{len(knocks)} in a turn of the driven gear, at up to {figure('knock_mm_s', fastest.speed_mm_s)} at phi1 = "
+        f"{_degrees(fastest.phi1_rad)} deg; the loads hold what they add"
+    )
 
 
 def strength_summary(rating: Rating) -> dict[str, Any]:
@@ -158,6 +180,7 @@ def strength_text(
         "teeth": f"up to {shown(float(forces[most]))} N on one pair, {where}",
         "under load": f"contact ratio {shown(loading.contact_ratio)}, "
         f"transmission error {figure('transmission_error_rad', loading.transmission_error_rad)}",
+        **({"knocks": words} if (words := knock_words(loading.knocks)) else {}),
     }
     start = max(map(len, about)) + 2
     of_stage = "" if drive.stage is None else f", stage {drive.stage}"

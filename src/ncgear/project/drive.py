@@ -274,8 +274,9 @@ class Drive(Geared):
         A stiffness that ``simulation`` gives does not count.  Raises WrongInput for helical teeth, NoSuchMechanism
         where teeth are pressed too deep into each other, and as ``tooth_load`` does.
         """
+        from ncgear.contact.placement import BOTH_SIDES
         from ncgear.design.keys.masses import Simulation
-        from ncgear.project.forces import meshing_of
+        from ncgear.project.forces import borne_by, meshing_of
         from ncgear.strength.loading import AskedTorque, loading_of
 
         with located(self.places):
@@ -284,8 +285,11 @@ class Drive(Geared):
             pitch, teeth = self.pitch, self.teeth
             with self.stopwatch("load of every tooth"):
                 asked = AskedTorque.of(pitch, load.torque_n_mm)
-                meshing = meshing_of(Simulation(), pitch, teeth, stiffness, asked.sides)
-                return loading_of(meshing, teeth, pitch, asked, self.pair_speed_rad_s)
+                sides = BOTH_SIDES if load.knocks_are_judged else asked.sides
+                meshing = meshing_of(Simulation(), pitch, teeth, stiffness, sides)
+                borne = borne_by(load, meshing)
+                asked = AskedTorque.of(pitch, borne.at)
+                return loading_of(meshing, teeth, pitch, asked, self.pair_speed_rad_s, borne.knocks)
 
     @computed
     def _any_meshing(self) -> Meshing:

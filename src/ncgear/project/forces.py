@@ -10,7 +10,8 @@ import numpy as np
 
 from ncgear.contact.placement import BOTH_SIDES
 from ncgear.design.keys.masses import Simulation
-from ncgear.dynamics.crank_load import CrankLoad
+from ncgear.dynamics.crank_load import CrankLoad, crank_load
+from ncgear.dynamics.flank_changes import BorneTorque, borne_torque
 from ncgear.dynamics.gaps import gaps_of
 from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.dynamics.meshing import Friction, Impact, Meshing
@@ -23,6 +24,7 @@ from ncgear.numerics.arrays import Array, distinct
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.numerics.units import N_PER_KG_MM_S2, RAD_S_PER_RPM
 from ncgear.pitch.pair import PitchPair
+from ncgear.project.tooth_load import ToothLoad
 from ncgear.strength.stiffness import ISO_N_MM_UM
 from ncgear.teeth.gear import ToothedPair
 
@@ -74,12 +76,16 @@ def meshing_of(
 
     Only ``sides`` of the teeth can touch.
     """
-    rub = given.friction
-    friction = Friction(rub.static, rub.dynamic, rub.static_speed_mm_s, rub.dynamic_speed_mm_s)
     depth_mm = given.full_damping_depth_mm or pitch.size.module_mm / FULLY_DAMPED
     impact = Impact(given.exponent, given.damping_n_s_mm or 0.0, depth_mm)
     gaps, key = gaps_of(teeth, pitch, stiffness_of(given, own), sides=sides), given.stiffness_n_mm and STIFFNESS
-    return Meshing(law_table(pitch.transmission), gaps, impact, friction, key or None)
+    return Meshing(law_table(pitch.transmission), gaps, impact, friction_of(given), key or None)
+
+
+def friction_of(given: Simulation) -> Friction:
+    """The friction between the teeth."""
+    rub = given.friction
+    return Friction(rub.static, rub.dynamic, rub.static_speed_mm_s, rub.dynamic_speed_mm_s)
 
 
 def stiffness_of(given: Simulation, own: PairStiffness) -> PairStiffness:
@@ -106,6 +112,24 @@ def damped(given: Simulation, meshing: Meshing, drive: DriveLine, load: CrankLoa
     stiffness = float(np.mean(meshing.gaps.touching_stiffness)) * exponent * depth ** (exponent - 1.0)
     critical = 2.0 * sqrt(stiffness / (driven + driving))
     return replace(meshing, impact=replace(meshing.impact, damping_n_s_mm=given.damping_ratio * critical))
+
+
+def borne_by(load: ToothLoad, meshing: Meshing) -> BorneTorque:
+    """The torque that a pair bears in ``meshing``, where the load changes flanks as well if that is judged.
+
+    Teeth are damped as those of a design without ``simulation``.  A machine in which nothing has inertia at some angle
+    is not followed there, and its teeth bear what the law asks.
+    """
+    machine = load.machine.machine
+    still = BorneTorque(load.torque_n_mm, machine.transmission.cycle_rad)
+    if not load.knocks_are_judged:
+        return still
+    try:
+        driven = crank_load(machine.linkage, load.machine.masses, machine.load)
+    except WrongInput:
+        return still
+    knocking = damped(Simulation(), meshing, EvenDrive(machine.speed_rad_s), driven)
+    return borne_torque(knocking, driven, load.torque_n_mm, machine.speed_rad_s, still.cycle_rad)
 
 
 def loaded_places_rad(phi1_rad: Array, meshing: Meshing, rigid: RigidMachine) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from math import ceil, lcm, pi, radians, sin
 
@@ -12,6 +13,8 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.project.drive import Drive
+from ncgear.project.forces import borne_by
+from ncgear.project.rough_meshing import rough_meshing
 from ncgear.project.service import choices_of
 from ncgear.project.tooth_form import tooth_form_of
 from ncgear.project.tooth_load import asked_of
@@ -82,6 +85,10 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
         return RoughStrength((), "the teeth cannot push the driven gear at every angle")
     plan, running, conditions = tooth_plan(drive), drive.running, drive.conditions
     sides = shared_loads(load, plan, running, drive.materials)
+    asked = asked_of(drive)
+    if asked.knocks_are_judged:
+        load = rolled_load(drive, borne_by(asked, rough_meshing(drive, asked, sides)).at)
+        sides = shared_loads(load, plan, running, drive.materials)
     needs_teeth = _needs_teeth(drive, plan, load, sides)
     warm = _warm(drive, sides, load.phi1_rad.size)
     try:
@@ -189,8 +196,11 @@ def tooth_plan(drive: Drive) -> ToothPlan:
     return ToothPlan(tip, rack.addendum, shifts, (radians(pushing), radians(idle)), form.rack.relief)
 
 
-def rolled_load(drive: Drive) -> RolledLoad:
-    """What a pair bears while its pitch curves roll; raises as pitch curves and forces do."""
+def rolled_load(drive: Drive, torque_n_mm: Callable[[Array], Array] | None = None) -> RolledLoad:
+    """What a pair bears while its pitch curves roll; raises as pitch curves and forces do.
+
+    The torque is the one that the law asks for, or ``torque_n_mm`` at driving angles, shape (n,).
+    """
     asked, pitch = asked_of(drive), drive.pitch
     size, toothed = pitch.size, pitch.toothed
     step_mm = pi * size.module_mm / PER_TOOTH
@@ -203,7 +213,7 @@ def rolled_load(drive: Drive) -> RolledLoad:
     phi1 = np.clip(pitch.driving.driving_angle(rolled), 0.0, end_rad)
     speed = pitch.transmission.driven_angle(phi1, 1).derivative(1)
     curvature = np.stack([pitch.of(gear).at_angle(phi1).curvature for gear in Gear])
-    torque = asked.torque_n_mm(phi1)
+    torque = (torque_n_mm or asked.torque_n_mm)(phi1)
     urge = np.where(torque < 0.0, -1.0, 1.0)
     turning = np.abs(drive.pair_speed_rad_s(phi1) * (1.0 - pitch.mesh.sense * speed))
     force = asked.mesh_force(phi1, torque).size_n.value

@@ -49,6 +49,11 @@ class ToothLoad:
         driven_speed = self.pair.transmission.driven_angle(angle_rad, 1).derivative(1) * self.pair.speed(angle_rad)
         return np.asarray(loads.driving_torque.value / driven_speed)
 
+    @property
+    def knocks_are_judged(self) -> bool:
+        """Whether what the teeth bear where the load changes flanks is followed: of a single pair, with masses."""
+        return self.load == "masses" and self.machine.between is None
+
     def mesh_force(self, angle_rad: Array, torque_n_mm: Array | None = None) -> MeshForce:
         """Normal force of all pairs of teeth together; ``torque_n_mm`` where it is known already."""
         torque = self.torque_n_mm(angle_rad) if torque_n_mm is None else torque_n_mm

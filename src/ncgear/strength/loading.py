@@ -15,6 +15,7 @@ import numpy as np
 from ncgear.contact.designed.as_designed import ALIKE_RAD
 from ncgear.contact.designed.extremes import over_cycle
 from ncgear.contact.placement import BACK, BOTH_SIDES, PUSHING, Placement, placed, placed_at
+from ncgear.dynamics.flank_changes import Knock
 from ncgear.dynamics.meshing import Meshing
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, largest_rows
@@ -61,7 +62,8 @@ class Loading:
     the largest of all among them.  ``phi1_rad``, ``torque_n_mm`` (asked of the driven gear) and ``error_rad`` (its
     angle beyond the law's) have shape (n,); ``even`` tells the even positions.  ``transmission_error_rad`` is the peak
     to peak variation of the error.  ``contact_ratio`` is the mean number of pairs that bear load, where there is load.
-    ``cycle_turns`` is how often the driving gear turns in the cycle.
+    ``cycle_turns`` is how often the driving gear turns in the cycle.  ``knocks`` are those of a turn of the driven
+    gear, whose torque counts; None where they are not followed.
     """
 
     contacts: LoadedContacts
@@ -72,6 +74,7 @@ class Loading:
     transmission_error_rad: float
     contact_ratio: float
     cycle_turns: int
+    knocks: tuple[Knock, ...] | None
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,12 +113,14 @@ def loading_of(
     pitch: PitchPair,
     asked: AskedTorque,
     speed_rad_s: Callable[[Array], Array],
+    knocks: tuple[Knock, ...] | None = None,
     per_tooth: int = PER_TOOTH,
 ) -> Loading:
     """The loads of straight teeth in ``meshing``, whose table of gaps tells where pairs touch.
 
     It follows the sides of the teeth that the torque presses.  At driving angles (shape (n,)) ``speed_rad_s`` gives the
-    speed of the driving gear; ``per_tooth`` is a divisor of SOLVED_PER_TOOTH.  Raises as ``shared`` does.
+    speed of the driving gear; ``knocks`` are those that the torque counts.  ``per_tooth`` is a divisor of
+    SOLVED_PER_TOOTH.  Raises as ``shared`` does.
     """
     solved = asked.placement
     first = shared(meshing, solved.phi1_rad, asked.torque_n_mm)
@@ -132,7 +137,8 @@ def loading_of(
     position, slot = np.nonzero(loaded)
     largest = _largest_of_pairs(meshing, every.phi1_rad[position], slot, found.force_n[position, slot])
     even = np.isin(np.arange(every.count), np.arange(0, solved.count, SOLVED_PER_TOOTH // per_tooth))
-    chosen = np.flatnonzero(even | np.isin(np.arange(every.count), position[largest]))
+    peaks = _peaks(every.rolled_mm, found.force_n.max(axis=1)) if knocks else position[:0]
+    chosen = np.flatnonzero(even | np.isin(np.arange(every.count), np.append(position[largest], peaks)))
     chosen = chosen[np.argsort(every.rolled_mm[chosen])]
     phi1 = every.phi1_rad[chosen]
     row, slot = np.nonzero(loaded[chosen])
@@ -148,6 +154,7 @@ def loading_of(
         transmission_error_rad=float(np.ptp(found.error_rad)),
         contact_ratio=float(pairs.mean()) if pairs.size else 0.0,
         cycle_turns=solved.meetings // solved.driving_teeth,
+        knocks=knocks,
     )
 
 
@@ -226,6 +233,14 @@ def _bearing(meshing: Meshing, placement: Placement, loaded: Mask) -> IndexArray
     """A number for the set of pairs that bear load at each position, shape (n,); ``loaded`` has shape (n, slots)."""
     pair = meshing.gaps.pair[meshing.gaps.table.place(placement.phi1_rad)[1]]
     return np.asarray(np.sum((pair[..., 0] * (placement.driven_teeth + 1) + pair[..., 1]) * loaded, axis=-1))
+
+
+def _peaks(rolled_mm: Array, force_n: Array) -> IndexArray:
+    """The positions at which the largest force of a pair is at a peak, as in each swing after a knock."""
+    order = np.argsort(rolled_mm)
+    sorted_n = force_n[order]
+    rising = sorted_n > np.roll(sorted_n, 1)
+    return np.asarray(order[rising & ~np.roll(rising, -1)])
 
 
 def _largest_of_pairs(meshing: Meshing, phi1_rad: Array, slot: IndexArray, force_n: Array) -> IndexArray:

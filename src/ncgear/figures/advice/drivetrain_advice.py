@@ -16,13 +16,14 @@ from ncgear.figures.numbers import five_digits, fixed, placed, to_digits
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.project.drive import Drive
+from ncgear.project.strengthening import Rating, known_rating
 
 if TYPE_CHECKING:
     from ncgear.project.drivetrain import PowerTakeOffResult, ShaftResult
     from ncgear.project.motor import MotorResult
 
 
-def around(drive: Drive) -> Iterator[Advice]:
+def around(drive: Drive) -> Iterator[Advice | NotJudged]:
     """What does not hold, with what would; raises as ``Drive.drivetrain`` does."""
     yield from _of_bores(drive)
     found, given = drive.drivetrain, drive.design.drivetrain
@@ -36,6 +37,14 @@ def around(drive: Drive) -> Iterator[Advice]:
     yield from _of_crank(drive)
     if found.pto:
         yield from _of_pto(found.pto, N_M_PER_N_MM * found.demand.torque_range_n_mm[1].value)
+    yield from _of_knocks(drive)
+
+
+def _of_knocks(drive: Drive) -> Iterator[NotJudged]:
+    """That shafts, keys and bearings bear more where teeth knock, of which the strength of the teeth tells."""
+    rating = known_rating(drive)
+    if isinstance(rating, Rating) and rating.loading.knocks:
+        yield NotJudged("shafts, keys and bearings are not judged for the knocks of teeth whose load changes flanks")
 
 
 def before_teeth(drive: Drive) -> Iterator[Advice | NotJudged]:

@@ -39,7 +39,7 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
     if not isinstance(rating, Rating):
         return _roughly(drive, beside_refusal(drive, rating))
     if rating.holds:
-        why = WEAR if rating.strength.wears else _thin_body(drive, rating)
+        why = WEAR if rating.strength.wears else _unfollowed_knocks(rating) or _thin_body(drive, rating)
         return NotJudged(why) if why else None
     weak = [one for one in rating.weakest if not one.holds]
     first = worst(weak)
@@ -59,6 +59,14 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
         brief=f"the teeth do not hold: safety {_under(first.safety, first.wanted)} against {first.damage.words}, "
         f"{first.wanted:g} wanted",
     )
+
+
+def _unfollowed_knocks(rating: Rating) -> str:
+    """Why teeth whose load changes flanks may bear more than is known; empty where it does not, or that is known."""
+    loading = rating.loading
+    if loading.knocks is not None or rating.strength.load != "masses" or loading.torque_n_mm.min() >= 0.0:
+        return ""
+    return "the load changes flanks, where the teeth knock, which is followed of a single pair with inertia only"
 
 
 def _thin_body(drive: Drive, rating: Rating) -> str:

@@ -13,7 +13,15 @@ from ncgear.figures.answers.answer import Answer, Fault, Row, faults_of
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.sized import sized_rows
-from ncgear.figures.strong import HEADS, LOADS, holding_words, materials_words, teeth_words, weakest_cells
+from ncgear.figures.strong import (
+    HEADS,
+    LOADS,
+    holding_words,
+    knock_words,
+    materials_words,
+    teeth_words,
+    weakest_cells,
+)
 from ncgear.project.drive import Drive
 from ncgear.project.sizing import Sized
 from ncgear.project.strengthening import Rating
@@ -92,6 +100,7 @@ def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
                 f"{figure(error, loading.transmission_error_rad)}",
             ),
         ),
+        *([Row(f"{of}knocks", (words,))] if (words := knock_words(loading.knocks)) else []),
     ]
 
 

@@ -1,0 +1,163 @@
+"""The torque of the teeth where the load changes flanks, against closed forms and another solver."""
+
+from __future__ import annotations
+
+from math import cos, pi, sqrt
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from ncgear.dynamics.crank_load import CrankLoad
+from ncgear.dynamics.flank_changes import BorneTorque, borne_torque
+from ncgear.dynamics.gaps import Gaps
+from ncgear.dynamics.meshing import Friction, Impact, Meshing
+from ncgear.numerics.periodic_table import PeriodicTable
+
+TURN = 2.0 * pi
+INERTIA, LEVER_MM, STIFFNESS, PLAY_RAD, SPEED = 40.0, 50.0, 4e4, 4e-4, 6.0
+"""A driven side in N mm s^2 on one pair of teeth for each side, with play, at a speed in rad/s."""
+
+TURNING = STIFFNESS * LEVER_MM**2
+"""Its stiffness in N mm/rad."""
+
+
+def even(*values: float) -> PeriodicTable:
+    """Functions that do not change."""
+    return PeriodicTable(np.array([0.0, TURN]), np.array([values])[None, :, :])
+
+
+def teeth(play_rad: float = PLAY_RAD, damping: float = 0.0) -> Meshing:
+    """One pair of teeth on each side, all alike, of gears that turn alike."""
+    law = PeriodicTable(np.array([0.0, TURN]), np.array([[1.0], [0.0]]), TURN)
+    sides = np.array([[0.0, LEVER_MM, 0.0, 0.0, STIFFNESS], [play_rad, LEVER_MM, 0.0, 0.0, STIFFNESS]])
+    table = PeriodicTable(np.array([0.0, TURN]), sides[None, None])
+    gaps = Gaps(table, np.array([[1.0, -1.0]]), np.zeros((1, 2, 2), dtype=int), np.array([np.inf]))
+    return Meshing(law, gaps, Impact(1.0, damping, 1e-6), Friction(0.0, 0.0, 1.0, 2.0))
+
+
+def load(inertia: float = INERTIA) -> CrankLoad:
+    """A driven side of even inertia, against which nothing acts but what is asked."""
+    return CrankLoad(even(inertia, 0.0), (0.0, pi))
+
+
+def saw(phi1_rad: np.ndarray, slope: float = 1e5) -> np.ndarray:
+    """A torque that falls in a line through 0 at a turn's half, and rises again through 0 at its end."""
+    return slope * np.interp(phi1_rad % TURN, [0.0, pi / 2.0, 1.5 * pi, TURN], [0.0, pi / 2.0, -pi / 2.0, 0.0])
+
+
+def highest(found: BorneTorque, low: float, high: float, sign: float) -> float:
+    """The largest torque of a sign between two angles."""
+    return float((sign * found.at(np.linspace(low, high, 20001))).max())
+
+
+DAMPING = 0.05
+"""Share of critical damping: swings have died away before the next turn of the torque."""
+
+DAMPED = 2.0 * DAMPING * sqrt(TURNING * INERTIA) / LEVER_MM**2
+"""The same in N s/mm of a pair."""
+
+
+def swinging(load_n_mm: tuple[float, float], at: tuple[float, float], time_s: np.ndarray) -> np.ndarray:
+    """Torque k y + c y. of J y.. + c y. + k y = a + b t in closed form, from a place and a speed on."""
+    (a, b), (place, speed) = load_n_mm, at
+    swing, c = sqrt(TURNING / INERTIA), 2.0 * DAMPING * sqrt(TURNING * INERTIA)
+    fade, damped = DAMPING * swing, swing * sqrt(1.0 - DAMPING**2)
+    still = a / TURNING - b * c / TURNING**2
+    first = place - still
+    second = (speed - b / TURNING + fade * first) / damped
+    wave, other = np.cos(damped * time_s), np.sin(damped * time_s)
+    falling = np.exp(-fade * time_s)
+    y = still + b / TURNING * time_s + falling * (first * wave + second * other)
+    rate = b / TURNING + falling * ((second * damped - fade * first) * wave - (first * damped + fade * second) * other)
+    return np.asarray(TURNING * y + c * rate)
+
+
+def test_flanks_that_part_meet_again_and_swing_as_in_closed_form() -> None:
+    """J x.. = s t from rest to the play, then J y.. + c y. + k y = s t from there on, at the speed of the knock."""
+    found = borne_torque(teeth(damping=DAMPED), load(), saw, SPEED, TURN)
+    slope = 1e5 * SPEED
+    time_s = (6.0 * INERTIA * PLAY_RAD / slope) ** (1.0 / 3.0)
+    speed = slope * time_s**2 / (2.0 * INERTIA)
+    first = min((knock for knock in found.knocks if knock.phi1_rad > pi), key=lambda one: one.phi1_rad)
+    assert first.phi1_rad == pytest.approx(pi + SPEED * time_s, abs=1.5e-3)
+    assert first.speed_mm_s == pytest.approx(speed * LEVER_MM, rel=0.03)
+    after = np.linspace(0.0, pi * sqrt(INERTIA / TURNING), 2001)
+    peak = float(swinging((slope * time_s, slope), (0.0, speed), after).max())
+    end = pi + SPEED * (time_s + float(after[-1]))
+    assert highest(found, pi, end, -1.0) == pytest.approx(peak, rel=0.02)
+    assert peak > 3.0 * float(-saw(np.array([end]))[0])
+
+
+def test_teeth_without_play_bear_what_is_asked() -> None:
+    found, angles = borne_torque(teeth(0.0, DAMPED), load(), saw, SPEED, TURN), np.linspace(0.0, TURN, 5001)
+    assert np.abs(found.at(angles) - saw(angles)).max() < 0.05 * saw(angles).max()
+
+
+def test_a_torque_that_neither_turns_nor_jumps_is_borne_as_it_is() -> None:
+    found = borne_torque(teeth(), load(), lambda phi1: 2e5 + 1e5 * np.sin(phi1), SPEED, TURN)
+    assert found.phi1_rad.size == 0
+    assert found.knocks == ()
+
+
+@pytest.mark.parametrize("speed_rad_s", [SPEED, SPEED / 100.0])
+def test_a_jump_is_overshot_as_in_closed_form(speed_rad_s: float) -> None:
+    """However slowly the machine turns."""
+
+    def asked(phi1_rad: np.ndarray) -> np.ndarray:
+        return np.where(phi1_rad % TURN < pi, 1e5, 3e5)
+
+    found = borne_torque(teeth(damping=DAMPED), load(), asked, speed_rad_s, TURN)
+    expected = swinging((3e5, 0.0), (1e5 / TURNING, 0.0), np.linspace(0.0, 0.01, 4001))
+    assert highest(found, pi, pi + 0.01 * speed_rad_s, 1.0) == pytest.approx(float(expected.max()), rel=0.01)
+    assert expected.max() > 4.6e5
+    # Where the torque falls as far, the teeth swing back beyond no torque: they part, and knock.
+    assert found.knocks
+    assert all(knock.phi1_rad < 0.1 for knock in found.knocks)
+
+
+@pytest.mark.parametrize("damping", [0.0, DAMPED])
+def test_knocks_of_an_uneven_driven_side_are_those_of_another_solver(damping: float) -> None:
+    """Inertia and torque change with the angle; DOP853 follows the same equation from the same place."""
+    wavy = CrankLoad(
+        PeriodicTable(np.linspace(0.0, TURN, 721), wave(lambda q: INERTIA * (1.0 + 0.6 * np.cos(2.0 * q)))), (0.0, pi)
+    )
+
+    def asked(phi1_rad: np.ndarray) -> np.ndarray:
+        return 4e4 * np.sin(phi1_rad) + 1.5e4 * np.cos(3.0 * phi1_rad)
+
+    meshing = teeth(damping=damping)
+    found = borne_torque(meshing, wavy, asked, SPEED, TURN)
+    begin = float(found.phi1_rad[0])
+    ahead = -float(asked(np.array([begin]))[0]) / TURNING if asked(np.array([begin]))[0] > 0.0 else PLAY_RAD
+
+    def moment(x: float, v: float) -> float:
+        total = 0.0
+        for urge, error in ((1.0, 0.0), (-1.0, PLAY_RAD)):
+            depth = urge * LEVER_MM * (error - x)
+            if depth > 0.0:
+                ramp = min(depth / 1e-6, 1.0)
+                force = STIFFNESS * depth - damping * ramp**2 * (3.0 - 2.0 * ramp) * urge * LEVER_MM * v
+                total += urge * LEVER_MM * max(force, 0.0)
+        return total
+
+    def change(time_s: float, state: np.ndarray) -> list[float]:
+        angle = begin + SPEED * time_s
+        inertia = INERTIA * (1.0 + 0.6 * cos(2.0 * angle))
+        return [state[1], (moment(*state) - float(asked(np.array([angle]))[0])) / inertia]
+
+    over_s = 0.25 * TURN / SPEED
+    solved = solve_ivp(change, (0.0, over_s), [ahead, 0.0], method="DOP853", rtol=1e-9, atol=1e-14, max_step=2e-4)
+    torque = np.array([moment(*state) for state in solved.y.T])
+    end = begin + SPEED * over_s
+    for sign in (1.0, -1.0):
+        assert highest(found, begin, end, sign) == pytest.approx(
+            max(float((sign * torque).max()), 0.0), rel=0.03, abs=4e3
+        )
+
+
+def wave(function: object) -> np.ndarray:
+    """Coefficients of lines between 721 values of a function, with nothing beside it."""
+    knots = np.linspace(0.0, TURN, 721)
+    values = np.column_stack([function(knots), 0.0 * knots])  # type: ignore[operator]
+    return np.stack([np.diff(values, axis=0) / np.diff(knots)[:, None], values[:-1]])
