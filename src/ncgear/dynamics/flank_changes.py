@@ -4,15 +4,16 @@ At constant driving speed the driven side is a body of one degree of freedom.  W
 torque that the law asks of the teeth, J the inertia of the driven side reduced to its shaft and M the moment of the
 pairs that touch,
 
-    J(phi2) x.. = M(phi1, x, x.) - T(phi1),   phi1 = w t
+    (J(phi2) x.). = M(phi1, x, x.) - T(phi1),   phi1 = w t
 
-so that the driven side flies freely across the play where T turns round (M = 0), and swings where T jumps.  M is that
-of ``ncgear.dynamics.meshing`` without friction.  What x changes of J and of the load is left out, and so is the driving
-shaft's own inertia: a shaft that gives way makes knocks softer.
+so that the driven side flies freely across the play where T turns round (M = 0), and swings where T jumps.  This is
+Lagrange's equation of ``ncgear.dynamics.crank_load`` to the first order of x., without what x itself changes of J and
+of the load.  M is that of ``ncgear.dynamics.meshing`` without friction.  The driving shaft's own inertia is left out: a
+shaft that gives way makes knocks softer.
 
-The equation is integrated by the velocity form of Verlet's method (Stoermer's rule; e.g. E. Hairer, C. Lubich,
-G. Wanner, Acta Numerica 12 (2003), 399-450), but only from where the torque turns round or jumps to where the teeth
-have settled; elsewhere they bear T.
+The equation is integrated for x and the momentum p = J x. by Verlet's method (Stoermer's rule; e.g. E. Hairer, C.
+Lubich, G. Wanner, Acta Numerica 12 (2003), 399-450), but only from where the torque turns round or jumps to where the
+teeth have settled; elsewhere they bear T.
 """
 
 from __future__ import annotations
@@ -190,8 +191,8 @@ class _DrivenSide:
                 phi1.append(places[part][1:])
                 torque.append(borne[1:])
                 knocks += [Knock(float(places[first + row]), speed * levers[first + row]) for row, speed in met]
-                # A swing of this speed presses the teeth with its torque.
-                swinging = max(float(missed.max()), abs(state[1]) * swing * float(inertia[part][-1]))
+                # A swing of this momentum presses the teeth with its torque.
+                swinging = max(float(missed.max()), abs(state[1]) * swing)
                 least, most = float(np.abs(asked[part]).min()), float(np.abs(asked[part]).max())
                 touching = swinging <= TOUCHING * least or most <= IDLE * self.most_n_mm
                 settled = touching and swinging <= SETTLED * self.most_n_mm and phi1[-1][-1] >= ends_rad[0]
@@ -204,21 +205,22 @@ class _DrivenSide:
     ) -> tuple[Array, tuple[float, float], list[tuple[int, float]]]:
         """The torque that is borne at n places from a state on, shape (n,), the last state, and what flanks meet.
 
-        A state is the driven angle beyond the law's and its speed; of flanks that meet, the row and that speed.
+        A state is the driven angle beyond the law's and its momentum; of flanks that meet, the row and their speed.
         """
-        (ahead_rad, speed_rad_s), met = state, list[tuple[int, float]]()
-        borne = self._moment(pairs[0], ahead_rad, speed_rad_s)
+        (ahead_rad, momentum), met = state, list[tuple[int, float]]()
+        borne = self._moment(pairs[0], ahead_rad, momentum / float(inertia[0]))
         every = [borne]
-        gains, loads = (0.5 * step_s / inertia).tolist(), asked.tolist()
+        loads, inertias = asked.tolist(), ((inertia[1:] + inertia[:-1]) / 2.0).tolist()
         for row in range(1, len(pairs)):
-            half = speed_rad_s + gains[row - 1] * (borne - loads[row - 1])
-            ahead_rad += step_s * half
-            before, borne = borne, self._moment(pairs[row], ahead_rad, half)
-            speed_rad_s = half + gains[row] * (borne - loads[row])
+            momentum += 0.5 * step_s * (borne - loads[row - 1])
+            speed_rad_s = momentum / inertias[row - 1]
+            ahead_rad += step_s * speed_rad_s
+            before, borne = borne, self._moment(pairs[row], ahead_rad, speed_rad_s)
+            momentum += 0.5 * step_s * (borne - loads[row])
             if borne and not before:
-                met.append((row, abs(half)))
+                met.append((row, abs(speed_rad_s)))
             every.append(borne)
-        return np.array(every), (ahead_rad, speed_rad_s), met
+        return np.array(every), (ahead_rad, momentum), met
 
     def _settled_at(self, phi1_rad: float, flank: float) -> float:
         """The driven angle beyond the law's of settled teeth that bear what is asked on their flank."""
