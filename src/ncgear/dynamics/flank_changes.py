@@ -43,8 +43,11 @@ PER_SWING = 24
 """Steps in a swing of the driven side on two pairs of teeth: its time is missed by (2 pi / 24)^2 / 24, 0.3 %, and four
 pairs are far from the 3.2 steps at which the method fails."""
 
-SWINGS, CHECKED = 32, 4 * PER_SWING
-"""Swings whose pairs and loads are found at once, and steps after which it is seen whether the teeth have settled."""
+HELD = 4
+"""Steps for which pairs, loads and inertia are held at what they are in the middle: a sixth of a swing."""
+
+SWINGS, CHECKED = 96, 4
+"""Swings whose pairs and loads are found at once, and those after which it is seen whether the teeth have settled."""
 
 HARDEST = 20.0
 """Times the largest torque that is asked to which pairs are counted in a knock."""
@@ -56,7 +59,10 @@ within this share of what is asked there, so that they do not part again."""
 
 @dataclass(frozen=True)
 class Knock:
-    """Flanks that meet after a parting: the driving angle in rad, and their speed along the normal in mm/s."""
+    """Flanks that meet after a parting: the driving angle in rad, and their speed along the normal in mm/s.
+
+    Meetings whose speed would press the teeth by less than SETTLED of the largest torque are none.
+    """
 
     phi1_rad: float
     speed_mm_s: float
@@ -182,17 +188,23 @@ class _DrivenSide:
         phi1, torque, knocks = [np.array([start_rad])], [self.asked(np.array([start_rad]))], list[Knock]()
         settled = False
         while not settled and phi1[-1][-1] < ends_rad[1]:
-            places, step_s, swing = self._places(float(phi1[-1][-1]))
-            pairs, levers, inertia, asked = self._along(places)
-            for first in range(0, places.size - 1, CHECKED):
-                part = slice(first, first + CHECKED + 1)
-                borne, ends, met = self._stepped(state, pairs[part], inertia[part], asked[part], step_s)
-                state, missed = ends, np.abs(borne - asked[part])
-                phi1.append(places[part][1:])
-                torque.append(borne[1:])
-                knocks += [Knock(float(places[first + row]), speed * levers[first + row]) for row, speed in met]
+            step_s, swing = self._step(float(phi1[-1][-1]))
+            step_rad = self.speed_rad_s * step_s
+            middles = phi1[-1][-1] + HELD * step_rad * (np.arange(SWINGS * PER_SWING // HELD) + 0.5)
+            pairs, levers, inertia, asked = self._along(middles)
+            for first in range(0, middles.size, CHECKED * PER_SWING // HELD):
+                part = slice(first, first + CHECKED * PER_SWING // HELD)
+                borne, state, met = self._stepped(state, pairs[part], inertia[part], asked[part], step_s)
+                phi1.append(phi1[-1][-1] + step_rad * np.arange(1.0, borne.size + 1.0))
+                torque.append(borne)
+                knocks += [
+                    Knock(float(middles[part][row]), speed * float(levers[part][row]))
+                    for row, speed in met
+                    if speed * float(inertia[part][row]) * swing > SETTLED * self.most_n_mm
+                ]
                 # A swing of this momentum presses the teeth with its torque.
-                swinging = max(float(missed.max()), abs(state[1]) * swing)
+                missed = float(np.abs(borne - np.repeat(asked[part], HELD)).max())
+                swinging = max(missed, abs(state[1]) * swing)
                 least, most = float(np.abs(asked[part]).min()), float(np.abs(asked[part]).max())
                 touching = swinging <= TOUCHING * least or most <= IDLE * self.most_n_mm
                 settled = touching and swinging <= SETTLED * self.most_n_mm and phi1[-1][-1] >= ends_rad[0]
@@ -203,23 +215,22 @@ class _DrivenSide:
     def _stepped(
         self, state: tuple[float, float], pairs: list[list[list[float]]], inertia: Array, asked: Array, step_s: float
     ) -> tuple[Array, tuple[float, float], list[tuple[int, float]]]:
-        """The torque that is borne at n places from a state on, shape (n,), the last state, and what flanks meet.
+        """The torque that is borne after each of the HELD steps of n rows, shape (n HELD,), and the last state.
 
-        A state is the driven angle beyond the law's and its momentum; of flanks that meet, the row and their speed.
+        A state is the driven angle beyond the law's and its momentum.  Then the row and the speed of flanks that meet.
         """
-        (ahead_rad, momentum), met = state, list[tuple[int, float]]()
+        (ahead_rad, momentum), met, every = state, list[tuple[int, float]](), list[float]()
         borne = self._moment(pairs[0], ahead_rad, momentum / float(inertia[0]))
-        every = [borne]
-        loads, inertias = asked.tolist(), ((inertia[1:] + inertia[:-1]) / 2.0).tolist()
-        for row in range(1, len(pairs)):
-            momentum += 0.5 * step_s * (borne - loads[row - 1])
-            speed_rad_s = momentum / inertias[row - 1]
-            ahead_rad += step_s * speed_rad_s
-            before, borne = borne, self._moment(pairs[row], ahead_rad, speed_rad_s)
-            momentum += 0.5 * step_s * (borne - loads[row])
-            if borne and not before:
-                met.append((row, abs(speed_rad_s)))
-            every.append(borne)
+        for row, (near, mass, load) in enumerate(zip(pairs, inertia.tolist(), asked.tolist(), strict=True)):
+            for _ in range(HELD):
+                momentum += 0.5 * step_s * (borne - load)
+                speed_rad_s = momentum / mass
+                ahead_rad += step_s * speed_rad_s
+                before, borne = borne, self._moment(near, ahead_rad, speed_rad_s)
+                momentum += 0.5 * step_s * (borne - load)
+                if borne and not before:
+                    met.append((row, abs(speed_rad_s)))
+                every.append(borne)
         return np.array(every), (ahead_rad, momentum), met
 
     def _settled_at(self, phi1_rad: float, flank: float) -> float:
@@ -231,13 +242,11 @@ class _DrivenSide:
             return float(pushing[0] if flank > 0.0 else back[0])
         return float(loaded_contact(self.meshing, here, torque, 0.0).error_rad[0])
 
-    def _places(self, phi1_rad: float) -> tuple[Array, float, float]:
-        """Driving angles of some swings from a place on, the time between two of them, and the swing in rad/s."""
+    def _step(self, phi1_rad: float) -> tuple[float, float]:
+        """The time between two steps of the swings from a place on, and how fast these are in rad/s."""
         way = 2.0 * pi * self.speed_rad_s * SWINGS / self.swings_rad_s(np.array([phi1_rad]))
         swing = float(self.swings_rad_s(phi1_rad + way * np.linspace(0.0, 1.0, PER_SWING)).max())
-        step_s = 2.0 * pi / (PER_SWING * swing)
-        places: Array = phi1_rad + self.speed_rad_s * step_s * np.arange(SWINGS * PER_SWING + 1.0)
-        return places, step_s, swing
+        return 2.0 * pi / (PER_SWING * swing), swing
 
     def swings_rad_s(self, phi1_rad: Array) -> Array:
         """How fast the driven side swings on two pairs of teeth at driving angles, shape (n,), in rad/s."""
