@@ -8,6 +8,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import replace
+from errno import EBUSY, EPERM
 from pathlib import Path
 from threading import Barrier
 from types import SimpleNamespace
@@ -65,6 +66,40 @@ def test_a_file_is_saved_whole_and_not_over_others_work(path: Path, soon: None) 
     asked.value.there.saved("name: again\n")
     assert path.read_text(encoding="utf-8") == "name: again\n"
     assert names(path) == ["d.yaml", "link.yaml"]
+
+
+@pytest.mark.parametrize("asked", ["_belong_as", "written_beside"])
+def test_a_file_that_is_moved_away_in_the_midst_of_a_save_is_asked_about(
+    path: Path, soon: None, monkeypatch: pytest.MonkeyPatch, asked: str
+) -> None:
+    own = getattr(on_disk, asked)
+
+    def late(*given: object) -> object:
+        path.rename(path.with_name("elsewhere.yaml"))
+        return own(*given) if asked == "written_beside" else path.stat()
+
+    monkeypatch.setattr(on_disk, asked, late)
+    with pytest.raises(NotSaved, match="removed"):
+        design_on_disk(path).saved(OWN)
+    assert names(path) == ["elsewhere.yaml"]
+
+
+@pytest.mark.parametrize(("number", "said"), [(EBUSY, "mounted by itself"), (EPERM, "cannot be written")])
+def test_a_file_that_the_disk_does_not_exchange_is_named_and_nothing_is_left(
+    path: Path, soon: None, monkeypatch: pytest.MonkeyPatch, number: int, said: str
+) -> None:
+    """A file that is a mount of its own, as containers have them, or one that may not be changed."""
+
+    def swap(new: Path, place: Path) -> None:
+        new.with_name(f"{new.name}.part").write_text("", encoding="utf-8")
+        raise OSError(number, os.strerror(number), str(new))
+
+    monkeypatch.setattr(on_disk, "swap", swap)
+    with pytest.raises(WrongInput, match=said) as refused:
+        design_on_disk(path).saved(OWN)
+    assert str(refused.value.location) == str(path)
+    assert names(path) == ["d.yaml"]
+    assert path.read_text(encoding="utf-8") == OLD
 
 
 @pytest.mark.parametrize("kind", ["another link", "a file", "nothing"])

@@ -381,6 +381,9 @@ def test_ctrl_c_ends_it_and_its_commands(tmp_path: Path) -> None:
                 time.sleep(0.02)
             processes = children(studio.process.pid)
         studio.process.send_signal(signal.SIGINT)
+        # An impatient hand ends it no other way.
+        time.sleep(0.05)
+        studio.process.send_signal(signal.SIGINT)
         assert studio.process.wait(30) == 0
         wait_until_gone(processes)
 

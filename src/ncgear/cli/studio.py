@@ -48,7 +48,10 @@ def studio(
 
     if design_file is not None:
         # What a killed save has left is cleared up where the page tells it.
-        read_text(real_place(design_file), limit_mb=LARGEST_MB)
+        read_text(real := real_place(design_file), limit_mb=LARGEST_MB)
+        if str(real) != str(real).encode(errors="replace").decode():
+            problem = "has a name that is no text in UTF-8, which no page can tell; rename it for the studio"
+            raise WrongInput(problem, location=str(real))
     try:
         bound = listening(port)
     except OSError as error:

@@ -201,7 +201,7 @@ def _decay(function: Callable[[Array], Array], cycle: float) -> tuple[int, float
         wanted = function(at % cycle)
         greatest = max(greatest, float(np.max(np.abs(wanted))), float(np.max(np.abs(series[0]))))
         missed = np.abs(on_panels(series, each, local) - wanted).reshape(len(ASIDE), -1).max(axis=0)
-        share = np.maximum(np.abs(series[-3:]).max(axis=0), missed) / greatest
+        share = np.maximum(np.abs(series[-3:]).max(axis=0), missed) / (greatest or 1.0)
         rough = share > DIED
         done, tail = done + int(np.count_nonzero(~rough)), max(tail, float(np.max(share[~rough], initial=0.0)))
         left, right = left[rough], right[rough]

@@ -13,6 +13,7 @@ from codecs import BOM_UTF8
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import replace
+from errno import EBUSY
 from hashlib import sha256
 from pathlib import Path
 from shutil import copystat
@@ -109,6 +110,13 @@ class DesignOnDisk:
         linked = "has another name, a hard link, which keeps the former text and is parted from it"
         return " and ".join(why for why, yes in (("is read-only", not writable), (linked, status.st_nlink > 1)) if yes)
 
+    def _unmoved(self, error: OSError) -> OSError | WrongInput:
+        """What is said of a file that the disk does not exchange for a new one."""
+        if error.errno == EBUSY:
+            problem = "is mounted by itself and cannot be exchanged for a new file; mount the folder that it is in"
+            return WrongInput(problem, location=str(self.path))
+        return OSError(error.errno, error.strerror, str(self.path))
+
     def _create(self, content: bytes) -> None:
         try:
             put_at_free_place(self.path, content)
@@ -117,9 +125,13 @@ class DesignOnDisk:
 
     def _replace(self, former: bytes, content: bytes, kept: list[Path]) -> None:
         """Exchange the file for a new one, and look whether what came away is the former one; ``kept`` grows."""
-        mode = S_IMODE(self.path.stat().st_mode)
-        written = written_beside(self.path, content, mode)
-        _belong_as(written, self.path)
+        try:
+            mode = S_IMODE(self.path.stat().st_mode)
+            written = written_beside(self.path, content, mode)
+            _belong_as(written, self.path)
+        except FileNotFoundError as error:
+            hidden(self.path, UNFINISHED).unlink(missing_ok=True)
+            raise self._changed(_content(self.path)) from error
         written.chmod(mode)
         new = hidden(self.path, f".{_digest(former)}-{_digest(content)}{SAVING}")
         written.replace(new)
@@ -129,6 +141,10 @@ class DesignOnDisk:
         except (NotSaved, FileNotFoundError) as error:
             new.unlink()
             raise self._changed(_content(self.path)) from error
+        except OSError as error:
+            for left in (new, new.with_name(f"{new.name}{UNFINISHED}")):
+                left.unlink(missing_ok=True)
+            raise self._unmoved(error) from error
         sleep(LATE_S)
         if new.read_bytes() != former:
             swap(new, self.path)

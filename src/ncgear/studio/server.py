@@ -334,6 +334,7 @@ class _Server(uvicorn.Server):
     ended_by = 0
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
-        """Note the first signal, and end."""
-        self.ended_by = self.ended_by or sig
-        super().handle_exit(sig, frame)
+        """End by the first signal, within two seconds; a second one would only cut off the telling of it."""
+        if not self.ended_by:
+            self.ended_by = sig
+            super().handle_exit(sig, frame)
