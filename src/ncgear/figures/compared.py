@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from math import degrees, isfinite
 from typing import Any
 
 import numpy as np
 
 from ncgear.figures.csv_text import csv_text, rows_text
-from ncgear.figures.numbers import fixed, micrometres, to_digits
-from ncgear.figures.tables import aligned
+from ncgear.figures.numbers import fixed, micrometres
 from ncgear.frozen import dataclass
 from ncgear.metrology.alone import are_judged, rough_points
 from ncgear.metrology.as_measured import is_metal
@@ -72,6 +71,7 @@ def gear_figures(one: ComparedGear) -> dict[str, Any]:
         "points_not_judged": int(np.count_nonzero(metal & ~are_judged(one.outline, fit.feet))),
         "points_rough": rough_points(one.outline, fit.feet),
         "alone": [vars(point) for point in alone_points(one)],
+        "flanks": [dict(zip(COLUMNS[1:], row[1:], strict=True)) for row in _rows(one)],
         "teeth_with_missing_points": found.missing_teeth,
         "turned_rad": fit.pose.angle_rad,
         "turned_standard_deviation_rad": fit.angle_error_rad,
@@ -178,47 +178,6 @@ def _or_none(value: float) -> float | None:
 def length_words(value_mm: float | None) -> str:
     """A deviation in micrometres, or a dash where the points do not tell."""
     return "-" if value_mm is None else micrometres(value_mm)
-
-
-def alone_words(point: AlonePoint) -> str:
-    """Where a point stands off alone, and how far."""
-    on = point.on if point.on not in SIDES else f"{point.on} flank"
-    return f"line {point.line}: tooth {point.tooth} {on} by {micrometres(point.off_mm)}"
-
-
-HEADS = ("gear", "tooth", "side", "points", "mean", "least", "greatest", "slope", "form", "pitch", "thickness")
-
-
-def compared_text(pair: ComparedPair, name: str, written: Sequence[str]) -> str:
-    """Every flank of every measured gear in micrometres, and all figures."""
-    found = compared_figures(pair, name)
-    blocks = [f"{name}: measured gears against the exact ones"]
-    for one in pair.gears:
-        told = {**found[one.gear.value], "alone": [alone_words(point) for point in alone_points(one)]}
-        lines = [f"{key}: {_plain(value)}" for key, value in told.items()]
-        rows = [HEADS, *([_cell(cell) for cell in _short(row)] for row in _rows(one))]
-        blocks.append("\n".join([f"{one.gear.value} gear", *(f"  {line}" for line in lines)]))
-        blocks.append("\n".join(["deviations in micrometres", *aligned(rows, left=3)]))
-    contact = [f"  {key}: {_plain(value)}" for key, value in found["contact"].items()]
-    return "\n\n".join([*blocks, "\n".join(["contact of the pair as measured", *contact]), "\n".join(written)])
-
-
-def _short(row: list[object]) -> list[object]:
-    """A row of the table without the position along the pitch curve."""
-    place = COLUMNS.index("position_mm")
-    return row[:place] + row[place + 1 :]
-
-
-def _cell(value: object) -> str:
-    if value is None:
-        return "-"
-    return fixed(1e3 * value, 1) if isinstance(value, float) else str(value)
-
-
-def _plain(value: object) -> str:
-    if isinstance(value, list) and value and isinstance(value[0], str):
-        return "; ".join(value)
-    return to_digits(value, 6) if isinstance(value, float) else str(value)
 
 
 def turned_words(one: ComparedGear) -> str:

@@ -69,6 +69,15 @@ ERRORS = ("residual", "energy_error")
 SAFETY = "safety"
 """Keys with this word hold estimates, of which three digits say all."""
 
+STATISTICS = {
+    "as_designed": "as designed",
+    "median": "median",
+    "of_99_percent": "99 % keep",
+    "least": "least",
+    "largest": "largest",
+}
+"""What is known of one figure in many assemblies, by key, each in the unit of that figure, and its name."""
+
 IN_DEGREES = ("concave_", "play_")
 """Keys in rad that begin so hold places on a gear and the play that a person wants, not errors or lag."""
 

@@ -39,7 +39,10 @@ TITLES = {
 }
 """Headings of sections; the heading of any other section is its key."""
 
-ELSEWHERE = ("motion", "wishes", "comparison", "warnings", "remarks", "verdict", "timing_s")
+JUDGED = ("warnings", "remarks", "verdict")
+"""Keys of what is judged."""
+
+ELSEWHERE = ("motion", "wishes", "comparison", *JUDGED, "timing_s")
 """Keys of a summary that are not written as sections."""
 
 SIDE_BY_SIDE = {"this_design": "this design", "uniform_crank": "uniform crank", "even_gears": "even gears"}
@@ -88,11 +91,18 @@ def summary_text(summary: Mapping[str, Any]) -> str:
         *_sections(summary),
         motion_lines(summary),
         *comparison_lines(summary.get("comparison") or []),
-        _marked("warning: ", summary.get("warnings") or []),
-        _marked("remark: ", summary.get("remarks") or []),
-        verdict_lines(summary.get("verdict") or []),
+        *judged_blocks(summary),
     ]
     return "\n\n".join("\n".join(block) for block in blocks if block)
+
+
+def judged_blocks(figures: Mapping[str, Any]) -> list[list[str]]:
+    """The warnings, the remarks and the verdict that figures hold; empty blocks where there are none."""
+    return [
+        _marked("warning: ", figures.get("warnings") or []),
+        _marked("remark: ", figures.get("remarks") or []),
+        verdict_lines(figures.get("verdict") or []),
+    ]
 
 
 def verdict_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -119,7 +129,7 @@ def _sections(summary: Mapping[str, Any]) -> list[list[str]]:
     }
     width = max((len(label) for section in rows.values() for label, _ in section), default=0)
     return [
-        [title, *(line for label, value in section for line in _value_lines(label, value, width))]
+        [title, *(line for label, value in section for line in value_lines(label, value, width))]
         for title, section in rows.items()
         if section
     ]
@@ -157,7 +167,7 @@ def _labelled_value(key: str, value: Any, prefix: str = "", place_rad: float | N
     return prefix + label, f"{text} {unit}".rstrip() + place
 
 
-def _value_lines(label: str, value: str, width: int) -> list[str]:
+def value_lines(label: str, value: str, width: int) -> list[str]:
     """The line ``label  value``; further lines of a long value begin below the value."""
     start = f"{INDENT}{label:<{width}}  "
     lines = wrap(value, max(WIDTH - len(start), 20)) or [""]
