@@ -43,13 +43,14 @@ def optimize(
     from ncgear.files.publish import prepare
 
     with opened(design_file) as loaded:
+        from ncgear.design.words import ending_in
         from ncgear.figures.answers.best_law import optimized_answer
-        from ncgear.figures.best_law import certificate, optimized_design, optimized_name
+        from ncgear.figures.best_law import SUFFIX, certificate, optimized_design
         from ncgear.figures.numbers import json_text
         from ncgear.files.frontier import PICTURE, limit_picture
         from ncgear.project.best_law import BestLaw
 
-        name = optimized_name(loaded.design)
+        name = ending_in(SUFFIX, loaded.design.name)
         folder = out or EXPORT / name
         prepare(folder)
         with steps_shown(5) as on_step:

@@ -11,12 +11,11 @@ from math import degrees
 from typing import Any
 
 from ncgear import __version__
-from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import SIZES
 from ncgear.design.laws.registry import found_values
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.rewritten import design_copy
-from ncgear.design.words import LONGEST_NAME
+from ncgear.design.words import ending_in
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import shown
 from ncgear.figures.quantities import told
@@ -69,16 +68,10 @@ def optimized_design(loaded: LoadedDesign, best: BestLaw) -> str:
     """The text of the design file with the optimised law in place of its motion; comments elsewhere stay."""
     ratio, second = best.law.ratio.tolist(), best.law.second
     motion = found_values(ratio, None if second is None else second.tolist())
-    values: dict[str, Any] = {"name": optimized_name(best.design), "motion": motion}
+    values: dict[str, Any] = {"name": ending_in(SUFFIX, best.design.name), "motion": motion}
     if best.design.motion.gives_center_distance and best.design.gears is not None:
         values |= {f"gears.{key}": size for key, size in zip(SIZES, kept_size(best.design), strict=True)}
     return design_copy(loaded, values)
-
-
-def optimized_name(design: Design) -> str:
-    """Name of the optimised design."""
-    name = design.name
-    return name if name.endswith(SUFFIX) else f"{name[: LONGEST_NAME - len(SUFFIX)]}{SUFFIX}"
 
 
 def certificate(best: BestLaw) -> dict[str, Any]:

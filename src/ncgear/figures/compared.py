@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from math import degrees, isfinite
+from math import degrees
 from typing import Any
 
 import numpy as np
 
 from ncgear.figures.csv_text import csv_text, rows_text
-from ncgear.figures.numbers import fixed, micrometres
+from ncgear.figures.numbers import fixed, known, micrometres
 from ncgear.frozen import dataclass
 from ncgear.metrology.alone import are_judged, rough_points
 from ncgear.metrology.as_measured import is_metal
@@ -39,8 +39,8 @@ def compared_figures(pair: ComparedPair, name: str) -> dict[str, Any]:
             "transmission_error_exact_rad": exact.transmission_error_rad,
             "jams": [{"driving_tooth": one, "driven_tooth": other} for one, other in pair.jams],
             "needed_backlash_mm": pair.needed_backlash_mm,
-            "driving_tip_clearance_mm": _or_none(pair.measured.driving_tips_mm),
-            "driven_tip_clearance_mm": _or_none(pair.measured.driven_tips_mm),
+            "driving_tip_clearance_mm": known(pair.measured.driving_tips_mm),
+            "driven_tip_clearance_mm": known(pair.measured.driven_tips_mm),
         },
     }
 
@@ -153,8 +153,8 @@ def _rows(one: ComparedGear) -> Iterable[list[object]]:
     flanks = one.deviations.flanks
     columns: list[Array] = [getattr(flanks, name) for name in COLUMNS[4:-1]]
     for flank in range(flanks.points.size):
-        values = [_or_none(column[flank]) for column in columns]
-        thickness = _or_none(one.deviations.thickness_mm[flank // 2])
+        values = [known(column[flank]) for column in columns]
+        thickness = known(one.deviations.thickness_mm[flank // 2])
         yield [one.gear.value, flank // 2 + 1, SIDES[flank % 2], int(flanks.points[flank]), *values, thickness]
 
 
@@ -169,10 +169,6 @@ def points_csv(one: ComparedGear) -> str:
     tooth = np.where(fit.counted, (flank // 2 + 1) * np.where(flank % 2 == 1, 1, -1), 0)
     columns = [np.array(one.file.lines), feet.point.real, feet.point.imag, feet.distance_mm, tooth, fit.alone_mm]
     return csv_text(("line", "x_mm", "y_mm", "deviation_mm", "flank", "alone_mm"), columns)
-
-
-def _or_none(value: float) -> float | None:
-    return float(value) if isfinite(value) else None
 
 
 def length_words(value_mm: float | None) -> str:

@@ -8,8 +8,7 @@ from typing import Any
 from ncgear.design.keys.base import listed
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.reading.text import whole
-from ncgear.design.rewritten import design_copy
-from ncgear.design.words import LONGEST_NAME
+from ncgear.design.rewritten import told_copy
 from ncgear.figures.advice.values import changed
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.strong import strength_summary
@@ -18,8 +17,6 @@ from ncgear.project.sizing import Sized, stated_inertias
 from ncgear.strength.holding import Damage, worst
 
 SUFFIX = "-sized"
-
-LONGEST_DESCRIPTION = 10_000
 
 
 def sized_rows(found: Sequence[Sized]) -> list[list[str]]:
@@ -74,16 +71,10 @@ def _sizes(one: Sized) -> dict[str, Any]:
     }
 
 
-def sized_name(name: str) -> str:
-    """Name of the design with other gears."""
-    return name if name.endswith(SUFFIX) else f"{name[: LONGEST_NAME - len(SUFFIX)]}{SUFFIX}"
-
-
 def sized_design(loaded: LoadedDesign, one: Sized, asked: dict[str, float | str]) -> str:
     """The text of a design file with other gears and with what was asked for, its name and description saying so."""
     design = loaded.design
     chosen = {key: whole(value) if isinstance(value, float) else value for key, value in (asked | one.changes).items()}
     said = f"Sized: {design.name} with {listed(map(str, changed(chosen)), 'and')}, so that its teeth hold."
     values = {**chosen, **dict.fromkeys(stated_inertias(design))}
-    about = {"description": f"{said} {design.description}".strip()[:LONGEST_DESCRIPTION]}
-    return design_copy(loaded, {"name": sized_name(design.name), **about, **values})
+    return told_copy(loaded, SUFFIX, said, values)

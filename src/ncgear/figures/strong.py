@@ -10,7 +10,7 @@ import numpy as np
 
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.csv_text import rows_text
-from ncgear.figures.numbers import fixed, shown, to_digits
+from ncgear.figures.numbers import fixed, known, shown, to_digits
 from ncgear.figures.summary.check_summary import stages_summary, verdict_summary
 from ncgear.figures.tables import Column, Table
 from ncgear.pitch.shape import Gear
@@ -88,7 +88,7 @@ def _gear_figures(rating: Rating, gear: Gear) -> dict[str, Any]:
                 f"{name}_stress_mpa": one.stress_mpa,
                 f"{name}_stress_at_rad": one.phi1_rad,
                 f"{name}_endured_mpa": one.endured_mpa,
-                f"{name}_life_h": _or_none(one.life_h),
+                f"{name}_life_h": known(one.life_h),
                 f"{name}_too_weak_teeth": sorted(one.too_weak),
             }
     return figures
@@ -111,12 +111,8 @@ def _rows(strength: Strength) -> Iterable[list[object]]:
             cells: list[object] = [gear.value, row + 1]
             for kind in Damage:
                 life = lives.get(kind)
-                cells += [_or_none(float(getattr(life, name)[row])) if life else None for name in OF_TOOTH]
+                cells += [known(float(getattr(life, name)[row])) if life else None for name in OF_TOOTH]
             yield cells
-
-
-def _or_none(value: float) -> float | None:
-    return value if isfinite(value) else None
 
 
 def life_words(hours: float, wears: bool = False) -> str:

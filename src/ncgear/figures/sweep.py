@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import isnan
 from typing import Any
 
 import numpy as np
 
 from ncgear.figures.csv_text import rows_text
-from ncgear.figures.numbers import shown
+from ncgear.figures.numbers import known, shown
 from ncgear.figures.quantities import name_of, told
 from ncgear.screening.designs import Designs
 from ncgear.screening.overview import Overview, rank_correlations
@@ -115,7 +114,7 @@ def _counts(overview: Overview) -> dict[str, Any]:
 
 
 def _design(designs: Designs, row: int) -> dict[str, Any]:
-    figures = {name: _known(values[row]) for name, values in designs.figures.items()}
+    figures = {name: known(values[row]) for name, values in designs.figures.items()}
     return {"number": int(designs.numbers[row]), **values_of(designs, row), **figures}
 
 
@@ -124,15 +123,11 @@ def _effect_figures(overview: Overview) -> dict[str, Any]:
     explained, ranks = overview.effects.explained, rank_correlations(overview)
     return {
         key: {
-            objective.name: {"explained_share": _known(share), "rank_correlation": _known(rank)}
+            objective.name: {"explained_share": known(share), "rank_correlation": known(rank)}
             for objective, share, rank in zip(overview.wanted.objectives, explained[row], ranks[row], strict=True)
         }
         for row, key in enumerate(overview.space.keys)
     }
-
-
-def _known(value: float) -> float | None:
-    return None if isnan(value) else float(value)
 
 
 def front_csv(front: Designs, wanted: Wanted) -> str:
