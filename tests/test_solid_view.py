@@ -19,11 +19,17 @@ from PIL import Image
 import reports
 from drives import drive
 from ncgear.drawings.page import solid_view as module
+from ncgear.drawings.page.solid_view import SolidView, solid_view
 from ncgear.pitch.shape import Gear
 from scenes import CHROMIUM, GEARLESS, in_a_browser
 
 WITH_WEBGL = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]
 WITHOUT = ["--no-sandbox", "--disable-gpu", "--disable-3d-apis"]
+
+
+def view(name: str, title: str) -> SolidView:
+    pair = drive(name)
+    return solid_view(pair.solids, pair.pitch.center_distance_mm, title)
 
 
 def unpacked(name: str) -> str:

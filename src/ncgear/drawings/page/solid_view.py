@@ -19,10 +19,11 @@ import numpy as np
 from ncgear.drawings.page.assets import asset, hash_of
 from ncgear.drawings.solid_pair import as_on_screen, pair_scene
 from ncgear.frozen import dataclass
-from ncgear.solids.mesh.pair import SolidPair
 
 if TYPE_CHECKING:
     from trimesh import Scene
+
+    from ncgear.solids.mesh.pair import SolidPair
 
 MOST_BYTES = 1_000_000
 """A view that takes more of the page is left out: of gears in very fine chords, or with very many teeth."""
