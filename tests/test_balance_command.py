@@ -181,7 +181,7 @@ def test_the_command_writes_and_says(run: Run) -> None:
     assert (status, err) == (0, "")
     assert "correction  10 g" in out
     # 1 at 0 deg turned to 60 deg by 10 g at 90: the difference is 1 at 120, so 10 g at 150 turns it round
-    assert re.search(r"\b10\s+150\b", out)
+    assert "add 10 g at 150 deg" in out
     assert Path("export/drum-balance/balance.json").is_file()
     status, out, _ = run("drum.yaml", "--json", "--out", "there")
     assert json.loads(out) == json.loads(Path("there/balance.json").read_text())
