@@ -231,12 +231,11 @@ def simulate(
         folder = out or EXPORT / f"{loaded.design.name}-{level}"
         prepare(folder)
 
-        from ncgear.figures.answers.answer import answer_text
         from ncgear.figures.answers.simulated import simulated_answer
         from ncgear.figures.terminal import timing_text
         from ncgear.files.manifest import publish_run
         from ncgear.files.simulation import simulate as simulate_drive
-        from ncgear.files.simulation import simulation_files, simulation_text
+        from ncgear.files.simulation import simulation_files
         from ncgear.project.drive import Drive
 
         drive = Drive(loaded.design)
@@ -245,13 +244,8 @@ def simulate(
             drive.stopwatch.within = on_step.within
             found = simulate_drive(drive, level)
         run = publish_run(folder, simulation_files(found), "simulate")
-        if as_json:
-            print_figures(found.figures, kept=run.kept)
-        elif verbose:
-            typer.echo(simulation_text(found, run.paths, run.kept))
-        else:
-            answer = simulated_answer(drive, level, found.figures, found.verdict, str(design_file))
-            typer.echo(answer_text(answer, run.paths, run.kept))
+        answer = simulated_answer(drive, level, found.figures, found.verdict, str(design_file))
+        tell(answer, found.figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)
         if timing:
             typer.echo(timing_text(drive), err=True)
 

@@ -85,7 +85,7 @@ def _table(rows: Sequence[Figures]) -> list[str]:
     """The lines of a table, without the columns that have no value in any row; none where it has no room."""
     if len(rows) == 1 or any(map(_holds_table, rows)):
         return []
-    if any(_is_group(value) for row in rows for value in row.values()):
+    if any(row.keys() != rows[0].keys() or any(map(_is_group, row.values())) for row in rows):
         flat = [dict(labelled(row)) for row in rows]
         heads = list(dict.fromkeys(head for row in flat for head in row))
         return _with_room([heads, *([row.get(head, "-") for head in heads] for row in flat)])

@@ -35,6 +35,7 @@ NAMES = {
     "peak back force": "peak back force, one pair of teeth",
     "peak mesh force": "peak mesh force, all pairs together",
     "peak pushing force": "peak pushing force, one pair of teeth",
+    "pto": "power take-off",
     "play max": "greatest play of the last driven gear",
     "reversal play": "play where torque turns round",
     "peak power resistance": "peak power, resistance alone",

@@ -34,7 +34,6 @@ TITLES = {
     "check": "Motion and power at the operating speed",
     "masses": "Moving masses",
     "strength": "Strength of the teeth",
-    "pto": "Power take-off",
     "displacement": "Displacement as a flow meter or pump",
 }
 """Headings of sections; the heading of any other section is its key."""
@@ -44,9 +43,6 @@ JUDGED = ("warnings", "remarks", "verdict")
 
 ELSEWHERE = ("motion", "wishes", "comparison", *JUDGED, "timing_s")
 """Keys of a summary that are not written as sections."""
-
-SIDE_BY_SIDE = {"this_design": "this design", "uniform_crank": "uniform crank", "even_gears": "even gears"}
-"""Keys of sections that are written side by side, and their heads."""
 
 COMPARED = (
     "speed_rpm",
@@ -227,15 +223,6 @@ def _compared(rows: Sequence[Mapping[str, Any]], name_width: int) -> list[str]:
 
 def _name_lines(row: Mapping[str, Any]) -> list[str]:
     return wrap(str(row["name"]), NAME_WIDTH) or [""]
-
-
-def beside_lines(title: str, sections: Mapping[str, Mapping[str, Any]]) -> list[str]:
-    """Sections side by side, by their keys of SIDE_BY_SIDE: a head, and one line for each figure of any section."""
-    columns = [dict(labelled(section)) for section in sections.values()]
-    labels = list(dict.fromkeys(label for column in columns for label in column))
-    heads = [title, *(SIDE_BY_SIDE[key] for key in sections)]
-    rows = [[INDENT + label, *(column.get(label, "-") for column in columns)] for label in labels]
-    return aligned([heads, *rows], left=len(heads), indent="")
 
 
 def timing_text(drive: Drive) -> str:
