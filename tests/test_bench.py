@@ -145,7 +145,7 @@ def test_the_command(run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
         assert Path(f"export/{NAME}-bench/bench-{name.replace(' ', '-')}.png").stat().st_size > 5000
     status, out, _ = run(*arguments, "--verbose")
     assert status == 0
-    assert "against points of the exact flanks" in out
+    assert "  reference    points of the exact flanks" in out
 
 
 TWO_PAIRS = """\

@@ -15,9 +15,10 @@ import reports
 from ncgear.drawings.animation.moving_picture import CHART_LOOK
 from ncgear.drawings.charts.chart import Chart, Line, Role
 from ncgear.drawings.charts.drawer import MOTION_LOOK, Look, draw
-from ncgear.drawings.charts.slider_charts import Quantity, over_displacement, slider_chart
+from ncgear.drawings.charts.slider_charts import Quantity, over_displacement
 from ncgear.drawings.page.chart_figure import PageChart
 from ncgear.drawings.page.chart_svg import PAGE_LOOK, drawn
+from ncgear.drawings.pictures import slider_chart
 from ncgear.drawings.plots.canvas import JOINT
 from ncgear.files.balance import spread
 

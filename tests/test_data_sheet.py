@@ -217,7 +217,7 @@ def test_the_report_shows_measurements_to_a_tenth_of_a_micrometre() -> None:
 
 def test_the_pitch_file_is_the_law() -> None:
     pair = drive("ellipse")
-    rows = np.array([line.split(",") for line in pitch_csv(pair).splitlines()[1:]], dtype=float)
+    rows = np.array([line.split(",") for line in pitch_csv(pair.pitch).splitlines()[1:]], dtype=float)
     assert rows.shape == (721, 5)
     expected = np.degrees(pair.transmission.driven_angle(np.radians(rows[:, 0])).value)
     np.testing.assert_allclose(rows[:, 1], expected, atol=1e-12)

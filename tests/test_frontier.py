@@ -22,7 +22,9 @@ from ncgear.design.keys.design import Design
 from ncgear.drawings.plots import canvas
 from ncgear.drawings.plots import frontier_plot as picture
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.figures.best_law import frontier_csv, frontier_figures, frontier_text, other_mechanisms
+from ncgear.figures.answers.best_law import frontier_answer
+from ncgear.figures.best_law import frontier_csv, frontier_figures, other_mechanisms
+from ncgear.figures.every_figure import full_text
 from ncgear.files.frontier import frontier_files
 from ncgear.optimum.family import (
     Family,
@@ -293,25 +295,30 @@ def test_mechanisms_are_at_one_speed() -> None:
         assert at_30[name].peak_acceleration_mm_s2 == pytest.approx(one.peak_acceleration_mm_s2 / 4.0, rel=1e-9)
 
 
+def in_full(points: Frontier) -> str:
+    beside = GearsAsGiven(design())
+    return full_text(frontier_answer(points, beside, ""), [frontier_figures(points, beside)], [])
+
+
 @pytest.mark.slow
-def test_the_picture_and_the_text(tmp_path: Path) -> None:
+def test_the_picture_and_the_text() -> None:
     files = frontier_files(found(), GearsAsGiven(design()))
     assert set(files) == {"frontier.csv", "frontier.json", "frontier.png"}
     pixels = np.asarray(Image.open(BytesIO(files["frontier.png"])).convert("RGB")).reshape(-1, 3)
     for colour in ((0x00, 0x64, 0xA0), (0xB0, 0x4A, 0x00), (0xA0, 0x2C, 0x6A)):
         assert np.any(np.all(pixels == colour, axis=1))
-    text = frontier_text(found(), GearsAsGiven(design()), [tmp_path / "frontier.csv"])
-    assert "33.3" in text
+    text = in_full(found())
+    assert "33.3 %" in text
     assert "uniform crank" in text
-    assert "The best laws do not keep the constant speed v2" in text
+    assert "not kept of the design as given: the constant speed v2" in text
 
 
 @pytest.mark.slow
 def test_small_powers_keep_their_digits_in_the_text() -> None:
     """A packaging machine's 8.7023 W is not 9 W, and its limit of 635.52 mm/s2 not 636."""
     small = Frontier([LawPoint(8.7023, 635.52, figures(8.7, 656.51))], [FamilyPoint(8.7023, 8.69, 702.18)])
-    row = frontier_text(small, GearsAsGiven(design()), []).splitlines()[2].split()
-    assert row == ["8.7023", "635.52", "656.51", "3.3", "702.18"]
+    row = next(line for line in in_full(small).splitlines() if "under 8.7023 W" in line)
+    assert row.split() == ["under", "8.7023", "W", "635.52", "mm/s2", "656.51", "mm/s2", "3.3", "%", "702.18", "mm/s2"]
 
 
 @pytest.mark.slow

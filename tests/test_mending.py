@@ -20,8 +20,9 @@ from commands import ROOT, Run
 from drives import design_of
 from ncgear.design.reading.design_file import parsed
 from ncgear.design.rewritten import rewritten
+from ncgear.design.words import LONGEST_DESCRIPTION, ending_in
 from ncgear.errors import DesignError, NoSuchMechanism
-from ncgear.figures.mended import LONGEST_DESCRIPTION, mended_design, mended_name, tried_words
+from ncgear.figures.mended import SUFFIX, mended_design, tried_words
 from ncgear.project.drive import Drive
 from ncgear.project.mending import Kind, Mend, Mending, Way, mending, refusal_of_teeth, ways
 from ncgear.teeth.form import BasicRack
@@ -405,8 +406,8 @@ def test_a_mended_file_has_its_points_in_itself(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_names_and_descriptions_stay_within_bounds() -> None:
-    assert mended_name("few-mended") == "few-mended"
-    assert len(mended_name("a" * 64)) == 64
+    assert ending_in(SUFFIX, "few-mended") == "few-mended"
+    assert len(ending_in(SUFFIX, "a" * 64)) == 64
     long = parsed(TEXT + f"description: {'x' * LONGEST_DESCRIPTION}\n", Path("few.yaml"))
     search = searched("8 teeth")
     assert search is not None

@@ -19,7 +19,7 @@ from PIL import Image
 import reports
 from drives import drive
 from ncgear.drawings.page import solid_view as module
-from ncgear.drawings.page.solid_view import solid_view
+from ncgear.drawings.page.solid_view import SolidView, solid_view
 from ncgear.pitch.shape import Gear
 from scenes import CHROMIUM, GEARLESS, in_a_browser
 
@@ -27,8 +27,13 @@ WITH_WEBGL = ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--en
 WITHOUT = ["--no-sandbox", "--disable-gpu", "--disable-3d-apis"]
 
 
+def view(name: str, title: str) -> SolidView:
+    pair = drive(name)
+    return solid_view(pair.solids, pair.pitch.center_distance_mm, title)
+
+
 def unpacked(name: str) -> str:
-    return gzip.decompress(b64decode(solid_view(drive(name), "").packed)).decode()
+    return gzip.decompress(b64decode(view(name, "").packed)).decode()
 
 
 @pytest.mark.slow
@@ -36,7 +41,7 @@ def test_the_packed_page_holds_both_gears_and_one_script() -> None:
     html = unpacked("pump-1-2")
     (script,) = re.findall(r"<script>(.*?)</script>", html, re.DOTALL)
     digest = b64encode(sha256(script.encode()).digest()).decode()
-    assert solid_view(drive("pump-1-2"), "").script_hash == f"'sha256-{digest}'"
+    assert view("pump-1-2", "").script_hash == f"'sha256-{digest}'"
     (data,) = re.findall(r'base64_data="([^"]+)"', script)
     scene = trimesh.load(io.BytesIO(b64decode(data)), file_type="glb")
     for name in ("driving", "driven"):
@@ -46,13 +51,13 @@ def test_the_packed_page_holds_both_gears_and_one_script() -> None:
 
 @pytest.mark.slow
 def test_the_same_gears_give_the_same_bytes() -> None:
-    assert solid_view(drive("pump-1-2"), "a") == solid_view(drive("pump-1-2"), "a")
+    assert view("pump-1-2", "a") == view("pump-1-2", "a")
 
 
 @pytest.mark.thorough
 def test_a_view_that_is_too_large_is_left_out(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "MOST_BYTES", 1000)
-    assert solid_view(drive("pump-1-2"), "").packed == ""
+    assert view("pump-1-2", "").packed == ""
 
 
 @pytest.mark.slow
@@ -63,7 +68,7 @@ def test_the_page_names_the_hashes_of_what_it_may_run_and_asks_for_nothing_else(
     assert rules["default-src"] == "'none'"
     assert len(rules["script-src"].split()) == 2
     assert rules["connect-src"] == "data:"
-    assert solid_view(drive("pump-1-2"), "").script_hash in rules["script-src"]
+    assert view("pump-1-2", "").script_hash in rules["script-src"]
     (packed,) = re.findall(r'<script type="application/gzip">([^<]*)<', page)
     assert len(packed) < 400_000
 

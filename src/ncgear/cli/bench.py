@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from ncgear.cli.arguments import EXPORT, AsJson, DesignFile, Verbose, opened
-from ncgear.cli.as_json import print_figures
+from ncgear.cli.as_json import tell
 from ncgear.cli.mending import BUILD, naming_what_helps
 from ncgear.cli.progress import steps_shown
 
@@ -29,10 +29,8 @@ def bench(
         folder = out or EXPORT / f"{name}-bench"
         prepare(folder)
 
-        from ncgear.figures.answers.answer import answer_text
         from ncgear.figures.answers.bench import bench_answer
-        from ncgear.figures.bench import bench_figures, bench_text
-        from ncgear.figures.terminal import written_lines
+        from ncgear.figures.bench import bench_figures
         from ncgear.files.bench import bench_files
         from ncgear.files.manifest import publish_run
         from ncgear.project.bench import benched, step_count
@@ -44,10 +42,6 @@ def bench(
             on_step("pictures")
             written = bench_files(stages, name)
         run = publish_run(folder, written, "bench")
-        if as_json:
-            print_figures(bench_figures(stages, name), kept=run.kept)
-        elif verbose:
-            typer.echo(bench_text(stages, name, list(written_lines(run.paths, run.kept))))
-        else:
-            shown = next((made for made in written if made.startswith("bench-teeth")), "bench-motion.png")
-            typer.echo(answer_text(bench_answer(stages, name, f"see {folder}/{shown}"), run.paths, run.kept))
+        shown = next((made for made in written if made.startswith("bench-teeth")), "bench-motion.png")
+        answer, figures = bench_answer(stages, name, f"see {folder}/{shown}"), bench_figures(stages, name)
+        tell(answer, figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)

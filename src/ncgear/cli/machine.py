@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from ncgear.cli.arguments import EXPORT, AsJson, DesignFile, Timing, Verbose, files_to_complete, opened
-from ncgear.cli.as_json import print_figures
+from ncgear.cli.as_json import print_figures, tell
 from ncgear.cli.mending import BUILD, OPTION, MakeTeeth, Mend, as_given, mended, naming_what_helps
 from ncgear.cli.progress import counted, steps_shown
 from ncgear.dynamics.level import Level
@@ -231,12 +231,11 @@ def simulate(
         folder = out or EXPORT / f"{loaded.design.name}-{level}"
         prepare(folder)
 
-        from ncgear.figures.answers.answer import answer_text
         from ncgear.figures.answers.simulated import simulated_answer
         from ncgear.figures.terminal import timing_text
         from ncgear.files.manifest import publish_run
         from ncgear.files.simulation import simulate as simulate_drive
-        from ncgear.files.simulation import simulation_files, simulation_text
+        from ncgear.files.simulation import simulation_files
         from ncgear.project.drive import Drive
 
         drive = Drive(loaded.design)
@@ -245,13 +244,8 @@ def simulate(
             drive.stopwatch.within = on_step.within
             found = simulate_drive(drive, level)
         run = publish_run(folder, simulation_files(found), "simulate")
-        if as_json:
-            print_figures(found.figures, kept=run.kept)
-        elif verbose:
-            typer.echo(simulation_text(found, run.paths, run.kept))
-        else:
-            answer = simulated_answer(drive, level, found.figures, found.verdict, str(design_file))
-            typer.echo(answer_text(answer, run.paths, run.kept))
+        answer = simulated_answer(drive, level, found.figures, found.verdict, str(design_file))
+        tell(answer, found.figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)
         if timing:
             typer.echo(timing_text(drive), err=True)
 
@@ -288,10 +282,9 @@ def strength(
 
         from ncgear.figures.advice.strength_advice import SIZE, remedies
         from ncgear.figures.advice.verdict import Known, judged, together
-        from ncgear.figures.answers.answer import answer_text
         from ncgear.figures.answers.strong import strength_answer
-        from ncgear.figures.strong import strength_figures, strength_text
-        from ncgear.figures.terminal import timing_text, written_lines
+        from ncgear.figures.strong import strength_figures
+        from ncgear.figures.terminal import timing_text
         from ncgear.files.build import naming_stage
         from ncgear.files.manifest import publish_run
         from ncgear.files.strength import strength_files
@@ -313,14 +306,9 @@ def strength(
                 on_pair_step("pictures")
                 files.update(strength_files(pair, rating, figures[-1]))
         run = publish_run(folder, files, "strength")
-        if as_json:
-            print_figures(*figures, kept=run.kept)
-        elif verbose:
-            texts = [strength_text(*one, machine) for one, machine in zip(told, verdicts, strict=True)]
-            typer.echo("\n\n".join([*texts, "\n".join(written_lines(run.paths, run.kept))]))
-        else:
-            then = f"{SIZE} {design_file}" if drive.design.stages == 1 else ""
-            typer.echo(answer_text(strength_answer(told, together(verdicts), then), run.paths, run.kept))
+        then = f"{SIZE} {design_file}" if drive.design.stages == 1 else ""
+        answer = strength_answer(told, together(verdicts), then)
+        tell(answer, *figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)
         if timing:
             typer.echo(timing_text(drive), err=True)
 
@@ -343,9 +331,8 @@ def balance(
     folder = out or EXPORT / f"{loaded.balance.name}-balance"
     prepare(folder)
 
-    from ncgear.figures.answers.answer import answer_text
     from ncgear.figures.answers.shaken import balance_answer
-    from ncgear.figures.balance.parts import balance_text, figures_of
+    from ncgear.figures.balance.parts import figures_of
     from ncgear.files.balance import balance_files
     from ncgear.files.manifest import publish_run
     from ncgear.project.balancing import Balancing
@@ -357,9 +344,5 @@ def balance(
         on_step("pictures")
         files = balance_files(balancing, figures)
     run = publish_run(folder, files, "balance")
-    if as_json:
-        print_figures(figures, kept=run.kept)
-    elif verbose:
-        typer.echo(balance_text(figures, run.paths, run.kept))
-    else:
-        typer.echo(answer_text(balance_answer(figures), run.paths, run.kept))
+    answer = balance_answer(figures)
+    tell(answer, figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)

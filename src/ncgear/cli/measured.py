@@ -9,7 +9,7 @@ from typing import Annotated
 import typer
 
 from ncgear.cli.arguments import EXPORT, AsJson, DesignFile, Verbose, opened
-from ncgear.cli.as_json import print_figures
+from ncgear.cli.as_json import tell
 from ncgear.cli.mending import BUILD, naming_what_helps
 from ncgear.cli.progress import steps_shown
 
@@ -53,10 +53,8 @@ def measured(
     from ncgear.files.publish import prepare
 
     with opened(design_file) as loaded:
-        from ncgear.figures.answers.answer import answer_text
         from ncgear.figures.answers.compared import compared_answer
-        from ncgear.figures.compared import compared_figures, compared_text
-        from ncgear.figures.terminal import written_lines
+        from ncgear.figures.compared import compared_figures
         from ncgear.files.manifest import publish_run
         from ncgear.files.measured import compared_files
         from ncgear.pitch.shape import Gear
@@ -74,10 +72,6 @@ def measured(
             on_step("pictures")
             written = compared_files(pair, name)
         run = publish_run(folder, written, "measured")
-        if as_json:
-            print_figures(compared_figures(pair, name), kept=run.kept)
-        elif verbose:
-            typer.echo(compared_text(pair, name, list(written_lines(run.paths, run.kept))))
-        else:
-            then = f"see {folder / 'measured-contact.png'} and measured.csv"
-            typer.echo(answer_text(compared_answer(pair, name, how, then), run.paths, run.kept))
+        answer = compared_answer(pair, name, how, f"see {folder / 'measured-contact.png'} and measured.csv")
+        figures = compared_figures(pair, name)
+        tell(answer, figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)

@@ -83,7 +83,8 @@ def as_given(loaded: LoadedDesign) -> Mended:
 def mended(loaded: LoadedDesign) -> Mended:
     """The design with the least change that makes its teeth; raises the refusal, and what was tried, if none does."""
     from ncgear.design.reading.design_file import parsed
-    from ncgear.figures.mended import mended_design, mended_name, mended_words, refusal_with_help
+    from ncgear.design.words import ending_in
+    from ncgear.figures.mended import SUFFIX, mended_design, mended_words, refusal_with_help
     from ncgear.project.drive import Drive
     from ncgear.project.mending import mending
 
@@ -96,7 +97,7 @@ def mended(loaded: LoadedDesign) -> Mended:
         raise refusal_with_help(search) from search.refusal
     text = mended_design(loaded, search.found)
     # The gears are those of the text, so that what is kept makes what was made.
-    changed = parsed(text, Path(f"{mended_name(loaded.design.name)}.yaml"))
+    changed = parsed(text, Path(f"{ending_in(SUFFIX, loaded.design.name)}.yaml"))
     return Mended(changed, Drive(changed.design), mended_words(search, search.found), text)
 
 

@@ -19,7 +19,7 @@ from ncgear.cli.arguments import (
     materials_to_complete,
     opened,
 )
-from ncgear.cli.as_json import print_figures
+from ncgear.cli.as_json import tell
 from ncgear.cli.mending import BUILD, naming_what_helps
 from ncgear.cli.progress import counted, steps_shown
 from ncgear.errors import WrongInput
@@ -43,14 +43,14 @@ def optimize(
     from ncgear.files.publish import prepare
 
     with opened(design_file) as loaded:
-        from ncgear.figures.answers.answer import answer_text
+        from ncgear.design.words import ending_in
         from ncgear.figures.answers.best_law import optimized_answer
-        from ncgear.figures.best_law import certificate, optimized_design, optimized_name, optimized_text
+        from ncgear.figures.best_law import SUFFIX, certificate, optimized_design
         from ncgear.figures.numbers import json_text
         from ncgear.files.frontier import PICTURE, limit_picture
         from ncgear.project.best_law import BestLaw
 
-        name = optimized_name(loaded.design)
+        name = ending_in(SUFFIX, loaded.design.name)
         folder = out or EXPORT / name
         prepare(folder)
         with steps_shown(5) as on_step:
@@ -76,13 +76,8 @@ def optimize(
                 files[PICTURE] = limit_picture(best)
         # The best law of another design in the same folder stays.
         run = publish_run(folder, files, f"optimize {name}")
-        if as_json:
-            print_figures(figures, kept=run.kept)
-        elif verbose:
-            typer.echo(optimized_text(best, run.paths, run.kept))
-        else:
-            then = f"ncgear {'build' if best.design.gears else 'check'} {folder / name}.yaml"
-            typer.echo(answer_text(optimized_answer(best, then), run.paths, run.kept))
+        answer = optimized_answer(best, f"ncgear {'build' if best.design.gears else 'check'} {folder / name}.yaml")
+        tell(answer, figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)
 
 
 def frontier(
@@ -103,9 +98,8 @@ def frontier(
     from ncgear.files.publish import prepare
 
     with opened(design_file) as loaded:
-        from ncgear.figures.answers.answer import answer_text
         from ncgear.figures.answers.best_law import frontier_answer
-        from ncgear.figures.best_law import frontier_figures, frontier_text
+        from ncgear.figures.best_law import frontier_figures
         from ncgear.files.frontier import frontier_files
         from ncgear.files.manifest import publish_run
         from ncgear.project.frontier_run import frontier as frontier_of
@@ -117,13 +111,9 @@ def frontier(
             found = frontier_of(loaded.design, points, folder, on_point, scheduler, processes)
         beside = GearsAsGiven(loaded.design)
         run = publish_run(folder, frontier_files(found, beside), "frontier")
-        if as_json:
-            print_figures(frontier_figures(found, beside), kept=run.kept)
-        elif verbose:
-            typer.echo(frontier_text(found, beside, run.paths, run.kept))
-        else:
-            then = "give a cap as optimize.limits.peak_power_w, then ncgear optimize"
-            typer.echo(answer_text(frontier_answer(found, beside, then), run.paths, run.kept))
+        answer = frontier_answer(found, beside, "give a cap as optimize.limits.peak_power_w, then ncgear optimize")
+        figures = frontier_figures(found, beside)
+        tell(answer, figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)
 
 
 def size(
@@ -174,10 +164,8 @@ def size(
         if out is not None:
             prepare_file(out)
 
-        from ncgear.figures.answers.answer import answer_text
         from ncgear.figures.answers.strong import sized_answer
-        from ncgear.figures.sized import sized_design, sized_figures, sized_text
-        from ncgear.figures.terminal import written_lines
+        from ncgear.figures.sized import sized_design, sized_figures
         from ncgear.files.manifest import Run, publish_named
         from ncgear.project.drive import Drive
         from ncgear.project.sizing import GearRoom, asked_design, smallest_gears, stated_inertias
@@ -195,10 +183,5 @@ def size(
         if out is not None:
             content = sized_design(loaded, found[0], asked).encode()
             run, then = publish_named(out, content, f"size {out.name}"), f"ncgear build {out}"
-        if as_json:
-            print_figures(sized_figures(found), kept=run.kept)
-        elif verbose:
-            written = "\n".join(written_lines(run.paths, run.kept))
-            typer.echo("\n\n".join([sized_text(found), *([written] if run.paths else [])]))
-        else:
-            typer.echo(answer_text(sized_answer(found, then, stated_inertias(loaded.design)), run.paths, run.kept))
+        answer = sized_answer(found, then, stated_inertias(loaded.design))
+        tell(answer, sized_figures(found), as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)

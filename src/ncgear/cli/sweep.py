@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 
 from ncgear.cli.arguments import EXPORT, AsJson, DesignFile, Processes, Scheduler, Verbose, opened
-from ncgear.cli.as_json import print_figures
+from ncgear.cli.as_json import tell
 from ncgear.cli.progress import counted
 from ncgear.errors import WrongInput
 
@@ -99,9 +99,8 @@ def sweep(
         folder = out or EXPORT / f"{loaded.design.name}-sweep"
         prepare(folder)
 
-        from ncgear.figures.answers.answer import answer_text
         from ncgear.figures.answers.swept import swept_answer
-        from ncgear.figures.sweep import sweep_figures, sweep_text
+        from ncgear.figures.sweep import sweep_figures
         from ncgear.files.manifest import publish_run
         from ncgear.files.sweep_run import Order, names_of, screening_of, swept
         from ncgear.screening.wanted import Wanted, constraint_of, objectives_of
@@ -121,12 +120,7 @@ def sweep(
         files = sweep_files(loaded, found.last, found.screened, figures)
         run = publish_run(folder, files, "sweep")
         run.paths.extend(found.tables)
-        if as_json:
-            print_figures(figures, kept=run.kept)
-        elif verbose:
-            typer.echo(sweep_text(found.screened, found.deeper, stage.value, run.paths, run.kept))
-        else:
-            best = first_best(files)
-            then = f"ncgear build {folder / best}" if best else "give other values, or fewer constraints"
-            answer = swept_answer(found.screened, found.deeper, stage.value, then)
-            typer.echo(answer_text(answer, run.paths, run.kept))
+        best = first_best(files)
+        then = f"ncgear build {folder / best}" if best else "give other values, or fewer constraints"
+        answer = swept_answer(found.screened, found.deeper, stage.value, then)
+        tell(answer, figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from ncgear.cli.arguments import EXPORT, AsJson, DesignFile, Scheduler, Verbose, opened
-from ncgear.cli.as_json import print_figures
+from ncgear.cli.as_json import tell
 from ncgear.cli.mending import BUILD, naming_what_helps
 from ncgear.cli.progress import counted
 from ncgear.errors import WrongInput
@@ -43,9 +43,8 @@ def tolerance(
         folder = out or EXPORT / f"{loaded.design.name}-tolerance"
         prepare(folder)
 
-        from ncgear.figures.answers.answer import answer_text
         from ncgear.figures.answers.toleranced import tolerance_answer
-        from ncgear.figures.toleranced import tolerance_json, tolerance_text
+        from ncgear.figures.toleranced import tolerance_json
         from ncgear.files.manifest import publish_run
         from ncgear.files.tolerance import tolerance_files
         from ncgear.project.drive import Drive
@@ -56,9 +55,5 @@ def tolerance(
         with naming_what_helps(drive, BUILD), counted("assemblies") as on_done:
             found = tolerated(drive, samples, seed, Workers(scheduler, processes), on_done)
             run = publish_run(folder, tolerance_files(found), "tolerance")
-        if as_json:
-            print_figures(tolerance_json(found), kept=run.kept)
-        elif verbose:
-            typer.echo(tolerance_text(found, run.paths, run.kept))
-        else:
-            typer.echo(answer_text(tolerance_answer(found), run.paths, run.kept))
+        answer, figures = tolerance_answer(found), tolerance_json(found)
+        tell(answer, figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)

@@ -19,6 +19,7 @@ from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.reading.places import Document, with_value
 from ncgear.design.reading.text import plain_value
 from ncgear.design.reading.yaml import read_yaml
+from ncgear.design.words import LONGEST_DESCRIPTION, ending_in
 from ncgear.frozen import dataclass
 
 LINE_WIDTH = 118
@@ -71,6 +72,13 @@ def design_copy(loaded: LoadedDesign, values: Mapping[str, Any]) -> str:
     for group, table in loaded.source.from_files.items():
         points |= {f"{group}.{key}": value for key, value in table.values.items()} | {f"{group}.file": None}
     return rewritten(loaded.text, {**points, **values})
+
+
+def told_copy(loaded: LoadedDesign, suffix: str, said: str, values: Mapping[str, Any]) -> str:
+    """As ``design_copy``, with a name that ends in the suffix and a description that begins with what is ``said``."""
+    design = loaded.design
+    description = f"{said} {design.description}".strip()[:LONGEST_DESCRIPTION]
+    return design_copy(loaded, {"name": ending_in(suffix, design.name), "description": description, **values})
 
 
 def flow_text(value: Any, quote: str | None = None) -> str:

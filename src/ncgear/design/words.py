@@ -36,9 +36,14 @@ def listed(names: Iterable[str], word: str = "or") -> str:
     return f"{', '.join(most)} {word} {last}" if most else last
 
 
-LONGEST_NAME = 64
+LONGEST_NAME, LONGEST_DESCRIPTION = 64, 10_000
 NAME_PATTERN = rf"^[A-Za-z0-9_-]{{1,{LONGEST_NAME}}}$"
 NAME_RULE = f"letters, digits, - and _, at most {LONGEST_NAME} of them"
+
+
+def ending_in(suffix: str, name: str) -> str:
+    """The name of a design that is made from another: ``pusher`` -> ``pusher-sized``, no longer than names may be."""
+    return name if name.endswith(suffix) else f"{name[: LONGEST_NAME - len(suffix)]}{suffix}"
 
 
 def is_name(text: str) -> bool:

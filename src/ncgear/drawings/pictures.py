@@ -11,7 +11,7 @@ from ncgear.contact.pair import PairContact
 from ncgear.drawings.assembled import Assembled, Position
 from ncgear.drawings.charts import teeth_charts
 from ncgear.drawings.charts.chart import EMPTY, Chart, Line, Role, joints_up_to
-from ncgear.drawings.charts.slider_charts import LOAD, MOTION, over_displacement, slider_chart
+from ncgear.drawings.charts.slider_charts import LOAD, MOTION, Quantity, motion_chart, over_displacement
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -24,6 +24,12 @@ NO_BACKLASH_RAD = 1e-9
 
 CURVE_POINTS = 1500
 """Points of a drawn pitch curve; on a gear of 300 mm that fills a screen they are 0.2 mm apart on the screen."""
+
+
+def slider_chart(drive: Drive, quantity: Quantity) -> Chart:
+    """A quantity of a drive's motion table, beside the uniform law's, with the joints of the law."""
+    joints = np.degrees(joints_up_to(drive.transmission, float(drive.motion.phi1_rad[-1])))
+    return motion_chart(quantity, drive.linkage, drive.motion, drive.uniform_motion, joints)
 
 
 def motion_picture(drive: Drive) -> tuple[list[Chart], str]:

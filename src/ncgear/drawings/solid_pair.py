@@ -13,10 +13,11 @@ import numpy as np
 
 from ncgear.drawings.palette import LIGHT
 from ncgear.numerics.arrays import Array
-from ncgear.project.drive import Drive
 
 if TYPE_CHECKING:
     from trimesh import Scene
+
+    from ncgear.solids.mesh.pair import SolidPair
 
 METRE_PER_MM = 0.001
 
@@ -27,8 +28,8 @@ Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 """Turns z up into y up."""
 
 
-def pair_scene(drive: Drive, coded: Callable[[str], Array]) -> Scene:
-    """Both gears in the colours of the pictures, as the nodes ``driving`` and ``driven``; raises as the solids do.
+def pair_scene(solids: SolidPair, center_distance_mm: float, coded: Callable[[str], Array]) -> Scene:
+    """Both gears in the colours of the pictures, as the nodes ``driving`` and ``driven``.
 
     ``coded`` makes shares of light of a colour in the numbers of screens.  Without normals, viewers shade each triangle
     by itself, so that edges stay sharp.
@@ -38,11 +39,8 @@ def pair_scene(drive: Drive, coded: Callable[[str], Array]) -> Scene:
     from trimesh.visual import TextureVisuals
     from trimesh.visual.material import PBRMaterial
 
-    scene, solids = Scene(), drive.solids
-    for name, solid, x_mm in (
-        ("driving", solids.driving, 0.0),
-        ("driven", solids.driven, drive.pitch.center_distance_mm),
-    ):
+    scene = Scene()
+    for name, solid, x_mm in (("driving", solids.driving, 0.0), ("driven", solids.driven, center_distance_mm)):
         mesh, place = solid.mesh.copy(), np.eye(4)
         color = [*coded(LIGHT[name]), 1.0]
         mesh.visual = TextureVisuals(

@@ -7,7 +7,6 @@ from typing import Any
 
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import micrometres, to_digits
-from ncgear.figures.tables import aligned
 from ncgear.project.bench import BenchStage, Trial, dominating
 
 
@@ -81,26 +80,3 @@ def error_words(stage: BenchStage, error: float) -> str:
 def time_words(time_s: float) -> str:
     """A time in s or ms."""
     return f"{to_digits(time_s, 3)} s" if time_s >= 1.0 else f"{to_digits(1e3 * time_s, 2)} ms"
-
-
-def bench_text(stages: Sequence[BenchStage], name: str, written: Sequence[str]) -> str:
-    """Every trial of every stage, with what its error was measured against."""
-    blocks = [f"{name}: speed against error"]
-    for stage in stages:
-        order = "" if stage.order is None else f"; the error falls with the power {to_digits(stage.order, 2)}"
-        rows = [
-            [stage.varied, stage.counted, "time", "error", ""],
-            *(
-                [
-                    setting_words(stage, trial.setting),
-                    str(trial.size),
-                    time_words(trial.time_s),
-                    error_words(stage, trial.error),
-                    "recommended" if trial is stage.recommended else "",
-                ]
-                for trial in stage.trials
-            ),
-        ]
-        head = f"{stage.name}: {stage.error_of}, against {stage.reference}; asked: {error_words(stage, stage.asked)}"
-        blocks.append("\n".join([head + order, *aligned(rows)]))
-    return "\n\n".join([*blocks, "\n".join(written)])

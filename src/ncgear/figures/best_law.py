@@ -6,27 +6,21 @@ Both are compared with the limit that no law goes below, and with other mechanis
 from __future__ import annotations
 
 import platform
-from collections.abc import Sequence
 from dataclasses import asdict
 from math import degrees
-from pathlib import Path
 from typing import Any
 
 from ncgear import __version__
-from ncgear.design.keys.base import listed
-from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import SIZES
 from ncgear.design.laws.registry import found_values
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.rewritten import design_copy
-from ncgear.design.words import LONGEST_NAME
+from ncgear.design.words import ending_in
 from ncgear.figures.csv_text import rows_text
-from ncgear.figures.numbers import finite, fixed, shown
-from ncgear.figures.quantities import figure, name_of, told
-from ncgear.figures.tables import aligned
-from ncgear.figures.terminal import written_lines
+from ncgear.figures.numbers import shown
+from ncgear.figures.quantities import told
 from ncgear.frozen import dataclass
-from ncgear.numerics.units import KG_M2, label_and_unit
+from ncgear.numerics.units import KG_M2
 from ncgear.optimum.frontier import FamilyPoint, LawPoint
 from ncgear.optimum.makeable.demanded import CLOSE
 from ncgear.optimum.makeable.wishes import Goal
@@ -74,16 +68,10 @@ def optimized_design(loaded: LoadedDesign, best: BestLaw) -> str:
     """The text of the design file with the optimised law in place of its motion; comments elsewhere stay."""
     ratio, second = best.law.ratio.tolist(), best.law.second
     motion = found_values(ratio, None if second is None else second.tolist())
-    values: dict[str, Any] = {"name": optimized_name(best.design), "motion": motion}
+    values: dict[str, Any] = {"name": ending_in(SUFFIX, best.design.name), "motion": motion}
     if best.design.motion.gives_center_distance and best.design.gears is not None:
         values |= {f"gears.{key}": size for key, size in zip(SIZES, kept_size(best.design), strict=True)}
     return design_copy(loaded, values)
-
-
-def optimized_name(design: Design) -> str:
-    """Name of the optimised design."""
-    name = design.name
-    return name if name.endswith(SUFFIX) else f"{name[: LONGEST_NAME - len(SUFFIX)]}{SUFFIX}"
 
 
 def certificate(best: BestLaw) -> dict[str, Any]:
@@ -158,52 +146,6 @@ def figures_summary(found: Figures) -> dict[str, Any]:
     return {**known, "working_deg": degrees(found.working_rad), "tangent_deg": degrees(found.tangent_rad)}
 
 
-LAW_HEADS = ("peak power, W", "peak acceleration, {}", "ratio", "pressure angle, deg", "without rack", "convex")
-"""The pressure angle has the rack's own in it, as everywhere; without it, it is that of the pitch curves alone."""
-
-
-def optimized_text(best: BestLaw, paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
-    """The law beside its limit and the other mechanisms at equal speed, the files written, and those kept."""
-    return "\n".join(
-        [*_limit(best), "", *_table(best), *_notes(best, "This law does"), "", *written_lines(paths, kept)]
-    )
-
-
-def _notes(beside: SoughtMachine, found: str) -> list[str]:
-    """What the figures count besides the resistance, and what of the given motion the laws ``found`` do not keep."""
-    lost = beside.not_kept
-    notes = []
-    if beside.design.masses is not None:
-        slides = not beside.task.linkage.OUTPUT.angular
-        slider = f"; the slider has {beside.design.masses.slider_kg:g} kg" if slides else ""
-        notes.append(f"Powers, torques and forces include all masses, in the return as well{slider}.")
-    if lost:
-        notes.append(f"{found} not keep {lost} of the design as given.")
-    return ["", *notes] if notes else []
-
-
-def _limit(best: BestLaw) -> list[str]:
-    goal, bound, unit = best.wishes.goal, best.limit, unit_of_goal(best)
-    words = goal.value.replace("_", " ")
-    heading = f"{best.design.name}: {words} at {best.design.operation.speed_rpm:g} r/min"
-    law = f"  this law   {finite(best.goal, 'the law'):,.6g} {unit}"
-    if bound is None:
-        return [heading, "  limit      none is certified of this goal", law, *_starts(best)]
-    gap = "" if best.gap is None else f", {fixed(100.0 * best.gap, 1)} % above the limit"
-    of_hard = " of hard wishes and limits alone" if best.soft else ""
-    return [
-        heading,
-        f"  limit      {finite(bound.value, 'the limit'):,.6g} {unit}{of_hard}: no law has less (certified)",
-        f"{law}{gap}",
-        *_starts(best),
-        *_about_limit(best),
-    ]
-
-
-def _starts(best: BestLaw) -> list[str]:
-    return [f"  starts     {starts_text(best)}"] if best.starts.count > 1 else []
-
-
 ALIKE = 1e-6
 """Share of the goal within which laws are the same."""
 
@@ -235,45 +177,6 @@ def not_closed(best: BestLaw) -> str | None:
     return f"not closed further by {proof}"
 
 
-def _about_limit(best: BestLaw) -> list[str]:
-    """How far the limit was closed, and what it does not know, so that the true one may be higher."""
-    said, distance = [], not_closed(best)
-    if distance is not None:
-        said.append(f"  The limit is {distance}.")
-    if best.not_covered:
-        unknown = listed(best.not_covered, "nor")
-        said.append(f"  The limit does not know {unknown}: the least of all laws may lie higher.")
-    if best.task.masses is not None:
-        counted = figure("driven_gear_kg_mm2", best.task.masses.driven_inertia_kg_mm2)
-        said.append(f"  It holds with a driven gear of {counted}, as it comes out with this law.")
-    if distance is not None and best.task.masses is not None:
-        said.append("  With masses the limit is a relaxation: part of the distance may be its own.")
-    return said
-
-
-def _table(best: BestLaw) -> list[str]:
-    rows = {"this law": best.figures}
-    if best.given_figures is not None:
-        rows["design as given"] = best.given_figures
-    rows["uniform crank"] = best.uniform_figures
-    rack_rad = best.wishes.limits.rack_angle_rad
-    cells = [[name, *_law_cells(found, rack_rad)] for name, found in rows.items()]
-    told = best.task.linkage.OUTPUT.acceleration
-    lines = [
-        "At equal driving speed, whole cycle",
-        *aligned([["", *(one.format(told.text) for one in LAW_HEADS)], *cells], left=1),
-    ]
-    if best.task.masses is None:
-        return lines
-    columns = [[felt_text(key, found) for found in rows.values()] for key in felt_keys(best.figures)]
-    loads = [[name, *texts] for name, *texts in zip(rows, *columns, strict=True)]
-    heads = [f"{name_of(key)}, {label_and_unit(key)[1]}" for key in felt_keys(best.figures)]
-    fluctuation = best.task.speed_fluctuation
-    even = f"The flywheel is that of the driving shaft for a speed fluctuation of {fluctuation:g} at even motor torque."
-
-    return [*lines, "", "What the machine feels", *aligned([["", *heads], *loads], left=1), even]
-
-
 FELT = {
     "braking_power_w": ("braking_power_w", 1.0),
     "rms_torque_n_m": ("rms_torque_n_m", 1.0),
@@ -297,17 +200,6 @@ def felt_text(key: str, found: Figures) -> str:
     return told(key, None if value is None else factor * value)[1]
 
 
-def _law_cells(found: Figures, rack_rad: float) -> list[str]:
-    return [
-        shown(found.peak_power_w),
-        shown(found.peak_acceleration_mm_s2),
-        f"{fixed(found.ratio_min, 3)} to {fixed(found.ratio_max, 3)}",
-        fixed(degrees(found.tangent_rad + rack_rad), 2),
-        fixed(degrees(found.tangent_rad), 2),
-        "yes" if found.convex else "no",
-    ]
-
-
 FRONTIER_COLUMNS = (
     "power_cap_w",
     "limit_acceleration_mm_s2",
@@ -317,9 +209,6 @@ FRONTIER_COLUMNS = (
     "family_power_w",
     "family_acceleration_mm_s2",
 )
-
-FRONTIER_HEADS = ("power cap, W", "limit, {}", "best law, {}", "gap, %", "family, {}")
-FRONTIER_WIDTH = 16
 
 
 @dataclass(frozen=True)
@@ -388,28 +277,3 @@ def frontier_figures(found: Frontier, beside: SoughtMachine) -> dict[str, Any]:
         ],
         "mechanisms": [_named(vars(mechanism), beside) for mechanism in other_mechanisms(beside)],
     }
-
-
-def frontier_text(found: Frontier, beside: SoughtMachine, paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
-    """A table of the points, the mechanisms, the files written, and those kept."""
-    rows, unit = [], beside.task.linkage.OUTPUT.acceleration.text
-    for point, family in points_of(found):
-        law, limit = point.law.peak_acceleration_mm_s2, point.limit_mm_s2
-        gap = "-" if beside.soft else fixed(100.0 * (law / limit - 1.0), 1)
-        rows.append([shown(point.cap_w), shown(limit), shown(law), gap, shown(family.peak_acceleration_mm_s2)])
-    others = [
-        (one.name, f"{shown(one.peak_power_w)} W", f"{shown(one.peak_acceleration_mm_s2)} {unit}")
-        for one in other_mechanisms(beside)
-    ]
-    speed = beside.design.operation.speed_rpm
-    lines = [
-        f"{beside.design.name}: power against acceleration at {speed:g} r/min",
-        *aligned([[one.format(unit) for one in FRONTIER_HEADS], *rows], least=FRONTIER_WIDTH),
-        "",
-        "At the same speed",
-        *aligned(others, left=1, least=(0, 11, 15)),
-        *_notes(beside, "The best laws do"),
-        "",
-        *written_lines(paths, kept),
-    ]
-    return "\n".join(lines)

@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from math import degrees, isfinite
+from collections.abc import Iterable
+from math import degrees
 from typing import Any
 
 import numpy as np
 
 from ncgear.figures.csv_text import csv_text, rows_text
-from ncgear.figures.numbers import fixed, micrometres, to_digits
-from ncgear.figures.tables import aligned
+from ncgear.figures.numbers import fixed, known, micrometres
 from ncgear.frozen import dataclass
 from ncgear.metrology.alone import are_judged, rough_points
 from ncgear.metrology.as_measured import is_metal
@@ -40,8 +39,8 @@ def compared_figures(pair: ComparedPair, name: str) -> dict[str, Any]:
             "transmission_error_exact_rad": exact.transmission_error_rad,
             "jams": [{"driving_tooth": one, "driven_tooth": other} for one, other in pair.jams],
             "needed_backlash_mm": pair.needed_backlash_mm,
-            "driving_tip_clearance_mm": _or_none(pair.measured.driving_tips_mm),
-            "driven_tip_clearance_mm": _or_none(pair.measured.driven_tips_mm),
+            "driving_tip_clearance_mm": known(pair.measured.driving_tips_mm),
+            "driven_tip_clearance_mm": known(pair.measured.driven_tips_mm),
         },
     }
 
@@ -72,6 +71,7 @@ def gear_figures(one: ComparedGear) -> dict[str, Any]:
         "points_not_judged": int(np.count_nonzero(metal & ~are_judged(one.outline, fit.feet))),
         "points_rough": rough_points(one.outline, fit.feet),
         "alone": [vars(point) for point in alone_points(one)],
+        "flanks": [dict(zip(COLUMNS[1:], row[1:], strict=True)) for row in _rows(one)],
         "teeth_with_missing_points": found.missing_teeth,
         "turned_rad": fit.pose.angle_rad,
         "turned_standard_deviation_rad": fit.angle_error_rad,
@@ -153,8 +153,8 @@ def _rows(one: ComparedGear) -> Iterable[list[object]]:
     flanks = one.deviations.flanks
     columns: list[Array] = [getattr(flanks, name) for name in COLUMNS[4:-1]]
     for flank in range(flanks.points.size):
-        values = [_or_none(column[flank]) for column in columns]
-        thickness = _or_none(one.deviations.thickness_mm[flank // 2])
+        values = [known(column[flank]) for column in columns]
+        thickness = known(one.deviations.thickness_mm[flank // 2])
         yield [one.gear.value, flank // 2 + 1, SIDES[flank % 2], int(flanks.points[flank]), *values, thickness]
 
 
@@ -171,54 +171,9 @@ def points_csv(one: ComparedGear) -> str:
     return csv_text(("line", "x_mm", "y_mm", "deviation_mm", "flank", "alone_mm"), columns)
 
 
-def _or_none(value: float) -> float | None:
-    return float(value) if isfinite(value) else None
-
-
 def length_words(value_mm: float | None) -> str:
     """A deviation in micrometres, or a dash where the points do not tell."""
     return "-" if value_mm is None else micrometres(value_mm)
-
-
-def alone_words(point: AlonePoint) -> str:
-    """Where a point stands off alone, and how far."""
-    on = point.on if point.on not in SIDES else f"{point.on} flank"
-    return f"line {point.line}: tooth {point.tooth} {on} by {micrometres(point.off_mm)}"
-
-
-HEADS = ("gear", "tooth", "side", "points", "mean", "least", "greatest", "slope", "form", "pitch", "thickness")
-
-
-def compared_text(pair: ComparedPair, name: str, written: Sequence[str]) -> str:
-    """Every flank of every measured gear in micrometres, and all figures."""
-    found = compared_figures(pair, name)
-    blocks = [f"{name}: measured gears against the exact ones"]
-    for one in pair.gears:
-        told = {**found[one.gear.value], "alone": [alone_words(point) for point in alone_points(one)]}
-        lines = [f"{key}: {_plain(value)}" for key, value in told.items()]
-        rows = [HEADS, *([_cell(cell) for cell in _short(row)] for row in _rows(one))]
-        blocks.append("\n".join([f"{one.gear.value} gear", *(f"  {line}" for line in lines)]))
-        blocks.append("\n".join(["deviations in micrometres", *aligned(rows, left=3)]))
-    contact = [f"  {key}: {_plain(value)}" for key, value in found["contact"].items()]
-    return "\n\n".join([*blocks, "\n".join(["contact of the pair as measured", *contact]), "\n".join(written)])
-
-
-def _short(row: list[object]) -> list[object]:
-    """A row of the table without the position along the pitch curve."""
-    place = COLUMNS.index("position_mm")
-    return row[:place] + row[place + 1 :]
-
-
-def _cell(value: object) -> str:
-    if value is None:
-        return "-"
-    return fixed(1e3 * value, 1) if isinstance(value, float) else str(value)
-
-
-def _plain(value: object) -> str:
-    if isinstance(value, list) and value and isinstance(value[0], str):
-        return "; ".join(value)
-    return to_digits(value, 6) if isinstance(value, float) else str(value)
 
 
 def turned_words(one: ComparedGear) -> str:

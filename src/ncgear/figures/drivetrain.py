@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import degrees, isfinite
+from math import degrees
 from typing import Any
 
 from ncgear.drivetrain.bearings import BearingLife
 from ncgear.drivetrain.demand import Demand
 from ncgear.drivetrain.pto import Excursion
 from ncgear.drivetrain.speed import SpeedCourse
-from ncgear.numerics.extrema import Extremum
+from ncgear.figures.numbers import known
+from ncgear.figures.quantities import extreme
 from ncgear.numerics.units import KG_M2, N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.project.drivetrain import DrivetrainResult, PowerTakeOffResult, ShaftResult
 from ncgear.project.motor import MotorResult
@@ -48,8 +49,8 @@ def _losses(found: DrivetrainResult) -> dict[str, Any]:
         "guide_loss_w": W * losses.guide_n_mm / cycle_s,
         "efficiency": losses.efficiency,
         "mean_power_with_tooth_friction_w": W * demand.fluctuation.work_n_mm / cycle_s,
-        **_at("peak_driving_torque_with_tooth_friction", "n_m", most, N_M_PER_N_MM),
-        **_at("least_driving_torque_with_tooth_friction", "n_m", least, N_M_PER_N_MM),
+        **extreme("peak_driving_torque_with_tooth_friction", "n_m", most, N_M_PER_N_MM),
+        **extreme("least_driving_torque_with_tooth_friction", "n_m", least, N_M_PER_N_MM),
     }
 
 
@@ -69,13 +70,13 @@ def _shaft(found: ShaftResult) -> dict[str, Any]:
             "bending_mean_mpa": stresses.bending_mean_mpa,
             "torsion_amplitude_mpa": stresses.torsion_amplitude_mpa,
             "torsion_mean_mpa": stresses.torsion_mean_mpa,
-            "fatigue_safety": _finite(found.shaft.fatigue),
-            "yield_safety": _finite(found.shaft.yielding),
+            "fatigue_safety": known(found.shaft.fatigue),
+            "yield_safety": known(found.shaft.yielding),
         }
     if found.key is not None:
         told["key"] = {
             "pressure_mpa": found.key.pressure_mpa,
-            "safety": _finite(found.key.safety),
+            "safety": known(found.key.safety),
             "torque_changes_sense": found.key.both_senses,
         }
     return told
@@ -83,7 +84,7 @@ def _shaft(found: ShaftResult) -> dict[str, Any]:
 
 def _bearing(found: BearingLife) -> dict[str, Any]:
     return {
-        **_at("peak_force", "n", found.largest_n),
+        **extreme("peak_force", "n", found.largest_n),
         "equivalent_load_n": found.equivalent_n,
         "mean_speed_rpm": found.speed_rad_s / RAD_S_PER_RPM,
         "dynamic_rating_needed_n": found.needed_rating_n,
@@ -92,10 +93,6 @@ def _bearing(found: BearingLife) -> dict[str, Any]:
         "static_safety": found.static_safety,
         "load_within_iso_281": found.within_iso_281,
     }
-
-
-def _finite(safety: float) -> float | None:
-    return safety if isfinite(safety) else None
 
 
 def _flywheel(found: DrivetrainResult) -> dict[str, Any]:
@@ -127,9 +124,9 @@ def _motor(found: MotorResult) -> dict[str, Any]:
             "rms_torque_of_rated": N_M_PER_N_MM * load.rms_n_mm / given.rated_torque_n_m,
             "needed_power_w": W * load.rms_power_n_mm_s,
             "mean_torque_n_m": N_M_PER_N_MM * load.mean_n_mm,
-            **_at("peak_torque", "n_m", load.most_n_mm, N_M_PER_N_MM),
+            **extreme("peak_torque", "n_m", load.most_n_mm, N_M_PER_N_MM),
             "peak_torque_safety": peak if peak is None or peak > 0.0 else None,
-            **_at("most_braking_torque", "n_m", load.least_n_mm, N_M_PER_N_MM),
+            **extreme("most_braking_torque", "n_m", load.least_n_mm, N_M_PER_N_MM),
             "most_braking_power_w": W * min(load.least_n_mm.value, 0.0) * load.speed_rad_s,
             "mean_power_while_braking_w": W * load.braking_n_mm * load.speed_rad_s,
             "time_braking_percent": 100.0 * load.braking_share,
@@ -151,8 +148,8 @@ def _course(course: SpeedCourse, rated_n_m: float, peak_n_m: float | None) -> di
     power = course.drive_work_n_mm / course.period_s
     return {
         "mean_speed_rpm": course.mean_rad_s / RAD_S_PER_RPM,
-        **_at("least_speed", "rpm", slow, 1.0 / RAD_S_PER_RPM),
-        **_at("largest_speed", "rpm", fast, 1.0 / RAD_S_PER_RPM),
+        **extreme("least_speed", "rpm", slow, 1.0 / RAD_S_PER_RPM),
+        **extreme("largest_speed", "rpm", fast, 1.0 / RAD_S_PER_RPM),
         "speed_fluctuation": course.fluctuation,
         "strokes_per_minute": 60.0 / course.period_s,
         "rms_torque_n_m": N_M_PER_N_MM * course.rms_n_mm,
@@ -196,7 +193,3 @@ def _spans_deg(found: Sequence[Excursion]) -> list[list[float]]:
 def _speed_rpm(found: Sequence[Excursion], demand: Demand, choice: Any) -> float:
     speeds = [one.speed_rad_s.value for one in found]
     return float(choice([demand.speed_rad_s, *speeds])) / RAD_S_PER_RPM
-
-
-def _at(name: str, unit: str, found: Extremum, factor: float = 1.0) -> dict[str, float]:
-    return {f"{name}_{unit}": factor * found.value, f"{name}_at_rad": found.at}

@@ -8,8 +8,7 @@ from textwrap import wrap
 
 from ncgear.design.keys.base import listed
 from ncgear.design.reading.design_file import LoadedDesign
-from ncgear.design.rewritten import design_copy
-from ncgear.design.words import LONGEST_NAME
+from ncgear.design.rewritten import told_copy
 from ncgear.errors import DesignError
 from ncgear.figures.advice.values import changed
 from ncgear.figures.numbers import to_digits
@@ -18,8 +17,6 @@ from ncgear.figures.terminal import INDENT
 from ncgear.project.mending import BACKLASH, ROOT_RADIUS, Kind, Mend, Mending, Way
 
 SUFFIX = "-mended"
-
-LONGEST_DESCRIPTION = 10_000
 
 
 def refusal_with_help(mending: Mending, option: str = "") -> DesignError:
@@ -108,14 +105,7 @@ def _shifts(alike: Sequence[Way]) -> str:
     return listed(dict.fromkeys("against undercut" if one is None else f"{one:g}" for one in driving))
 
 
-def mended_name(name: str) -> str:
-    """Name of the mended design."""
-    return name if name.endswith(SUFFIX) else f"{name[: LONGEST_NAME - len(SUFFIX)]}{SUFFIX}"
-
-
 def mended_design(loaded: LoadedDesign, found: Mend) -> str:
     """The text of a design file with a change, its name and description saying so; its comments stay."""
-    design = loaded.design
-    said = f"Mended: {design.name} with {changes_words(found.way)}, without which its teeth are refused."
-    about = {"description": f"{said} {design.description}".strip()[:LONGEST_DESCRIPTION]}
-    return design_copy(loaded, {"name": mended_name(design.name), **about, **found.way.changes})
+    said = f"Mended: {loaded.design.name} with {changes_words(found.way)}, without which its teeth are refused."
+    return told_copy(loaded, SUFFIX, said, found.way.changes)

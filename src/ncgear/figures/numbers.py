@@ -27,6 +27,11 @@ def finite(value: Any, name: str) -> Any:
     return value
 
 
+def known(value: float) -> float | None:
+    """The value as JSON can hold it, None for one without end and for one that is not known."""
+    return float(value) if isfinite(value) else None
+
+
 DRAWN_DECIMALS = {"mm": 4, "deg": 5, "": 5}
 """Decimals of a number on a drawing, by its unit: a tenth of a micrometre, and no more on a radius of half a metre."""
 

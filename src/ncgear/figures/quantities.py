@@ -10,6 +10,7 @@ from math import degrees
 from typing import Any
 
 from ncgear.figures.numbers import MICRORAD, drawn, five_digits, shown, to_digits
+from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.units import label_and_unit
 
 OF_GEAR = {"length": "length of pitch curve", "min radius": "least radius of curvature"}
@@ -34,6 +35,7 @@ NAMES = {
     "peak back force": "peak back force, one pair of teeth",
     "peak mesh force": "peak mesh force, all pairs together",
     "peak pushing force": "peak pushing force, one pair of teeth",
+    "pto": "power take-off",
     "play max": "greatest play of the last driven gear",
     "reversal play": "play where torque turns round",
     "peak power resistance": "peak power, resistance alone",
@@ -68,6 +70,15 @@ ERRORS = ("residual", "energy_error")
 
 SAFETY = "safety"
 """Keys with this word hold estimates, of which three digits say all."""
+
+STATISTICS = {
+    "as_designed": "as designed",
+    "median": "median",
+    "of_99_percent": "99 % keep",
+    "least": "least",
+    "largest": "largest",
+}
+"""What is known of one figure in many assemblies, by key, each in the unit of that figure, and its name."""
 
 IN_DEGREES = ("concave_", "play_")
 """Keys in rad that begin so hold places on a gear and the play that a person wants, not errors or lag."""
@@ -105,6 +116,11 @@ def figure(key: str, value: Any) -> str:
     """Text and unit of a figure: ``6315.1 W``."""
     _, text, unit = told(key, value)
     return f"{text} {unit}".rstrip()
+
+
+def extreme(name: str, unit: str, found: Extremum, factor: float = 1.0) -> dict[str, Any]:
+    """An extreme value as a figure, and as another one the driving angle at which it is."""
+    return {f"{name}_{unit}": factor * found.value, f"{name}_at_rad": found.at}
 
 
 def _times(factor: float, value: Any) -> Any:

@@ -23,11 +23,11 @@ from ncgear.dynamics.peaks import MotionPeaks, Peak
 from ncgear.dynamics.rigid import Rigid
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.csv_text import load_column, motion_columns
+from ncgear.figures.quantities import extreme
 from ncgear.figures.summary.check_summary import uniform_key
 from ncgear.kinematics.check import KinematicCheck, power_figures
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.plane import Vector
 from ncgear.numerics.units import KG_M2, N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.project.drive import Drive
@@ -111,8 +111,8 @@ def _loads(rigid: Rigid, check: KinematicCheck, coefficient: float) -> dict[str,
     least, most = rigid.driving.torque_range_n_mm
     linkage = rigid.machine.machine.linkage
     return {
-        **_peak("peak_driving_torque", "n_m", most, N_M_PER_N_MM),
-        **_peak("least_driving_torque", "n_m", least, N_M_PER_N_MM),
+        **extreme("peak_driving_torque", "n_m", most, N_M_PER_N_MM),
+        **extreme("least_driving_torque", "n_m", least, N_M_PER_N_MM),
         "mean_driving_torque_n_m": N_M_PER_N_MM * swing.mean_torque_n_mm,
         **power_figures(check),
         "flank_changes_deg": [degrees(angle) for angle in swing.flank_changes_rad],
@@ -120,8 +120,8 @@ def _loads(rigid: Rigid, check: KinematicCheck, coefficient: float) -> dict[str,
         "inertia_for_speed_fluctuation_kg_m2": KG_M2 * swing.flywheel_kg_mm2(coefficient),
         **_mesh(rigid),
         **_joint_peaks(rigid),
-        **_peak(f"peak_{bearing_name(linkage)}_force", "n", peaks.crank_bearing_n),
-        **(_peak("peak_guide_force", "n", peaks.guide_n) if linkage.GUIDED else {}),
+        **extreme(f"peak_{bearing_name(linkage)}_force", "n", peaks.crank_bearing_n),
+        **(extreme("peak_guide_force", "n", peaks.guide_n) if linkage.GUIDED else {}),
     }
 
 
@@ -129,7 +129,7 @@ def _joint_peaks(rigid: Rigid) -> dict[str, float]:
     """The peak force in each joint of the mechanism, by the joint's words."""
     words, found = rigid.machine.machine.linkage.JOINTS, dict[str, float]()
     for name, peak in rigid.peaks.joints_n.items():
-        found.update(_peak(f"peak_{words[name].replace(' ', '_')}_force", "n", peak))
+        found.update(extreme(f"peak_{words[name].replace(' ', '_')}_force", "n", peak))
     return found
 
 
@@ -139,14 +139,10 @@ def _mesh(rigid: Rigid) -> dict[str, Any]:
     if mesh is None:
         return {}
     return {
-        **_peak("peak_mesh_force", "n", mesh.force_n),
+        **extreme("peak_mesh_force", "n", mesh.force_n),
         "pressure_angle_at_peak_mesh_force_deg": degrees(mesh.pressure_angle_rad),
-        **_peak("peak_driving_bearing_force", "n", mesh.force_n),
+        **extreme("peak_driving_bearing_force", "n", mesh.force_n),
     }
-
-
-def _peak(name: str, unit: str, found: Extremum, factor: float = 1.0) -> dict[str, float]:
-    return {f"{name}_{unit}": factor * found.value, f"{name}_at_rad": found.at}
 
 
 def quasi_static_table(drive: Drive, rigid_torque_n_m: Array) -> dict[str, Array]:
@@ -173,9 +169,9 @@ def quasi_static_figures(drive: Drive) -> dict[str, Any]:
         "loaded_contact": {
             **_stiffness(drive),
             "transmission_error_rad": peaks.transmission_error_rad,
-            **_peak("peak_tooth_force", "n", peaks.tooth_force_n),
-            **_peak("peak_depth", "mm", peaks.depth_mm),
-            **_peak("peak_driving_torque", "n_m", peaks.driving_torque_n_mm, N_M_PER_N_MM),
+            **extreme("peak_tooth_force", "n", peaks.tooth_force_n),
+            **extreme("peak_depth", "mm", peaks.depth_mm),
+            **extreme("peak_driving_torque", "n_m", peaks.driving_torque_n_mm, N_M_PER_N_MM),
             "most_pairs": peaks.most_pairs,
             "contact_ratio_mean": min(pairs.contact_ratio for pairs in sides),
             "contact_ratio_min": min(pairs.least_arc for pairs in sides),

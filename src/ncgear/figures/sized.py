@@ -3,56 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from textwrap import wrap
 from typing import Any
 
 from ncgear.design.keys.base import listed
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.reading.text import whole
-from ncgear.design.rewritten import design_copy
-from ncgear.design.words import LONGEST_NAME
+from ncgear.design.rewritten import told_copy
 from ncgear.figures.advice.values import changed
 from ncgear.figures.numbers import shown, to_digits
-from ncgear.figures.quantities import name_of
-from ncgear.figures.strong import LOADS, materials_words, strength_summary
-from ncgear.figures.tables import WIDTH, aligned
-from ncgear.figures.terminal import INDENT
+from ncgear.figures.strong import strength_summary
 from ncgear.pitch.shape import Gear
 from ncgear.project.sizing import Sized, stated_inertias
 from ncgear.strength.holding import Damage, worst
 
 SUFFIX = "-sized"
-
-SIZES = ("module_mm", "teeth", "face_width_mm", "center_distance_mm")
-"""The sizes of a table of gears, by their keys."""
-
-LONGEST_DESCRIPTION = 10_000
-
-
-def sized_text(found: Sequence[Sized]) -> str:
-    """The smallest gears that hold as a table, and the keys of the first."""
-    first = found[0]
-    design, strength = first.drive.design, first.rating.strength
-    wanted = dict.fromkeys(f"{one.wanted:g} against {one.damage.words}" for one in first.rating.weakest)
-    about = {
-        "load": LOADS[strength.load],
-        "material": materials_words(first.drive, strength),
-        "wanted": f"safeties of {listed(wanted, 'and')}",
-    }
-    start = max(map(len, about)) + 2
-    lines = [f"{design.name}: the smallest gears that hold at {design.operation.speed_rpm:g} r/min, by the estimate"]
-    for label, words in about.items():
-        lines += wrap(words, WIDTH, initial_indent=f"{INDENT}{label:<{start}}", subsequent_indent=INDENT + " " * start)
-    keys = [f"{INDENT}{change}" for change in changed(first.changes)]
-    return "\n".join([*lines, "", *_table(found), "", "Keys of the first", *keys])
-
-
-def _table(found: Sequence[Sized]) -> list[str]:
-    heads = [
-        [*map(name_of, SIZES), "largest diameter", "least safety", "", "weakest tooth"],
-        ["mm", "", "mm", "mm", "mm", "breakage", "pitting", ""],
-    ]
-    return aligned([*heads, *sized_rows(found)])
 
 
 def sized_rows(found: Sequence[Sized]) -> list[list[str]]:
@@ -107,16 +71,10 @@ def _sizes(one: Sized) -> dict[str, Any]:
     }
 
 
-def sized_name(name: str) -> str:
-    """Name of the design with other gears."""
-    return name if name.endswith(SUFFIX) else f"{name[: LONGEST_NAME - len(SUFFIX)]}{SUFFIX}"
-
-
 def sized_design(loaded: LoadedDesign, one: Sized, asked: dict[str, float | str]) -> str:
     """The text of a design file with other gears and with what was asked for, its name and description saying so."""
     design = loaded.design
     chosen = {key: whole(value) if isinstance(value, float) else value for key, value in (asked | one.changes).items()}
     said = f"Sized: {design.name} with {listed(map(str, changed(chosen)), 'and')}, so that its teeth hold."
     values = {**chosen, **dict.fromkeys(stated_inertias(design))}
-    about = {"description": f"{said} {design.description}".strip()[:LONGEST_DESCRIPTION]}
-    return design_copy(loaded, {"name": sized_name(design.name), **about, **values})
+    return told_copy(loaded, SUFFIX, said, values)

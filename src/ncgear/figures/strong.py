@@ -4,20 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from math import degrees, floor, isfinite, log10
-from textwrap import wrap
 from typing import Any
 
 import numpy as np
 
 from ncgear.dynamics.flank_changes import Knock
-from ncgear.figures.advice.values import Remedy
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.csv_text import rows_text
-from ncgear.figures.numbers import fixed, shown, to_digits
+from ncgear.figures.numbers import fixed, known, shown, to_digits
 from ncgear.figures.quantities import figure
 from ncgear.figures.summary.check_summary import stages_summary, verdict_summary
-from ncgear.figures.tables import WIDTH, Column, Table, aligned
-from ncgear.figures.terminal import INDENT, verdict_lines
+from ncgear.figures.tables import Column, Table
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.strengthening import Rating
@@ -29,12 +26,6 @@ LOADS = {
     "resistance": "the resistance alone: no masses are given, so forces of inertia are not counted",
 }
 """The words for what a load follows from."""
-
-STAGES = {
-    1: "from the driving shaft to the shaft between the stages, whose inertia is not counted",
-    2: "from the shaft between the stages, of which phi1 is the angle, to the crank shaft",
-}
-"""The words for a stage."""
 
 METHODS = {
     "estimate": "local estimate on the outline of each tooth, after ISO 6336 and VDI 2736, which cover circular gears",
@@ -120,7 +111,7 @@ def _gear_figures(rating: Rating, gear: Gear) -> dict[str, Any]:
                 f"{name}_stress_mpa": one.stress_mpa,
                 f"{name}_stress_at_rad": one.phi1_rad,
                 f"{name}_endured_mpa": one.endured_mpa,
-                f"{name}_life_h": _or_none(one.life_h),
+                f"{name}_life_h": known(one.life_h),
                 f"{name}_too_weak_teeth": sorted(one.too_weak),
             }
     return figures
@@ -143,12 +134,8 @@ def _rows(strength: Strength) -> Iterable[list[object]]:
             cells: list[object] = [gear.value, row + 1]
             for kind in Damage:
                 life = lives.get(kind)
-                cells += [_or_none(float(getattr(life, name)[row])) if life else None for name in OF_TOOTH]
+                cells += [known(float(getattr(life, name)[row])) if life else None for name in OF_TOOTH]
             yield cells
-
-
-def _or_none(value: float) -> float | None:
-    return value if isfinite(value) else None
 
 
 def life_words(hours: float, wears: bool = False) -> str:
@@ -156,45 +143,6 @@ def life_words(hours: float, wears: bool = False) -> str:
     if not isfinite(hours):
         return "until worn" if wears else "no end"
     return f"{to_digits(round(hours, 1 - floor(log10(hours))), 2)} h" if hours >= 0.01 else "none"
-
-
-def strength_text(
-    drive: Drive, rating: Rating, remedies: Sequence[Remedy], beside: Rating | None, verdict: Verdict
-) -> str:
-    """A screen about the strength of a pair: load, method, least safeties, and what would do; then all conditions.
-
-    ``beside`` is the rating by another method, whose safeties get a column of their own.
-    """
-    name, speed, size = drive.design.name, drive.design.operation.speed_rpm, drive.pitch.size
-    strength, loading, found = rating.strength, rating.loading, rating.weakest
-    forces = strength.contacts.force_n
-    most = int(np.argmax(forces))
-    where = f"at phi1 = {_degrees(strength.contacts.phi1_rad[most])} deg"
-    about = {
-        **({} if drive.stage is None else {"stage": STAGES[drive.stage]}),
-        "load": LOADS[strength.load],
-        "method": METHODS[strength.method],
-        "error": ERRORS[strength.method],
-        "gears": f"module {shown(size.module_mm)} mm, {size.driving_teeth} and {size.driven_teeth} teeth, face width "
-        f"{shown(drive.gears.face_width_mm)} mm, {materials_words(drive, strength)}",
-        "teeth": f"up to {shown(float(forces[most]))} N on one pair, {where}",
-        "under load": f"contact ratio {shown(loading.contact_ratio)}, "
-        f"transmission error {figure('transmission_error_rad', loading.transmission_error_rad)}",
-        **({"knocks": words} if (words := knock_words(loading.knocks)) else {}),
-    }
-    start = max(map(len, about)) + 2
-    of_stage = "" if drive.stage is None else f", stage {drive.stage}"
-    lines = [f"{name}{of_stage}: strength of the teeth at {speed:g} r/min"]
-    for label, words in about.items():
-        lines += wrap(words, WIDTH, initial_indent=f"{INDENT}{label:<{start}}", subsequent_indent=INDENT + " " * start)
-    cells = [list(weakest_cells(one, rating.strength.wears)) for one in found]
-    rows = [[head.label for head in HEADS], [head.unit for head in HEADS], *cells]
-    if beside is not None:
-        others = [f"by {beside.strength.method}", "", *(to_digits(one.safety, 3) for one in beside.weakest)]
-        for row, other in zip(rows, others, strict=True):
-            row.insert(3, other)
-    table = aligned(rows, left=2)
-    return "\n".join([*lines, "", *table, "", *_held(rating, remedies), "", *verdict_lines(verdict.table)])
 
 
 def materials_words(drive: Drive, strength: Strength) -> str:
@@ -260,20 +208,6 @@ WEAR = "No tooth breaks, but dry metal wears, which is not judged: no safety is 
 def holding_words(wears: bool) -> str:
     """What is said of teeth of which no safety is under the wanted one; ``wears`` as of the strength."""
     return WEAR if wears else HOLD
-
-
-def _held(rating: Rating, remedies: Sequence[Remedy]) -> list[str]:
-    weak = [one for one in rating.weakest if not one.holds]
-    if not weak:
-        return [holding_words(rating.strength.wears)]
-    lines = ["The teeth do not hold. Under the wanted safety:"]
-    for one in weak:
-        words = f"{one.gear.value} gear, {one.damage.words}: {teeth_words(one.too_weak)}"
-        lines += wrap(words, WIDTH, initial_indent=INDENT, subsequent_indent=INDENT * 2)
-    lines.append("To change it:")
-    for remedy in remedies:
-        lines += wrap(str(remedy), WIDTH, initial_indent=INDENT, subsequent_indent=INDENT * 2)
-    return lines
 
 
 def teeth_words(numbers: Sequence[int]) -> str:

@@ -3,26 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import isnan
-from pathlib import Path
-from textwrap import fill
 from typing import Any
 
 import numpy as np
 
 from ncgear.figures.csv_text import rows_text
-from ncgear.figures.numbers import fixed, shown
+from ncgear.figures.numbers import known, shown
 from ncgear.figures.quantities import name_of, told
-from ncgear.figures.tables import WIDTH, aligned
-from ncgear.figures.terminal import written_lines
 from ncgear.screening.designs import Designs
-from ncgear.screening.overview import Overview, Refusal, rank_correlations
+from ncgear.screening.overview import Overview, rank_correlations
 from ncgear.screening.wanted import Constraint, Objective, Wanted
 
 REFUSALS = 5
 """Problems that are told, the most frequent first."""
-
-COUNT_WIDTH = 7
 
 
 def title_of(objective: Objective) -> str:
@@ -62,11 +55,6 @@ def cells_of(designs: Designs, wanted: Wanted) -> list[list[str]]:
     ]
 
 
-def where_of(refusal: Refusal) -> str:
-    """``motion.v1_mm_s = 1600, motion.v2_mm_s = 1000``."""
-    return ", ".join(f"{key} = {shown(value)}" for key, value in refusal.values.items())
-
-
 def counts_of(screened: Overview, deeper: Overview | None, stage: str) -> list[str]:
     """How many designs there are, how many are left after each step, and how many are the best."""
     said = [f"{screened.count} designs, of which {screened.made} can be made"]
@@ -88,59 +76,6 @@ def _said(constraints: Sequence[Constraint]) -> str:
     return ", ".join(
         f"{_of_pair(one.name, _last(one.name))} {one.comparison} {shown(one.number)}" for one in constraints
     )
-
-
-def sweep_text(
-    screened: Overview, deeper: Overview | None, stage: str, paths: Sequence[Path], kept: Sequence[Path] = ()
-) -> str:
-    """Everything that is told of a sweep, the files written, and those kept."""
-    last = deeper or screened
-    blocks = ["\n".join(counts_of(screened, deeper, stage))]
-    blocks += [_best(objective, best, last) for objective, best in zip(last.wanted.objectives, last.best, strict=False)]
-    if last.kept > 1:
-        blocks.append(
-            "\n".join(["Share of the variance that a key explains alone (rank correlation)", *_effects(last)])
-        )
-    for overview, title in ((screened, "Refused"), (deeper, f"Refused at the stage {stage} or before it")):
-        if overview is not None and overview.made < overview.count:
-            blocks.append("\n".join([title, *_refused(overview)]))
-    return "\n\n".join([*blocks, "\n".join(written_lines(paths, kept))])
-
-
-def _best(objective: Objective, best: Designs, overview: Overview) -> str:
-    heads = [*overview.space.keys, *(one.name for one in overview.wanted.objectives)]
-    return "\n".join([f"Best by {title_of(objective)}", *aligned([heads, *cells_of(best, overview.wanted)])])
-
-
-def _effects(overview: Overview) -> list[str]:
-    explained, correlation = overview.effects.explained, rank_correlations(overview)
-    heads = ["", *(head_of(one.name) for one in overview.wanted.objectives)]
-    rows = [
-        [
-            key,
-            *(
-                f"{_share(share)} ({_share(rank)})"
-                for share, rank in zip(explained[row], correlation[row], strict=True)
-            ),
-        ]
-        for row, key in enumerate(overview.space.keys)
-    ]
-    return aligned([heads, *rows], left=1)
-
-
-def _share(value: float) -> str:
-    return "-" if isnan(value) else fixed(value, 2)
-
-
-def _refused(overview: Overview) -> list[str]:
-    """The most frequent problems, each with the first design that has it and all that is said of that one."""
-    lines = []
-    for one in overview.frequent_refusals[:REFUSALS]:
-        said = f"{'first ' if one.count > 1 else ''}at {where_of(one)}: {one.verdict}"
-        space = " " * (COUNT_WIDTH + 2)
-        text = fill(said, WIDTH, initial_indent=space, subsequent_indent=space, break_on_hyphens=False)
-        lines.append(f"{one.count:>{COUNT_WIDTH}}{text[COUNT_WIDTH:]}")
-    return lines
 
 
 def sweep_figures(name: str, screened: Overview, deeper: Overview | None, stage: str) -> dict[str, Any]:
@@ -179,7 +114,7 @@ def _counts(overview: Overview) -> dict[str, Any]:
 
 
 def _design(designs: Designs, row: int) -> dict[str, Any]:
-    figures = {name: _known(values[row]) for name, values in designs.figures.items()}
+    figures = {name: known(values[row]) for name, values in designs.figures.items()}
     return {"number": int(designs.numbers[row]), **values_of(designs, row), **figures}
 
 
@@ -188,15 +123,11 @@ def _effect_figures(overview: Overview) -> dict[str, Any]:
     explained, ranks = overview.effects.explained, rank_correlations(overview)
     return {
         key: {
-            objective.name: {"explained_share": _known(share), "rank_correlation": _known(rank)}
+            objective.name: {"explained_share": known(share), "rank_correlation": known(rank)}
             for objective, share, rank in zip(overview.wanted.objectives, explained[row], ranks[row], strict=True)
         }
         for row, key in enumerate(overview.space.keys)
     }
-
-
-def _known(value: float) -> float | None:
-    return None if isnan(value) else float(value)
 
 
 def front_csv(front: Designs, wanted: Wanted) -> str:

@@ -34,16 +34,15 @@ TITLES = {
     "check": "Motion and power at the operating speed",
     "masses": "Moving masses",
     "strength": "Strength of the teeth",
-    "pto": "Power take-off",
     "displacement": "Displacement as a flow meter or pump",
 }
 """Headings of sections; the heading of any other section is its key."""
 
-ELSEWHERE = ("motion", "wishes", "comparison", "warnings", "remarks", "verdict", "timing_s")
-"""Keys of a summary that are not written as sections."""
+JUDGED = ("warnings", "remarks", "verdict")
+"""Keys of what is judged."""
 
-SIDE_BY_SIDE = {"this_design": "this design", "uniform_crank": "uniform crank", "even_gears": "even gears"}
-"""Keys of sections that are written side by side, and their heads."""
+ELSEWHERE = ("motion", "wishes", "comparison", *JUDGED, "timing_s")
+"""Keys of a summary that are not written as sections."""
 
 COMPARED = (
     "speed_rpm",
@@ -88,11 +87,18 @@ def summary_text(summary: Mapping[str, Any]) -> str:
         *_sections(summary),
         motion_lines(summary),
         *comparison_lines(summary.get("comparison") or []),
-        _marked("warning: ", summary.get("warnings") or []),
-        _marked("remark: ", summary.get("remarks") or []),
-        verdict_lines(summary.get("verdict") or []),
+        *judged_blocks(summary),
     ]
     return "\n\n".join("\n".join(block) for block in blocks if block)
+
+
+def judged_blocks(figures: Mapping[str, Any]) -> list[list[str]]:
+    """The warnings, the remarks and the verdict that figures hold; empty blocks where there are none."""
+    return [
+        _marked("warning: ", figures.get("warnings") or []),
+        _marked("remark: ", figures.get("remarks") or []),
+        verdict_lines(figures.get("verdict") or []),
+    ]
 
 
 def verdict_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
@@ -119,7 +125,7 @@ def _sections(summary: Mapping[str, Any]) -> list[list[str]]:
     }
     width = max((len(label) for section in rows.values() for label, _ in section), default=0)
     return [
-        [title, *(line for label, value in section for line in _value_lines(label, value, width))]
+        [title, *(line for label, value in section for line in value_lines(label, value, width))]
         for title, section in rows.items()
         if section
     ]
@@ -157,7 +163,7 @@ def _labelled_value(key: str, value: Any, prefix: str = "", place_rad: float | N
     return prefix + label, f"{text} {unit}".rstrip() + place
 
 
-def _value_lines(label: str, value: str, width: int) -> list[str]:
+def value_lines(label: str, value: str, width: int) -> list[str]:
     """The line ``label  value``; further lines of a long value begin below the value."""
     start = f"{INDENT}{label:<{width}}  "
     lines = wrap(value, max(WIDTH - len(start), 20)) or [""]
@@ -217,15 +223,6 @@ def _compared(rows: Sequence[Mapping[str, Any]], name_width: int) -> list[str]:
 
 def _name_lines(row: Mapping[str, Any]) -> list[str]:
     return wrap(str(row["name"]), NAME_WIDTH) or [""]
-
-
-def beside_lines(title: str, sections: Mapping[str, Mapping[str, Any]]) -> list[str]:
-    """Sections side by side, by their keys of SIDE_BY_SIDE: a head, and one line for each figure of any section."""
-    columns = [dict(labelled(section)) for section in sections.values()]
-    labels = list(dict.fromkeys(label for column in columns for label in column))
-    heads = [title, *(SIDE_BY_SIDE[key] for key in sections)]
-    rows = [[INDENT + label, *(column.get(label, "-") for column in columns)] for label in labels]
-    return aligned([heads, *rows], left=len(heads), indent="")
 
 
 def timing_text(drive: Drive) -> str:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from pathlib import Path
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -12,10 +11,6 @@ from ncgear.figures.advice.values import Kind
 from ncgear.figures.advice.verdict import CONDITIONS
 from ncgear.figures.csv_text import csv_text
 from ncgear.figures.numbers import fixed, to_digits
-from ncgear.figures.quantities import figure, name_of
-from ncgear.figures.tables import aligned
-from ncgear.figures.terminal import written_lines
-from ncgear.figures.tolerance_words import assumed_words, limit_words
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.project.tolerance import Tolerated
@@ -316,84 +311,9 @@ SMALL = 0.02
 """Share of the variance below which a source is not told."""
 
 
-def _key(name: str, tolerated: Tolerated) -> str:
-    """The key of a figure that is indexed, with the unit of the output."""
-    output = tolerated.drive.linkage.OUTPUT
-    return {
-        "motion_error": f"motion_error_{output.place.ending}",
-        "peak_acceleration": f"peak_acceleration_{output.acceleration.ending}",
-    }.get(name, name)
-
-
-def tolerance_text(tolerated: Tolerated, paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
-    """All of it as text."""
-    needed, single = tolerated.needed, len(tolerated.pairs) == 1
-    heads = ["", "as designed", "median", "99 % keep", "least", "largest"]
-    grades = [
-        "  {}single pitch {}, total profile {} from tooth to tooth".format(_of(pair), *map(_um, pair.flank_limits_mm))
-        for pair in tolerated.pairs
-    ]
-    tables = [("", percentiles(tolerated))]
-    if not single:
-        tables += [
-            (f"Stage {pair.stage}", told)
-            for pair, told in zip(tolerated.pairs, pair_percentiles(tolerated), strict=True)
-        ]
-    blocks = [
-        f"{tolerated.drive.design.name}: {tolerated.assemblies.count} assemblies, seed {tolerated.seed}\n"
-        f"  {assumed_words(tolerated.process)}{', '.join(limit_words(tolerated.tolerances))}\n" + "\n".join(grades)
-    ]
-    for title, told in tables:
-        rows = [[name_of(key), *(figure(key, value) for value in values.values())] for key, values in told.items()]
-        blocks.append("\n".join([*([title] if title else []), *aligned([heads, *rows], left=1)]))
-    blocks.append(f"Jam: {jam_words(tolerated)}\nKnock: {knock_words(tolerated)}\nBacklash: {needed_words(tolerated)}")
-    for name, found in tolerated.indices.items():
-        key = _key(name, tolerated)
-        lines = [
-            [
-                source_words(one.source),
-                fixed(one.first, 3),
-                fixed(one.total, 3),
-                f"\u00b1{fixed(one.error, 3)}",
-            ]
-            for one in found
-        ]
-        title = f"What {name_of(key)} varies with (indices of Sobol, {tolerated.index_samples} samples each)"
-        blocks.append("\n".join([title, *aligned([["", "first", "total", "95 %"], *lines], left=1)]))
-    checks = [line for pair in tolerated.pairs for line in _check_lines(pair)]
-    if needed is not None and needed.refused:
-        checks.append(f"With that backlash: {needed.refused}")
-    return "\n\n".join([*blocks, "\n".join(checks), "\n".join(written_lines(paths, kept))])
-
-
 def _of(pair: PairStudy) -> str:
     """The stage in front of a line about one of two pairs."""
     return "" if pair.stage is None else f"{stage_words(pair.stage)}: "
-
-
-def _check_lines(pair: PairStudy) -> list[str]:
-    first, of = pair.first_order, _of(pair).capitalize()
-    spread, outlines = ("spread", "outlines") if of else ("Spread", "Outlines")
-    return [
-        f"{of}{spread} of the play (one sigma): {to_digits(1e3 * first.linear_mm.max(), 3)} \u00b5m by first order, "
-        f"{to_digits(1e3 * first.drawn_mm.max(), 3)} \u00b5m of the assemblies; "
-        f"up to {fixed(100.0 * first.difference, 0)} % apart",
-        *(
-            f"{of}{outlines} of {'the tightest assembly' if place == 0 else f'assembly {place}'}: the model is off by "
-            f"{to_digits(1e3 * one.error_mm, 3)} \u00b5m where flanks are moved by up to "
-            f"{to_digits(1e3 * one.displaced_mm, 3)} \u00b5m"
-            for place, one in enumerate(pair.errors)
-        ),
-        f"{f'{of}b' if of else 'B'}etween the positions, {pair.between.assemblies} assemblies have up to "
-        f"{to_digits(1e3 * pair.between.least_play_mm, 3)} \u00b5m less play and "
-        f"{to_digits(1e3 * pair.between.largest_play_mm, 3)} \u00b5m more than told, and "
-        f"{to_digits(1e3 * pair.between.transmission_error_mm, 3)} \u00b5m more transmission error",
-    ]
-
-
-def _um(limits_mm: Array) -> str:
-    low, high = rounded_um(float(limits_mm.min())), rounded_um(float(limits_mm.max()))
-    return f"{low:g} \u00b5m" if low == high else f"{low:g} to {high:g} \u00b5m"
 
 
 def jam_words(tolerated: Tolerated) -> str:

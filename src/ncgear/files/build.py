@@ -205,7 +205,7 @@ def _written(drive: Drive, on_step: Callable[[str], None]) -> tuple[dict[str, by
             "law.csv": law_csv(drive.motion, drive.linkage.OUTPUT).encode(),
             "driving.csv": outline_csv(drive.teeth.driving.outline_mm).encode(),
             "driven.csv": outline_csv(drive.teeth.driven.outline_mm).encode(),
-            "pitch.csv": pitch_csv(drive).encode(),
+            "pitch.csv": pitch_csv(drive.pitch).encode(),
             "data_sheet.md": sheet_text(data_sheet(drive)).encode(),
             "driving.stl": stl_bytes(drive.solids.driving.mesh),
             "driven.stl": stl_bytes(drive.solids.driven.mesh),

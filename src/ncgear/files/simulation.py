@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from math import degrees
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -32,7 +31,6 @@ from ncgear.figures.simulated import (
     rigid_table,
 )
 from ncgear.figures.summary.check_summary import verdict_summary
-from ncgear.figures.terminal import SIDE_BY_SIDE, beside_lines, summary_text, written_lines
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import Output
 from ncgear.numerics.arrays import Array
@@ -239,15 +237,6 @@ def simulation_files(found: Simulated) -> dict[str, bytes]:
         **found.pictures,
         "simulation.json": json_text(found.figures).encode(),
     }
-
-
-def simulation_text(found: Simulated, paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
-    """The figures as text, those of both mechanisms side by side, the files written, and those kept."""
-    compared = {key: found.figures[key] for key in SIDE_BY_SIDE if key in found.figures}
-    around = found.figures.get("drivetrain", {})
-    alone = {key: value for key, value in found.figures.items() if key not in compared and value is not around} | around
-    beside = [*beside_lines("Torques and forces", compared), ""] if compared else []
-    return "\n".join([summary_text(alone), "", *beside, *written_lines(paths, kept)])
 
 
 def _dynamic(drive: Drive) -> Results:

@@ -46,6 +46,7 @@ def motion_answers(drive: Drive) -> Iterator[Answer]:
     )
     from ncgear.drawings.page.tables import comparison_tables
     from ncgear.figures.advice.verdict import Known, judged
+    from ncgear.figures.summary.check_summary import comparison_rows
     from ncgear.figures.wished import achieved_lines
     from ncgear.studio.best import saved
     from ncgear.studio.facts import facts
@@ -57,7 +58,7 @@ def motion_answers(drive: Drive) -> Iterator[Answer]:
             "facts": facts(drive),
             "crank": drive.linkage.UNIFORM,
             "achieved": achieved_lines(drive.achieved, drive.linkage) if drive.achieved else [],
-            "tables": [table_data(table) for table in comparison_tables(drive)],
+            "tables": [table_data(table) for table in comparison_tables(comparison_rows(drive))],
         },
     )
     first = [quantity.key_of(drive.linkage.OUTPUT) for quantity in FIRST]

@@ -24,7 +24,7 @@ from ncgear.design.laws.registry import law_models
 from ncgear.design.mechanisms import MECHANISMS, NO_LINKAGE, entry_of, kind_named
 from ncgear.design.reading.text import quoted
 from ncgear.design.wishes.group import Wishes
-from ncgear.design.words import NAME_PATTERN, listed
+from ncgear.design.words import LONGEST_DESCRIPTION, NAME_PATTERN, listed
 from ncgear.errors import WrongInput
 from ncgear.shown import Shown
 
@@ -55,7 +55,7 @@ class Design(Model, Shown):
     )
 
     name: str = required("name of the design and of its output folder", pattern=NAME_PATTERN)
-    description: str = optional("free text", "", max_length=10_000)
+    description: str = optional("free text", "", max_length=LONGEST_DESCRIPTION)
     format: FileFormat = optional(FILE_FORMAT, 1)
     linkage: Linkage = required("the mechanism that the driven gear turns; left out: gears by themselves")
     operation: Operation = required("how the machine is run")

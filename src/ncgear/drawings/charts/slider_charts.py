@@ -10,11 +10,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ncgear.drawings.charts.chart import EMPTY, Chart, Line, Role, joints_up_to
+from ncgear.drawings.charts.chart import EMPTY, Chart, Line, Role
 from ncgear.kinematics.motion import OutputMotion
 from ncgear.mechanisms.mechanism import Mechanism, Output, Unit
 from ncgear.numerics.arrays import Array
-from ncgear.project.drive import Drive
 
 if TYPE_CHECKING:
     from ncgear.dynamics.history import Slide
@@ -73,12 +72,6 @@ WATT, NO_UNIT = Unit("w", "W"), Unit("", "")
 
 MOTION = (Quantity.DISPLACEMENT, Quantity.VELOCITY, Quantity.ACCELERATION)
 LOAD = (Quantity.LOAD, Quantity.POWER)
-
-
-def slider_chart(drive: Drive, quantity: Quantity) -> Chart:
-    """A quantity of a drive's motion table, beside the uniform law's, with the joints of the law."""
-    joints = np.degrees(joints_up_to(drive.transmission, float(drive.motion.phi1_rad[-1])))
-    return motion_chart(quantity, drive.linkage, drive.motion, drive.uniform_motion, joints)
 
 
 def motion_chart(

@@ -51,7 +51,7 @@ from ncgear.figures.mended import found_words, tried_words
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.strong import METHODS, life_words
-from ncgear.figures.summary.check_summary import peaks
+from ncgear.figures.summary.check_summary import comparison_rows, peaks
 from ncgear.figures.tables import Column, Table
 from ncgear.kinematics.check import KinematicCheck
 from ncgear.kinematics.motion import Machine, OutputMotion, sample_angles
@@ -127,7 +127,7 @@ def _drive(drive: Drive) -> Iterator[Markup]:
         *(partial(_about_pair, pair) for pair in pairs),
         lambda: running(scene_of(drive)),
         lambda: charts(motion_charts(drive, drive.transmission.cycle_rad)[1:]),
-        lambda: NOTHING.join(map(table, comparison_tables(drive))),
+        lambda: NOTHING.join(map(table, comparison_tables(comparison_rows(drive)))),
         lambda: _verdict(drive),
     ]
     yield from dict.fromkeys(map(made, pieces))

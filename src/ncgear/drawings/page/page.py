@@ -38,6 +38,7 @@ from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.machine import gear_facts, machine_facts
 from ncgear.figures.data_sheet.sheet import data_sheet
 from ncgear.figures.numbers import shown
+from ncgear.figures.summary.check_summary import comparison_rows
 from ncgear.figures.wished import achieved_lines
 from ncgear.project.drive import Drive
 
@@ -80,7 +81,7 @@ def report_page(
         "staged": drive.design.stages > 1,
         "speed": shown(drive.design.operation.speed_rpm),
         "achieved": achieved_lines(drive.achieved, drive.linkage) if drive.achieved else [],
-        "comparison": comparison_tables(drive),
+        "comparison": comparison_tables(comparison_rows(drive)),
         "uniform": drive.linkage.UNIFORM,
         "load": drive.linkage.OUTPUT.load_name,
         "text": loaded.text,
@@ -89,7 +90,7 @@ def report_page(
         "plain": ToothLinks(),
         "ncgear_version": __version__,
     }
-    solids = [solid_view(pair, stage_name(pair)) for pair, _ in pairs]
+    solids = [solid_view(pair.solids, pair.pitch.center_distance_mm, stage_name(pair)) for pair, _ in pairs]
     svg = Markup(scene_svg(scene))
     figures = drawn()
     data = page_data(scene, figures)

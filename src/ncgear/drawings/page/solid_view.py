@@ -19,10 +19,11 @@ import numpy as np
 from ncgear.drawings.page.assets import asset, hash_of
 from ncgear.drawings.solid_pair import as_on_screen, pair_scene
 from ncgear.frozen import dataclass
-from ncgear.project.drive import Drive
 
 if TYPE_CHECKING:
     from trimesh import Scene
+
+    from ncgear.solids.mesh.pair import SolidPair
 
 MOST_BYTES = 1_000_000
 """A view that takes more of the page is left out: of gears in very fine chords, or with very many teeth."""
@@ -48,10 +49,10 @@ class SolidView:
     script_hash: str
 
 
-def solid_view(drive: Drive, title: str) -> SolidView:
-    """The view of a pair; raises as the drive's solids do."""
+def solid_view(solids: SolidPair, center_distance_mm: float, title: str) -> SolidView:
+    """The view of a pair."""
     # The viewer shows shares of light as they are, without the coding of screens.
-    scene = pair_scene(drive, as_on_screen)
+    scene = pair_scene(solids, center_distance_mm, as_on_screen)
     _set_camera(scene)
     html = asset("viewer/viewer.html").replace(SCENE, b64encode(scene.export(file_type="glb")).decode())
     (script,) = re.findall(r"<script>(.*?)</script>", html, re.DOTALL)

@@ -21,7 +21,6 @@ from ncgear.figures.data_sheet.sheet import DataSheet, Group
 from ncgear.figures.numbers import shown
 from ncgear.figures.strong import weakest_table
 from ncgear.figures.summary.build_summary import contact_summary
-from ncgear.figures.summary.check_summary import comparison_rows
 from ncgear.figures.tables import Column, HtmlRow, Table
 from ncgear.figures.terminal import MIXED_SPEEDS, SAME_SPEED, compared_columns, labelled
 from ncgear.frozen import dataclass
@@ -32,9 +31,8 @@ LIBRARIES = ("numpy", "scipy", "shapely", "trimesh", "mapbox-earcut", "matplotli
 """The libraries that compute the figures of the page, beside ncgear and Python."""
 
 
-def comparison_tables(drive: Drive) -> list[Table]:
+def comparison_tables(rows: Sequence[Mapping[str, Any]]) -> list[Table]:
     """A table of the mechanisms at equal speed, and one of the figures that were published at other speeds."""
-    rows = comparison_rows(drive)
     same, mixed = ([row for row in rows if row["same_speed"] is wanted] for wanted in (True, False))
     return [_comparison(title, chosen) for title, chosen in ((SAME_SPEED, same), (MIXED_SPEEDS, mixed)) if chosen]
 

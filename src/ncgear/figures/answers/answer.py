@@ -25,6 +25,9 @@ LINES, COLUMNS = 24, 100
 """One screen: a terminal opens with 24 lines, and a hundred characters are what a line can have and still be read at a
 glance."""
 
+MANY = 10_000
+"""More lines than any answer has."""
+
 FAULTS = 6
 """Lines about what is wrong that have room before the last figures have."""
 
@@ -108,18 +111,30 @@ def faults_of(verdict: Verdict) -> tuple[Fault, ...]:
 
 def answer_text(answer: Answer, paths: Sequence[Path] = (), kept: Sequence[Path] = ()) -> str:
     """The answer on one screen, with the files written and those of others that were kept."""
+    last = [line for end in (*_written(paths), *_kept(kept), _next(answer.then)) for line in _wrapped(end)]
+    return "\n\n".join(
+        "\n".join(block)
+        for block in [*_blocks(answer, LINES - len(last), list(map(_fault, answer.faults))), last]
+        if block
+    )
+
+
+def whole_answer(answer: Answer) -> list[list[str]]:
+    """Blocks of lines of the answer with all that would help: nothing is left out, however many lines that takes."""
+    return _blocks(answer, MANY, [_fault_in_full(fault) for fault in answer.faults])
+
+
+def _blocks(answer: Answer, lines: int, told: Sequence[Told]) -> list[list[str]]:
+    """What it is, what it achieves, and what is wrong, which is ``told``, in so many lines with those between them."""
     top = [line for note in answer.notes for line in _wrapped(note)]
     top += [*([""] if top else []), *_wrapped(answer.head), *_wrapped(answer.about)]
-    last = [line for end in (*_written(paths), *_kept(kept), _next(answer.then)) for line in _wrapped(end)]
     unknown = _wrapped(answer.not_judged)
-    told = [_fault(fault) for fault in answer.faults]
     # What helps against the most serious is told before the last figures, against others only where room is left
     needed = min(sum(len(what) for what, _ in told), FAULTS) + sum(len(below) for _, below in told[:1])
-    left = LINES - len(top) - bool(answer.heads) - len(unknown) - len(last) - 3
+    left = lines - len(top) - bool(answer.heads) - len(unknown) - 3
     figures = _with_room(answer, left - needed - 1)
     wrong = _wrong(answer, told, left - max(len(figures) - bool(answer.heads), 0) - 1)
-    blocks = [top, figures, [*wrong, *unknown], last]
-    return "\n\n".join("\n".join(block) for block in blocks if block)
+    return [top, figures, [*wrong, *unknown]]
 
 
 def _next(then: str) -> str:
@@ -194,6 +209,10 @@ def _fault(fault: Fault) -> Told:
     lines = (f"{INDENT}{fault.what} -> {cure}" for cure in fault.cures)
     below = [line for cure in fault.cures[:1] for line in _wrapped(f"-> {cure}", 2 * INDENT)]
     return next((([line], []) for line in lines if len(line) <= COLUMNS), (_wrapped(fault.what, INDENT), below))
+
+
+def _fault_in_full(fault: Fault) -> Told:
+    return _wrapped(fault.what, INDENT), [line for cure in fault.cures for line in _wrapped(f"-> {cure}", 2 * INDENT)]
 
 
 OPENED = (

@@ -118,7 +118,7 @@ def frontier_answer(found: Frontier, beside: SoughtMachine, then: str) -> Answer
     key = f"peak_acceleration_cycle_{output.ending}"
     points = points_of(found)
     count = min(len(points), POINTS)
-    told = [points[round(place * (len(points) - 1) / (count - 1))] for place in range(count)]
+    told = [points[round(place * (len(points) - 1) / max(count - 1, 1))] for place in range(count)]
     rows = []
     for point, family in told:
         law, limit = point.law.peak_acceleration_mm_s2, point.limit_mm_s2

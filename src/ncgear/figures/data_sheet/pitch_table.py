@@ -12,7 +12,6 @@ from ncgear.figures.tables import Column, Table
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.highest import largest_from
 from ncgear.pitch.pair import PitchPair
-from ncgear.project.drive import Drive
 
 STEPS_DEG = (5.0, 4.0, 3.0, 2.0, 1.0, 0.5, 0.25, 0.2, 0.1)
 """Possible steps of the driving angle: whole parts of a turn that are easy to read."""
@@ -31,14 +30,13 @@ COLUMNS = (
 )
 
 
-def pitch_table(drive: Drive) -> Table:
+def pitch_table(pitch: PitchPair) -> Table:
     """Angles, ratio and both pitch radii over one turn of the driving gear, at least one row for each of its teeth.
 
     Gears that turn less than once have their range in place of a turn.  In the frame of a gear, the polar angle of a
     pitch point counts from the point where the gears meet at phi1 = 0.  It equals the gear's own turn, in the
     opposite sense.
     """
-    pitch = drive.pitch
     phi1_deg = turn_deg(pitch.size.driving_teeth, _end_deg(pitch))
     columns = pitch_columns(pitch, np.radians(phi1_deg))
     columns[0] = phi1_deg
@@ -98,8 +96,8 @@ CSV_STEPS = 720
 CSV_COLUMNS = ("phi1_deg", "phi2_deg", "ratio", "radius_driving_mm", "radius_driven_mm")
 
 
-def pitch_csv(drive: Drive) -> str:
+def pitch_csv(pitch: PitchPair) -> str:
     """Angles, ratio and pitch radii over one turn of the driving gear, every half degree."""
-    angles = np.linspace(0.0, _end_deg(drive.pitch), CSV_STEPS + 1)
-    _, driven, *others = pitch_columns(drive.pitch, np.radians(angles))
+    angles = np.linspace(0.0, _end_deg(pitch), CSV_STEPS + 1)
+    _, driven, *others = pitch_columns(pitch, np.radians(angles))
     return csv_text(CSV_COLUMNS, [angles, np.degrees(driven), *others])

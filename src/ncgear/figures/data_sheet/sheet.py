@@ -78,7 +78,7 @@ def data_sheet(pair: Drive) -> DataSheet:
         TITLE: lambda: band_table(pair),
         "Cut by": lambda: tuple(map(cut_table, cut_gears(pair))),
         "Teeth of their own shift": lambda: shifted_teeth(pair),
-        "Pitch curves": lambda: (pitch_table(pair),),
+        "Pitch curves": lambda: (pitch_table(pair.pitch),),
     }
     for number, gear in enumerate(Gear):
         tables[f"Span of the {gear.value} gear"] = partial(_of_one, pair, number, span_table)

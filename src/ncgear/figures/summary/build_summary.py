@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
-from math import degrees, isfinite, pi, radians
+from math import degrees, pi, radians
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,7 +20,9 @@ from ncgear.contact.written.as_written import AsWritten
 from ncgear.contact.written.extremes import WrittenExtremes
 from ncgear.errors import DesignError
 from ncgear.figures.advice.verdict import Verdict
+from ncgear.figures.numbers import known
 from ncgear.figures.passed import passed_summary
+from ncgear.figures.quantities import extreme
 from ncgear.figures.strong import strength_summary
 from ncgear.figures.summary.check_summary import check_summary
 from ncgear.figures.thickness import play_figures, thickness_summary
@@ -288,7 +290,7 @@ def designed_contact(designed: AsDesigned, extremes: ContactExtremes) -> dict[st
         **_between("backlash", "rad", extremes.backlash_rad),
         **_ratios(pushing.pairs, ""),
         **_ratios(back.pairs, "_back"),
-        **_extreme("sliding_velocity_max", "mm_s", extremes.sliding_mm_s),
+        **extreme("sliding_velocity_max", "mm_s", extremes.sliding_mm_s),
         **_between("pressure_angle", "deg", extremes.pushing_pressure_angle_rad, degrees(1.0)),
         **_between("pressure_angle_back", "deg", extremes.back_pressure_angle_rad, degrees(1.0)),
         **_deepest(extremes.overlap_mm, extremes.overlap_teeth),
@@ -298,12 +300,8 @@ def designed_contact(designed: AsDesigned, extremes: ContactExtremes) -> dict[st
 
 def _between(name: str, unit: str, found: Range, factor: float = 1.0) -> dict[str, Any]:
     """The least and the greatest value, each with its driving angle."""
-    low, high = (_extreme(f"{name}_{end}", unit, one, factor) for end, one in (("min", found.low), ("max", found.high)))
+    low, high = (extreme(f"{name}_{end}", unit, one, factor) for end, one in (("min", found.low), ("max", found.high)))
     return {**low, **high}
-
-
-def _extreme(name: str, unit: str, found: Extremum, factor: float = 1.0) -> dict[str, Any]:
-    return {f"{name}_{unit}": factor * found.value, f"{name}_at_rad": found.at}
 
 
 def _by_tooth(side: SideContact, error_rad: Array) -> dict[str, Any]:
@@ -326,7 +324,7 @@ def _clearances(designed: AsDesigned) -> dict[str, Any]:
     for gear in ("driving", "driven"):
         both = [getattr(side, f"{gear}_tips") for side in (designed.pushing, designed.back)]
         over_root = min(tips.over_root_mm for tips in both)
-        least[f"clearance_{gear}_tips_mm"] = over_root if isfinite(over_root) else None
+        least[f"clearance_{gear}_tips_mm"] = known(over_root)
         least[f"clearance_{gear}_tips_from_fillets_mm"] = min(tips.from_fillet_mm for tips in both)
     return least
 
@@ -336,11 +334,11 @@ def _as_written(written: AsWritten, extremes: WrittenExtremes, designed: AsDesig
         "transmission_error_rad": extremes.transmission_error_rad,
         "transmission_error_back_rad": extremes.back_rad.width,
         **_by_tooth(designed.pushing, written.pushing_rad),
-        **_extreme("from_design_max", "rad", extremes.from_design_rad),
+        **extreme("from_design_max", "rad", extremes.from_design_rad),
         **_between("backlash", "rad", extremes.backlash_rad),
         **_deepest(extremes.overlap_mm, extremes.overlap_teeth),
         **{
-            f"clearance_{gear}_tips_mm": clearance if isfinite(clearance) else None
+            f"clearance_{gear}_tips_mm": known(clearance)
             for gear, clearance in (("driving", written.driving_tips_mm), ("driven", written.driven_tips_mm))
         },
     }
@@ -348,7 +346,7 @@ def _as_written(written: AsWritten, extremes: WrittenExtremes, designed: AsDesig
 
 def _deepest(overlap_mm: Extremum, teeth: tuple[int, int]) -> dict[str, Any]:
     """The deepest overlap, its driving angle, and the teeth at the pitch point there; None without an overlap."""
-    deepest = _extreme("penetration_max", "mm", overlap_mm)
+    deepest = extreme("penetration_max", "mm", overlap_mm)
     where = {"penetration_tooth_driving": teeth[0], "penetration_tooth_driven": teeth[1]}
     if overlap_mm.value == 0.0:
         return {**deepest, "penetration_max_at_rad": None, **dict.fromkeys(where)}

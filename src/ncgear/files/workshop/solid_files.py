@@ -112,4 +112,4 @@ def _item(number: int, name: str, x_mm: float, identity: UUID) -> str:
 
 def glb_files(drive: Drive) -> dict[str, bytes]:
     """``pair.glb`` with the nodes ``driving`` and ``driven``."""
-    return {"pair.glb": pair_scene(drive, linear_light).export(file_type="glb")}
+    return {"pair.glb": pair_scene(drive.solids, drive.pitch.center_distance_mm, linear_light).export(file_type="glb")}

@@ -366,7 +366,7 @@ def gear_sheet(drive: Drive, measured: GearMeasures, pitch_radii: Table) -> Shee
 
 def sheets_of(drive: Drive) -> dict[str, Sheet]:
     """The sheets of ``driving``, ``driven`` and ``pair``; raises the errors of the drive's solids."""
-    radii = pitch_table(drive)
+    radii = pitch_table(drive.pitch)
     sheets = {gear.gear.value: gear_sheet(drive, gear, radii) for gear in drive.measured}
     sheets["pair"] = pair_sheet(drive)
     return sheets
