@@ -287,9 +287,12 @@ class Drive(Geared):
                 asked = AskedTorque.of(pitch, load.torque_n_mm)
                 sides = BOTH_SIDES if load.knocks_are_judged else asked.sides
                 meshing = meshing_of(Simulation(), pitch, teeth, stiffness, sides)
-                borne = borne_by(load, meshing)
-                asked = AskedTorque.of(pitch, borne.at)
-                return loading_of(meshing, teeth, pitch, asked, self.pair_speed_rad_s, borne.knocks)
+                borne, speed = borne_by(load, meshing), self.pair_speed_rad_s
+                still = loading_of(meshing, teeth, pitch, asked, speed, borne.knocks)
+                if not borne.knocks:
+                    return still
+                knocking = AskedTorque.of(pitch, borne.at)
+                return replace(loading_of(meshing, teeth, pitch, knocking, speed, borne.knocks), still=still)
 
     @computed
     def _any_meshing(self) -> Meshing:

@@ -15,7 +15,7 @@ from ncgear.project.tooth_load import ToothLoad
 from ncgear.strength.conditions import Conditions, Running
 from ncgear.strength.endurance import materials_of
 from ncgear.strength.estimate import estimate_of
-from ncgear.strength.life import strength_of, stresses_of
+from ncgear.strength.life import strength_of, stresses_of, worse_of
 from ncgear.strength.material import Material
 from ncgear.strength.materials import Choice, Plastic
 from ncgear.strength.plastics import friction, lost_w, temperatures_of
@@ -61,10 +61,15 @@ def judged_teeth(
     loading = loaded_by(methods, cold)
     warm = temperatures_of(choices, conditions, running, _lost_w(choices, conditions, loading))
     materials = materials_of(choices, conditions, running, warm)
-    stresses = stresses_of(loading.contacts, methods, materials, conditions, running)
     cycle_rad = 2.0 * pi * loading.cycle_turns
-    found = strength_of(loading.contacts, stresses, materials, conditions, cycle_rad, running, method, load)
-    return JudgedTeeth(loading, found, methods)
+
+    def found(loads: Loading) -> Strength:
+        stresses = stresses_of(loads.contacts, methods, materials, conditions, running)
+        return strength_of(loads.contacts, stresses, materials, conditions, cycle_rad, running, method, load)
+
+    # A harder load may leave the rated places of flanks to their mates: of both loads, the worse one counts.
+    strength = found(loading) if loading.still is None else worse_of(found(loading), found(loading.still))
+    return JudgedTeeth(loading, strength, methods)
 
 
 def _methods(

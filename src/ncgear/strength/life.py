@@ -9,8 +9,9 @@ damage).
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import pi
-from typing import Literal
+from typing import Literal, TypeVar
 
 import numpy as np
 
@@ -100,6 +101,30 @@ def _gear_strength(
     rated = rated_for_pitting(contacts)
     rolled = meetings_of(contacts.kept(rated), gear, pressure[rated], pressure[rated], cycle_rad)
     return GearStrength(gear, material, bending, tooth_life(rolled, material.contact, teeth, life_h, cycle_h))
+
+
+def worse_of(first: Strength, second: Strength) -> Strength:
+    """The first strength, each tooth with the damage that it suffers by the worse of both loads."""
+    driving, driven = (
+        replace(one, bending=_worse(one.bending, other.bending), contact=_worse(one.contact, other.contact))
+        for one, other in ((first.of(gear), second.of(gear)) for gear in Gear)
+    )
+    return replace(first, driving=driving, driven=driven)
+
+
+_Life = TypeVar("_Life", ToothLife, ToothLife | None)
+
+
+def _worse(first: _Life, second: _Life) -> _Life:
+    if first is None or second is None:
+        return first
+    worse = second.safety < first.safety
+    return ToothLife(
+        stress_mpa=np.where(worse, second.stress_mpa, first.stress_mpa),
+        phi1_rad=np.where(worse, second.phi1_rad, first.phi1_rad),
+        safety=np.minimum(second.safety, first.safety),
+        life_h=np.minimum(second.life_h, first.life_h),
+    )
 
 
 def rated_for_pitting(contacts: LoadedContacts) -> Mask:

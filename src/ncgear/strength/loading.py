@@ -63,7 +63,8 @@ class Loading:
     angle beyond the law's) have shape (n,); ``even`` tells the even positions.  ``transmission_error_rad`` is the peak
     to peak variation of the error.  ``contact_ratio`` is the mean number of pairs that bear load, where there is load.
     ``cycle_turns`` is how often the driving gear turns in the cycle.  ``knocks`` are those of a turn of the driven
-    gear, whose torque counts; None where they are not followed.
+    gear, whose torque counts; None where they are not followed.  Of teeth that knock, ``still`` is their loading by
+    what the law asks alone.
     """
 
     contacts: LoadedContacts
@@ -75,6 +76,7 @@ class Loading:
     contact_ratio: float
     cycle_turns: int
     knocks: tuple[Knock, ...] | None
+    still: Loading | None = None
 
 
 @dataclass(frozen=True, eq=False)
