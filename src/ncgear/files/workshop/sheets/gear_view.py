@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from math import cos, radians, sin
 
 import numpy as np
@@ -171,26 +171,25 @@ def _draw_pins(board: Board, measured: GearMeasures, view: View) -> None:
     places = dict(zip(pins.space.tolist(), pins.center_mm, strict=True))
     pairs = [(*sorted((places[row[0]], places[row[1]]), key=lambda place: float(place[1])), row) for row in rows]
     pairs.sort(key=lambda pair: abs(pair[1][0] - pair[0][0]) / np.hypot(*(pair[1] - pair[0])))
-    ring = measured.working.is_ring
-    outline = view.on_paper(measured.toothed.outline_mm)
-    for low, high, row in pairs:
-        way = (high - low) / np.hypot(*(high - low))
-        ends = view.on_paper(
-            np.array(
-                [low - radius * way, high + radius * way] if not ring else [low + radius * way, high - radius * way]
+    ring, outline = measured.working.is_ring, view.on_paper(measured.toothed.outline_mm)
+    by = f"{'between' if ring else 'over'} 2 pins \u00d8{drawn(2.0 * radius, 'mm')}"
+
+    def tried() -> Iterator[tuple[Dimension, Ring, Ring]]:
+        for low, high, row in pairs:
+            way = (high - low) / np.hypot(*(high - low))
+            out = -radius * way if ring else radius * way
+            ends = view.on_paper(np.array([low - out, high + out]))
+            words = f"{' to '.join(allowed_texts(row[2:]))} {by} ({row[0]}, {row[1]})"
+            reach = (outline - ends[0]) @ np.array([-way[1], way[0]])
+            edges = reach.max(), reach.min()
+            offsets = [0.0] if ring else [float(edge + np.sign(edge) * more) for more in (6.0, 10.0) for edge in edges]
+            one, other = (
+                Ring(tuple(view.on_paper(place).tolist()), view.scale * radius, Pen.THIN) for place in (low, high)
             )
-        )
-        size, pin = " to ".join(allowed_texts(row[2:])), drawn(2.0 * radius, "mm")
-        words = f"{size} {'between' if ring else 'over'} 2 pins \u00d8{pin} ({row[0]}, {row[1]})"
-        reach = (outline - ends[0]) @ np.array([-way[1], way[0]])
-        offsets = [float(edge + np.sign(edge) * more) for more in (6.0, 10.0) for edge in (reach.max(), reach.min())]
-        offsets = [0.0] if ring else offsets
-        circles = [Ring(tuple(view.on_paper(place).tolist()), view.scale * radius, Pen.THIN) for place in (low, high)]
-        if not all(board.is_free([Line(ring.points, closed=True)]) for ring in circles):
-            continue
-        if board.put_dimension(paper.length(ends, apart, words, view.scale) for apart in offsets):
-            board.add(*circles)
-            return
+            for apart in offsets:
+                yield paper.length(ends, apart, words, view.scale), one, other
+
+    board.put_dimension(tried())
 
 
 def _point_at_holes(board: Board, drive: Drive, plan: BodyPlan, view: View) -> None:
