@@ -7,6 +7,7 @@ from math import cos, radians, sin
 
 import numpy as np
 import shapely
+from scipy.spatial import KDTree
 
 from ncgear.drawings.scene.geared_pairs import Mounting, mountings
 from ncgear.figures.assembly import outline_radius_mm
@@ -128,7 +129,7 @@ def number_teeth(board: Board, gear: ToothedGear, view: View, name: str, *, fift
     """
     addendum = gear.flanks.rack.addendum_mm
     heights = [view.on_paper(tooth_places(gear, height)) for height in (0.0, addendum, -addendum)]
-    trees = [shapely.STRtree(shapely.points(places)) for places in heights]
+    trees = [KDTree(places) for places in heights]
     middles = heights[0]
     over = view.on_paper(tooth_places(gear, 1.0)) - middles
     outwards = over / np.hypot(*over.T)[:, None]
@@ -153,11 +154,9 @@ TOGETHER = 8
 """Places that are looked at together: mostly one of the first has room."""
 
 
-def _is_nearest(trees: Sequence[shapely.STRtree], row: int, places: Array) -> Mask:
+def _is_nearest(trees: Sequence[KDTree], row: int, places: Array) -> Mask:
     """Whether a tooth is the nearest to places on paper (n, 2), by trees of all teeth's points at several heights."""
-    from_places = shapely.points((places[:, None] + UP_AND_DOWN_MM).reshape(-1, 2))
-    nearest = np.stack([tree.query_nearest(from_places, all_matches=False)[1] for tree in trees])
-    nearest = nearest.reshape(len(trees), len(places), len(UP_AND_DOWN_MM))
+    nearest = np.stack([tree.query(places[:, None] + UP_AND_DOWN_MM)[1] for tree in trees])
     return np.asarray((nearest == row).all(axis=(0, 2)))
 
 
