@@ -16,7 +16,7 @@ from engaged import made
 from ncgear.contact.placement import Placement, placed
 from ncgear.contact.written.apart import REACHES_IN_PITCHES, Apart, Facing, apart_play
 from ncgear.contact.written.as_written import reach_mm
-from ncgear.contact.written.cells import Chords, cells_near, chords_of
+from ncgear.contact.written.cells import cells_near, chords_of
 from ncgear.pitch.shape import Mesh
 from test_play import jagged
 
@@ -122,12 +122,11 @@ def test_pairs_of_a_stretch_are_all_that_come_near_in_any_of_its_positions(
 ) -> None:
     _, driving, driven, at = apart(name, teeth, tolerance, 0.0)
     pitch = at.pitch_mm
-    chords, once = chords_of(driving, 0.15 * pitch), chords_of(driven[::-1] if at.driven_inside else driven, np.inf)
-    stretches, moved = search._stretches(chords, at, 1.2 * pitch, 0.06 * pitch)
-    near = 0.02 * pitch + moved + float(chords.half_mm.max())
-    cells = cells_near(once, near, 0.01 * pitch)
-    windows = search._windows(chords, stretches.width)
-    setting = search._Setting(at, stretches, chords, Chords.joined([once, once]), windows)
+    facing = Facing(driving, driven[::-1] if at.driven_inside else driven, pitch)
+    chords, once = facing.chords, facing.once
+    stretches = search._stretches(facing, at, 1.2 * pitch)
+    cells = facing.cells(0.02 * pitch)
+    setting = search._Setting(at, stretches, chords, facing.twice, search._windows(chords, stretches.width))
     rows = np.arange(0, stretches.first.size, stretches.first.size // 3)
     pairs = search._near_pairs(setting, cells, rows, 0.02 * pitch)
     others = segments(once.start, once.start + once.direction * once.length_mm)
