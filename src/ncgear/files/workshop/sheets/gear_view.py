@@ -150,8 +150,8 @@ def number_teeth(board: Board, gear: ToothedGear, view: View, name: str, *, fift
 UP_AND_DOWN_MM = np.array([[0.0, -0.4], [0.0, 0.0], [0.0, 0.4]])
 """Places of a number from which its tooth must be the nearest."""
 
-TOGETHER = 8
-"""Places that are looked at together: mostly one of the first has room."""
+TOGETHER = 24
+"""Places that are looked at together: between crowded teeth one of the first has room, or none."""
 
 
 def _is_nearest(trees: Sequence[KDTree], row: int, places: Array) -> Mask:
