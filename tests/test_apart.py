@@ -14,9 +14,9 @@ from shapely import Polygon
 import ncgear.contact.written.apart as search
 from engaged import made
 from ncgear.contact.placement import Placement, placed
-from ncgear.contact.written.apart import REACHES_IN_PITCHES, Apart, apart_play
+from ncgear.contact.written.apart import REACHES_IN_PITCHES, Apart, Facing, apart_play
 from ncgear.contact.written.as_written import reach_mm
-from ncgear.contact.written.cells import Chords, cells_near, chords_of
+from ncgear.contact.written.cells import cells_near, chords_of
 from ncgear.pitch.shape import Mesh
 from test_play import jagged
 
@@ -39,7 +39,7 @@ def apart(
     at = placed(pitch)
     at = replace(at, phi2_rad=at.phi2_rad + ahead_rad)
     left = driven[::-1] if at.driven_inside else driven
-    return apart_play(driving, left, at, reach_mm(pitch, pair)), driving, driven, at
+    return apart_play(Facing(driving, left, at.pitch_mm), at, reach_mm(pitch, pair)), driving, driven, at
 
 
 def overlap_mm2(driving: Array, driven: Array, at: Placement, row: int, turned_rad: float = 0.0) -> float:
@@ -107,10 +107,10 @@ def test_a_gear_wholly_inside_the_other_does_not_stand_apart() -> None:
     bar = np.array([-20 - 1j, 20 - 1j, 20 + 1j, -20 + 1j])
     zero, one = np.zeros(1), np.ones(1)
     at = Placement(Mesh.EXTERNAL, 15.0, 1, 1, 1.5, 20, zero, zero, zero, one)
-    assert not apart_play(0.5 * around, bar, at, 40.0).known.any()
+    assert not apart_play(Facing(0.5 * around, bar, at.pitch_mm), at, 40.0).known.any()
     # Beside the bar it does, between two prongs.
     fork = np.array([-20 - 3j, 20 - 3j, 20 + 3j, -20 + 3j, -20 + 2j, -10 + 1j, -10 - 1j, -20 - 2j])
-    found = apart_play(0.9 * around, fork, at, 40.0)
+    found = apart_play(Facing(0.9 * around, fork, at.pitch_mm), at, 40.0)
     assert found.known.all()
     assert found.up_rad == pytest.approx(found.down_rad, abs=1e-12)
 
@@ -122,12 +122,11 @@ def test_pairs_of_a_stretch_are_all_that_come_near_in_any_of_its_positions(
 ) -> None:
     _, driving, driven, at = apart(name, teeth, tolerance, 0.0)
     pitch = at.pitch_mm
-    chords, once = chords_of(driving, 0.15 * pitch), chords_of(driven[::-1] if at.driven_inside else driven, np.inf)
-    stretches, moved = search._stretches(chords, at, 1.2 * pitch, 0.06 * pitch)
-    near = 0.02 * pitch + moved + float(chords.half_mm.max())
-    cells = cells_near(once, near, 0.01 * pitch)
-    windows = search._windows(chords, stretches.width)
-    setting = search._Setting(at, stretches, chords, Chords.joined([once, once]), windows)
+    facing = Facing(driving, driven[::-1] if at.driven_inside else driven, pitch)
+    chords, once = facing.chords, facing.once
+    stretches = search._stretches(facing, at, 1.2 * pitch)
+    cells = facing.cells(0.02 * pitch)
+    setting = search._Setting(at, stretches, chords, facing.twice, search._windows(chords, stretches.width))
     rows = np.arange(0, stretches.first.size, stretches.first.size // 3)
     pairs = search._near_pairs(setting, cells, rows, 0.02 * pitch)
     others = segments(once.start, once.start + once.direction * once.length_mm)

@@ -15,7 +15,7 @@ from ncgear.contact.pair import pair_contact, refuse_overlap, sound_extremes
 from ncgear.contact.placement import Placement, placed, placed_at
 from ncgear.contact.written.as_written import reach_mm
 from ncgear.contact.written.extremes import KNOWN as KNOWN_OF_WRITTEN
-from ncgear.contact.written.play import outline_play
+from ncgear.contact.written.play import facing_outlines, outline_play
 from ncgear.errors import NoSuchMechanism
 from ncgear.pitch.pair import PitchPair
 from ncgear.teeth.form import TipRelief
@@ -139,10 +139,11 @@ def test_fifty_times_as_many_positions_find_nothing_beyond_written_outlines_extr
     contact = pair_contact(pitch, pair, designed(name, teeth, backlash_mm, **kinds), [outlines(pair)])
     (found,), even = contact.extremes, contact.as_designed.placement
     rolled = (np.arange(50 * even.count) + (sqrt(5.0) - 1.0) / 2.0) * even.step_mm / 50.0
+    facing = facing_outlines(pair.driving.outline_mm, pair.driven.outline_mm, even)
     reach, bounds, overlap_mm = reach_mm(pitch, pair), [], 0.0
     for block in np.array_split(rolled, rolled.size // 1000):
         at = placed_at(pitch, even, block)
-        play = outline_play(pair.driving.outline_mm, pair.driven.outline_mm, at, reach)
+        play = outline_play(facing, at, reach)
         bounds.append(np.stack(at.bounds_rad(play.up_rad, play.down_rad)))
         overlap_mm = max(overlap_mm, float(play.overlap_mm.max()))
     pushing, back = np.hstack(bounds)

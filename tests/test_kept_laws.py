@@ -11,7 +11,13 @@ import pytest
 from kept_laws import FILES, KeptLaw, kept
 from ncgear.errors import DesignError, NoSuchMechanism
 from ncgear.optimum.certified.demands import Demands
-from ncgear.optimum.certified.limit import least_acceleration, least_acceleration_roughly, least_of, least_power
+from ncgear.optimum.certified.limit import (
+    least_acceleration,
+    least_acceleration_roughly,
+    least_of,
+    least_power,
+    problem_of,
+)
 from ncgear.optimum.certified.sums import PeakWeights, least_weighted_sum, raised
 from ncgear.optimum.certified.tree import Budget
 from ncgear.optimum.task import Figures, Task, figures
@@ -59,7 +65,10 @@ ASKED: dict[str, Callable[[Demands], Demands]] = {
 
 OF_MOTION: dict[str, tuple[Limit, Callable[[Figures], float | None]]] = {
     "acceleration": (acceleration, lambda found: found.peak_acceleration_mm_s2),
-    "roughly": (least_acceleration_roughly, lambda found: found.peak_acceleration_mm_s2),
+    "roughly": (
+        lambda task, asked: least_acceleration_roughly(problem_of(task, asked)),
+        lambda found: found.peak_acceleration_mm_s2,
+    ),
     "power": (power, lambda found: found.peak_power_w),
     "sum": (least_sum, lambda found: 2.0),
 }

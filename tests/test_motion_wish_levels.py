@@ -12,7 +12,7 @@ from drives import drive
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.crank_stretches import End
 from ncgear.kinematics.motion import Machine
-from ncgear.optimum.certified.limit import least_acceleration_roughly
+from ncgear.optimum.certified.limit import least_acceleration_roughly, problem_of
 from ncgear.optimum.makeable.demanded import certified_limit, demands_of, start_motion
 from ncgear.optimum.makeable.law import makeable_law
 from ncgear.optimum.makeable.wishes import Wishes
@@ -114,4 +114,4 @@ def test_the_limit_of_an_even_speed_agrees_with_another_programme(ends_mm: tuple
     """The reference, another solver's, leaves the driving curve free as well; one percent is its grid's."""
     wish = ConstantSpeed(key="wishes.constant_speed.0", from_mm=ends_mm[0], to_mm=ends_mm[1], tolerance=1e-4)
     asked = demands_of(AT_SIXTY, replace(FREE, motion=(wish,)))
-    assert least_acceleration_roughly(AT_SIXTY, asked) == pytest.approx(known, rel=0.01)
+    assert least_acceleration_roughly(problem_of(AT_SIXTY, asked)) == pytest.approx(known, rel=0.01)

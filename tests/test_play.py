@@ -14,7 +14,7 @@ from shapely import Polygon
 from engaged import MODULE, TOLERANCE, least_driven_radius, made
 from ncgear.contact.placement import Placement, placed
 from ncgear.contact.written.as_written import BEYOND, reach_mm
-from ncgear.contact.written.play import WrittenPlay, outline_play
+from ncgear.contact.written.play import WrittenPlay, facing_outlines, outline_play
 from ncgear.contact.written.polar import NO_RUN, polar_outline, radial_runs
 from ncgear.pitch.shape import Mesh
 from oracles import meshing
@@ -32,7 +32,8 @@ def play(
     pitch, pair = made(name, teeth, **kinds)
     at = placed(pitch)
     at = replace(at, phi2_rad=at.phi2_rad + ahead_rad, center_distance_mm=at.center_distance_mm + apart_mm)
-    return outline_play(pair.driving.outline_mm, pair.driven.outline_mm, at, reach_mm(pitch, pair)), at
+    facing = facing_outlines(pair.driving.outline_mm, pair.driven.outline_mm, at)
+    return outline_play(facing, at, reach_mm(pitch, pair)), at
 
 
 def judged(driving: Array, driven: Array, at: Placement) -> meshing.Pair:
@@ -106,7 +107,7 @@ def test_play_of_rough_outlines_is_what_a_plain_search_finds(seed: int) -> None:
     ]
     assert all(Polygon(outline).is_valid for outline in rough)
     at = placed(pitch)
-    found = outline_play(*rough, at, REACH)
+    found = outline_play(facing_outlines(*rough, at), at, REACH)
     for row in range(seed, at.count, 17):
         assert (found.up_rad[row], found.down_rad[row]) == pytest.approx(plain_play(*rough, at, row), abs=1e-12)
 

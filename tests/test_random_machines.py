@@ -10,7 +10,7 @@ import re
 import pytest
 
 from ncgear.errors import NoSuchMechanism
-from ncgear.optimum.certified.limit import least_acceleration_roughly, least_of, least_power
+from ncgear.optimum.certified.limit import least_acceleration_roughly, least_of, least_power, problem_of
 from ncgear.optimum.makeable.demanded import certified_limit, demands_of, start_motion
 from ncgear.optimum.makeable.law import makeable_law
 from ncgear.optimum.makeable.wishes import Goal
@@ -43,7 +43,7 @@ def quick_limit(machine: RandomMachine) -> float:
     """A limit of the goal for a tenth of the time, which is lower than the certified one or equal."""
     task, asked = machine.task, demands_of(machine.task, machine.wishes)
     if machine.wishes.goal is Goal.ACCELERATION:
-        return least_acceleration_roughly(task, asked)
+        return least_acceleration_roughly(problem_of(task, asked))
     if task.masses is None:
         return least_power(task, asked, proven=False).value
     return least_of(task, asked, "power_w", COARSE).value

@@ -28,7 +28,7 @@ from drives import drive
 from ncgear.contact.written.as_written import Outlines
 from ncgear.drawings.beside import HERE
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING
-from ncgear.files.read_back import exact_outlines, outline_errors_mm
+from ncgear.files.read_back import exact_outlines, outline_errors_mm, outline_of_dxf
 from ncgear.files.workshop.drawing import Layer, Use
 from ncgear.files.workshop.formats import USUAL, WRITERS, Format, all_made, begun_workshop_files
 from ncgear.files.workshop.gear_drawing import pitch_points
@@ -63,6 +63,32 @@ def apart_mm(points: Array, other: Array) -> float:
     """The greatest distance between two closed lines through points (n, 2)."""
     both = (points, other), (other, points)
     return float(max(shapely.distance(shapely.points(a), shapely.LinearRing(b)).max() for a, b in both))
+
+
+@pytest.mark.parametrize("bent", [False, True])
+def test_points_of_dxf_are_written_and_read_as_the_library_does(bent: bool) -> None:
+    """Ours are one text; the library's are one object for each number."""
+    from ncgear.files.workshop.drawing import Drawing, Polyline
+    from ncgear.files.workshop.dxf import dxf_bytes
+
+    turned = np.linspace(0.0, 2.0 * np.pi, 40, endpoint=False)
+    points = np.round(np.column_stack([30.0 * np.cos(turned), 2e-5 * np.sin(turned)]), 6)
+    bulges = np.where(np.arange(40) % 3 == 0, 0.25, 0.0) if bent else np.zeros(40)
+    drawing = Drawing("LWPOLYLINE", {Layer.OUTLINE: (Polyline(points, bulges),)}, ("  0", "  8", "OUTLINE"))
+    data = dxf_bytes({"": drawing}, drawing.notes)
+    document = ezdxf.read(StringIO(data.decode()))
+    (read,) = document.modelspace().query("LWPOLYLINE")
+    np.testing.assert_array_equal(np.array(read.get_points("xyb")), np.column_stack([points, bulges]))
+    again = StringIO()
+    document.write(again)
+    ours, theirs = (
+        text[text.index("AcDbPolyline") : text.index("AcDbText")] for text in (data.decode(), again.getvalue())
+    )
+    assert ours == theirs
+    found = outline_of_dxf(data)
+    for one in points:
+        assert np.hypot(*(found - one).T).min() < 1e-12
+    assert (len(found) > len(points)) == bent
 
 
 def strayed_mm(points: Array, name: str, gear: Gear) -> float:

@@ -11,7 +11,7 @@ import numpy as np
 from ncgear.contact.designed.as_designed import AsDesigned, as_designed
 from ncgear.contact.placement import PER_TOOTH, placed
 from ncgear.contact.written.as_written import reach_mm
-from ncgear.contact.written.play import outline_play
+from ncgear.contact.written.play import facing_outlines, outline_play
 from ncgear.numerics.arrays import Array
 from ncgear.teeth.gear import toothed_pair
 from speed_against_error.outlines import MODULE_MM, TOLERANCE_MM, circular_gear, circular_pair, even_outlines, form
@@ -127,7 +127,7 @@ def _play_of_even_outlines(count: int) -> Play:
 def play_of_outlines(outlines: tuple[Array, Array], positions: int | None = None) -> Play:
     """The play of any two outlines, shape (n, 2) each."""
     placement = placed(circular_pair(), positions)
-    play = outline_play(*outlines, placement, _reach_mm())
+    play = outline_play(facing_outlines(*outlines, placement), placement, _reach_mm())
     return Play(*placement.bounds_rad(play.up_rad, play.down_rad))
 
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from ncgear.contact.placement import Placement, placed
 from ncgear.contact.written.as_written import reach_mm
-from ncgear.contact.written.play import outline_play
+from ncgear.contact.written.play import facing_outlines, outline_play
 from ncgear.design.keys.machine import Output
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.pitch.pair import PitchPair, sized_pair
@@ -105,7 +105,8 @@ class _Case:
 
     def turned(self, outlines: tuple[Array, Array]) -> Array:
         """The driving outline, after both are turned against each other, as every build does."""
-        play = outline_play(*outlines, *self._positions)
+        placement, reach = self._positions
+        play = outline_play(facing_outlines(*outlines, placement), placement, reach)
         if not (np.isfinite(play.up_rad).all() and np.isfinite(play.down_rad).all()):
             raise ArithmeticError(f"{self.key}: the outlines do not reach each other")
         return outlines[0]

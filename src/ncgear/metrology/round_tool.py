@@ -18,7 +18,6 @@ from __future__ import annotations
 from math import floor
 
 import numpy as np
-import shapely
 
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
@@ -140,16 +139,18 @@ def _free(point: Array, normal: Array, other: Array, left: float) -> Array:
 
 def _smallest_disc(outline: _Outline, most: float, left: float) -> tuple[float, tuple[float, float]]:
     """Radius of the least of all discs, at most ``most``, and the places of its point and of the one that it clears."""
+    from scipy.spatial import KDTree
+
     place, step = outline.everywhere()
     point, normal = outline.at(place)
-    tree = shapely.STRtree(shapely.points(point))
+    tree = KDTree(point)
 
     def holding(rows: IndexArray, radius: float) -> tuple[IndexArray, IndexArray]:
         """Which of the rows have discs of a radius that hold a point, and the point nearest to their centres."""
         center = point[rows] + (radius + left) * normal[rows]
-        near = radius * (1.0 - SETTLED)
-        held, found = tree.query_nearest(shapely.points(center), max_distance=near, all_matches=False)
-        return rows[held], found
+        away, found = tree.query(center, distance_upper_bound=radius * (1.0 - SETTLED))
+        held = np.isfinite(away)
+        return rows[held], found[held]
 
     # The bottoms of spaces first: they leave little for all others to shrink.
     radius, bottoms = most, outline.kind[place.astype(int)] == ROOT_LAND

@@ -11,7 +11,13 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.optimum.certified.limit import Bound, least_acceleration, least_acceleration_roughly, least_power
+from ncgear.optimum.certified.limit import (
+    Bound,
+    least_acceleration,
+    least_acceleration_roughly,
+    least_power,
+    problem_of,
+)
 from ncgear.optimum.makeable.demanded import demands_of, knows_loads, start_motion
 from ncgear.optimum.makeable.wishes import Goal, Wishes
 from ncgear.optimum.task import Figures, Task, figures
@@ -81,8 +87,8 @@ def limit_points(task: Task, wishes: Wishes, most_w: float) -> list[tuple[float,
     least_w = WITHIN_REACH * least_power(task, free, proven=False).value
     if not 0.0 < least_w < most_w:
         return []
-    caps = np.geomspace(least_w, most_w, LIMIT_POINTS).tolist()
-    return [(cap, least_acceleration_roughly(task, replace(free, power_w=cap))) for cap in caps]
+    caps, problem = np.geomspace(least_w, most_w, LIMIT_POINTS).tolist(), problem_of(task, free)
+    return [(cap, least_acceleration_roughly(problem.under(power_w=cap))) for cap in caps]
 
 
 def law_point(task: Task, wishes: Wishes, cap_w: float) -> LawPoint:

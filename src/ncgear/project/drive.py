@@ -437,12 +437,20 @@ class Drive(Geared):
         return self._judged(self.design.strength.method, replace(self.conditions, dynamic_factor=1.0))
 
     def _judged(self, method: Literal["estimate", "elements"], conditions: Conditions) -> JudgedTeeth:
-        from ncgear.project.tooth_strength import judged_teeth
+        from ncgear.project.tooth_strength import judged_teeth, methods_of
 
         require_whole_turns(self.design, "the strength of the teeth")
-        load, teeth = self.tooth_load.load, self.teeth
+        load, teeth, known = self.tooth_load.load, self.teeth, self._known_loadings
         with self.stopwatch("strength"), located(self.places):
-            return judged_teeth(method, self.gears, teeth, self.materials, conditions, self.running, self.loading, load)
+            if method not in known:
+                methods = methods_of(method, teeth, self.materials)
+                known[method] = methods, self.loading(methods, self.materials)
+            return judged_teeth(method, self.gears, *known[method], conditions, self.running, load)
+
+    @computed
+    def _known_loadings(self) -> dict[str, tuple[tuple[ToothMethod, ToothMethod], Loading]]:
+        """Loads by method: they are the same under any conditions."""
+        return {}
 
     @computed
     def _known_strengths(self) -> dict[str, JudgedTeeth | DesignError]:

@@ -195,6 +195,13 @@ class Geared(Moving):
         return None if given is None else {gear: far + given.clearance_mm for gear, far in self.outer_radii_mm.items()}
 
     @computed
+    def tooth_radii_mm(self) -> dict[Gear, tuple[Array, Array]]:
+        """How far each tooth reaches from the axis, and how near to it the space after each comes, shape (z,) each."""
+        from ncgear.teeth.reach import root_radii_mm, tip_radii_mm
+
+        return {gear: (tip_radii_mm(self.teeth.of(gear)), root_radii_mm(self.teeth.of(gear))) for gear in Gear}
+
+    @computed
     def outer_radii_mm(self) -> dict[Gear, float]:
         """How far each gear reaches from its axis: its teeth in all sections, or the rim of a ring."""
         from ncgear.project.gear_solids import rim_mm_of

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from math import pi
 from typing import TYPE_CHECKING, Literal
 
@@ -28,8 +27,6 @@ if TYPE_CHECKING:
     from ncgear.strength.method import ToothMethod
 
 Method = Literal["estimate", "elements"]
-LoadedBy = Callable[["tuple[ToothMethod, ToothMethod]", tuple[Material, Material]], "Loading"]
-"""The load of every tooth, shared by the stiffness that two methods give the teeth of two materials."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,21 +41,18 @@ class JudgedTeeth:
 def judged_teeth(
     method: Method,
     gears: Gears,
-    teeth: ToothedPair,
-    cold: tuple[Material, Material],
+    methods: tuple[ToothMethod, ToothMethod],
+    loading: Loading,
     conditions: Conditions,
     running: Running,
-    loaded_by: LoadedBy,
     load: Literal["masses", "resistance"],
 ) -> JudgedTeeth:
-    """The load of every tooth and its stresses.
+    """The stresses of teeth under their loads.
 
     Plastics are as warm as the power lost between the teeth makes them, which follows from their loads; the loads are
-    shared by the stiffness of the materials ``cold``, at the temperature about them.
+    shared by the stiffness of the materials at the temperature about them.
     """
     choices = choices_of(gears)
-    methods = _methods(method, teeth, cold)
-    loading = loaded_by(methods, cold)
     warm = temperatures_of(choices, conditions, running, _lost_w(choices, conditions, loading))
     materials = materials_of(choices, conditions, running, warm)
     cycle_rad = 2.0 * pi * loading.cycle_turns
@@ -72,9 +66,10 @@ def judged_teeth(
     return JudgedTeeth(loading, strength, methods)
 
 
-def _methods(
+def methods_of(
     method: Method, teeth: ToothedPair, materials: tuple[Material, Material]
 ) -> tuple[ToothMethod, ToothMethod]:
+    """What a method knows of the teeth of both gears."""
     if method == "elements":
         # Loads slowly, and only where it is asked for.
         from ncgear.strength.elements.teeth import elements_of

@@ -15,7 +15,7 @@ import numpy as np
 
 from ncgear.contact.placement import BACK, PUSHING, Placement, placed_at
 from ncgear.contact.written.as_written import reach_mm
-from ncgear.contact.written.play import outline_play
+from ncgear.contact.written.play import facing_outlines, outline_play
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
@@ -161,7 +161,7 @@ class Exact:
                 phi2_rad=self.placement.phi2_rad + start_rad,
             )
             turned = as_points(outlines[0] * np.exp(1j * index)), as_points(outlines[1])
-            play = outline_play(*turned, placement, self.reach_mm)
+            play = outline_play(facing_outlines(*turned, placement), placement, self.reach_mm)
             leads[side] = urge * (start_rad + placement.bounds_rad(play.up_rad, play.down_rad)[side])
         if not np.isfinite(leads).all():
             raise NoSuchMechanism(

@@ -8,12 +8,14 @@ stretch of positions.
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ncgear.contact.placement import Placement
 from ncgear.contact.written.cells import Cells, Chords, cells_near, chords_of
-from ncgear.contact.written.polar import polar_outline
+from ncgear.contact.written.polar import PolarOutline, polar_outline
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask, counted_up
 from ncgear.numerics.plane import across, square
@@ -128,27 +130,72 @@ class _Placed:
     length_mm: Array
 
 
-def apart_play(driving: ComplexArray, driven: ComplexArray, placement: Placement, reach_mm: float) -> Apart:
-    """Play of two outlines, with their material on the left, where they stand apart; shape (n,) each.
+@dataclass(frozen=True, eq=False)
+class Facing:
+    """Two outlines in their own frames, with their material on the left, and what they are at all positions.
+
+    Shape (n,) each, counter-clockwise but for a ring's; ``pitch_mm`` is that of their teeth.
+    """
+
+    driving: ComplexArray
+    driven: ComplexArray
+    pitch_mm: float
+
+    @cached_property
+    def once(self) -> Chords:
+        """The chords of the driven outline."""
+        return chords_of(self.driven, np.inf)
+
+    @cached_property
+    def twice(self) -> Chords:
+        """The same chords, twice round."""
+        return Chords.joined([self.once, self.once])
+
+    @cached_property
+    def grain_mm(self) -> float:
+        """The grain, by which sizes count."""
+        return min(GRAIN_IN_PITCHES * self.pitch_mm, float(self.once.length_mm.mean()))
+
+    @cached_property
+    def chords(self) -> Chords:
+        """The chords of the driving outline, long ones in pieces."""
+        return chords_of(self.driving, LONGEST * self.grain_mm)
+
+    @cached_property
+    def around(self) -> PolarOutline:
+        """The same chords by the polar angles of their starts."""
+        return polar_outline(self.chords.start)
+
+    def cells(self, reach_mm: float) -> Cells:
+        """Cells that name the driven chords within reach of driving ones, wherever these move within a stretch."""
+        if reach_mm not in self._known_cells:
+            margin = float(self.chords.half_mm.max()) + MOVED * self.grain_mm
+            outermost = float(np.abs(self.driven).max())
+            cell = max(CELL * self.grain_mm, 2.0 * outermost / MOST_CELLS)
+            self._known_cells[reach_mm] = cells_near(self.once, reach_mm + margin, cell)
+        return self._known_cells[reach_mm]
+
+    @cached_property
+    def _known_cells(self) -> dict[float, Cells]:
+        return {}
+
+
+def apart_play(facing: Facing, placement: Placement, reach_mm: float) -> Apart:
+    """Play of two outlines where they stand apart; shape (n,) each.
 
     Outlines are compared within the sector of the driving gear that ``reach_mm`` from the pitch point spans.
     """
-    pitch = placement.pitch_mm
-    once = chords_of(driven, np.inf)
-    grain = min(GRAIN_IN_PITCHES * pitch, float(once.length_mm.mean()))
-    chords = chords_of(driving, LONGEST * grain)
-    stretches, moved = _stretches(chords, placement, reach_mm, MOVED * grain)
-    twice = Chords.joined([once, once])
-    setting = _Setting(placement, stretches, chords, twice, _windows(chords, stretches.width))
+    pitch, grain, chords = facing.pitch_mm, facing.grain_mm, facing.chords
+    stretches = _stretches(facing, placement, reach_mm)
+    setting = _Setting(placement, stretches, chords, facing.twice, _windows(chords, stretches.width))
     play, crossed = np.full((2, placement.count), np.inf), np.zeros(placement.count, dtype=bool)
     together = max(BLOCK // stretches.position.shape[1], 1)
-    margin, outermost = float(chords.half_mm.max()) + moved, float(np.abs(driven).max())
-    cell = max(CELL * grain, 2.0 * outermost / MOST_CELLS)
+    outermost = float(np.abs(facing.driven).max())
     for followed in REACHES_IN_PITCHES:
         open_still = np.nonzero((np.isinf(play).any(axis=0) & ~crossed)[stretches.position].any(axis=1))[0]
         if not open_still.size or followed * pitch > FARTHEST * grain:
             break
-        cells = cells_near(once, followed * pitch + margin, cell)
+        cells = facing.cells(followed * pitch)
         for start in range(0, open_still.size, together):
             rows = open_still[start : start + together]
             pairs = _near_pairs(setting, cells, rows, followed * pitch)
@@ -168,9 +215,9 @@ def half_width_rad(placement: Placement, reach_mm: float) -> Array:
     return np.where(share < 1.0, np.arcsin(np.minimum(share, 1.0)), np.pi)
 
 
-def _stretches(chords: Chords, placement: Placement, reach_mm: float, most_mm: float) -> tuple[_Stretches, float]:
-    """The longest stretches within which chords move by ``most_mm`` at most, and how far in mm they do."""
-    outline = polar_outline(chords.start)
+def _stretches(facing: Facing, placement: Placement, reach_mm: float) -> _Stretches:
+    """The longest stretches within which chords move by ``MOVED`` grains at most."""
+    chords, outline = facing.chords, facing.around
     direction, half_width = placement.mesh_direction_rad, half_width_rad(placement, reach_mm)
     for span in (*SPANS_IN_STEPS, 0.0):
         position = _together(placement, span)
@@ -178,10 +225,9 @@ def _stretches(chords: Chords, placement: Placement, reach_mm: float, most_mm: f
         first, count = outline.windows((low + high) / 2.0, (high - low) / 2.0)
         moving = _moving(placement, position)
         stretches = _Stretches(position, first % chords.start.size, int(count.max()), *moving)
-        moved = _moved_mm(chords, stretches)
-        if moved <= most_mm:
+        if _moved_mm(chords, stretches) <= MOVED * facing.grain_mm:
             break
-    return stretches, moved
+    return stretches
 
 
 def _together(placement: Placement, steps: float) -> IndexArray:

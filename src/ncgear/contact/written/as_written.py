@@ -15,7 +15,8 @@ from math import sin
 import numpy as np
 
 from ncgear.contact.placement import Placement
-from ncgear.contact.written.play import WrittenPlay, outline_play
+from ncgear.contact.written.apart import Facing
+from ncgear.contact.written.play import WrittenPlay, facing_outlines, outline_play
 from ncgear.contact.written.polar import polar_outline
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
@@ -36,6 +37,10 @@ class Outlines:
     source: str
     driving_mm: Array
     driven_mm: Array
+
+    def facing(self, placement: Placement) -> Facing:
+        """Both outlines as they are compared, in a placement of theirs."""
+        return facing_outlines(self.driving_mm, self.driven_mm, placement)
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +76,7 @@ def as_written(outlines: Outlines, teeth: ToothedPair, placement: Placement, rea
 
     Raises NoSuchMechanism where outlines that are written do not reach each other.
     """
-    play = outline_play(outlines.driving_mm, outlines.driven_mm, placement, reach_mm)
+    play = outline_play(outlines.facing(placement), placement, reach_mm)
     tips = _tip_clearances(outlines, teeth, placement)
     require_reached(outlines, play, *tips)
     bounds = placement.bounds_rad(play.up_rad, play.down_rad)

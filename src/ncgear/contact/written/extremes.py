@@ -131,28 +131,28 @@ def _touched_at(
 ) -> Callable[[Array], Touched]:
     """What touches at rolled lengths, between the even positions at which it is known."""
     rolled, middle = over_cycle(even, _both_sides(known).mean(axis=0, keepdims=True))
+    facing = outlines.facing(even)
+
+    def touch_in(placement: Placement) -> tuple[Array, Array]:
+        """Angles beyond a placement's at which pushing flanks and backs touch, shape (2, n), and overlaps in it."""
+        play = outline_play(facing, placement, reach_mm)
+        require_reached(outlines, play)
+        return np.stack(placement.bounds_rad(play.up_rad, play.down_rad)), play.overlap_mm
 
     def touched(rolled_mm: Array) -> Touched:
         at = placed_at(pitch, even, rolled_mm)
         between_rad = np.interp(rolled_mm, rolled, middle[0])
-        touch, overlap_mm = _touch(outlines, replace(at, phi2_rad=at.phi2_rad + between_rad), reach_mm)
+        touch, overlap_mm = touch_in(replace(at, phi2_rad=at.phi2_rad + between_rad))
         touch += between_rad
         doubtful = np.flatnonzero((overlap_mm > 0.0) | (touch[0] > ALIKE_RAD) | (touch[1] < -ALIKE_RAD))
         overlap_mm[:] = 0.0
         if doubtful.size:
-            law, overlap_mm[doubtful] = _touch(outlines, placed_at(pitch, even, rolled_mm[doubtful]), reach_mm)
+            law, overlap_mm[doubtful] = touch_in(placed_at(pitch, even, rolled_mm[doubtful]))
             # A corner that has passed its flank looks as if it touched; the wider play is free all along.
             touch[:, doubtful] = np.where(law[1] - law[0] > (touch[1] - touch[0])[doubtful], law, touch[:, doubtful])
         return at, touch, overlap_mm
 
     return touched
-
-
-def _touch(outlines: Outlines, at: Placement, reach_mm: float) -> tuple[Array, Array]:
-    """Driven angles beyond a placement's at which pushing flanks and backs touch, shape (2, n), and overlaps in it."""
-    play = outline_play(outlines.driving_mm, outlines.driven_mm, at, reach_mm)
-    require_reached(outlines, play)
-    return np.stack(at.bounds_rad(play.up_rad, play.down_rad)), play.overlap_mm
 
 
 def _errors_at(pitch: PitchPair, teeth: ToothedPair, designed: AsDesigned) -> Callable[[Array], Array]:

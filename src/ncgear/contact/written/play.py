@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from ncgear.contact.placement import Placement
-from ncgear.contact.written.apart import apart_play, half_width_rad
+from ncgear.contact.written.apart import Facing, apart_play, half_width_rad
 from ncgear.contact.written.polar import TURN, RadialRuns, headings, polar_outline, radial_runs, with_feet
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask, counted_up
@@ -126,15 +126,24 @@ class _Crossings:
         return out
 
 
-def outline_play(driving_mm: Array, driven_mm: Array, placement: Placement, reach_mm: float) -> WrittenPlay:
-    """Play of two outlines in their own frames, counter-clockwise, shape (n, 2) each, each around its axis once.
+def facing_outlines(driving_mm: Array, driven_mm: Array, placement: Placement) -> Facing:
+    """Two outlines in their own frames, counter-clockwise, shape (n, 2) each, each around its axis once.
+
+    Of ``placement`` only counts what is the same at all positions.
+    """
+    # Outlines are followed with the material on their left: a ring's goes round the hole the other way.
+    driven = as_complex(driven_mm[::-1] if placement.driven_inside else driven_mm)
+    return Facing(as_complex(driving_mm), driven, placement.pitch_mm)
+
+
+def outline_play(facing: Facing, placement: Placement, reach_mm: float) -> WrittenPlay:
+    """Play of two outlines at positions.
 
     Outlines are compared within the sector of the driving gear that ``reach_mm`` from the pitch point spans, which must
     cover the line of action.
     """
-    # Outlines are followed with the material on their left: a ring's goes round the hole the other way.
-    driving, driven = as_complex(driving_mm), as_complex(driven_mm[::-1] if placement.driven_inside else driven_mm)
-    apart = apart_play(driving, driven, placement, reach_mm)
+    driving, driven = facing.driving, facing.driven
+    apart = apart_play(facing, placement, reach_mm)
     play = np.stack([apart.up_rad, apart.down_rad, np.zeros(placement.count)])
     open_still, longest = np.nonzero(~apart.known)[0], _longest_chord_mm(driving, driven)
     for followed in REACHES_IN_PITCHES:

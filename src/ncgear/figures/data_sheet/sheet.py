@@ -28,7 +28,6 @@ from ncgear.project.drive import Drive
 from ncgear.project.workshop_measures import GearMeasures, cut_gears, section_z_mm
 from ncgear.teeth.form import CutterKind
 from ncgear.teeth.lost import Loss, shortening, undercutting
-from ncgear.teeth.reach import root_radii_mm, tip_radii_mm
 from ncgear.teeth.shifts import thickness_mm
 from ncgear.teeth.tips import Limit
 
@@ -164,12 +163,12 @@ def _of_both(label: str, driving: float, driven: float) -> Entry:
 
 
 def _radii(drive: Drive) -> list[Entry]:
-    gears, over_all, housing = (drive.teeth.driving, drive.teeth.driven), drive.outer_radii_mm, drive.housing_radii_mm
+    of_teeth, over_all, housing = drive.tooth_radii_mm, drive.outer_radii_mm, drive.housing_radii_mm
     section = ", in the section at z = 0" if drive.helix else ""
     return [
         *_ends("pitch radius", *(drive.pitch.radius_range_mm(gear) for gear in Gear)),
-        *_ends(f"radius of tips{section}", *(_range(tip_radii_mm(gear)) for gear in gears)),
-        *_ends(f"radius of roots{section}", *(_range(root_radii_mm(gear)) for gear in gears)),
+        *_ends(f"radius of tips{section}", *(_range(of_teeth[gear][0]) for gear in Gear)),
+        *_ends(f"radius of roots{section}", *(_range(of_teeth[gear][1]) for gear in Gear)),
         _of_both("greatest radius over all", over_all[Gear.DRIVING], over_all[Gear.DRIVEN]),
         *([_of_both("bore of the housing", *(2.0 * radius for radius in housing.values()))] if housing else []),
     ]

@@ -7,7 +7,7 @@ that makes its text right.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from io import StringIO
 from math import ceil, degrees, log10
 
@@ -16,7 +16,9 @@ import numpy as np
 from ezdxf import units
 from ezdxf.document import Drawing as Document
 from ezdxf.entities import Dimension as DimensionEntity
+from ezdxf.entities.lwpolyline import LWPolylinePoints
 from ezdxf.layouts import BlockLayout, Modelspace
+from ezdxf.lldxf.types import DXFTag
 from ezdxf.sections.classes import REQ_R2004
 
 from ncgear.errors import Unanswered
@@ -137,7 +139,29 @@ def _add_polyline(space: BlockLayout | Modelspace, layer: str, points: Array, bu
     """Add points (shape (n, 2)) with their bulges (shape (n,)), at once: the library copies all for each single one."""
     polyline = space.add_lwpolyline([], close=closed, dxfattribs={"layer": layer, "flags": WHOLE_PATTERN | closed})
     width = np.zeros(len(points))
+    polyline.lwpoints = _Vertices()
     polyline.lwpoints.set(np.column_stack([points, width, width, bulges]))
+
+
+class _Vertices(LWPolylinePoints):
+    """Points of a polyline that are written at once: the library makes several objects for every number."""
+
+    def dxftags(self) -> Iterator[DXFTag]:
+        """All points as one tag."""
+        rows = np.asarray(self.values).reshape(-1, self.VERTEX_SIZE)[:, [0, 1, 4]].tolist()
+        bent = (f" 42\n{bulge}\n" if bulge else "" for _, _, bulge in rows)
+        yield _Text("".join(f" 10\n{x}\n 20\n{y}\n{more}" for (x, y, _), more in zip(rows, bent, strict=True)))
+
+
+class _Text(DXFTag):
+    """Tags that are text already."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__(LWPolylinePoints.VERTEX_CODE, text)
+
+    def dxfstr(self) -> str:
+        """The text."""
+        return str(self.value)
 
 
 def _write(document: Document, notes: Sequence[str], low: Array, high: Array, decimals: int) -> None:

@@ -101,12 +101,13 @@ def least_acceleration(task: Task, asked: Demands, places: int | None = None, *,
     return _with_curves(problem, least_value, "acceleration_mm_s2", proven=proven)
 
 
-def least_acceleration_roughly(task: Task, asked: Demands) -> float:
+def least_acceleration_roughly(problem: LimitProblem) -> float:
     """The least peak of acceleration in mm/s^2 as ``least_acceleration`` gives it, with the driving curve left free.
 
-    It is certain, a few percent lower at most on balers, and takes a tenth of the time.
+    It is certain, a few percent lower at most on balers, and takes a tenth of the time.  A demand on acceleration
+    itself is not looked at.
     """
-    problem = problem_of(task, replace(asked, acceleration_mm_s2=inf), None)
+    problem = problem.under(acceleration_mm_s2=inf)
     made = problem.programme(with_peak=True)
     value = least(made.programme, made.acceleration).value
     if value == inf and not problem.is_open:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import replace
-from itertools import product
+from itertools import compress, islice, product
 
 import numpy as np
 import shapely
@@ -22,6 +22,9 @@ SLACK_MM = 0.6
 
 CHUNK = 24
 """Points of a line that are looked at together."""
+
+TOGETHER = 8
+"""Dimensions that are looked at together: mostly one of the first has room."""
 
 LENGTHS_MM = (5.0, 8.0, 12.0, 17.0, 24.0, 32.0, 42.0, 54.0)
 TURNS_RAD = tuple(np.radians([0.0, 12.0, -12.0, 25.0, -25.0, 40.0, -40.0, 60.0, -60.0, 85.0, -85.0]))
@@ -75,9 +78,10 @@ class Board:
 
     def _roomy(self, areas: Sequence[Polygon]) -> Mask:
         """Which of the areas are inside the box and cover nothing, shape (n,)."""
-        free = shapely.covers(self.box, areas) & ~self._texts.meet(areas) & ~self._holes.meet(areas)
-        free[free] = ~self._lines.meet(np.asarray(areas)[free])
-        return np.asarray(free)
+        free = np.asarray(shapely.covers(self.box, areas))
+        for shapes in (self._texts, self._holes, self._lines):
+            free[free] = ~shapes.meet(np.asarray(areas)[free])
+        return free
 
     def is_free(self, lines: Iterable[Line]) -> bool:
         """Whether lines are inside the box and cross no text."""
@@ -103,12 +107,15 @@ class Board:
                 return True
         return False
 
-    def put_dimension(self, candidates: Iterable[Dimension]) -> bool:
-        """Add the first dimension that has room; whether there was one."""
-        for one in candidates:
-            if self.has_room(one.text) and self.is_free(one.lines):
-                self.add(one)
-                return True
+    def put_dimension(self, candidates: Iterable[tuple[Dimension, *tuple[Ring, ...]]]) -> bool:
+        """Add the first dimension that has room, and circles that belong to it; whether there was one."""
+        waiting = iter(candidates)
+        while some := list(islice(waiting, TOGETHER)):
+            roomy = self._roomy(shapely.polygons([_widened(dimension.text.corners) for dimension, *_ in some]))
+            for dimension, *rings in compress(some, roomy):
+                if self.is_free([*dimension.lines, *(Line(ring.points, closed=True) for ring in rings)]):
+                    self.add(dimension, *rings)
+                    return True
         return False
 
     def pointed(

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from math import cos, radians, sin
 
 import numpy as np
 import shapely
+from scipy.spatial import KDTree
 
 from ncgear.drawings.scene.geared_pairs import Mounting, mountings
 from ncgear.figures.assembly import outline_radius_mm
@@ -128,7 +129,7 @@ def number_teeth(board: Board, gear: ToothedGear, view: View, name: str, *, fift
     """
     addendum = gear.flanks.rack.addendum_mm
     heights = [view.on_paper(tooth_places(gear, height)) for height in (0.0, addendum, -addendum)]
-    trees = [shapely.STRtree(shapely.points(places)) for places in heights]
+    trees = [KDTree(places) for places in heights]
     middles = heights[0]
     over = view.on_paper(tooth_places(gear, 1.0)) - middles
     outwards = over / np.hypot(*over.T)[:, None]
@@ -149,15 +150,13 @@ def number_teeth(board: Board, gear: ToothedGear, view: View, name: str, *, fift
 UP_AND_DOWN_MM = np.array([[0.0, -0.4], [0.0, 0.0], [0.0, 0.4]])
 """Places of a number from which its tooth must be the nearest."""
 
-TOGETHER = 8
-"""Places that are looked at together: mostly one of the first has room."""
+TOGETHER = 24
+"""Places that are looked at together: between crowded teeth one of the first has room, or none."""
 
 
-def _is_nearest(trees: Sequence[shapely.STRtree], row: int, places: Array) -> Mask:
+def _is_nearest(trees: Sequence[KDTree], row: int, places: Array) -> Mask:
     """Whether a tooth is the nearest to places on paper (n, 2), by trees of all teeth's points at several heights."""
-    from_places = shapely.points((places[:, None] + UP_AND_DOWN_MM).reshape(-1, 2))
-    nearest = np.stack([tree.query_nearest(from_places, all_matches=False)[1] for tree in trees])
-    nearest = nearest.reshape(len(trees), len(places), len(UP_AND_DOWN_MM))
+    nearest = np.stack([tree.query(places[:, None] + UP_AND_DOWN_MM)[1] for tree in trees])
     return np.asarray((nearest == row).all(axis=(0, 2)))
 
 
@@ -171,26 +170,25 @@ def _draw_pins(board: Board, measured: GearMeasures, view: View) -> None:
     places = dict(zip(pins.space.tolist(), pins.center_mm, strict=True))
     pairs = [(*sorted((places[row[0]], places[row[1]]), key=lambda place: float(place[1])), row) for row in rows]
     pairs.sort(key=lambda pair: abs(pair[1][0] - pair[0][0]) / np.hypot(*(pair[1] - pair[0])))
-    ring = measured.working.is_ring
-    outline = view.on_paper(measured.toothed.outline_mm)
-    for low, high, row in pairs:
-        way = (high - low) / np.hypot(*(high - low))
-        ends = view.on_paper(
-            np.array(
-                [low - radius * way, high + radius * way] if not ring else [low + radius * way, high - radius * way]
+    ring, outline = measured.working.is_ring, view.on_paper(measured.toothed.outline_mm)
+    by = f"{'between' if ring else 'over'} 2 pins \u00d8{drawn(2.0 * radius, 'mm')}"
+
+    def tried() -> Iterator[tuple[Dimension, Ring, Ring]]:
+        for low, high, row in pairs:
+            way = (high - low) / np.hypot(*(high - low))
+            out = -radius * way if ring else radius * way
+            ends = view.on_paper(np.array([low - out, high + out]))
+            words = f"{' to '.join(allowed_texts(row[2:]))} {by} ({row[0]}, {row[1]})"
+            reach = (outline - ends[0]) @ np.array([-way[1], way[0]])
+            edges = reach.max(), reach.min()
+            offsets = [0.0] if ring else [float(edge + np.sign(edge) * more) for more in (6.0, 10.0) for edge in edges]
+            one, other = (
+                Ring(tuple(view.on_paper(place).tolist()), view.scale * radius, Pen.THIN) for place in (low, high)
             )
-        )
-        size, pin = " to ".join(allowed_texts(row[2:])), drawn(2.0 * radius, "mm")
-        words = f"{size} {'between' if ring else 'over'} 2 pins \u00d8{pin} ({row[0]}, {row[1]})"
-        reach = (outline - ends[0]) @ np.array([-way[1], way[0]])
-        offsets = [float(edge + np.sign(edge) * more) for more in (6.0, 10.0) for edge in (reach.max(), reach.min())]
-        offsets = [0.0] if ring else offsets
-        circles = [Ring(tuple(view.on_paper(place).tolist()), view.scale * radius, Pen.THIN) for place in (low, high)]
-        if not all(board.is_free([Line(ring.points, closed=True)]) for ring in circles):
-            continue
-        if board.put_dimension(paper.length(ends, apart, words, view.scale) for apart in offsets):
-            board.add(*circles)
-            return
+            for apart in offsets:
+                yield paper.length(ends, apart, words, view.scale), one, other
+
+    board.put_dimension(tried())
 
 
 def _point_at_holes(board: Board, drive: Drive, plan: BodyPlan, view: View) -> None:

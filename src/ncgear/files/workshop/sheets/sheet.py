@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from enum import Enum
+from itertools import repeat
 from math import cos, pi, sin
 
 import numpy as np
@@ -68,7 +69,7 @@ WIDEST = 1015
 
 def text_width_mm(words: str, letter_mm: float = LETTER_MM) -> float:
     """Width of a text whose capital letters have a height."""
-    return NARROW * letter_mm / CAPITAL * sum(WIDTH_OF.get(letter, WIDEST) for letter in words) / 1000.0
+    return NARROW * letter_mm / CAPITAL * sum(map(WIDTH_OF.get, words, repeat(WIDEST))) / 1000.0
 
 
 def scale_text(scale: float) -> str:
@@ -148,8 +149,9 @@ class Text:
     @property
     def corners(self) -> Array:
         """Corners of the box around the text, shape (4, 2), letters that reach below the line included."""
-        left, low, high = -self.anchor.value * self.width_mm, -DEPTH * self.letter_mm, self.letter_mm
-        box = np.array([[left, low], [left + self.width_mm, low], [left + self.width_mm, high], [left, high]])
+        width, low, high = self.width_mm, -DEPTH * self.letter_mm, self.letter_mm
+        left = -self.anchor.value * width
+        box = np.array([[left, low], [left + width, low], [left + width, high], [left, high]])
         cosine, sine = cos(self.turned_rad), sin(self.turned_rad)
         corners: Array = np.array(self.place) + box @ np.array([[cosine, sine], [-sine, cosine]])
         return corners

@@ -181,7 +181,7 @@ def _gears(drive: Drive, plans: dict[Gear, BodyPlan], views: dict[Gear, View], b
     offsets += [sense * more for more in np.arange(6.0, float(reach.max()), 2.0) for sense in (-1.0, 1.0)]
     scale = views[Gear.DRIVING].scale
     words = f"{drawn(distance, 'mm')} {distance_text(drive) or ''}".strip()
-    board.put_dimension(paper.length(axes, float(apart), words, scale) for apart in offsets)
+    board.put_dimension((paper.length(axes, float(apart), words, scale),) for apart in offsets)
     for gear, view in views.items():
         number_teeth(board, drive.teeth.of(gear), view, gear.value, fifths=True)
         sense = mounting.sense(gear)
@@ -290,12 +290,13 @@ def _mechanism(drive: Drive, bodies: dict[str, list[Array]], box: Box) -> list[I
         below = float(view.on_paper(low)[1]) - 5.0
         apart = [below - float(view.on_paper(ends)[0, 1]) - more for more in (0.0, 2.0, 4.0)]
         board.put_dimension(
-            paper.length(view.on_paper(ends), one, f"{drawn(linkage.stroke_mm, 'mm')} stroke", scale) for one in apart
+            (paper.length(view.on_paper(ends), one, f"{drawn(linkage.stroke_mm, 'mm')} stroke", scale),)
+            for one in apart
         )
     for points, words in _lengths(drive):
         on_paper = view.on_paper(points)
         board.put_dimension(
-            paper.length(on_paper, sense * apart, words, scale)
+            (paper.length(on_paper, sense * apart, words, scale),)
             for apart in (7.0, 10.0, 13.0, 5.0, 16.0)
             for sense in (1.0, -1.0)
         )
