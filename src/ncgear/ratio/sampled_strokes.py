@@ -129,8 +129,9 @@ class Returns:
         at, rows, length = points.basis, self.cubic.T, self.length_rad[:, None]
         bump, skew = self.bump[:, None], self.skew[:, None]
         parts = [rows @ at.powers.T + skew * at.skew[0] + bump * at.bump[0]]
-        rising = rows[:, 1:] * np.arange(1.0, 4.0)
-        parts.append((rising @ at.powers[:, :3].T + skew * at.skew[1] + bump * at.bump[1]) / length)
+        if order >= 1:
+            rising = rows[:, 1:] * np.arange(1.0, 4.0)
+            parts.append((rising @ at.powers[:, :3].T + skew * at.skew[1] + bump * at.bump[1]) / length)
         if order == 2:
             bending = rows[:, 2:] * np.array([1.0, 3.0])
             halves = skew * (at.skew[2] / 2.0) + bump * (at.bump[2] / 2.0)

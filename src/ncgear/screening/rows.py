@@ -20,9 +20,8 @@ from ncgear.kinematics.check import OF_MASSES, power_figures
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.jet import Jet
-from ncgear.numerics.sampled import extremes, integrated, integration, sums_at, tails, turning_points
+from ncgear.numerics.sampled import Functions, extremes, integrated, integration, sums_at, turning_points
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.optimum.makeable.quantities import driven_curvature, driving_curvature, length_rate, tangent
 from ncgear.pitch.pair import AS_STEEP, CONSISTENT, MOST_TEETH, STRAIGHT, refuse_many_teeth, solved_size
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -42,8 +41,44 @@ ROUNDED_RAD = 1e-9
 """Driving angle that messages round to zero."""
 
 
-Range = tuple[Array, Array]
-"""Smallest and largest values of n laws, shape (n,) each."""
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """The ratios and the shape of the pitch curves of n laws at their samples, shape (p, m, n) each.
+
+    ``tangent`` is that of the angle between the curves and the normal to the centre line, ``rates`` the curves' length
+    per share of a piece over the centre distance, ``driving`` and ``driven`` their curvatures times it.
+    """
+
+    ratio: Functions
+    tangent: Functions
+    rates: Functions
+    driving: Functions
+    driven: Functions
+
+
+def curves_of(samples: Samples) -> Curves:
+    """The curves of laws: the equations of ``optimum.makeable.quantities`` with their common parts computed once.
+
+    With r = 1 + i and t = f'/r, (r^2 + f'^2)^(1/2) is r (1 + t^2)^(1/2), and the root of the driven curve is that of
+    the driving one times s:  the curvatures are (1 + t^2)^(-3/2) times (r + s f'') and s (r + f'^2 - f'').
+    """
+    across = 1.0 + samples.ratio
+    steep = samples.first / across
+    square = steep * steep + 1.0
+    root = np.sqrt(square)
+    rates = samples.ratio * root
+    rates /= across
+    rates *= samples.turning
+    square *= root
+    driven = samples.first * samples.first
+    driven += across
+    driven -= samples.second
+    driven *= samples.slope
+    driven /= square
+    driving = samples.slope * samples.second
+    driving += across
+    driving /= square
+    return Curves(*map(Functions, (samples.ratio, steep, rates, driving, driven)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,42 +89,41 @@ class CurveFigures:
     gear at unit centre distance.
     """
 
-    ratio: Range
+    ratio: tuple[Array, Array]
     steepest: Array
     length: Array
     resolved: Mask
 
 
-def curve_figures(samples: Samples) -> CurveFigures:
+def curve_figures(samples: Samples, curves: Curves) -> CurveFigures:
     """The figures of ratios and pitch curves."""
-    at = samples.at
-    steepness, rates = tangent(at), samples.turning * length_rate(at)
-    resolved = _died_away((at.ratio, steepness, rates, samples.turning), samples.there) & _closes(samples)
-    ratio, inclination = extremes((at.ratio, steepness), samples.there & resolved[:, None])
-    return CurveFigures(ratio, _magnitude(inclination), integrated(rates), resolved)
+    asked = curves.ratio, curves.tangent, curves.rates, Functions(samples.turning)
+    resolved = _died_away(asked, samples.there) & _closes(samples, curves.ratio)
+    there = samples.there & resolved
+    low, high, steepest = extremes(
+        [(curves.ratio, there, (-1.0,)), (curves.ratio, there, (1.0,)), (curves.tangent, there, BOTH)]
+    )
+    return CurveFigures((-low, high), steepest, integrated(curves.rates.values), resolved)
 
 
-def _magnitude(values: Range) -> Array:
-    """Largest magnitude between both ends."""
-    magnitude: Array = np.maximum(-values[0], values[1])
-    return magnitude
+BOTH = 1.0, -1.0
+"""Signs of a value of which the magnitude is asked."""
 
 
-def _died_away(quantities: Iterable[Array], there: Mask) -> Mask:
+def _died_away(quantities: Iterable[Functions], there: Mask) -> Mask:
     """Of which laws the last coefficients of all quantities have died away on the pieces that are there."""
-    resolved = np.ones(len(there), dtype=bool)
-    for values in quantities:
-        counted = there[:, : values.shape[1]]
-        last, size = tails(values)
-        size = np.where(counted, size, 0.0).max(axis=1, keepdims=True)
-        resolved &= (((last <= RESOLVED * size) & np.isfinite(size)) | ~counted).all(axis=1)
+    resolved = np.ones(there.shape[1], dtype=bool)
+    for functions in quantities:
+        counted = there[: len(functions.values)]
+        size = np.where(counted, functions.size, 0.0).max(axis=0)
+        resolved &= (((functions.tails <= RESOLVED * size) & np.isfinite(size)) | ~counted).all(axis=0)
     return resolved
 
 
-def _closes(samples: Samples) -> Mask:
+def _closes(samples: Samples, ratio: Functions) -> Mask:
     """Which laws close, and do not nearly stand still."""
-    ratio = np.where(samples.there[..., None], samples.at.ratio, samples.at.ratio[:, :1])
-    lowest, highest = ratio.min(axis=(1, 2)), ratio.max(axis=(1, 2))
+    lowest = np.where(samples.there, ratio.low, np.inf).min(axis=0)
+    highest = np.where(samples.there, ratio.high, -np.inf).max(axis=0)
     closed = np.abs(integrated(samples.turning) - 2.0 * np.pi) <= CLOSED
     answer: Mask = closed & (lowest > 2.0 * STANDSTILL * highest)
     return answer
@@ -186,14 +220,15 @@ def found_of(batch: Batch, fineness: Fineness) -> Found:
     # Designs that cannot be made give numbers that are not finite, and the batch is not sure of these.
     with np.errstate(all="ignore"):
         found = sampled(batch, fineness)
-        curves = curve_figures(found.samples)
+        shapes = curves_of(found.samples)
+        curves = curve_figures(found.samples, shapes)
     left, refused = np.nonzero(curves.resolved)[0], dict[int, DesignError]()
     if batch.written[0].gears is not None and left.size:
         left, refused = _rolling(batch, found, curves, left)
     if not left.size:
         return Found(left, {}, refused)
     with np.errstate(all="ignore"):
-        sure, columns = _figures_of_rows(batch, found, curves, left)
+        sure, columns = _figures_of_rows(batch, found, shapes, curves, left)
     return Found(left[sure], {name: values[sure] for name, values in columns.items()}, refused)
 
 
@@ -222,24 +257,33 @@ def _rolling(
 
 
 def _figures_of_rows(
-    batch: Batch, found: Sampled, curves: CurveFigures, rows: IndexArray
+    batch: Batch, found: Sampled, shapes: Curves, curves: CurveFigures, rows: IndexArray
 ) -> tuple[Mask, dict[str, Array]]:
     """Whose figures hold, of some designs, and the figures."""
-    kind, samples, moved = batch.kind, found.samples.kept(rows), found.motion(rows)
-    working = moved.displacement.shape[1]
-    force_n = kind.resistance.fitted_n(Jet(moved.displacement.reshape(1, -1))).value
-    quantities = {
-        "driving": driving_curvature(samples.at),
-        "driven": driven_curvature(samples.at),
-        "velocity": moved.velocity,
-        "acceleration": moved.acceleration,
-        "power": force_n.reshape(moved.displacement.shape) * moved.velocity[:, :working],
+    kind, displacement, there = batch.kind, found.displacement, found.samples.there
+    force_n = kind.resistance.fitted_n(Jet(displacement.reshape(1, -1))).value.reshape(displacement.shape)
+    power = Functions(force_n * found.velocity[: len(displacement)])
+    velocity, acceleration = Functions(found.velocity), Functions(found.acceleration)
+    asked = np.zeros(len(batch), dtype=bool)
+    asked[rows] = True
+    asked &= _died_away((shapes.driving, shapes.driven, velocity, acceleration, power), there)
+    asked &= _force_is_seen(kind.resistance, displacement, found.stroke_mm, asked)
+    there = there & asked
+    working = there & (np.arange(len(there)) < len(displacement))[:, None]
+    sought = {
+        "power": (power, there[: len(displacement)], (1.0,)),
+        "velocity": (velocity, there, BOTH),
+        "acceleration": (acceleration, there, BOTH),
+        "working_acceleration": (acceleration, working, BOTH),
     }
-    resolved = _died_away(quantities.values(), samples.there)
-    quantities["working_acceleration"] = moved.acceleration[:, :working]
-    stroke_mm = found.stroke_mm[rows]
-    sure = resolved & _force_is_seen(kind.resistance, moved.displacement, stroke_mm, resolved)
-    ranges = dict(zip(quantities, extremes([*quantities.values()], samples.there & sure[:, None]), strict=True))
+    if batch.written[0].gears is not None:
+        sought |= {
+            "driving": (shapes.driving, there, (1.0,)),
+            "hollow_driving": (shapes.driving, there, (-1.0,)),
+            "driven": (shapes.driven, there, (1.0,)),
+            "hollow_driven": (shapes.driven, there, (-1.0,)),
+        }
+    most = {name: values[rows] for name, values in zip(sought, extremes([*sought.values()]), strict=True)}
     kept = batch.kept(rows)
     columns = {
         "drive.law_speed_rpm": found.law_speed_rpm[rows],
@@ -247,51 +291,51 @@ def _figures_of_rows(
         "closure.stroke_residual_mm": np.abs(found.stroke_error_mm[rows]),
         "ratio.min": curves.ratio[0][rows],
         "ratio.max": curves.ratio[1][rows],
-        **_check_of_rows(kept, ranges, stroke_mm),
+        **_check_of_rows(kept, most, found.stroke_mm[rows]),
     }
     if batch.written[0].gears is not None:
-        columns |= _pitch_of_rows(kept, ranges, curves.length[rows], curves.steepest[rows])
-    return sure, columns
+        columns |= _pitch_of_rows(kept, most, curves.length[rows], curves.steepest[rows])
+    return asked[rows], columns
 
 
 def _force_is_seen(resistance: Resistance, displacement_mm: Array, stroke_mm: Array, known: Mask) -> Mask:
     """Whether every panel of the force's curve holds two samples of the law, so that none hides a peak."""
     if not known.any() or not (panels := resistance.panels_mm(float(stroke_mm[known].max()))).size:
         return known
-    count = np.stack([np.searchsorted(np.sort(row, axis=None), panels) for row in displacement_mm])
+    laws = displacement_mm.reshape(-1, stroke_mm.size).T
+    count = np.stack([np.searchsorted(np.sort(row), panels) for row in laws])
     seen: Mask = np.all((np.diff(count, axis=1) >= SEEN) | (panels[1:] > stroke_mm[:, None]), axis=1)
     return seen
 
 
-def _check_of_rows(batch: Batch, ranges: dict[str, Range], stroke_mm: Array) -> dict[str, Array]:
+def _check_of_rows(batch: Batch, most: dict[str, Array], stroke_mm: Array) -> dict[str, Array]:
     """Peaks of the motion and mean power at the speed of operation."""
     kind, speed_rad_s = batch.kind, batch.column("operation.speed_rpm") * RAD_S_PER_RPM
     cycle = kind.lobes.driven * kind.lobes.driving_period_rad
     work = kind.resistance.work_n_mm(stroke_mm, float(stroke_mm.max())) / 1000.0
     return {
-        "check.peak_power_w": np.maximum(ranges["power"][1], 0.0) * speed_rad_s / 1000.0,
+        "check.peak_power_w": np.maximum(most["power"], 0.0) * speed_rad_s / 1000.0,
         "check.mean_power_w": work * speed_rad_s / cycle,
-        "check.peak_speed_mm_s": _magnitude(ranges["velocity"]) * speed_rad_s,
-        "check.peak_acceleration_working_mm_s2": _magnitude(ranges["working_acceleration"]) * speed_rad_s**2,
-        "check.peak_acceleration_cycle_mm_s2": _magnitude(ranges["acceleration"]) * speed_rad_s**2,
+        "check.peak_speed_mm_s": most["velocity"] * speed_rad_s,
+        "check.peak_acceleration_working_mm_s2": most["working_acceleration"] * speed_rad_s**2,
+        "check.peak_acceleration_cycle_mm_s2": most["acceleration"] * speed_rad_s**2,
     }
 
 
-def _pitch_of_rows(batch: Batch, ranges: dict[str, Range], length: Array, steepest: Array) -> dict[str, Array]:
+def _pitch_of_rows(batch: Batch, most: dict[str, Array], length: Array, steepest: Array) -> dict[str, Array]:
     """Figures of the pitch curves at their size."""
     lobes, (distance, _) = batch.kind.lobes, _distance(batch, length)
     gears = [design.gears for design in batch.written if design.gears is not None]
     carrying = np.array([one.carrying_angle_deg for one in gears])[batch.follows]
     tangent_deg = np.degrees(np.arctan(steepest))
-    driving, driven = ranges["driving"], ranges["driven"]
     return {
         "pitch.center_distance_mm": distance,
         "pitch.length_driving_mm": length * lobes.driving / lobes.driven * distance,
         "pitch.length_driven_mm": length * distance,
-        "pitch.driving_convex": (driving[0] >= -STRAIGHT).astype(float),
-        "pitch.driven_convex": (driven[0] >= -STRAIGHT).astype(float),
-        "pitch.min_radius_driving_mm": distance / driving[1],
-        "pitch.min_radius_driven_mm": distance / driven[1],
+        "pitch.driving_convex": (most["hollow_driving"] <= STRAIGHT).astype(float),
+        "pitch.driven_convex": (most["hollow_driven"] <= STRAIGHT).astype(float),
+        "pitch.min_radius_driving_mm": distance / most["driving"],
+        "pitch.min_radius_driven_mm": distance / most["driven"],
         "pitch.max_tangent_angle_deg": tangent_deg,
         "pitch.max_pressure_angle_deg": tangent_deg + carrying,
     }
@@ -334,21 +378,21 @@ def _require_size(batch: Batch, curves: CurveFigures, row: int) -> None:
 
 def _steepest(samples: Samples, lobes: Lobes) -> Array:
     """The first driving angle in rad at which the pitch curves of each law are steepest, shape (n,)."""
-    laws, pieces, count = samples.at.ratio.shape
-    law, piece = np.nonzero(samples.there)
-    steepness = tangent(samples.at)[law, piece]
+    pieces, count, laws = samples.ratio.shape
+    piece, law = np.nonzero(samples.there)
+    steepness = (samples.first / (1.0 + samples.ratio))[piece, :, law].T
     # dphi1 per share of a piece is i times dphi2 per share.
-    widths = (samples.turning * samples.at.ratio)[law, piece]
-    ends = np.zeros((laws, pieces))
-    ends[law, piece] = widths @ integration(count)[-1]
-    starts = (np.cumsum(ends, axis=1) - ends)[law, piece]
+    widths = (samples.turning * samples.ratio)[piece, :, law].T
+    ends = np.zeros((pieces, laws))
+    ends[piece, law] = integration(count)[-1] @ widths
+    starts = (np.cumsum(ends, axis=0) - ends)[piece, law]
     row, share, values = turning_points(steepness)
     values = np.abs(values)
     largest = np.full(laws, -np.inf)
     np.maximum.at(largest, law[row], values)
     steepest = values >= largest[law[row]] * (1.0 - AS_STEEP)
     row, share = row[steepest], share[steepest]
-    at = starts[row] + sums_at(widths[row] @ integration(count).T, share)
+    at = starts[row] + sums_at(integration(count) @ widths[:, row], share)
     # The end of a period is the beginning of the next one.
     period = lobes.driving_period_rad
     at = np.where(period - at % period > ROUNDED_RAD, at % period, 0.0)
