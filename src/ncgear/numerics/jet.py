@@ -88,10 +88,14 @@ class Jet:
     __radd__ = __add__
 
     def __sub__(self, other: Jet | float | Array) -> Jet:
+        if isinstance(other, Jet):
+            return Jet(self.coefficients - other.coefficients)
         return self + (-other)
 
     def __rsub__(self, other: float | Array) -> Jet:
-        return (-self) + other
+        coefficients = -self.coefficients
+        coefficients[0] += other
+        return Jet(coefficients)
 
     def __mul__(self, other: Jet | float | Array) -> Jet:
         if not isinstance(other, Jet):
@@ -259,8 +263,10 @@ def polynomial(coefficients: Sequence[float] | Array, argument: Jet) -> Jet:
 
     ``coefficients`` have shape (m,), or (m, n) where each point has a polynomial of its own.
     """
-    result = argument * 0.0 + coefficients[-1]
-    for coefficient in reversed(coefficients[:-1]):
+    if len(coefficients) == 1:
+        return argument * 0.0 + coefficients[0]
+    result = argument * coefficients[-1] + coefficients[-2]
+    for coefficient in reversed(coefficients[:-2]):
         result = result * argument + coefficient
     return result
 

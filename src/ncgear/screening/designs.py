@@ -38,7 +38,7 @@ FINENESSES = (
 """The next one is tried where the one before does not resolve a law: few points on pieces that are short where strokes
 bend most, which is enough for four in five designs at the border, and harmonics begin with even pieces."""
 
-TOGETHER = 1 << 16
+TOGETHER = 1 << 17
 """Samples computed at once, whose arrays a core's cache holds (benchmarks/screening.md)."""
 
 
@@ -90,11 +90,8 @@ def _batches(
     for number in read:
         sound &= accepted(type(written), data, keys[number], values[:, number])
     rows, chosen = np.nonzero(sound)[0], [keys[number] for number in others]
-    combinations: dict[bytes, list[int]] = {}
-    for row, combination in zip(rows.tolist(), values[rows][:, others], strict=True):
-        combinations.setdefault(combination.tobytes(), []).append(row)
-    groups: dict[BatchKind, list[tuple[Design, list[int]]]] = {}
-    for same in combinations.values():
+    groups: dict[BatchKind, list[tuple[Design, IndexArray]]] = {}
+    for same in _alike(values[:, others], rows):
         design = checked_design(data, chosen, values[same[0], others].tolist())
         if isinstance(design, Design) and (its := kind_of(design)) is not None:
             groups.setdefault(its, []).append((design, same))
@@ -105,6 +102,16 @@ def _batches(
         batch = Batch(its, tuple(design for design, _ in members), follows, columns)
         for part in batch.parts():
             yield batch.kept(part), in_order[part]
+
+
+def _alike(values: Array, rows: IndexArray) -> list[IndexArray]:
+    """Those of some rows whose values (shape (n, keys)) are the same, together, in the order of the first of each."""
+    if not values.shape[1] or not rows.size:
+        return [rows] if rows.size else []
+    _, first, group = np.unique(values[rows], axis=0, return_index=True, return_inverse=True)
+    in_order = rows[np.argsort(group, kind="stable")]
+    found = np.split(in_order, np.cumsum(np.bincount(group.ravel()))[:-1])
+    return [found[number] for number in np.argsort(first)]
 
 
 class _Table:
