@@ -23,7 +23,7 @@ from ncgear.screening import rows as figures_module
 from ncgear.screening.batch import Batch, kind_of
 from ncgear.screening.designs import MADE, Block, screened_block
 from ncgear.screening.rows import single_figures
-from ncgear.screening.samples import Fineness, sampled
+from ncgear.screening.samples import Fineness, laws_of
 
 CHECK_FIGURES = (
     "drive.law_speed_rpm",
@@ -440,7 +440,7 @@ def test_the_closing_residual_is_taken_at_other_points_than_the_law(name: str) -
     kind = kind_of(design)
     assert kind is not None
     batch = Batch(kind, (design,), np.zeros(1, dtype=int), {})
-    few, enough = (sampled(batch, Fineness(count)) for count in (7, 129))
+    few, enough = (laws_of(batch).sampled(np.zeros(1, dtype=int), Fineness(count)) for count in (7, 129))
     assert abs(float(enough.closing_error_rad[0])) < 1e-12
     assert abs(float(few.closing_error_rad[0])) > 1e-8
     if name == "baler-drivetrain":

@@ -42,6 +42,7 @@ LAST_STEP = 1e-6
 """Share of a piece: after a last step under it a place and the value there are as exact as rounding allows; the others
 are bracketed."""
 
+
 @cache
 def shares(count: int) -> Array:
     """Chebyshev points of [0, 1], ends included, shape (count,)."""

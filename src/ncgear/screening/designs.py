@@ -20,7 +20,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.screening.batch import Batch, BatchKind, kind_of
 from ncgear.screening.rows import figure_names, found_of, single_figures
-from ncgear.screening.samples import Fineness, refused_at_once
+from ncgear.screening.samples import Fineness, laws_of, refused_at_once
 
 MADE = "made"
 
@@ -154,25 +154,21 @@ def computed_together(
     refused = refused_at_once(batch)
     for place, error in refused.items():
         table.refuse(int(rows[place]), error)
-    places = np.setdiff1d(np.arange(len(batch)), list(refused)).astype(int)
+    places, laws = np.setdiff1d(np.arange(len(batch)), list(refused)).astype(int), laws_of(batch)
     for fineness in finenesses:
         if not places.size:
             return
         if fineness.for_strokes and not batch.kind.has_return:
             continue
-        count, left = max(1, TOGETHER // fineness.samples(batch.kind)), list[IndexArray]()
-        for first in range(0, places.size, count):
-            part = places[first : first + count]
-            try:
-                found = found_of(batch.kept(part), fineness)
-            except DesignError:
-                # A resistance that is no smooth function: each design is refused by itself.
-                return
-            table.make(rows[part[found.made]], found.figures)
-            for place, error in found.refused.items():
-                table.refuse(int(rows[part[place]]), error)
-            left.append(np.delete(part, [*found.made.tolist(), *found.refused]))
-        places = np.concatenate(left)
+        try:
+            found = found_of(batch, laws, places, fineness, TOGETHER)
+        except DesignError:
+            # A resistance that is no smooth function: each design is refused by itself.
+            return
+        table.make(rows[found.made], found.figures)
+        for place, error in found.refused.items():
+            table.refuse(int(rows[place]), error)
+        places = np.setdiff1d(places, [*found.made.tolist(), *found.refused])
 
 
 Names = np.ndarray[Any, np.dtype[np.object_]]

@@ -6,7 +6,7 @@ keys.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from math import degrees, pi, radians
 
 import numpy as np
@@ -28,7 +28,7 @@ from ncgear.project.drive import Drive
 from ncgear.project.tooth_form import RIGHT_ANGLE_DEG, require_pushing, require_pushing_flanks
 from ncgear.ratio.transmission import CLOSED, STANDSTILL, Lobes
 from ncgear.screening.batch import Batch, refusals
-from ncgear.screening.samples import Fineness, Sampled, Samples, sampled
+from ncgear.screening.samples import Fineness, Laws, Sampled, Samples
 
 RESOLVED = 1e-12
 """Last coefficients, relative to a quantity's largest value, up to which a law counts as resolved: its least value, a
@@ -79,31 +79,6 @@ def curves_of(samples: Samples) -> Curves:
     driving += across
     driving /= square
     return Curves(*map(Functions, (samples.ratio, steep, rates, driving, driven)))
-
-
-@dataclass(frozen=True, eq=False)
-class CurveFigures:
-    """What n ratios and the shape of their pitch curves are, shape (n,) each; ``resolved`` says whose figures hold.
-
-    ``steepest`` is the largest tangent of the pitch curves' inclination, ``length`` theirs over one turn of the driven
-    gear at unit centre distance.
-    """
-
-    ratio: tuple[Array, Array]
-    steepest: Array
-    length: Array
-    resolved: Mask
-
-
-def curve_figures(samples: Samples, curves: Curves) -> CurveFigures:
-    """The figures of ratios and pitch curves."""
-    asked = curves.ratio, curves.tangent, curves.rates, Functions(samples.turning)
-    resolved = _died_away(asked, samples.there) & _closes(samples, curves.ratio)
-    there = samples.there & resolved
-    low, high, steepest = extremes(
-        [(curves.ratio, there, (-1.0,)), (curves.ratio, there, (1.0,)), (curves.tangent, there, BOTH)]
-    )
-    return CurveFigures((-low, high), steepest, integrated(curves.rates.values), resolved)
 
 
 BOTH = 1.0, -1.0
@@ -211,91 +186,114 @@ class Found:
     refused: dict[int, DesignError]
 
 
-def found_of(batch: Batch, fineness: Fineness) -> Found:
-    """The figures and refusals of a batch of the designs that it is sure of when sampled so finely.
+def found_of(batch: Batch, laws: Laws, rows: IndexArray, fineness: Fineness, together: int) -> Found:
+    """The figures and refusals of those of some designs that a batch is sure of when sampled so finely.
 
-    Whether teeth can roll on the pitch curves is asked first, as for a design by itself: the motion of a slider that no
-    teeth can drive is not computed.
+    ``together`` samples are computed at once.  Whether teeth can roll on the pitch curves is asked before the motion,
+    as for a design by itself: curves that are known are enough to refuse it.
     """
+
+    def samples_of(some: IndexArray) -> Iterator[Sampled]:
+        count = max(1, together // fineness.samples(batch.kind))
+        return (laws.sampled(some[first : first + count], fineness) for first in range(0, some.size, count))
+
+    def steepest_rad(some: IndexArray) -> Array:
+        # Few are refused: they are sampled again, so that no block has to keep its samples.
+        return np.concatenate([_steepest(one.samples, batch.kind.lobes) for one in samples_of(rows[known[some]])])
+
     # Designs that cannot be made give numbers that are not finite, and the batch is not sure of these.
     with np.errstate(all="ignore"):
-        found = sampled(batch, fineness)
-        shapes = curves_of(found.samples)
-        curves = curve_figures(found.samples, shapes)
-    left, refused = np.nonzero(curves.resolved)[0], dict[int, DesignError]()
-    if batch.written[0].gears is not None and left.size:
-        left, refused = _rolling(batch, found, curves, left)
-    if not left.size:
-        return Found(left, {}, refused)
-    with np.errstate(all="ignore"):
-        sure, columns = _figures_of_rows(batch, found, shapes, curves, left)
-    return Found(left[sure], {name: values[sure] for name, values in columns.items()}, refused)
-
-
-def _rolling(
-    batch: Batch, found: Sampled, curves: CurveFigures, known: IndexArray
-) -> tuple[IndexArray, dict[int, DesignError]]:
-    """Those of some designs whose teeth fill the pitch curves and can push, and why others are refused.
-
-    Those that are in neither are left to a single computation.
-    """
-    _, fits = _distance(batch.kept(known), curves.length[known])
-    steepness = np.arctan(curves.steepest[known])
-    racks = [design.gears.rack for design in batch.written if design.gears is not None]
-    steeper = np.array([max(rack.angles_deg) for rack in racks])[batch.follows[known]]
-    pushes = np.degrees(steepness) + steeper < RIGHT_ANGLE_DEG
-    steep, at_rad = fits & ~pushes, np.zeros(known.size)
-    at_rad[steep] = _steepest(found.samples.kept(known[steep]), batch.kind.lobes)
-    unfit = refusals(~fits, lambda place: _require_size(batch, curves, int(known[place])))
-    blocked = refusals(
-        steep,
-        lambda place: require_pushing(
-            float(steepness[place]), float(at_rad[place]), racks[batch.follows[known[place]]]
-        ),
+        parts = [_measured(one, batch.kind.resistance) for one in samples_of(rows)]
+        measured = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    made, refused = measured["resolved"] > 0.0, dict[int, DesignError]()
+    known = np.nonzero(measured["drawn"])[0]
+    if batch.written[0].gears is not None and known.size:
+        rolling, refused = _rolling(
+            batch.kept(rows[known]), {name: values[known] for name, values in measured.items()}, steepest_rad
+        )
+        refused = {int(rows[known[place]]): error for place, error in refused.items()}
+        made[known[~rolling]] = False
+    if not made.any():
+        return Found(rows[made], {}, refused)
+    return Found(
+        rows[made], _figures(batch.kept(rows[made]), {key: one[made] for key, one in measured.items()}), refused
     )
-    return known[fits & pushes], {int(known[place]): error for place, error in {**unfit, **blocked}.items()}
 
 
-def _figures_of_rows(
-    batch: Batch, found: Sampled, shapes: Curves, curves: CurveFigures, rows: IndexArray
-) -> tuple[Mask, dict[str, Array]]:
-    """Whose figures hold, of some designs, and the figures."""
-    kind, displacement, there = batch.kind, found.displacement, found.samples.there
-    force_n = kind.resistance.fitted_n(Jet(displacement.reshape(1, -1))).value.reshape(displacement.shape)
+def _measured(found: Sampled, resistance: Resistance) -> dict[str, Array]:
+    """The extremes and integrals of laws, shape (n,) each, by names of this module.
+
+    ``drawn`` is 1 where the figures of the pitch curves hold, ``resolved`` where all of them do.
+    """
+    samples, displacement = found.samples, found.displacement
+    curves, there = curves_of(samples), samples.there
+    drawn = _closes(samples, curves.ratio)
+    drawn &= _died_away((curves.ratio, curves.tangent, curves.rates, Functions(samples.turning)), there)
+    force_n = resistance.fitted_n(Jet(displacement.reshape(1, -1))).value.reshape(displacement.shape)
     power = Functions(force_n * found.velocity[: len(displacement)])
     velocity, acceleration = Functions(found.velocity), Functions(found.acceleration)
-    asked = np.zeros(len(batch), dtype=bool)
-    asked[rows] = True
-    asked &= _died_away((shapes.driving, shapes.driven, velocity, acceleration, power), there)
-    asked &= _force_is_seen(kind.resistance, displacement, found.stroke_mm, asked)
-    there = there & asked
+    resolved = drawn & _died_away((curves.driving, curves.driven, velocity, acceleration, power), there)
+    resolved &= _force_is_seen(resistance, displacement, found.stroke_mm, resolved)
+    drawn_there, there = there & drawn, there & resolved
     working = there & (np.arange(len(there)) < len(displacement))[:, None]
     sought = {
+        "least_ratio": (curves.ratio, drawn_there, (-1.0,)),
+        "ratio": (curves.ratio, drawn_there, (1.0,)),
+        "tangent": (curves.tangent, drawn_there, BOTH),
         "power": (power, there[: len(displacement)], (1.0,)),
         "velocity": (velocity, there, BOTH),
         "acceleration": (acceleration, there, BOTH),
         "working_acceleration": (acceleration, working, BOTH),
+        "driving": (curves.driving, there, (1.0,)),
+        "hollow_driving": (curves.driving, there, (-1.0,)),
+        "driven": (curves.driven, there, (1.0,)),
+        "hollow_driven": (curves.driven, there, (-1.0,)),
     }
-    if batch.written[0].gears is not None:
-        sought |= {
-            "driving": (shapes.driving, there, (1.0,)),
-            "hollow_driving": (shapes.driving, there, (-1.0,)),
-            "driven": (shapes.driven, there, (1.0,)),
-            "hollow_driven": (shapes.driven, there, (-1.0,)),
-        }
-    most = {name: values[rows] for name, values in zip(sought, extremes([*sought.values()]), strict=True)}
-    kept = batch.kept(rows)
+    return {
+        **dict(zip(sought, extremes([*sought.values()]), strict=True)),
+        "drawn": drawn.astype(float),
+        "resolved": resolved.astype(float),
+        "length": integrated(curves.rates.values),
+        "stroke_mm": found.stroke_mm,
+        "law_speed_rpm": found.law_speed_rpm,
+        "closing_error_rad": found.closing_error_rad,
+        "stroke_error_mm": found.stroke_error_mm,
+    }
+
+
+def _rolling(
+    batch: Batch, measured: dict[str, Array], steepest_rad: Callable[[IndexArray], Array]
+) -> tuple[Mask, dict[int, DesignError]]:
+    """Whose teeth fill the pitch curves and can push, and why others cannot, by their rows.
+
+    ``steepest_rad`` gives the driving angles at which the curves of some rows are steepest.  Those that do not and are not refused are left to a single computation.
+    """
+    _, fits = _distance(batch, measured["length"])
+    steepness = np.arctan(measured["tangent"])
+    racks = [design.gears.rack for design in batch.written if design.gears is not None]
+    steeper = np.array([max(rack.angles_deg) for rack in racks])[batch.follows]
+    pushes = np.degrees(steepness) + steeper < RIGHT_ANGLE_DEG
+    unfit = refusals(~fits, lambda row: _require_size(batch, float(measured["length"][row]), row))
+    steep = np.nonzero(fits & ~pushes)[0]
+    at_rad = dict(zip(steep.tolist(), steepest_rad(steep), strict=True)) if steep.size else {}
+    blocked = refusals(
+        fits & ~pushes,
+        lambda row: require_pushing(float(steepness[row]), float(at_rad[row]), racks[batch.follows[row]]),
+    )
+    return fits & pushes, {**unfit, **blocked}
+
+
+def _figures(batch: Batch, measured: dict[str, Array]) -> dict[str, Array]:
+    """The figures of designs."""
     columns = {
-        "drive.law_speed_rpm": found.law_speed_rpm[rows],
-        "closure.residual_rad": np.abs(found.closing_error_rad[rows]),
-        "closure.stroke_residual_mm": np.abs(found.stroke_error_mm[rows]),
-        "ratio.min": curves.ratio[0][rows],
-        "ratio.max": curves.ratio[1][rows],
-        **_check_of_rows(kept, most, found.stroke_mm[rows]),
+        "drive.law_speed_rpm": measured["law_speed_rpm"],
+        "closure.residual_rad": np.abs(measured["closing_error_rad"]),
+        "closure.stroke_residual_mm": np.abs(measured["stroke_error_mm"]),
+        "ratio.min": -measured["least_ratio"],
+        "ratio.max": measured["ratio"],
+        **_check_figures(batch, measured),
     }
-    if batch.written[0].gears is not None:
-        columns |= _pitch_of_rows(kept, most, curves.length[rows], curves.steepest[rows])
-    return asked[rows], columns
+    return columns if batch.written[0].gears is None else {**columns, **_pitch_figures(batch, measured)}
 
 
 def _force_is_seen(resistance: Resistance, displacement_mm: Array, stroke_mm: Array, known: Mask) -> Mask:
@@ -308,34 +306,36 @@ def _force_is_seen(resistance: Resistance, displacement_mm: Array, stroke_mm: Ar
     return seen
 
 
-def _check_of_rows(batch: Batch, most: dict[str, Array], stroke_mm: Array) -> dict[str, Array]:
+def _check_figures(batch: Batch, measured: dict[str, Array]) -> dict[str, Array]:
     """Peaks of the motion and mean power at the speed of operation."""
+    stroke_mm = measured["stroke_mm"]
     kind, speed_rad_s = batch.kind, batch.column("operation.speed_rpm") * RAD_S_PER_RPM
     cycle = kind.lobes.driven * kind.lobes.driving_period_rad
     work = kind.resistance.work_n_mm(stroke_mm, float(stroke_mm.max())) / 1000.0
     return {
-        "check.peak_power_w": np.maximum(most["power"], 0.0) * speed_rad_s / 1000.0,
+        "check.peak_power_w": np.maximum(measured["power"], 0.0) * speed_rad_s / 1000.0,
         "check.mean_power_w": work * speed_rad_s / cycle,
-        "check.peak_speed_mm_s": most["velocity"] * speed_rad_s,
-        "check.peak_acceleration_working_mm_s2": most["working_acceleration"] * speed_rad_s**2,
-        "check.peak_acceleration_cycle_mm_s2": most["acceleration"] * speed_rad_s**2,
+        "check.peak_speed_mm_s": measured["velocity"] * speed_rad_s,
+        "check.peak_acceleration_working_mm_s2": measured["working_acceleration"] * speed_rad_s**2,
+        "check.peak_acceleration_cycle_mm_s2": measured["acceleration"] * speed_rad_s**2,
     }
 
 
-def _pitch_of_rows(batch: Batch, most: dict[str, Array], length: Array, steepest: Array) -> dict[str, Array]:
+def _pitch_figures(batch: Batch, measured: dict[str, Array]) -> dict[str, Array]:
     """Figures of the pitch curves at their size."""
+    length = measured["length"]
     lobes, (distance, _) = batch.kind.lobes, _distance(batch, length)
     gears = [design.gears for design in batch.written if design.gears is not None]
     carrying = np.array([one.carrying_angle_deg for one in gears])[batch.follows]
-    tangent_deg = np.degrees(np.arctan(steepest))
+    tangent_deg = np.degrees(np.arctan(measured["tangent"]))
     return {
         "pitch.center_distance_mm": distance,
         "pitch.length_driving_mm": length * lobes.driving / lobes.driven * distance,
         "pitch.length_driven_mm": length * distance,
-        "pitch.driving_convex": (most["hollow_driving"] <= STRAIGHT).astype(float),
-        "pitch.driven_convex": (most["hollow_driven"] <= STRAIGHT).astype(float),
-        "pitch.min_radius_driving_mm": distance / most["driving"],
-        "pitch.min_radius_driven_mm": distance / most["driven"],
+        "pitch.driving_convex": (measured["hollow_driving"] <= STRAIGHT).astype(float),
+        "pitch.driven_convex": (measured["hollow_driven"] <= STRAIGHT).astype(float),
+        "pitch.min_radius_driving_mm": distance / measured["driving"],
+        "pitch.min_radius_driven_mm": distance / measured["driven"],
         "pitch.max_tangent_angle_deg": tangent_deg,
         "pitch.max_pressure_angle_deg": tangent_deg + carrying,
     }
@@ -366,13 +366,14 @@ def _distance(batch: Batch, length: Array) -> tuple[Array, Mask]:
     return distance, fits
 
 
-def _require_size(batch: Batch, curves: CurveFigures, row: int) -> None:
+def _require_size(batch: Batch, length: float, row: int) -> None:
     """Refuse teeth that do not fill the pitch curves of one design; raises WrongInput."""
     lobes = batch.kind.lobes
     given = [batch.given(f"gears.{name}") for name in SIZES]
     teeth, module_mm, distance_mm = (None if values is None else float(values[row]) for values in given)
-    length = float(curves.length[row]) * lobes.driving / lobes.driven
-    size = solved_size(length, lobes, None if teeth is None else int(teeth), module_mm, distance_mm)
+    size = solved_size(
+        length * lobes.driving / lobes.driven, lobes, None if teeth is None else int(teeth), module_mm, distance_mm
+    )
     refuse_many_teeth(size.driving_teeth)
 
 

@@ -8,17 +8,17 @@ of ``ratio/laws/harmonic.py``.  A design of which a batch cannot be sure is not 
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import replace
 from functools import cached_property
 from math import log, pi
-from typing import Any
 
 import numpy as np
 
 from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import Mechanisms
-from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.numerics.arrays import Array, IndexArray, Mask, chosen
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.sampled import integrated, integration, shares
 from ncgear.numerics.units import RAD_S_PER_RPM
@@ -150,16 +150,22 @@ class Fineness:
         return (approach + returned) * self.count
 
 
-def sampled(batch: Batch, fineness: Fineness) -> Sampled:
+class Laws(ABC):
+    """The laws of a batch: what is the same for all blocks and finenesses of samples is computed once."""
+
+    @abstractmethod
+    def sampled(self, rows: IndexArray, fineness: Fineness) -> Sampled:
+        """Samples of some of the laws."""
+
+
+def laws_of(batch: Batch) -> Laws:
     """The laws of a batch."""
-    if batch.kind.has_return:
-        return _stroke_laws(_Strokes(batch), fineness)
-    return _harmonics(batch, fineness.count)
+    return _Strokes(batch) if batch.kind.has_return else _Harmonics(batch)
 
 
 @dataclass(frozen=True, eq=False)
-class _Strokes:
-    """The working strokes of a batch, closed."""
+class _Strokes(Laws):
+    """The working strokes of a batch, closed, and their returns."""
 
     batch: Batch
 
@@ -190,13 +196,28 @@ class _Strokes:
         """The strokes with their free quantity solved for."""
         return closed_strokes(self.requests)
 
+    @cached_property
+    def _constant(self) -> Array:
+        return self.batch.column("motion.return.e")
 
-def _stroke_laws(laws: _Strokes, fineness: Fineness) -> Sampled:
-    """Three-segment strokes that advance."""
-    strokes, linkage, count = laws.strokes, laws.batch.mechanisms, fineness.count
-    closed = peaked_returns if fineness.returned is None else returns_with_constant
-    points = ReturnGrid(fineness.returned or WHOLE, count, CLOSING_STEPS)
-    returns = closed(strokes, linkage, laws.period_rad, laws.batch.column("motion.return.e"), points)
+    def sampled(self, rows: IndexArray, fineness: Fineness) -> Sampled:
+        """Samples of strokes that advance."""
+        strokes, linkage = chosen(self.strokes, rows), chosen(self.batch.mechanisms, rows)
+        closed = peaked_returns if fineness.returned is None else returns_with_constant
+        points = ReturnGrid(fineness.returned or WHOLE, fineness.count, CLOSING_STEPS)
+        returns = closed(strokes, linkage, self.period_rad, self._constant[rows], points)
+        return _stroke_laws(strokes, linkage, returns, fineness, points)
+
+
+def _stroke_laws(
+    strokes: WorkingStrokes[Array],
+    linkage: Mechanisms[Array],
+    returns: Returns | PeakedReturns,
+    fineness: Fineness,
+    points: ReturnGrid,
+) -> Sampled:
+    """Three-segment strokes with their returns."""
+    count = points.count
     worked, edges, turned_rad = _working_strokes(strokes, linkage, fineness)
     back_rad = returns.widths_rad(points).T
     slope, rate, bend, displacement, speed, change = worked
@@ -302,36 +323,51 @@ def _moved(linkage: Mechanisms[Array], driven_rad: Array, slope: Array, first: A
     return motion.value, rate * slope, slope * slope * (bend - rate * first)
 
 
-def _harmonics(batch: Batch, count: int) -> Sampled:
+@dataclass(frozen=True, eq=False)
+class _Harmonics(Laws):
     """Harmonics of the ratio; the law holds at any speed, so its own speed is the speed of operation."""
-    cosine, sine = batch.series("cosine"), batch.series("sine")
-    longest = max(cosine.shape[1], sine.shape[1])
-    cosine, sine = (np.pad(one, ((0, 0), (0, longest - one.shape[1]))).T for one in (cosine, sine))
-    linkage, lobes = batch.mechanisms, batch.kind.lobes
-    # The mechanisms all have the first one's working angle, as crank-sliders without offset do.
-    working = float(linkage.working_angle_rad[0])
-    width = np.repeat([working / HARMONIC_PIECES, (2.0 * pi - working) / HARMONIC_PIECES], HARMONIC_PIECES)
-    phi2 = (np.cumsum(width) - width)[:, None] + width[:, None] * shares(count)
-    log_ratio, first, second = _places(cosine, sine, lobes, phi2, width)
-    slope = np.exp(-log_ratio)
-    turning = np.broadcast_to(width[:, None, None], slope.shape)
-    there = np.ones((len(width), len(batch)), dtype=bool)
-    samples = Samples(np.exp(log_ratio), slope, first, second, turning, there)
-    displacement, velocity, acceleration = _moved(linkage, phi2[..., None], slope, first)
-    speed = batch.column("operation.speed_rpm")
-    # The samples' ln i12 at phi2 = 0 holds the constant that closes the law; even places around a turn judge it.
-    places = 2.0 * pi * (np.arange(EVEN_PLACES * count) + OFF) / (EVEN_PLACES * count)
-    constant = log_ratio[0, 0] - cosine.sum(axis=0)
-    turned = places[:, None] * np.arange(1.0, len(cosine) + 1.0) * lobes.driven
-    mean = np.exp(constant + np.cos(turned) @ cosine + np.sin(turned) @ sine).mean(axis=0)
-    closing = 2.0 * pi * (1.0 - mean * lobes.driving / lobes.driven)
-    within = np.broadcast_to(displacement[:HARMONIC_PIECES], (HARMONIC_PIECES, count, len(batch)))
-    return Sampled(samples, within, velocity, acceleration, linkage.stroke_mm, speed, 0.0 * speed, closing)
+
+    batch: Batch
+
+    @cached_property
+    def _series(self) -> tuple[Array, Array]:
+        """Coefficients of cosines and sines, shape (harmonics, n) both."""
+        cosine, sine = self.batch.series("cosine"), self.batch.series("sine")
+        longest = max(cosine.shape[1], sine.shape[1])
+        cosine, sine = (np.pad(one, ((0, 0), (0, longest - one.shape[1]))).T for one in (cosine, sine))
+        return cosine, sine
+
+    @cached_property
+    def _speed_rpm(self) -> Array:
+        return self.batch.column("operation.speed_rpm")
+
+    def sampled(self, rows: IndexArray, fineness: Fineness) -> Sampled:
+        """Samples by the driven angle."""
+        cosine, sine = (one[:, rows] for one in self._series)
+        linkage, lobes, count = chosen(self.batch.mechanisms, rows), self.batch.kind.lobes, fineness.count
+        # The mechanisms all have the first one's working angle, as crank-sliders without offset do.
+        working = float(linkage.working_angle_rad[0])
+        width = np.repeat([working / HARMONIC_PIECES, (2.0 * pi - working) / HARMONIC_PIECES], HARMONIC_PIECES)
+        phi2 = (np.cumsum(width) - width)[:, None] + width[:, None] * shares(count)
+        log_ratio, first, second = _places(cosine, sine, lobes, phi2, width)
+        slope = np.exp(-log_ratio)
+        turning = np.broadcast_to(width[:, None, None], slope.shape)
+        there = np.ones((len(width), rows.size), dtype=bool)
+        samples = Samples(np.exp(log_ratio), slope, first, second, turning, there)
+        displacement, velocity, acceleration = _moved(linkage, phi2[..., None], slope, first)
+        displacement = np.ascontiguousarray(np.broadcast_to(displacement, slope.shape)[:HARMONIC_PIECES])
+        # The samples' ln i12 at phi2 = 0 holds the constant that closes the law; even places around a turn judge it.
+        places = 2.0 * pi * (np.arange(EVEN_PLACES * count) + OFF) / (EVEN_PLACES * count)
+        constant = log_ratio[0, 0] - cosine.sum(axis=0)
+        turned = places[:, None] * np.arange(1.0, len(cosine) + 1.0) * lobes.driven
+        mean = np.exp(constant + np.cos(turned) @ cosine + np.sin(turned) @ sine).mean(axis=0)
+        closing = 2.0 * pi * (1.0 - mean * lobes.driving / lobes.driven)
+        speed = self._speed_rpm[rows]
+        stroke = np.broadcast_to(linkage.stroke_mm, speed.shape)
+        return Sampled(samples, displacement, velocity, acceleration, stroke, speed, 0.0 * speed, closing)
 
 
-def _places(
-    cosine: Array, sine: Array, lobes: Lobes, phi2: Array, width: Array
-) -> tuple[Array, Array, Array]:
+def _places(cosine: Array, sine: Array, lobes: Lobes, phi2: Array, width: Array) -> tuple[Array, Array, Array]:
     """ln i12 with two derivatives by phi2, shape (p, m, n); it closes where the mean of i12 over phi2 is n2 / n1.
 
     ``cosine`` and ``sine`` have shape (harmonics, n).
