@@ -6,7 +6,7 @@ keys.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from math import degrees, pi, radians
 
 import numpy as np
@@ -192,25 +192,19 @@ def found_of(batch: Batch, laws: Laws, rows: IndexArray, fineness: Fineness, tog
     ``together`` samples are computed at once.  Whether teeth can roll on the pitch curves is asked before the motion,
     as for a design by itself: curves that are known are enough to refuse it.
     """
-
-    def samples_of(some: IndexArray) -> Iterator[Sampled]:
-        count = max(1, together // fineness.samples(batch.kind))
-        return (laws.sampled(some[first : first + count], fineness) for first in range(0, some.size, count))
-
-    def steepest_rad(some: IndexArray) -> Array:
-        # Few are refused: they are sampled again, so that no block has to keep its samples.
-        return np.concatenate([_steepest(one.samples, batch.kind.lobes) for one in samples_of(rows[known[some]])])
-
+    count, lobes = max(1, together // fineness.samples(batch.kind)), batch.kind.lobes
+    steeper_deg = _steeper_deg(batch)
     # Designs that cannot be made give numbers that are not finite, and the batch is not sure of these.
     with np.errstate(all="ignore"):
-        parts = [_measured(one, batch.kind.resistance) for one in samples_of(rows)]
+        parts = [
+            _measured(laws.sampled(block, fineness), batch.kind.resistance, lobes, steeper_deg[block])
+            for block in (rows[first : first + count] for first in range(0, rows.size, count))
+        ]
         measured = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
     made, refused = measured["resolved"] > 0.0, dict[int, DesignError]()
     known = np.nonzero(measured["drawn"])[0]
     if batch.written[0].gears is not None and known.size:
-        rolling, refused = _rolling(
-            batch.kept(rows[known]), {name: values[known] for name, values in measured.items()}, steepest_rad
-        )
+        rolling, refused = _rolling(batch.kept(rows[known]), {name: one[known] for name, one in measured.items()})
         refused = {int(rows[known[place]]): error for place, error in refused.items()}
         made[known[~rolling]] = False
     if not made.any():
@@ -220,10 +214,24 @@ def found_of(batch: Batch, laws: Laws, rows: IndexArray, fineness: Fineness, tog
     )
 
 
-def _measured(found: Sampled, resistance: Resistance) -> dict[str, Array]:
+def _steeper_deg(batch: Batch) -> Array:
+    """The steeper of both flanks' angles, shape (n,); without gears nothing must push."""
+    racks = [None if design.gears is None else design.gears.rack for design in batch.written]
+    found: Array = np.array([-np.inf if rack is None else max(rack.angles_deg) for rack in racks])[batch.follows]
+    return found
+
+
+def _pushes(tangent: Array, steeper_deg: Array) -> Mask:
+    """Whether teeth can push where the pitch curves are steepest."""
+    pushes: Mask = np.degrees(np.arctan(tangent)) + steeper_deg < RIGHT_ANGLE_DEG
+    return pushes
+
+
+def _measured(found: Sampled, resistance: Resistance, lobes: Lobes, steeper_deg: Array) -> dict[str, Array]:
     """The extremes and integrals of laws, shape (n,) each, by names of this module.
 
-    ``drawn`` is 1 where the figures of the pitch curves hold, ``resolved`` where all of them do.
+    ``drawn`` is 1 where the figures of the pitch curves hold, ``resolved`` where all of them do.  ``steepest_rad`` is
+    the driving angle at which curves are steepest, where teeth with flanks of ``steeper_deg`` could not push there.
     """
     samples, displacement = found.samples, found.displacement
     curves, there = curves_of(samples), samples.there
@@ -249,8 +257,13 @@ def _measured(found: Sampled, resistance: Resistance) -> dict[str, Array]:
         "driven": (curves.driven, there, (1.0,)),
         "hollow_driven": (curves.driven, there, (-1.0,)),
     }
+    most = dict(zip(sought, extremes([*sought.values()]), strict=True))
+    steepest_rad, steep = np.zeros(drawn.size), np.nonzero(drawn & ~_pushes(most["tangent"], steeper_deg))[0]
+    if steep.size:
+        steepest_rad[steep] = _steepest(samples.kept(steep), lobes)
     return {
-        **dict(zip(sought, extremes([*sought.values()]), strict=True)),
+        **most,
+        "steepest_rad": steepest_rad,
         "drawn": drawn.astype(float),
         "resolved": resolved.astype(float),
         "length": integrated(curves.rates.values),
@@ -261,21 +274,16 @@ def _measured(found: Sampled, resistance: Resistance) -> dict[str, Array]:
     }
 
 
-def _rolling(
-    batch: Batch, measured: dict[str, Array], steepest_rad: Callable[[IndexArray], Array]
-) -> tuple[Mask, dict[int, DesignError]]:
+def _rolling(batch: Batch, measured: dict[str, Array]) -> tuple[Mask, dict[int, DesignError]]:
     """Whose teeth fill the pitch curves and can push, and why others cannot, by their rows.
 
-    ``steepest_rad`` gives the driving angles at which the curves of some rows are steepest.  Those that do not and are not refused are left to a single computation.
+    Those that do not and are not refused are left to a single computation.
     """
     _, fits = _distance(batch, measured["length"])
-    steepness = np.arctan(measured["tangent"])
     racks = [design.gears.rack for design in batch.written if design.gears is not None]
-    steeper = np.array([max(rack.angles_deg) for rack in racks])[batch.follows]
-    pushes = np.degrees(steepness) + steeper < RIGHT_ANGLE_DEG
+    steepness, at_rad = np.arctan(measured["tangent"]), measured["steepest_rad"]
+    pushes = _pushes(measured["tangent"], _steeper_deg(batch))
     unfit = refusals(~fits, lambda row: _require_size(batch, float(measured["length"][row]), row))
-    steep = np.nonzero(fits & ~pushes)[0]
-    at_rad = dict(zip(steep.tolist(), steepest_rad(steep), strict=True)) if steep.size else {}
     blocked = refusals(
         fits & ~pushes,
         lambda row: require_pushing(float(steepness[row]), float(at_rad[row]), racks[batch.follows[row]]),
