@@ -155,14 +155,12 @@ def _through_cluster(
     done = as_completed(with_results=True)
 
     def hand_out() -> int:
-        """Hand out bundles, and return how many tasks they hold."""
-        ahead, size = AHEAD_ON_CLUSTER * threads, 1
-        if finished_tasks:
-            size = bundle_size(seconds / finished_tasks, left, threads)
-        else:
-            ahead = max(ahead, AT_FIRST_ON_CLUSTER)
-        bundle = list(islice(tasks, size)) if len(running) < ahead else []
-        if bundle:
+        """Hand out a bundle where one is wanted, and return how many tasks it holds."""
+        ahead = AHEAD_ON_CLUSTER * threads if finished_tasks else max(AHEAD_ON_CLUSTER * threads, AT_FIRST_ON_CLUSTER)
+        if len(running) >= ahead:
+            return 0
+        size = bundle_size(seconds / finished_tasks, left, threads) if finished_tasks else 1
+        if bundle := list(islice(tasks, size)):
             future = client.submit(function, bundle, pure=False)
             running[future] = bundle
             done.add(future)
