@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from ncgear.numerics.arrays import Array, Mask
-from ncgear.numerics.sampled import Functions, extremes, integration, shares
+from ncgear.numerics.sampled import Functions, Sought, extremes, integration, shares
 
 COUNTS = (24, 33, 64)
 
@@ -14,7 +14,7 @@ COUNTS = (24, 33, 64)
 def both_ends(values: Array, there: Mask) -> tuple[Array, Array]:
     """Smallest and largest value of the functions of owners (shape (n, p, count)) that are there, shape (n, p)."""
     functions = Functions(np.moveaxis(values, 0, -1))
-    low, high, largest = extremes([(functions, there.T, signs) for signs in ((-1.0,), (1.0,), (1.0, -1.0))])
+    low, high, largest = extremes([Sought(functions, there.T, signs) for signs in ((-1.0,), (1.0,), (1.0, -1.0))])
     assert largest == pytest.approx(np.maximum(low, high), rel=1e-15)
     return -low, high
 
@@ -87,6 +87,19 @@ def test_the_highest_top_is_found_among_functions_that_nearly_reach_it(count: in
     assert (high >= many.max(axis=(1, 2)) - 1e-7).all()
     assert (low <= many.min(axis=(1, 2)) + 1e-7).all()
     assert (high <= many.max(axis=(1, 2)) + 1e-4).all()
+
+
+def test_a_limit_between_the_samples_and_the_top_is_told_apart() -> None:
+    """A top of exactly 1 between two points, whose samples are all under 0.999: over 0.9999, not over 1.0001."""
+    values = np.sin(np.pi * shares(33)[:, None] ** 1.5)[None] * 1.0
+    functions, there = Functions(values), np.ones((1, 1), dtype=bool)
+    assert values.max() < 0.9999
+    found = extremes([Sought(functions, there, (1.0,), limit) for limit in (0.9, 0.99999, 1.0001)])
+    assert [float(one[0]) > limit for one, limit in zip(found, (0.9, 0.99999, 1.0001), strict=True)] == [
+        True,
+        True,
+        False,
+    ]
 
 
 def test_constants_and_rounding_errors_have_extremes() -> None:

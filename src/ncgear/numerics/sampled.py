@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache, cached_property
 from math import pi
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -103,9 +104,17 @@ class Functions:
         return higher
 
 
-Sought = tuple[Functions, Mask, tuple[float, ...]]
-"""Functions, which of them count (shape (p, n)), and signs: 1 seeks the largest value, -1 the largest of the negative
-ones, both together the largest magnitude."""
+class Sought(NamedTuple):
+    """Functions, which of them count (shape (p, n)), and signs.
+
+    The sign 1 seeks the largest value, -1 the largest of the negative ones, both together the largest magnitude.  Where
+    a ``limit`` is given, only whether the largest value exceeds it is asked.
+    """
+
+    functions: Functions
+    there: Mask
+    signs: tuple[float, ...]
+    limit: float | None = None
 
 
 def extremes(sought: Sequence[Sought]) -> list[Array]:
@@ -114,10 +123,11 @@ def extremes(sought: Sequence[Sought]) -> list[Array]:
     Functions that count have finite values.  Without any function results are minus infinity.
     """
     best, chosen, owners = list[Array](), list[Array](), list[IndexArray]()
-    for functions, there, signs in sought:
+    for functions, there, signs, limit in sought:
         ends = [np.where(there, functions.high if sign > 0.0 else -functions.low, -np.inf) for sign in signs]
         most = np.max(ends, axis=(0, 1))
-        enough = most + NEGLIGIBLE * np.abs(most) - functions.higher
+        needed = most + NEGLIGIBLE * np.abs(most) if limit is None else np.where(most > limit, np.inf, limit)
+        enough = needed - functions.higher
         for sign, end in zip(signs, ends, strict=True):
             place, owner = np.nonzero(end > enough)
             chosen.append(sign * functions.values[place, :, owner])

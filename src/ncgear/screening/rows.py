@@ -20,7 +20,7 @@ from ncgear.kinematics.check import OF_MASSES, power_figures
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.jet import Jet
-from ncgear.numerics.sampled import Functions, extremes, integrated, integration, sums_at, turning_points
+from ncgear.numerics.sampled import Functions, Sought, extremes, integrated, integration, sums_at, turning_points
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.pitch.pair import AS_STEEP, CONSISTENT, MOST_TEETH, STRAIGHT, refuse_many_teeth, solved_size
 from ncgear.pitch.shape import Gear
@@ -245,17 +245,17 @@ def _measured(found: Sampled, resistance: Resistance, lobes: Lobes, steeper_deg:
     drawn_there, there = there & drawn, there & resolved
     working = there & (np.arange(len(there)) < len(displacement))[:, None]
     sought = {
-        "least_ratio": (curves.ratio, drawn_there, (-1.0,)),
-        "ratio": (curves.ratio, drawn_there, (1.0,)),
-        "tangent": (curves.tangent, drawn_there, BOTH),
-        "power": (power, there[: len(displacement)], (1.0,)),
-        "velocity": (velocity, there, BOTH),
-        "acceleration": (acceleration, there, BOTH),
-        "working_acceleration": (acceleration, working, BOTH),
-        "driving": (curves.driving, there, (1.0,)),
-        "hollow_driving": (curves.driving, there, (-1.0,)),
-        "driven": (curves.driven, there, (1.0,)),
-        "hollow_driven": (curves.driven, there, (-1.0,)),
+        "least_ratio": Sought(curves.ratio, drawn_there, (-1.0,)),
+        "ratio": Sought(curves.ratio, drawn_there, (1.0,)),
+        "tangent": Sought(curves.tangent, drawn_there, BOTH),
+        "power": Sought(power, there[: len(displacement)], (1.0,)),
+        "velocity": Sought(velocity, there, BOTH),
+        "acceleration": Sought(acceleration, there, BOTH),
+        "working_acceleration": Sought(acceleration, working, BOTH),
+        "driving": Sought(curves.driving, there, (1.0,)),
+        "hollow_driving": Sought(curves.driving, there, (-1.0,), limit=STRAIGHT),
+        "driven": Sought(curves.driven, there, (1.0,)),
+        "hollow_driven": Sought(curves.driven, there, (-1.0,), limit=STRAIGHT),
     }
     most = dict(zip(sought, extremes([*sought.values()]), strict=True))
     steepest_rad, steep = np.zeros(drawn.size), np.nonzero(drawn & ~_pushes(most["tangent"], steeper_deg))[0]
