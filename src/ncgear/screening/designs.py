@@ -25,7 +25,7 @@ from ncgear.screening.samples import Fineness, laws_of, refused_at_once
 MADE = "made"
 
 FINENESSES = (
-    Fineness(33, (0.0, 0.25, 0.75, 1.0), (0.0, 0.45, 0.75, 0.9, 1.0)),
+    Fineness(29, (0.0, 0.2, 0.8, 1.0), (0.0, 0.4, 0.6, 0.88, 1.0)),
     Fineness(33, (0.0, 0.1, 0.3, 0.75, 1.0), (0.0, 0.2, 0.4, 0.5, 0.6, 0.7, 0.85, 0.95, 1.0)),
     Fineness(
         33,
@@ -43,7 +43,7 @@ FINENESSES = (
 """The next one is tried where the one before does not resolve a law: few points on pieces that are short where strokes
 bend most, which is enough for four in five designs at the border, and harmonics begin with even pieces."""
 
-TOGETHER = 1 << 16
+TOGETHER = 1 << 17
 """Samples computed at once, whose arrays a core's cache holds (benchmarks/screening.md)."""
 
 
