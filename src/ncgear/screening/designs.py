@@ -43,8 +43,9 @@ FINENESSES = (
 """The next one is tried where the one before does not resolve a law: few points on pieces that are short where strokes
 bend most, which is enough for four in five designs at the border, and harmonics begin with even pieces."""
 
-TOGETHER = 1 << 17
-"""Samples computed at once, whose arrays a core's cache holds (benchmarks/screening.md)."""
+TOGETHER = 1 << 16
+"""Samples computed at once: with fewer, Python's share of each step counts (benchmarks/screening.md); with more, a
+process takes more memory, 16 MB for twice as many, and gains a twentieth at most."""
 
 
 @dataclass(frozen=True, eq=False)
