@@ -111,13 +111,12 @@ def _batches(
 
 
 def _alike(values: Array, rows: IndexArray) -> list[IndexArray]:
-    """Those of some rows whose values (shape (n, keys)) are the same, together, in the order of the first of each."""
+    """Those of some rows whose values (shape (n, keys)) are the same, together."""
     if not values.shape[1] or not rows.size:
         return [rows] if rows.size else []
-    _, first, group = np.unique(values[rows], axis=0, return_index=True, return_inverse=True)
-    in_order = rows[np.argsort(group, kind="stable")]
-    found = np.split(in_order, np.cumsum(np.bincount(group.ravel()))[:-1])
-    return [found[number] for number in np.argsort(first)]
+    _, group = np.unique(values[rows], axis=0, return_inverse=True)
+    in_order = rows[np.argsort(group.ravel(), kind="stable")]
+    return np.split(in_order, np.cumsum(np.bincount(group.ravel()))[:-1])
 
 
 class _Table:
