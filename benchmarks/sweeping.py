@@ -11,6 +11,7 @@ import os
 # One core: the libraries read this as they are loaded.
 os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
+import json
 import pickle
 import resource
 import subprocess
@@ -26,7 +27,9 @@ from unittest.mock import patch
 
 import numpy as np
 import psutil
+from distributed import Client
 
+from ncgear import workers
 from ncgear.design.reading.design_file import load
 from ncgear.design.space import Ranged, Space
 from ncgear.files.parts import Parts, table_bytes
@@ -46,7 +49,9 @@ RANGES = Ranged("motion.v1_mm_s", 1500.0, 1700.0), Ranged("motion.theta1_pi", 0.
 LEAST = Objective("check.peak_acceleration_cycle_mm_s2"), Objective("check.peak_power_w")
 DESIGNS, FOLLOWED = 2 * ROWS, 16
 MANY = 1_000_000
-EMPTY_TASKS = 500
+SLEEPING = (100, 0.3, 2000), (100, 0.05, 6000), (400, 0.3, 8000)
+"""Runs of sleeping parts: processes, seconds of a part, parts."""
+
 NETWORK_MB_S = 100.0
 """A usual network of one gigabit a second."""
 
@@ -209,12 +214,63 @@ def _children_s() -> float:
     return used.ru_utime + used.ru_stime
 
 
-def tasks_per_s() -> float:
-    """Empty tasks a second of processor time of this process, which is a Dask scheduler as well."""
-    results = finished(abs, range(EMPTY_TASKS + 1), "local", 2)
-    next(results)
-    start = process_time()
-    return sum(1 for _ in results) / (process_time() - start)
+@dataclass(frozen=True)
+class Fed:
+    """A run of sleeping tasks on a cluster: how long it took and would take if nothing waited, and what a bundle cost.
+
+    Milliseconds of processor time of this process and of the scheduler.
+    """
+
+    seconds: float
+    least_s: float
+    bundles: int
+    here_ms: float
+    scheduler_ms: float
+
+
+def fed(processes: int, task_s: float, count: int) -> Fed:
+    """So many sleeping tasks on a scheduler and a worker of so many threads, each in its own process."""
+    arguments = {"scheduler": ["--host", "127.0.0.1", "--port", "0", "--no-dashboard", "--no-show"]}
+    with TemporaryDirectory() as folder:
+        file = Path(folder) / "scheduler.json"
+        arguments["scheduler"] += ["--scheduler-file", str(file)]
+        arguments["worker"] = [
+            "--scheduler-file",
+            str(file),
+            "--nthreads",
+            str(processes),
+            "--no-nanny",
+            "--no-dashboard",
+        ]
+        begun = {name: _dask(name, *given) for name, given in arguments.items()}
+        try:
+            with Client(scheduler_file=str(file), timeout="30s") as client:
+                client.wait_for_workers(1, timeout="60s")
+            address = json.loads(file.read_text(encoding="utf-8"))["address"]
+            scheduler = psutil.Process(begun["scheduler"].pid)
+            submitted, really = list[Any](), Client.submit
+
+            def submit(*given: Any, **named: Any) -> Any:
+                submitted.append(really(*given, **named))
+                return submitted[-1]
+
+            before, here, start = sum(scheduler.cpu_times()[:2]), process_time(), perf_counter()
+            with patch.object(Client, "submit", submit):
+                done = sum(1 for _ in finished(sleep, [task_s] * count, address))
+            seconds, here = perf_counter() - start, process_time() - here
+            there = sum(scheduler.cpu_times()[:2]) - before
+        finally:
+            for one in reversed(begun.values()):
+                one.terminate()
+                one.wait()
+    assert done == count
+    bundles = len(submitted)
+    return Fed(seconds, task_s * count / processes, bundles, 1000.0 * here / bundles, 1000.0 * there / bundles)
+
+
+def _dask(*arguments: str) -> subprocess.Popen[bytes]:
+    quiet = subprocess.DEVNULL
+    return subprocess.Popen([sys.executable, "-m", "dask", *arguments], stdout=quiet, stderr=quiet)
 
 
 def start_s() -> float:
@@ -224,20 +280,30 @@ def start_s() -> float:
     return _children_s() - before
 
 
-def plan(cost: dict[str, float], tasks_s: float) -> Iterator[str]:
-    """Rows of a plan: seconds of a million designs and of 10^8, and what is busy, for numbers of workers."""
-    for designs, rows in ((10**6, 4096), (10**8, 16384)):
-        count = designs / rows
-        of_part, here = (cost["figures"] + cost["bytes"]) * rows / ROWS, rows / ROWS
-        for workers in WORKERS:
-            computing = -(-count // workers) * of_part / 1000.0
-            writing = count * here * (cost["values"] + cost["write"] + cost["gather"]) / 1000.0
-            network = count * here * cost["result"] / (1e6 * NETWORK_MB_S)
-            tasks = count / tasks_s
-            busiest = max((computing, "workers"), (writing, "this process"), (network, "network"), (tasks, "scheduler"))
+def bundles_of(count: int, task_s: float, processes: int) -> int:
+    """Into how many bundles a cluster's client puts so many tasks."""
+    left, bundles = count, 0
+    while left > 0:
+        left, bundles = left - workers.bundle_size(task_s, left, processes), bundles + 1
+    return bundles
+
+
+def plan(cost: dict[str, float], fed: Fed) -> Iterator[str]:
+    """Rows of a plan: seconds of 10^6, 10^8 and 10^9 designs, and what is busy, for numbers of workers."""
+    for designs, rows in ((10**6, 4096), (10**8, 16384), (10**9, 16384)):
+        count = -(-designs // rows)
+        of_part, share = (cost["figures"] + cost["bytes"]) * rows / ROWS / 1000.0, rows / ROWS
+        for processes in WORKERS:
+            bundles = bundles_of(count, of_part, processes)
+            computing = -(-count // processes) * of_part
+            feeding = count * share * (cost["values"] + cost["write"]) / 1000.0 + bundles * fed.here_ms / 1000.0
+            gathering = count * share * cost["gather"] / 1000.0
+            network = count * share * cost["result"] / (1e6 * NETWORK_MB_S)
+            scheduling = bundles * fed.scheduler_ms / 1000.0
+            busy = {"workers": computing, "this process": feeding, "network": network, "scheduler": scheduling}
             yield (
-                f"| {designs:.0e} | {workers} | {count:.0f} | {computing:.3g} | {writing:.3g} | {network:.3g} | "
-                f"{tasks:.2g} | {busiest[1]} |"
+                f"| {designs:.0e} | {processes} | {count} | {bundles} | {computing:.3g} | {feeding:.3g} "
+                f"| {network:.3g} | {scheduling:.2g} | {max(busy, key=busy.__getitem__)} | {gathering:.3g} |"
             )
 
 
@@ -248,10 +314,10 @@ def report() -> str:
     with TemporaryDirectory() as folder:
         cost = costs(Path(folder))
     seconds, parent_mb, table_mb, parts = map(float, _said("import sweeping; sweeping.everything_else()"))
-    worker_mb, tasks_s, begins_s = screening_memory_mb(), tasks_per_s(), start_s()
+    worker_mb, begins_s = screening_memory_mb(), start_s()
+    sleeping = [fed(*run) for run in SLEEPING]
     million = million_at_the_border()
     of_part = cost["figures"] + cost["bytes"]
-    here = cost["values"] + cost["write"] + cost["gather"]
     lines = [
         "# Sweeps on many processes",
         "",
@@ -293,24 +359,37 @@ def report() -> str:
         "",
         "## A plan for a thousand workers",
         "",
-        f"Computed from the figures above: workers as fast as this core, {NETWORK_MB_S:.0f} MB/s of network into this",
-        f"process, and {tasks_s:.0f} tasks a second of processor time of scheduler and process together",
-        f"({EMPTY_TASKS} empty tasks on a cluster of two processes).",
+        "A cluster gets parts in bundles: 10 ms of work for each of its processes, at most 5 s, and no more than a",
+        "share of what is left. Sleeping parts, on a scheduler and a worker of so many threads on this computer:",
         "",
-        "| designs | workers | tasks | workers busy, s | this process, s | network, s | scheduler, s | the longest |",
+        "| processes | parts | each sleeps, s | bundles | took, s | if nothing waited, s | this process, ms a bundle "
+        "| scheduler, ms |",
         "|---|---|---|---|---|---|---|---|",
-        *plan(cost, tasks_s),
+        *(
+            f"| {processes} | {count} | {task_s:g} | {one.bundles} | {one.seconds:.1f} | {one.least_s:.1f} "
+            f"| {one.here_ms:.1f} | {one.scheduler_ms:.1f} |"
+            for (processes, task_s, count), one in zip(SLEEPING, sleeping, strict=True)
+        ),
+        "",
+        f"Computed from these and the figures above: workers as fast as this core, {NETWORK_MB_S:.0f} MB/s of network",
+        "into this process. What is gathered at the end comes after all else.",
+        "",
+        "| designs | workers | parts | bundles | workers busy, s | this process, s | network, s | scheduler, s "
+        "| the longest | gathered in, s |",
+        "|---|---|---|---|---|---|---|---|---|---|",
+        *plan(cost, sleeping[-1]),
         "",
         "Where it stops:",
         "",
-        f"- This process keeps up with {of_part / here:.0f} workers: each is busy {of_part / 1e3:.2f} s with a part",
-        f"  that costs {here:.0f} ms here. More workers do not help, nor do larger parts, since both grow alike.",
-        f"- The scheduler keeps up with {tasks_s * of_part / 1e3:.0f} workers at this length of a task.",
+        f"- This process feeds and writes {of_part / (cost['values'] + cost['write']):.0f} workers: each is busy "
+        f"{of_part / 1e3:.2f} s with a part, and its values",
+        f"  and its file cost {cost['values'] + cost['write']:.1f} ms here; gathering costs {cost['gather']:.1f} ms.",
+        f"- Part by part this process would feed {of_part / sleeping[-1].here_ms:.0f} workers and the scheduler "
+        f"{of_part / sleeping[-1].scheduler_ms:.0f}; bundles of 5 s are enough",
+        f"  for {5000.0 / sleeping[-1].here_ms:.0f} and {5000.0 / sleeping[-1].scheduler_ms:.0f}.",
         f"- The network keeps up with {1e6 * NETWORK_MB_S / cost['result'] * of_part / 1e3:.0f} workers.",
         f"- A process needs {begins_s:.1f} s to begin: as long as {begins_s / of_part * 1e3:.1f} parts take.",
         "- A folder gets at most 6104 files of a sweep of 10^8 designs, 245 of one of 10^6.",
-        f"- Teeth: a task of 4 designs takes {cost['deep'] / 1e3:.2f} s, so the scheduler keeps up with "
-        f"{tasks_s * cost['deep'] / 1e3:.0f} workers.",
         "",
     ]
     return "\n".join(lines)

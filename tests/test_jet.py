@@ -84,6 +84,32 @@ def test_every_operation_has_the_exact_taylor_series(name: str) -> None:
     assert miss(found, taylor(oracle, points)) <= ROUNDING
 
 
+@pytest.mark.parametrize("name", CASES)
+def test_points_may_lie_in_an_array_of_more_axes(name: str) -> None:
+    function, _, low, high = CASES[name]
+    points = np.random.default_rng(7).uniform(low, high, (2, 3, 4))
+    found = function(Jet.variable(points, ORDER)).coefficients
+    assert np.array_equal(found.reshape(ORDER + 1, -1), function(Jet.variable(points.ravel(), ORDER)).coefficients)
+
+
+def test_numbers_of_a_last_axis_belong_to_all_points_of_their_column() -> None:
+    points, factors = np.array([[0.2], [0.7], [1.1]]), np.array([1.0, -2.0])
+    t = Jet.variable(points, ORDER)
+    found = (t * t + 1.0) / (t * factors + 5.0)
+    for column, factor in enumerate(factors):
+        one = Jet.variable(points[:, 0], ORDER)
+        alone = (one * one + 1.0) / (one * factor + 5.0)
+        assert np.array_equal(found.coefficients[:, :, column], alone.coefficients)
+
+
+def test_the_angle_of_two_sides_is_exact_on_both_sides_of_the_diagonal() -> None:
+    points = np.linspace(0.0, np.pi / 2.0, 9).reshape(3, 3)
+    t = Jet.variable(points, 3)
+    sine, cosine = jet.sin_cos(t)
+    found = jet.arctan2(sine * (t + 2.0), cosine * (t + 2.0)).coefficients
+    assert miss(found, Jet.variable(points, 3).coefficients) <= ROUNDING
+
+
 def test_the_comparison_would_see_a_wrong_fifth_derivative() -> None:
     points = np.array([0.3, 1.1])
     exact = taylor(mp.sin, points)

@@ -5,15 +5,28 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from ncgear.numerics.arrays import Array
-from ncgear.numerics.sampled import extremes, integration, shares, tails
+from ncgear.numerics.arrays import Array, Mask
+from ncgear.numerics.sampled import Functions, Sought, extremes, integration, shares
 
 COUNTS = (24, 33, 64)
 
 
+def both_ends(values: Array, there: Mask) -> tuple[Array, Array]:
+    """Smallest and largest value of the functions of owners (shape (n, p, count)) that are there, shape (n, p)."""
+    functions = Functions(np.moveaxis(values, 0, -1))
+    low, high, largest = extremes([Sought(functions, there.T, signs) for signs in ((-1.0,), (1.0,), (1.0, -1.0))])
+    assert largest == pytest.approx(np.maximum(low, high), rel=1e-15)
+    return -low, high
+
+
 def alone(values: Array) -> tuple[Array, Array]:
     """The extremes of each function (shape (n, count)) by itself."""
-    return extremes([values[:, None]], np.ones((len(values), 1), dtype=bool))[0]
+    return both_ends(values[:, None], np.ones((len(values), 1), dtype=bool))
+
+
+def tails(values: Array) -> Array:
+    """The largest last coefficient of functions, shape (p, count)."""
+    return Functions(values[..., None]).tails[:, 0]
 
 
 @pytest.mark.parametrize("count", COUNTS)
@@ -36,7 +49,7 @@ def test_extremes_between_the_points_are_exact(count: int) -> None:
 def test_an_owner_of_several_functions_has_the_extremes_of_all() -> None:
     t = shares(33)
     values = np.stack([[t * (1.0 - t), 0.5 * np.cos(3.0 * t)], [t - 3.0, 0.0 * t + 2.0]])
-    ((low, high),) = extremes([values], np.ones((2, 2), dtype=bool))
+    low, high = both_ends(values, np.ones((2, 2), dtype=bool))
     assert low == pytest.approx([0.5 * np.cos(3.0), -3.0], rel=1e-14)
     assert high == pytest.approx([0.5, 2.0], rel=1e-14)
 
@@ -44,14 +57,14 @@ def test_an_owner_of_several_functions_has_the_extremes_of_all() -> None:
 def test_a_top_that_is_lower_than_another_functions_end_does_not_count() -> None:
     t = shares(33)
     values = np.stack([t * (1.0 - t), 0.3 - 0.1 * t])[None, :]
-    assert extremes([values], np.ones((1, 2), dtype=bool))[0][1] == pytest.approx([0.3], rel=1e-14)
+    assert both_ends(values, np.ones((1, 2), dtype=bool))[1] == pytest.approx([0.3], rel=1e-14)
 
 
 def test_a_function_that_is_not_there_does_not_count() -> None:
     t = shares(33)
     values = np.stack([[t, np.full(33, np.nan)], [t + 5.0, np.full(33, np.inf)]])
     with np.errstate(invalid="ignore"):
-        ((low, high),) = extremes([values], np.array([[True, False], [False, False]]))
+        low, high = both_ends(values, np.array([[True, False], [False, False]]))
     assert low.tolist() == pytest.approx([0.0, np.inf], abs=1e-15)
     assert high.tolist() == [1.0, -np.inf]
 
@@ -66,14 +79,27 @@ def test_the_highest_top_is_found_among_functions_that_nearly_reach_it(count: in
     def at(places: Array) -> Array:
         return size * np.cos(turns * 2.0 * np.pi * places + phase)
 
-    assert (tails(at(shares(count)))[0] < 1e-7).all()
-    both = extremes([at(shares(count)), at(shares(count))[:, :4]], np.ones((80, 9), dtype=bool))
-    assert (both[1][1] <= both[0][1] + 1e-12).all()
-    low, high = both[0]
+    assert (tails(at(shares(count)).reshape(720, count)) < 1e-7).all()
+    some = np.broadcast_to(np.arange(9) < 4, (80, 9))
+    low, high = both_ends(at(shares(count)), np.ones((80, 9), dtype=bool))
+    assert (both_ends(at(shares(count)), some)[1] <= high + 1e-12).all()
     many = at(np.linspace(0.0, 1.0, 4001))
     assert (high >= many.max(axis=(1, 2)) - 1e-7).all()
     assert (low <= many.min(axis=(1, 2)) + 1e-7).all()
     assert (high <= many.max(axis=(1, 2)) + 1e-4).all()
+
+
+def test_a_limit_between_the_samples_and_the_top_is_told_apart() -> None:
+    """A top of exactly 1 between two points, whose samples are all under 0.999: over 0.9999, not over 1.0001."""
+    values = np.sin(np.pi * shares(33)[:, None] ** 1.5)[None] * 1.0
+    functions, there = Functions(values), np.ones((1, 1), dtype=bool)
+    assert values.max() < 0.9999
+    found = extremes([Sought(functions, there, (1.0,), limit) for limit in (0.9, 0.99999, 1.0001)])
+    assert [float(one[0]) > limit for one, limit in zip(found, (0.9, 0.99999, 1.0001), strict=True)] == [
+        True,
+        True,
+        False,
+    ]
 
 
 def test_constants_and_rounding_errors_have_extremes() -> None:
@@ -90,7 +116,7 @@ def test_samples_alone_would_miss_the_top() -> None:
 
 
 def test_tails_fall_with_the_count_and_show_what_is_not_resolved() -> None:
-    runge = [float(tails(0.01 / (0.01 + (shares(count) - 0.5) ** 2))[0]) for count in (17, 33, 65, 129)]
+    runge = [float(tails(0.01 / (0.01 + (shares(count) - 0.5) ** 2)[None])[0]) for count in (17, 33, 65, 129)]
     assert runge[0] > 1e-2
     # Bernstein ellipse of the pole at 0.5 + 0.1i: rho = 0.2 + sqrt(1.04) a coefficient.
     assert runge[2] / runge[1] == pytest.approx((0.2 + 1.04**0.5) ** -32, rel=0.5)
@@ -101,6 +127,5 @@ def test_tails_fall_with_the_count_and_show_what_is_not_resolved() -> None:
 def test_tails_of_what_is_not_finite_are_infinite(wrong: float) -> None:
     values = np.ones((2, 33))
     values[0, 4] = wrong
-    last, size = tails(values)
-    assert last.tolist() == [np.inf, pytest.approx(0.0, abs=1e-15)]
-    assert size[1] == 1.0
+    assert tails(values).tolist() == [np.inf, pytest.approx(0.0, abs=1e-15)]
+    assert Functions(values[..., None]).size[1, 0] == 1.0

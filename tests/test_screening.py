@@ -23,7 +23,7 @@ from ncgear.screening import rows as figures_module
 from ncgear.screening.batch import Batch, kind_of
 from ncgear.screening.designs import MADE, Block, screened_block
 from ncgear.screening.rows import single_figures
-from ncgear.screening.samples import Fineness, sampled
+from ncgear.screening.samples import Fineness, laws_of
 
 CHECK_FIGURES = (
     "drive.law_speed_rpm",
@@ -427,6 +427,17 @@ def test_designs_without_gears_have_the_figures_of_a_check(alone: list[Design]) 
     assert disagreement(found, data, keys, values) <= AGREEMENT
 
 
+def test_designs_that_differ_in_other_keys_keep_their_places(alone: list[Design]) -> None:
+    """Those of one face width are computed together, and put back between the others."""
+    keys, speeds = ["motion.v1_mm_s", "gears.face_width_mm"], np.linspace(1500.0, 1650.0, 6)
+    values = np.column_stack([speeds, [20.0, 9.0, 20.0, 30.0, 9.0, 9.0]])
+    found = screened_block(data_of("baler"), keys, values)
+    assert not alone
+    only = screened_block(data_of("baler"), keys[:1], values[:, :1])
+    for name, column in only.figures.items():
+        assert found.figures[name] == pytest.approx(column, rel=1e-12, abs=1e-12)
+
+
 def test_no_designs_give_an_empty_block() -> None:
     found = screened_block(data_of("baler"), list(BORDER), np.empty((0, 2)))
     assert tuple(found.figures) == CHECK_FIGURES + PITCH_FIGURES
@@ -440,7 +451,7 @@ def test_the_closing_residual_is_taken_at_other_points_than_the_law(name: str) -
     kind = kind_of(design)
     assert kind is not None
     batch = Batch(kind, (design,), np.zeros(1, dtype=int), {})
-    few, enough = (sampled(batch, Fineness(count)) for count in (7, 129))
+    few, enough = (laws_of(batch).sampled(np.zeros(1, dtype=int), Fineness(count)) for count in (7, 129))
     assert abs(float(enough.closing_error_rad[0])) < 1e-12
     assert abs(float(few.closing_error_rad[0])) > 1e-8
     if name == "baler-drivetrain":

@@ -9,6 +9,7 @@ import sys
 import time
 from collections.abc import Iterator
 from functools import partial
+from math import inf
 from multiprocessing import active_children
 from pathlib import Path
 from typing import Any
@@ -135,6 +136,40 @@ def test_a_cluster_of_this_computer_gives_the_same(tmp_path: Path) -> None:
     pytest.importorskip("distributed")
     assert dict(finished(partial(dying_once, str(tmp_path)), range(40), scheduler="local", processes=2)) == SQUARES
     assert (tmp_path / "died").exists()
+
+
+@pytest.mark.parametrize(
+    ("seconds", "left", "threads", "size"),
+    [
+        (0.3, 1e6, 1000, 16),  # five seconds
+        (0.3, inf, 1000, 16),
+        (0.3, 1e6, 100, 3),  # a second: a hundredth for each thread
+        (0.3, 1e6, 2, 1),
+        (0.001, 1e6, 2, 20),
+        (0.3, 3000, 1000, 1),  # all of them stay at work to the end
+        (0.3, 12000, 1000, 6),
+        (60.0, 1e6, 1000, 1),
+        (0.0, 40, 2, 10),
+    ],
+)
+def test_bundles_grow_with_the_number_of_processes_and_shrink_to_the_end(
+    seconds: float, left: float, threads: int, size: int
+) -> None:
+    assert workers.bundle_size(seconds, left, threads) == size
+
+
+@pytest.mark.slow
+def test_a_cluster_gets_bundles_and_gives_every_result(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of a generator too, whose number of tasks is told: bundles of several tasks, single ones at the end."""
+    pytest.importorskip("distributed")
+    monkeypatch.setattr(workers, "AT_FIRST_ON_CLUSTER", 1)
+    sizes, really = [], workers.bundle_size
+    monkeypatch.setattr(workers, "bundle_size", lambda *given: sizes.append(really(*given)) or sizes[-1])
+    found = list(finished(squared, (number for number in range(400)), "local", 2, count=400))
+    assert len(found) == 400
+    assert dict(found) == {number: number * number for number in range(400)}
+    assert max(sizes) > 50
+    assert sizes[-1] == 1
 
 
 def faults_of_arrays(count: int) -> int:

@@ -14,8 +14,11 @@ from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from functools import partial
 from itertools import islice
+from math import inf
 from multiprocessing import get_context, parent_process
+from operator import length_hint
 from pathlib import Path
+from time import monotonic, perf_counter
 from typing import Any, ParamSpec, TypeVar
 
 from ncgear import __version__
@@ -35,8 +38,20 @@ LOCAL = "local"
 AHEAD = 4
 """Tasks handed out for each process: one at work, the others so that it never waits, few so that memory stays small."""
 
-LEAST_AHEAD_ON_CLUSTER = 256
-"""Fewest tasks handed out to a cluster, whose number of processes may grow on the way."""
+AT_FIRST_ON_CLUSTER = 256
+"""Fewest tasks handed out to a cluster as long as none is finished, one by one: its processes may be still to come."""
+
+AHEAD_ON_CLUSTER = 2
+"""Bundles of tasks handed out for each process of a cluster: one at work, and one that waits."""
+
+HANDING_S, LONGEST_BUNDLE_S = 0.01, 5.0
+"""Seconds of work of a bundle for each process of a cluster, and at most.
+
+Client and scheduler each spend some two milliseconds on a bundle, however long it is (benchmarks/sweeping.md): all
+processes have a new one before the first has done its own, and five seconds are enough for two thousand of them."""
+
+LOOK_S = 1.0
+"""Seconds after which the processes of a cluster are counted anew."""
 
 DEATHS = 3
 """Deaths of processes without a single result between them after which a run gives up: the tasks themselves kill."""
@@ -67,31 +82,37 @@ def finished(
     tasks: Iterable[Task],
     scheduler: str | None = None,
     processes: int | None = None,
+    count: int | None = None,
 ) -> Iterator[tuple[Task, Result]]:
     """Every task with its result, in the order in which they are finished.
 
     Without ``scheduler`` the tasks run on ``processes`` processes of this computer, one for each core where None is
     given; a single one is this process itself.  ``scheduler`` is the address of a Dask scheduler, as
     ``tcp://host:8786``, or ``local`` for a Dask cluster of ``processes`` processes on this computer.  Tasks are taken
-    from ``tasks`` a few at a time, so that it may be endless.
+    from ``tasks`` a few at a time, so that it may be endless.  A cluster gets bundles of tasks, which towards the end
+    are so small that all its processes stay at work; ``count`` is how many tasks there are, where ``tasks`` does not
+    tell.
 
     Raises what the function raises, WrongInput where the scheduler cannot be used or ends on the way, and RuntimeError
     where processes die again and again without a result.
     """
     if scheduler is not None:
-        with _cluster(scheduler, processes or core_count()) as (client, ahead):
-            yield from _through_cluster(client, ahead, partial(_on_cluster, function), iter(tasks))
-    elif (count := processes or core_count()) == 1:
+        left = length_hint(tasks, -1) if count is None else count
+        with _cluster(scheduler, processes or core_count()) as client:
+            yield from _through_cluster(client, partial(_on_cluster, function), iter(tasks), left if left >= 0 else inf)
+    elif (cores := processes or core_count()) == 1:
         yield from ((task, function(task)) for task in tasks)
     else:
-        with _pools(count) as new_pool:
-            yield from _through(new_pool, AHEAD * count, function, iter(tasks))
+        with _pools(cores) as new_pool:
+            yield from _through(new_pool, AHEAD * cores, function, iter(tasks))
 
 
-def _on_cluster(function: Callable[[Task], Result], task: Task) -> Result:
-    """A task on a worker that others have begun."""
+def _on_cluster(function: Callable[[Task], Result], tasks: list[Task]) -> tuple[float, list[Result]]:
+    """Tasks on a worker that others have begun: the seconds that they took, and their results."""
     keep_freed_memory()
-    return function(task)
+    start = perf_counter()
+    results = [function(task) for task in tasks]
+    return perf_counter() - start, results
 
 
 def _through(
@@ -120,21 +141,59 @@ def _through(
 
 
 def _through_cluster(
-    client: Any, ahead: int, function: Callable[[Task], Result], tasks: Iterator[Task]
+    client: Any,
+    function: Callable[[list[Task]], tuple[float, list[Result]]],
+    tasks: Iterator[Task],
+    left: float,
 ) -> Iterator[tuple[Task, Result]]:
-    """Results of tasks on a cluster, at most ``ahead`` of which are handed out; it replaces its own processes."""
+    """Results of tasks on a cluster, which replaces its own processes; ``left`` tasks are to be handed out."""
     from distributed import as_completed
 
-    running = {client.submit(function, task, pure=False): task for task in islice(tasks, ahead)}
+    running: dict[Any, list[Task]] = {}
+    threads, looked_s, seconds, finished_tasks = _threads(client), monotonic(), 0.0, 0
     # With results: Dask's own executor fails where a process dies between the end of its task and the reading of it.
-    done = as_completed(running, with_results=True)
+    done = as_completed(with_results=True)
+
+    def hand_out() -> int:
+        """Hand out a bundle where one is wanted, and return how many tasks it holds."""
+        ahead = AHEAD_ON_CLUSTER * threads if finished_tasks else max(AHEAD_ON_CLUSTER * threads, AT_FIRST_ON_CLUSTER)
+        if len(running) >= ahead:
+            return 0
+        size = bundle_size(seconds / finished_tasks, left, threads) if finished_tasks else 1
+        if bundle := list(islice(tasks, size)):
+            future = client.submit(function, bundle, pure=False)
+            running[future] = bundle
+            done.add(future)
+        return len(bundle)
+
+    while handed := hand_out():
+        left -= handed
     for future, result in done:
         if isinstance(result, CancelledError):
             raise result
-        yield running.pop(future), result
-        for task in islice(tasks, 1):
-            running[handed_out := client.submit(function, task, pure=False)] = task
-            done.add(handed_out)
+        bundle, (took_s, results) = running.pop(future), result
+        seconds, finished_tasks = seconds + took_s, finished_tasks + len(bundle)
+        if monotonic() - looked_s > LOOK_S:
+            threads, looked_s = _threads(client), monotonic()
+        while handed := hand_out():
+            left -= handed
+        yield from zip(bundle, results, strict=True)
+
+
+def bundle_size(seconds: float, left: float, threads: int) -> int:
+    """How many tasks of so many seconds each one of a cluster's threads gets at a time.
+
+    They are enough work for the time in which all threads get their bundles, but not more than a share of what is
+    ``left``, so that all threads end together.
+    """
+    long_enough = min(HANDING_S * threads, LONGEST_BUNDLE_S) / max(seconds, 1e-6)
+    return max(1, int(min(long_enough, left / (AHEAD_ON_CLUSTER * threads))))
+
+
+def _threads(client: Any) -> int:
+    """The number of tasks that a cluster can compute at a time; 1 before its first process has come."""
+    threads: int = sum(client.nthreads().values())
+    return max(1, threads)
 
 
 def _handed_out(executor: Executor, function: Callable[[Task], Result], task: Task) -> Future[Result]:
@@ -221,8 +280,8 @@ def _same_environment() -> Iterator[None]:
 
 
 @contextmanager
-def _cluster(scheduler: str, processes: int) -> Iterator[tuple[Any, int]]:
-    """A context with the client of a Dask cluster, and the number of tasks to hand out at a time.
+def _cluster(scheduler: str, processes: int) -> Iterator[Any]:
+    """A context with the client of a Dask cluster.
 
     Raises WrongInput where its scheduler ends before it does.
     """
@@ -232,8 +291,7 @@ def _cluster(scheduler: str, processes: int) -> Iterator[tuple[Any, int]]:
         try:
             # A worker may end on the way
             _require_same_version(client.run(_version, on_error="return"))
-            threads = sum(client.nthreads().values())
-            yield client, max(LEAST_AHEAD_ON_CLUSTER, AHEAD * threads)
+            yield client
         except Exception as error:
             # Tasks are cancelled by the end of the scheduler alone, which the client may not know yet.
             if client.status == "running" and not isinstance(error, CancelledError | CommClosedError):

@@ -68,6 +68,18 @@ def _numbers(values: Array) -> pyarrow.Array:
     return arrow.Array.from_buffers(arrow.float64(), values.size, [valid, _buffer(values.astype(float))])
 
 
+def _read(column: pyarrow.ChunkedArray, kind: type[Any]) -> np.ndarray[Any, Any]:
+    """A column's numbers, NaN where they are not known; its own ``to_numpy`` would load pandas, 50 MB."""
+    whole = column.combine_chunks()
+    valid, data = whole.buffers()
+    here = slice(whole.offset, whole.offset + len(whole))
+    values: np.ndarray[Any, Any] = np.frombuffer(data, dtype=kind)[here].copy()
+    if whole.null_count:
+        known = np.unpackbits(np.frombuffer(valid, dtype=np.uint8), bitorder="little")[here]
+        values[known == 0] = np.nan
+    return values
+
+
 def _texts(texts: Sequence[str]) -> pyarrow.Array:
     """Texts as a column."""
     import pyarrow as arrow
@@ -169,9 +181,9 @@ class Parts:
         if table is None:
             raise WrongInput("has changed while the sweep ran; run it again", location=str(self.path(part)))
         columns = {name: table.column(name) for name in table.column_names}
-        numbers = columns.pop(NUMBER).to_numpy()
-        verdicts = columns.pop(VERDICT).to_numpy(zero_copy_only=False)
-        values = {name: column.to_numpy(zero_copy_only=False) for name, column in columns.items()}
+        numbers = _read(columns.pop(NUMBER), np.int64)
+        verdicts = np.array(columns.pop(VERDICT).to_pylist(), dtype=object)
+        values = {name: _read(column, np.float64) for name, column in columns.items()}
         return Designs(numbers, {key: values.pop(key) for key in self.keys}, values, verdicts)
 
 

@@ -225,7 +225,7 @@ def _computed(
     if len(missing) <= 1 and on.keywords["scheduler"] is None:  # type: ignore[attr-defined]
         # A process of its own would take longer to begin than a single part takes.
         on = partial(on, processes=1)
-    for (part, _), content in on(compute, ((part, tasks(part)) for part in missing)):
+    for (part, _), content in on(compute, ((part, tasks(part)) for part in missing), count=len(missing)):
         parts.add(part, content)
         done += counts[part]
         on_done(done, total)

@@ -80,13 +80,18 @@ class CrankSliders(Mechanisms[Number]):
         reach = self.rod_mm - self.crank_mm
         along = self.crank_mm * self.nearest_mm / reach
         across = self.crank_mm * self.offset_mm / reach
-        pin_advance = along * versine - across * sine
-        lateral = along * sine + across * versine - self.rod_mm * self.offset_mm / reach
+        pin_advance, lateral = along * versine, along * sine
+        if np.any(self.offset_mm):
+            pin_advance = pin_advance - across * sine
+            lateral = lateral + across * versine - self.rod_mm * self.offset_mm / reach
         rod_start = self.rod_mm * self.nearest_mm / reach
         rod_now = jet.sqrt(self.rod_mm**2 - lateral * lateral)
-        direct, other = rod_now - rod_start + pin_advance, rod_now + rod_start - pin_advance
-        product = 2.0 * self.crank_mm * reach * versine / other
-        return Jet(np.where(direct.value > other.value, direct.coefficients, product.coefficients))
+        product = 2.0 * self.crank_mm * reach * versine / (rod_now + rod_start - pin_advance)
+        larger = pin_advance.value > rod_start
+        if not larger.any():
+            return product
+        direct = rod_now - rod_start + pin_advance
+        return Jet(np.where(larger, direct.coefficients, product.coefficients))
 
     def working_angle(self, displacement: Jet, root_displaced: Jet, root_remaining: Jet) -> Jet:
         """Crank angle in rad, with derivatives, in the working stroke, regular up to and including both dead centres.
@@ -97,13 +102,14 @@ class CrankSliders(Mechanisms[Number]):
         the triangle of crank, rod and the distance from crank axis to slider takes the place of the line.
         """
         position = displacement + self.nearest_mm
+        if not np.any(self.offset_mm):
+            stretch = jet.sqrt((position + self.farthest_mm) / (position + self.nearest_mm))
+            return 2.0 * jet.arctan2(root_displaced * stretch, root_remaining)
         distance = jet.sqrt(position * position + self.offset_mm**2)
         ratio = jet.sqrt((position + self.nearest_mm) / (position + self.farthest_mm))
         stretch = (distance + (self.rod_mm + self.crank_mm)) / (distance + (self.rod_mm - self.crank_mm))
         sine_side, cosine_side = root_displaced * ratio * stretch, root_remaining
         turned = 2.0 * jet.arctan2(sine_side, cosine_side)
-        if not np.any(self.offset_mm):
-            return turned
         tilt = displacement * self.offset_mm / (position * self.nearest_mm + self.offset_mm**2)
         return turned + jet.arctan(tilt)
 

@@ -23,7 +23,8 @@ class Jet:
     """Truncated Taylor series of one function at many points.
 
     ``coefficients`` has shape (order + 1, n): row k is the k-th derivative divided by k!.  A rule that takes a number
-    also takes an array of shape (n,), one number for each point.
+    also takes an array of shape (n,), one number for each point.  Points may lie in an array of more axes, shape
+    (..., n): numbers of shape (n,) then belong to all points of a column.
     """
 
     coefficients: Array
@@ -33,9 +34,9 @@ class Jet:
 
     @staticmethod
     def variable(points: ArrayLike, order: int) -> Jet:
-        """The independent variable itself at ``points`` (shape (n,)): value t, derivative 1."""
+        """The independent variable itself at ``points`` (shape (n,) or (..., n)): value t, derivative 1."""
         values = np.atleast_1d(np.asarray(points, dtype=float))
-        coefficients = np.zeros((order + 1, values.size))
+        coefficients = np.zeros((order + 1, *values.shape))
         coefficients[0] = values
         if order:
             coefficients[1] = 1.0
@@ -59,13 +60,12 @@ class Jet:
 
     def differentiated(self) -> Jet:
         """The derivative as a jet of one order less."""
-        factors = np.arange(1.0, self.order + 1.0)[:, None]
-        return Jet(self.coefficients[1:] * factors)
+        return Jet(_slopes(self.coefficients))
 
     def integrated(self, values: Array) -> Jet:
         """The antiderivative with the given values (shape (n,)), one order more."""
-        divisors = np.arange(1.0, self.order + 2.0)[:, None]
-        return Jet(np.vstack([values[None, :], self.coefficients / divisors]))
+        divisors = _counted(self.coefficients)
+        return Jet(np.concatenate([values[None], self.coefficients / divisors]))
 
     def truncated(self, order: int) -> Jet:
         """The same series cut at ``order``."""
@@ -88,10 +88,14 @@ class Jet:
     __radd__ = __add__
 
     def __sub__(self, other: Jet | float | Array) -> Jet:
+        if isinstance(other, Jet):
+            return Jet(self.coefficients - other.coefficients)
         return self + (-other)
 
     def __rsub__(self, other: float | Array) -> Jet:
-        return (-self) + other
+        coefficients = -self.coefficients
+        coefficients[0] += other
+        return Jet(coefficients)
 
     def __mul__(self, other: Jet | float | Array) -> Jet:
         if not isinstance(other, Jet):
@@ -108,7 +112,7 @@ class Jet:
         if not isinstance(other, Jet):
             return Jet(self.coefficients / other)
         a, b = self.coefficients, other.coefficients
-        quotient = a.copy()
+        quotient = a.copy() if a.shape == b.shape else np.broadcast_to(a, np.broadcast_shapes(a.shape, b.shape)).copy()
         for k in range(len(a) - 1):
             quotient[k] /= b[0]
             quotient[k + 1 :] -= quotient[k] * b[1 : len(a) - k]
@@ -153,7 +157,7 @@ def sin_cos(argument: Jet) -> tuple[Jet, Jet]:
     a = argument.coefficients
     sine, cosine = np.empty_like(a), np.empty_like(a)
     sine[0], cosine[0] = np.sin(a[0]), np.cos(a[0])
-    slopes = a[1:] * np.arange(1.0, len(a))[:, None]
+    slopes = _slopes(a)
     # A straight argument, which is the usual one, has a single slope.
     count = len(slopes) if a[2:].any() else 1
     for k in range(1, len(a)):
@@ -168,7 +172,7 @@ def sinh_cosh(argument: Jet) -> tuple[Jet, Jet]:
     a = argument.coefficients
     sine, cosine = np.empty_like(a), np.empty_like(a)
     sine[0], cosine[0] = np.sinh(a[0]), np.cosh(a[0])
-    slopes = a[1:] * np.arange(1.0, len(a))[:, None]
+    slopes = _slopes(a)
     for k in range(1, len(a)):
         sine[k] = _paired(slopes[:k], cosine[:k]) / k
         cosine[k] = _paired(slopes[:k], sine[:k]) / k
@@ -180,11 +184,22 @@ def tanh(argument: Jet) -> Jet:
     a = argument.coefficients
     value, slope = np.empty_like(a), np.empty_like(a)
     value[0], slope[0] = np.tanh(a[0]), np.exp(-2.0 * np.logaddexp(a[0], -a[0]) + 2.0 * np.log(2.0))
-    slopes = a[1:] * np.arange(1.0, len(a))[:, None]
+    slopes = _slopes(a)
     for k in range(1, len(a)):
         value[k] = _paired(slopes[:k], slope[:k]) / k
         slope[k] = -_paired(value[: k + 1], value[: k + 1])
     return Jet(value)
+
+
+def _counted(rows: Array) -> Array:
+    """1, 2, ... for the rows, so shaped that rows can be multiplied by it."""
+    return np.arange(1.0, len(rows) + 1.0).reshape(-1, *[1] * (rows.ndim - 1))
+
+
+def _slopes(coefficients: Array) -> Array:
+    """The coefficients of the derivative."""
+    slopes: Array = coefficients[1:] * _counted(coefficients[1:])
+    return slopes
 
 
 def _paired(rising: Array, falling: Array) -> Array:
@@ -211,7 +226,7 @@ def exp(argument: Jet) -> Jet:
     a = argument.coefficients
     power = np.empty_like(a)
     power[0] = np.exp(a[0])
-    slopes = a[1:] * np.arange(1.0, len(a))[:, None]
+    slopes = _slopes(a)
     for k in range(1, len(a)):
         power[k] = _paired(slopes[:k], power[:k]) / k
     return Jet(power)
@@ -237,12 +252,10 @@ def arctan(argument: Jet) -> Jet:
 def arctan2(sine_side: Jet, cosine_side: Jet) -> Jet:
     """Angle in 0..pi/2 of two non-negative sides, dividing by the larger one at each point."""
     steep = sine_side.value > cosine_side.value
-    parts = []
-    if not steep.all():
-        parts.append((~steep, arctan(sine_side.compressed(~steep) / cosine_side.compressed(~steep))))
-    if steep.any():
-        parts.append((steep, pi / 2 - arctan(cosine_side.compressed(steep) / sine_side.compressed(steep))))
-    return joined(parts)
+    smaller = np.where(steep, cosine_side.coefficients, sine_side.coefficients)
+    larger = np.where(steep, sine_side.coefficients, cosine_side.coefficients)
+    turned = arctan(Jet(smaller) / Jet(larger))
+    return Jet(np.where(steep, (pi / 2 - turned).coefficients, turned.coefficients))
 
 
 def polynomial(coefficients: Sequence[float] | Array, argument: Jet) -> Jet:
@@ -250,8 +263,10 @@ def polynomial(coefficients: Sequence[float] | Array, argument: Jet) -> Jet:
 
     ``coefficients`` have shape (m,), or (m, n) where each point has a polynomial of its own.
     """
-    result = argument * 0.0 + coefficients[-1]
-    for coefficient in reversed(coefficients[:-1]):
+    if len(coefficients) == 1:
+        return argument * 0.0 + coefficients[0]
+    result = argument * coefficients[-1] + coefficients[-2]
+    for coefficient in reversed(coefficients[:-2]):
         result = result * argument + coefficient
     return result
 
@@ -259,7 +274,7 @@ def polynomial(coefficients: Sequence[float] | Array, argument: Jet) -> Jet:
 def joined(parts: Sequence[tuple[Mask, Jet]]) -> Jet:
     """One jet from parts that each cover the points where their mask is true."""
     first_mask, first = parts[0]
-    coefficients = np.full((first.order + 1, first_mask.size), np.nan)
+    coefficients = np.full((first.order + 1, *first_mask.shape), np.nan)
     for mask, part in parts:
         coefficients[:, mask] = part.coefficients
     return Jet(coefficients)
@@ -271,7 +286,7 @@ def by_other(values: Array, rate: Jet, speed: Jet) -> Jet:
     ``rate`` is the derivative by x and ``speed`` = dt/dx, both jets by t of the same order: the next derivative by x is
     ``speed`` times the derivative by t of the one before.
     """
-    coefficients = np.empty((rate.order + 2, values.size))
+    coefficients = np.empty((rate.order + 2, *values.shape))
     coefficients[0], coefficients[1] = values, rate.value
     for k in range(2, rate.order + 2):
         rate = speed.truncated(rate.order - 1) * rate.differentiated()

@@ -2,18 +2,21 @@
 
 The polynomial through the values is the function itself, to rounding error, once its last coefficients have died away
 (L. N. Trefethen, "Approximation Theory and Approximation Practice", SIAM 2013, chapters 3 to 8).  So integrals, values
-between the points and extrema are taken from the polynomial.  The functions run along the last axis.
+between the points and extrema are taken from the polynomial.  The points run along the last but one axis, and owners
+of functions along the last one, where numpy adds and compares whole rows.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import cache
+from functools import cache, cached_property
 from math import pi
+from typing import NamedTuple
 
 import numpy as np
 from numpy.polynomial import chebyshev
 
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.zeros import zeros_between
 
@@ -33,14 +36,12 @@ the step's square times its second derivative, hence by an eighth of a second di
 since the second derivative of a resolved function may be larger between the points, but not by as much
 (tests/test_sampled.py)."""
 
-NEWTON_STEPS = 2
+NEWTON_STEPS = 3
 """Newton's steps to the place of a top from the zero of the line through the slopes at two neighbouring points."""
 
-LAST_STEP = 1e-7
-"""Share of a piece: after a last step under it a place is as exact as rounding allows; the others are bracketed."""
-
-FINER = 2
-"""Parts that each interval between points is divided into where sign changes of the derivative are looked for."""
+LAST_STEP = 1e-6
+"""Share of a piece: after a last step under it a place and the value there are as exact as rounding allows; the others
+are bracketed."""
 
 
 @cache
@@ -60,110 +61,151 @@ def integration(count: int) -> Array:
 
 
 def integrated(values: Array) -> Array:
-    """Integral over all pieces of values per share of the piece, shape (n, pieces, count), as shape (n,)."""
-    total: Array = (values @ integration(values.shape[-1])[-1]).sum(axis=1)
+    """Integral over all pieces of values per share of the piece, shape (pieces, count, n), as shape (n,)."""
+    total: Array = (integration(values.shape[-2])[-1] @ values).sum(axis=0)
     return total
 
 
-def tails(values: Array) -> tuple[Array, Array]:
-    """Largest of the last coefficients, and the largest value, of each function, shape (...,) both.
+@dataclass(frozen=True, eq=False)
+class Functions:
+    """The p functions of each of n owners by their values at the points, shape (p, count, n)."""
 
-    The coefficients are infinite where a value is not finite.
+    values: Array
+
+    @cached_property
+    def low(self) -> Array:
+        """Smallest value at the points, shape (p, n)."""
+        low: Array = self.values.min(axis=1)
+        return low
+
+    @cached_property
+    def high(self) -> Array:
+        """Largest value at the points, shape (p, n)."""
+        high: Array = self.values.max(axis=1)
+        return high
+
+    @property
+    def size(self) -> Array:
+        """Largest magnitude at the points, shape (p, n)."""
+        return np.maximum(self.high, -self.low)
+
+    @cached_property
+    def tails(self) -> Array:
+        """Largest of the last coefficients, shape (p, n), infinite where a value is not finite."""
+        last = np.abs(_coefficients(self.values.shape[1])[-LAST:] @ self.values).max(axis=1)
+        return np.where(np.isfinite(last) & np.isfinite(self.size), last, np.inf)
+
+    @cached_property
+    def higher(self) -> Array:
+        """By how much a function may exceed its largest value at the points, shape (p, n)."""
+        steps = np.diff(self.values, axis=1)
+        bends = np.subtract(steps[:, 1:], steps[:, :-1], out=steps[:, 1:])
+        higher: Array = HIGHER * np.maximum(bends.max(axis=1), -bends.min(axis=1))
+        return higher
+
+
+class Sought(NamedTuple):
+    """Functions, which of them count (shape (p, n)), and signs.
+
+    The sign 1 seeks the largest value, -1 the largest of the negative ones, both together the largest magnitude.  Where
+    a ``limit`` is given, only whether the largest value exceeds it is asked.
     """
-    last = np.abs(values @ _coefficients(values.shape[-1])[-LAST:].T).max(axis=-1)
-    size = np.maximum(values.max(axis=-1), -values.min(axis=-1))
-    return np.where(np.isfinite(last) & np.isfinite(size), last, np.inf), size
+
+    functions: Functions
+    there: Mask
+    signs: tuple[float, ...]
+    limit: float | None = None
 
 
-def extremes(quantities: Sequence[Array], there: Mask) -> list[tuple[Array, Array]]:
-    """Smallest and largest value of each quantity over the p functions of each of n owners, shape (n,) each.
+def extremes(sought: Sequence[Sought]) -> list[Array]:
+    """The largest value, with any of the signs, over all functions of each owner, shape (n,) for each that is sought.
 
-    A quantity has values of shape (n, p, count), or of fewer functions, the first ones.  ``there`` (shape (n, p)) says
-    which functions count: their values are finite.  Without any function results are infinite.
+    Functions that count have finite values.  Without any function results are minus infinity.
     """
     best, chosen, owners = list[Array](), list[Array](), list[IndexArray]()
-    for values in quantities:
-        counted = there[:, : values.shape[1]]
-        higher = HIGHER * np.abs(values[..., 2:] - 2.0 * values[..., 1:-1] + values[..., :-2]).max(axis=2)
-        for sign, ends in ((-1.0, -values.min(axis=2)), (1.0, values.max(axis=2))):
-            ends = np.where(counted, ends, -np.inf)
-            most = ends.max(axis=1)
-            owner, place = np.nonzero(ends + higher > (most + NEGLIGIBLE * np.abs(most))[:, None])
-            chosen.append(sign * values[owner, place])
-            owners.append(owner + len(best) * len(there))
-            best.append(most)
-    rows = _largest(np.concatenate(chosen), np.concatenate(owners), np.concatenate(best)).reshape(-1, 2, len(there))
-    return [(-low, high) for low, high in rows]
+    for functions, there, signs, limit in sought:
+        ends = [np.where(there, functions.high if sign > 0.0 else -functions.low, -np.inf) for sign in signs]
+        most = np.max(ends, axis=(0, 1))
+        needed = most + NEGLIGIBLE * np.abs(most) if limit is None else np.where(most > limit, np.inf, limit)
+        enough = needed - functions.higher
+        for sign, end in zip(signs, ends, strict=True):
+            place, owner = np.nonzero(end > enough)
+            chosen.append(sign * functions.values[place, :, owner])
+            owners.append(owner + len(best) * most.size)
+        best.append(most)
+    found = _largest(np.concatenate(chosen).T, np.concatenate(owners), np.concatenate(best))
+    return list(found.reshape(len(best), -1))
 
 
 def turning_points(values: Array) -> tuple[IndexArray, Array, Array]:
-    """Both ends of each function (shape (r, count)) and the places between where its slope changes its sign.
+    """Both ends of each function (shape (count, r)) and the places between where its slope changes its sign.
 
     The function's number, the place in [0, 1] and the value there, shape (k,) each.
     """
-    count, fine = values.shape[1], shares(FINER * values.shape[1] - 1)
-    slopes = values @ _refinement(count)[1].T
-    row, place = np.nonzero((slopes[:, :-1] > 0.0) != (slopes[:, 1:] > 0.0))
-    at, there = _turned(values[row], fine[place], fine[place + 1])
-    ends = np.arange(len(values))
+    slopes = _slopes(len(values)) @ values
+    place, row = np.nonzero((slopes[:-1] > 0.0) != (slopes[1:] > 0.0))
+    at, there = _turned(values[:, row], slopes, row, place)
+    ends = np.arange(values.shape[1])
     return (
         np.concatenate([ends, ends, row]),
         np.concatenate([np.zeros(ends.size), np.ones(ends.size), at]),
-        np.concatenate([values[:, 0], values[:, -1], there]),
+        np.concatenate([values[0], values[-1], there]),
     )
 
 
 def sums_at(values: Array, share: Array) -> Array:
-    """Each function (shape (r, count)) at its own place in [0, 1] (shape (r,))."""
-    return _sums(_coefficients(values.shape[1]) @ values.T, share)
+    """Each function (shape (count, r)) at its own place in [0, 1] (shape (r,))."""
+    return _sums(_coefficients(len(values)) @ values, share)
 
 
 def _largest(values: Array, owner: IndexArray, samples: Array) -> Array:
-    """Largest value of functions (shape (r, count)) by their owners, whose largest samples are known; shape (n,)."""
-    best, (fine, slope) = samples.copy(), _refinement(values.shape[1])
-    grid, slopes = values @ fine.T, values @ slope.T
-    np.maximum.at(best, owner, grid.max(axis=1))
+    """Largest value of functions (shape (count, r)) by their owners, whose largest samples are known; shape (n,)."""
+    best, slopes = samples.copy(), _slopes(len(values)) @ values
     rising = slopes > 0.0
-    row, place = np.nonzero(rising[:, :-1] & ~rising[:, 1:])
+    place, row = np.nonzero(rising[:-1] & ~rising[1:])
     known = best[owner[row]]
-    kept = _reach(grid, slopes, row, place) > known + NEGLIGIBLE * np.abs(known)
+    kept = _reach(values, slopes, row, place) > known + NEGLIGIBLE * np.abs(known)
     row, place = row[kept], place[kept]
-    points = shares(grid.shape[1])
-    np.maximum.at(best, owner[row], _turned(values[row], points[place], points[place + 1])[1])
+    np.maximum.at(best, owner[row], _turned(values[:, row], slopes, row, place)[1])
     return best
 
 
-def _reach(grid: Array, slopes: Array, row: IndexArray, place: IndexArray) -> Array:
+def _reach(values: Array, slopes: Array, row: IndexArray, place: IndexArray) -> Array:
     """Upper bound of a top between two points: it lies below the tangents at both."""
-    width = np.diff(shares(grid.shape[1]))[place]
-    before = grid[row, place] + slopes[row, place] * width
-    after = grid[row, place + 1] - slopes[row, place + 1] * width
+    width = np.diff(shares(len(values)))[place]
+    before = values[place, row] + slopes[place, row] * width
+    after = values[place + 1, row] - slopes[place + 1, row] * width
     return np.minimum(before, after)
 
 
-def _turned(values: Array, low: Array, high: Array) -> tuple[Array, Array]:
-    """Where each function's slope changes sign between ``low`` and ``high``, and its value there; shape (k,) each.
+def _turned(values: Array, slopes: Array, row: IndexArray, place: IndexArray) -> tuple[Array, Array]:
+    """Where the slope of functions (shape (count, k)) changes sign after a point, and their values there; shape (k,).
 
-    Where rounding hides the change of sign, the slope at one of both places is itself rounding error; the value at
-    ``low`` is taken.
+    ``slopes`` has the slopes of all functions at the points, ``row`` and ``place`` say which ones and after which
+    point.  The value after the last step is that of the parabola there, exact to the third power of the step.
     """
-    series, slope, bend = (np.ascontiguousarray(matrix @ values.T) for matrix in _series(values.shape[1]))
-    before, after = _sums(slope, low), _sums(slope, high)
-    changes = before * after < 0.0
-    at = np.where(changes, low + (high - low) * before / np.where(changes, before - after, 1.0), low)
-    step = np.where(changes, np.inf, 0.0)
+    points = shares(len(values))
+    low, high, before, after = points[place], points[place + 1], slopes[place, row], slopes[place + 1, row]
+    series = np.stack([matrix @ values for matrix in _series(len(values))], axis=1)
+    at = low + (high - low) * before / (before - after)
     for _ in range(NEWTON_STEPS):
-        tried = np.clip(at - _sums(slope, at) / _sums(bend, at), low, high)
-        at, step = np.where(changes, tried, at), np.where(changes, np.abs(tried - at), step)
-    rest = np.nonzero(~(step <= LAST_STEP))[0]
+        value, slope, bend = _sums(series, at)
+        last, at = at, np.clip(at - slope / bend, low, high)
+        top = value + (at - last) * (slope + (at - last) * bend / 2.0)
+    rest = np.nonzero(~(np.abs(at - last) <= LAST_STEP))[0]
     if rest.size:
-        inner = slope[:, rest]
-        at[rest] = zeros_between(lambda share: _sums(inner, share), low[rest], high[rest])
-    return at, _sums(series, at)
+        # Where rounding hides the change of sign, the slope at one of both points is itself rounding error.
+        before, after = (_sums(series[:, 1, rest], ends[rest]) for ends in (low, high))
+        at[rest] = low[rest]
+        found = rest[before * after < 0.0]
+        inner = series[:, 1, found]
+        at[found] = zeros_between(lambda share: _sums(inner, share), low[found], high[found])
+        top[rest] = _sums(series[:, 0, rest], at[rest])
+    return at, top
 
 
 def _sums(coefficients: Array, share: Array) -> Array:
-    """Chebyshev series (shape (degree + 1, k)), each at its own argument in [0, 1]."""
+    """Chebyshev series (shape (degree + 1, k), or with more axes between), each at its own argument in [0, 1]."""
     return np.asarray(chebyshev.chebval(2.0 * share - 1.0, coefficients, tensor=False), dtype=np.float64)
 
 
@@ -181,8 +223,7 @@ def _series(count: int) -> tuple[Array, Array, Array]:
 
 
 @cache
-def _refinement(count: int) -> tuple[Array, Array]:
-    """Matrices from values at the points to values and to slopes at the finer points."""
-    finer = chebyshev.chebvander(2.0 * shares(FINER * count - 1) - 1.0, count - 1)
-    values, slopes = (finer @ matrix for matrix in _series(count)[:2])
-    return values, slopes
+def _slopes(count: int) -> Array:
+    """Matrix from values at the points to slopes there."""
+    slopes: Array = chebyshev.chebvander(2.0 * shares(count) - 1.0, count - 1) @ _series(count)[1]
+    return slopes

@@ -27,6 +27,9 @@ from ncgear.ratio.working_stroke import WorkingStrokes, polynomial_at
 BUMP_HEIGHT = 1.0 / 16.0
 """Largest value of tau^2 (1 - tau)^2, at the middle of the return."""
 
+SMALLEST_STEP = 1e-15
+"""Newton's steps under this share of the multiple are rounding errors."""
+
 START_ABOVE = 1e-3
 """Newton's method starts above the multiple at which the polynomial touches zero, by this share of its size."""
 
@@ -129,8 +132,9 @@ class Returns:
         at, rows, length = points.basis, self.cubic.T, self.length_rad[:, None]
         bump, skew = self.bump[:, None], self.skew[:, None]
         parts = [rows @ at.powers.T + skew * at.skew[0] + bump * at.bump[0]]
-        rising = rows[:, 1:] * np.arange(1.0, 4.0)
-        parts.append((rising @ at.powers[:, :3].T + skew * at.skew[1] + bump * at.bump[1]) / length)
+        if order >= 1:
+            rising = rows[:, 1:] * np.arange(1.0, 4.0)
+            parts.append((rising @ at.powers[:, :3].T + skew * at.skew[1] + bump * at.bump[1]) / length)
         if order == 2:
             bending = rows[:, 2:] * np.array([1.0, 3.0])
             halves = skew * (at.skew[2] / 2.0) + bump * (at.bump[2] / 2.0)
@@ -420,5 +424,7 @@ def _ratio_lift(base: Array, direction: Array, mean: Array, points: ReturnGrid) 
         inverse = 1.0 / (base + lift[:, None] * direction)
         covered, falling = inverse @ weights, (inverse**2 * direction) @ weights
         step: Array = (mean - 1.0 / covered) * covered**2 / falling
-        lift = np.maximum(lift + step, least)
+        lift, last = np.maximum(lift + step, least), lift
+        if not (np.abs(lift - last) > SMALLEST_STEP * np.abs(lift)).any():
+            break
     return lift

@@ -20,13 +20,18 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.screening.batch import Batch, BatchKind, kind_of
 from ncgear.screening.rows import figure_names, found_of, single_figures
-from ncgear.screening.samples import Fineness, refused_at_once
+from ncgear.screening.samples import Fineness, laws_of, refused_at_once
 
 MADE = "made"
 
 FINENESSES = (
-    Fineness(33, (0.0, 0.25, 0.75, 1.0), (0.0, 0.45, 0.75, 0.9, 1.0)),
+    Fineness(29, (0.0, 0.2, 0.8, 1.0), (0.0, 0.4, 0.6, 0.88, 1.0)),
     Fineness(33, (0.0, 0.1, 0.3, 0.75, 1.0), (0.0, 0.2, 0.4, 0.5, 0.6, 0.7, 0.85, 0.95, 1.0)),
+    Fineness(
+        33,
+        (0.0, 0.04, 0.12, 0.25, 0.45, 0.75, 1.0),
+        (0.0, 0.15, 0.3, 0.4, 0.48, 0.54, 0.6, 0.66, 0.75, 0.87, 0.96, 1.0),
+    ),
     Fineness(49, (0.0, 0.1, 0.3, 0.75, 1.0), None),
     Fineness(65, None, None),
     Fineness(97, None, None),
@@ -39,7 +44,8 @@ FINENESSES = (
 bend most, which is enough for four in five designs at the border, and harmonics begin with even pieces."""
 
 TOGETHER = 1 << 16
-"""Samples computed at once, whose arrays a core's cache holds (benchmarks/screening.md)."""
+"""Samples computed at once: with fewer, Python's share of each step counts (benchmarks/screening.md); with more, a
+process takes more memory, 16 MB for twice as many, and gains a twentieth at most."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,11 +96,8 @@ def _batches(
     for number in read:
         sound &= accepted(type(written), data, keys[number], values[:, number])
     rows, chosen = np.nonzero(sound)[0], [keys[number] for number in others]
-    combinations: dict[bytes, list[int]] = {}
-    for row, combination in zip(rows.tolist(), values[rows][:, others], strict=True):
-        combinations.setdefault(combination.tobytes(), []).append(row)
-    groups: dict[BatchKind, list[tuple[Design, list[int]]]] = {}
-    for same in combinations.values():
+    groups: dict[BatchKind, list[tuple[Design, IndexArray]]] = {}
+    for same in _alike(values[:, others], rows):
         design = checked_design(data, chosen, values[same[0], others].tolist())
         if isinstance(design, Design) and (its := kind_of(design)) is not None:
             groups.setdefault(its, []).append((design, same))
@@ -105,6 +108,15 @@ def _batches(
         batch = Batch(its, tuple(design for design, _ in members), follows, columns)
         for part in batch.parts():
             yield batch.kept(part), in_order[part]
+
+
+def _alike(values: Array, rows: IndexArray) -> list[IndexArray]:
+    """Those of some rows whose values (shape (n, keys)) are the same, together."""
+    if not values.shape[1] or not rows.size:
+        return [rows] if rows.size else []
+    _, group = np.unique(values[rows], axis=0, return_inverse=True)
+    in_order = rows[np.argsort(group.ravel(), kind="stable")]
+    return np.split(in_order, np.cumsum(np.bincount(group.ravel()))[:-1])
 
 
 class _Table:
@@ -147,25 +159,21 @@ def computed_together(
     refused = refused_at_once(batch)
     for place, error in refused.items():
         table.refuse(int(rows[place]), error)
-    places = np.setdiff1d(np.arange(len(batch)), list(refused)).astype(int)
+    places, laws = np.setdiff1d(np.arange(len(batch)), list(refused)).astype(int), laws_of(batch)
     for fineness in finenesses:
         if not places.size:
             return
         if fineness.for_strokes and not batch.kind.has_return:
             continue
-        count, left = max(1, TOGETHER // fineness.samples(batch.kind)), list[IndexArray]()
-        for first in range(0, places.size, count):
-            part = places[first : first + count]
-            try:
-                found = found_of(batch.kept(part), fineness)
-            except DesignError:
-                # A resistance that is no smooth function: each design is refused by itself.
-                return
-            table.make(rows[part[found.made]], found.figures)
-            for place, error in found.refused.items():
-                table.refuse(int(rows[part[place]]), error)
-            left.append(np.delete(part, [*found.made.tolist(), *found.refused]))
-        places = np.concatenate(left)
+        try:
+            found = found_of(batch, laws, places, fineness, TOGETHER)
+        except DesignError:
+            # A resistance that is no smooth function: each design is refused by itself.
+            return
+        table.make(rows[found.made], found.figures)
+        for place, error in found.refused.items():
+            table.refuse(int(rows[place]), error)
+        places = np.setdiff1d(places, [*found.made.tolist(), *found.refused])
 
 
 Names = np.ndarray[Any, np.dtype[np.object_]]

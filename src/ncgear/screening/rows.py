@@ -20,16 +20,15 @@ from ncgear.kinematics.check import OF_MASSES, power_figures
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.jet import Jet
-from ncgear.numerics.sampled import extremes, integrated, integration, sums_at, tails, turning_points
+from ncgear.numerics.sampled import Functions, Sought, extremes, integrated, integration, sums_at, turning_points
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.optimum.makeable.quantities import driven_curvature, driving_curvature, length_rate, tangent
 from ncgear.pitch.pair import AS_STEEP, CONSISTENT, MOST_TEETH, STRAIGHT, refuse_many_teeth, solved_size
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.tooth_form import RIGHT_ANGLE_DEG, require_pushing, require_pushing_flanks
 from ncgear.ratio.transmission import CLOSED, STANDSTILL, Lobes
 from ncgear.screening.batch import Batch, refusals
-from ncgear.screening.samples import Fineness, Sampled, Samples, sampled
+from ncgear.screening.samples import Fineness, Laws, Sampled, Samples
 
 RESOLVED = 1e-12
 """Last coefficients, relative to a quantity's largest value, up to which a law counts as resolved: its least value, a
@@ -42,54 +41,64 @@ ROUNDED_RAD = 1e-9
 """Driving angle that messages round to zero."""
 
 
-Range = tuple[Array, Array]
-"""Smallest and largest values of n laws, shape (n,) each."""
-
-
 @dataclass(frozen=True, eq=False)
-class CurveFigures:
-    """What n ratios and the shape of their pitch curves are, shape (n,) each; ``resolved`` says whose figures hold.
+class Curves:
+    """The ratios and the shape of the pitch curves of n laws at their samples, shape (p, m, n) each.
 
-    ``steepest`` is the largest tangent of the pitch curves' inclination, ``length`` theirs over one turn of the driven
-    gear at unit centre distance.
+    ``tangent`` is that of the angle between the curves and the normal to the centre line, ``rates`` the curves' length
+    per share of a piece over the centre distance, ``driving`` and ``driven`` their curvatures times it.
     """
 
-    ratio: Range
-    steepest: Array
-    length: Array
-    resolved: Mask
+    ratio: Functions
+    tangent: Functions
+    rates: Functions
+    driving: Functions
+    driven: Functions
 
 
-def curve_figures(samples: Samples) -> CurveFigures:
-    """The figures of ratios and pitch curves."""
-    at = samples.at
-    steepness, rates = tangent(at), samples.turning * length_rate(at)
-    resolved = _died_away((at.ratio, steepness, rates, samples.turning), samples.there) & _closes(samples)
-    ratio, inclination = extremes((at.ratio, steepness), samples.there & resolved[:, None])
-    return CurveFigures(ratio, _magnitude(inclination), integrated(rates), resolved)
+def curves_of(samples: Samples) -> Curves:
+    """The curves of laws: the equations of ``optimum.makeable.quantities`` with their common parts computed once.
+
+    With r = 1 + i and t = f'/r, (r^2 + f'^2)^(1/2) is r (1 + t^2)^(1/2), and the root of the driven curve is that of
+    the driving one times s:  the curvatures are (1 + t^2)^(-3/2) times (r + s f'') and s (r + f'^2 - f'').
+    """
+    across = 1.0 + samples.ratio
+    steep = samples.first / across
+    square = steep * steep + 1.0
+    root = np.sqrt(square)
+    rates = samples.ratio * root
+    rates /= across
+    rates *= samples.turning
+    square *= root
+    driven = samples.first * samples.first
+    driven += across
+    driven -= samples.second
+    driven *= samples.slope
+    driven /= square
+    driving = samples.slope * samples.second
+    driving += across
+    driving /= square
+    return Curves(*map(Functions, (samples.ratio, steep, rates, driving, driven)))
 
 
-def _magnitude(values: Range) -> Array:
-    """Largest magnitude between both ends."""
-    magnitude: Array = np.maximum(-values[0], values[1])
-    return magnitude
+BOTH = 1.0, -1.0
+"""Signs of a value of which the magnitude is asked."""
 
 
-def _died_away(quantities: Iterable[Array], there: Mask) -> Mask:
+def _died_away(quantities: Iterable[Functions], there: Mask) -> Mask:
     """Of which laws the last coefficients of all quantities have died away on the pieces that are there."""
-    resolved = np.ones(len(there), dtype=bool)
-    for values in quantities:
-        counted = there[:, : values.shape[1]]
-        last, size = tails(values)
-        size = np.where(counted, size, 0.0).max(axis=1, keepdims=True)
-        resolved &= (((last <= RESOLVED * size) & np.isfinite(size)) | ~counted).all(axis=1)
+    resolved = np.ones(there.shape[1], dtype=bool)
+    for functions in quantities:
+        counted = there[: len(functions.values)]
+        size = np.where(counted, functions.size, 0.0).max(axis=0)
+        resolved &= (((functions.tails <= RESOLVED * size) & np.isfinite(size)) | ~counted).all(axis=0)
     return resolved
 
 
-def _closes(samples: Samples) -> Mask:
+def _closes(samples: Samples, ratio: Functions) -> Mask:
     """Which laws close, and do not nearly stand still."""
-    ratio = np.where(samples.there[..., None], samples.at.ratio, samples.at.ratio[:, :1])
-    lowest, highest = ratio.min(axis=(1, 2)), ratio.max(axis=(1, 2))
+    lowest = np.where(samples.there, ratio.low, np.inf).min(axis=0)
+    highest = np.where(samples.there, ratio.high, -np.inf).max(axis=0)
     closed = np.abs(integrated(samples.turning) - 2.0 * np.pi) <= CLOSED
     answer: Mask = closed & (lowest > 2.0 * STANDSTILL * highest)
     return answer
@@ -177,121 +186,164 @@ class Found:
     refused: dict[int, DesignError]
 
 
-def found_of(batch: Batch, fineness: Fineness) -> Found:
-    """The figures and refusals of a batch of the designs that it is sure of when sampled so finely.
+def found_of(batch: Batch, laws: Laws, rows: IndexArray, fineness: Fineness, together: int) -> Found:
+    """The figures and refusals of those of some designs that a batch is sure of when sampled so finely.
 
-    Whether teeth can roll on the pitch curves is asked first, as for a design by itself: the motion of a slider that no
-    teeth can drive is not computed.
+    ``together`` samples are computed at once.  Whether teeth can roll on the pitch curves is asked before the motion,
+    as for a design by itself: curves that are known are enough to refuse it.
     """
+    count, lobes = max(1, together // fineness.samples(batch.kind)), batch.kind.lobes
+    steeper_deg = _steeper_deg(batch)
     # Designs that cannot be made give numbers that are not finite, and the batch is not sure of these.
     with np.errstate(all="ignore"):
-        found = sampled(batch, fineness)
-        curves = curve_figures(found.samples)
-    left, refused = np.nonzero(curves.resolved)[0], dict[int, DesignError]()
-    if batch.written[0].gears is not None and left.size:
-        left, refused = _rolling(batch, found, curves, left)
-    if not left.size:
-        return Found(left, {}, refused)
-    with np.errstate(all="ignore"):
-        sure, columns = _figures_of_rows(batch, found, curves, left)
-    return Found(left[sure], {name: values[sure] for name, values in columns.items()}, refused)
-
-
-def _rolling(
-    batch: Batch, found: Sampled, curves: CurveFigures, known: IndexArray
-) -> tuple[IndexArray, dict[int, DesignError]]:
-    """Those of some designs whose teeth fill the pitch curves and can push, and why others are refused.
-
-    Those that are in neither are left to a single computation.
-    """
-    _, fits = _distance(batch.kept(known), curves.length[known])
-    steepness = np.arctan(curves.steepest[known])
-    racks = [design.gears.rack for design in batch.written if design.gears is not None]
-    steeper = np.array([max(rack.angles_deg) for rack in racks])[batch.follows[known]]
-    pushes = np.degrees(steepness) + steeper < RIGHT_ANGLE_DEG
-    steep, at_rad = fits & ~pushes, np.zeros(known.size)
-    at_rad[steep] = _steepest(found.samples.kept(known[steep]), batch.kind.lobes)
-    unfit = refusals(~fits, lambda place: _require_size(batch, curves, int(known[place])))
-    blocked = refusals(
-        steep,
-        lambda place: require_pushing(
-            float(steepness[place]), float(at_rad[place]), racks[batch.follows[known[place]]]
-        ),
+        parts = [
+            _measured(laws.sampled(block, fineness), batch.kind.resistance, lobes, steeper_deg[block])
+            for block in (rows[first : first + count] for first in range(0, rows.size, count))
+        ]
+        measured = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+    made, refused = measured["resolved"] > 0.0, dict[int, DesignError]()
+    known = np.nonzero(measured["drawn"])[0]
+    if batch.written[0].gears is not None and known.size:
+        rolling, refused = _rolling(batch.kept(rows[known]), {name: one[known] for name, one in measured.items()})
+        refused = {int(rows[known[place]]): error for place, error in refused.items()}
+        made[known[~rolling]] = False
+    if not made.any():
+        return Found(rows[made], {}, refused)
+    return Found(
+        rows[made], _figures(batch.kept(rows[made]), {key: one[made] for key, one in measured.items()}), refused
     )
-    return known[fits & pushes], {int(known[place]): error for place, error in {**unfit, **blocked}.items()}
 
 
-def _figures_of_rows(
-    batch: Batch, found: Sampled, curves: CurveFigures, rows: IndexArray
-) -> tuple[Mask, dict[str, Array]]:
-    """Whose figures hold, of some designs, and the figures."""
-    kind, samples, moved = batch.kind, found.samples.kept(rows), found.motion(rows)
-    working = moved.displacement.shape[1]
-    force_n = kind.resistance.fitted_n(Jet(moved.displacement.reshape(1, -1))).value
-    quantities = {
-        "driving": driving_curvature(samples.at),
-        "driven": driven_curvature(samples.at),
-        "velocity": moved.velocity,
-        "acceleration": moved.acceleration,
-        "power": force_n.reshape(moved.displacement.shape) * moved.velocity[:, :working],
+def _steeper_deg(batch: Batch) -> Array:
+    """The steeper of both flanks' angles, shape (n,); without gears nothing must push."""
+    racks = [None if design.gears is None else design.gears.rack for design in batch.written]
+    found: Array = np.array([-np.inf if rack is None else max(rack.angles_deg) for rack in racks])[batch.follows]
+    return found
+
+
+def _pushes(tangent: Array, steeper_deg: Array) -> Mask:
+    """Whether teeth can push where the pitch curves are steepest."""
+    pushes: Mask = np.degrees(np.arctan(tangent)) + steeper_deg < RIGHT_ANGLE_DEG
+    return pushes
+
+
+def _measured(found: Sampled, resistance: Resistance, lobes: Lobes, steeper_deg: Array) -> dict[str, Array]:
+    """The extremes and integrals of laws, shape (n,) each, by names of this module.
+
+    ``drawn`` is 1 where the figures of the pitch curves hold, ``resolved`` where all of them do.  ``steepest_rad`` is
+    the driving angle at which curves are steepest, where teeth with flanks of ``steeper_deg`` could not push there.
+    """
+    samples, displacement = found.samples, found.displacement
+    curves, there = curves_of(samples), samples.there
+    drawn = _closes(samples, curves.ratio)
+    drawn &= _died_away((curves.ratio, curves.tangent, curves.rates, Functions(samples.turning)), there)
+    force_n = resistance.fitted_n(Jet(displacement.reshape(1, -1))).value.reshape(displacement.shape)
+    power = Functions(force_n * found.velocity[: len(displacement)])
+    velocity, acceleration = Functions(found.velocity), Functions(found.acceleration)
+    resolved = drawn & _died_away((curves.driving, curves.driven, velocity, acceleration, power), there)
+    resolved &= _force_is_seen(resistance, displacement, found.stroke_mm, resolved)
+    drawn_there, there = there & drawn, there & resolved
+    working = there & (np.arange(len(there)) < len(displacement))[:, None]
+    sought = {
+        "least_ratio": Sought(curves.ratio, drawn_there, (-1.0,)),
+        "ratio": Sought(curves.ratio, drawn_there, (1.0,)),
+        "tangent": Sought(curves.tangent, drawn_there, BOTH),
+        "power": Sought(power, there[: len(displacement)], (1.0,)),
+        "velocity": Sought(velocity, there, BOTH),
+        "acceleration": Sought(acceleration, there, BOTH),
+        "working_acceleration": Sought(acceleration, working, BOTH),
+        "driving": Sought(curves.driving, there, (1.0,)),
+        "hollow_driving": Sought(curves.driving, there, (-1.0,), limit=STRAIGHT),
+        "driven": Sought(curves.driven, there, (1.0,)),
+        "hollow_driven": Sought(curves.driven, there, (-1.0,), limit=STRAIGHT),
     }
-    resolved = _died_away(quantities.values(), samples.there)
-    quantities["working_acceleration"] = moved.acceleration[:, :working]
-    stroke_mm = found.stroke_mm[rows]
-    sure = resolved & _force_is_seen(kind.resistance, moved.displacement, stroke_mm, resolved)
-    ranges = dict(zip(quantities, extremes([*quantities.values()], samples.there & sure[:, None]), strict=True))
-    kept = batch.kept(rows)
+    most = dict(zip(sought, extremes([*sought.values()]), strict=True))
+    steepest_rad, steep = np.zeros(drawn.size), np.nonzero(drawn & ~_pushes(most["tangent"], steeper_deg))[0]
+    if steep.size:
+        steepest_rad[steep] = _steepest(samples.kept(steep), lobes)
+    return {
+        **most,
+        "steepest_rad": steepest_rad,
+        "drawn": drawn.astype(float),
+        "resolved": resolved.astype(float),
+        "length": integrated(curves.rates.values),
+        "stroke_mm": found.stroke_mm,
+        "law_speed_rpm": found.law_speed_rpm,
+        "closing_error_rad": found.closing_error_rad,
+        "stroke_error_mm": found.stroke_error_mm,
+    }
+
+
+def _rolling(batch: Batch, measured: dict[str, Array]) -> tuple[Mask, dict[int, DesignError]]:
+    """Whose teeth fill the pitch curves and can push, and why others cannot, by their rows.
+
+    Those that do not and are not refused are left to a single computation.
+    """
+    _, fits = _distance(batch, measured["length"])
+    racks = [design.gears.rack for design in batch.written if design.gears is not None]
+    steepness, at_rad = np.arctan(measured["tangent"]), measured["steepest_rad"]
+    pushes = _pushes(measured["tangent"], _steeper_deg(batch))
+    unfit = refusals(~fits, lambda row: _require_size(batch, float(measured["length"][row]), row))
+    blocked = refusals(
+        fits & ~pushes,
+        lambda row: require_pushing(float(steepness[row]), float(at_rad[row]), racks[batch.follows[row]]),
+    )
+    return fits & pushes, {**unfit, **blocked}
+
+
+def _figures(batch: Batch, measured: dict[str, Array]) -> dict[str, Array]:
+    """The figures of designs."""
     columns = {
-        "drive.law_speed_rpm": found.law_speed_rpm[rows],
-        "closure.residual_rad": np.abs(found.closing_error_rad[rows]),
-        "closure.stroke_residual_mm": np.abs(found.stroke_error_mm[rows]),
-        "ratio.min": curves.ratio[0][rows],
-        "ratio.max": curves.ratio[1][rows],
-        **_check_of_rows(kept, ranges, stroke_mm),
+        "drive.law_speed_rpm": measured["law_speed_rpm"],
+        "closure.residual_rad": np.abs(measured["closing_error_rad"]),
+        "closure.stroke_residual_mm": np.abs(measured["stroke_error_mm"]),
+        "ratio.min": -measured["least_ratio"],
+        "ratio.max": measured["ratio"],
+        **_check_figures(batch, measured),
     }
-    if batch.written[0].gears is not None:
-        columns |= _pitch_of_rows(kept, ranges, curves.length[rows], curves.steepest[rows])
-    return sure, columns
+    return columns if batch.written[0].gears is None else {**columns, **_pitch_figures(batch, measured)}
 
 
 def _force_is_seen(resistance: Resistance, displacement_mm: Array, stroke_mm: Array, known: Mask) -> Mask:
     """Whether every panel of the force's curve holds two samples of the law, so that none hides a peak."""
     if not known.any() or not (panels := resistance.panels_mm(float(stroke_mm[known].max()))).size:
         return known
-    count = np.stack([np.searchsorted(np.sort(row, axis=None), panels) for row in displacement_mm])
+    laws = displacement_mm.reshape(-1, stroke_mm.size).T
+    count = np.stack([np.searchsorted(np.sort(row), panels) for row in laws])
     seen: Mask = np.all((np.diff(count, axis=1) >= SEEN) | (panels[1:] > stroke_mm[:, None]), axis=1)
     return seen
 
 
-def _check_of_rows(batch: Batch, ranges: dict[str, Range], stroke_mm: Array) -> dict[str, Array]:
+def _check_figures(batch: Batch, measured: dict[str, Array]) -> dict[str, Array]:
     """Peaks of the motion and mean power at the speed of operation."""
+    stroke_mm = measured["stroke_mm"]
     kind, speed_rad_s = batch.kind, batch.column("operation.speed_rpm") * RAD_S_PER_RPM
     cycle = kind.lobes.driven * kind.lobes.driving_period_rad
     work = kind.resistance.work_n_mm(stroke_mm, float(stroke_mm.max())) / 1000.0
     return {
-        "check.peak_power_w": np.maximum(ranges["power"][1], 0.0) * speed_rad_s / 1000.0,
+        "check.peak_power_w": np.maximum(measured["power"], 0.0) * speed_rad_s / 1000.0,
         "check.mean_power_w": work * speed_rad_s / cycle,
-        "check.peak_speed_mm_s": _magnitude(ranges["velocity"]) * speed_rad_s,
-        "check.peak_acceleration_working_mm_s2": _magnitude(ranges["working_acceleration"]) * speed_rad_s**2,
-        "check.peak_acceleration_cycle_mm_s2": _magnitude(ranges["acceleration"]) * speed_rad_s**2,
+        "check.peak_speed_mm_s": measured["velocity"] * speed_rad_s,
+        "check.peak_acceleration_working_mm_s2": measured["working_acceleration"] * speed_rad_s**2,
+        "check.peak_acceleration_cycle_mm_s2": measured["acceleration"] * speed_rad_s**2,
     }
 
 
-def _pitch_of_rows(batch: Batch, ranges: dict[str, Range], length: Array, steepest: Array) -> dict[str, Array]:
+def _pitch_figures(batch: Batch, measured: dict[str, Array]) -> dict[str, Array]:
     """Figures of the pitch curves at their size."""
+    length = measured["length"]
     lobes, (distance, _) = batch.kind.lobes, _distance(batch, length)
     gears = [design.gears for design in batch.written if design.gears is not None]
     carrying = np.array([one.carrying_angle_deg for one in gears])[batch.follows]
-    tangent_deg = np.degrees(np.arctan(steepest))
-    driving, driven = ranges["driving"], ranges["driven"]
+    tangent_deg = np.degrees(np.arctan(measured["tangent"]))
     return {
         "pitch.center_distance_mm": distance,
         "pitch.length_driving_mm": length * lobes.driving / lobes.driven * distance,
         "pitch.length_driven_mm": length * distance,
-        "pitch.driving_convex": (driving[0] >= -STRAIGHT).astype(float),
-        "pitch.driven_convex": (driven[0] >= -STRAIGHT).astype(float),
-        "pitch.min_radius_driving_mm": distance / driving[1],
-        "pitch.min_radius_driven_mm": distance / driven[1],
+        "pitch.driving_convex": (measured["hollow_driving"] <= STRAIGHT).astype(float),
+        "pitch.driven_convex": (measured["hollow_driven"] <= STRAIGHT).astype(float),
+        "pitch.min_radius_driving_mm": distance / measured["driving"],
+        "pitch.min_radius_driven_mm": distance / measured["driven"],
         "pitch.max_tangent_angle_deg": tangent_deg,
         "pitch.max_pressure_angle_deg": tangent_deg + carrying,
     }
@@ -322,33 +374,34 @@ def _distance(batch: Batch, length: Array) -> tuple[Array, Mask]:
     return distance, fits
 
 
-def _require_size(batch: Batch, curves: CurveFigures, row: int) -> None:
+def _require_size(batch: Batch, length: float, row: int) -> None:
     """Refuse teeth that do not fill the pitch curves of one design; raises WrongInput."""
     lobes = batch.kind.lobes
     given = [batch.given(f"gears.{name}") for name in SIZES]
     teeth, module_mm, distance_mm = (None if values is None else float(values[row]) for values in given)
-    length = float(curves.length[row]) * lobes.driving / lobes.driven
-    size = solved_size(length, lobes, None if teeth is None else int(teeth), module_mm, distance_mm)
+    size = solved_size(
+        length * lobes.driving / lobes.driven, lobes, None if teeth is None else int(teeth), module_mm, distance_mm
+    )
     refuse_many_teeth(size.driving_teeth)
 
 
 def _steepest(samples: Samples, lobes: Lobes) -> Array:
     """The first driving angle in rad at which the pitch curves of each law are steepest, shape (n,)."""
-    laws, pieces, count = samples.at.ratio.shape
-    law, piece = np.nonzero(samples.there)
-    steepness = tangent(samples.at)[law, piece]
+    pieces, count, laws = samples.ratio.shape
+    piece, law = np.nonzero(samples.there)
+    steepness = (samples.first / (1.0 + samples.ratio))[piece, :, law].T
     # dphi1 per share of a piece is i times dphi2 per share.
-    widths = (samples.turning * samples.at.ratio)[law, piece]
-    ends = np.zeros((laws, pieces))
-    ends[law, piece] = widths @ integration(count)[-1]
-    starts = (np.cumsum(ends, axis=1) - ends)[law, piece]
+    widths = (samples.turning * samples.ratio)[piece, :, law].T
+    ends = np.zeros((pieces, laws))
+    ends[piece, law] = integration(count)[-1] @ widths
+    starts = (np.cumsum(ends, axis=0) - ends)[piece, law]
     row, share, values = turning_points(steepness)
     values = np.abs(values)
     largest = np.full(laws, -np.inf)
     np.maximum.at(largest, law[row], values)
     steepest = values >= largest[law[row]] * (1.0 - AS_STEEP)
     row, share = row[steepest], share[steepest]
-    at = starts[row] + sums_at(widths[row] @ integration(count).T, share)
+    at = starts[row] + sums_at(integration(count) @ widths[:, row], share)
     # The end of a period is the beginning of the next one.
     period = lobes.driving_period_rad
     at = np.where(period - at % period > ROUNDED_RAD, at % period, 0.0)
