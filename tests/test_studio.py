@@ -532,6 +532,58 @@ def test_while_the_hand_moves_its_newest_place_is_asked_for_and_the_text_is_left
     assert all(text == text_of("ellipse") for text, changes in asked.asked if changes)
 
 
+async def _hears_nothing(_: str) -> None:
+    """A browser that is told."""
+
+
+@pytest.mark.parametrize("pause_s", [0.1, 0.25])
+def test_a_page_that_is_loaded_anew_just_after_a_move_comes_back(tmp_path: Path, pause_s: float) -> None:
+    """It is left in the same turn as the move is heard, and once more some turns later."""
+    path = tmp_path / "ellipse.yaml"
+    path.write_text(text_of("ellipse"), encoding="utf-8")
+
+    async def load_anew() -> None:
+        page = open_page.OpenPage(path, tmp_path, Asked())
+        for turns in range(3):
+            await page.connected(_hears_nothing)
+            await page.change({"changes": {"operation.speed_rpm": 40.0}})
+            await asyncio.sleep(pause_s)
+            await page.change({"changes": {"operation.speed_rpm": 60.0}})
+            for _ in range(turns):
+                await asyncio.sleep(0)
+            await page.disconnected(page._send)
+            assert not page._tasks
+        await page.connected(_hears_nothing)
+        await page.undo({})
+        await page.closed()
+
+    asyncio.run(asyncio.wait_for(load_anew(), 10.0))
+
+
+def test_work_that_loses_the_word_of_its_end_is_told_once_more(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(open_page, "AGAIN_S", 0.02)
+    path, lost = tmp_path / "ellipse.yaml", []
+    path.write_text(text_of("ellipse"), encoding="utf-8")
+
+    async def deaf() -> None:
+        while len(lost) < 2:
+            try:
+                await asyncio.sleep(60.0)
+            except asyncio.CancelledError:
+                lost.append(True)
+        await asyncio.sleep(60.0)
+
+    async def leave() -> None:
+        page = open_page.OpenPage(path, tmp_path, Asked())
+        await page.connected(_hears_nothing)
+        page._spawn(deaf())
+        await asyncio.sleep(0)
+        await page.closed()
+
+    asyncio.run(asyncio.wait_for(leave(), 10.0))
+    assert len(lost) == 2
+
+
 @pytest.mark.parametrize("deaf_s", [0.0, 0.3])
 def test_what_swallows_a_break_is_broken_off_again_without_a_word(
     deaf_s: float, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]

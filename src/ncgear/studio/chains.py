@@ -53,10 +53,11 @@ class Process:
             await self.start()
         request = {"n": number, "changes": changes, "path": path} | ({} if text is self._text else {"text": text})
         self._asked, self._open, self._text = number, self.chains, text
-        await self._send(json.dumps(request).encode() + b"\n")
         if self._watching is not None:
             self._watching.cancel()
+        # It watches the sending too: a process that does not read is replaced as one that does not answer.
         self._watching = asyncio.create_task(self._watch())
+        await self._send(json.dumps(request).encode() + b"\n")
 
     async def start(self) -> None:
         """Start the process, which makes itself ready before it is asked."""

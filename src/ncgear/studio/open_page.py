@@ -38,6 +38,9 @@ BETWEEN_S = 0.05
 RESTS_S = 0.3
 """Time without a move after which the value that is dragged is kept as a draft, in case the studio is killed."""
 
+AGAIN_S = 1.0
+"""Time after which work is told once more to end: a page that comes back waits for it, and libraries lose a word."""
+
 MOST_JOBS = 2
 """Commands that run at once; each may use all cores."""
 
@@ -88,11 +91,12 @@ class OpenPage:
             if self._send is not send:
                 return
             self._send = None
-            async with self._asking:
-                # A process that is just being started would be lost if its start were cancelled.
-                for task in self._tasks:
-                    task.cancel()
-            await asyncio.gather(*self._tasks, return_exceptions=True)
+            while tasks := list(self._tasks):
+                async with self._asking:
+                    # A process that is just being started would be lost if its start were cancelled.
+                    for task in tasks:
+                        task.cancel()
+                await asyncio.wait(tasks, timeout=AGAIN_S)
             await self._chains.close()
             await self._let_go()
 
@@ -302,9 +306,11 @@ class OpenPage:
         """Ask for the answers of what is dragged: of the newest place only, however fast the hand is."""
         while True:
             try:
-                await asyncio.wait_for(self._changed.wait(), RESTS_S if self.changes else None)
+                # Not wait_for: before Python 3.12 it loses a cancel that comes in the same turn as the change.
+                async with asyncio.timeout(RESTS_S if self.changes else None):
+                    await self._changed.wait()
             except TimeoutError:
-                await self._rest()
+                await self._tried(self._rest())
             await self._tried(self._ask())
             await asyncio.sleep(BETWEEN_S)
 
