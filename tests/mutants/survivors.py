@@ -14,9 +14,9 @@ REASONS = Path(__file__).with_name("reasons.yaml")
 
 HEAD = """# What survives
 
-Lines of each room's mathematics are broken one at a time ([how it is tested](../../docs/how-it-is-tested.md)), {each} of
-each room, drawn by seed {seed}. An equivalent mutation changes nothing that anybody can see; the shares are of the others.
-`make mutants` writes this page, and takes the reasons from `reasons.yaml`.
+Lines of each room's mathematics are broken one at a time, {each} of each room, drawn by seed {seed}
+([how it is tested](../../docs/how-it-is-tested.md)). An equivalent mutation changes nothing that anybody can see; the
+shares are of the others. `make mutants` writes this page, and takes the reasons from `reasons.yaml`.
 
 | room | drawn | equivalent | quick tests find | README's tests find |
 |---|---|---|---|---|
