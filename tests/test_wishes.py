@@ -213,7 +213,7 @@ OFFERED: list[tuple[Wish, int, float, dict[str, float], float]] = [
 
 
 @pytest.mark.parametrize(
-    ("wish", "number", "missed", "kept", "way"), OFFERED, ids=[type(one[0]).__name__ for one in OFFERED]
+    ("wish", "number", "missed", "kept", "way"), OFFERED, ids=[str(type(row[0]).__name__) for row in OFFERED]
 )
 def test_what_is_offered_for_a_missed_wish_is_what_an_even_yoke_keeps(
     wish: Wish, number: int, missed: float, kept: dict[str, float], way: float
