@@ -10,7 +10,7 @@ import shutil
 import tempfile
 import time
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from types import CodeType, FunctionType
 from typing import Any
@@ -32,7 +32,7 @@ class Test:
 
     name: str
     tier: str
-    items: Sequence[pytest.Item]
+    items: Sequence[pytest.Item] = field(compare=False)
 
     @property
     def file(self) -> str:
