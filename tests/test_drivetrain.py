@@ -354,7 +354,15 @@ def test_a_slider_that_jams_in_its_guide_is_refused() -> None:
         "  crank: {mass_kg: 0, center_mm: 0, inertia_kg_mm2: 0}\n"
         "drivetrain: {guide_friction: FRICTION}\n"
     )
-    assert drive_of_text(text.replace("FRICTION", "0.4")).check.peak_power_w.value > 0.0
+    # Out from theta = pi to 0 the slider bears load and inertia F, and mu |N| against its way: N = (F + mu |N|) tan(lean).
+    theta, turns = np.linspace(pi, 0.0, 20_001), 30.0 * pi / 30.0
+    sine, cosine = np.sin(theta), np.cos(theta)
+    root = np.sqrt(70.0**2 - (60.0 * sine) ** 2)
+    way = 60.0 * sine * (1.0 + 60.0 * cosine / root)
+    slower = 60.0 * cosine + 3600.0 * (cosine**2 - sine**2) / root + (3600.0 * sine * cosine) ** 2 / root**3
+    force = 100.0 - 1e-3 * slower * turns**2
+    exact = float(np.max(1e-3 * turns * way * force / (1.0 - 0.4 * 60.0 * sine / root)))
+    assert drive_of_text(text.replace("FRICTION", "0.4")).check.peak_power_w.value == pytest.approx(exact, rel=1e-6)
     with pytest.raises(NoSuchMechanism, match="jams in its guide") as told:
         _ = drive_of_text(text.replace("FRICTION", "0.9")).check
     assert told.value.key == "drivetrain.guide_friction"

@@ -94,6 +94,7 @@ def test_the_even_stretch_of_an_even_yoke(tolerance: float) -> None:
         assert found.length_mm == pytest.approx(length, rel=1e-6)
         assert found.most_mm_s == pytest.approx(RADIUS * W, rel=1e-9)
         assert found.least_mm_s == pytest.approx(RADIUS * W / spread(tolerance), rel=1e-8)
+        assert found.speed_mm_s == pytest.approx(RADIUS * W / (1.0 + tolerance), rel=1e-8)
         ends = [RADIUS + side * length / 2.0 for side in (-1.0, 1.0)]
         assert sorted([found.start_mm, found.end_mm]) == pytest.approx(ends, rel=1e-6)
 
