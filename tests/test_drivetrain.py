@@ -354,7 +354,7 @@ def test_a_slider_that_jams_in_its_guide_is_refused() -> None:
         "  crank: {mass_kg: 0, center_mm: 0, inertia_kg_mm2: 0}\n"
         "drivetrain: {guide_friction: FRICTION}\n"
     )
-    # Out from theta = pi to 0 the slider bears load and inertia F, and mu |N| against its way: N = (F + mu |N|) tan(lean).
+    # Out from theta = pi to 0 the slider bears load and inertia F, and mu |N| against it: N = (F + mu |N|) tan(lean).
     theta, turns = np.linspace(pi, 0.0, 20_001), 30.0 * pi / 30.0
     sine, cosine = np.sin(theta), np.cos(theta)
     root = np.sqrt(70.0**2 - (60.0 * sine) ** 2)

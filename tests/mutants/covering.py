@@ -45,13 +45,16 @@ class Covering:
 
 
 def covering(collected: Collected, kept: Path, processes: int) -> Covering:
-    """What each test runs of the source; what is known of a test file stays while it and the source do not change."""
-    folder = kept / f"covering-{hashed(sorted(SOURCE.rglob('*.py')))}"
+    """What each test runs of the source; what is known of a test file stays while it and what it runs do not change."""
+    folder = kept / "covering"
     folder.mkdir(parents=True, exist_ok=True)
+    modules = {str(path.relative_to(SOURCE)): hashed([path]) for path in SOURCE.rglob("*.py")}
     files: dict[str, list[Test]] = {}
     for test in collected.tests:
         files.setdefault(test.file, []).append(test)
-    known = {file: _Known(folder / f"{file.replace('/', '-')}-{hashed([TESTS / file])}.json") for file in files}
+    known = {
+        file: _Known(folder / f"{file.replace('/', '-')}-{hashed([TESTS / file])}.json", modules) for file in files
+    }
     missing = {file: [test for test in tests if test.unit not in known[file].ran] for file, tests in files.items()}
     works = deque(Work(file, partial(collected.ran, tests), LONGEST_S) for file, tests in missing.items() if tests)
     for file, ran in results(works, processes):
@@ -64,16 +67,21 @@ def covering(collected: Collected, kept: Path, processes: int) -> Covering:
 
 
 class _Known:
-    """What is known of the tests of a file, kept in a file."""
+    """What is known of the tests of a file, kept in a file beside the hashes of the modules that they run."""
 
-    def __init__(self, path: Path) -> None:
-        self._path = path
-        self.ran = json.loads(path.read_text()) if path.exists() else {}
+    def __init__(self, path: Path, modules: Mapping[str, str]) -> None:
+        self._path, self._modules = path, modules
+        kept = json.loads(path.read_text()) if path.exists() else {"modules": {}, "ran": {}}
+        same = all(modules.get(module) == written for module, written in kept["modules"].items())
+        self.ran: dict[str, Any] = kept["ran"] if same else {}
 
     def write(self, more: Mapping[str, Any]) -> None:
         self.ran |= more
-        self._path.write_text(json.dumps(self.ran))
+        run = {module for one in self.ran.values() for module in one["lines"]}
+        written = {module: self._modules[module] for module in sorted(run)}
+        self._path.write_text(json.dumps({"modules": written, "ran": self.ran}))
 
 
 def hashed(paths: Sequence[Path]) -> str:
+    """What stays the same while some files do not change."""
     return sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:8]
