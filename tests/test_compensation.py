@@ -297,9 +297,8 @@ def test_the_same_ends_are_fine_in_the_ratio_basis() -> None:
     assert abs(law.closure_error_rad) <= 1e-12
 
 
-@pytest.mark.tiers(thorough=["20.0-5.0", "20.0-0.1", "0.0-15.0", "20.0-15.0"], rest="thorough")
-@pytest.mark.parametrize("covered", [0.1, 0.5, 5.0, 15.0])
-@pytest.mark.parametrize("constant", [0.0, 20.0])
+@pytest.mark.thorough
+@pytest.mark.parametrize(("constant", "covered"), [(20.0, 0.1), (20.0, 15.0), (0.0, 5.0)])
 def test_closure_holds_however_far_the_driven_gear_must_turn(covered: float, constant: float) -> None:
     """Ratios far below and above 1, whose reciprocals have poles next to the real axis."""
     ends = replace(LEVEL, end_driven_rad=3.0 + covered)
