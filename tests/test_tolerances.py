@@ -37,6 +37,7 @@ from ncgear.tolerances.drawn import (
     Source,
     active,
     drawn,
+    reachable,
     rows_of,
     sources_of,
     spread,
@@ -700,6 +701,22 @@ def test_only_what_has_a_limit_is_active() -> None:
     limits = Limits(0.1, (0.0, 0.1), (0.0, 0.0), (0.0, 0.0), none, none, (20.0, 20.0), 0.0, (1.0, 1.0, 1.0), (0.0, 0.0))
     assert active(limits) == ("center_distance", "eccentricity_driven")
     assert len(active(all_limits())) == len(SOURCES) + 2
+
+
+def test_what_is_left_out_of_a_mesh_comes_first_at_no_limit() -> None:
+    """Every source at one of its limits, by lot: the contacts that are kept lead by as much as all of them."""
+    mesh, flanks, count = circular()[3], 2 * (TEETH + DRIVEN_TEETH), 200
+    pitch, profile = np.full(flanks, 0.08), np.full(flanks, 0.03)
+    limits = Limits(0.1, (0, 0), (0, 0), (0, 0), pitch, profile, (20.0, 20.0), 0.0, (0.0, 0.0, 0.0), (0, 0))
+    found = reachable(mesh, limits)
+    assert found.lead.size < mesh.lead.size
+    either = np.random.default_rng(3).choice([-1.0, 1.0], (2 * flanks + 1, count))
+    of = replace(
+        deviations(flanks, count, center_distance=0.1 * either[-1]),
+        pitch=pitch[:, None] / sqrt(2.0) * either[:flanks],
+        profile=profile[:, None] * either[flanks:-1],
+    )
+    np.testing.assert_array_equal(found.leads(of), mesh.leads(of))
 
 
 def test_a_value_that_nearly_all_surpass_is_told_from_enough_samples_only() -> None:
