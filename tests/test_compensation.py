@@ -189,7 +189,7 @@ def test_no_neighbour_has_less_acceleration(name: str, kind: str, step: float) -
         assert min(others) > peak * (1.0 + ON_GRID)  # the comparison does tell a worse law
 
 
-@pytest.mark.tiers(slow=["baler-least", "offset-least"], rest="thorough")
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", FARTHER)
 @pytest.mark.parametrize("name", LINKAGES)
 def test_the_best_of_a_scan_of_the_family_is_not_better(name: str, kind: str) -> None:

@@ -366,7 +366,6 @@ def test_the_crank_of_two_pairs_stands_where_their_outlines_turn_it() -> None:
     assert np.abs(plain - exact).max() > 0.1 * np.abs(exact).max()
 
 
-@pytest.mark.thorough
 def test_beside_an_exact_pair_that_turns_evenly_the_other_is_a_single_one() -> None:
     single, staged = (drive_of_text(STAGED.format(first=RATIO, second=second)) for second in ("", ", second_stage: {}"))
     alone, both = lot_of(single, ASSUMED), lot_of(staged, ASSUMED)
@@ -482,7 +481,6 @@ def leaning(overlap: float, sections: int) -> tuple[LinearMesh, float]:
     return mesh_of(Face(made, heights, mirrored=False, overlap=overlap), placement, 0.3), overlap
 
 
-@pytest.mark.thorough
 @pytest.mark.judges("tolerances")
 def test_helical_teeth_without_any_lean_are_straight_ones() -> None:
     _, _, _, straight = circular()

@@ -98,6 +98,8 @@ class Collected:
         record.stop()
         data = record.get_data()
         for file in data.measured_files():
+            if not file.endswith(".py"):
+                continue
             module = str(Path(file).relative_to(SOURCE))
             for line, units in data.contexts_by_lineno(file).items():
                 for unit in filter(None, units):
