@@ -235,7 +235,7 @@ def even_torques(ratio: float) -> tuple[object, Array]:
     return lambda phi1: (np.full(phi1.shape, 5.0), np.full(phi1.shape, 5.0 * ratio)), np.array([0.0, 2.0 * pi])
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(quick=["23"], rest="slow")
 @pytest.mark.parametrize("teeth", [23, 62])
 def test_loss_factor_of_circular_gears_is_ohlendorfs(teeth: int) -> None:
     """His closed form, with the contact ratios of equal involute gears of full height."""
