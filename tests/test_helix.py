@@ -33,7 +33,7 @@ from ncgear.solids.helical.even_tips import heights_fitted, with_even_tips
 from ncgear.solids.helical.helix import Hand, Helix
 from ncgear.solids.helical.mesh import helical_pair
 from ncgear.solids.helical.sections import Sections, pieces_of
-from ncgear.solids.helical.stack import MOST_STEPS, StrayLimits, close_stacks, spread_columns, stacked
+from ncgear.solids.helical.stack import MOST_STEPS, Columns, Stack, StrayLimits, close_stacks, spread_columns, stacked
 from ncgear.solids.mesh.pair import SolidPair
 from ncgear.solids.plan.body import Blank, Bore, Keyway
 from ncgear.solids.plan.room import full_disc, largest_bore_mm
@@ -302,6 +302,16 @@ def test_sections_are_fitted_over_the_helix_and_no_farther_than_a_pitch() -> Non
         heights, step = heights_fitted(helix, MODULE * pi)
         assert [helix.advance_mm(z) for z in heights] == pytest.approx([-step * i for i in range(sections)])
         assert (sections - (angle < 60.0)) * step == pytest.approx(min(helix.largest_advance_mm, MODULE * pi))
+
+
+@pytest.mark.parametrize("turned", [0.0, 0.3])
+def test_what_seems_to_stray_is_the_bend_across_the_outline(turned: float) -> None:
+    """A square that grows with the square of the height: straight lines over a step h are off by X'' h^2 / 8."""
+    corners = np.exp(1j * (turned + np.arange(4) * pi / 2.0))
+    heights = np.array([0.0, 1.0, 2.0])
+    rings = (heights**2)[:, None, None] * np.stack([corners.real, corners.imag], axis=-1)
+    columns = Columns(np.zeros(4, dtype=int), np.arange(4.0))
+    assert Stack(heights, columns, rings).seems_to_stray_mm() == pytest.approx([0.25, 0.25], rel=1e-12)
 
 
 def test_even_tips_change_nothing_where_none_jumps() -> None:

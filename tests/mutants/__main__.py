@@ -20,6 +20,9 @@ from mutants.survivors import Verdict, page
 MARKS = {"quick": "not thorough and not slow", "readme": "not slow"}
 """The tests of ``make quick``, and those of README's command."""
 
+PAGE = ROOT / "benchmarks" / "mutants.md"
+"""Where survivors of all rooms are kept."""
+
 LONGEST = 3.0
 """Share of the time of its tests after which a mutation counts as found: it does not end."""
 
@@ -112,7 +115,6 @@ def main() -> None:
     asked.add_argument("--room", nargs="*", help="only these rooms")
     asked.add_argument("--processes", type=int, default=2)
     asked.add_argument("--kept", type=Path, default=ROOT / "export" / "mutants")
-    asked.add_argument("--page", type=Path, default=ROOT / "tests" / "mutants" / "survivors.md")
     given = asked.parse_args()
     chosen = [room for room in rooms() if given.room is None or room.name in given.room]
     mutants = [mutant for room in chosen for mutant in drawn(room, given.each, given.seed)]
@@ -121,7 +123,8 @@ def main() -> None:
         known = covering(collected, given.kept, given.processes)
         verdicts = Judge(collected, known, given.kept / "judged").verdicts(mutants, given.processes)
         text = page(verdicts, given.each, given.seed)
-        given.page.write_text(text, encoding="utf-8")
+        whole = given.room is None and given.tests == "readme"
+        (PAGE if whole else given.kept / PAGE.name).write_text(text, encoding="utf-8")
 
     collect(then, MARKS[given.tests])
 

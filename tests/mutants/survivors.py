@@ -12,11 +12,11 @@ from mutants.drawn import Mutant
 
 REASONS = Path(__file__).with_name("reasons.yaml")
 
-HEAD = """# What survives
+HEAD = """# Which broken lines no test finds
 
-Lines of each room's mathematics are broken one at a time, {each} of each room, drawn by seed {seed}
-([how it is tested](../../docs/how-it-is-tested.md)). An equivalent mutation changes nothing that anybody can see; the
-shares are of the others. `make mutants` writes this page, and takes the reasons from `reasons.yaml`.
+Lines of each room's mathematics are broken one at a time, {each} of each room, drawn by seed {seed}, and the tests that
+run them have to fail ([how it is tested](../docs/how-it-is-tested.md)). An equivalent mutation changes nothing that
+anybody can see; the shares are of the others. `make mutants` writes this page.
 
 | room | drawn | equivalent | quick tests find | README's tests find |
 |---|---|---|---|---|
@@ -72,14 +72,16 @@ def _told(room: str, some: Sequence[tuple[Mutant, Verdict]], known: Mapping[str,
     """Those of a room that quick tests do not find."""
     left = [(mutant, verdict) for mutant, verdict in some if not verdict.quick]
     if left:
-        yield f"\n## `{room}/`"
+        yield f"\n## `{room}/`\n"
     for mutant, verdict in left:
-        yield f"\n`{mutant.module.removeprefix('ncgear/')}`, {mutant.key}"
-        yield f"\n```diff\n- {mutant.before}\n+ {mutant.after}\n```\n"
+        module = mutant.module.removeprefix("ncgear/")
+        line = f"- `{module}` ({mutant.key}): `{mutant.before}` becomes `{mutant.after}`."
+        reason = known.get(mutant.key)
         if verdict.by:
-            yield f"Found by `{verdict.by.partition(' ')[0]}`, which is thorough."
-        elif mutant.key in known:
-            reason = known[mutant.key]
-            yield f"{'Equivalent: ' if reason.equivalent else ''}{reason.reason}"
+            yield f"{line} Found by `{verdict.by.partition(' ')[0]}`, which is thorough."
+        elif reason is not None:
+            yield f"{line} {'Equivalent: ' if reason.equivalent else ''}{reason.reason}"
+        elif not verdict.passed:
+            yield f"{line} No test of README's command runs this line."
         else:
-            yield "Nobody has looked at it."
+            yield f"{line} Nobody has looked at it."
