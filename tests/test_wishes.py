@@ -183,6 +183,9 @@ def test_speeds_of_an_even_yoke() -> None:
         assert ExtremeSpeed(at_mm=0.6 * RADIUS, stroke=stroke).outcome(uniform()).kept
     constant = ConstantSpeed(from_mm=60.0, to_mm=120.0, tolerance=0.01, speed_mm_s=600.0)
     assert constant.outcome(uniform()).achieved == pytest.approx(max(RADIUS * W / 600.0 - 1.0, 1.0 - speed / 600.0))
+    whatever = replace(constant, speed_mm_s=None).outcome(uniform())
+    assert whatever.achieved == pytest.approx((RADIUS * W - speed) / (RADIUS * W + speed))
+    assert whatever.speed_mm_s == pytest.approx((RADIUS * W + speed) / 2.0)
 
 
 @pytest.mark.parametrize(("stroke_mm", "near"), [(760.0, 0.5), (200.0, 0.2), (100.0, 0.1), (99.0, 0.05), (2e4, 20.0)])
