@@ -24,7 +24,7 @@ from ncgear.figures.answers.answer import (
     difference,
     faults_of,
 )
-from ncgear.figures.answers.machine import build_answer, check_answer
+from ncgear.figures.answers.machine import build_answer, check_answer, head_of
 from ncgear.figures.data_sheet.sheet import data_sheet
 from ncgear.figures.quantities import NAMES, SIZES, name_of
 from ncgear.figures.summary.build_summary import build_summary
@@ -328,3 +328,8 @@ def test_the_names_are_in_no_other_list() -> None:
     own = {"centre distance", "greatest pressure angle", "peak acceleration, working stroke", "play of the driven gear"}
     held = {path.name: [name for name in own if f'"{name}"' in path.read_text(encoding="utf-8")] for path in files}
     assert {name: found for name, found in held.items() if found} == {}
+
+
+@pytest.mark.parametrize("name", ["baler-66", "baler-66-two-stage"])
+def test_the_head_says_whether_gears_stand_in_two_stages(name: str) -> None:
+    assert ("in two stages" in head_of(drive(name))) is name.endswith("two-stage")

@@ -287,6 +287,14 @@ def test_the_best_phase_of_the_exact_forces() -> None:
     assert simple == pytest.approx(12.86, abs=5e-3)
 
 
+def test_equal_mechanisms_that_face_each_other_shake_least_in_step() -> None:
+    one = Mounted(even())
+    found = best_phase([one, replace(one, direction_rad=pi)], 1)
+    # The root of a difference of squares: half of the digits are lost.
+    assert found.value <= 1e-6 * frame_shaking([one]).force.rms
+    assert abs(np.exp(1j * found.at) - 1.0) <= 1e-6
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("mirrored", [False, True])
 def test_the_best_phase_of_uneven_drives(mirrored: bool) -> None:

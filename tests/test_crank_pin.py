@@ -59,7 +59,7 @@ def pinned(
 
 
 @pytest.mark.judges("solids")
-@pytest.mark.tiers(quick=["crank-slider-140.0"], rest="thorough")
+@pytest.mark.tiers(quick=["crank-slider-140.0"], rest="slow")
 @pytest.mark.parametrize("axis", [180.0, 140.0, -75.0])
 @pytest.mark.parametrize("kind", list(LINKAGES))
 def test_the_hole_is_where_the_crank_pin_is(kind: str, axis: float) -> None:

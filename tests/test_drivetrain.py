@@ -20,6 +20,7 @@ from ncgear.drivetrain.bearings import (
     Bearing,
     WantedLife,
     bearing_forces,
+    bearing_lives,
     bending_moment_n_mm,
     equivalent_load_n,
     life_h,
@@ -234,7 +235,7 @@ def even_torques(ratio: float) -> tuple[object, Array]:
     return lambda phi1: (np.full(phi1.shape, 5.0), np.full(phi1.shape, 5.0 * ratio)), np.array([0.0, 2.0 * pi])
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(quick=["23"], rest="slow")
 @pytest.mark.parametrize("teeth", [23, 62])
 def test_loss_factor_of_circular_gears_is_ohlendorfs(teeth: int) -> None:
     """His closed form, with the contact ratios of equal involute gears of full height."""
@@ -293,6 +294,34 @@ def demand(added_kg_mm2: float = 0.0, *, friction: bool = True) -> Demand:
     if not friction:
         return Demand(rubbing_at(0.0), losses_of(rubbing_at(0.0), None, 0.0), added_kg_mm2)
     return Demand(cycle(), losses_of(cycle(), 0.12, 0.05), added_kg_mm2)
+
+
+SMALL = """\
+name: small
+linkage: {crank_mm: 60, rod_mm: 150}
+operation: {speed_rpm: 120}
+motion: {law: harmonic_ratio, cosine: [0.2], sine: [-0.1]}
+resistance: {polynomial_n: [300, 2]}
+gears: {teeth: 40, module_mm: 2, face_width_mm: 10}
+masses:
+  slider_kg: 4
+  rod: {mass_kg: 1, center_mm: 70, inertia_kg_mm2: 2000}
+  crank: {mass_kg: 1, center_mm: 20, inertia_kg_mm2: 900}
+  driving_gear_kg_mm2: 500
+  driven_gear_kg_mm2: 700
+"""
+"""A machine without teeth that rub: it stands in a hundredth of the time of the shipped one."""
+
+
+@cache
+def small_drive() -> Drive:
+    return drive_of_text(SMALL)
+
+
+@cache
+def small(added_kg_mm2: float = 0.0) -> Demand:
+    one = cycle_of(small_drive().rigid)
+    return Demand(one, losses_of(one, None, 0.0), added_kg_mm2)
 
 
 @pytest.mark.slow
@@ -354,16 +383,32 @@ def test_a_slider_that_jams_in_its_guide_is_refused() -> None:
         "  crank: {mass_kg: 0, center_mm: 0, inertia_kg_mm2: 0}\n"
         "drivetrain: {guide_friction: FRICTION}\n"
     )
-    assert drive_of_text(text.replace("FRICTION", "0.4")).check.peak_power_w.value > 0.0
+    # Out from theta = pi to 0 the slider bears load and inertia F, and mu |N| against it: N = (F + mu |N|) tan(lean).
+    theta, turns = np.linspace(pi, 0.0, 20_001), 30.0 * pi / 30.0
+    sine, cosine = np.sin(theta), np.cos(theta)
+    root = np.sqrt(70.0**2 - (60.0 * sine) ** 2)
+    way = 60.0 * sine * (1.0 + 60.0 * cosine / root)
+    slower = 60.0 * cosine + 3600.0 * (cosine**2 - sine**2) / root + (3600.0 * sine * cosine) ** 2 / root**3
+    force = 100.0 - 1e-3 * slower * turns**2
+    exact = float(np.max(1e-3 * turns * way * force / (1.0 - 0.4 * 60.0 * sine / root)))
+    assert drive_of_text(text.replace("FRICTION", "0.4")).check.peak_power_w.value == pytest.approx(exact, rel=1e-6)
     with pytest.raises(NoSuchMechanism, match="jams in its guide") as told:
         _ = drive_of_text(text.replace("FRICTION", "0.9")).check
     assert told.value.key == "drivetrain.guide_friction"
 
 
-@pytest.mark.slow
-def test_means_over_the_cycle_against_simpsons_rule() -> None:
+every_machine = pytest.mark.parametrize("name", ["small", DESIGN])
+
+
+def one_of(name: str) -> Demand:
+    return small() if name == "small" else demand()
+
+
+@pytest.mark.tiers(quick=["small"], rest="slow")
+@every_machine
+def test_means_over_the_cycle_against_simpsons_rule(name: str) -> None:
     """Work of the shaft as of the rigid level; the mean cube of the mesh force by Simpson's rule."""
-    found, rigid = cycle(), drive(DESIGN).rigid
+    found, rigid = one_of(name).cycle, (small_drive() if name == "small" else drive(DESIGN)).rigid
     assert found.integral(found.loads.driving.torque_n_mm) == pytest.approx(rigid.fluctuation.work_n_mm, rel=1e-12)
     size = np.abs(found.loads.driven.gear_n)
 
@@ -377,10 +422,11 @@ def test_means_over_the_cycle_against_simpsons_rule() -> None:
     assert found.integral((size / 1e4) ** 3) == pytest.approx(summed, rel=1e-7)
 
 
-@pytest.mark.slow
-def test_forces_on_the_crank_shaft_are_in_balance() -> None:
+@pytest.mark.tiers(quick=["small"], rest="slow")
+@every_machine
+def test_forces_on_the_crank_shaft_are_in_balance(name: str) -> None:
     """Gear, crank pin and bearings, anew from Newton's law for the crank's mass."""
-    found, machine = cycle().loads, drive(DESIGN).rigid.machine
+    found, machine = one_of(name).cycle.loads, one_of(name).cycle.rigid
     loads, masses = machine.at(found.phi1_rad), machine.masses
     pin = loads.joints["pin"]
     angle = machine.machine.transmission.driven_angle(found.phi1_rad, 2)
@@ -393,11 +439,12 @@ def test_forces_on_the_crank_shaft_are_in_balance() -> None:
     assert_allclose(found.driven.crank_n, on_crank + weight - moving, atol=1e-9 * np.abs(on_crank).max())
 
 
-@pytest.mark.slow
-def test_inertia_has_the_slope_that_it_says_and_the_energy_of_the_cycle() -> None:
+@pytest.mark.tiers(quick=["small"], rest="slow")
+@every_machine
+def test_inertia_has_the_slope_that_it_says_and_the_energy_of_the_cycle(name: str) -> None:
     """Central differences; and T - A over the cycle does no work, for J comes back to where it was."""
     angles, step = np.array([0.4, 1.7, 3.3, 5.9]), 1e-5
-    asked = demand()
+    asked = one_of(name)
     slope = (asked.inertia(angles + step)[0] - asked.inertia(angles - step)[0]) / (2.0 * step)
     assert_allclose(asked.inertia(angles)[1], slope, rtol=1e-6)
     points = asked.cycle.loads.phi1_rad
@@ -415,6 +462,20 @@ def test_the_energy_of_losses_is_the_work_that_is_asked_for_more() -> None:
     assert demand(friction=False).losses.efficiency == 1.0
 
 
+@pytest.mark.parametrize("gear", Gear)
+def test_lives_count_by_the_angle_of_their_own_shaft(gear: Gear) -> None:
+    """The equivalent load and speed of both bearings, by even steps of the driving angle and what each shaft turns."""
+    found, bearings = small().cycle, (Bearing(-30.0, "ball", 9000.0), Bearing(50.0, "roller", 9000.0))
+    lives = bearing_lives(found, gear, bearings, 80.0, WantedLife(1000.0, 90.0))
+    places = np.unique(np.concatenate([np.linspace(*ends, 2001) for ends in pairwise(found.breaks_rad)]))
+    middle = (places[1:] + places[:-1]) / 2.0
+    turned = places if gear is Gear.DRIVING else found.rigid.machine.transmission.driven_angle(places, 0).value
+    forces = bearing_forces(shaft_loads(found, gear, middle), bearings, 80.0)
+    for life, force, exponent in zip(lives, forces, (3.0, 10.0 / 3.0), strict=True):
+        mean = (np.diff(turned) @ np.abs(force) ** exponent / (2.0 * pi)) ** (1.0 / exponent)
+        assert life.equivalent_n == pytest.approx(mean, rel=1e-6)
+
+
 # Motor
 
 
@@ -425,10 +486,9 @@ class Waveform(Demand):
         return 200.0 + 500.0 * np.sin(phi1_rad)
 
 
-@pytest.mark.thorough
 def test_rms_of_a_known_waveform() -> None:
     """sqrt(200^2 + 500^2/2); it brakes where sin < -0.4, with the mean of that part, in closed form."""
-    found = motor_load(Waveform(cycle(), demand().losses), Gearbox())
+    found = motor_load(Waveform(small().cycle, small().losses), Gearbox())
     assert found.rms_n_mm == pytest.approx(sqrt(200.0**2 + 500.0**2 / 2.0), rel=1e-9)
     assert found.mean_n_mm == pytest.approx(200.0, rel=1e-9)
     assert (found.most_n_mm.value, found.least_n_mm.value) == pytest.approx((700.0, -300.0), rel=1e-9)
@@ -498,6 +558,20 @@ def test_speed_course_against_another_solver(added_kg_mm2: float, clutch: bool) 
     if clutch:
         assert course.motor_range_n_mm[0] >= 0.0
         assert (course.motor_range_n_mm[0] == 0.0) == (added_kg_mm2 == 0.0)
+
+
+def test_the_course_of_a_small_machine_against_another_solver() -> None:
+    """With a motor whose torque falls to nothing at twice the speed, and no gearbox."""
+    asked = small(3e5)
+    line = StraightLine(2.0 * asked.fluctuation.mean_torque_n_mm, 2.0 * asked.speed_rad_s)
+    course = speed_course(asked, LineDrive(line, Gearbox(1.0, 1.0)))
+    start = float(course.speed_rad_s(np.zeros(1))[0])
+    speed = followed(asked, (0.0, 2.0 * pi), start, lambda speed: line.stall_n_mm * (1.0 - speed / line.no_load_rad_s))
+    places = np.linspace(0.0, 2.0 * pi, STEPS + 1)[:-1]
+    assert_allclose(speed[:-1], course.speed_rad_s(places), rtol=1e-6)
+    assert speed[-1] == pytest.approx(start, rel=1e-6)
+    assert course.drive_work_n_mm == pytest.approx(course.asked_work_n_mm, rel=1e-9)
+    assert [one.value for one in course.range_rad_s] == pytest.approx([speed.min(), speed.max()], rel=1e-6)
 
 
 @pytest.mark.slow
@@ -570,9 +644,10 @@ def between(asked: Demand, one: Excursion, held_n_mm: float) -> Array:
     return followed(asked, (one.start_rad, one.end_rad), asked.speed_rad_s, lambda speed: held_n_mm)
 
 
-@pytest.mark.slow
-def test_a_machine_that_runs_ahead_against_the_equation_of_motion() -> None:
-    asked = demand()
+@pytest.mark.tiers(quick=["small"], rest="slow")
+@pytest.mark.parametrize("demand_of", [small, demand], ids=["small", "shipped"])
+def test_a_machine_that_runs_ahead_against_the_equation_of_motion(demand_of: Callable[[], Demand]) -> None:
+    asked = demand_of()
     found = running_ahead(asked)
     assert found
     for one in found:
@@ -583,10 +658,15 @@ def test_a_machine_that_runs_ahead_against_the_equation_of_motion() -> None:
         assert one.heat_n_mm == 0.0
 
 
-@pytest.mark.slow
-def test_a_limiter_that_slips_against_the_equation_of_motion() -> None:
+@pytest.mark.tiers(quick=["small"], rest="slow")
+@pytest.mark.parametrize(
+    ("demand_of", "flywheel_kg_mm2", "limit"), [(small, 3e5, 2.4e4), (demand, 0.0, 1.6e6)], ids=["small", "shipped"]
+)
+def test_a_limiter_that_slips_against_the_equation_of_motion(
+    demand_of: Callable[[float], Demand], flywheel_kg_mm2: float, limit: float
+) -> None:
     """And its heat: what the shaft gives at its own speed less what the machine gets."""
-    asked, limit = demand(), 1.6e6
+    asked = demand_of(flywheel_kg_mm2)
     found = slipping(asked, limit)
     assert found
     for one in found:

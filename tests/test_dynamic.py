@@ -77,7 +77,7 @@ def backs_meet_s(out: Course) -> Array:
 # Energy
 
 
-@pytest.mark.tiers(slow=["sine-31-on_law", "ring-24-on_law"], rest="long")
+@pytest.mark.tiers(quick=["sine-31-on_law"], slow=["ring-24-on_law"], rest="long")
 @pytest.mark.parametrize("start", list(Start))
 @pytest.mark.parametrize(("name", "teeth"), [("uniform", 24), ("sine", 31), ("uniform 1:2", 16), ("ring", 24)])
 def test_energy_balances(name: str, teeth: int, start: Start) -> None:
@@ -122,7 +122,6 @@ def test_the_motion_converges_with_the_accuracy() -> None:
 # Closed forms on circular gears
 
 
-@pytest.mark.slow
 def test_a_constant_torque_settles_at_the_closed_forms_depth() -> None:
     """One shaft of constant inertia against a constant torque: depth (T / (N k r))^(1/n), N pairs sharing."""
     found = mechanism(frictionless(meshing("uniform", 24)), even_load(HEAVY, 2e3), EvenDrive(0.1))
@@ -133,7 +132,6 @@ def test_a_constant_torque_settles_at_the_closed_forms_depth() -> None:
     np.testing.assert_allclose(teeth.depth_mm[teeth.normal_n > 0.0], depth, rtol=1e-4)
 
 
-@pytest.mark.slow
 def test_small_vibrations_have_the_closed_forms_frequency() -> None:
     """w^2 = N n k d^(n - 1) r^2 / M about the depth d at rest, the driving gear standing still."""
     smooth = frictionless(meshing("uniform", 24), damping_n_s_mm=0.0)
@@ -281,7 +279,6 @@ def test_from_rest_a_motor_takes_the_machine_up_to_its_speed() -> None:
     assert out.energy_error < 1e-5
 
 
-@pytest.mark.slow
 def test_a_motor_without_load_has_the_closed_forms_run_up() -> None:
     """J w' = T (1 - w / w0), so that w = w0 (1 - exp(-T t / (J w0))), with the driven shaft's inertia in J."""
     motor = Motor(10.0, 1e4, 100.0)
@@ -356,7 +353,6 @@ def test_a_history_is_the_motion_beside_its_law() -> None:
     assert np.quantile(np.abs(acceleration - shown.slide.acceleration[1:-1]), 0.9) < 1e-2 * typical
 
 
-@pytest.mark.slow
 def test_joints_bear_what_newton_and_euler_ask_of_the_simulated_motion() -> None:
     """The torque asked of the crank shaft is what the teeth bring, though the motion came from Lagrange's equation."""
     machine = RigidMachine(

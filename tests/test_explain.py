@@ -199,7 +199,7 @@ def test_a_word_that_names_no_key_finds_the_keys_that_speak_of_it(run: Run) -> N
     assert "rack (hob)" in out
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("idea", IDEAS)
 def test_ideas_without_a_key_are_told(run: Run, idea: str) -> None:
     """Each idea is no key of either file, and every key that it names is one."""

@@ -80,7 +80,6 @@ def made(shape: Array, family: Family) -> StrokeLaw:
     return stroke_law(stroke, family.task.linkage, family.task.lobes, inverse_basis=family.inverse)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("linkage", LINKAGES.values(), ids=LINKAGES)
 def test_working_strokes_are_those_of_the_laws(linkage: CrankSlider) -> None:
     family = family_of(linkage)

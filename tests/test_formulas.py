@@ -61,7 +61,6 @@ def complete(found: Drive) -> bool:
     return all(bool(one.pieces) != bool(one.why) for one in sections) and 0.0 < found.formulas.difference < 1e-13
 
 
-@pytest.mark.tiers(slow=["three_segment_stroke", "spiral", "function_generator"], rest="thorough")
 @pytest.mark.parametrize("law", LawName)
 def test_every_law_has_formulas_or_says_why_not(law: LawName) -> None:
     """A new law needs a line in FORMS or in NO_FORMULA of formulas/laws.py."""
@@ -70,7 +69,6 @@ def test_every_law_has_formulas_or_says_why_not(law: LawName) -> None:
     assert bool(found.formulas.sections[0].why) == (law == LawName.PITCH_CURVE)
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize("kind", MOTIONS)
 def test_kinds_of_laws(kind: str) -> None:
     assert complete(drive_of_text(MOTIONS[kind]))
@@ -98,7 +96,6 @@ def inside(piece: Written, count: int = 7) -> np.ndarray:
     return np.random.default_rng(5).uniform(piece.start_rad, piece.end_rad, count)
 
 
-@pytest.mark.thorough
 @pytest.mark.judges("formulas")
 def test_derivatives_of_the_displacement_are_those_of_the_machine() -> None:
     """sympy's derivatives of the polynomials by themselves, the machine's by the mechanism from the driven angle."""
@@ -154,7 +151,6 @@ def test_radii_of_an_ellipse_about_its_focus() -> None:
     assert r_1 + r_2 == pytest.approx(np.full(7, found.pitch.center_distance_mm), rel=1e-14)
 
 
-@pytest.mark.tiers(thorough=["crank_slider*", "scotch*", "rack*"], rest="slow")
 @pytest.mark.parametrize("case", CASES, ids=str)
 def test_mechanisms_there_and_back(case: Case) -> None:
     """The driven angle at x = phi_1^2, and the displacement at that angle, which is x again."""

@@ -8,6 +8,7 @@ from math import inf, pi
 import numpy as np
 import pytest
 import shapely
+import trimesh
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 from scipy.optimize import linprog
@@ -28,6 +29,7 @@ from ncgear.balance.gears import (
 from ncgear.balance.rotor import grade_reached, permissible_unbalance_kg_mm
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.solids.mesh.slabs import slab_mesh
+from ncgear.solids.mesh.triangles import TriangleMesh
 from ncgear.solids.plan.areas import area_moments
 from ncgear.solids.plan.body import Slab, circle_points
 
@@ -45,6 +47,20 @@ def disc(radius: float, center: complex = 0j, holes: Holes = (), chord_mm: float
         return np.array([at.real, at.imag]) + circle_points(r, chord_mm)
 
     return Polygon(circle(center, radius), [circle(at, r) for at, r in holes])
+
+
+def test_two_boxes_in_closed_form() -> None:
+    """One on the other, both beside the axis: Steiner's theorem, and the couple about the height of their centroid."""
+    bounds = np.array([[[2.0, 1.0, 0.0], [8.0, 5.0, 10.0]], [[-3.0, -2.0, 10.0], [4.0, 6.0, 14.0]]])
+    boxes = trimesh.util.concatenate([trimesh.creation.box(bounds=one) for one in bounds])
+    found = mesh_body(TriangleMesh(boxes.vertices, boxes.faces), STEEL)
+    size, center = bounds[:, 1] - bounds[:, 0], bounds.mean(axis=1)
+    mass, place, height = STEEL * 1e-9 * size.prod(axis=1), center @ [1.0, 1j, 0.0], center[:, 2]
+    assert found.mass_kg == pytest.approx(mass.sum(), rel=1e-12)
+    assert found.unbalance_kg_mm == pytest.approx(mass @ place, rel=1e-12)
+    steiner = (size[:, 0] ** 2 + size[:, 1] ** 2) / 12.0 + abs(place) ** 2
+    assert found.inertia_kg_mm2 == pytest.approx(mass @ steiner, rel=1e-12)
+    assert found.couple_kg_mm2 == pytest.approx(mass @ (place * (height - mass @ height / mass.sum())), rel=1e-12)
 
 
 @cache

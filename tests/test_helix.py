@@ -33,7 +33,7 @@ from ncgear.solids.helical.even_tips import heights_fitted, with_even_tips
 from ncgear.solids.helical.helix import Hand, Helix
 from ncgear.solids.helical.mesh import helical_pair
 from ncgear.solids.helical.sections import Sections, pieces_of
-from ncgear.solids.helical.stack import MOST_STEPS, StrayLimits, close_stacks, spread_columns, stacked
+from ncgear.solids.helical.stack import MOST_STEPS, Columns, Stack, StrayLimits, close_stacks, spread_columns, stacked
 from ncgear.solids.mesh.pair import SolidPair
 from ncgear.solids.plan.body import Blank, Bore, Keyway
 from ncgear.solids.plan.room import full_disc, largest_bore_mm
@@ -42,8 +42,6 @@ from ncgear.teeth.gear import ToothedPair, toothed_pair
 from ncgear.teeth.tips import Limit
 from oracles import meshing
 from pairs import baler_law, rack, sine_law
-
-pytestmark = pytest.mark.slow
 
 TOLERANCE = 0.005
 MODULE = 2.0
@@ -158,7 +156,7 @@ def test_half_a_pitch_puts_a_space_where_the_tooth_was() -> None:
 # --- circular gears: the section is the outline, turned ------------------------------------------------------------
 
 
-@pytest.mark.tiers(slow=["7.0-right"], rest="long")
+@pytest.mark.tiers(quick=["7.0-right"], rest="long")
 @pytest.mark.parametrize("hand", list(Hand))
 @pytest.mark.parametrize("height", HEIGHTS)
 def test_circular_sections_are_turned_by_the_hand(hand: Hand, height: float) -> None:
@@ -173,7 +171,7 @@ def test_circular_sections_are_turned_by_the_hand(hand: Hand, height: float) -> 
             assert apart(section(made("circular", hand).mesh(gear), height), wrong) > 10.0 * TOLERANCE
 
 
-@pytest.mark.tiers(slow=["False"], rest="long")
+@pytest.mark.tiers(quick=["False"], rest="long")
 @pytest.mark.parametrize("herringbone", [False, True])
 def test_circular_volume_is_area_times_width(herringbone: bool) -> None:
     pair = made("circular", herringbone=herringbone)
@@ -232,6 +230,7 @@ def test_sections_of_the_written_file_are_exact(name: str, herringbone: bool) ->
 UNDERCUT = ToothForm(rack(), limits=TipLimits(avoid_undercut=False))
 
 
+@pytest.mark.slow
 def test_curvature_that_jumps_is_followed_too() -> None:
     """The baler's undercut teeth have trimmed corners that come, move and go with height."""
     pitch = sized_pair(baler_law(), 86, MODULE, None)
@@ -248,6 +247,7 @@ def test_curvature_that_jumps_is_followed_too() -> None:
     assert np.any(sides[-1].flank_range()[1] > 0.3 - teeth.driven.flanks.flank_depth_mm)
 
 
+@pytest.mark.slow
 def test_tips_that_jump_are_refused_with_height_and_tooth() -> None:
     """Just above z = 0.42 mm a mate of tooth 29 ceases to be undercut: its tip may be 0.42 mm higher at once, and the
     space beside tooth 28 of the other gear is as much deeper."""
@@ -304,6 +304,16 @@ def test_sections_are_fitted_over_the_helix_and_no_farther_than_a_pitch() -> Non
         assert (sections - (angle < 60.0)) * step == pytest.approx(min(helix.largest_advance_mm, MODULE * pi))
 
 
+@pytest.mark.parametrize("turned", [0.0, 0.3])
+def test_what_seems_to_stray_is_the_bend_across_the_outline(turned: float) -> None:
+    """A square that grows with the square of the height: straight lines over a step h are off by X'' h^2 / 8."""
+    corners = np.exp(1j * (turned + np.arange(4) * pi / 2.0))
+    heights = np.array([0.0, 1.0, 2.0])
+    rings = (heights**2)[:, None, None] * np.stack([corners.real, corners.imag], axis=-1)
+    columns = Columns(np.zeros(4, dtype=int), np.arange(4.0))
+    assert Stack(heights, columns, rings).seems_to_stray_mm() == pytest.approx([0.25, 0.25], rel=1e-12)
+
+
 def test_even_tips_change_nothing_where_none_jumps() -> None:
     pitch, helix = pitch_of("ellipse"), Helix(ANGLE, WIDTH, Hand.RIGHT)
     form = with_even_tips(pitch, ToothForm(rack()), helix)
@@ -311,6 +321,7 @@ def test_even_tips_change_nothing_where_none_jumps() -> None:
     np.testing.assert_array_equal(plain.driving.outline_mm, even.driving.outline_mm)
 
 
+@pytest.mark.slow
 def test_teeth_whose_lands_are_shortened_in_some_sections_only() -> None:
     pitch = sized_pair(elliptical_law(0.4, 0.7, Lobes()), 25, MODULE, None)
     form, helix = ToothForm(rack(), limits=TipLimits(least_land_mm=1.45)), Helix(ANGLE, WIDTH, Hand.RIGHT)
@@ -358,12 +369,14 @@ def test_a_rigid_twist_of_non_circular_gears_does_not_mesh() -> None:
     assert judged("ellipse", driving, driven).overlap_depth.max() > 100.0 * TOLERANCE
 
 
+@pytest.mark.slow
 def test_gears_of_one_hand_do_not_mesh() -> None:
     right, left = made("ellipse", Hand.RIGHT), made("ellipse", Hand.LEFT)
     report = judged("ellipse", section(right.mesh("driving"), WIDTH / 5), section(left.mesh("driven"), WIDTH / 5))
     assert report.overlap_depth.max() > 100.0 * TOLERANCE
 
 
+@pytest.mark.slow
 def test_herringbone_teeth_are_alike_above_and_below_half_way() -> None:
     for gear in ("driving", "driven"):
         mesh = made("ellipse", herringbone=True).mesh(gear)
@@ -375,6 +388,7 @@ def test_herringbone_teeth_are_alike_above_and_below_half_way() -> None:
         np.testing.assert_allclose(mesh.vertices[order], mirrored[other], rtol=0.0, atol=1e-12)
 
 
+@pytest.mark.slow
 def test_helical_teeth_are_not_alike_above_and_below_half_way() -> None:
     mesh = made("ellipse").mesh("driving")
     assert apart(section(mesh, 1.0), section(mesh, WIDTH - 1.0)) > 1.0
@@ -402,6 +416,7 @@ def test_bore_and_index_hole_go_straight_through(bore: Bore | None, herringbone:
             assert section(solid.mesh, height).exterior.distance(smallest) > 1.49 * MODULE
 
 
+@pytest.mark.slow
 def test_a_bore_must_fit_into_every_section() -> None:
     """Where a tooth stands at z = 0 there is room for a larger bore than where a space has come to stand higher up."""
     pitch = sized_pair(elliptical_law(0.3, 0.0, Lobes()), 21, MODULE, None)
@@ -420,6 +435,7 @@ def test_a_bore_must_fit_into_every_section() -> None:
 # --- refusals -------------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_a_section_without_teeth_is_refused_with_its_height() -> None:
     """At z = 0 this pair stands; a third of a pitch farther on a flank below the pitch curve is lost."""
     pitch = sized_pair(sine_law(0.29), 19, MODULE, None)
@@ -444,6 +460,7 @@ class Stepped(Helix):
         return 0.0 if height_mm < 0.4 * self.face_width_mm else 0.5
 
 
+@pytest.mark.slow
 def test_teeth_that_jump_are_refused_with_the_height() -> None:
     pitch = sized_pair(uniform_law(Lobes()), 17, MODULE, None)
     sections = Sections(pitch, ToothForm(rack()), Stepped(radians(5.0), 10.0, Hand.LEFT), 0.1 * TOLERANCE)
@@ -507,6 +524,7 @@ def summary_of(drive: Drive) -> dict[str, Any]:
         return build(drive, Path(folder), lambda step: None).summaries[0]
 
 
+@pytest.mark.slow
 def test_the_summary_has_the_overlap_and_the_thrust() -> None:
     summary = summary_of(drive_of_text(DESIGN + HELIX))
     teeth, contact = summary["teeth"], summary["contact"]
@@ -521,18 +539,21 @@ def test_the_summary_has_the_overlap_and_the_thrust() -> None:
     assert any("0.268 of the tangential force" in warning for warning in summary["warnings"])
 
 
+@pytest.mark.slow
 def test_herringbone_teeth_overlap_by_half_and_have_no_thrust() -> None:
     summary = summary_of(drive_of_text(DESIGN + HELIX.replace("helical,", "herringbone,")))
     assert summary["contact"]["overlap_ratio"] == pytest.approx(4.0 * tan(radians(15.0)) / (2.0 * pi), rel=1e-12)
     assert not any("thrust" in warning for warning in summary["warnings"])
 
 
+@pytest.mark.slow
 def test_straight_teeth_say_nothing_of_a_helix() -> None:
     summary = summary_of(drive_of_text(DESIGN))
     assert not {"helix_angle_deg", "hand_driving", "overlap_ratio"} & {*summary["teeth"], *summary["contact"]}
     assert not any("thrust" in warning for warning in summary["warnings"])
 
 
+@pytest.mark.slow
 def test_the_least_contact_of_sections_is_found_among_them() -> None:
     drive = drive_of_text(DESIGN.replace("0.2}", "0.6}") + HELIX)
     found = []
@@ -547,6 +568,7 @@ def test_the_least_contact_of_sections_is_found_among_them() -> None:
     assert drive.section_contact_ratio <= found[0]
 
 
+@pytest.mark.slow
 def test_an_overlap_that_leaves_a_rest_to_the_sections_asks_for_it() -> None:
     """A helix of a hundredth of a degree does not make up for flanks that lose contact."""
     text = DESIGN.replace("teeth: 23", "teeth: 24").replace("law: ellipse, eccentricity: 0.2", LOSING)
@@ -590,6 +612,7 @@ def made_contact(drive: Drive) -> tuple[SideContact, SideContact]:
     return found.pushing, found.back
 
 
+@pytest.mark.slow
 def test_a_build_writes_the_section_at_no_height_as_the_outline(tmp_path: Path) -> None:
     build(drive_of_text(DESIGN + HELIX), tmp_path / "out", lambda step: None)
     for gear in ("driving", "driven"):

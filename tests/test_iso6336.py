@@ -75,6 +75,15 @@ def test_figures_of_example_1_of_iso_tr_6336_30() -> None:
     assert single_contact_factors(TR_30) == (1.0, 1.0)
 
 
+def test_the_stiffness_of_shifted_teeth_is_the_standards_polynomial() -> None:
+    """C1 to C9 of ISO 6336-1, table 9 (secondary source); the example above has no shift of the second gear."""
+    coefficients = [0.04723, 0.15551, 0.25791, -0.00635, -0.11654, -0.00193, -0.24188, 0.00529, 0.00182]
+    z1, z2, x1, x2 = 20.0, 45.0, 0.4, -0.3
+    terms = [1.0, 1.0 / z1, 1.0 / z2, x1, x1 / z1, x2, x2 / z2, x1 * x1, x2 * x2]
+    found = single_stiffness_theoretical((z1, z2), (x1, x2))
+    assert found == pytest.approx(1.0 / np.dot(coefficients, terms), rel=1e-13)
+
+
 def test_full_tip_diameters_would_miss_the_nominal_stress_by_a_tenth_of_a_megapascal() -> None:
     """The negative control of the rounded tip diameters."""
     exact = replace(TR_30, given_tip_mm=None)

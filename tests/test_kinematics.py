@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial, legendre
 
-from ncgear.kinematics.check import KinematicCheck, kinematic_check
+from ncgear.kinematics.check import KinematicCheck, at_speed, kinematic_check
 from ncgear.kinematics.motion import Machine, sample_angles
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.resistance import PolynomialResistance
@@ -88,6 +88,7 @@ def test_figures_scale_with_powers_of_the_speed(name: str, figure: str) -> None:
     value, power = FIGURES[figure]
     slow, fast = value(check(name, 20.0)), value(check(name, 50.0))
     assert fast == pytest.approx(slow * 2.5**power, rel=1e-14)
+    assert value(at_speed(check(name, 20.0), 50.0)) == pytest.approx(slow * 2.5**power, rel=1e-14)
 
 
 # --- against dense samples -----------------------------------------------------------------------------------------

@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache, partial
-from math import nan, pi, radians, sqrt
+from math import exp, nan, pi, radians, sqrt
 from re import search
 
 import numpy as np
@@ -538,6 +538,16 @@ def test_displacement_tables_that_are_wrong_are_refused(phi1: Array, displacemen
         assert GOOD_ANGLES[int(number[1])] == pytest.approx(float(right[1]), abs=1e-5)
         middle = (float(right[2]) + float(right[3])) / 2.0
         displacement_table_law(phi1, changed(displacement, int(number[1]), middle), IN_LINE, Lobes())
+
+
+def test_the_driven_gear_may_be_slow_by_a_millionth_of_its_fastest() -> None:
+    """exp(a cos(phi)) spans exp(2 a) whatever it is scaled by: 0.8 millions with 6.8, 1.2 millions with 7."""
+    slow, fast = (
+        one.value for one in ratio_expression_law("exp(6.8*cos(phi))", Lobes(), scale_to_close=True).slope_range
+    )
+    assert fast / slow == pytest.approx(exp(2.0 * 6.8), rel=1e-9)
+    with pytest.raises(NoSuchMechanism, match="stops or turns back"):
+        ratio_expression_law("exp(7*cos(phi))", Lobes(), scale_to_close=True)
 
 
 def test_the_table_that_was_changed_is_a_law_unchanged() -> None:

@@ -107,7 +107,6 @@ def test_nothing_but_acceleration_in_closed_form() -> None:
         assert 0.99 * exact < least_acceleration(Task(linkage, NONE, 2.0 * pi), WIDE).value <= exact
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize("working", [2.5, 4.0])
 def test_given_working_stroke_in_closed_form(working: float) -> None:
     """Each stroke by itself: A = 4 H / t^2 of the quicker one."""
@@ -190,7 +189,6 @@ def test_a_tangent_next_to_a_right_angle_is_none() -> None:
         assert found.value == pytest.approx(acceleration(60.0, 9000.0).value, rel=1e-4)
 
 
-@pytest.mark.thorough
 def test_the_uniform_crank_is_within_its_own_limits_and_a_hundredth_less_is_not() -> None:
     check = kinematic_check(Machine(uniform_law(Lobes()), BALER_LINKAGE, PRESS, 5.0))
     task = Task(BALER_LINKAGE, PRESS, 5.0)

@@ -24,7 +24,7 @@ from ncgear.optimum.certified.limit import least_acceleration
 from ncgear.optimum.certified.motion import MotionProgramme
 from ncgear.optimum.certified.problem import LimitProblem, motion_programme
 from ncgear.optimum.certified.proof import DATA, ConicProgramme, Linear, Proof
-from ncgear.optimum.certified.ranges import KnownRanges, PlacesInRow, everywhere
+from ncgear.optimum.certified.ranges import KnownRanges, PlacesInRow, curved, everywhere
 from ncgear.optimum.task import Task
 from published import AT_SIXTY, BALER_LINKAGE, OFFSET, PRESS
 
@@ -196,7 +196,22 @@ ROUNDED = 1e-11
 """Rows are a few operations on numbers of 1e-16, divided by squares of steps of a degree or so."""
 
 
-@pytest.mark.tiers(thorough=["*-True"], rest="slow")
+def test_three_places_of_a_curve_that_bends_as_much_as_it_may() -> None:
+    """y'' = a - c y through the chord of 2 exp(-y) + 2 exp(-y/2): waves of sqrt(c) about a/c, for under half a wave."""
+    low, high = -0.3, 0.4
+    at_low, at_high = (2.0 * np.exp(-y) + 2.0 * np.exp(-y / 2.0) for y in (low, high))
+    c = (at_low - at_high) / (high - low)
+    a, k = at_low + c * low, np.sqrt(c)
+    before = np.array([0.1, 0.4, 0.8, 0.95, 1.2, 2.0])
+    after = 0.9 * before
+    first, second, rest, good = curved(np.full(6, low), np.full(6, high), before, after)
+    back, here, ahead = (a / c + np.sin(k * x + 0.7) for x in (-before, 0.0, after))
+    np.testing.assert_allclose(first * back + second * ahead + rest, here, rtol=1e-12)
+    assert good.tolist() == np.flatnonzero(k * (before + after) < 0.9 * pi).tolist()
+    assert 0 < good.size < np.count_nonzero(k * (before + after) < pi) < 6
+
+
+@pytest.mark.tiers(thorough=["0-True", "1-True", "2-True"], rest="slow")
 @pytest.mark.parametrize("ranges", [False, True])
 @pytest.mark.parametrize("seed", range(12))
 def test_a_convex_law_keeps_every_relation(seed: int, ranges: bool) -> None:

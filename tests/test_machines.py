@@ -40,7 +40,7 @@ BEGINS_WITHOUT = {"press-feeder": ["dwell"]}
 Columns = Mapping[str, np.ndarray]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("machine", MachineName)
 def test_machine_has_the_work_of_both_strokes(machine: MachineName) -> None:
     drive = Drive(loads(machine_template("mine", machine)).design)

@@ -139,6 +139,23 @@ def test_pins_that_measure_nothing_say_why() -> None:
     assert reasons[6.5] == {Misfit.HIGH}
 
 
+def test_two_pins_measure_where_both_stand_out_of_the_whole_outline() -> None:
+    """With 21 teeth they lie askew: small ones, each of which stands out by itself, are hidden from the plates."""
+    gear, hidden, measured = circular(21), 0, 0
+    for diameter in np.arange(2.8, 3.6, 0.05):
+        found = pins(gear, float(diameter))
+        if found.space.size < 21:
+            continue
+        two = over_two_pins(working_flanks(gear), found)
+        one, other = found.center_mm[0], found.center_mm[10]
+        way = (one - other) / np.linalg.norm(one - other)
+        out = one @ way + diameter / 2.0 > (gear.outline_mm @ way).max()
+        assert two.first.size == (21 if out else 0)
+        hidden, measured = hidden + (not out), measured + out
+    assert hidden > 0
+    assert measured > 0
+
+
 def test_tip_relief_ends_the_flank_that_is_measured() -> None:
     relief = TipRelief(0.02, 0.2, 2.0)
     assert pins(made("uniform", 30)[1].driving, 4.0).misfits == {}

@@ -26,7 +26,7 @@ from ncgear.wishes.wish import Outcome, Wish
 from ncgear.wishes.working_stroke import WorkingStroke
 from published import AT_SIXTY, USUAL
 
-pytestmark = [pytest.mark.judges("optimum"), pytest.mark.slow]
+pytestmark = pytest.mark.judges("optimum")
 
 FREE = Wishes(replace(USUAL, peak_power_w=18_750.0))
 ROUNDING = 1.0 + 1e-7
@@ -71,12 +71,14 @@ def test_a_hard_wish_is_kept_and_binds(name: str) -> None:
     assert found(wish)[1] > found()[1]
 
 
+@pytest.mark.slow
 def test_the_press_feeder_keeps_its_wishes() -> None:
     """Control: the same wishes on a crank that turns evenly are missed."""
     assert all(one.kept for one in drive("feeder-kept").achieved.outcomes)
     assert not all(one.kept for one in drive("feeder-wishes").achieved.outcomes)
 
 
+@pytest.mark.slow
 @pytest.mark.long
 def test_a_soft_wish_is_kept_where_its_weight_is_worth_it() -> None:
     """A speed of 1000 mm/s at 600 mm costs a third more acceleration."""

@@ -89,6 +89,22 @@ def test_tips_clear_roots_by_what_the_rack_says(name: str, teeth: int) -> None:
         assert clearance == pytest.approx(0.25 * MODULE, abs=2.0 * TOLERANCE)
 
 
+@pytest.mark.parametrize("tooth", [0, 7, 24])
+def test_a_bump_on_one_tip_is_that_much_less_clearance(tooth: int) -> None:
+    """A vertex 0.03 mm above the middle of one land's arc: the other gear's tips have as much as before."""
+    bump_mm, pitch, pair = 0.03, *made("uniform", 25)
+    outline = pair.driving.outline_mm
+    radius, angle = np.hypot(*outline.T), np.unwrap(np.arctan2(outline[:, 1], outline[:, 0]))
+    land = np.flatnonzero(radius > radius.max() - TOLERANCE)
+    number = np.rint((angle[land] - angle[land[0]]) / (2.0 * np.pi / 25.0))
+    middle = angle[land[number == tooth]][[0, -1]].mean()
+    top = (radius.max() + bump_mm) * np.array([[np.cos(middle), np.sin(middle)]])
+    bumped = np.insert(outline, int(np.searchsorted(angle, middle)), top, axis=0)
+    found = read(replace(outlines(pair), driving_mm=bumped), pitch, pair, placed(pitch))
+    assert found.driving_tips_mm == pytest.approx(0.25 * MODULE - bump_mm, abs=2.0 * TOLERANCE)
+    assert found.driven_tips_mm == pytest.approx(0.25 * MODULE, abs=2.0 * TOLERANCE)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["baler", "baler-86", "internal-1-2"])
 def test_clearance_over_roots_that_slope_is_that_of_the_polygons(name: str) -> None:

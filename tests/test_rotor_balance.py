@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from cmath import exp, phase
+from dataclasses import replace
 from math import degrees, pi, radians
 
 import numpy as np
@@ -152,6 +153,15 @@ def test_the_weight_against_a_prediction() -> None:
         weight = opposite_weight_g(amplitude, radians(at), effect)
         assert degrees(phase(weight)) % 360.0 == pytest.approx(opposite)
         assert 0.0 < published / abs(weight) - 1.0 < 0.06
+
+
+@pytest.mark.parametrize("at", [90.0, 270.0])
+def test_a_weight_across_the_wrap_says_nothing_of_its_effect(at: float) -> None:
+    """Its vector moves the chain's part along the border of the wrap's side: the reading alone lies on a side."""
+    across = WeightRun(radians(at), -0.3 + 0.1j)
+    assert chain_unbalance([*RUNS, across], PHASES).weight == chain_unbalance(RUNS, PHASES).weight
+    with pytest.raises(WrongInput, match="side of the wrap"):
+        chain_unbalance([*RUNS, replace(across, reading=0.3 + 0.1j)], PHASES)
 
 
 def test_runs_that_contradict_the_wrap_are_refused() -> None:

@@ -14,7 +14,7 @@ from drives import drive_of_text
 from ncgear.drawings.scene.bodies import REST, ROD_WIDTH, Places, chamber_of
 from ncgear.drawings.scene.geared_pairs import SceneGear, ScenePair, mountings
 from ncgear.drawings.scene.scene import Poses, Scene
-from ncgear.drawings.scene.standing import WALL_GAP, wall_starts_mm, walls_mm
+from ncgear.drawings.scene.standing import WALL_GAP, views, wall_starts_mm, walls_mm
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import signed_area
 from ncgear.pitch.shape import Gear, Mesh
@@ -72,6 +72,19 @@ def test_the_crank_pin_stands_still_on_the_driven_gear(name: str) -> None:
     assert np.abs(pin - pin[0]).max() < rounding_mm(found)
     first = as_seen_by(poses.places[found.pairs[0].driving.body.name], pin_mm(found, poses))
     assert np.abs(first - first[0]).max() > 0.5 * found.machine.linkage.crank_mm
+
+
+@pytest.mark.parametrize("name", ["uniform-crank", "pump-1-2"])
+def test_the_view_of_the_gears_has_the_same_room_at_all_sides(name: str) -> None:
+    found = scene(name)
+    left, bottom, width, height = views(found)["gears"]
+    axes, reach = (
+        np.array([gear.axis_mm for gear in found.gears]),
+        np.array([gear.body.reach_mm for gear in found.gears]),
+    )
+    low, high = (axes - reach[:, None]).min(axis=0), (axes + reach[:, None]).max(axis=0)
+    room = [*(low - (left, bottom)), *((left + width, bottom + height) - high)]
+    assert room == pytest.approx([0.03 * (high - low).max()] * 4, rel=1e-9)
 
 
 def as_seen_by(places: Places, points: Array) -> Array:

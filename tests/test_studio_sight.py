@@ -312,3 +312,10 @@ def test_a_load_is_pressed_in_a_chamber_as_before() -> None:
     assert scene.chamber is not None
     assert left + length == pytest.approx(np.full(9, scene.chamber.end_mm))
     assert len(walls_mm(scene)[0]) == 4
+
+
+def test_a_group_of_a_law_begins_with_the_example_that_the_law_has_of_it() -> None:
+    (motion,) = (row for row in form({"motion": {"law": "pitch_curve"}}) if row["path"] == "motion")
+    begun = {row["path"].partition(".")[2]: row.get("begin") for row in motion["rows"]}
+    assert begun["dxf"] == {"file": "contour.dxf", "unit": "mm"}
+    assert begun["rounded_polygon"] == {"sides": 4, "side_mm": 130, "corner_radius_mm": 25}

@@ -154,6 +154,16 @@ def test_a_linear_function_is_explained_by_its_coefficients() -> None:
     assert np.isnan(rank_correlations(overview)[:, 2]).all()
 
 
+@pytest.mark.parametrize("size", [1e-6, 1.0, 1e6])
+def test_an_objective_that_varies_by_a_millionth_varies(size: float) -> None:
+    """What explains it does not depend on its unit, nor on what stands beside its variation."""
+    space, found = linear(8192)
+    a, b = found.values.values()
+    y = size * (1.0 + 1e-6 * (3.0 * a + b))
+    overview = overview_of(space, [designs(found.values, {"y": y, "z": np.abs(a), "w": 4.0 + 1e-14 * b})])
+    assert overview.effects.explained[:, 0] == pytest.approx([0.99 * 0.9, 0.99 * 0.1], abs=2e-3)
+
+
 def test_what_is_gathered_in_parts_is_that_of_the_whole() -> None:
     space, found = linear(6000)
     whole = overview_of(space, [found])

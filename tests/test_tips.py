@@ -11,6 +11,7 @@ import pytest
 from scipy.optimize import brentq
 from shapely import Polygon
 
+from ncgear.figures.summary.build_summary import _tips
 from ncgear.numerics.crossing import refined_crossings
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.ratio.laws.ellipse import elliptical_law
@@ -27,8 +28,6 @@ from ncgear.teeth.tool import RackLine
 from oracles import meshing
 from oracles.rack_cut import involute
 from pairs import baler_law, both, rack, sine_law
-
-pytestmark = pytest.mark.slow
 
 MODULE = 2.0
 TOLERANCE = 0.005
@@ -71,7 +70,7 @@ def judged(pitch: PitchPair, pair: ToothedPair, positions: int = 211) -> meshing
 # --- nothing in the way ------------------------------------------------------------------------------------------
 
 
-@pytest.mark.tiers(slow=["CutterKind.RACK-sine"], rest="long")
+@pytest.mark.tiers(quick=["CutterKind.RACK-sine"], rest="long")
 @pytest.mark.parametrize("name", ["uniform", "uniform 1:3", "ellipse", "1:2", "sine"])
 @pytest.mark.parametrize("kind", [CutterKind.RACK, CutterKind.MATE])
 def test_no_tip_of_an_ordinary_gear_is_shortened(name: str, kind: CutterKind) -> None:
@@ -143,7 +142,7 @@ def greatest_of_mates(own: Tips, values: Array, meeting: tuple[Array, Array]) ->
     return most
 
 
-@pytest.mark.tiers(slow=["1:2-True"], rest="long")
+@pytest.mark.tiers(quick=["1:2-True"], rest="long")
 @pytest.mark.parametrize("avoid", [True, False])
 @pytest.mark.parametrize("name", LAWS)
 def test_no_tip_touches_deeper_than_the_mates_flank_goes(name: str, avoid: bool) -> None:
@@ -159,7 +158,7 @@ def test_no_tip_touches_deeper_than_the_mates_flank_goes(name: str, avoid: bool)
         assert not avoid or np.all(met < regular)
 
 
-@pytest.mark.tiers(slow=["ellipse"], rest="long")
+@pytest.mark.tiers(quick=["ellipse"], rest="long")
 @pytest.mark.parametrize("name", ["uniform", "uniform 1:3", "ellipse", "sharp ellipse", "1:2", "sine"])
 def test_tips_stand_clear_of_roots_that_a_rack_has_cut(name: str) -> None:
     """By the difference of dedendum and addendum, measured along the common perpendicular of the pitch curves."""
@@ -196,7 +195,7 @@ def radius_of_land(teeth: int, land_mm: float) -> float:
     return float(brentq(excess, pitch_radius, pitch_radius + 3.0 * MODULE, xtol=1e-14))
 
 
-@pytest.mark.tiers(slow=["0.3-14"], rest="long")
+@pytest.mark.tiers(quick=["0.3-14"], rest="long")
 @pytest.mark.parametrize("teeth", [14, 18, 22, 25])
 @pytest.mark.parametrize("least", [0.1, 0.3])
 def test_narrow_tips_of_circular_gears_are_shortened_to_the_least_land(teeth: int, least: float) -> None:
@@ -207,9 +206,11 @@ def test_narrow_tips_of_circular_gears_are_shortened_to_the_least_land(teeth: in
         assert lands(gear) == pytest.approx(least * MODULE, abs=1e-9)
         expected = radius_of_land(teeth, least * MODULE)
         assert np.hypot(*gear.outline_mm.T).max() == pytest.approx(expected, abs=1e-9)
+        full = teeth * MODULE / 2.0 + LONG.addendum_mm
+        assert _tips(gear)["most_shortened_um"] == pytest.approx(1e3 * (full - expected), abs=1e-5)
 
 
-@pytest.mark.tiers(slow=["baler"], rest="long")
+@pytest.mark.tiers(quick=["baler"], rest="long")
 @pytest.mark.parametrize("name", ["sharp ellipse", "sine", "baler", "deep sine", "1:2"])
 def test_no_land_is_narrower_than_asked_for_and_the_shortened_are_just_as_wide(name: str) -> None:
     least = 0.75 * MODULE
@@ -222,6 +223,7 @@ def test_no_land_is_narrower_than_asked_for_and_the_shortened_are_just_as_wide(n
     assert limited > 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backlash_mm", [0.0, 0.1])
 def test_heights_of_lands_by_newtons_method_are_those_in_brackets(backlash_mm: float) -> None:
     """All are found, also between edges of different heights and of turned flanks; a wider land is lower by far."""
@@ -253,6 +255,7 @@ def test_no_land_rises_by_more_than_a_quarter_of_its_width_when_level(name: str)
 # --- fouling -----------------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_tips_of_hollow_stretches_are_shortened_where_they_would_foul(monkeypatch: pytest.MonkeyPatch) -> None:
     pitch = sized_pair(sine_law(0.3), 37, MODULE, None)
     form = ToothForm(rack(), limits=TipLimits(0.2 * MODULE))
@@ -264,6 +267,7 @@ def test_tips_of_hollow_stretches_are_shortened_where_they_would_foul(monkeypatc
     assert judged(pitch, toothed_pair(pitch, form, TOLERANCE)).overlap_depth.max() > 10.0 * TOLERANCE
 
 
+@pytest.mark.slow
 def test_edges_that_cross_a_mates_land_are_seen() -> None:
     """A path may come in below the mate's flank and leave by its tip: on this law it is the only sign."""
     law = driven_angle_expression_law("phi - 0.2114*sin(3*phi)/1.5", Lobes())
@@ -275,7 +279,7 @@ def test_edges_that_cross_a_mates_land_are_seen() -> None:
 # --- profile shift -----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.tiers(slow=["-0.4-uniform"], rest="long")
+@pytest.mark.tiers(quick=["-0.4-uniform"], rest="long")
 @pytest.mark.parametrize("name", ["uniform", "ellipse", "sine", "baler"])
 @pytest.mark.parametrize("shift", [0.3, -0.4])
 def test_equal_and_opposite_shifts_leave_neither_overlap_nor_gap(name: str, shift: float) -> None:
@@ -300,6 +304,7 @@ def test_shifts_of_both_gears_outwards_leave_their_teeth_as_thick_as_the_pitch_a
     assert report.gap.max() <= 2.0 * TOLERANCE
 
 
+@pytest.mark.slow
 def test_the_play_is_what_is_asked_for_whatever_the_shifts() -> None:
     """Along the normal, by which the driven gear can turn on; the law's position is an end of it."""
     pitch = pitch_pair("uniform")

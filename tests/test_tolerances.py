@@ -37,6 +37,7 @@ from ncgear.tolerances.drawn import (
     Source,
     active,
     drawn,
+    reachable,
     rows_of,
     sources_of,
     spread,
@@ -365,7 +366,6 @@ def test_the_crank_of_two_pairs_stands_where_their_outlines_turn_it() -> None:
     assert np.abs(plain - exact).max() > 0.1 * np.abs(exact).max()
 
 
-@pytest.mark.thorough
 def test_beside_an_exact_pair_that_turns_evenly_the_other_is_a_single_one() -> None:
     single, staged = (drive_of_text(STAGED.format(first=RATIO, second=second)) for second in ("", ", second_stage: {}"))
     alone, both = lot_of(single, ASSUMED), lot_of(staged, ASSUMED)
@@ -481,7 +481,6 @@ def leaning(overlap: float, sections: int) -> tuple[LinearMesh, float]:
     return mesh_of(Face(made, heights, mirrored=False, overlap=overlap), placement, 0.3), overlap
 
 
-@pytest.mark.thorough
 @pytest.mark.judges("tolerances")
 def test_helical_teeth_without_any_lean_are_straight_ones() -> None:
     _, _, _, straight = circular()
@@ -700,6 +699,22 @@ def test_only_what_has_a_limit_is_active() -> None:
     limits = Limits(0.1, (0.0, 0.1), (0.0, 0.0), (0.0, 0.0), none, none, (20.0, 20.0), 0.0, (1.0, 1.0, 1.0), (0.0, 0.0))
     assert active(limits) == ("center_distance", "eccentricity_driven")
     assert len(active(all_limits())) == len(SOURCES) + 2
+
+
+def test_what_is_left_out_of_a_mesh_comes_first_at_no_limit() -> None:
+    """Every source at one of its limits, by lot: the contacts that are kept lead by as much as all of them."""
+    mesh, flanks, count = circular()[3], 2 * (TEETH + DRIVEN_TEETH), 200
+    pitch, profile = np.full(flanks, 0.08), np.full(flanks, 0.03)
+    limits = Limits(0.1, (0, 0), (0, 0), (0, 0), pitch, profile, (20.0, 20.0), 0.0, (0.0, 0.0, 0.0), (0, 0))
+    found = reachable(mesh, limits)
+    assert found.lead.size < mesh.lead.size
+    either = np.random.default_rng(3).choice([-1.0, 1.0], (2 * flanks + 1, count))
+    of = replace(
+        deviations(flanks, count, center_distance=0.1 * either[-1]),
+        pitch=pitch[:, None] / sqrt(2.0) * either[:flanks],
+        profile=profile[:, None] * either[flanks:-1],
+    )
+    np.testing.assert_array_equal(found.leads(of), mesh.leads(of))
 
 
 def test_a_value_that_nearly_all_surpass_is_told_from_enough_samples_only() -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import replace
-from math import acos, asin, cos, pi, radians, sin, sqrt
+from math import acos, asin, cos, degrees, log, pi, radians, sin, sqrt
 from pathlib import Path
 
 import numpy as np
@@ -27,8 +27,9 @@ from ncgear.ratio.transmission import Lobes
 from ncgear.wishes.achieved import EVEN, achieved, near_mm
 from ncgear.wishes.constant_speed import ConstantSpeed
 from ncgear.wishes.dwell import Dwell
+from ncgear.wishes.gentle_stop import GentleSpeed, GentleStop
 from ncgear.wishes.positions import Position
-from ncgear.wishes.requirements import EvenSpeed, Requirement, SpeedWithin, TimeWithin
+from ncgear.wishes.requirements import DrivingRange, EvenSpeed, Requirement, SpeedWithin, TimeWithin
 from ncgear.wishes.speed_at import ExtremeSpeed, SpeedAt
 from ncgear.wishes.time_ratio import TimeRatio
 from ncgear.wishes.wish import Wish
@@ -93,6 +94,7 @@ def test_the_even_stretch_of_an_even_yoke(tolerance: float) -> None:
         assert found.length_mm == pytest.approx(length, rel=1e-6)
         assert found.most_mm_s == pytest.approx(RADIUS * W, rel=1e-9)
         assert found.least_mm_s == pytest.approx(RADIUS * W / spread(tolerance), rel=1e-8)
+        assert found.speed_mm_s == pytest.approx(RADIUS * W / (1.0 + tolerance), rel=1e-8)
         ends = [RADIUS + side * length / 2.0 for side in (-1.0, 1.0)]
         assert sorted([found.start_mm, found.end_mm]) == pytest.approx(ends, rel=1e-6)
 
@@ -181,11 +183,63 @@ def test_speeds_of_an_even_yoke() -> None:
         assert ExtremeSpeed(at_mm=0.6 * RADIUS, stroke=stroke).outcome(uniform()).kept
     constant = ConstantSpeed(from_mm=60.0, to_mm=120.0, tolerance=0.01, speed_mm_s=600.0)
     assert constant.outcome(uniform()).achieved == pytest.approx(max(RADIUS * W / 600.0 - 1.0, 1.0 - speed / 600.0))
+    whatever = replace(constant, speed_mm_s=None).outcome(uniform())
+    assert whatever.achieved == pytest.approx((RADIUS * W - speed) / (RADIUS * W + speed))
+    assert whatever.speed_mm_s == pytest.approx((RADIUS * W + speed) / 2.0)
 
 
 @pytest.mark.parametrize(("stroke_mm", "near"), [(760.0, 0.5), (200.0, 0.2), (100.0, 0.1), (99.0, 0.05), (2e4, 20.0)])
 def test_near_is_a_thousandth_of_the_stroke_in_round_figures(stroke_mm: float, near: float) -> None:
     assert near_mm(stroke_mm) == pytest.approx(near, rel=1e-12)
+
+
+FASTEST, AT_60 = RADIUS * W, RADIUS * W * sin(acos(0.4))
+"""Speeds of the even yoke in mm/s: in the middle, and where it is 60 mm from its end."""
+
+OFFERED: list[tuple[Wish, int, float, dict[str, float], float]] = [
+    (Dwell(end=End.RETRACTED, within_mm=20.0, for_rad=2.0), 0, 2.0 - 2.0 * acos(0.8),
+     {"for_deg": degrees(2.0 * acos(0.8))}, -1.0),
+    (TimeRatio(at_least=1.5), 0, 0.2 * pi, {"at_least": 1.0}, -1.0),
+    (WorkingStroke(angle_rad=2.5, tolerance_rad=0.1), 0, pi - 2.6, {"tolerance_deg": degrees(pi - 2.5)}, 1.0),
+    (Position(at_mm=60.0, phi1_rad=0.8, tolerance_mm=5.0), 0, acos(0.45) - 0.8, {"phi1_deg": degrees(acos(0.45))}, 1.0),
+    (Position(at_mm=60.0, phi1_rad=1.5, tolerance_mm=5.0), 1, 1.5 - acos(0.35),
+     {"phi1_deg": degrees(acos(0.35))}, -1.0),
+    (GentleSpeed(most_mm_s=500.0), 0, log(FASTEST / 500.0), {"speed_at_most_mm_s": FASTEST}, 1.0),
+    (GentleStop(most_mm_s2=2e3), 0, RADIUS * W**2 / 2e3 - 1.0, {"deceleration_at_most_mm_s2": RADIUS * W**2}, 1.0),
+    (ConstantSpeed(from_mm=60.0, to_mm=120.0, tolerance=0.01), 0, log(FASTEST / AT_60),
+     {"tolerance": (FASTEST - AT_60) / (FASTEST + AT_60)}, 1.0),
+    (ConstantSpeed(from_mm=60.0, to_mm=120.0, tolerance=0.01, speed_mm_s=600.0), 0, log(FASTEST / 606.0),
+     {"tolerance": FASTEST / 600.0 - 1.0}, 1.0),
+    (SpeedAt(at_mm=60.0, least_mm_s=600.0), 0, log(600.0 / AT_60), {"at_least_mm_s": AT_60}, -1.0),
+    (SpeedAt(at_mm=60.0, most_mm_s=500.0), 0, log(AT_60 / 500.0), {"at_most_mm_s": AT_60}, 1.0),
+]  # fmt: skip
+"""Wishes that an even yoke misses, which of their requirements, by how much, and what it keeps: rounded down or up."""
+
+
+@pytest.mark.parametrize(
+    ("wish", "number", "missed", "kept", "way"), OFFERED, ids=[str(type(row[0]).__name__) for row in OFFERED]
+)
+def test_what_is_offered_for_a_missed_wish_is_what_an_even_yoke_keeps(
+    wish: Wish, number: int, missed: float, kept: dict[str, float], way: float
+) -> None:
+    wish = replace(wish, key="w")
+    assert not wish.outcome(uniform()).kept
+    offered = dict(wish.offer(wish.requirements(YOKE, 2.0 * pi)[number], missed, 2.0 * pi).values)
+    assert offered == pytest.approx({f"w.{key}": value for key, value in kept.items()}, rel=2e-3)
+    for key, value in kept.items():
+        assert way * (offered[f"w.{key}"] - value) >= -1e-9 * value
+
+
+def test_a_driving_range_is_offered_shorter_at_both_ends() -> None:
+    crank = CrankStretch(-0.4, 1.5)
+    wish = GentleSpeed(key="w", most_mm_s=500.0, driving=DrivingRange(-0.3, 2.0, crank))
+    _, start, end = wish.requirements(YOKE, 2.0 * pi)
+    # No later than 0.3 before the end is at least 0.3 for the way to it; no earlier than 2 is at least 2.
+    assert start == TimeWithin(CrankStretch(-0.4, 0.0), least_rad=0.3)
+    assert end == TimeWithin(CrankStretch(0.0, 1.5), least_rad=2.0)
+    assert dict(wish.offer(end, 0.05, 2.0 * pi).values) == pytest.approx(
+        {"w.from_phi1_deg": degrees(-0.25), "w.to_phi1_deg": degrees(1.95)}, rel=2e-3
+    )
 
 
 @pytest.mark.parametrize("end", End, ids=lambda end: end.value)

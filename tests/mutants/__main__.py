@@ -3,148 +3,130 @@
 from __future__ import annotations
 
 import argparse
-import difflib
 import json
-import random
-import shutil
-import subprocess
 import sys
-from collections import Counter
-from collections.abc import Iterator, Sequence
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
-from hashlib import sha256
+from collections import deque
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from queue import SimpleQueue
 
-from mutants.covering import ROOT, TIERS, Covering, covering, pytest_of, quiet
-from mutants.mutations import Mutation, mutations
+from mutants.collected import TESTS, Collected, Test, collect
+from mutants.covering import Covering, covering, hashed
+from mutants.drawn import ROOT, SOURCE, Mutant, drawn, rooms
+from mutants.forked import Work, results
+from mutants.survivors import Verdict, page
 
-SOURCE = ROOT / "src"
+MARKS = {"quick": "not thorough and not slow", "readme": "not slow"}
+"""The tests of ``make quick``, and those of README's command."""
+
+PAGE = ROOT / "benchmarks" / "mutants.md"
+"""Where survivors of all rooms are kept."""
 
 LONGEST = 3.0
-"""Share of the time of its test files after which a mutation counts as found: it does not end."""
+"""Share of the time of its tests after which a mutation counts as found: it does not end."""
 
-LEAST_S = 60.0
-"""Least of that time in s: Python and its libraries take seconds to begin."""
-
-
-@dataclass(frozen=True)
-class Mutant:
-    """A mutation of a module, which is named from ``src`` on."""
-
-    module: str
-    mutation: Mutation
-
-    @property
-    def room(self) -> str:
-        """The folder of ``ncgear`` that the module is in."""
-        return self.module.split("/")[1]
-
-    @property
-    def key(self) -> str:
-        """What stays the same while the module does not change: its hash with the mutation."""
-        return sha256(self.mutation.applied((SOURCE / self.module).read_bytes())).hexdigest()[:16]
-
-    @property
-    def difference(self) -> str:
-        """The line before and after."""
-        before = (SOURCE / self.module).read_bytes()
-        pair = (text.decode().splitlines() for text in (before, self.mutation.applied(before)))
-        changed = list(difflib.unified_diff(*pair, n=0, lineterm=""))[3:]
-        return "\n".join(changed)
+LEAST_S = 20.0
+"""Least of that time in s."""
 
 
-def drawn(room: Path, count: int, seed: int) -> list[Mutant]:
-    """So many mutations of a room at random, the same ones for the same seed while the room does not change."""
-    every = [
-        Mutant(str(path.relative_to(SOURCE)), one)
-        for path in sorted(room.rglob("*.py"))
-        for one in mutations(path.read_bytes())
-    ]
-    chosen = random.Random(f"{seed} {room.name}")
-    return chosen.sample(every, min(count, len(every)))
+class Judge:
+    """What finds each mutation.
 
+    What is known is kept in a folder while module and test files stay as they are: other files that tests share may not
+    change, or the folder has to be removed.
+    """
 
-def killers(mutant: Mutant, known: Covering, tier: str, copy: Path) -> str:
-    """What finds a mutation: a test file, time, or nothing, which is an empty text."""
-    path = copy / mutant.module
-    before = path.read_bytes()
-    path.write_bytes(mutant.mutation.applied(before))
-    try:
-        for some in _shares(known.of(mutant.module, mutant.mutation.line)):
-            longest_s = max(LEAST_S, LONGEST * sum(known.seconds[name] for name in some))
-            try:
-                status = subprocess.run(
-                    [sys.executable, "-m", *pytest_of(tier), *some], timeout=longest_s, **quiet(copy)
-                ).returncode
-            except subprocess.TimeoutExpired:
-                return "time"
-            if status:
-                return " ".join(some)
-        return ""
-    finally:
-        path.write_bytes(before)
+    def __init__(self, collected: Collected, known: Covering, kept: Path) -> None:
+        self._collected, self._known, self._kept = collected, known, kept
+        self._hashes = {test: f"{test.unit} {hashed([TESTS / test.file])}" for test in collected.tests}
+        self._tests = {test.unit: test for test in collected.tests}
+        kept.mkdir(parents=True, exist_ok=True)
 
+    def verdicts(self, mutants: Sequence[Mutant], processes: int) -> dict[Mutant, Verdict]:
+        """What finds each of some mutations."""
+        found = {mutant: self._read(mutant) for mutant in mutants}
+        no_judges: dict[Mutant, set[Test]] = {mutant: set() for mutant in mutants}
+        works: deque[Work[tuple[Mutant, Test | None]]] = deque()
 
-def _shares(names: Sequence[str]) -> Iterator[Sequence[str]]:
-    """A few test files first, then more and more of them."""
-    first, count = 0, 4
-    while first < len(names):
-        yield names[first : first + count]
-        first, count = first + count, 2 * count
+        def begin(mutant: Mutant) -> None:
+            tests = [test for test in self._asked(mutant, found[mutant]) if test not in no_judges[mutant]]
+            if tests:
+                do = partial(self._collected.under, mutant, tests)
+                works.append(Work((mutant, None), do, self._longest_s(tests)))
 
+        def end(mutant: Mutant, by: str) -> None:
+            asked = self._asked(mutant, found[mutant])
+            passed = {*found[mutant].passed, *(self._hashes[test] for test in asked)}
+            if by or not found[mutant].by:
+                found[mutant] = Verdict(by, sorted(passed))
+            self._write(mutant, found[mutant])
+            print(f"{by or 'SURVIVES'}: {mutant.module}:{mutant.line}", flush=True, file=sys.stderr)
 
-def judged(mutants: Sequence[Mutant], tier: str, kept: Path, processes: int) -> dict[Mutant, str]:
-    """What finds each mutation; what was found before is not run again."""
-    known = covering(tier, kept / f"covering-{tier}", SOURCE, processes)
-    copies: SimpleQueue[Path] = SimpleQueue()
-    for number in range(processes):
-        copy = kept / f"source-{number}"
-        shutil.rmtree(copy, ignore_errors=True)
-        shutil.copytree(SOURCE, copy, ignore=shutil.ignore_patterns("__pycache__"))
-        copies.put(copy)
+        for mutant in mutants:
+            begin(mutant)
+        for (mutant, judge), result in results(works, processes):
+            if judge is not None and result is not None and not result["failed"]:
+                end(mutant, judge.unit)
+            elif judge is not None:
+                no_judges[mutant].add(judge)
+                begin(mutant)
+            elif result is None:
+                end(mutant, "time")
+            elif result["failed"]:
+                # A test that fails without the mutation too, since it measures time, say, has found nothing.
+                test = self._tests[result["failed"]]
+                same = replace(mutant, source=(SOURCE / mutant.module).read_bytes())
+                do = partial(self._collected.under, same, [test])
+                works.appendleft(Work((mutant, test), do, self._longest_s([test])))
+            else:
+                end(mutant, "")
+        return found
 
-    def one(mutant: Mutant) -> str:
-        place = kept / tier / mutant.key
-        if not place.exists():
-            copy = copies.get()
-            try:
-                found = killers(mutant, known, tier, copy)
-            finally:
-                copies.put(copy)
-            place.parent.mkdir(parents=True, exist_ok=True)
-            place.write_text(json.dumps(found))
-            print(
-                f"{'found' if found else 'SURVIVES'}: {mutant.module}:{mutant.mutation.line} {found[:60]}", flush=True
-            )
-        return str(json.loads(place.read_text()))
+    def _asked(self, mutant: Mutant, found: Verdict) -> list[Test]:
+        """Tests that run a line and are not known to pass; none where a quick one fails."""
+        if found.quick:
+            return []
+        tests = self._known.of(mutant.module, mutant.line)
+        return [
+            test for test in tests if self._hashes[test] not in found.passed and not (found.by and test.tier != "quick")
+        ]
 
-    with ThreadPoolExecutor(processes) as pool:
-        return dict(zip(mutants, pool.map(one, mutants), strict=True))
+    def _longest_s(self, tests: Sequence[Test]) -> float:
+        return max(LEAST_S, LONGEST * sum(self._known.ran[test].seconds for test in tests))
+
+    def _place(self, mutant: Mutant) -> Path:
+        return self._kept / f"{mutant.key}-{mutant.written}.json"
+
+    def _read(self, mutant: Mutant) -> Verdict:
+        place = self._place(mutant)
+        return Verdict(**json.loads(place.read_text())) if place.exists() else Verdict("", [])
+
+    def _write(self, mutant: Mutant, verdict: Verdict) -> None:
+        self._place(mutant).write_text(json.dumps({"by": verdict.by, "passed": verdict.passed}))
 
 
 def main() -> None:
     """Draw, judge, tell."""
     asked = argparse.ArgumentParser(description=__doc__)
-    asked.add_argument("--tests", choices=TIERS, default="readme")
-    asked.add_argument("--each", type=int, default=10, help="mutations of each room")
+    asked.add_argument("--tests", choices=MARKS, default="readme")
+    asked.add_argument("--each", type=int, default=4, help="mutations of each room")
     asked.add_argument("--seed", type=int, default=0)
     asked.add_argument("--room", nargs="*", help="only these rooms")
     asked.add_argument("--processes", type=int, default=2)
-    asked.add_argument("--out", type=Path, default=ROOT / "export" / "mutants")
+    asked.add_argument("--kept", type=Path, default=ROOT / "export" / "mutants")
     given = asked.parse_args()
-    rooms = [path for path in sorted((SOURCE / "ncgear").iterdir()) if path.is_dir() and path.name != "__pycache__"]
-    chosen = [room for room in rooms if given.room is None or room.name in given.room]
+    chosen = [room for room in rooms() if given.room is None or room.name in given.room]
     mutants = [mutant for room in chosen for mutant in drawn(room, given.each, given.seed)]
-    found = judged(mutants, given.tests, given.out, given.processes)
-    total, killed = (Counter(mutant.room for mutant in found if found[mutant] or every) for every in (True, False))
-    for room in total:
-        print(f"{room:12} {killed[room]:4} of {total[room]:4}")
-    survivors = [mutant for mutant in mutants if not found[mutant]]
-    text = "\n".join(f"{one.module}:{one.mutation.line} {one.key}\n{one.difference}\n" for one in survivors)
-    (given.out / f"survivors-{given.tests}-{given.seed}.txt").write_text(text, encoding="utf-8")
-    print(f"{sum(killed.values())} of {len(mutants)} found; the others stand in {given.out}")
+
+    def then(collected: Collected) -> None:
+        known = covering(collected, given.kept, given.processes)
+        verdicts = Judge(collected, known, given.kept / "judged").verdicts(mutants, given.processes)
+        text = page(verdicts, given.each, given.seed)
+        whole = given.room is None and given.tests == "readme"
+        (PAGE if whole else given.kept / PAGE.name).write_text(text, encoding="utf-8")
+
+    collect(then, MARKS[given.tests])
 
 
 if __name__ == "__main__":

@@ -1,79 +1,87 @@
-"""Which test files run which lines: every file by itself, so that what one has kept for all others is run by each."""
+"""Which tests run which lines: every file by itself, so that what one has kept for all others is run by each."""
 
 from __future__ import annotations
 
 import json
-import os
-import subprocess
 import sys
-import time
-from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from collections import deque
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property, partial
+from hashlib import sha256
 from pathlib import Path
+from typing import Any
 
-from coverage import CoverageData
+from mutants.collected import TESTS, Collected, Ran, Test
+from mutants.drawn import SOURCE
+from mutants.forked import Work, results
 
-TESTS = Path(__file__).parents[1]
-ROOT = TESTS.parent
-
-TIERS = {"quick": "not thorough and not slow", "readme": "not slow", "slow": "not long"}
-"""Tests by the name of their tier, as pytest's marks say it."""
-
-NO_TESTS = 5
-"""Status of pytest where a file has no test of a tier."""
+LONGEST_S = 600.0
+"""Processor time after which a file of tests is no judge, in s."""
 
 
 @dataclass(frozen=True)
 class Covering:
-    """The lines that a test file runs by module, and how long it takes."""
+    """What each test runs."""
 
-    seconds: Mapping[str, float] = field(default_factory=dict)
-    lines: Mapping[str, Mapping[str, set[int]]] = field(default_factory=dict)
+    ran: Mapping[Test, Ran]
 
-    def of(self, module: str, line: int) -> list[str]:
-        """The test files that run a line, those that run fewest lines of all first: they are about it."""
-        found = [name for name, run in self.lines.items() if line in run.get(module, ())]
-        return sorted(found, key=lambda name: sum(map(len, self.lines[name].values())))
+    def of(self, module: str, line: int) -> list[Test]:
+        """Quick tests before others, and of these first the tests that run a line, those that run fewest lines first.
+
+        After these come the other tests of their files, which may use what is kept in a file of a line that ran before.
+        """
+        found = {test for test, ran in self.ran.items() if line in ran.lines.get(module, ())}
+        files = {test.file for test in found}
+
+        def place(test: Test) -> tuple[bool, bool, int]:
+            return test.tier != "quick", test not in found, self._counts[test]
+
+        return sorted((test for test in self.ran if test.file in files), key=place)
+
+    @cached_property
+    def _counts(self) -> dict[Test, int]:
+        return {test: sum(map(len, ran.lines.values())) for test, ran in self.ran.items()}
 
 
-def covering(tier: str, folder: Path, source: Path, processes: int) -> Covering:
-    """What the test files of a tier run of a source; each is kept in a folder until it is removed."""
-    names = sorted(path.name for path in TESTS.glob("test_*.py"))
-    names += sorted(str(path.relative_to(TESTS)) for path in TESTS.glob("*/test_*.py"))
+def covering(collected: Collected, kept: Path, processes: int) -> Covering:
+    """What each test runs of the source; what is known of a test file stays while it and what it runs do not change."""
+    folder = kept / "covering"
     folder.mkdir(parents=True, exist_ok=True)
-    with ThreadPoolExecutor(processes) as pool:
-        found = list(pool.map(lambda name: _run(name, tier, folder, source), names))
-    kept = {name: one for name, one in zip(names, found, strict=True) if one is not None}
-    lines = {name: {module: set(rows) for module, rows in one["lines"].items()} for name, one in kept.items()}
-    return Covering({name: one["seconds"] for name, one in kept.items()}, lines)
+    modules = {str(path.relative_to(SOURCE)): hashed([path]) for path in SOURCE.rglob("*.py")}
+    files: dict[str, list[Test]] = {}
+    for test in collected.tests:
+        files.setdefault(test.file, []).append(test)
+    known = {
+        file: _Known(folder / f"{file.replace('/', '-')}-{hashed([TESTS / file])}.json", modules) for file in files
+    }
+    missing = {file: [test for test in tests if test.unit not in known[file].ran] for file, tests in files.items()}
+    works = deque(Work(file, partial(collected.ran, tests), LONGEST_S) for file, tests in missing.items() if tests)
+    for file, ran in results(works, processes):
+        for unit, one in (ran or {}).items():
+            if one.pop("failed"):
+                print(f"{unit} fails without a mutation: it is no judge here", file=sys.stderr)
+                one |= {"seconds": 0.0, "lines": {}}
+        known[file].write(ran or {test.unit: {"seconds": 0.0, "lines": {}} for test in missing[file]})
+    return Covering({test: Ran(**known[file].ran[test.unit]) for file, tests in files.items() for test in tests})
 
 
-def _run(name: str, tier: str, folder: Path, source: Path) -> dict[str, object] | None:
-    stem = name.replace("/", "-").removesuffix(".py")
-    kept, data = folder / f"{stem}.json", folder / f"{stem}.coverage"
-    if not kept.exists():
-        command = [sys.executable, "-m", "coverage", "run", f"--data-file={data}", f"--source={source / 'ncgear'}"]
-        begun = time.monotonic()
-        status = subprocess.run([*command, "-m", *pytest_of(tier), name], **quiet(source)).returncode
-        took = time.monotonic() - begun
-        read = CoverageData(str(data))
-        if status not in (0, NO_TESTS):
-            raise SystemExit(f"{name} fails as it is: status {status}")
-        read.read()
-        lines = {str(Path(file).relative_to(source)): sorted(read.lines(file) or ()) for file in read.measured_files()}
-        kept.write_text(json.dumps(None if status == NO_TESTS else {"seconds": took, "lines": lines}))
-        data.unlink(missing_ok=True)
-    found: dict[str, object] | None = json.loads(kept.read_text())
-    return found
+class _Known:
+    """What is known of the tests of a file, kept in a file beside the hashes of the modules that they run."""
+
+    def __init__(self, path: Path, modules: Mapping[str, str]) -> None:
+        self._path, self._modules = path, modules
+        kept = json.loads(path.read_text()) if path.exists() else {"modules": {}, "ran": {}}
+        same = all(modules.get(module) == written for module, written in kept["modules"].items())
+        self.ran: dict[str, Any] = kept["ran"] if same else {}
+
+    def write(self, more: Mapping[str, Any]) -> None:
+        self.ran |= more
+        run = {module for one in self.ran.values() for module in one["lines"]}
+        written = {module: self._modules[module] for module in sorted(run)}
+        self._path.write_text(json.dumps({"modules": written, "ran": self.ran}))
 
 
-def pytest_of(tier: str) -> list[str]:
-    """pytest on tests of a tier, in one process, up to the first failure."""
-    return ["pytest", "-q", "-x", "-p", "no:cacheprovider", "-p", "no:xdist", "-o", "addopts=", "-m", TIERS[tier]]
-
-
-def quiet(source: Path) -> dict[str, object]:
-    """How pytest runs on a source: among the tests, with one thread, and nothing of what it says."""
-    environment = {**os.environ, "PYTHONPATH": str(source), "OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
-    return {"cwd": TESTS, "env": environment, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+def hashed(paths: Sequence[Path]) -> str:
+    """What stays the same while some files do not change."""
+    return sha256(b"".join(path.read_bytes() for path in paths)).hexdigest()[:8]

@@ -38,7 +38,7 @@ class CrankCycle:
     """n places of one turn of the crank, the first at the retracted dead centre, and the n cells that follow them.
 
     Of shape (n,), at the places: the crank's angle; ``slope`` and ``bend``, the magnitudes of the displacement's
-    derivatives by it; ``force_n``, the larger of the loads on both sides of the place; ``inertia_kg_mm2``, J of
+    derivatives by it; ``force_n``, the load, which takes no power at the dead centres; ``inertia_kg_mm2``, J of
     all masses, zero without masses.  Of shape (n,), of the cells: ``step_rad``, ``length_mm`` along the slider's way,
     and ``work_n_mm`` against resistance and weights.  ``extended`` is the number of the extended dead centre.
     ``error`` is the relative error that these numbers may have.
@@ -84,10 +84,6 @@ def cycle(task: Task, places: int = PLACES, at_rad: Sequence[float] = ()) -> Cra
     slope = np.abs(position.derivative(1))
     slope[[0, extended]] = 0.0
     back = np.arange(angles.size) > extended
-    # At the extended dead centre the load of either stroke acts
-    force = task.load.against_n(out, back)
-    ends = [0, extended]
-    force[ends] = np.maximum(*(task.load.against_n(out[ends], returning) for returning in (False, True)))
     step = np.diff(np.append(angles, 2.0 * pi))
     outward = task.load.work_n_mm(out[: extended + 1], stroke, returning=False)
     homeward = task.load.work_n_mm(np.append(out[extended:], 0.0), stroke, returning=True)
@@ -100,7 +96,7 @@ def cycle(task: Task, places: int = PLACES, at_rad: Sequence[float] = ()) -> Cra
         angles,
         slope,
         np.abs(position.derivative(2)),
-        force,
+        task.load.against_n(out, back),
         nothing if loads is None else loads.inertia_kg_mm2,
         step,
         np.abs(way),

@@ -99,10 +99,10 @@ def framed(size_mm: tuple[float, float], titles: Titles) -> Iterator[Item]:
             if text:
                 fitting = fitted(text, float(right - x) - 3.0, letter)
                 yield Text(fitting, (float(x) + 1.5, float(y) + 2.5), letter_mm=letter)
-    yield from _first_angle(float(columns[2]) + 8.0, float(rows[3]) + 4.75)
+    yield from first_angle(float(columns[2]) + 8.0, float(rows[3]) + 4.75)
 
 
-def _first_angle(x: float, y: float) -> Iterator[Item]:
+def first_angle(x: float, y: float) -> Iterator[Item]:
     """The sign of first angle projection: a cone from the side, and to its right its two circles from the left."""
     cone = np.array([[-3.0, -1.5], [4.0, -3.0], [4.0, 3.0], [-3.0, 1.5]])
     yield Line(np.array([x, y]) + cone, Pen.THIN, closed=True)
