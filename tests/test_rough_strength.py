@@ -140,10 +140,14 @@ def within(found: dict[Damage | None, float]) -> bool:
 @pytest.mark.judges("strength")
 @pytest.mark.parametrize("name", LOADED)
 def test_a_design_beside_the_estimate_with_teeth(name: str) -> None:
-    """Within 0.8 to 1.1, but of the published baler, whose curvature leaps within a tooth."""
+    """Within 0.8 to 1.1, but of the published baler, whose curvature leaps within a tooth.
+
+    Knocks that go on and on are known by their size, not one by one: there it is 0.6 to 1.25.
+    """
     for pair in drive(name).by_stage:
         found = ratios(pair)
-        assert within(found), found
+        knocks = pair.loading_by("estimate").knocks
+        assert within(found) or (knocks and all(0.6 <= ratio <= 1.25 for ratio in found.values())), found
         assert bool(found) is (name not in {"baler", "baler-dynamics"})
 
 
