@@ -8,13 +8,18 @@ from __future__ import annotations
 
 import ast
 import gc
+import sys
+from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
+from time import perf_counter
 from types import CodeType, FunctionType
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
+
+from profiled_steps import Step
 
 CACHE_BYTES = 1 << 20
 """Larger arrays are counted apart: they do not stay in the cache from one operation to the next."""
@@ -23,12 +28,7 @@ ASKS_ITS_FRAME = {"super", "locals", "globals", "vars", "dir"}
 """Functions that look at who calls them, and so have to be called where they stand."""
 
 
-class Step(NamedTuple):
-    """A function by its file, first line and name, as a profile names it."""
-
-    path: str
-    line: int
-    name: str
+NO_LIBRARY = sys.stdlib_module_names | {"ncgear"}
 
 
 @dataclass
@@ -39,11 +39,8 @@ class Counts:
     near: int = 0
     far: int = 0
     others: int = 0
-
-    def since(self, before: Counts) -> Counts:
-        """What has been added to earlier counts."""
-        pairs = zip(astuple(self), astuple(before), strict=True)
-        return Counts(*(now - then for now, then in pairs))
+    compiled: dict[str, float] = field(default_factory=lambda: defaultdict(float))
+    """Seconds in compiled functions, by library; a profile does not see all of these."""
 
     def seen(self, value: Any) -> Any:
         """The value of an operator or a subscript; a view has no elements of its own."""
@@ -52,10 +49,17 @@ class Counts:
 
     def asked(self, function: Callable[..., Any], *given: Any, **named: Any) -> Any:
         """What a function returns.  One of a library handles as many elements as the largest array that it meets."""
+        start = perf_counter()
         value = function(*given, **named)
+        library = _library_of(function)
+        if not isinstance(getattr(function, "__func__", function), FunctionType | type) and library not in NO_LIBRARY:
+            self.compiled[library] += perf_counter() - start
         met = [one for one in (value, getattr(function, "__self__", None), *given) if isinstance(one, np.ndarray)]
-        if met and not str(getattr(function, "__module__", None)).startswith("ncgear"):
-            self._add(max(met, key=np.size), "out" not in named and getattr(value, "base", None) is not None)
+        if met and library != "ncgear":
+            largest = max(met, key=np.size)
+            self._add(largest, "out" not in named and getattr(value, "base", None) is not None)
+            # Each element becomes an object of Python.
+            self.others += largest.size if isinstance(value, list) else 0
         else:
             self.others += 1
         return value
@@ -72,6 +76,11 @@ class Counts:
         if not is_view:
             self.near += value.size if value.nbytes <= CACHE_BYTES else 0
             self.far += value.size if value.nbytes > CACHE_BYTES else 0
+
+
+def _library_of(function: Any) -> str:
+    module = getattr(function, "__module__", None) or type(getattr(function, "__self__", None)).__module__
+    return str(module).split(".")[0]
 
 
 class _Counting(ast.NodeTransformer):
@@ -142,7 +151,8 @@ def _replace(path: str, named: dict[str, Step], found: dict[Step, Counts]) -> No
 
 def _is_step(node: ast.AST, step: Step) -> bool:
     if isinstance(node, ast.FunctionDef):
-        return node.name == step.name and min(one.lineno for one in (node, *node.decorator_list)) == step.line
+        first: ast.stmt | ast.expr = node.decorator_list[0] if node.decorator_list else node
+        return (node.name, first.lineno) == (step.name, step.line)
     return isinstance(node, ast.Lambda) and (step.name, step.line) == ("<lambda>", node.lineno)
 
 

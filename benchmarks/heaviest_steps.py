@@ -11,34 +11,31 @@ import os
 # One core: the libraries read this as they are loaded.
 os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
 
-import builtins
 import cProfile
 import io
 import platform
-import pstats
-import re
-from collections import defaultdict
 from collections.abc import Callable, Iterable
 from contextlib import redirect_stderr, redirect_stdout, suppress
-from dataclasses import dataclass, replace
+from copy import deepcopy
+from dataclasses import dataclass
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 from pkgutil import walk_packages
 from tempfile import TemporaryDirectory
-from time import perf_counter, process_time
-from typing import Any
+from time import perf_counter
 
 # With matplotlib loaded, builds draw in this process.
 import matplotlib  # noqa: F401
 import numpy as np
-from counted_operations import Counts, Step, counting
 
 import ncgear
+from counted_operations import CACHE_BYTES, Counts, counting
 from ncgear.cli.app import app
+from ncgear.memory import collect_rarely
+from profiled_steps import SOURCE, Step, Taken, profiled
 
 ROOT = Path(__file__).parents[1]
-SOURCE = str(Path(ncgear.__file__).parent) + os.sep
-
 COMMANDS = {
     "check": "check designs/baler-66.yaml",
     "build": "build designs/ellipse.yaml --out {out}/built",
@@ -49,32 +46,13 @@ COMMANDS = {
     "balance": "balance designs/balance/baler.yaml --out {out}/balance",
     "tolerance": "tolerance designs/pump-1-2.yaml --samples 256 --processes 1 --out {out}/tolerance",
     "optimize": "optimize designs/baler-66.yaml --processes 1 --out {out}/optimized",
-    "sweep": "sweep designs/pusher.yaml --vary motion.theta1_pi=0.3:0.4 --vary motion.theta2_pi=0.5:0.7 --samples 4096 "
-    "--processes 1 --out {out}/swept",
+    "sweep": "sweep designs/baler.yaml --vary motion.v1_mm_s=1500:1700 --vary motion.theta1_pi=0.36:0.40 "
+    "--samples 4096 --processes 1 --out {out}/swept",
 }
 """Each is run in this process; those that read what others write stand after them."""
 
 OUTSIDE = {"cli", "design", "figures", "formulas", "papers", "project", "studio"}
 """Rooms of text, of keys and of what others compute."""
-
-WITHIN = {"<listcomp>", "<genexpr>", "<dictcomp>", "<setcomp>"}
-"""Parts of the function that they stand in."""
-
-NOTHING_S = 1e-6
-"""Less time of a library is lost on its way to who calls it."""
-
-
-@dataclass(frozen=True)
-class Taken:
-    """Processor seconds of a step: of itself and in libraries below it, by library, in so many calls."""
-
-    calls: int
-    own: float
-    below: dict[str, float]
-
-    @property
-    def seconds(self) -> float:
-        return self.own + sum(self.below.values())
 
 
 def run(command: str, folder: Path) -> None:
@@ -83,44 +61,17 @@ def run(command: str, folder: Path) -> None:
         app([word.format(out=folder) for word in command.split()], standalone_mode=False)
 
 
-def library_of(function: Any) -> str:
-    """The library of a function of a profile; Python itself is one.  A library in Rust may name its class only."""
-    path, _, name = function
-    found = re.search(r"site-packages/_?(\w+)()", path) or re.search(r"(?:method |' of ')_?(\w+)\.(\w+)", name)
-    if not found or (found[1] == "builtins" and hasattr(builtins, found[2])):
-        return "Python"
-    return found[2] if found[1] == "builtins" else found[1]
+def profiled_call_s(repeats: int = 100_000) -> float:
+    """Seconds that a profile adds to a call."""
 
+    def nothing() -> None:
+        pass
 
-def profiled(command: str, folder: Path) -> dict[Step, Taken]:
-    """The functions of ncgear that a command calls.  Time of libraries goes to those that call them, imports left out."""
-    profile = cProfile.Profile()
-    clock, start = perf_counter(), process_time()
-    profile.runcall(run, command, folder)
-    used = (process_time() - start) / (perf_counter() - clock)
-    stats: dict[Any, Any] = pstats.Stats(profile).stats  # type: ignore[attr-defined]
-    own = {one for one in stats if one[0].startswith(SOURCE) and one[2] not in WITHIN}
-    below: dict[Any, dict[str, float]] = defaultdict(lambda: defaultdict(float))
-    going = {(one, library_of(one)): row[2] for one, row in stats.items() if one not in own}
-    while going:
-        arriving: dict[Any, float] = defaultdict(float)
-        for (one, library), seconds in going.items():
-            if seconds < NOTHING_S:
-                continue
-            callers = stats[one][4]
-            whole = sum(row[3] for row in callers.values())
-            for caller, row in callers.items():
-                share = seconds * row[3] / whole if whole else 0.0
-                if caller in own:
-                    below[caller][library] += share
-                elif "importlib" not in caller[0]:
-                    arriving[caller, library] += share
-        going = arriving
-    return {
-        Step(*one): Taken(stats[one][1], used * stats[one][2], {name: used * s for name, s in below[one].items()})
-        for one in own
-        if one[2] != "<module>"
-    }
+    def work() -> None:
+        for _ in range(repeats):
+            nothing()
+
+    return (least(lambda: cProfile.Profile().runcall(work), 3) - least(work, 3)) / repeats
 
 
 def load_all() -> None:
@@ -210,60 +161,131 @@ def heaviest_steps(folder: Path) -> dict[str, Heaviest]:
     """Of each room that computes, by its name."""
     found: dict[str, Heaviest] = {}
     for name, command in COMMANDS.items():
-        steps = profiled(command, folder)
+        steps = profiled(partial(run, command, folder))
         whole = sum(taken.seconds for taken in steps.values())
         for step, taken in steps.items():
             room = room_of(step)
             if room and room not in OUTSIDE and (room not in found or taken.seconds > found[room].taken.seconds):
                 found[room] = Heaviest(name, step, taken, taken.seconds / whole)
-    return found
+    return {room: one for room, one in found.items() if one.taken.seconds > LEAST_S}
 
 
 def counted(found: Iterable[Heaviest], folder: Path) -> dict[Step, Counts]:
-    """The operations of steps, each in its own command, run once more."""
+    """The operations of steps, each in its own command, run once more in a folder without results of earlier runs."""
     found = list(found)
-    counts = counting(one.step for one in found)
-    kept = {}
-    for name in {one.name for one in found}:
-        before = {step: replace(one) for step, one in counts.items()}
-        run(COMMANDS[name], folder)
-        kept.update({one.step: counts[one.step].since(before[one.step]) for one in found if one.name == name})
+    kept: dict[Step, Counts] = {}
+    for name, command in COMMANDS.items():
+        counts = counting(one.step for one in found if one.name == name)
+        run(command, folder)
+        # Later commands go on counting.
+        kept |= deepcopy(counts)
     return kept
 
 
 def row(room: str, one: Heaviest, counts: Counts, bare: Bare) -> str:
     """A line of the table."""
     step, taken, terms = one.step, one.taken, bare.terms(counts)
-    library, inside = max(taken.below.items(), key=lambda item: item[1], default=("", 0.0))
-    within = f"{library} {inside / taken.seconds:.0%}" if inside > 0.1 * taken.seconds else "-"
-    where = f"`{step.name}`, {step.path.removeprefix(SOURCE + room + os.sep)}:{step.line}"
-    ms, least_ms = 1e3 * taken.seconds, 1e3 * sum(terms.values())
-    held = library not in ("", "numpy") and inside > 0.5 * taken.seconds
-    judged = (
-        f"not counted | | | {library}"
-        if held
-        else (
-            f"{least_ms:.3g} | {ms / least_ms:.1f} | {max(terms.values()) / sum(terms.values()):.0%} | {max(terms, key=terms.__getitem__)}"
-        )
-    )
-    operations = f"{counts.arrays} | {counts.near} | {counts.far} | {counts.others}"
-    return f"| {room} | {one.name} | {where} | {taken.calls} | {ms:.1f} | {one.share:.0%} | {within} | {operations} | {judged} |"
+    below = {
+        name: max(taken.below.get(name, 0.0), counts.compiled.get(name, 0.0))
+        for name in {*taken.below, *counts.compiled}
+    }
+    library, inside = max(below.items(), key=lambda item: item[1], default=("", 0.0))
+    part = min(inside / taken.seconds, 1.0)
+    bound, heaviest = max(terms.items(), key=lambda item: item[1])
+    least_s = sum(terms.values())
+    last = [f"{1e3 * least_s:.3g}", f"{taken.seconds / least_s:.1f}", f"{bound} {heaviest / least_s:.0%}"]
+    if library != "numpy" and part > 0.5:
+        last = ["not counted", "-", f"library {library}"]
+    cells = [
+        room,
+        one.name,
+        f"`{step.name}`, {step.path.removeprefix(SOURCE + room + os.sep)}",
+        f"{taken.calls}",
+        f"{1e3 * taken.seconds:.1f}",
+        f"{one.share:.1%}",
+        f"{library} {part:.0%}" if part > 0.05 else "-",
+        *(f"{number}" for number in (counts.arrays, counts.near, counts.far, counts.others)),
+        *last,
+    ]
+    return f"| {' | '.join(cells)} |"
+
+
+LEAST_S = 1e-3
+"""Steps that take less are not worth a row."""
+
+COLUMNS = (
+    *("room", "command", "step", "calls", "ms", "of the command", "in libraries", "array operations"),
+    *("elements near", "elements far", "other operations", "bare ms", "times bare", "bound"),
+)
+
+PAGE = """\
+# Each room's heaviest step
+
+Written by `python benchmarks/heaviest_steps.py`: {cores} cores, one of them used, Python {python}, numpy {numpy}.
+
+A step is a function of ncgear. Its time is its own and that of library functions below it, in all its calls of a
+command, under a profile, which makes each call {profiled_us:.2f} µs longer. Of each room the step stands here that
+takes most in any of these commands. Rooms of text and of keys are left out, and those whose steps take less than
+1 ms.
+
+{commands}
+
+The operations are counted in the body of the function, in another run of the command:
+
+- **Array operations** are operators, subscripts and calls of libraries that meet an array. Each takes
+  {call_ns:.0f} ns before it comes to its elements.
+- **Elements near** are those of arrays up to {cache_mb} MB, in the cache: {near_ns:.2f} ns each. **Elements far** are
+  those of larger arrays, in memory: {far_ns:.2f} ns each. Views have none.
+- **Other operations** are all other operators, subscripts and calls: of numbers, lists, objects. An element that
+  becomes an object of Python is one too. Each takes {other_ns:.0f} ns.
+
+These times are of the same run: of a multiply-add of bare numpy, `a * b + c`, for arrays of 1, of 4096 and of
+8 million numbers, and of one for two numbers in Python. The **bare ms** are the time of the counted operations at
+this rate. The **bound** says what takes most of it: calls of numpy, arithmetic in the cache, memory, or Python. A
+step that takes about its bare time gets faster only by fewer operations, or by fewer calls.
+
+What the count does not know: a sine or a root takes several times a multiply-add, an operation on truth values a
+fraction of it. A call of numpy that sorts, multiplies matrices or interpolates is one operation on the largest
+array that it meets; a function of Python for a whole list is one. Where a library other than numpy takes more than
+half of the time, its operations are not counted.
+
+| {columns} |
+|{rule}
+{rows}
+"""
+
+
+def as_typed(command: str) -> str:
+    """A command without its output folder."""
+    return command.split(" --out")[0].replace("{out}/", "")
 
 
 def page() -> str:
     """The whole page."""
+    # As the command line does.
+    collect_rarely()
     load_all()
     os.chdir(ROOT)
-    with TemporaryDirectory() as place:
-        folder = Path(place)
-        found = heaviest_steps(folder)
-        counts = counted(found.values(), folder)
     bare = measured_bare()
-    rows = [row(room, one, counts[one.step], bare) for room, one in sorted(found.items())]
-    return "\n".join(rows)
+    with TemporaryDirectory() as first, TemporaryDirectory() as second:
+        found = heaviest_steps(Path(first))
+        counts = counted(found.values(), Path(second))
+    return PAGE.format(
+        cores=os.cpu_count(),
+        python=platform.python_version(),
+        numpy=np.__version__,
+        profiled_us=1e6 * profiled_call_s(),
+        commands="\n".join(f"- {name}: `ncgear {as_typed(text)}`" for name, text in COMMANDS.items()),
+        call_ns=1e9 * bare.call,
+        cache_mb=CACHE_BYTES >> 20,
+        near_ns=1e9 * bare.near,
+        far_ns=1e9 * bare.far,
+        other_ns=1e9 * bare.other,
+        columns=" | ".join(COLUMNS),
+        rule="---|" * len(COLUMNS),
+        rows="\n".join(row(room, one, counts[one.step], bare) for room, one in sorted(found.items())),
+    )
 
 
 if __name__ == "__main__":
-    text = page()
-    (ROOT / "benchmarks" / "heaviest-steps.md").write_text(text, encoding="utf-8")
-    print(text)
+    (ROOT / "benchmarks" / "heaviest-steps.md").write_text(page(), encoding="utf-8")
