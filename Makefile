@@ -39,6 +39,7 @@ bench: .venv  ## measure speed against error, how long builds take, and more; wr
 	$(PYTHON) benchmarks/screening.py
 	$(PYTHON) benchmarks/sweeping.py
 	$(PYTHON) benchmarks/starts.py
+	$(PYTHON) benchmarks/heaviest_steps.py
 
 beside: .venv  ## measure beside the other program of the field and write benchmarks/beside-ncgears.md
 	.venv/bin/pip install -q -e '.[bench]'
