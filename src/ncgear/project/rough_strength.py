@@ -13,8 +13,6 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.project.drive import Drive
-from ncgear.project.forces import borne_by
-from ncgear.project.rough_meshing import rough_meshing
 from ncgear.project.service import choices_of
 from ncgear.project.tooth_form import tooth_form_of
 from ncgear.project.tooth_load import asked_of
@@ -87,6 +85,10 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
     sides = shared_loads(load, plan, running, drive.materials)
     asked = asked_of(drive)
     if asked.knocks_are_judged:
+        # Checks of machines without masses load nothing of contact.
+        from ncgear.project.forces import borne_by
+        from ncgear.project.rough_meshing import rough_meshing
+
         load = rolled_load(drive, borne_by(asked, rough_meshing(drive, asked, sides)).at)
         sides = shared_loads(load, plan, running, drive.materials)
     needs_teeth = _needs_teeth(drive, plan, load, sides)
