@@ -13,6 +13,7 @@ from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import fixed, known, shown, to_digits
 from ncgear.figures.quantities import figure
+from ncgear.figures.simulated import force_figures
 from ncgear.figures.summary.check_summary import stages_summary, verdict_summary
 from ncgear.figures.tables import Column, Table
 from ncgear.pitch.shape import Gear
@@ -61,6 +62,7 @@ def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rat
             "contact_ratio_under_load_mean": rating.loading.contact_ratio,
             "transmission_error_under_load_rad": rating.loading.transmission_error_rad,
             **_knock_figures(rating.loading.knocks),
+            **({} if (peaks := drive.knocking_peaks) is None else {"with_knocks": force_figures(drive.linkage, peaks)}),
         },
         "gears": {"module_mm": size.module_mm, "face_width_mm": drive.gears.face_width_mm},
         "strength": strength_summary(rating),

@@ -16,7 +16,6 @@ from ncgear.figures.numbers import five_digits, fixed, placed, to_digits
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.project.drive import Drive
-from ncgear.project.strengthening import Rating, known_rating
 
 if TYPE_CHECKING:
     from ncgear.project.drivetrain import PowerTakeOffResult, ShaftResult
@@ -41,10 +40,12 @@ def around(drive: Drive) -> Iterator[Advice | NotJudged]:
 
 
 def _of_knocks(drive: Drive) -> Iterator[NotJudged]:
-    """That shafts, keys and bearings bear more where teeth knock, of which the strength of the teeth tells."""
-    rating = known_rating(drive)
-    if isinstance(rating, Rating) and rating.loading.knocks:
-        yield NotJudged("shafts, keys and bearings are not judged for the knocks of teeth whose load changes flanks")
+    """That shafts, keys and bearings may bear more where teeth knock that are not followed."""
+    if drive.knocks is None and drive.rigid.fluctuation.flank_changes_rad.size:
+        yield NotJudged(
+            "shafts, keys and bearings are not judged for the knocks of teeth whose load changes flanks, which are "
+            "followed of a single pair of straight teeth with inertia only"
+        )
 
 
 def before_teeth(drive: Drive) -> Iterator[Advice | NotJudged]:

@@ -10,8 +10,10 @@ from ncgear.design.keys.base import listed
 from ncgear.figures.advice.values import Kind, Remedy, changed
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.answer import Answer, Fault, Row, faults_of
+from ncgear.figures.answers.simulated import SAME_AS_MESH
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
+from ncgear.figures.simulated import force_figures
 from ncgear.figures.sized import sized_rows
 from ncgear.figures.strong import (
     HEADS,
@@ -101,7 +103,18 @@ def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
             ),
         ),
         *([Row(f"{of}knocks", (words,))] if (words := knock_words(loading.knocks)) else []),
+        *([Row(f"{of}with knocks", (words,))] if (words := _forces_words(drive)) else []),
     ]
+
+
+def _forces_words(drive: Drive) -> str:
+    """The peak forces in joints and bearings where teeth knock; empty where they do not."""
+    peaks = drive.knocking_peaks
+    if peaks is None:
+        return ""
+    figures = force_figures(drive.linkage, peaks)
+    joints = [key for key in figures if key.endswith("_force_n") and key not in ("peak_mesh_force_n", SAME_AS_MESH)]
+    return ", ".join(f"{name_of(key)} {figure(key, figures[key])}" for key in joints)
 
 
 def sized_answer(found: Sequence[Sized], then: str = "", left_out: Sequence[str] = ()) -> Answer:
