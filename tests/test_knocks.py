@@ -83,14 +83,17 @@ def test_knocks_that_are_not_followed_are_told_as_not_judged() -> None:
     assert isinstance(found, NotJudged)
     assert "knock" in found.why
     helical = drive_of_text(
-        TEXT.replace("PLAY", "0.1").replace("gears: {", "gears: {helix: {angle_deg: 10, kind: herringbone, hand: right}, ") + SHAFTS
+        TEXT.replace("PLAY", "0.1").replace(
+            "gears: {", "gears: {helix: {angle_deg: 10, kind: herringbone, hand: right}, "
+        )
+        + SHAFTS
     )
     assert any(isinstance(one, NotJudged) and "knocks" in one.why for one in around(helical))
     assert not any(isinstance(one, NotJudged) for one in around(shaken(0.1, SHAFTS)))
 
 
 def test_a_knock_hurries_the_slider_as_newton_says() -> None:
-    """Speed and acceleration of the slider by differences of its place, the crank's own by the torque that is missed."""
+    """Speed and acceleration of the slider by differences of its place, the crank's by the torque that is missed."""
     knocking = shaken(0.1).knocking
     assert knocking is not None
     phi1 = knocking.turns_rad
@@ -100,7 +103,9 @@ def test_a_knock_hurries_the_slider_as_newton_says() -> None:
     speed, step = machine.speed_rad_s, 1e-4
     place = [-40.0 * np.cos(q) + np.sqrt(150.0**2 - (40.0 * np.sin(q)) ** 2) for q in (phi1 - step, phi1, phi1 + step)]
     slope, bend = (place[2] - place[0]) / (2.0 * step), (place[2] - 2.0 * place[1] + place[0]) / step**2
-    whole = knocking.rigid.at(phi1, np.ones_like(phi1)).driven_torque.value - knocking.rigid.at(phi1).driven_torque.value
+    whole = (
+        knocking.rigid.at(phi1, np.ones_like(phi1)).driven_torque.value - knocking.rigid.at(phi1).driven_torque.value
+    )
     hurry = (knocking.borne.at(phi1) - knocking.borne.asked(phi1)) / whole * speed**2
     pulled = 4.0 * 1e-3 * np.abs(bend * speed**2 + slope * hurry)
     along = np.abs(loads.joints["wrist"].x.value)

@@ -319,11 +319,14 @@ class Drive(Geared):
                 sides = BOTH_SIDES if load.knocks_are_judged else asked.sides
                 meshing = meshing_of(Simulation(), pitch, teeth, stiffness, sides)
                 borne, speed = borne_by(load, meshing), self.pair_speed_rad_s
-                still = loading_of(meshing, teeth, pitch, asked, speed, borne)
-                if not borne.knocks:
-                    return still
-                knocking = AskedTorque.of(pitch, borne.at)
-                return replace(loading_of(meshing, teeth, pitch, knocking, speed, borne), still=still)
+                found = loading_of(meshing, teeth, pitch, asked, speed, borne)
+                if borne.knocks:
+                    knocking = AskedTorque.of(pitch, borne.at)
+                    found = replace(loading_of(meshing, teeth, pitch, knocking, speed, borne), still=found)
+                if (jam := self.conditions.overload) is None:
+                    return found
+                jamming = AskedTorque.of(pitch, partial(load.passed_on_n_mm, jam.driving_n_mm))
+                return replace(found, jammed=loading_of(meshing, teeth, pitch, jamming, speed))
 
     @computed
     def _any_meshing(self) -> Meshing:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from math import ceil, lcm, pi, radians, sin
 
 import numpy as np
@@ -93,16 +94,21 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
         sides = shared_loads(load, plan, running, drive.materials)
     needs_teeth = _needs_teeth(drive, plan, load, sides)
     warm = _warm(drive, sides, load.phi1_rad.size)
+    jammed = list[RoughSafety]()
     try:
+        if (jam := conditions.overload) is not None:
+            pressed = rolled_load(drive, partial(asked.passed_on_n_mm, jam.driving_n_mm))
+            once = replace(conditions, application_factor=1.0, dynamic_factor=1.0)
+            jammed = static_safeties(shared_loads(pressed, plan, running, drive.materials), plan, running, warm, once)
         why = _no_life(drive)
         if not why:
             try:
-                return RoughStrength(
-                    tuple(rough_safeties(sides, plan, running, warm, conditions)), needs_teeth=needs_teeth
-                )
+                found = rough_safeties(sides, plan, running, warm, conditions)
+                return RoughStrength((*found, *jammed), needs_teeth=needs_teeth)
             except VibrationUnknown as error:
                 why = error.why
-        return RoughStrength(tuple(static_safeties(sides, plan, running, warm, conditions)), why, needs_teeth, True)
+        found = static_safeties(sides, plan, running, warm, conditions)
+        return RoughStrength((*found, *jammed), why, needs_teeth, True)
     except Unanswered as error:
         return RoughStrength((), error.problem)
 

@@ -64,7 +64,7 @@ class Loading:
     to peak variation of the error.  ``contact_ratio`` is the mean number of pairs that bear load, where there is load.
     ``cycle_turns`` is how often the driving gear turns in the cycle.  ``borne`` is the torque with the
     knocks of a turn of the driven gear; None where nothing is known of them.  Of teeth that knock, ``still`` is their
-    loading by what the law asks alone.
+    loading by what the law asks alone; ``jammed`` is that of a jam, if there is one.
     """
 
     contacts: LoadedContacts
@@ -77,6 +77,7 @@ class Loading:
     cycle_turns: int
     borne: BorneTorque | None = None
     still: Loading | None = None
+    jammed: Loading | None = None
 
     @property
     def knocks(self) -> tuple[Knock, ...] | None:

@@ -37,6 +37,13 @@ def around(drive: Drive) -> Iterator[Advice | NotJudged]:
     if found.pto:
         yield from _of_pto(found.pto, N_M_PER_N_MM * found.demand.torque_range_n_mm[1].value)
     yield from _of_knocks(drive)
+    yield from _of_jam(drive)
+
+
+def _of_jam(drive: Drive) -> Iterator[NotJudged]:
+    """That shafts and keys bear a jam as well, of which the strength of the teeth tells."""
+    if drive.conditions.overload is not None:
+        yield NotJudged("shafts, keys and bearings are not judged for the torque of strength.overload")
 
 
 def _of_knocks(drive: Drive) -> Iterator[NotJudged]:

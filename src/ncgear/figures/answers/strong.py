@@ -19,6 +19,8 @@ from ncgear.figures.strong import (
     HEADS,
     LOADS,
     holding_words,
+    jam_words,
+    jolts_words,
     knock_words,
     materials_words,
     teeth_words,
@@ -94,7 +96,7 @@ def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
     return [
         Row(f"{of}teeth", (gears,)),
         Row(f"{of}material", (materials_words(drive, rating.strength),)),
-        Row(f"{of}force", (f"up to {figure('force_n', force_n)} on one pair of teeth",)),
+        Row(f"{of}force", (f"up to {figure('force_n', force_n)} on one pair of teeth, times {jolts_words(drive)}",)),
         Row(
             f"{of}under load",
             (
@@ -104,6 +106,7 @@ def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
         ),
         *([Row(f"{of}knocks", (words,))] if (words := knock_words(loading.knocks)) else []),
         *([Row(f"{of}with knocks", (words,))] if (words := _forces_words(drive)) else []),
+        *([Row(f"{of}jam", (words,))] if (words := jam_words(drive, rating)) else []),
     ]
 
 
