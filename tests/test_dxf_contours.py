@@ -214,3 +214,27 @@ def test_another_unit_and_a_gap_are_remarked_and_cost_no_clean_verdict(tmp_path:
     document.units = ezdxf.units.MM
     distance_mm(tmp_path, document)
     assert not list(drawing(from_folder(tmp_path)))
+
+
+def chords(count: int) -> Callable[[Any], object]:
+    points = [ellipse_at(number / count)[:2] for number in range(count)]
+    return lambda space: space.add_lwpolyline(points, close=True)
+
+
+def test_many_chords_are_smoothed_within_the_tolerance_that_is_asked_for(tmp_path: Path) -> None:
+    expected = distance_mm(tmp_path, made(lambda space: space.add_ellipse((0, 0), (30, 0), 0.8)))
+    with pytest.raises(
+        WrongInput, match=r"has 2000 chords, and no teeth roll over their corners; give dxf.tolerance_mm"
+    ):
+        distance_mm(tmp_path, made(chords(2000)))
+    drive = from_folder(tmp_path, more=", tolerance_mm: 0.005")
+    assert drive.law.center_distance_mm == pytest.approx(expected, abs=0.005)
+    assert 0.0 < drive.law.facts["points_missed_by_mm"] <= 0.005
+
+
+def test_arcs_are_smoothed_with_their_neighbours(tmp_path: Path) -> None:
+    """The oval's curvature jumps; a smooth curve near it has the same distance to the tolerance."""
+    expected = distance_mm(tmp_path, made(lambda space: oval(space, 9)))
+    assert from_folder(tmp_path, more=", tolerance_mm: 0.02").law.center_distance_mm == pytest.approx(
+        expected, abs=0.02
+    )

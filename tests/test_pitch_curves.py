@@ -438,11 +438,11 @@ def drawing(folder: Path, add: Callable[[Any], object], **keys: Any) -> Drive:
     return from_folder(folder, **keys)
 
 
-def from_folder(folder: Path, unit: str = "mm", layer: str = "") -> Drive:
+def from_folder(folder: Path, unit: str = "mm", layer: str = "", more: str = "") -> Drive:
     on = f", layer: {layer!r}" if layer else ""
     text = (
         "name: drawn\nlinkage: {crank_mm: 30, rod_mm: 120}\noperation: {speed_rpm: 60}\n"
-        f"motion:\n  law: pitch_curve\n  dxf: {{file: contour.dxf, unit: {unit}{on}}}\n"
+        f"motion:\n  law: pitch_curve\n  dxf: {{file: contour.dxf, unit: {unit}{on}{more}}}\n"
         "gears: {teeth: 32, face_width_mm: 8}\n"
     )
     loaded = parsed(text, folder / "drawn.yaml")

@@ -169,6 +169,12 @@ class DxfContour(Drawn):
     )
     unit: Literal["mm", "cm", "m", "inch"] = required("unit of the drawing")
     layer: str | None = optional("layer of the contour; left out: all layers", min_length=1, max_length=255)
+    tolerance_mm: float | None = optional(
+        "how far a smooth curve may be from the contour in mm, along its radius: for a contour of many chords, as of a "
+        "traced outline, whose corners no teeth roll over; left out: the contour as it is drawn",
+        gt=0.0,
+        le=100.0,
+    )
     curves: Annotated[Several[RationalCurve], Field(min_length=1, max_length=MOST_CURVES)] | None = optional(
         "the contour's parts, read from the file; given in place of it by programs only"
     )

@@ -151,8 +151,14 @@ class PitchCurve(LawKeys):
             curve = shapes.closed_b_spline(points, spline.degree, spline.axis_mm, key)
         elif self.dxf is not None:
             parts, gap_mm = self.dxf.contour()
-            curve = shapes.chain(parts, self.dxf.axis_mm, key)
             facts = {"contour_gap_mm": gap_mm}
+            if self.dxf.tolerance_mm is None:
+                curve = shapes.chain(parts, self.dxf.axis_mm, key)
+            else:
+                points = shapes.points_along(parts) - np.array(self.dxf.axis_mm)
+                polar = shapes.polar_points(points, key)
+                curve, missed = shapes.smoothed_points(*polar, self.dxf.tolerance_mm, repeats, key)
+                facts["points_missed_by_mm"] = missed
         else:
             assert self._shape is not None
             curve = self._shape.curve(key)

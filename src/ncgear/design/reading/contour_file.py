@@ -138,8 +138,14 @@ def _curves(entity: DXFEntity) -> Iterator[BSpline]:
     from ezdxf.math import BSpline, ConstructionEllipse, Vec3, rational_bspline_from_ellipse
 
     if isinstance(entity, kinds.LWPolyline | kinds.Polyline):
-        for part in _without_flat_bulges(entity).virtual_entities():
-            yield from _curves(part)
+        line = _without_flat_bulges(entity)
+        if isinstance(line, kinds.LWPolyline) and not line.has_arc:
+            # Chords of a traced outline may be many: one curve has them all.
+            points = list(line.vertices_in_wcs())
+            yield BSpline([*points, points[0]] if line.closed else points, order=2)
+        else:
+            for part in line.virtual_entities():
+                yield from _curves(part)
     elif isinstance(entity, kinds.Line):
         yield BSpline([entity.dxf.start, entity.dxf.end], order=2)
     elif isinstance(entity, kinds.Spline):
@@ -165,15 +171,16 @@ def _without_flat_bulges(entity: LWPolyline | Polyline) -> LWPolyline | Polyline
         if not entity.is_2d_polyline:
             return entity
         vertices = [one for one in entity.vertices if not one.dxf.flags & SPLINE_FRAME]
-        points = [(*one.dxf.location.vec2, one.dxf.get("bulge", 0.0)) for one in vertices]
+        points = np.array([(*one.dxf.location.vec2, one.dxf.get("bulge", 0.0)) for one in vertices])
         flat = kinds.LWPolyline.new(
             dxfattribs={"layer": entity.dxf.layer, "extrusion": entity.dxf.extrusion, "flags": int(entity.is_closed)}
         )
         flat.dxf.elevation = vertices[0].dxf.location.z if vertices else 0.0
     else:
-        points, flat = [(x, y, bulge) for x, y, bulge in entity.get_points("xyb")], entity.copy()
-    kept = [here for here, after in zip(points, [*points[1:], None], strict=True) if not after or here[:2] != after[:2]]
-    flat.set_points([(x, y, 0.0 if abs(bulge) < FLAT else bulge) for x, y, bulge in kept], format="xyb")
+        points, flat = np.array(entity.lwpoints.values).reshape(-1, 5)[:, [0, 1, 4]], entity.copy()
+    points = points[np.append(np.any(np.diff(points[:, :2], axis=0) != 0.0, axis=1), True)] if len(points) else points
+    bulges, width = np.where(np.abs(points[:, 2:]) < FLAT, 0.0, points[:, 2:]), np.zeros((len(points), 2))
+    flat.lwpoints.set(np.hstack([points[:, :2], width, bulges]))
     return flat
 
 
@@ -250,6 +257,10 @@ def _vertices(entity: DXFEntity) -> Iterator[tuple[float, float]]:
         yield from ((float(x), float(y)) for x, y, _ in entity.control_points)
 
 
+MOST_SEEN = 2000
+"""Largest numbers of a drawing by which its digits are told."""
+
+
 def _step(values: Iterable[float]) -> float:
     """The step of rounded numbers, by the digits of the large ones: six digits or three decimals are a step of 0.001
     for numbers over 100.
@@ -257,7 +268,7 @@ def _step(values: Iterable[float]) -> float:
     Numbers of one power of ten share their step, which is the least of them; of the two uppermost powers the coarser
     counts.
     """
-    sizes = {abs(value) for value in values if isfinite(value)} - {0.0}
+    sizes = sorted({abs(value) for value in values if isfinite(value)} - {0.0}, reverse=True)[:MOST_SEEN]
     largest, finest = max(sizes, default=0.0), dict[int, float]()
     for value in sizes:
         if value >= largest / 10.0:

@@ -124,8 +124,38 @@ def closed_b_spline(points_mm: Array, degree: int, axis_mm: Point, key: str) -> 
     return drawn([(part.at, part.breaks.tolist()) for part in parts], key, endless=len(parts) == 1)
 
 
+MOST_CORNERS = 100
+"""Corners of a contour over which it is an outline of chords, which is to be smoothed; each takes 10 ms to follow."""
+
+PER_PART = 32
+"""Points of a smooth part of a contour that is smoothed with its neighbours."""
+
+
+def points_along(curves: Sequence[RationalSpline]) -> Array:
+    """Points of a chain, shape (n, 2): the corners of chords, and points close together of other curves."""
+    found = list[Array]()
+    for curve in curves:
+        if curve.degree == 1:
+            found.append(curve.points[:-1])
+            continue
+        for part in curve.smooth_parts():
+            x, y = part.at(np.linspace(part.breaks[0], part.breaks[-1], PER_PART, endpoint=False), 0)
+            found.append(np.column_stack([x.value, y.value]))
+    return np.concatenate(found)
+
+
 def chain(curves: Sequence[RationalSpline], axis_mm: Point, key: str) -> ClosedCurve:
-    """The contour of curves that follow each other, each beginning where the one before ends."""
+    """The contour of curves that follow each other, each beginning where the one before ends.
+
+    Raises WrongInput for a contour of so many chords that it is to be smoothed.
+    """
+    chords = sum(len(curve.points) - 1 for curve in curves if curve.degree == 1)
+    if chords > MOST_CORNERS:
+        raise WrongInput(
+            f"the contour has {chords} chords, and no teeth roll over their corners; give dxf.tolerance_mm, within "
+            "which a smooth curve follows them",
+            key=key,
+        )
     parts: list[tuple[PointFunction, Sequence[float]]] = []
     for curve in curves:
         moved = RationalSpline(curve.degree, curve.knots, curve.points - np.array(axis_mm), curve.weights)
