@@ -92,17 +92,18 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
         load = rolled_load(drive, borne_by(asked, rough_meshing(drive, asked, sides)).at)
         sides = shared_loads(load, plan, running, drive.materials)
     needs_teeth = _needs_teeth(drive, plan, load, sides)
-    warm = _warm(drive, sides, load.phi1_rad.size)
+    warm, uneven = _warm(drive, sides, load.phi1_rad.size), [drive.face_loading.of_side(one) for one in sides]
     try:
         why = _no_life(drive)
         if not why:
             try:
                 return RoughStrength(
-                    tuple(rough_safeties(sides, plan, running, warm, conditions)), needs_teeth=needs_teeth
+                    tuple(rough_safeties(sides, plan, running, warm, conditions, uneven)), needs_teeth=needs_teeth
                 )
             except VibrationUnknown as error:
                 why = error.why
-        return RoughStrength(tuple(static_safeties(sides, plan, running, warm, conditions)), why, needs_teeth, True)
+        found = static_safeties(sides, plan, running, warm, conditions, uneven)
+        return RoughStrength(tuple(found), why, needs_teeth, True)
     except Unanswered as error:
         return RoughStrength((), error.problem)
 

@@ -56,7 +56,6 @@ def conditions_of(given: StrengthKeys, stroke_rad: float, speed_rad_s: float) ->
         life_h=life_h,
         application_factor=given.application_factor,
         dynamic_factor=given.dynamic_factor,
-        face_load_factor=given.face_load_factor,
         reliability=given.reliability,
         lubrication=given.lubrication,
         oil_viscosity_mm2_s=given.oil_viscosity_mm2_s,

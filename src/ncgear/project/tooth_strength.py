@@ -22,6 +22,7 @@ from ncgear.strength.stiffness import EvenTeeth, LinearTeeth
 from ncgear.teeth.gear import ToothedGear, ToothedPair
 
 if TYPE_CHECKING:
+    from ncgear.project.face_load import FaceLoading
     from ncgear.strength.answer import Strength
     from ncgear.strength.loading import Loading
     from ncgear.strength.method import ToothMethod
@@ -46,6 +47,7 @@ def judged_teeth(
     conditions: Conditions,
     running: Running,
     load: Literal["masses", "resistance"],
+    face_loading: FaceLoading,
 ) -> JudgedTeeth:
     """The stresses of teeth under their loads.
 
@@ -58,7 +60,8 @@ def judged_teeth(
     cycle_rad = 2.0 * pi * loading.cycle_turns
 
     def found(loads: Loading) -> Strength:
-        stresses = stresses_of(loads.contacts, methods, materials, conditions, running)
+        uneven = face_loading.of_contacts(loads.contacts)
+        stresses = stresses_of(loads.contacts, methods, materials, conditions, running, uneven)
         return strength_of(loads.contacts, stresses, materials, conditions, cycle_rad, running, method, load)
 
     # A harder load may leave the rated places of flanks to their mates: of both loads, the worse one counts.

@@ -20,11 +20,13 @@ class ContactStresses:
 
     ``pressure_mpa`` (shape (n,)) is the pressure between the flanks, NaN at edges.  ``tension_mpa`` and
     ``compression_mpa`` (shape (2, n)) are those at the roots of the driving and the driven tooth.
+    ``face_load_factor`` (shape (n,)) is K_Hbeta.
     """
 
     pressure_mpa: Array
     tension_mpa: Array
     compression_mpa: Array
+    face_load_factor: Array
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,179 @@
+"""How unevenly the teeth of a design bear along their width: from keys and loads to ``ncgear.strength.face_load``.
+
+Where the file gives the bearings and diameters of both shafts, K_Hbeta is computed at every position; else it is the
+person's own or ASSUMED.  A bearing is as stiff as its key says, or as its static rating tells at its largest force of
+the cycle; where neither is given it is rigid.  The crank presses with the force of the rigid level, knocks or not, and
+the application factor counts for all forces.
+
+Flanks lie askew by the helix slope that the grade allows either gear (ISO 1328-1) and by the tilt of its bore, all
+independent of each other: the root of the sum of squares, as ISO 6336-1 combines both gears' (secondary source).  Where
+the section ``tolerances`` is left out, both gears have the grade for which K_V is estimated.  Running in takes off the
+mean of what it takes off both materials.  Not counted: play in the bearings, and shafts that are not parallel.
+"""
+
+from __future__ import annotations
+
+from math import hypot, radians, tan
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from ncgear.design.keys.drivetrain import DrivenShaft, DrivingShaft
+from ncgear.design.keys.gears import Gears
+from ncgear.drivetrain.bearings import Bearing, stiffness_n_mm, supporting_forces
+from ncgear.frozen import dataclass
+from ncgear.kinematics.motion import sample_angles
+from ncgear.numerics.arrays import Array, ComplexArray
+from ncgear.pitch.shape import Gear
+from ncgear.project.drivetrain import bearing_of
+from ncgear.project.service import choices_of
+from ncgear.project.tooth_load import ToothLoad, asked_of
+from ncgear.strength.conditions import GRADE, Running
+from ncgear.strength.contacts import LoadedContacts
+from ncgear.strength.endurance import running_in
+from ncgear.strength.face_load import ASSUMED, FaceLoads, FaceModel, LeadForm, Shaft, Support
+from ncgear.strength.without_teeth import SharedLoad
+from ncgear.tolerances.iso1328 import helix_slope_mm
+
+if TYPE_CHECKING:
+    from ncgear.design.keys.design import Design
+    from ncgear.project.drive import Drive
+
+MM_PER_UM = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class FaceLoading:
+    """How K_Hbeta of a pair is known.
+
+    ``basis`` says so: given by the person, assumed (``why`` says what is missing), or computed by ``model`` from the
+    loads ``asked``, which a factor ``over`` multiplies.  ``constant`` is the factor that is given or assumed.
+    """
+
+    basis: Literal["given", "assumed", "computed"]
+    constant: float = ASSUMED
+    why: str = ""
+    model: FaceModel | None = None
+    asked: ToothLoad | None = None
+    over: float = 1.0
+
+    def of_contacts(self, contacts: LoadedContacts) -> Array:
+        """K_Hbeta of contacts that bear load, shape (n,); raises as ``FaceModel.factors`` does."""
+        if self.model is None:
+            return np.full(contacts.force_n.shape, self.constant)
+        return self.model.factors(self.loads_of(contacts))[contacts.position]
+
+    def loads_of(self, contacts: LoadedContacts) -> FaceLoads:
+        """What presses the flanks together at every position of loaded contacts."""
+        force, stiffness = (np.bincount(contacts.position, one) for one in (contacts.force_n, contacts.stiffness_n_mm))
+        phi1, side = np.zeros(force.size), np.zeros(force.size)
+        phi1[contacts.position], side[contacts.position] = contacts.phi1_rad, contacts.side
+        assert self.model is not None
+        return self._pressing(phi1, 1.0 - 2.0 * side, force, stiffness / self.model.width_mm)
+
+    def of_side(self, one: SharedLoad) -> Array:
+        """K_Hbeta of a load that is known without teeth, shape (n,)."""
+        if self.model is None:
+            return np.full(one.load.force_n.shape, self.constant)
+        load = one.load
+        return self.model.factors(self._pressing(load.phi1_rad, load.urge, load.force_n, one.stiffness_n_mm2))
+
+    def _pressing(self, phi1_rad: Array, urge: Array, force_n: Array, stiffness_n_mm2: Array) -> FaceLoads:
+        assert self.asked is not None
+        mesh = self.asked.mesh_force(phi1_rad, urge)
+        size = mesh.size_n.value
+        towards = (mesh.force.x.value + 1j * mesh.force.y.value) / size
+        crank = np.real(_crank_n(self.asked, phi1_rad) * np.conj(towards))
+        arms = _arms_mm(self.asked, phi1_rad, urge)
+        return FaceLoads(self.over * force_n, stiffness_n_mm2, self.over * crank, arms)
+
+
+def _arms_mm(asked: ToothLoad, phi1_rad: Array, urge: Array) -> Array:
+    """The arms of the mesh force about both axes, shape (2, n)."""
+    slope = asked.pair.transmission.driven_angle(phi1_rad, 1).derivative(1)
+    return np.stack([slope, np.ones(slope.shape)]) / asked.mesh_force(phi1_rad, urge).size_n.value
+
+
+def _crank_n(asked: ToothLoad, phi1_rad: Array) -> ComplexArray:
+    """The force as x + i y in N with which the crank presses on its shaft; the machine's gears lie nowhere."""
+    bearing = asked.machine.at(phi1_rad).crank_bearing
+    return np.asarray(-(bearing.x.value + 1j * bearing.y.value))
+
+
+def face_loading_of(drive: Drive) -> FaceLoading:
+    """How K_Hbeta of a drive's pair is known."""
+    design = drive.design
+    if (own := design.strength.face_load_factor) is not None:
+        return FaceLoading("given", own)
+    around, gears = design.drivetrain, drive.gears
+    if around is None:
+        return FaceLoading("assumed", why="drivetrain is not given")
+    driving, driven = (
+        _Around.of(around.driving_shaft, gears, Gear.DRIVING),
+        _Around.of(around.driven_shaft, gears, Gear.DRIVEN),
+    )
+    for one in (driving, driven):
+        if isinstance(one, str):
+            return FaceLoading("assumed", why=one)
+    assert isinstance(driving, _Around)
+    assert isinstance(driven, _Around)
+    asked = asked_of(drive)
+    phi1 = sample_angles(asked.pair.transmission)
+    mesh, crank = asked.mesh_force(phi1).force, _crank_n(asked, phi1)
+    on_driven = mesh.x.value + 1j * mesh.y.value
+    # The arm of the force is about the radius of the roots.
+    arms = _arms_mm(asked, phi1, np.ones(phi1.size)).min(axis=1)
+    shafts = driving.shaft(arms[0], -on_driven, 0.0 * crank), driven.shaft(arms[1], on_driven, crank)
+    askew, running = _askew_mm(design, drive.running), drive.running
+    worn = sum(running_in(one, running, askew) for one in choices_of(gears)) / 2.0
+    model = FaceModel(shafts, driven.crank_at_mm, gears.face_width_mm, askew - worn, lead_form(gears))
+    return FaceLoading("computed", model=model, asked=asked, over=drive.conditions.application_factor)
+
+
+@dataclass(frozen=True)
+class _Around:
+    """What stands around one gear: the bearings and the diameter of its shaft, and where the crank is on it."""
+
+    bearings: tuple[Bearing, Bearing]
+    diameter_mm: float
+    crank_at_mm: float
+
+    @classmethod
+    def of(cls, given: DrivingShaft | None, gears: Gears, gear: Gear) -> _Around | str:
+        """The same by the keys of a shaft, or what they lack, in words."""
+        if given is None or given.bearing_a is None or given.bearing_b is None:
+            return f"drivetrain gives no bearings of the {gear.value} shaft"
+        diameter = given.diameter_mm or (gears.driving if gear is Gear.DRIVING else gears.driven).bore_mm
+        if diameter is None:
+            return f"the diameter of the {gear.value} shaft is not given"
+        crank_at = given.crank_at_mm if isinstance(given, DrivenShaft) else 0.0
+        return cls((bearing_of(given.bearing_a), bearing_of(given.bearing_b)), diameter, crank_at)
+
+    def shaft(self, root_mm: float, gear_n: ComplexArray, crank_n: ComplexArray) -> Shaft:
+        """The shaft on springs, by the least radius of the roots and the forces of gear and crank over the cycle."""
+        borne = supporting_forces(gear_n, crank_n, self.bearings, self.crank_at_mm)
+        first, second = (
+            Support(one.at_mm, stiffness_n_mm(one, float(np.abs(force).max())))
+            for one, force in zip(self.bearings, borne, strict=True)
+        )
+        return Shaft(self.diameter_mm, 2.0 * float(root_mm), (first, second))
+
+
+def _askew_mm(design: Design, running: Running) -> float:
+    """By how much flanks lie askew over the face width, in either sense."""
+    given, width = design.tolerances, running.face_width_mm
+    slopes = []
+    for gear, teeth in zip(Gear, running.teeth, strict=True):
+        own = None if given is None else getattr(given, gear.value)
+        grade = GRADE if given is None or own is None else own.grade or given.grade
+        slopes.append(0.0 if grade is None else helix_slope_mm(grade, running.module_mm * teeth, width))
+        slopes.append(0.0 if own is None else width * tan(radians(own.tilt_deg)))
+    return hypot(*slopes)
+
+
+def lead_form(gears: Gears) -> LeadForm:
+    """The form of the flanks along the width."""
+    lead = gears.lead
+    return LeadForm(
+        MM_PER_UM * lead.crowning_um, MM_PER_UM * (lead.end_relief_um or 0.0), lead.end_relief_length_mm or 0.0
+    )
