@@ -45,7 +45,7 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.motor import MotorResult, demand_of, motor_of
 
 N_MM_PER_N_M = 1000.0
-N_MM_PER_N_UM = 1000.0
+N_PER_MM_PER_UM = 1000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +119,7 @@ def drivetrain_of(design: Design, rigid: Rigid, touching: TouchingTeeth | None) 
 
 def bearing_of(given: keys.Bearing) -> Bearing:
     """A bearing of the section."""
-    stiffness = None if given.stiffness_n_um is None else N_MM_PER_N_UM * given.stiffness_n_um
+    stiffness = None if given.stiffness_n_per_um is None else N_PER_MM_PER_UM * given.stiffness_n_per_um
     return Bearing(given.at_mm, given.kind, given.dynamic_rating_n, given.static_rating_n, stiffness)
 
 

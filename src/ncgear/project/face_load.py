@@ -13,6 +13,7 @@ mean of what it takes off both materials.  Not counted: play in the bearings, an
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import hypot, radians, tan
 from typing import TYPE_CHECKING, Literal
 
@@ -23,7 +24,7 @@ from ncgear.design.keys.gears import Gears
 from ncgear.drivetrain.bearings import Bearing, stiffness_n_mm, supporting_forces
 from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import sample_angles
-from ncgear.numerics.arrays import Array, ComplexArray
+from ncgear.numerics.arrays import Array, ComplexArray, largest_rows
 from ncgear.pitch.shape import Gear
 from ncgear.project.drivetrain import bearing_of
 from ncgear.project.service import choices_of
@@ -31,7 +32,7 @@ from ncgear.project.tooth_load import ToothLoad, asked_of
 from ncgear.strength.conditions import GRADE, Running
 from ncgear.strength.contacts import LoadedContacts
 from ncgear.strength.endurance import running_in
-from ncgear.strength.face_load import ASSUMED, FaceLoads, FaceModel, LeadForm, Shaft, Support
+from ncgear.strength.face_load import ASSUMED, FaceLoads, FaceModel, LeadForm, Shaft, Support, best_crowning_mm
 from ncgear.strength.without_teeth import SharedLoad
 from ncgear.tolerances.iso1328 import helix_slope_mm
 
@@ -89,9 +90,9 @@ class FaceLoading:
 
 
 def _arms_mm(asked: ToothLoad, phi1_rad: Array, urge: Array) -> Array:
-    """The arms of the mesh force about both axes, shape (2, n)."""
+    """The arms of the mesh force about both axes, shape (n, 2)."""
     slope = asked.pair.transmission.driven_angle(phi1_rad, 1).derivative(1)
-    return np.stack([slope, np.ones(slope.shape)]) / asked.mesh_force(phi1_rad, urge).size_n.value
+    return np.stack([slope, np.ones(slope.shape)], axis=1) / asked.mesh_force(phi1_rad, urge).size_n.value[:, None]
 
 
 def _crank_n(asked: ToothLoad, phi1_rad: Array) -> ComplexArray:
@@ -122,7 +123,7 @@ def face_loading_of(drive: Drive) -> FaceLoading:
     mesh, crank = asked.mesh_force(phi1).force, _crank_n(asked, phi1)
     on_driven = mesh.x.value + 1j * mesh.y.value
     # The arm of the force is about the radius of the roots.
-    arms = _arms_mm(asked, phi1, np.ones(phi1.size)).min(axis=1)
+    arms = _arms_mm(asked, phi1, np.ones(phi1.size)).min(axis=0)
     shafts = driving.shaft(arms[0], -on_driven, 0.0 * crank), driven.shaft(arms[1], on_driven, crank)
     askew, running = _askew_mm(design, drive.running), drive.running
     worn = sum(running_in(one, running, askew) for one in choices_of(gears)) / 2.0
@@ -176,4 +177,67 @@ def lead_form(gears: Gears) -> LeadForm:
     lead = gears.lead
     return LeadForm(
         MM_PER_UM * lead.crowning_um, MM_PER_UM * (lead.end_relief_um or 0.0), lead.end_relief_length_mm or 0.0
+    )
+
+
+@dataclass(frozen=True)
+class ToothFactor:
+    """K_Hbeta of a tooth of the driving gear, counted from 1, where its flank bears most for each mm of width."""
+
+    factor: float
+    tooth: int
+
+
+@dataclass(frozen=True)
+class ToldFaceLoad:
+    """What is told of the load along the width: the least and the greatest K_Hbeta of the teeth, and the decisive one.
+
+    Teeth count whose load for each mm of width is LEADING of the largest one at least.
+    ``decisive`` is that of the tooth that bears most for each mm of width, ``by_shafts`` the same if flanks were not
+    askew, and ``best`` with the best crowning, ``best_um``.  ``askew_um`` counts running in, and ``crowning_um`` is the
+    crowning of the design.
+    """
+
+    least: ToothFactor
+    greatest: ToothFactor
+    decisive: ToothFactor
+    by_shafts: float
+    askew_um: float
+    crowning_um: float
+    best_um: float
+    best: float
+
+
+LEADING = 0.5
+"""Share of the largest load from which teeth and positions count for what is told, and for the best crowning.  Where
+teeth bear little, few of their flanks touch, and factors are high without harm."""
+
+
+def told_face_load(loading: FaceLoading, contacts: LoadedContacts) -> ToldFaceLoad | None:
+    """What is told of contacts that bear load; None where K_Hbeta is not computed."""
+    model = loading.model
+    if model is None or not contacts.force_n.size:
+        return None
+    loads, place, force = loading.loads_of(contacts), contacts.position, contacts.force_n
+    factors = model.factors(loads)[place]
+    tooth = contacts.on(Gear.DRIVING).tooth
+    line = factors * force
+    rows = largest_rows(line, tooth, int(tooth.max()) + 1)
+    rows = rows[(rows >= 0) & (line[rows] >= LEADING * line.max())]
+    straight = replace(model, askew_mm=0.0).factors(loads)[place]
+    most = np.zeros(loads.force_n.size)
+    np.maximum.at(most, place, force)
+    heavy = most >= LEADING * most.max()
+    crowning_mm = round(best_crowning_mm(model, loads.kept(heavy), most[heavy]) / MM_PER_UM) * MM_PER_UM
+    best = replace(model, lead=replace(model.lead, crowning_mm=crowning_mm)).factors(loads)[place]
+    least, greatest = rows[factors[rows].argmin()], rows[factors[rows].argmax()]
+    decisive = int(line.argmax())
+    found = [ToothFactor(float(factors[row]), int(tooth[row])) for row in (least, greatest, decisive)]
+    return ToldFaceLoad(
+        *found,
+        float(straight[decisive]),
+        model.askew_mm / MM_PER_UM,
+        model.lead.crowning_mm / MM_PER_UM,
+        crowning_mm / MM_PER_UM,
+        float(np.max(best * force) / force[decisive]),
     )

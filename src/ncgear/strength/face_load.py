@@ -30,13 +30,14 @@ checked.
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import inf, pi
 
 import numpy as np
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, Columns
 
 ASSUMED = 1.3
 """K_Hbeta where nothing is known of the shafts: usual for gears not wider than their shafts are stiff."""
@@ -137,12 +138,12 @@ class LeadForm:
 
 
 @dataclass(frozen=True, eq=False)
-class FaceLoads:
+class FaceLoads(Columns):
     """What presses flanks together at n positions, shape (n,) each.
 
     ``force_n`` is the normal force of all pairs together and ``stiffness_n_mm2`` their stiffness for each mm of width.
     ``crank_n`` is the part of the crank's force on the driven shaft in the direction of the mesh force on that shaft.
-    ``arms_mm`` (shape (2, n)) are the arms of the mesh force about both axes.
+    ``arms_mm`` (shape (n, 2)) are the arms of the mesh force about both axes.
     """
 
     force_n: Array
@@ -181,7 +182,7 @@ class FaceModel:
         at = places_mm(self.width_mm)
         driven = self.shafts[1]
         force, stiffness = loads.force_n[pressed], loads.stiffness_n_mm2[pressed]
-        straight, twist = _mean_line(self.width_mm), self._twist(at, loads.arms_mm[:, pressed])
+        straight, twist = _mean_line(self.width_mm), self._twist(at, loads.arms_mm[pressed])
         compliance = twist + sum(
             one.bent_teeth * bent + (1.0 - one.bent_teeth) * straight @ bent @ straight.T
             for one, bent in ((one, one.compliance(at, at)) for one in self.shafts)
@@ -203,12 +204,49 @@ class FaceModel:
         The crank takes the torque off the driven gear on its own side; on the driving gear it comes in from the other.
         """
         side = 1.0 if self.crank_at_mm >= 0.0 else -1.0
-        twist = np.zeros((arms_mm.shape[1], at_mm.size, at_mm.size))
-        for shaft, arm, end in zip(self.shafts, arms_mm, (-side, side), strict=True):
+        twist = np.zeros((len(arms_mm), at_mm.size, at_mm.size))
+        for shaft, arm, end in zip(self.shafts, arms_mm.T, (-side, side), strict=True):
             far = self.width_mm / 2.0 - end * at_mm
             stiffness = SHEAR_MPA * pi * max(shaft.body_mm, shaft.diameter_mm) ** 4 / 32.0
             twist += (arm**2 / stiffness)[:, None, None] * np.minimum(far[:, None], far)
         return twist
+
+
+RESOLVED_MM = 2.5e-4
+"""To which the best crowning is found: a quarter of what workshops measure."""
+
+GOLDEN = (5.0**0.5 - 1.0) / 2.0
+
+
+def best_crowning_mm(model: FaceModel, loads: FaceLoads, most_n: Array) -> float:
+    """The crowning with which the largest load for each mm of width is the least, 0 where straight flanks are best.
+
+    ``most_n`` (shape (n,)) is what the most loaded pair bears at the positions of ``loads``; other positions are not
+    asked for.  The largest load falls with the crowning and rises again, since too much leaves the middle of the width
+    alone; a golden section finds the least.  Raises as ``largest_line_load`` does.
+    """
+
+    def largest(crowning_mm: float) -> float:
+        crowned = replace(model, lead=replace(model.lead, crowning_mm=crowning_mm))
+        return float(np.max(crowned.factors(loads) * most_n))
+
+    low, high = 0.0, float(np.max(loads.force_n / loads.stiffness_n_mm2)) / model.width_mm
+    while largest(2.0 * high) < largest(high):
+        high *= 2.0
+    high *= 2.0
+    first, second = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+    at_first, at_second = largest(first), largest(second)
+    while high - low > RESOLVED_MM:
+        if at_first <= at_second:
+            high, second, at_second = second, first, at_first
+            first = high - GOLDEN * (high - low)
+            at_first = largest(first)
+        else:
+            low, first, at_first = first, second, at_second
+            second = low + GOLDEN * (high - low)
+            at_second = largest(second)
+    found = (low + high) / 2.0
+    return found if largest(found) < largest(0.0) else 0.0
 
 
 def _mean_line(width_mm: float) -> Array:

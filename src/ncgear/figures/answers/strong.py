@@ -16,6 +16,7 @@ from ncgear.figures.sized import sized_rows
 from ncgear.figures.strong import (
     HEADS,
     LOADS,
+    face_load_words,
     holding_words,
     knock_words,
     materials_words,
@@ -100,6 +101,7 @@ def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
                 f"{figure(error, loading.transmission_error_rad)}",
             ),
         ),
+        Row(f"{of}along the width", (face_load_words(drive, rating),)),
         *([Row(f"{of}knocks", (words,))] if (words := knock_words(loading.knocks)) else []),
     ]
 
