@@ -113,6 +113,10 @@ def _face_load_figures(drive: Drive, rating: Rating) -> dict[str, Any]:
     }
 
 
+ALIKE = 0.01
+"""Share by which a crowning has to lower the factor that it is told."""
+
+
 def face_load_words(drive: Drive, rating: Rating) -> str:
     """How unevenly teeth bear along their width, and whether that is given, assumed or computed."""
     loading = drive.face_loading
@@ -124,7 +128,8 @@ def face_load_words(drive: Drive, rating: Rating) -> str:
     least, greatest, decisive, by_shafts, best = (to_digits(one, 3) for one in factors)
     grade = "" if drive.design.tolerances else f", grade {GRADE} assumed"
     at_best = f"crowning of {told.best_um:g} um"
-    better = f"as crowned by {told.crowning_um:g} um" if told.best_um == told.crowning_um else f"{at_best}: {best}"
+    is_best = told.best > (1.0 - ALIKE) * told.decisive.factor
+    better = "no other crowning is better" if is_best else f"{at_best}: {best}"
     return (
         f"factor {least} to {greatest} by shafts, bearings and lead{grade}; {decisive} at tooth "
         f"{told.decisive.tooth}, which bears most, {by_shafts} if no flank were askew; {better}"

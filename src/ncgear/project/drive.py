@@ -453,8 +453,8 @@ class Drive(Geared):
             if method not in known:
                 methods = methods_of(method, teeth, self.materials)
                 known[method] = methods, self.loading(methods, self.materials)
-            given = conditions, self.running, load, self.face_loading
-            return judged_teeth(method, self.gears, *known[method], *given)
+            running, uneven = self.running, self.face_loading
+            return judged_teeth(method, self.gears, *known[method], conditions, running, load, uneven)
 
     @computed
     def _known_loadings(self) -> dict[str, tuple[tuple[ToothMethod, ToothMethod], Loading]]:

@@ -66,11 +66,12 @@ class FaceLoading:
 
     def loads_of(self, contacts: LoadedContacts) -> FaceLoads:
         """What presses the flanks together at every position of loaded contacts."""
-        force, stiffness = (np.bincount(contacts.position, one) for one in (contacts.force_n, contacts.stiffness_n_mm))
-        phi1, side = np.zeros(force.size), np.zeros(force.size)
-        phi1[contacts.position], side[contacts.position] = contacts.phi1_rad, contacts.side
+        each = contacts.force_n, contacts.stiffness_n_mm
+        force, stiffness = (np.bincount(contacts.position, one).astype(float) for one in each)
+        phi1, urge = np.zeros(force.size), np.ones(force.size)
+        phi1[contacts.position], urge[contacts.position] = contacts.phi1_rad, 1.0 - 2.0 * contacts.side
         assert self.model is not None
-        return self._pressing(phi1, 1.0 - 2.0 * side, force, stiffness / self.model.width_mm)
+        return self._pressing(phi1, urge, force, stiffness / self.model.width_mm)
 
     def of_side(self, one: SharedLoad) -> Array:
         """K_Hbeta of a load that is known without teeth, shape (n,)."""
@@ -109,15 +110,10 @@ def face_loading_of(drive: Drive) -> FaceLoading:
     around, gears = design.drivetrain, drive.gears
     if around is None:
         return FaceLoading("assumed", why="drivetrain is not given")
-    driving, driven = (
-        _Around.of(around.driving_shaft, gears, Gear.DRIVING),
-        _Around.of(around.driven_shaft, gears, Gear.DRIVEN),
-    )
-    for one in (driving, driven):
-        if isinstance(one, str):
-            return FaceLoading("assumed", why=one)
-    assert isinstance(driving, _Around)
-    assert isinstance(driven, _Around)
+    driving = _Around.of(around.driving_shaft, gears, Gear.DRIVING)
+    driven = _Around.of(around.driven_shaft, gears, Gear.DRIVEN)
+    if isinstance(driving, str) or isinstance(driven, str):
+        return FaceLoading("assumed", why=driving if isinstance(driving, str) else str(driven))
     asked = asked_of(drive)
     phi1 = sample_angles(asked.pair.transmission)
     mesh, crank = asked.mesh_force(phi1).force, _crank_n(asked, phi1)
@@ -230,11 +226,15 @@ def told_face_load(loading: FaceLoading, contacts: LoadedContacts) -> ToldFaceLo
     heavy = most >= LEADING * most.max()
     crowning_mm = round(best_crowning_mm(model, loads.kept(heavy), most[heavy]) / MM_PER_UM) * MM_PER_UM
     best = replace(model, lead=replace(model.lead, crowning_mm=crowning_mm)).factors(loads)[place]
-    least, greatest = rows[factors[rows].argmin()], rows[factors[rows].argmax()]
     decisive = int(line.argmax())
-    found = [ToothFactor(float(factors[row]), int(tooth[row])) for row in (least, greatest, decisive)]
+
+    def told(row: int) -> ToothFactor:
+        return ToothFactor(float(factors[row]), int(tooth[row]))
+
     return ToldFaceLoad(
-        *found,
+        told(rows[factors[rows].argmin()]),
+        told(rows[factors[rows].argmax()]),
+        told(decisive),
         float(straight[decisive]),
         model.askew_mm / MM_PER_UM,
         model.lead.crowning_mm / MM_PER_UM,

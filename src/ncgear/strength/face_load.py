@@ -96,7 +96,7 @@ class Shaft:
 
         def beyond(places: Array) -> Array:
             """Arms of forces of 1 N beyond points of the shaft, shape (places, points)."""
-            return np.maximum(places[:, None] - point, 0.0)
+            return np.asarray(np.maximum(places[:, None] - point, 0.0))
 
         moment, across = beyond(forces), (forces[:, None] > point).astype(float)
         for one, reaction in zip(self.supports, borne, strict=True):
