@@ -18,14 +18,14 @@ K_Hbeta = max(w) b / F.  That is the way of ISO 6336-1:2019, annex E (secondary 
   bends with it by I / (I + I_body), since both resist bending together: the teeth of a wheel stay straight, those of a
   pinion follow its shaft.  The mean line of a form y(z) is P y, the least squares of y; loads reach the shaft by P's
   transpose, so that no energy is made.
-- The body twists against the end at which the torque comes in or leaves.
+- The body twists as a cylinder of the arm of the mesh force, against the end at which the torque comes in or leaves:
+  by 2 / (pi G r^2) times the length that passes on both forces, r being the arm.
 - Teeth beside each other do not support each other, so that the peaks are on the safe side.
 
-**Solution.**  Between M + 1 equally distant places the load that a spring would have, u = c (x - g), is taken as
-linear.  Where it presses follows from its zeros, and its forces on the places are those of the hat functions over that
-part, so that linear gaps are met exactly.  With the part known, u and x are the solution of linear equations; it is
-computed anew until it stays (Newton's method, since the forces have a continuous slope).  Equilibrium and all w are
-checked.
+**Solution.**  Between M + 1 places the load that a spring would have, u = c (x - g), is taken as linear.  Where it
+presses follows from its zeros, and its forces on the places are those of the hat functions over that part, so that
+linear gaps are met exactly.  With the part known, u and x are the solution of linear equations; it is computed anew
+until it stays (Newton's method, since the forces have a continuous slope).  Equilibrium and all w are checked.
 """
 
 from __future__ import annotations
@@ -152,9 +152,17 @@ class FaceLoads(Columns):
     arms_mm: Array
 
 
-def places_mm(width_mm: float) -> Array:
-    """The places along the width at which gaps are given, shape (PARTS + 1,), from its middle."""
-    return np.linspace(-width_mm / 2.0, width_mm / 2.0, PARTS + 1)
+def places_mm(width_mm: float, lead: LeadForm) -> Array:
+    """The places along the width at which gaps are given, shape (PARTS + 1,), from its middle.
+
+    They are equally distant, but for those next to where an end relief begins, which stand right there.
+    """
+    places = np.linspace(-width_mm / 2.0, width_mm / 2.0, PARTS + 1)
+    begins = width_mm / 2.0 - lead.relief_length_mm
+    if 0.0 < begins < width_mm / 2.0:
+        for sign in (-1.0, 1.0):
+            places[1 + int(np.abs(places[1:-1] - sign * begins).argmin())] = sign * begins
+    return places
 
 
 @dataclass(frozen=True)
@@ -179,10 +187,10 @@ class FaceModel:
         found = np.ones(loads.force_n.size)
         if not pressed.size:
             return found
-        at = places_mm(self.width_mm)
+        at = places_mm(self.width_mm, self.lead)
         driven = self.shafts[1]
         force, stiffness = loads.force_n[pressed], loads.stiffness_n_mm2[pressed]
-        straight, twist = _mean_line(self.width_mm), self._twist(at, loads.arms_mm[pressed])
+        straight, twist = _mean_line(at), self._twist(at, loads.arms_mm[pressed])
         compliance = twist + sum(
             one.bent_teeth * bent + (1.0 - one.bent_teeth) * straight @ bent @ straight.T
             for one, bent in ((one, one.compliance(at, at)) for one in self.shafts)
@@ -192,9 +200,7 @@ class FaceModel:
         gap = by_crank * loads.crank_n[pressed, None] + self.lead.gap_mm(at, self.width_mm)
         askew = self.askew_mm * at / self.width_mm
         senses = (1.0, -1.0) if self.askew_mm else (1.0,)
-        largest = [
-            largest_line_load(gap + sense * askew, compliance, stiffness, force, self.width_mm) for sense in senses
-        ]
+        largest = [largest_line_load(at, gap + sense * askew, compliance, stiffness, force) for sense in senses]
         found[pressed] = np.max(largest, axis=0) * self.width_mm / force
         return found
 
@@ -205,10 +211,9 @@ class FaceModel:
         """
         side = 1.0 if self.crank_at_mm >= 0.0 else -1.0
         twist = np.zeros((len(arms_mm), at_mm.size, at_mm.size))
-        for shaft, arm, end in zip(self.shafts, arms_mm.T, (-side, side), strict=True):
+        for arm, end in zip(arms_mm.T, (-side, side), strict=True):
             far = self.width_mm / 2.0 - end * at_mm
-            stiffness = SHEAR_MPA * pi * max(shaft.body_mm, shaft.diameter_mm) ** 4 / 32.0
-            twist += (arm**2 / stiffness)[:, None, None] * np.minimum(far[:, None], far)
+            twist += (2.0 / (pi * SHEAR_MPA * arm**2))[:, None, None] * np.minimum(far[:, None], far)
         return twist
 
 
@@ -249,11 +254,10 @@ def best_crowning_mm(model: FaceModel, loads: FaceLoads, most_n: Array) -> float
     return found if largest(found) < largest(0.0) else 0.0
 
 
-def _mean_line(width_mm: float) -> Array:
-    """From a form at the places along the width to the line of its least squares there, shape (places, places)."""
-    at = places_mm(width_mm)
-    mass = _hats(np.tile([0.0, 1.0], (1, PARTS, 1)), width_mm / PARTS)[0]
-    lines = np.stack([np.ones(at.size), at])
+def _mean_line(at_mm: Array) -> Array:
+    """From a form at places along the width to the line of its least squares there, shape (places, places)."""
+    mass = _hats(np.tile([0.0, 1.0], (1, at_mm.size - 1, 1)), np.diff(at_mm))[0]
+    lines = np.stack([np.ones(at_mm.size), at_mm])
     return np.asarray(lines.T @ np.linalg.solve(lines @ mass @ lines.T, lines @ mass))
 
 
@@ -269,17 +273,17 @@ BALANCED = 1e-8
 """Share of the mean load by which forces and gaps may miss their equations; rounding errors are 1e-11 of it."""
 
 
-def largest_line_load(gap_mm: Array, compliance: Array, stiffness: Array, force_n: Array, width_mm: float) -> Array:
+def largest_line_load(at_mm: Array, gap_mm: Array, compliance: Array, stiffness: Array, force_n: Array) -> Array:
     """The largest load for each mm of width in N/mm at n positions, shape (n,).
 
-    ``gap_mm`` (shape (n, m) or (m,)) is g_0 at equally distant places from one end of the width to the other,
+    ``gap_mm`` (shape (n, m) or (m,)) is g_0 at the places ``at_mm`` (m,) from one end of the width to the other,
     ``compliance`` (n, m, m) or (m, m) is A in mm/N, ``stiffness`` (n,) is c in N/mm2 and ``force_n`` (n,) is above 0.
     Raises NoSuchMechanism where equations are not met.
     """
     count, places = force_n.size, compliance.shape[-1]
     gap = np.broadcast_to(gap_mm, (count, places))
     compliance = np.broadcast_to(compliance, (count, places, places))
-    part_mm, mean = width_mm / (places - 1), force_n / width_mm
+    part_mm, mean = np.diff(at_mm), force_n / float(np.ptp(at_mm))
     load, active = np.ones((count, places)), np.broadcast_to([0.0, 1.0], (count, places - 1, 2)).copy()
     todo = np.arange(count)
     for step in range(STEPS):
@@ -324,7 +328,7 @@ def _pressing(load: Array) -> Array:
     return np.stack([begin, end], axis=-1)
 
 
-def _hats(active: Array, part_mm: float) -> Array:
+def _hats(active: Array, part_mm: Array) -> Array:
     """The integrals of products of hat functions over what presses, shape (n, m, m), tridiagonal."""
     places = active.shape[1] + 1
     begin, end = active[..., 0], active[..., 1]
