@@ -101,7 +101,7 @@ def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
                 f"{figure(error, loading.transmission_error_rad)}",
             ),
         ),
-        Row(f"{of}along the width", (face_load_words(drive, rating),)),
+        Row(f"{of}face load", (face_load_words(drive, rating),)),
         *([Row(f"{of}knocks", (words,))] if (words := knock_words(loading.knocks)) else []),
     ]
 
