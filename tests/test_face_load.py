@@ -14,7 +14,9 @@ import drives
 from commands import Run
 from drives import DESIGNS, design_of
 from ncgear.drivetrain.bearings import Bearing, stiffness_n_mm
+from ncgear.drivetrain.cycle import cycle_of
 from ncgear.errors import NoSuchMechanism
+from ncgear.figures.advice.given_advice import without_effect
 from ncgear.figures.strong import strength_summary
 from ncgear.numerics.arrays import Array
 from ncgear.project.alternatives import changed_drive
@@ -368,6 +370,24 @@ def test_flanks_askew_by_grade_tilt_and_running_in() -> None:
     assert tilted == pytest.approx(kept * 100.0 * np.tan(np.radians(0.01)), rel=1e-12)
 
 
+def test_keys_without_effect_are_told() -> None:
+    """A diameter counts where bearings do, without any steel; a stiffness not beside a factor of one's own."""
+    shafts = {name: dict(DATA["drivetrain"][name]) for name in ("driving_shaft", "driven_shaft")}
+    for shaft in shafts.values():
+        del shaft["steel"], shaft["key"]
+        shaft["diameter_mm"] = 50.0
+    shafts["driving_shaft"]["bearing_a"] = {"at_mm": -110.0, "stiffness_n_per_um": 300.0}
+
+    def told(**strength: object) -> str:
+        drive = changed(drivetrain=shafts, strength=strength)
+        return " ".join(one.what for one in without_effect(drive))
+
+    assert "stiffness" not in told()
+    assert "diameter" not in told()
+    assert "driving_shaft.bearing_a.stiffness_n_per_um" in told(face_load_factor=1.2)
+    assert "driven_shaft.diameter_mm" in told(face_load_factor=1.2)
+
+
 @pytest.mark.slow
 class TestBalerDrivetrain:
     """The one worked design with bearings, and what its shafts make of its teeth."""
@@ -383,6 +403,23 @@ class TestBalerDrivetrain:
         turned = normal / (-force / np.abs(force))
         flanks = contacts.flanks
         assert np.abs(turned[flanks] - 1.0).max() < 2e-2
+
+    def test_the_crank_presses_as_its_bearings_feel(self) -> None:
+        """Beside the loads of bearings, which follow from the machine with its gears in their places."""
+        drive = drives.drive("baler-drivetrain")
+        loads = cycle_of(drive.rigid).loads
+        asked = drive.face_loading.asked
+        assert asked is not None
+        jolted = replace(drive.face_loading, over=1.5)
+        urge = np.where(loads.driven.torque_n_mm < 0.0, -1.0, 1.0)
+        found = jolted.pressing(loads.phi1_rad, urge, np.abs(loads.driven.gear_n), urge)
+        towards = loads.driven.gear_n / np.abs(loads.driven.gear_n)
+        assert found.force_n == pytest.approx(1.5 * np.abs(loads.driven.gear_n), rel=1e-12)
+        expected = 1.5 * np.real(loads.driven.crank_n * np.conj(towards))
+        assert found.crank_n == pytest.approx(expected, rel=1e-9, abs=1e-6 * np.abs(expected).max())
+        turning = np.abs(found.arms_mm * np.abs(loads.driven.gear_n)[:, None])
+        assert turning[:, 1] == pytest.approx(np.abs(loads.driven.torque_n_mm), rel=1e-9, abs=1.0)
+        assert turning[:, 0] == pytest.approx(np.abs(loads.driving.torque_n_mm), rel=1e-9, abs=1.0)
 
     def test_the_load_along_the_width(self) -> None:
         """The leaning of the crank's overhang alone makes little, flanks askew by grade 8 more, crowning cures most."""

@@ -71,16 +71,21 @@ class FaceLoading:
         phi1, urge = np.zeros(force.size), np.ones(force.size)
         phi1[contacts.position], urge[contacts.position] = contacts.phi1_rad, 1.0 - 2.0 * contacts.side
         assert self.model is not None
-        return self._pressing(phi1, urge, force, stiffness / self.model.width_mm)
+        return self.pressing(phi1, urge, force, stiffness / self.model.width_mm)
 
     def of_side(self, one: SharedLoad) -> Array:
         """K_Hbeta of a load that is known without teeth, shape (n,)."""
         if self.model is None:
             return np.full(one.load.force_n.shape, self.constant)
         load = one.load
-        return self.model.factors(self._pressing(load.phi1_rad, load.urge, load.force_n, one.stiffness_n_mm2))
+        return self.model.factors(self.pressing(load.phi1_rad, load.urge, load.force_n, one.stiffness_n_mm2))
 
-    def _pressing(self, phi1_rad: Array, urge: Array, force_n: Array, stiffness_n_mm2: Array) -> FaceLoads:
+    def pressing(self, phi1_rad: Array, urge: Array, force_n: Array, stiffness_n_mm2: Array) -> FaceLoads:
+        """What presses the flanks together at driving angles, shape (n,).
+
+        ``urge`` is +1 where pushing flanks bear, -1 where backs do; ``force_n`` is the normal force of all pairs and
+        ``stiffness_n_mm2`` theirs.
+        """
         assert self.asked is not None
         mesh = self.asked.mesh_force(phi1_rad, urge)
         size = mesh.size_n.value

@@ -43,7 +43,7 @@ ASSUMED = 1.3
 """K_Hbeta where nothing is known of the shafts: usual for gears not wider than their shafts are stiff."""
 
 PARTS = 16
-"""Parts of the width.  With 64, factors of baler-drivetrain and of gears with crowning change by 0.5 % at most."""
+"""Parts of the width.  With 64, factors of baler-drivetrain change by 0.05 %, and by 1 % with a crowning of 20 um."""
 
 STEEL_MPA = 206_000.0
 SHEAR_MPA = 79_300.0
