@@ -266,8 +266,8 @@ STEPS = 40
 
 HALVED = 12
 
-STAYS = 1e-11
-"""Change of the pressing part, in shares of a part of the width, at which it stays."""
+STAYS = 1e-5
+"""Change of the pressing part, in shares of a part of the width, at which it stays: a force changes with its square."""
 
 BALANCED = 1e-8
 """Share of the mean load by which forces and gaps may miss their equations; rounding errors are 1e-11 of it."""
