@@ -245,6 +245,14 @@ def test_bodies_twist_by_a_closed_form() -> None:
     assert factor(bent, pressed(1000.0)) < factor(model, pressed(1000.0, arm_mm=radius))
 
 
+def test_a_body_of_plastic_bends_with_its_shaft() -> None:
+    """Twice as thick, (2^4 - 1) times I of the shaft: of steel it leaves 1/16 of the bending, of POM 1 / 1.2."""
+    steel = Shaft(40.0, 80.0, SUPPORTS[0])
+    assert steel.bent_teeth == pytest.approx(1.0 / 16.0, rel=1e-12)
+    assert replace(steel, body_mpa=E_MPA / 75.0).bent_teeth == pytest.approx(1.0 / 1.2, rel=1e-12)
+    assert replace(steel, body_mm=30.0).bent_teeth == 1.0
+
+
 def test_wider_spans_are_worse() -> None:
     spans = [Shaft(60.0, 60.0, (Support(-half), Support(half))) for half in (100.0, 150.0, 200.0)]
     found = [factor(FaceModel((one, RIGID), 0.0, WIDTH, 0.0, LeadForm()), pressed(20_000.0)) for one in spans]

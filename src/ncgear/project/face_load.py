@@ -125,7 +125,8 @@ def face_loading_of(drive: Drive) -> FaceLoading:
     on_driven = mesh.x.value + 1j * mesh.y.value
     # The arm of the force is about the radius of the roots.
     arms = _arms_mm(asked, phi1, np.ones(phi1.size)).min(axis=0)
-    shafts = driving.shaft(arms[0], -on_driven, 0.0 * crank), driven.shaft(arms[1], on_driven, crank)
+    first, second = (one.youngs_modulus_mpa for one in drive.materials)
+    shafts = driving.shaft((arms[0], first), -on_driven, 0.0 * crank), driven.shaft((arms[1], second), on_driven, crank)
     askew, running = _askew_mm(design, drive.running), drive.running
     worn = sum(running_in(one, running, askew) for one in choices_of(gears)) / 2.0
     model = FaceModel(shafts, driven.crank_at_mm, gears.face_width_mm, askew - worn, lead_form(gears))
@@ -151,14 +152,14 @@ class _Around:
         crank_at = given.crank_at_mm if isinstance(given, DrivenShaft) else 0.0
         return cls((bearing_of(given.bearing_a), bearing_of(given.bearing_b)), diameter, crank_at)
 
-    def shaft(self, root_mm: float, gear_n: ComplexArray, crank_n: ComplexArray) -> Shaft:
-        """The shaft on springs, by the least radius of the roots and the forces of gear and crank over the cycle."""
+    def shaft(self, body: tuple[float, float], gear_n: ComplexArray, crank_n: ComplexArray) -> Shaft:
+        """The shaft on springs, by the forces of gear and crank over the cycle; ``body`` is the body's radius and E."""
         borne = supporting_forces(gear_n, crank_n, self.bearings, self.crank_at_mm)
         first, second = (
             Support(one.at_mm, stiffness_n_mm(one, float(np.abs(force).max())))
             for one, force in zip(self.bearings, borne, strict=True)
         )
-        return Shaft(self.diameter_mm, 2.0 * float(root_mm), (first, second))
+        return Shaft(self.diameter_mm, 2.0 * float(body[0]), (first, second), body[1])
 
 
 def _askew_mm(design: Design, running: Running) -> float:

@@ -15,9 +15,9 @@ K_Hbeta = max(w) b / F.  That is the way of ISO 6336-1:2019, annex E (secondary 
   of the section, and of R_z R_s / k over its bearings, R being what they bear (theorem of Castigliano).  The gear's
   body does not stiffen it: ISO 6336-1 expects that of no body on a key.
 - The teeth stand on the body, a cylinder up to their roots.  It leans as its shaft does in the mean of the width, and
-  bends with it by I / (I + I_body), since both resist bending together: the teeth of a wheel stay straight, those of a
-  pinion follow its shaft.  The mean line of a form y(z) is P y, the least squares of y; loads reach the shaft by P's
-  transpose, so that no energy is made.
+  bends with it by E I / (E I + E_body I_body), since both resist bending together: the teeth of a wheel stay straight,
+  those of a pinion follow its shaft.  The mean line of a form y(z) is P y, the least squares of y; loads reach the
+  shaft by P's transpose, so that no energy is made.
 - The body twists as a cylinder of the arm of the mesh force, against the end at which the torque comes in or leaves:
   by 2 / (pi G r^2) times the length that passes on both forces, r being the arm.
 - Teeth beside each other do not support each other, so that the peaks are on the safe side.
@@ -66,7 +66,7 @@ class Support:
 
 @dataclass(frozen=True)
 class Shaft:
-    """A round shaft of steel on two bearings, and the diameter of its gear's body, of steel as well, below the teeth.
+    """A round shaft of steel on two bearings, and its gear's body below the teeth: diameter and Young's modulus.
 
     Places along it in mm count from the middle of the gear.
     """
@@ -74,11 +74,13 @@ class Shaft:
     diameter_mm: float
     body_mm: float
     supports: tuple[Support, Support]
+    body_mpa: float = STEEL_MPA
 
     @property
     def bent_teeth(self) -> float:
         """How much of the shaft's bending the teeth follow: 1 where the body is no thicker than its shaft."""
-        return float(min(1.0, (self.diameter_mm / self.body_mm) ** 4))
+        thicker = max((self.body_mm / self.diameter_mm) ** 4 - 1.0, 0.0)
+        return 1.0 / (1.0 + self.body_mpa / STEEL_MPA * thicker)
 
     def reactions(self, at_mm: Array) -> Array:
         """What both bearings bear of 1 N at places, shape (2, n)."""
@@ -211,9 +213,9 @@ class FaceModel:
         """
         side = 1.0 if self.crank_at_mm >= 0.0 else -1.0
         twist = np.zeros((len(arms_mm), at_mm.size, at_mm.size))
-        for arm, end in zip(arms_mm.T, (-side, side), strict=True):
-            far = self.width_mm / 2.0 - end * at_mm
-            twist += (2.0 / (pi * SHEAR_MPA * arm**2))[:, None, None] * np.minimum(far[:, None], far)
+        for shaft, arm, end in zip(self.shafts, arms_mm.T, (-side, side), strict=True):
+            far, shear = self.width_mm / 2.0 - end * at_mm, SHEAR_MPA * shaft.body_mpa / STEEL_MPA
+            twist += (2.0 / (pi * shear * arm**2))[:, None, None] * np.minimum(far[:, None], far)
         return twist
 
 
