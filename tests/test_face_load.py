@@ -17,6 +17,7 @@ from ncgear.drivetrain.bearings import Bearing, stiffness_n_mm
 from ncgear.drivetrain.cycle import cycle_of
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.advice.given_advice import without_effect
+from ncgear.figures.data_sheet.accuracy import tolerances
 from ncgear.figures.strong import strength_summary
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
@@ -373,6 +374,16 @@ def test_what_is_missing_is_assumed_and_told() -> None:
     assert (half.basis, half.why) == ("assumed", "drivetrain gives no bearings of the driving shaft")
     own = changed(strength={"face_load_factor": 1.1}).face_loading
     assert (own.basis, own.constant) == ("given", 1.1)
+
+
+def test_the_data_sheet_has_the_form_along_the_width() -> None:
+    lead = {"crowning_um": 8.0, "end_relief_um": 12.0, "end_relief_length_mm": 10.0}
+    rows = {entry.label: entry.pair for entry in tolerances(changed(gears={"lead": lead}))}
+    assert rows["lead crowning of both gears together"] == 8.0
+    assert rows["end relief of both gears together"] == 12.0
+    assert rows["length of the end relief"] == 10.0
+    straight = [entry.label for entry in tolerances(drives.drive("baler-drivetrain"))]
+    assert not any("crowning" in label or "end relief" in label for label in straight)
 
 
 def test_flanks_askew_by_grade_tilt_and_running_in() -> None:

@@ -127,7 +127,7 @@ def face_load_words(drive: Drive, rating: Rating) -> str:
     factors = (told.least.factor, told.greatest.factor, told.decisive.factor, told.by_shafts, told.best)
     least, greatest, decisive, by_shafts, best = (to_digits(one, 3) for one in factors)
     grade = "" if drive.design.tolerances else f", grade {GRADE} assumed"
-    at_best = f"crowning of {told.best_um:g} um"
+    at_best = f"crowning of {told.best_um:g} \u00b5m"
     is_best = told.best > (1.0 - ALIKE) * told.decisive.factor
     better = "no other crowning is better" if is_best else f"{at_best}: {best}"
     return (

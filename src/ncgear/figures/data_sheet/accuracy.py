@@ -20,8 +20,8 @@ def tolerances(drive: Drive) -> tuple[Entry, ...]:
     rows = (
         Entry("standard", pair=given.standard or None),
         Entry("accuracy grade", pair=given.grade or None),
-        Entry("lead crowning of both flanks together", "um", pair=lead.crowning_um or None),
-        Entry("end relief of both flanks together", "um", pair=lead.end_relief_um),
+        Entry("lead crowning of both gears together", "\u00b5m", pair=lead.crowning_um or None),
+        Entry("end relief of both gears together", "\u00b5m", pair=lead.end_relief_um),
         Entry("length of the end relief", "mm", pair=lead.end_relief_length_mm),
         Entry("lower deviation of tooth thickness", "mm", pair=given.tooth_thickness_lower_mm),
         Entry("upper deviation of tooth thickness", "mm", pair=given.tooth_thickness_upper_mm),
