@@ -273,6 +273,7 @@ def test_what_is_not_balanced_is_refused() -> None:
         largest_line_load(np.arange(17.0), np.zeros(17), np.full((17, 17), np.nan), np.array([2e4]), np.array([1e3]))
 
 
+@pytest.mark.slow
 def test_the_best_crowning_against_a_scan() -> None:
     """Two positions whose loads lean to different ends; a scan in steps of 0.2 um, and none for perfect gears."""
     shafts = RIGID, Shaft(80.0, 300.0, SUPPORTS[1])
