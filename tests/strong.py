@@ -70,7 +70,7 @@ def made_up_loading(drive: Drive, strength: Strength) -> Loading:
         transmission_error_rad=120e-6,
         contact_ratio=1.5,
         cycle_turns=1,
-        knocks=(),
+        borne=None,
     )
 
 

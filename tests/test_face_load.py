@@ -444,11 +444,10 @@ class TestBalerDrivetrain:
         loads = cycle_of(drive.rigid).loads
         asked = drive.face_loading.asked
         assert asked is not None
-        jolted = replace(drive.face_loading, over=1.5)
         urge = np.where(loads.driven.torque_n_mm < 0.0, -1.0, 1.0)
-        found = jolted.pressing(loads.phi1_rad, urge, np.abs(loads.driven.gear_n), urge)
+        force = 1.5 * np.abs(loads.driven.gear_n)
+        found = drive.face_loading.pressing(loads.phi1_rad, urge, force, urge, 1.5)
         towards = loads.driven.gear_n / np.abs(loads.driven.gear_n)
-        assert found.force_n == pytest.approx(1.5 * np.abs(loads.driven.gear_n), rel=1e-12)
         expected = 1.5 * np.real(loads.driven.crank_n * np.conj(towards))
         assert found.crank_n == pytest.approx(expected, rel=1e-9, abs=1e-6 * np.abs(expected).max())
         turning = np.abs(found.arms_mm * np.abs(loads.driven.gear_n)[:, None])
@@ -459,17 +458,17 @@ class TestBalerDrivetrain:
         """The leaning of the crank's overhang alone makes little, flanks askew by grade 8 more, crowning cures most."""
         drive = drives.drive("baler-drivetrain")
         strength = drive.strength_by("estimate")
-        told = told_face_load(drive.face_loading, strength.contacts)
+        told = told_face_load(drive, strength.contacts)
         assert told is not None
         assert 1.0 < told.by_shafts < 1.2
-        assert 1.5 < told.decisive.factor < 1.7
+        assert 1.6 < told.decisive.factor < 1.8
         assert told.least.factor < 0.9 * told.decisive.factor
         assert told.greatest.factor > 1.1 * told.decisive.factor
         assert drive.face_loading.model is not None
         for gear, shaft in zip(Gear, drive.face_loading.model.shafts, strict=True):
             least = 2.0 * drive.pitch.radius_range_mm(gear)[0]
             assert 0.6 * least < shaft.body_mm < least
-        assert 3.0 <= told.best_um <= 8.0
+        assert 4.0 <= told.best_um <= 10.0
         assert told.best < 0.85 * told.decisive.factor
 
     def test_crowning_is_what_would_help(self) -> None:
@@ -486,7 +485,7 @@ class TestBalerDrivetrain:
         drive = drives.drive("baler-drivetrain")
         loading: FaceLoading = drive.face_loading
         assert loading.model is not None
-        loads = loading.loads_of(drive.strength_by("estimate").contacts)
+        loads = loading.loads_of(drive.strength_by("estimate").contacts, 1.0)
         heavy = np.flatnonzero(loads.force_n > 0.3 * loads.force_n.max())[::25]
         assert heavy.size > 5
         loads = replace(loads, arms_mm=np.full(loads.arms_mm.shape, 1e6))
@@ -516,8 +515,8 @@ class TestBalerDrivetrain:
         contacts, factors = strength.contacts, strength.stresses.face_load_factor
         for one in sides:
             row = int(one.load.force_n.argmax())
-            rough = float(drive.face_loading.of_side(one)[row])
-            loads = drive.face_loading.loads_of(contacts)
+            rough = float(drive.face_loading.of_side(one, 1.0)[row])
+            loads = drive.face_loading.loads_of(contacts, 1.0)
             near = np.abs(contacts.phi1_rad - one.load.phi1_rad[row])
             same = (contacts.side == (0 if one.load.urge[0] > 0.0 else 1)) & (near < 0.05)
             similar = np.abs(loads.force_n[contacts.position] / one.load.force_n[row] - 1.0) < 0.05

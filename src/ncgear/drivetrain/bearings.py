@@ -22,7 +22,7 @@ from math import inf, log, pi
 
 import numpy as np
 
-from ncgear.drivetrain.cycle import Cycle, LoadsAt, ShaftLoads, loads_at
+from ncgear.drivetrain.cycle import Cycle, LoadsAt, ShaftLoads
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.extrema import Extremum
@@ -166,7 +166,7 @@ class Bend:
 
 def shaft_loads(cycle: Cycle, gear: Gear, phi1_rad: Array) -> ShaftLoads:
     """The loads of the driving or of the driven shaft at driving angles in rad, shape (n,)."""
-    return _of(loads_at(cycle.rigid, phi1_rad, cycle.mesh_share), gear)
+    return _of(cycle.loads_at(phi1_rad), gear)
 
 
 def peak_places_rad(cycle: Cycle, gear: Gear, bearings: tuple[Bearing, Bearing], crank_at_mm: float) -> Array:

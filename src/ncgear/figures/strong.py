@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from math import degrees, floor, isfinite, log10
+from math import degrees, floor, inf, isfinite, log10
 from typing import Any
 
 import numpy as np
@@ -13,8 +13,10 @@ from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import fixed, known, shown, to_digits
 from ncgear.figures.quantities import figure
+from ncgear.figures.simulated import force_figures
 from ncgear.figures.summary.check_summary import stages_summary, verdict_summary
 from ncgear.figures.tables import Column, Table
+from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.face_load import told_face_load
@@ -63,6 +65,8 @@ def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rat
             "contact_ratio_under_load_mean": rating.loading.contact_ratio,
             "transmission_error_under_load_rad": rating.loading.transmission_error_rad,
             **_knock_figures(rating.loading.knocks),
+            **_jam_figures(drive, rating),
+            **({} if (peaks := drive.knocking_peaks) is None else {"with_knocks": force_figures(drive.linkage, peaks)}),
         },
         "gears": {"module_mm": size.module_mm, "face_width_mm": drive.gears.face_width_mm},
         "strength": strength_summary(rating, drive),
@@ -82,6 +86,48 @@ def _knock_figures(knocks: Sequence[Knock] | None) -> dict[str, Any]:
     return {"knocks": len(knocks), **told}
 
 
+def jolts_words(drive: Drive) -> str:
+    """The application factor, and whether anybody gave it."""
+    assumed = "" if "application_factor" in drive.design.strength.model_fields_set else ", assumed since none is given"
+    return f"an application factor of {drive.conditions.application_factor:g}{assumed}"
+
+
+def _jam_figures(drive: Drive, rating: Rating) -> dict[str, Any]:
+    """The torque of a jam, how often it comes, and the least safeties under it alone; empty without a jam."""
+    jam, jammed = drive.conditions.overload, drive.judged_teeth(rating.strength.method).jammed
+    if jam is None or jammed is None:
+        return {}
+    lives = {gear: lives_of(jammed, gear) for gear in Gear}
+    return {
+        "jam": {
+            "driving_torque_n_m": N_M_PER_N_MM * jam.driving_n_mm,
+            "times": jam.times,
+            "peak_tooth_force_n": float(jammed.contacts.force_n.max()),
+            **{
+                gear.value: {f"{damage.value}_safety_min": life.safety_min for damage, life in of.items()}
+                for gear, of in lives.items()
+            },
+        }
+    }
+
+
+def jam_words(drive: Drive, rating: Rating) -> str:
+    """What the teeth bear in a jam, and how safely; empty without a jam."""
+    jam, jammed = drive.conditions.overload, drive.judged_teeth(rating.strength.method).jammed
+    if jam is None or jammed is None:
+        return ""
+    least = dict[Damage, float]()
+    for gear in Gear:
+        for damage, life in lives_of(jammed, gear).items():
+            least[damage] = min(life.safety_min, least.get(damage, inf))
+    safeties = ", ".join(f"{to_digits(safety, 3)} against {damage.words}" for damage, safety in least.items())
+    return (
+        f"{figure('torque_n_m', N_M_PER_N_MM * jam.driving_n_mm)} at the driving shaft, {jam.times:g} times: up to "
+        f"{figure('force_n', float(jammed.contacts.force_n.max()))} on one pair of teeth, safety {safeties}; the table "
+        "has what is worse"
+    )
+
+
 def knock_words(knocks: Sequence[Knock] | None) -> str:
     """How often and how fast teeth knock; empty where they do not, or where nobody knows."""
     if not knocks:
@@ -95,7 +141,7 @@ def knock_words(knocks: Sequence[Knock] | None) -> str:
 
 def _face_load_figures(drive: Drive, rating: Rating) -> dict[str, Any]:
     """The load along the width as far as it is computed; teeth are those of the driving gear."""
-    told = told_face_load(drive.face_loading, rating.strength.contacts)
+    told = told_face_load(drive, rating.strength.contacts)
     if told is None:
         return {}
     return {
@@ -120,7 +166,7 @@ ALIKE = 0.01
 def face_load_words(drive: Drive, rating: Rating) -> str:
     """How unevenly teeth bear along their width, and whether that is given, assumed or computed."""
     loading = drive.face_loading
-    told = told_face_load(loading, rating.strength.contacts)
+    told = told_face_load(drive, rating.strength.contacts)
     if told is None:
         factor = f"factor {to_digits(loading.constant, 3)}"
         return f"{factor} as given" if loading.basis == "given" else f"{factor}, assumed since {loading.why}"

@@ -20,10 +20,13 @@ if TYPE_CHECKING:
     from ncgear.contact.pair import PairContact, SidesInContact
     from ncgear.contact.written.as_written import Outlines
     from ncgear.drivetrain.stall import Stall
+    from ncgear.dynamics.flank_changes import Knock
+    from ncgear.dynamics.knocking import KnockingMachine
     from ncgear.dynamics.meshing import Meshing
     from ncgear.dynamics.motion_in_time import Course
     from ncgear.dynamics.peaks import MotionPeaks
     from ncgear.dynamics.quasi_static import LoadedContact, LoadedPeaks
+    from ncgear.dynamics.rigid import LoadPeaks
     from ncgear.formulas.checked import Formulas
     from ncgear.project.drivetrain import DrivetrainResult
     from ncgear.project.face_load import FaceLoading
@@ -209,10 +212,38 @@ class Drive(Geared):
 
         if self.design.drivetrain is None:
             raise WrongInput("missing; it tells bearings, shafts, motor and more around the gears", key="drivetrain")
-        rigid = self.rigid
+        rigid, knocking = self.rigid, self.knocking
         touching = None if self.helix else TouchingTeeth(self.teeth, self.pitch, self.designed_contact)
         with self.stopwatch("drivetrain"):
-            return drivetrain_of(self.design, rigid, touching)
+            return drivetrain_of(self.design, rigid, touching, knocking)
+
+    @computed
+    def knocks(self) -> tuple[Knock, ...] | None:
+        """The knocks of the teeth in a turn of the driven gear; None where they are not followed, or are refused."""
+        try:
+            return self.loading_by(self.design.strength.method).knocks
+        except DesignError:
+            # Shafts and bearings are judged beside teeth that cannot be.
+            return None
+
+    @computed
+    def knocking(self) -> KnockingMachine | None:
+        """The loaded machine with the knocks of its teeth; None where it has none."""
+        from ncgear.dynamics.knocking import KnockingMachine
+
+        if not self.knocks or (borne := self.loading_by(self.design.strength.method).borne) is None:
+            return None
+        return KnockingMachine(self.rigid.machine, borne)
+
+    @computed
+    def knocking_peaks(self) -> LoadPeaks | None:
+        """The largest forces of the machine with the knocks of its teeth; None where it has none."""
+        from ncgear.kinematics.motion import sample_angles
+
+        if self.knocking is None:
+            return None
+        with self.stopwatch("knocks"):
+            return self.knocking.peaks(sample_angles(self.pair.transmission))
 
     @computed
     def motor_stall(self) -> Stall | None:
@@ -289,11 +320,14 @@ class Drive(Geared):
                 sides = BOTH_SIDES if load.knocks_are_judged else asked.sides
                 meshing = meshing_of(Simulation(), pitch, teeth, stiffness, sides)
                 borne, speed = borne_by(load, meshing), self.pair_speed_rad_s
-                still = loading_of(meshing, teeth, pitch, asked, speed, borne.knocks)
-                if not borne.knocks:
-                    return still
-                knocking = AskedTorque.of(pitch, borne.at)
-                return replace(loading_of(meshing, teeth, pitch, knocking, speed, borne.knocks), still=still)
+                found = loading_of(meshing, teeth, pitch, asked, speed, borne)
+                if borne.knocks:
+                    knocking = AskedTorque.of(pitch, borne.at)
+                    found = replace(loading_of(meshing, teeth, pitch, knocking, speed, borne), still=found)
+                if (jam := self.conditions.overload) is None:
+                    return found
+                jamming = AskedTorque.of(pitch, partial(load.passed_on_n_mm, jam.driving_n_mm))
+                return replace(found, jammed=loading_of(meshing, teeth, pitch, jamming, speed))
 
     @computed
     def _any_meshing(self) -> Meshing:

@@ -20,7 +20,7 @@ from ncgear.drivetrain.bearings import (
     peak_places_rad,
     shaft_loads,
 )
-from ncgear.drivetrain.cycle import Cycle, cycle_of
+from ncgear.drivetrain.cycle import Cycle, cycle_of, with_knocks
 from ncgear.drivetrain.demand import Demand
 from ncgear.drivetrain.losses import TouchingTeeth, mesh_loss_factor
 from ncgear.drivetrain.pto import Excursion, running_ahead, slipping
@@ -37,6 +37,7 @@ from ncgear.drivetrain.shafts import (
     shaft_safety,
 )
 from ncgear.drivetrain.speed import Disc, disc
+from ncgear.dynamics.knocking import KnockingMachine
 from ncgear.dynamics.rigid import Rigid
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
@@ -90,17 +91,20 @@ class DrivetrainResult:
     pto: PowerTakeOffResult | None
 
 
-def drivetrain_of(design: Design, rigid: Rigid, touching: TouchingTeeth | None) -> DrivetrainResult:
+def drivetrain_of(
+    design: Design, rigid: Rigid, touching: TouchingTeeth | None, knocking: KnockingMachine | None
+) -> DrivetrainResult:
     """The drivetrain of a design that has the section; ``touching`` is None where the teeth are helical.
 
-    Raises WrongInput where a part lacks what it needs of the gears.
+    Shafts, keys and bearings bear the loads of ``knocking``, or where that is None of the law.  The motor does not feel
+    the knocks: its shaft goes on evenly.  Raises WrongInput where a part lacks what it needs of the gears.
     """
     given, masses = design.drivetrain, design.masses
     assert given is not None
     assert masses is not None
     wanted = WantedLife(given.life_h, given.reliability_percent)
     demand = demand_of(design, rigid, None if touching is None else _loss_factor(touching, cycle_of(rigid)))
-    cycle = demand.cycle
+    cycle = with_knocks(demand.cycle, knocking) if knocking else demand.cycle
     needed = demand.fluctuation.flywheel_kg_mm2(masses.flywheel.speed_fluctuation)
     missing = needed - rigid.machine.masses.driving_shaft_kg_mm2 - demand.added_kg_mm2
     diameter = given.flywheel_diameter_mm

@@ -2,8 +2,8 @@
 
 Where the file gives the bearings and diameters of both shafts, K_Hbeta is computed at every position; else it is the
 person's own or ASSUMED.  A bearing is as stiff as its key says, or as its static rating tells at its largest force of
-the cycle; where neither is given it is rigid.  The crank presses with the force of the rigid level, knocks or not, and
-the application factor counts for all forces.
+the cycle; where neither is given it is rigid.  Where teeth bear more than the law asks, as in knocks, the crank presses
+with what that hurries (``ncgear.dynamics.knocking``).  The application factor counts for all forces.
 
 Flanks lie askew by the helix slope that the grade allows either gear (ISO 1328-1) and by the tilt of its bore, all
 independent of each other: the root of the sum of squares, as ISO 6336-1 combines both gears' (secondary source).  Where
@@ -22,6 +22,7 @@ import numpy as np
 from ncgear.design.keys.drivetrain import DrivenShaft, DrivingShaft
 from ncgear.design.keys.gears import Gears
 from ncgear.drivetrain.bearings import Bearing, stiffness_n_mm, supporting_forces
+from ncgear.dynamics.knocking import hurried_loads
 from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import sample_angles
 from ncgear.numerics.arrays import Array, ComplexArray, largest_rows
@@ -48,7 +49,7 @@ class FaceLoading:
     """How K_Hbeta of a pair is known.
 
     ``basis`` says so: given by the person, assumed (``why`` says what is missing), or computed by ``model`` from the
-    loads ``asked``, which a factor ``over`` multiplies.  ``constant`` is the factor that is given or assumed.
+    loads ``asked``.  ``constant`` is the factor that is given or assumed.  Loads count with an application factor.
     """
 
     basis: Literal["given", "assumed", "computed"]
@@ -56,43 +57,48 @@ class FaceLoading:
     why: str = ""
     model: FaceModel | None = None
     asked: ToothLoad | None = None
-    over: float = 1.0
 
-    def of_contacts(self, contacts: LoadedContacts) -> Array:
+    def of_contacts(self, contacts: LoadedContacts, application_factor: float) -> Array:
         """K_Hbeta of contacts that bear load, shape (n,); raises as ``FaceModel.factors`` does."""
         if self.model is None:
             return np.full(contacts.force_n.shape, self.constant)
-        return self.model.factors(self.loads_of(contacts))[contacts.position]
+        return self.model.factors(self.loads_of(contacts, application_factor))[contacts.position]
 
-    def loads_of(self, contacts: LoadedContacts) -> FaceLoads:
+    def loads_of(self, contacts: LoadedContacts, application_factor: float) -> FaceLoads:
         """What presses the flanks together at every position of loaded contacts."""
         each = contacts.force_n, contacts.stiffness_n_mm
         force, stiffness = (np.bincount(contacts.position, one).astype(float) for one in each)
         phi1, urge = np.zeros(force.size), np.ones(force.size)
         phi1[contacts.position], urge[contacts.position] = contacts.phi1_rad, 1.0 - 2.0 * contacts.side
         assert self.model is not None
-        return self.pressing(phi1, urge, force, stiffness / self.model.width_mm)
+        return self.pressing(
+            phi1, urge, application_factor * force, stiffness / self.model.width_mm, application_factor
+        )
 
-    def of_side(self, one: SharedLoad) -> Array:
+    def of_side(self, one: SharedLoad, application_factor: float) -> Array:
         """K_Hbeta of a load that is known without teeth, shape (n,)."""
         if self.model is None:
             return np.full(one.load.force_n.shape, self.constant)
         load = one.load
-        return self.model.factors(self.pressing(load.phi1_rad, load.urge, load.force_n, one.stiffness_n_mm2))
+        force = application_factor * load.force_n
+        pressing = self.pressing(load.phi1_rad, load.urge, force, one.stiffness_n_mm2, application_factor)
+        return self.model.factors(pressing)
 
-    def pressing(self, phi1_rad: Array, urge: Array, force_n: Array, stiffness_n_mm2: Array) -> FaceLoads:
+    def pressing(
+        self, phi1_rad: Array, urge: Array, force_n: Array, stiffness_n_mm2: Array, application_factor: float
+    ) -> FaceLoads:
         """What presses the flanks together at driving angles, shape (n,).
 
-        ``urge`` is +1 where pushing flanks bear, -1 where backs do; ``force_n`` is the normal force of all pairs and
-        ``stiffness_n_mm2`` theirs.
+        ``urge`` is +1 where pushing flanks bear, -1 where backs do; ``force_n`` is the normal force of all pairs, the
+        application factor in it, and ``stiffness_n_mm2`` theirs.
         """
         assert self.asked is not None
-        mesh = self.asked.mesh_force(phi1_rad, urge)
-        size = mesh.size_n.value
-        towards = (mesh.force.x.value + 1j * mesh.force.y.value) / size
-        crank = np.real(_crank_n(self.asked, phi1_rad) * np.conj(towards))
-        arms = _arms_mm(self.asked, phi1_rad, urge)
-        return FaceLoads(self.over * force_n, stiffness_n_mm2, self.over * crank, arms)
+        asked, mesh = self.asked, self.asked.mesh_force(phi1_rad, urge)
+        towards = (mesh.force.x.value + 1j * mesh.force.y.value) / mesh.size_n.value
+        arms = _arms_mm(asked, phi1_rad, urge)
+        torque = urge * force_n / application_factor * arms[:, 1]
+        crank = np.real(_crank_n(asked, phi1_rad, torque - asked.torque_n_mm(phi1_rad)) * np.conj(towards))
+        return FaceLoads(force_n, stiffness_n_mm2, application_factor * crank, arms)
 
 
 def _arms_mm(asked: ToothLoad, phi1_rad: Array, urge: Array) -> Array:
@@ -101,9 +107,12 @@ def _arms_mm(asked: ToothLoad, phi1_rad: Array, urge: Array) -> Array:
     return np.stack([slope, np.ones(slope.shape)], axis=1) / asked.mesh_force(phi1_rad, urge).size_n.value[:, None]
 
 
-def _crank_n(asked: ToothLoad, phi1_rad: Array) -> ComplexArray:
-    """The force as x + i y in N with which the crank presses on its shaft; the machine's gears lie nowhere."""
-    bearing = asked.machine.at(phi1_rad).crank_bearing
+def _crank_n(asked: ToothLoad, phi1_rad: Array, beyond_n_mm: Array) -> ComplexArray:
+    """The force as x + i y in N with which the crank presses on its shaft; the machine's gears lie nowhere.
+
+    Teeth bear ``beyond_n_mm`` (shape (n,)) beyond what the law asks of the driven gear.
+    """
+    bearing = hurried_loads(asked.machine, phi1_rad, beyond_n_mm).crank_bearing
     return np.asarray(-(bearing.x.value + 1j * bearing.y.value))
 
 
@@ -121,7 +130,7 @@ def face_loading_of(drive: Drive) -> FaceLoading:
         return FaceLoading("assumed", why=driving if isinstance(driving, str) else str(driven))
     asked = asked_of(drive)
     phi1 = sample_angles(asked.pair.transmission)
-    mesh, crank = asked.mesh_force(phi1).force, _crank_n(asked, phi1)
+    mesh, crank = asked.mesh_force(phi1).force, _crank_n(asked, phi1, np.zeros(phi1.size))
     on_driven = mesh.x.value + 1j * mesh.y.value
     # The arm of the force is about the radius of the roots.
     arms = _arms_mm(asked, phi1, np.ones(phi1.size)).min(axis=0)
@@ -130,7 +139,7 @@ def face_loading_of(drive: Drive) -> FaceLoading:
     askew, running = _askew_mm(design, drive.running), drive.running
     worn = sum(running_in(one, running, askew) for one in choices_of(gears)) / 2.0
     model = FaceModel(shafts, driven.crank_at_mm, gears.face_width_mm, askew - worn, lead_form(gears))
-    return FaceLoading("computed", model=model, asked=asked, over=drive.conditions.application_factor)
+    return FaceLoading("computed", model=model, asked=asked)
 
 
 @dataclass(frozen=True)
@@ -215,12 +224,13 @@ LEADING = 0.5
 teeth bear little, few of their flanks touch, and factors are high without harm."""
 
 
-def told_face_load(loading: FaceLoading, contacts: LoadedContacts) -> ToldFaceLoad | None:
+def told_face_load(drive: Drive, contacts: LoadedContacts) -> ToldFaceLoad | None:
     """What is told of contacts that bear load; None where K_Hbeta is not computed."""
+    loading, over = drive.face_loading, drive.conditions.application_factor
     model = loading.model
     if model is None or not contacts.force_n.size:
         return None
-    loads, place, force = loading.loads_of(contacts), contacts.position, contacts.force_n
+    loads, place, force = loading.loads_of(contacts, over), contacts.position, contacts.force_n
     factors = model.factors(loads)[place]
     tooth = contacts.on(Gear.DRIVING).tooth
     line = factors * force

@@ -116,7 +116,7 @@ def unknown(drive: Drive) -> WrongInput | None:
 
 def crowned_enough(drive: Drive, rating: Rating) -> Changes:
     """The lead crowning in whole um that is the best, where teeth hold with it; else, or as nothing tells it, empty."""
-    told = told_face_load(drive.face_loading, rating.strength.contacts)
+    told = told_face_load(drive, rating.strength.contacts)
     if told is None or told.best_um == told.crowning_um:
         return {}
     changes: Changes = {"gears.lead.crowning_um": told.best_um}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import pi
 from typing import TYPE_CHECKING, Literal
 
@@ -32,11 +33,15 @@ Method = Literal["estimate", "elements"]
 
 @dataclass(frozen=True, eq=False)
 class JudgedTeeth:
-    """The load of every tooth, its stresses, and the methods by which both gears' teeth were known."""
+    """The load of every tooth, its stresses, and the methods by which both gears' teeth were known.
+
+    ``strength`` counts a jam where that is worse; ``jammed`` is the strength by the jam alone, if there is one.
+    """
 
     loading: Loading
     strength: Strength
     methods: tuple[ToothMethod, ToothMethod]
+    jammed: Strength | None = None
 
 
 def judged_teeth(
@@ -59,14 +64,21 @@ def judged_teeth(
     materials = materials_of(choices, conditions, running, warm)
     cycle_rad = 2.0 * pi * loading.cycle_turns
 
-    def found(loads: Loading) -> Strength:
-        uneven = face_loading.of_contacts(loads.contacts)
-        stresses = stresses_of(loads.contacts, methods, materials, conditions, running, uneven)
-        return strength_of(loads.contacts, stresses, materials, conditions, cycle_rad, running, method, load)
+    def found(loads: Loading, under: Conditions) -> Strength:
+        uneven = face_loading.of_contacts(loads.contacts, under.application_factor)
+        stresses = stresses_of(loads.contacts, methods, materials, under, running, uneven)
+        return strength_of(loads.contacts, stresses, materials, under, cycle_rad, running, method, load)
 
-    # A harder load may leave the rated places of flanks to their mates: of both loads, the worse one counts.
-    strength = found(loading) if loading.still is None else worse_of(found(loading), found(loading.still))
-    return JudgedTeeth(loading, strength, methods)
+    strength = found(loading, conditions)
+    if loading.still is not None:
+        # A harder load may leave the rated places of flanks to their mates: of both loads, the worse one counts.
+        strength = worse_of(strength, found(loading.still, conditions))
+    if loading.jammed is None or conditions.overload is None:
+        return JudgedTeeth(loading, strength, methods)
+    jams_h = conditions.overload.times * cycle_rad / running.speed_rad_s / 3600.0
+    few = replace(conditions, application_factor=1.0, dynamic_factor=1.0, life_h=jams_h)
+    jammed = found(loading.jammed, few)
+    return JudgedTeeth(loading, worse_of(strength, jammed, lives=False), methods, jammed)
 
 
 def methods_of(

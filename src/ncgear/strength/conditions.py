@@ -32,16 +32,25 @@ class Running:
 
 
 @dataclass(frozen=True)
+class Overload:
+    """A jam: the torque in N mm at the driving shaft of the machine, and how many times it comes in the wanted life."""
+
+    driving_n_mm: float
+    times: float
+
+
+@dataclass(frozen=True)
 class Conditions:
     """What a person says of the service.
 
     ``life_h`` is the life wanted.  ``dynamic_factor`` is None where it is estimated.  ``reliability`` is the share of
-    gears that live so long.  Roughnesses are mean peak-to-valley ones, Rz.  The safeties wanted are None where they
-    follow from the material.
+    gears that live so long.  ``overload`` is None where no jam is counted.  Roughnesses are mean peak-to-valley ones,
+    Rz.  The safeties wanted are None where they follow from the material.
     """
 
     life_h: float = 20_000.0
     application_factor: float = 1.0
+    overload: Overload | None = None
     dynamic_factor: float | None = None
     reliability: float = 0.99
     lubrication: Literal["oil", "grease", "dry"] = "oil"

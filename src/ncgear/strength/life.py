@@ -105,10 +105,15 @@ def _gear_strength(
     return GearStrength(gear, material, bending, tooth_life(rolled, material.contact, teeth, life_h, cycle_h))
 
 
-def worse_of(first: Strength, second: Strength) -> Strength:
-    """The first strength, each tooth with the damage that it suffers by the worse of both loads."""
+def worse_of(first: Strength, second: Strength, lives: bool = True) -> Strength:
+    """The first strength, each tooth with the damage that it suffers by the worse of both loads.
+
+    Without ``lives`` the lives are those of the first: the second load comes a few times only.
+    """
     driving, driven = (
-        replace(one, bending=_worse(one.bending, other.bending), contact=_worse(one.contact, other.contact))
+        replace(
+            one, bending=_worse(one.bending, other.bending, lives), contact=_worse(one.contact, other.contact, lives)
+        )
         for one, other in ((first.of(gear), second.of(gear)) for gear in Gear)
     )
     return replace(first, driving=driving, driven=driven)
@@ -117,7 +122,7 @@ def worse_of(first: Strength, second: Strength) -> Strength:
 _Life = TypeVar("_Life", ToothLife, ToothLife | None)
 
 
-def _worse(first: _Life, second: _Life) -> _Life:
+def _worse(first: _Life, second: _Life, lives: bool) -> _Life:
     if first is None or second is None:
         return first
     worse = second.safety < first.safety
@@ -125,7 +130,7 @@ def _worse(first: _Life, second: _Life) -> _Life:
         stress_mpa=np.where(worse, second.stress_mpa, first.stress_mpa),
         phi1_rad=np.where(worse, second.phi1_rad, first.phi1_rad),
         safety=np.minimum(second.safety, first.safety),
-        life_h=np.minimum(second.life_h, first.life_h),
+        life_h=np.minimum(second.life_h, first.life_h) if lives else first.life_h,
     )
 
 

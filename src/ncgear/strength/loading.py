@@ -15,7 +15,7 @@ import numpy as np
 from ncgear.contact.designed.as_designed import ALIKE_RAD
 from ncgear.contact.designed.extremes import over_cycle
 from ncgear.contact.placement import BACK, BOTH_SIDES, PUSHING, Placement, placed, placed_at
-from ncgear.dynamics.flank_changes import Knock
+from ncgear.dynamics.flank_changes import BorneTorque, Knock
 from ncgear.dynamics.meshing import Meshing
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, largest_rows
@@ -62,9 +62,9 @@ class Loading:
     the largest of all among them.  ``phi1_rad``, ``torque_n_mm`` (asked of the driven gear) and ``error_rad`` (its
     angle beyond the law's) have shape (n,); ``even`` tells the even positions.  ``transmission_error_rad`` is the peak
     to peak variation of the error.  ``contact_ratio`` is the mean number of pairs that bear load, where there is load.
-    ``cycle_turns`` is how often the driving gear turns in the cycle.  ``knocks`` are those of a turn of the driven
-    gear, whose torque counts; None where they are not followed.  Of teeth that knock, ``still`` is their loading by
-    what the law asks alone.
+    ``cycle_turns`` is how often the driving gear turns in the cycle.  ``borne`` is the torque with the
+    knocks of a turn of the driven gear; None where nothing is known of them.  Of teeth that knock, ``still`` is their
+    loading by what the law asks alone; ``jammed`` is that of a jam, if there is one.
     """
 
     contacts: LoadedContacts
@@ -75,8 +75,14 @@ class Loading:
     transmission_error_rad: float
     contact_ratio: float
     cycle_turns: int
-    knocks: tuple[Knock, ...] | None
+    borne: BorneTorque | None = None
     still: Loading | None = None
+    jammed: Loading | None = None
+
+    @property
+    def knocks(self) -> tuple[Knock, ...] | None:
+        """The knocks in a turn of the driven gear; None where they are not followed."""
+        return None if self.borne is None else self.borne.knocks
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,13 +121,13 @@ def loading_of(
     pitch: PitchPair,
     asked: AskedTorque,
     speed_rad_s: Callable[[Array], Array],
-    knocks: tuple[Knock, ...] | None = None,
+    borne: BorneTorque | None = None,
     per_tooth: int = PER_TOOTH,
 ) -> Loading:
     """The loads of straight teeth in ``meshing``, whose table of gaps tells where pairs touch.
 
     It follows the sides of the teeth that the torque presses.  At driving angles (shape (n,)) ``speed_rad_s`` gives the
-    speed of the driving gear; ``knocks`` are those that the torque counts.  ``per_tooth`` is a divisor of
+    speed of the driving gear; ``borne`` tells of the knocks that the torque counts.  ``per_tooth`` is a divisor of
     SOLVED_PER_TOOTH.  Raises as ``shared`` does.
     """
     solved = asked.placement
@@ -139,7 +145,7 @@ def loading_of(
     position, slot = np.nonzero(loaded)
     largest = _largest_of_pairs(meshing, every.phi1_rad[position], slot, found.force_n[position, slot])
     even = np.isin(np.arange(every.count), np.arange(0, solved.count, SOLVED_PER_TOOTH // per_tooth))
-    peaks = _peaks(every.rolled_mm, found.force_n.max(axis=1)) if knocks else position[:0]
+    peaks = _peaks(every.rolled_mm, found.force_n.max(axis=1)) if borne and borne.knocks else position[:0]
     chosen = np.flatnonzero(even | np.isin(np.arange(every.count), np.append(position[largest], peaks)))
     chosen = chosen[np.argsort(every.rolled_mm[chosen])]
     phi1 = every.phi1_rad[chosen]
@@ -156,7 +162,7 @@ def loading_of(
         transmission_error_rad=float(np.ptp(found.error_rad)),
         contact_ratio=float(pairs.mean()) if pairs.size else 0.0,
         cycle_turns=solved.meetings // solved.driving_teeth,
-        knocks=knocks,
+        borne=borne,
     )
 
 

@@ -122,6 +122,18 @@ USUAL_LIFE_H = 20_000.0
 """Ten years of 2000 hours; makers of bearings count 10 000 to 25 000 h for machines that run eight hours a day."""
 
 
+class Overload(Model):
+    """A jam: the torque that then presses the teeth, wherever they stand, beside the load of every stroke."""
+
+    driving_torque_n_m: Annotated[float, Field(gt=0.0, le=1e9)] = required(
+        "torque in N m at the driving gear's shaft when the machine jams: the most that motor, flywheel or limiter let "
+        "through. The teeth shall bear it at any angle, with the safeties wanted, without K_A and K_V"
+    )
+    times: float = optional(
+        "how many jams come in the wanted life, all of them on the same teeth", 100.0, ge=1.0, le=1e6
+    )
+
+
 class StrengthKeys(Model):
     """How the strength of the teeth is computed."""
 
@@ -143,6 +155,7 @@ class StrengthKeys(Model):
         "load is all; 1.25 to 1.75 for a motor or a machine with jolts beyond it",
         1.0,
     )
+    overload: Overload | None = optional("torque of a jam, which the teeth shall bear a few times; left out: none")
     dynamic_factor: Annotated[float, Field(ge=1.0, le=5.0)] | None = optional(
         "dynamic factor K_V: what the teeth's own vibration adds; left out: estimated by ISO 6336-1, method C, for "
         "accuracy grade 8, near 1 at the speeds of cranks; gears too fast for that need it"
