@@ -150,7 +150,9 @@ class PitchCurve(LawKeys):
             points = np.column_stack([np.array(spline.x_mm), np.array(spline.y_mm)])
             curve = shapes.closed_b_spline(points, spline.degree, spline.axis_mm, key)
         elif self.dxf is not None:
-            curve = shapes.chain(self.dxf.contour(), self.dxf.axis_mm, key)
+            parts, gap_mm = self.dxf.contour()
+            curve = shapes.chain(parts, self.dxf.axis_mm, key)
+            facts = {"contour_gap_mm": gap_mm}
         else:
             assert self._shape is not None
             curve = self._shape.curve(key)

@@ -30,6 +30,7 @@ class Kind(StrEnum):
     DRIVETRAIN = "drivetrain"
     MISSED_WISH = "missed_wish"
     SPEEDS = "speeds"
+    DRAWING = "drawing"
     NEGATIVE_RESISTANCE = "negative_resistance"
     WITHOUT_EFFECT = "without_effect"
     RATIO_RANGE = "ratio_range"

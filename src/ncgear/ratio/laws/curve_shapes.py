@@ -25,6 +25,9 @@ from ncgear.ratio.transmission import JetFunction
 
 Point = tuple[float, float]
 
+ROUGHEST = 1e-3
+"""Share of a contour's size over which ends that miss each other are no rounding of numbers, but open."""
+
 STRAIGHT = 1e-9
 """Share of a polygon's side below which a straight part or a corner's radius is left out."""
 
@@ -130,16 +133,19 @@ def chain(curves: Sequence[RationalSpline], axis_mm: Point, key: str) -> ClosedC
     return drawn(parts, key)
 
 
-def one_contour(curves: Sequence[RationalSpline], key: str) -> list[RationalSpline]:
-    """Curves in any order and sense as a chain that closes; raises WrongInput where they are not one closed contour.
+def one_contour(curves: Sequence[RationalSpline], near_mm: float, key: str) -> tuple[list[RationalSpline], float]:
+    """Curves in any order and sense as a chain that closes, and the greatest gap between their ends in mm.
 
-    Ends within a millionth of the contour's size are one point, and are put together there.
+    Ends within ``near_mm``, but no more than ROUGHEST and no less than JOINED of the contour's size, are one point, and
+    are put together there; shorter curves are left out.  Raises WrongInput where they are not one closed contour.
     """
-    left = [curve for curve in curves if np.any(curve.points != curve.points[0])]
-    if not left:
+    size = max((float(np.max(np.ptp(curve.points, axis=0))) for curve in curves), default=0.0)
+    if not size:
         raise WrongInput("no lines, arcs or curves; one closed contour is needed", key=key)
-    every = np.concatenate([curve.points for curve in left])
-    near = JOINED * float(np.max(np.ptp(every, axis=0)))
+    every = np.concatenate([curve.points for curve in curves])
+    size = float(np.max(np.ptp(every, axis=0)))
+    near = min(max(near_mm, JOINED * size), ROUGHEST * size)
+    left = [curve for curve in curves if np.max(np.ptp(curve.points, axis=0)) > near]
     found = [left.pop(0)]
     while _gap(found[-1].points[-1], found[0].points[0]) > near:
         tip = found[-1].points[-1]
@@ -164,7 +170,9 @@ def one_contour(curves: Sequence[RationalSpline], key: str) -> list[RationalSpli
             key=key,
         )
     ends = [curve.points[-1] for curve in found]
-    return [_from(curve, start, end) for curve, start, end in zip(found, [ends[-1], *ends], ends, strict=False)]
+    starts = [ends[-1], *ends[:-1]]
+    gap_mm = max(_gap(curve.points[0], start) for curve, start in zip(found, starts, strict=True))
+    return [_from(curve, start, end) for curve, start, end in zip(found, starts, ends, strict=True)], gap_mm
 
 
 def _gap(one: Array, other: Array) -> float:
