@@ -42,7 +42,7 @@ def test_round_gears_bear_a_jam_as_by_hand() -> None:
     assert jammed is not None
     force_n = 1e3 * TORQUE_N_M / (24.0 * np.cos(np.radians(20.0)))
     assert jammed.contacts.force_n.max() == pytest.approx(force_n, rel=1e-6)
-    roots_shared = face_load_factor_of_roots(one.running, one.conditions.face_load_factor)
+    roots_shared = face_load_factor_of_roots(one.running, np.array(one.face_loading.constant))
     for place, gear in enumerate(Gear):
         of_unit = one.judged_teeth("estimate").methods[place].root_stress(jammed.contacts.on(gear)).tension_mpa
         plain = of_unit * jammed.contacts.force_n / 10.0 * roots_shared

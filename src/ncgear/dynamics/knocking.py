@@ -24,6 +24,19 @@ from ncgear.numerics.plane import Vector
 from ncgear.numerics.units import N_PER_KG_MM_S2
 
 
+def hurried_loads(rigid: RigidMachine, phi1_rad: Array, beyond_n_mm: Array) -> Loads:
+    """The loads at driving angles in rad where teeth bear a torque beyond what the law asks, M - T, shape (n,) each.
+
+    Where nothing has inertia no torque hurries anything, and the loads are those of the law.
+    """
+    machine, masses = rigid.machine, rigid.masses
+    angle = Jet.variable(machine.transmission.driven_angle(phi1_rad, 0).value, 2)
+    inertia = N_PER_KG_MM_S2 * reduced_inertia(machine.linkage.moving_masses(angle, masses), masses)[0]
+    hurried = np.zeros_like(beyond_n_mm)
+    np.divide(beyond_n_mm, inertia * machine.speed_rad_s**2, out=hurried, where=inertia > 0.0)
+    return rigid.at(phi1_rad, hurried)
+
+
 @dataclass(frozen=True, eq=False)
 class KnockingMachine:
     """A machine at constant driving speed whose teeth bear ``borne`` in place of what the law asks."""
@@ -33,11 +46,7 @@ class KnockingMachine:
 
     def at(self, phi1_rad: Array) -> Loads:
         """The loads at driving angles in rad, shape (n,)."""
-        machine, masses = self.rigid.machine, self.rigid.masses
-        angle = Jet.variable(machine.transmission.driven_angle(phi1_rad, 0).value, 2)
-        inertia = N_PER_KG_MM_S2 * reduced_inertia(machine.linkage.moving_masses(angle, masses), masses)[0]
-        missed = self.borne.at(phi1_rad) - self.borne.asked(phi1_rad)
-        return self.rigid.at(phi1_rad, missed / (inertia * machine.speed_rad_s**2))
+        return hurried_loads(self.rigid, phi1_rad, self.borne.at(phi1_rad) - self.borne.asked(phi1_rad))
 
     @property
     def turns_rad(self) -> Array:

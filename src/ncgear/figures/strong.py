@@ -19,8 +19,10 @@ from ncgear.figures.tables import Column, Table
 from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.project.face_load import told_face_load
 from ncgear.project.strengthening import Rating
 from ncgear.strength.answer import Strength
+from ncgear.strength.conditions import GRADE
 from ncgear.strength.holding import Damage, Weakest, lives_of
 
 LOADS = {
@@ -67,8 +69,9 @@ def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rat
             **({} if (peaks := drive.knocking_peaks) is None else {"with_knocks": force_figures(drive.linkage, peaks)}),
         },
         "gears": {"module_mm": size.module_mm, "face_width_mm": drive.gears.face_width_mm},
-        "strength": strength_summary(rating),
-        **({} if beside is None else {"strength_beside": strength_summary(beside)}),
+        "strength": strength_summary(rating, drive),
+        "face_load": _face_load_figures(drive, rating),
+        **({} if beside is None else {"strength_beside": strength_summary(beside, drive)}),
         **{gear.value: _gear_figures(rating, gear) for gear in Gear},
         **verdict_summary(verdict),
     }
@@ -136,14 +139,68 @@ def knock_words(knocks: Sequence[Knock] | None) -> str:
     )
 
 
-def strength_summary(rating: Rating) -> dict[str, Any]:
-    """The method, the load, and the least safeties of both gears with the numbers of their teeth."""
+def _face_load_figures(drive: Drive, rating: Rating) -> dict[str, Any]:
+    """The load along the width as far as it is computed; teeth are those of the driving gear."""
+    told = told_face_load(drive, rating.strength.contacts)
+    if told is None:
+        return {}
+    return {
+        "factor_min": told.least.factor,
+        "factor_min_tooth": told.least.tooth,
+        "factor_max": told.greatest.factor,
+        "factor_max_tooth": told.greatest.tooth,
+        "decisive_factor": told.decisive.factor,
+        "decisive_tooth": told.decisive.tooth,
+        "decisive_factor_by_shafts": told.by_shafts,
+        "askew_um": told.askew_um,
+        "crowning_um": told.crowning_um,
+        "best_crowning_um": told.best_um,
+        "best_crowning_factor": told.best,
+    }
+
+
+ALIKE = 0.01
+"""Share by which a crowning has to lower the factor that it is told."""
+
+
+def face_load_words(drive: Drive, rating: Rating) -> str:
+    """How unevenly teeth bear along their width, and whether that is given, assumed or computed."""
+    loading = drive.face_loading
+    told = told_face_load(drive, rating.strength.contacts)
+    if told is None:
+        factor = f"factor {to_digits(loading.constant, 3)}"
+        return f"{factor} as given" if loading.basis == "given" else f"{factor}, assumed since {loading.why}"
+    factors = (told.least.factor, told.greatest.factor, told.decisive.factor, told.by_shafts, told.best)
+    least, greatest, decisive, by_shafts, best = (to_digits(one, 3) for one in factors)
+    grade = "" if drive.design.tolerances else f", grade {GRADE} assumed"
+    at_best = f"crowning of {told.best_um:g} \u00b5m"
+    is_best = told.best > (1.0 - ALIKE) * told.decisive.factor
+    better = "no other crowning is better" if is_best else f"{at_best}: {best}"
+    return (
+        f"factor {least} to {greatest} by shafts, bearings and lead{grade}; {decisive} at tooth "
+        f"{told.decisive.tooth}, which bears most, {by_shafts} if no flank were askew; {better}"
+    )
+
+
+def strength_summary(rating: Rating, drive: Drive) -> dict[str, Any]:
+    """The method, the load, and the least safeties of both gears with the numbers of their teeth.
+
+    ``face_load_factor`` is that of the place that bears most for each mm of width.
+    """
     least: dict[str, dict[str, Any]] = {gear.value: {} for gear in Gear}
     for one in rating.weakest:
         least[one.gear.value][f"{one.damage}_safety_min"] = one.safety
         least[one.gear.value][f"{one.damage}_tooth"] = one.tooth
     unjudged = {"wear": "not judged"} if rating.strength.wears else {}
-    return {"method": rating.strength.method, "load": rating.strength.load, **unjudged, **least}
+    strength = rating.strength
+    return {
+        "method": strength.method,
+        "load": strength.load,
+        "face_load": drive.face_loading.basis,
+        "face_load_factor": strength.stresses.decisive_face_load(strength.contacts),
+        **unjudged,
+        **least,
+    }
 
 
 def _gear_figures(rating: Rating, gear: Gear) -> dict[str, Any]:

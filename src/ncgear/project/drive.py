@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from ncgear.dynamics.rigid import LoadPeaks
     from ncgear.formulas.checked import Formulas
     from ncgear.project.drivetrain import DrivetrainResult
+    from ncgear.project.face_load import FaceLoading
     from ncgear.project.passing import Passing
     from ncgear.project.thickness import AtThickness
     from ncgear.project.tooth_load import ToothLoad
@@ -466,6 +467,13 @@ class Drive(Geared):
         return found
 
     @computed
+    def face_loading(self) -> FaceLoading:
+        """How unevenly the teeth bear along their width, by the shafts around them where the file tells enough."""
+        from ncgear.project.face_load import face_loading_of
+
+        return face_loading_of(self)
+
+    @computed
     def still_teeth(self) -> JudgedTeeth:
         """As ``judged_teeth`` by the design's method, with a dynamic factor of 1: the least load on the teeth."""
         return self._judged(self.design.strength.method, replace(self.conditions, dynamic_factor=1.0))
@@ -479,7 +487,8 @@ class Drive(Geared):
             if method not in known:
                 methods = methods_of(method, teeth, self.materials)
                 known[method] = methods, self.loading(methods, self.materials)
-            return judged_teeth(method, self.gears, *known[method], conditions, self.running, load)
+            running, uneven = self.running, self.face_loading
+            return judged_teeth(method, self.gears, *known[method], conditions, running, load, uneven)
 
     @computed
     def _known_loadings(self) -> dict[str, tuple[tuple[ToothMethod, ToothMethod], Loading]]:

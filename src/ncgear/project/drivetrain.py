@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ncgear.design.keys import drivetrain as keys
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.drivetrain import DrivenShaft, DrivingShaft, PowerTakeOff
 from ncgear.drivetrain.bearings import (
@@ -45,6 +46,7 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.motor import MotorResult, demand_of, motor_of
 
 N_MM_PER_N_M = 1000.0
+N_PER_MM_PER_UM = 1000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,6 +121,12 @@ def drivetrain_of(
     )
 
 
+def bearing_of(given: keys.Bearing) -> Bearing:
+    """A bearing of the section."""
+    stiffness = None if given.stiffness_n_per_um is None else N_PER_MM_PER_UM * given.stiffness_n_per_um
+    return Bearing(given.at_mm, given.kind, given.dynamic_rating_n, given.static_rating_n, stiffness)
+
+
 def _loss_factor(touching: TouchingTeeth, cycle: Cycle) -> float:
     def torques(phi1: Array) -> tuple[Array, Array]:
         loads = cycle.rigid.at(phi1)
@@ -141,11 +149,7 @@ def _shaft(
     assert gears is not None
     if given.bearing_a is None or given.bearing_b is None:
         return ShaftResult(None, None, None, None)
-    a, b = given.bearing_a, given.bearing_b
-    bearings = (
-        Bearing(a.at_mm, a.kind, a.dynamic_rating_n, a.static_rating_n),
-        Bearing(b.at_mm, b.kind, b.dynamic_rating_n, b.static_rating_n),
-    )
+    bearings = bearing_of(given.bearing_a), bearing_of(given.bearing_b)
     places = peak_places_rad(cycle, gear, bearings, crank_at_mm)
     loads = shaft_loads(cycle, gear, places)
     lives = bearing_lives(cycle, gear, bearings, crank_at_mm, wanted)

@@ -58,7 +58,6 @@ def conditions_of(given: StrengthKeys, stroke_rad: float, speed_rad_s: float) ->
         application_factor=given.application_factor,
         overload=Overload(jam.driving_torque_n_m / N_M_PER_N_MM, jam.times) if (jam := given.overload) else None,
         dynamic_factor=given.dynamic_factor,
-        face_load_factor=given.face_load_factor,
         reliability=given.reliability,
         lubrication=given.lubrication,
         oil_viscosity_mm2_s=given.oil_viscosity_mm2_s,

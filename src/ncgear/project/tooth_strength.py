@@ -23,6 +23,7 @@ from ncgear.strength.stiffness import EvenTeeth, LinearTeeth
 from ncgear.teeth.gear import ToothedGear, ToothedPair
 
 if TYPE_CHECKING:
+    from ncgear.project.face_load import FaceLoading
     from ncgear.strength.answer import Strength
     from ncgear.strength.loading import Loading
     from ncgear.strength.method import ToothMethod
@@ -51,6 +52,7 @@ def judged_teeth(
     conditions: Conditions,
     running: Running,
     load: Literal["masses", "resistance"],
+    face_loading: FaceLoading,
 ) -> JudgedTeeth:
     """The stresses of teeth under their loads.
 
@@ -63,7 +65,8 @@ def judged_teeth(
     cycle_rad = 2.0 * pi * loading.cycle_turns
 
     def found(loads: Loading, under: Conditions) -> Strength:
-        stresses = stresses_of(loads.contacts, methods, materials, under, running)
+        uneven = face_loading.of_contacts(loads.contacts, under.application_factor)
+        stresses = stresses_of(loads.contacts, methods, materials, under, running, uneven)
         return strength_of(loads.contacts, stresses, materials, under, cycle_rad, running, method, load)
 
     strength = found(loading, conditions)

@@ -32,23 +32,25 @@ def stresses_of(
     materials: tuple[Material, Material],
     conditions: Conditions,
     running: Running,
+    face_load_factor: Array,
 ) -> ContactStresses:
     """The stresses of all contacts, with the factors K_A, K_V and K_Hbeta or K_Fbeta.
 
     ``methods`` and ``materials`` are those of the driving and the driven gear.  Shares of load between pairs of teeth
-    are those of ``contacts``, so that K_Halpha is 1.
+    are those of ``contacts``, so that K_Halpha is 1; ``face_load_factor`` is K_Hbeta of each, shape (n,).
     """
     line_load = contacts.force_n * conditions.application_factor / running.face_width_mm
     shaken = line_load * (conditions.dynamic_factor or estimated_dynamic_factor(line_load, contacts, running))
-    flanks, roots = conditions.face_load_factor, face_load_factor_of_roots(running, conditions.face_load_factor)
+    roots = face_load_factor_of_roots(running, face_load_factor)
     pressure = np.full_like(shaken, np.nan)
     on = contacts.flanks
-    pressure[on] = hertz_pressure_mpa(flanks * shaken[on], contacts.relative_curvature[on], materials)
+    pressure[on] = hertz_pressure_mpa((face_load_factor * shaken)[on], contacts.relative_curvature[on], materials)
     of_unit = [method.root_stress(contacts.on(gear)) for method, gear in zip(methods, Gear, strict=True)]
     return ContactStresses(
         pressure_mpa=pressure,
         tension_mpa=np.array([roots * shaken * one.tension_mpa for one in of_unit]),
         compression_mpa=np.array([roots * shaken * one.compression_mpa for one in of_unit]),
+        face_load_factor=face_load_factor,
     )
 
 

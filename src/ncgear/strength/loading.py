@@ -280,6 +280,7 @@ def _contacts(
         phi1,
         touching.side,
         force,
+        touching.stiffness_n_mm,
         np.where(flanks, relative, np.inf),
         flanks,
         speed_rad_s(phi1)[:, None] * touching.rolling_mm(fits, flanks),
@@ -332,7 +333,7 @@ class _Touching:
     Let t be the unit tangent, w the way from the driven axis to the place of contact and s the sense of the mesh.  Then
     conj(t) w is the lever and, as its imaginary part, -s times the speed of the driven gear's point along t.
     ``sliding_mm`` is the speed of the driving gear's point against the driven one's along t, in mm per rad of phi1,
-    and ``speed`` is dphi2/dphi1 while the pair touches.
+    and ``speed`` is dphi2/dphi1 while the pair touches; ``stiffness_n_mm`` is that of the pair.
     """
 
     placement: Placement
@@ -340,6 +341,7 @@ class _Touching:
     teeth: IndexArray
     urge: Array
     error_rad: Array
+    stiffness_n_mm: Array
     speed: Array
     sliding_mm: Array
     tangent: ComplexArray
@@ -350,9 +352,17 @@ class _Touching:
         """The pairs in slots of the table at positions; shape (n,) each."""
         gaps, phi1, number = meshing.gaps, placement.phi1_rad[row], np.arange(row.size)
         near, sense, distance = gaps.at(phi1), placement.mesh.sense, placement.center_distance_mm
-        urge, error, lever, driving, driven, drift = (
+        urge, error, stiffness, lever, driving, driven, drift = (
             part[number, slot]
-            for part in (near.urge, near.error_rad, near.lever_mm, near.driving_mm, near.driven_mm, near.slopes[0])
+            for part in (
+                near.urge,
+                near.error_rad,
+                near.stiffness,
+                near.lever_mm,
+                near.driving_mm,
+                near.driven_mm,
+                near.slopes[0],
+            )
         )
         speed = placement.speed[row] + drift
         along_x = lever * (sense * speed - 1.0)
@@ -360,7 +370,8 @@ class _Touching:
         tangent = tangent / np.abs(tangent)
         point: ComplexArray = distance + tangent * (lever - 1j * sense * driven)
         pair = gaps.pair[gaps.table.place(phi1)[1], slot]
-        return cls(placement, row, pair, urge, error, speed, driving - speed * driven, tangent, point)
+        sliding = driving - speed * driven
+        return cls(placement, row, pair, urge, error, stiffness, speed, sliding, tangent, point)
 
     @property
     def side(self) -> IndexArray:

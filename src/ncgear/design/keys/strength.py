@@ -160,10 +160,10 @@ class StrengthKeys(Model):
         "dynamic factor K_V: what the teeth's own vibration adds; left out: estimated by ISO 6336-1, method C, for "
         "accuracy grade 8, near 1 at the speeds of cranks; gears too fast for that need it"
     )
-    face_load_factor: Annotated[float, Field(ge=1.0, le=5.0)] = optional(
-        "face load factor K_Hbeta: the greatest load along the width over the mean one. 1.3 for gears not wider than "
-        "their shafts are stiff, as usual without a calculation of the shafts; 1.0 for the ideal pair",
-        1.3,
+    face_load_factor: Annotated[float, Field(ge=1.0, le=5.0)] | None = optional(
+        "face load factor K_Hbeta: the greatest load along the width over the mean one; 1.0 for the ideal pair. Left "
+        "out: computed for every tooth where drivetrain gives bearings and diameters of both shafts, else 1.3, as "
+        "usual for gears not wider than their shafts are stiff"
     )
     reliability: float = optional(
         "share of gears that shall live so long: 0.99 is that of the figures of ISO 6336", 0.99, ge=0.5, le=0.9999

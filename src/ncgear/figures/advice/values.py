@@ -65,6 +65,7 @@ class Search(StrEnum):
 
     FINER = "more, smaller teeth"
     FLATTER = "a smaller helix angle"
+    CROWNED = "crowned flanks"
     WIDER = "a wider face"
     LARGER = "a larger module"
     STRONGER = "a stronger material"

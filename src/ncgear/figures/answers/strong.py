@@ -18,6 +18,7 @@ from ncgear.figures.sized import sized_rows
 from ncgear.figures.strong import (
     HEADS,
     LOADS,
+    face_load_words,
     holding_words,
     jam_words,
     jolts_words,
@@ -97,6 +98,7 @@ def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
         Row(f"{of}teeth", (gears,)),
         Row(f"{of}material", (materials_words(drive, rating.strength),)),
         Row(f"{of}force", (f"up to {figure('force_n', force_n)} on one pair of teeth, times {jolts_words(drive)}",)),
+        Row(f"{of}face load", (face_load_words(drive, rating),)),
         Row(
             f"{of}under load",
             (

@@ -91,7 +91,7 @@ def _strength(drive: Drive) -> dict[str, Any]:
     rating = known_rating(drive)
     if isinstance(rating, DesignError):
         return {"strength": {"refused": rating.problem}}
-    return {} if rating is None else {"strength": strength_summary(rating)}
+    return {} if rating is None else {"strength": strength_summary(rating, drive)}
 
 
 L_PER_MM3 = 1e-3 * CM3_PER_MM3
