@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.font_manager import findfont
 from matplotlib.path import Path
 from matplotlib.transforms import Bbox
+from PIL import ImageFont
 
 import drives
 import ncgear.plots
@@ -17,10 +21,12 @@ from ncgear.drawings.charts.chart import Chart, Line, Role
 from ncgear.drawings.charts.drawer import MOTION_LOOK, Look, draw
 from ncgear.drawings.charts.slider_charts import Quantity, over_displacement
 from ncgear.drawings.page.chart_figure import PageChart
-from ncgear.drawings.page.chart_svg import PAGE_LOOK, drawn
+from ncgear.drawings.page.chart_svg import OF_REPORT, PAGE_LOOK, TEXT_SIZE, Size, drawn
+from ncgear.drawings.page.motion_charts import motion_charts
 from ncgear.drawings.pictures import slider_chart
 from ncgear.drawings.plots.canvas import JOINT
 from ncgear.files.balance import spread
+from ncgear.studio.told import CHART
 
 JOINTS = np.array([90.0, 180.0])
 
@@ -81,6 +87,66 @@ def test_an_extreme_that_rounds_to_zero_has_no_sign() -> None:
     assert drawn(PageChart("k", chart)).extremes == "0.000 at 0\u00b0 to 1.500 at 120\u00b0"
     below = Chart("ratio", "", (Line(Role.OWN, "own", x, np.array([-0.04, 1.5, 0.7, 0.2])),), 360.0)
     assert drawn(PageChart("k", below)).extremes.startswith("\u22120.040 at")
+
+
+NARROW = """
+name: narrow
+linkage: {crank_mm: 40, rod_mm: 150}
+operation: {speed_rpm: 60}
+motion: {law: ratio_expression, ratio: "1 + 40*exp(-(phi - 3)**2/2e-5)", scale_to_close: true}
+resistance: {expression_n: "20 + 500*exp(-(x - 41.237)**2/1e-3)"}
+"""
+"""A ratio and a force that are high over less than a step of 2000."""
+
+
+@pytest.mark.parametrize("name", ["baler-a1-at-law-speed", "narrow"])
+def test_headings_tell_the_extremes_that_the_figures_tell(name: str) -> None:
+    made = drives.drive_of_text(NARROW) if name == "narrow" else drives.drive(name)
+    check, load = made.check, made.machine.load
+    way = np.linspace(0.0, made.linkage.stroke_mm, 1_000_001)
+    figures = {
+        "velocity_mm_s": check.peak_speed.value,
+        "acceleration_mm_s2": check.peak_acceleration_cycle.value,
+        "force_n": load.against_n(way, np.zeros(way.size, dtype=bool)).max(),
+        "power_w": check.peak_power_w.value,
+        "ratio": made.transmission.ratio_range[1].value,
+    }
+    for one in motion_charts(made, made.transmission.cycle_rad)[1:]:
+        told = [float(word) for word in drawn(one).extremes.replace("\u2212", "-").replace("\u00b0", "").split()[::4]]
+        assert max(map(abs, told)) == pytest.approx(figures[one.key], abs=0.51 * 10.0**-one.decimals), one.key
+    assert drawn(one).extremes.startswith(f"{made.transmission.ratio_range[0].value:.{one.decimals}f} at")
+
+
+def test_a_level_extreme_is_named_where_it_begins() -> None:
+    x = np.array([0.0, 90.0, 180.0, 270.0, 360.0])
+    line = Line(Role.OWN, "own", x, np.array([0.0, 80.0, 80.0 + 1e-13, 0.0, -1e-15]))
+    assert drawn(PageChart("k", Chart("force", "N", (line,), 360.0))).extremes == "0.00 at 0\u00b0 to 80.00 at 90\u00b0"
+
+
+TEXT = re.compile(r'<text style="[^"]*text-anchor: (\w+);[^"]*" x="([\d.]+)" y="([\d.]+)"[^>]*>([^<]+)<')
+
+
+@pytest.mark.parametrize("size", [CHART, OF_REPORT])
+@pytest.mark.parametrize("largest", [2e-7, 0.4, 8.0, 1.1e5, 3e7, 2e12])
+def test_numbers_of_a_scale_are_whole_and_apart(size: Size, largest: float) -> None:
+    """With the widths of DejaVu Sans, the font of browsers without another one."""
+    font = ImageFont.truetype(findfont("DejaVu Sans"), 1000)
+    x = np.array([0.0, 90.0, 180.0, 2880.0])
+    line = Line(Role.OWN, "own", x, largest * np.array([-1.0, 0.0, 1.0, 0.2]))
+    svg = drawn(PageChart("k", Chart("acceleration", "mm/s\u00b2", (line,), 2880.0)), size).drawing
+    boxes = []
+    for anchor, across, down, text in TEXT.findall(svg):
+        width = font.getlength(text) * TEXT_SIZE / 1000.0
+        left = float(across) - {"start": 0.0, "middle": 0.5, "end": 1.0}[anchor] * width
+        boxes.append(Bbox.from_bounds(left, float(down) - 0.75 * TEXT_SIZE, width, 0.75 * TEXT_SIZE))
+    texts = [text for *_, text in TEXT.findall(svg)]
+    # Numbers in full alone: no power of ten, and no unit, over the scale.
+    assert len(texts) >= 10
+    assert [
+        text for text in texts if not re.fullmatch(r"\u2212?[\d.]+(e[+\u2212]\d+)?|driving angle in deg", text)
+    ] == []
+    assert all(box.x0 >= 0.0 and box.x1 <= size[0] and box.y0 >= 0.0 and box.y1 <= size[1] for box in boxes)
+    assert not any(one.overlaps(other) for place, one in enumerate(boxes) for other in boxes[:place])
 
 
 NOTED = np.linspace(0.0, 360.0, 721)

@@ -1,8 +1,9 @@
 """The charts of the output's motion on the page, and the angles at which their lines are sampled.
 
 A cursor of the page runs along every line, straight from sample to sample, and shows the values.  The samples are
-therefore close together, and there is one on either side of every angle at which a curve may jump.  The horizontal axis
-is the driving angle.
+therefore close together, there is one on either side of every angle at which a curve may jump, and one wherever this
+design's curves are least or greatest, so that the page names the extremes that a check tells.  The horizontal axis is
+the driving angle.
 """
 
 from __future__ import annotations
@@ -17,8 +18,9 @@ import numpy as np
 from ncgear.drawings.charts.chart import joints_up_to
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, Quantity, motion_chart
 from ncgear.drawings.page.chart_figure import PageChart
+from ncgear.kinematics.check import load_extremes_rad
 from ncgear.kinematics.motion import Machine
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, distinct
 from ncgear.project.drive import Drive
 
 LEAST = 2001
@@ -36,10 +38,15 @@ def quantities_of(drive: Drive) -> tuple[Quantity, ...]:
     return (*MOTION, *loads_of(drive), Quantity.RATIO)
 
 
-def motion_charts(drive: Drive, end_rad: float, quantities: Sequence[Quantity] | None = None) -> list[PageChart]:
-    """Charts from 0 to a driving angle, all of them or some; masses are looked at for the power alone."""
+def motion_charts(
+    drive: Drive, end_rad: float, quantities: Sequence[Quantity] | None = None, phi1: Array | None = None
+) -> list[PageChart]:
+    """Charts from 0 to a driving angle, all of them or some; masses are looked at for the power alone.
+
+    They are sampled at driving angles ``phi1`` of a cycle in rad, shape (n,), or else at ``drawn_angles_rad``.
+    """
     quantities = quantities_of(drive) if quantities is None else quantities
-    phi1 = cycle_angles_rad(drive)
+    phi1 = drawn_angles_rad(drive) if phi1 is None else phi1
     machines = drive.machine, drive.uniform_machine
     moved = drive.motion_of if Quantity.POWER in quantities else Machine.motion
     own, uniform = (moved(machine, phi1) for machine in machines)
@@ -63,6 +70,13 @@ def loads_of(drive: Drive) -> tuple[Quantity, ...]:
     if drive.design.resistance is not None:
         return LOAD
     return () if drive.masses_left_out is not None else (Quantity.POWER,)
+
+
+def drawn_angles_rad(drive: Drive) -> Array:
+    """Those of ``cycle_angles_rad`` and the extremes of all curves of this design, shape (n,)."""
+    of_ratio = [end.at for end in drive.transmission.ratio_range]
+    extremes = drive.check.extremes_rad, load_extremes_rad(drive.machine), of_ratio
+    return distinct(np.concatenate([cycle_angles_rad(drive), *extremes]))
 
 
 def cycle_angles_rad(drive: Drive) -> Array:

@@ -42,10 +42,9 @@ function createBoard(place, handles, onPick) {
   function keyOf(content, line, number) {
     const made = document.createElement("span");
     made.className = `line ${line.role}`;
-    made.innerHTML = '<i aria-hidden="true"></i><span></span> <b data-value></b> <span></span>';
+    made.innerHTML = '<i aria-hidden="true"></i><span></span> <b data-value></b>';
     made.querySelector("span").textContent = line.label;
     made.querySelector("b").dataset.value = number;
-    made.lastChild.textContent = content.unit;
     return made;
   }
 
