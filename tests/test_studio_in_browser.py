@@ -434,18 +434,132 @@ def test_what_is_shown_of_an_earlier_text_is_pale_while_a_text_is_refused(browse
     charts = page.locator(".chart").count()
     assert charts > 3
     assert page.locator(".chart.stale").count() == charts
-    for place in ("#facts", "#achieved", "#tables > div"):
-        assert page.locator(f"{place}.stale").count() == 1, place
-    assert float(page.evaluate("getComputedStyle(document.querySelector('#facts')).opacity")) < 0.6
+    for parts in ("#facts tbody tr", "#achieved li", "#tables .table-frame"):
+        assert page.locator(f"{parts}.stale").count() == page.locator(parts).count() > 0, parts
+    assert float(page.evaluate("getComputedStyle(document.querySelector('#facts .stale')).opacity")) < 0.6
+    for told in (".chart .name", "#tables figcaption", "#facts tbody th"):
+        assert page.locator(told).first.evaluate("one => getComputedStyle(one, '::after').content") == '", before"'
     assert page.locator("#facts thead th").first.inner_text() == "before"
+    assert page.locator("#stage .legend").inner_text() == "before"
     assert page.locator("#best-saves").inner_text() == ""
     picture, told = page.locator("#stage").bounding_box(), page.locator("#refusals").bounding_box()
     assert told["y"] > picture["y"] + 0.35 * picture["height"]
     opened.step(page.locator("#undo").click)
     assert page.locator(".stale").count() == 0
+    assert not page.locator("#stage .legend").is_visible()
     assert page.locator("#facts thead th").first.inner_text() == "now"
     assert page.locator("#best-saves").inner_text() != ""
     page.context.close()
+
+
+def shown_of(opened: Opened) -> dict[str, list[str]]:
+    """The charts, figures and tables on the page, by their names, those of an earlier text with a star."""
+    parts = {"charts": ".chart", "facts": "#facts tbody tr", "tables": "#tables .table-frame"}
+    name = "(one.dataset.key ?? one.querySelector('th, figcaption').textContent)"
+    each = f"ones => ones.map((one) => {name} + (one.classList.contains('stale') ? '*' : ''))"
+    return {part: opened.page.locator(selector).evaluate_all(each) for part, selector in parts.items()}
+
+
+OF_TEETH = {
+    "charts": ["pressure_angle", "force_of_a_pair", "root_stress", "contact_pressure"],
+    "facts": ["teeth", "module", "safety against pitting, 1 wanted"],
+    "tables": ["Weakest teeth", "Contact of the teeth"],
+}
+
+
+def test_what_a_design_has_no_longer_goes_from_the_page(browser: Any, pusher: Studio) -> None:
+    opened = Opened(browser, pusher)
+    whole = shown_of(opened)
+    assert all(set(OF_TEETH[part]) < set(whole[part]) for part in whole)
+
+    def without(changes: str) -> dict[str, list[str]]:
+        opened.step(lambda: opened.page.evaluate(f"ncgear.send({{ do: 'set', changes: {changes} }})"))
+        found = shown_of(opened)
+        assert opened.page.locator("#stage.pale").count() == 0
+        opened.step(opened.page.locator("#undo").click)
+        assert shown_of(opened) == whole
+        return {part: [one for one in whole[part] if one not in found[part]] for part in whole}
+
+    gone = without("{ gears: null }")
+    assert all(set(OF_TEETH[part]) <= set(gone[part]) for part in whole)
+    assert gone["charts"] == OF_TEETH["charts"]
+    of_load = ["power_w", "force_n", *OF_TEETH["charts"][1:]]
+    assert sorted(without("{ resistance: null }")["charts"]) == sorted(of_load)
+    # Of what is refused the last good design stays, and is told apart from the motion, which is not refused.
+    opened.set("gears.teeth", "3")
+    refused = shown_of(opened)
+    assert [one for one in refused["charts"] if one.endswith("*")] == [f"{one}*" for one in OF_TEETH["charts"]]
+    assert refused["facts"][0] == "peak power"
+    assert f"{OF_TEETH['facts'][-1]}*" in refused["facts"]
+    # A design without gears is not refused any more.
+    opened.step(lambda: opened.page.evaluate("ncgear.send({ do: 'set', changes: { gears: null } })"))
+    assert [one for part in shown_of(opened).values() for one in part if one.endswith("*")] == []
+    assert "pressure_angle" not in shown_of(opened)["charts"]
+    assert opened.errors == []
+    opened.page.context.close()
+
+
+SIZES = {"wide": WIDE, "small": {"width": 1280, "height": 720}, "phone": PHONE}
+
+CHART_TEXTS = """(() => {
+  const bad = [];
+  for (const svg of document.querySelectorAll(".plot svg")) {
+    const whole = svg.getBoundingClientRect();
+    const texts = [...svg.querySelectorAll("text")].filter((one) => one.textContent.trim());
+    const boxes = texts.map((one) => one.getBoundingClientRect());
+    boxes.forEach((a, i) => {
+      const key = `${svg.closest("figure").dataset.key}: ${texts[i].textContent}`;
+      if (a.left < whole.left - 0.5 || a.right > whole.right + 0.5) bad.push(`cut ${key}`);
+      if (a.top < whole.top - 0.5 || a.bottom > whole.bottom + 0.5) bad.push(`cut ${key}`);
+      // Boxes of text have room for ascenders and descenders, which numbers do not have.
+      const over = (b) => a.left < b.right && b.left < a.right && a.top + 2 < b.bottom - 2 && b.top + 2 < a.bottom - 2;
+      if (boxes.slice(i + 1).some(over)) bad.push(`over ${key}`);
+    });
+  }
+  return bad;
+})()"""
+"""Texts of charts that are cut, or lie over another one."""
+
+CUT_ACROSS = """[...document.querySelectorAll(".refusal, .refusal *, figcaption, p.note, tr.note span, .warnings *")]
+  .filter((one) => one.checkVisibility() && one.getClientRects().length)
+  .filter((one) => {
+    const inside = document.createRange();
+    inside.selectNodeContents(one);
+    const [text, frame] = [inside.getBoundingClientRect(), one.closest(".refusal, figure, li").getBoundingClientRect()];
+    return text.width && (text.left < frame.left || text.right > Math.min(frame.right, innerWidth));
+  })
+  .map((one) => one.textContent.slice(0, 60))"""
+"""Words of refusals, headings, notes and warnings that go beyond their frames."""
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_numbers_notes_and_refusals_are_whole_and_the_machine_in_sight(browser: Any, pusher: Studio, size: str) -> None:
+    opened = Opened(browser, pusher, viewport=SIZES[size])
+    page = opened.page
+    for name in ("baler-drivetrain", "baler-a1-at-law-speed"):
+        text = (DESIGNS / f"{name}.yaml").read_text(encoding="utf-8")
+        opened.step(lambda text=text: page.evaluate("text => ncgear.send({ do: 'text', text })", text))
+        assert page.evaluate(CHART_TEXTS) == [], name
+        assert page.evaluate(CUT_ACROSS) == [], name
+    # Its gears are refused.
+    told, machine = page.locator("#refusals").bounding_box(), page.locator("#stage svg.scene").bounding_box()
+    assert machine["height"] > 100.0
+    assert told["y"] >= machine["y"] + machine["height"]
+    assert page.locator("#refusals").evaluate("one => one.scrollHeight - one.clientHeight") <= 1
+    page.add_style_tag(content=".plot svg { margin-left: -30px; } .refusal p, .note { white-space: nowrap; }")
+    page.evaluate("document.querySelectorAll('.plot svg text').forEach((one) => one.setAttribute('x', 0))")
+    assert page.evaluate(CHART_TEXTS) != []
+    assert page.evaluate(CUT_ACROSS) != []
+    page.context.close()
+
+
+def test_the_crank_is_in_sight_though_the_gears_are_refused(browser: Any, tmp_path: Path) -> None:
+    with studio_of("baler-a1-at-law-speed", tmp_path) as studio:
+        opened = Opened(browser, studio)
+        angle = float(opened.page.locator("#angle").input_value())
+        assert 55.0 < np.degrees(opened.page.evaluate(f"ncgear.drivenAngle({np.radians(angle)})")) < 75.0
+        assert not opened.page.locator("#stage .legend").is_visible()
+        opened.page.context.close()
 
 
 def test_controls_of_gears_are_there_with_gears_alone(browser: Any, pusher: Studio) -> None:
@@ -540,7 +654,7 @@ def test_everything_comes_as_one_zip(opened: Opened) -> None:
 def test_a_phone_shows_all_without_scrolling_sideways(browser: Any, studio: Studio) -> None:
     opened = Opened(browser, studio, viewport=PHONE)
     assert opened.page.evaluate("document.scrollingElement.scrollWidth") <= PHONE["width"]
-    boxes = [opened.page.locator(one).bounding_box() for one in ("#machine", "#values", "#curves", "#told")]
+    boxes = [opened.page.locator(one).bounding_box() for one in ("#machine", "#values", "#figures", "#curves", "#rest")]
     assert [box["y"] for box in boxes] == sorted(box["y"] for box in boxes)
     assert all(box["width"] > 300 for box in boxes)
     assert boxes[1]["y"] < 0.8 * opened.page.evaluate("document.scrollingElement.scrollHeight")

@@ -94,6 +94,7 @@ function createHandles(acts) {
   }
 
   function listen(dot, handle, svg, chart) {
+    // Where the handle was grasped, and where the chart stood then: what comes above it meanwhile moves no handle.
     let grasped = null;
     dot.addEventListener("pointerdown", (event) => {
       event.stopPropagation();
@@ -101,12 +102,13 @@ function createHandles(acts) {
       dot.focus();
       dot.setPointerCapture(event.pointerId);
       state.dragged = handle;
-      grasped = placeIn(svg, event);
+      const units = intoUnits(svg);
+      grasped = { units, from: placeIn(units, event) };
     });
     dot.addEventListener("pointermove", (event) => {
       if (!dot.hasPointerCapture(event.pointerId)) return;
       event.stopPropagation();
-      move(dot, handle, dragged(handle, grasped, placeIn(svg, event), chart), chart);
+      move(dot, handle, dragged(handle, grasped.from, placeIn(grasped.units, event), chart), chart);
     });
     for (const name of ["pointerup", "pointercancel"]) {
       dot.addEventListener(name, () => {

@@ -57,12 +57,13 @@ function start() {
       if (is !== "state" && is !== "asked" && n < state.newest && is === "refused") return;
       state.newest = Math.max(state.newest, n);
     }
-    const answers = { state: takeState, motion: takeMotion, power: takePower, scene: takeScene, bare: takeBare, figures: told.figures, teeth: told.teeth };
-    Object.assign(answers, { verdict: told.verdict, strength: told.strength, best: told.best, chart: takeChart });
+    const answers = { state: takeState, motion: takeMotion, power: takePower, scene: takeScene, bare: takeBare, figures: told.take, teeth: told.take };
+    Object.assign(answers, { verdict: told.verdict, strength: told.take, best: told.best, chart: board.draw });
     Object.assign(answers, { job: making.show, said: say, question: saving.ask, lacking: takeLacking });
     if (is === "refused") takeRefusal(message);
     else if (answers[is]) answers[is](content, message);
     if (["motion", "scene", "strength", "done"].includes(is)) settled(message);
+    if (is === "done" && !state.refused[message.from]) ended(message);
     showStale();
     if (is === "done") document.body.dataset[`done${message.from[0].toUpperCase()}${message.from.slice(1)}`] = n;
   }
@@ -87,9 +88,9 @@ function start() {
     if (groups.length) say(groups.map((path) => `${path} cannot be left out: ${content[path]}`).join(" "));
   }
 
-  function takeMotion(content) {
+  function takeMotion(content, { n }) {
     state.motion = content;
-    machine.follow(content);
+    machine.follow(content, n);
     board.follow(content);
     setPaces(content.paces);
     clock.fit(content.loop / RAD, content.swings);
@@ -101,12 +102,11 @@ function start() {
     board.lines(content);
   }
 
-  function takeScene(content) {
-    machine.take(content);
+  function takeScene(content, { n }) {
+    machine.take(content, n);
     finder.fit();
     clock.set(state.begun ? clock.deg() : firstPose());
     state.begun = true;
-    if (!content.gears) told.withoutGears("");
   }
 
   // Driving angle in degrees at which the crank first stands well off its dead centre, so that it is seen beside the rod.
@@ -117,14 +117,8 @@ function start() {
   }
 
   // Without teeth the mechanism alone is shown, unless there is an earlier machine to be seen behind the refusal.
-  function takeBare(content) {
-    if (!machine.scene()) machine.take(content);
-    finder.fit();
-    clock.set(clock.deg());
-  }
-
-  function takeChart(content, message) {
-    board.draw(content, message);
+  function takeBare(content, message) {
+    if (!machine.scene()) takeScene(content, message);
   }
 
   function setPaces(paces) {
@@ -137,7 +131,6 @@ function start() {
 
   function takeRefusal(message) {
     state.refused[message.from] = { ...message.content, n: message.n };
-    if (message.from !== "motion") told.withoutGears(message.content.after);
     showRefusals();
   }
 
@@ -146,7 +139,6 @@ function start() {
     const found = Object.values(state.refused);
     const each = found.flatMap((one) => [one, ...one.others.map((other) => ({ ...one, ...other }))]);
     const once = each.filter((one, i) => each.findIndex((other) => other.problem === one.problem && other.key === one.key) === i);
-    machine.refuse(found.length > 0);
     told.refusals(once);
     form.mark(new Map(once.map((one) => [one.key, one.problem])));
   }
@@ -156,7 +148,7 @@ function start() {
     const stale = (from, n) => (state.refused[from]?.n ?? -Infinity) > n;
     const motion = told.showStale(stale);
     board.showStale(stale);
-    const before = { motion, machine: Object.keys(state.refused).length > 0 };
+    const before = { motion, machine: machine.showStale(Math.max(-Infinity, ...Object.values(state.refused).map((one) => one.n))) };
     for (const one of document.querySelectorAll("[data-now]")) one.textContent = before[one.dataset.now] ? "before" : "now";
   }
 
@@ -166,6 +158,12 @@ function start() {
       delete state.refused[from];
       showRefusals();
     }
+  }
+
+  // What a chain has answered to its end is all that there is of it: what it told of earlier texts goes.
+  function ended({ from, n }) {
+    board.drop(from, n);
+    told.drop(from, n);
   }
 
   function hold() {
