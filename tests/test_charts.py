@@ -121,6 +121,8 @@ def test_a_level_extreme_is_named_where_it_begins() -> None:
     x = np.array([0.0, 90.0, 180.0, 270.0, 360.0])
     line = Line(Role.OWN, "own", x, np.array([0.0, 80.0, 80.0 + 1e-13, 0.0, -1e-15]))
     assert drawn(PageChart("k", Chart("force", "N", (line,), 360.0))).extremes == "0.00 at 0\u00b0 to 80.00 at 90\u00b0"
+    level = Line(Role.OWN, "own", x, 1.0 + 1e-9 * x)
+    assert drawn(PageChart("k", Chart("ratio", "", (level,), 360.0))).extremes == "1.000 throughout"
 
 
 TEXT = re.compile(r'<text style="[^"]*text-anchor: (\w+);[^"]*" x="([\d.]+)" y="([\d.]+)"[^>]*>([^<]+)<')

@@ -92,10 +92,12 @@ class ChartFigure:
 
     @property
     def extremes(self) -> str:
-        """Words for the least and greatest value of the first line, with their angles."""
+        """Words for the least and greatest value of the first line, with their angles where they differ."""
         line, decimals = self.page_chart.chart.lines[0], self.page_chart.decimals
         # The first of several places, which rounding errors tell apart.
         alike = ALIKE * float(np.max(np.abs(line.values)))
         places = [int(np.argmax(values >= values.max() - alike)) for values in (-line.values, line.values)]
-        texts = [f"{fixed(line.values[place], decimals)} at {fixed(line.x[place], 0)}\u00b0" for place in places]
-        return " to ".join(texts).replace("-", "\u2212")
+        values = [fixed(line.values[place], decimals) for place in places]
+        texts = [f"{value} at {fixed(line.x[place], 0)}\u00b0" for value, place in zip(values, places, strict=True)]
+        told = " to ".join(texts) if values[0] != values[1] else f"{values[0]} throughout"
+        return told.replace("-", "\u2212")

@@ -39,8 +39,11 @@ DIGIT_WIDTH, WIDTHS = 0.64, {MINUS: 0.84, "+": 0.84, ".": 0.32}
 """Widths of the letters of a number as shares of the size of text: those of DejaVu Sans and of Verdana, than which no
 font that pages are read in is wider."""
 
-BESIDE_TICKS, LEAST_LEFT, LEAST_RIGHT = 9.0, 46.0, 12.0
-"""Width of a tick and of the gaps beside a number, and least widths beside a chart, so that most charts are alike."""
+NUMBERS_OFF = 8.0
+"""Gap between a vertical scale and its numbers, which has room for half a point that is dragged (``handles.js``)."""
+
+BESIDE_NUMBERS, LEAST_LEFT, LEAST_RIGHT = NUMBERS_OFF + 6.0, 46.0, 12.0
+"""Width of a gap, a tick and an edge beside a number, and least widths beside a chart, so that most charts are alike."""
 
 OWN_COLOR, UNIFORM_COLOR, INK, GRID, WRITTEN_COLOR = (f"#a1000{number}" for number in range(1, 6))
 
@@ -78,6 +81,7 @@ def _dress(axes: Axes, chart: Chart, _: str) -> None:
     axes.tick_params(labelsize=TEXT_SIZE, labelcolor=INK, color=UNIFORM_COLOR, length=3.0)
     # In full: a power of ten by itself above the scale would lie over its highest number.
     axes.yaxis.set_major_formatter(lambda value, _: f"{value + 0.0:.12g}".replace("-", MINUS))
+    axes.tick_params(axis="y", pad=NUMBERS_OFF)
     axes.grid(True, color=GRID, linewidth=0.8)
     axes.set_axisbelow(True)
     for name, spine in axes.spines.items():
@@ -129,7 +133,7 @@ def _margins(axes: Axes) -> tuple[float, float]:
         [_width(text) for text in scale.get_major_formatter().format_ticks(scale.get_majorticklocs())]
         for scale in (axes.yaxis, axes.xaxis)
     )
-    return max(LEAST_LEFT, max(beside) + BESIDE_TICKS), max(LEAST_RIGHT, max(below) / 2.0)
+    return max(LEAST_LEFT, max(beside) + BESIDE_NUMBERS), max(LEAST_RIGHT, max(below) / 2.0)
 
 
 def _width(text: str) -> float:

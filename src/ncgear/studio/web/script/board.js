@@ -30,7 +30,7 @@ function createBoard(place, handles, onPick) {
       one.late = content;
       return;
     }
-    Object.assign(one, { chart: content, live: null });
+    Object.assign(one, { chart: content, live: null, seen: n });
     const focused = one.plot.contains(document.activeElement) ? document.activeElement.dataset.handle : null;
     one.plot.innerHTML = content.svg;
     one.figure.classList.remove("pale");
@@ -61,17 +61,17 @@ function createBoard(place, handles, onPick) {
     handles.put(svg, one.chart, state.handles);
   }
 
-  // Lines that follow a motion before its charts are drawn.
-  function follow(motion) {
+  // Lines that follow a motion of the text of a number before its charts are drawn.
+  function follow(motion, n) {
     state.handles = motion.handles;
-    lines(motion.charts);
+    lines(motion.charts, n);
   }
 
-  function lines(followed) {
+  function lines(followed, n) {
     for (const live of followed) {
       for (const line of live.lines) line.x = live.x;
       const one = charts.get(live.key);
-      if (!one?.chart) continue;
+      if (!one?.chart || one.seen >= n) continue;
       one.live = live;
       one.figure.classList.add("pale");
       overlay(one);

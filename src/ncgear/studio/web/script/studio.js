@@ -4,7 +4,7 @@ const FIRST_CRANK_DEG = 60;
 
 function start() {
   const at = (id) => document.getElementById(id);
-  const state = { newest: 0, refused: {}, motion: null, power: [], held: false, begun: false };
+  const state = { newest: 0, refused: {}, failed: {}, motion: null, power: [], held: false, begun: false };
   const link = createLink(hear, (on, taken) => {
     document.body.classList.toggle("offline", !on);
     if (taken) say("This page goes on in another tab; load it anew to go on here.");
@@ -52,9 +52,10 @@ function start() {
 
   function hear(message) {
     const { is, n, content } = message;
+    if (is === "refused") state.failed[message.from] = n;
     if (n !== undefined) {
       // Answers to a text that is not shown any more come too late.
-      if (is !== "state" && is !== "asked" && n < state.newest && is === "refused") return;
+      if (is === "refused" && n < state.newest) return;
       state.newest = Math.max(state.newest, n);
     }
     const answers = { state: takeState, motion: takeMotion, power: takePower, scene: takeScene, bare: takeBare, figures: told.take, teeth: told.take };
@@ -63,7 +64,7 @@ function start() {
     if (is === "refused") takeRefusal(message);
     else if (answers[is]) answers[is](content, message);
     if (["motion", "scene", "strength", "done"].includes(is)) settled(message);
-    if (is === "done" && !state.refused[message.from]) ended(message);
+    if (is === "done" && state.failed[message.from] !== n) ended(message);
     showStale();
     if (is === "done") document.body.dataset[`done${message.from[0].toUpperCase()}${message.from.slice(1)}`] = n;
   }
@@ -91,15 +92,15 @@ function start() {
   function takeMotion(content, { n }) {
     state.motion = content;
     machine.follow(content, n);
-    board.follow(content);
+    board.follow(content, n);
     setPaces(content.paces);
     clock.fit(content.loop / RAD, content.swings);
   }
 
   // Power that counts gears comes with them.
-  function takePower(content) {
+  function takePower(content, { n }) {
     state.power = content;
-    board.lines(content);
+    board.lines(content, n);
   }
 
   function takeScene(content, { n }) {
@@ -160,7 +161,7 @@ function start() {
     }
   }
 
-  // What a chain has answered to its end is all that there is of it: what it told of earlier texts goes.
+  // What a chain has answered to its end, unrefused, is all that there is of it: what it told of earlier texts goes.
   function ended({ from, n }) {
     board.drop(from, n);
     told.drop(from, n);
