@@ -437,10 +437,16 @@ def test_what_is_shown_of_an_earlier_text_is_pale_while_a_text_is_refused(browse
     for parts in ("#facts tbody tr", "#achieved li", "#tables .table-frame"):
         assert page.locator(f"{parts}.stale").count() == page.locator(parts).count() > 0, parts
     assert float(page.evaluate("getComputedStyle(document.querySelector('#facts .stale')).opacity")) < 0.6
-    for told in (".chart .name", "#tables figcaption", "#facts tbody th"):
-        assert page.locator(told).first.evaluate("one => getComputedStyle(one, '::after').content") == '", before"'
+    after = "one => getComputedStyle(one, '::after').content"
+    assert [page.locator(one).first.evaluate(after) for one in (".chart .name", "#tables figcaption")] == 2 * [BEFORE]
     assert page.locator("#facts thead th").first.inner_text() == "before"
-    assert page.locator("#stage .legend").inner_text() == "before"
+    assert page.locator("#facts tbody th").first.evaluate(after) == "none"
+    legend = page.locator("#stage .legend")
+    assert legend.inner_text() == "before"
+    # Nothing lies over it.
+    box = legend.bounding_box()
+    top = page.evaluate("([x, y]) => document.elementFromPoint(x, y).className", [box["x"] + 2.0, box["y"] + 2.0])
+    assert top == "legend"
     assert page.locator("#best-saves").inner_text() == ""
     picture, told = page.locator("#stage").bounding_box(), page.locator("#refusals").bounding_box()
     assert told["y"] > picture["y"] + 0.35 * picture["height"]
@@ -459,6 +465,9 @@ def shown_of(opened: Opened) -> dict[str, list[str]]:
     each = f"ones => ones.map((one) => {name} + (one.classList.contains('stale') ? '*' : ''))"
     return {part: opened.page.locator(selector).evaluate_all(each) for part, selector in parts.items()}
 
+
+BEFORE = '", before"'
+"""What stands behind the name of what is of an earlier text."""
 
 OF_TEETH = {
     "charts": ["pressure_angle", "force_of_a_pair", "root_stress", "contact_pressure"],
@@ -491,6 +500,8 @@ def test_what_a_design_has_no_longer_goes_from_the_page(browser: Any, pusher: St
     assert [one for one in refused["charts"] if one.endswith("*")] == [f"{one}*" for one in OF_TEETH["charts"]]
     assert refused["facts"][0] == "peak power"
     assert f"{OF_TEETH['facts'][-1]}*" in refused["facts"]
+    marked = opened.page.locator("#facts .stale th").first
+    assert marked.evaluate("one => getComputedStyle(one, '::after').content") == BEFORE
     # Of many changes that are refused one after another the last good design is not lost.
     turn = "for (const n of [-1, -2, -3, -4]) ncgear.send({ do: 'change', changes: { 'operation.speed_rpm': n } })"
     opened.page.evaluate(turn)
@@ -645,6 +656,11 @@ def test_all_is_in_sight_on_a_small_screen_and_nothing_is_cut(browser: Any, stud
     assert said.text_content() == ""
     opened.set("gears.face_width_mm", "-1")
     assert "-1" in said.inner_text() or "0" in said.inner_text()
+    page.keyboard.press("Control+s")
+    page.wait_for_function("() => document.getElementById('said').textContent.startsWith('saved')")
+    opened.set("gears.face_width_mm", "22")
+    # What was said of the save is not said of what is not saved.
+    assert page.locator("#said").text_content() == ""
     assert opened.errors == []
     page.context.close()
 

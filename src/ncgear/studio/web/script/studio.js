@@ -12,19 +12,25 @@ function start() {
     else if (at("said").textContent.startsWith("The server")) say("");
   });
 
+  // What was said is about what was done before.
+  function send(message) {
+    if (!document.body.classList.contains("offline")) say("");
+    link.send(message);
+  }
+
   const machine = createMachine(at("stage"), at("held-stage"));
   const clock = createClock(show);
   const controls = createControls(clock);
   const acts = {
     change: (changes) => {
-      link.send({ do: "change", changes });
+      send({ do: "change", changes });
       form.follow(changes);
     },
     keep: () => {
-      link.send({ do: "keep" });
+      send({ do: "keep" });
       board.settle();
     },
-    set: (changes) => link.send({ do: "set", changes }),
+    set: (changes) => send({ do: "set", changes }),
     reveal: (key) => form.reveal(key),
   };
   const handles = createHandles(acts);
@@ -32,8 +38,8 @@ function start() {
   const form = createForm(at("form"), at("find"), acts);
   const told = createTold(acts);
   const finder = createFinder(machine.scene, clock);
-  const making = createMaking(at("jobs"), link.send);
-  const saving = createSaving(at("question"), link.send);
+  const making = createMaking(at("jobs"), send);
+  const saving = createSaving(at("question"), send);
 
   function show(deg, playing) {
     machine.show(deg * RAD);
@@ -177,21 +183,21 @@ function start() {
     clock.set(clock.deg());
   }
 
-  at("undo").addEventListener("click", () => link.send({ do: "undo" }));
-  at("redo").addEventListener("click", () => link.send({ do: "redo" }));
+  at("undo").addEventListener("click", () => send({ do: "undo" }));
+  at("redo").addEventListener("click", () => send({ do: "redo" }));
   at("save").addEventListener("click", saving.save);
   at("hold").addEventListener("click", hold);
   at("take").addEventListener("click", () => {
     at("text").blur();
-    link.send({ do: "text", text: at("text").value });
+    send({ do: "text", text: at("text").value });
   });
   document.addEventListener("keydown", (event) => {
     if (!(event.ctrlKey || event.metaKey) || event.altKey) return;
     const typing = event.target.closest("textarea, input[type=search], :not(.number, .integer) > input[type=text]");
     const key = event.key.toLowerCase();
     if (key === "s") saving.save();
-    else if (key === "z" && !typing) link.send({ do: event.shiftKey ? "redo" : "undo" });
-    else if (key === "y" && !typing) link.send({ do: "redo" });
+    else if (key === "z" && !typing) send({ do: event.shiftKey ? "redo" : "undo" });
+    else if (key === "y" && !typing) send({ do: "redo" });
     else return;
     event.preventDefault();
   });
@@ -203,7 +209,7 @@ function start() {
     drivenAngle: (phi1) => machine.scene().driven_angle(phi1),
     motion: () => state.motion,
     chart: board.chart,
-    send: link.send,
+    send: send,
   });
 }
 

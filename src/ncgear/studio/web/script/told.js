@@ -156,6 +156,7 @@ function createTold(acts) {
     const judged = parts.verdict?.n ?? Infinity;
     at("warnings").classList.toggle("stale", stale("motion", judged) || stale("contact", judged));
     const motion = parts.figures !== null && stale("motion", parts.figures.n);
+    at("facts").classList.toggle("before", motion);
     if (motion) best(null);
     return motion;
   }
