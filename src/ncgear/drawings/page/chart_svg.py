@@ -26,7 +26,8 @@ from ncgear.drawings.plots.canvas import JOINT
 Size = tuple[float, float]
 """Width and height of a chart in SVG units, which are CSS pixels where it is not scaled."""
 
-OF_REPORT: Size = (430.0, 190.0)
+OF_REPORT: Size = (330.0, 170.0)
+"""Size of a chart on the narrowest page, a phone's, with text of 11 pixels; on wider pages it grows."""
 
 POINTS_PER_INCH = 72
 """The resolution of matplotlib's SVG files: with it, display coordinates are SVG units."""

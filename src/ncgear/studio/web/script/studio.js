@@ -1,7 +1,5 @@
 // The page put together: one design, and everything that shows it or changes it.
 
-const FIRST_CRANK_DEG = 60;
-
 function start() {
   const at = (id) => document.getElementById(id);
   const state = { newest: 0, refused: {}, failed: {}, motion: null, power: [], held: false, begun: false };
@@ -112,15 +110,8 @@ function start() {
   function takeScene(content, { n }) {
     machine.take(content, n);
     finder.fit();
-    clock.set(state.begun ? clock.deg() : firstPose());
+    clock.set(state.begun ? clock.deg() : firstPose(machine.scene(), clock.cycle()));
     state.begun = true;
-  }
-
-  // Driving angle in degrees at which the crank first stands well off its dead centre, so that it is seen beside the rod.
-  function firstPose() {
-    const scene = machine.scene();
-    const degrees = Array.from({ length: 90 }, (_, i) => (i * clock.cycle()) / 90);
-    return degrees.find((deg) => scene.driven_angle(deg * RAD) >= FIRST_CRANK_DEG * RAD) ?? 0;
   }
 
   // Without teeth the mechanism alone is shown, unless there is an earlier machine to be seen behind the refusal.
