@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, radians, sin, sqrt
+from math import cos, degrees, radians, sin, sqrt
 from typing import Any
 
 import numpy as np
@@ -116,6 +116,16 @@ def test_positions_that_the_search_did_not_use_find_nothing_beyond(
     sliding = SPEED * max(one.largest_sliding_mm.max() for one in judged)
     assert 0.99 * found.sliding_mm_s.value <= sliding <= (1.0 + KNOWN) * found.sliding_mm_s.value
     assert max(one.pushing.overlap_mm.max() for one in judged) <= found.overlap_mm.value + 1e-9
+
+
+@pytest.mark.thorough
+def test_a_pressure_angle_that_passes_zero_is_least_at_zero() -> None:
+    """Where the normal's angle against the pitch curve changes its sign; flanks of circular gears never come so far."""
+    steep, even = extremes("long ellipse", 60, 0.1), extremes("uniform", 26)
+    for angle in (steep.pushing_pressure_angle_rad, steep.back_pressure_angle_rad):
+        assert angle.low.value == 0.0
+        assert angle.high.value > radians(45.0)
+    assert degrees(even.pushing_pressure_angle_rad.low.value) == pytest.approx(20.0, abs=1e-6)
 
 
 WRITTEN = [
