@@ -72,7 +72,7 @@ def test_the_notebook_and_the_page_draw_the_same_power() -> None:
 
 def test_over_the_displacement_the_values_stay() -> None:
     drive = drives.drive("baler")
-    chart, motions = slider_chart(drive, Quantity.POWER), (drive.motion, drive.uniform_motion)
+    chart, motions = slider_chart(drive, Quantity.POWER), drive.drawn_motions
     across = over_displacement(chart, drive.linkage.OUTPUT, motions)
     assert (across.across, across.names_extreme, across.joints_deg.size) == ("displacement in mm", False, 0)
     for line, before, motion in zip(across.lines, chart.lines, motions, strict=True):
@@ -115,6 +115,13 @@ def test_headings_tell_the_extremes_that_the_figures_tell(name: str) -> None:
         told = [float(word) for word in drawn(one).extremes.replace("\u2212", "-").replace("\u00b0", "").split()[::4]]
         assert max(map(abs, told)) == pytest.approx(figures[one.key], abs=0.51 * 10.0**-one.decimals), one.key
     assert drawn(one).extremes.startswith(f"{made.transmission.ratio_range[0].value:.{one.decimals}f} at")
+
+
+def test_the_note_of_a_picture_tells_the_peak_that_a_check_tells() -> None:
+    made = drives.drive("baler-a1-at-law-speed")
+    axes = Figure().subplots()
+    draw(axes, slider_chart(made, Quantity.ACCELERATION), MOTION_LOOK)
+    assert axes.texts[0].get_text() == f"{made.check.peak_acceleration_cycle.value:.0f} mm/s\u00b2 at 331\u00b0"
 
 
 def test_a_level_extreme_is_named_where_it_begins() -> None:

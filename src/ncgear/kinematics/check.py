@@ -101,7 +101,8 @@ def load_extremes_rad(machine: Machine) -> list[float]:
 
 
 def _load_extremes_rad(machine: Machine, stretch: Stretch) -> list[float]:
-    curves, passed = machine.load.smooth_curves_n(not stretch.working), _passed_rad(machine, stretch).tolist()
+    passed: list[float] = _passed_rad(machine, stretch).tolist()
+    curves = machine.load.smooth_curves_n(not stretch.working)
     if not curves:
         return passed
 

@@ -44,7 +44,7 @@ NUMBERS_OFF = 8.0
 """Gap between a vertical scale and its numbers, which has room for half a point that is dragged (``handles.js``)."""
 
 BESIDE_NUMBERS, LEAST_LEFT, LEAST_RIGHT = NUMBERS_OFF + 6.0, 46.0, 12.0
-"""Width of a gap, a tick and an edge beside a number, and least widths beside a chart, so that most charts are alike."""
+"""Widths of a gap, a tick and an edge beside a number, and least widths beside a chart: most charts are alike."""
 
 OWN_COLOR, UNIFORM_COLOR, INK, GRID, WRITTEN_COLOR = (f"#a1000{number}" for number in range(1, 6))
 
@@ -131,7 +131,7 @@ def drawn(page_chart: PageChart, size: Size = OF_REPORT) -> ChartFigure:
 def _margins(axes: Axes) -> tuple[float, float]:
     """The widths left and right of axes, in SVG units, in which the numbers of the scales have room in any font."""
     beside, below = (
-        [_width(text) for text in scale.get_major_formatter().format_ticks(scale.get_majorticklocs())]
+        [_width(text) for text in scale.get_major_formatter().format_ticks(list(scale.get_majorticklocs()))]
         for scale in (axes.yaxis, axes.xaxis)
     )
     return max(LEAST_LEFT, max(beside) + BESIDE_NUMBERS), max(LEAST_RIGHT, max(below) / 2.0)

@@ -18,7 +18,6 @@ import numpy as np
 from ncgear.drawings.charts.chart import joints_up_to
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, Quantity, motion_chart
 from ncgear.drawings.page.chart_figure import PageChart
-from ncgear.kinematics.check import load_extremes_rad
 from ncgear.kinematics.motion import Machine
 from ncgear.numerics.arrays import Array, distinct
 from ncgear.project.drive import Drive
@@ -43,10 +42,12 @@ def motion_charts(
 ) -> list[PageChart]:
     """Charts from 0 to a driving angle, all of them or some; masses are looked at for the power alone.
 
-    They are sampled at driving angles ``phi1`` of a cycle in rad, shape (n,), or else at ``drawn_angles_rad``.
+    They are sampled at driving angles ``phi1`` of a cycle in rad, shape (n,), or else at ``cycle_angles_rad`` and where
+    any curve of this design is least or greatest.
     """
     quantities = quantities_of(drive) if quantities is None else quantities
-    phi1 = drawn_angles_rad(drive) if phi1 is None else phi1
+    if phi1 is None:
+        phi1 = distinct(np.concatenate([cycle_angles_rad(drive), drive.extremes_rad]))
     machines = drive.machine, drive.uniform_machine
     moved = drive.motion_of if Quantity.POWER in quantities else Machine.motion
     own, uniform = (moved(machine, phi1) for machine in machines)
@@ -70,13 +71,6 @@ def loads_of(drive: Drive) -> tuple[Quantity, ...]:
     if drive.design.resistance is not None:
         return LOAD
     return () if drive.masses_left_out is not None else (Quantity.POWER,)
-
-
-def drawn_angles_rad(drive: Drive) -> Array:
-    """Those of ``cycle_angles_rad`` and the extremes of all curves of this design, shape (n,)."""
-    of_ratio = [end.at for end in drive.transmission.ratio_range]
-    extremes = drive.check.extremes_rad, load_extremes_rad(drive.machine), of_ratio
-    return distinct(np.concatenate([cycle_angles_rad(drive), *extremes]))
 
 
 def cycle_angles_rad(drive: Drive) -> Array:
