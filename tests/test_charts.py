@@ -25,7 +25,9 @@ from ncgear.drawings.page.chart_svg import OF_REPORT, PAGE_LOOK, TEXT_SIZE, Size
 from ncgear.drawings.page.motion_charts import motion_charts
 from ncgear.drawings.pictures import slider_chart
 from ncgear.drawings.plots.canvas import JOINT
+from ncgear.figures.simulated import rigid_figures
 from ncgear.files.balance import spread
+from ncgear.files.simulation import drawn_angles_rad, driving_torque, joint_forces, mesh_forces
 from ncgear.studio.told import CHART
 
 JOINTS = np.array([90.0, 180.0])
@@ -122,6 +124,22 @@ def test_the_note_of_a_picture_tells_the_peak_that_a_check_tells() -> None:
     axes = Figure().subplots()
     draw(axes, slider_chart(made, Quantity.ACCELERATION), MOTION_LOOK)
     assert axes.texts[0].get_text() == f"{made.check.peak_acceleration_cycle.value:.0f} mm/s\u00b2 at 331\u00b0"
+
+
+@pytest.mark.thorough
+def test_the_notes_of_loads_tell_the_peaks_that_a_simulation_tells() -> None:
+    made = drives.drive("baler-real")
+    loads = [rigid.machine.at(drawn_angles_rad(made)) for rigid in (made.rigid, made.uniform_rigid)]
+    charts = [driving_torque(made, *loads), *joint_forces(made, *loads), *mesh_forces(made, *loads)]
+    sizes = {one.name: float(np.abs(one.own.values).max()) for one in charts}
+    peaks, figures = made.rigid.peaks, rigid_figures(made)["this_design"]
+    assert sizes["driving torque"] == pytest.approx(figures["peak_driving_torque_n_m"], rel=1e-9)
+    assert sizes["crank bearing"] == pytest.approx(peaks.crank_bearing_n.value, rel=1e-9)
+    assert sizes["guide"] == pytest.approx(peaks.guide_n.value, rel=1e-7)
+    assert sizes["mesh force"] == pytest.approx(peaks.mesh.force_n.value, rel=1e-9)
+    # Negative control: the angles of the table miss the peaks.
+    force = made.rigid.machine.at(made.motion.phi1_rad).crank_bearing
+    assert np.hypot(force.x.value, force.y.value).max() < peaks.crank_bearing_n.value * (1.0 - 1e-6)
 
 
 def test_a_level_extreme_is_named_where_it_begins() -> None:

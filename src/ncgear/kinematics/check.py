@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from math import degrees, fsum
 
@@ -93,6 +93,19 @@ def kinematic_check(machine: Machine) -> KinematicCheck:
         peak_acceleration_cycle=_scaled(_largest(peak.acceleration for peak in peaks), omega**2),
         extremes_rad=tuple(angle for peak in peaks for angle in peak.extremes_rad),
     )
+
+
+SIDE_RAD = 1e-9
+"""Distance in rad between a jump and the samples before and after it.
+
+It is far larger than the rounding of an angle, and too small to be seen or hit by a cursor.
+"""
+
+
+def both_sides_rad(angles_rad: Sequence[float], end_rad: float) -> Array:
+    """Driving angles from 0 to an end with those right before and after each, since a curve may jump there, rising."""
+    at = np.array(angles_rad)
+    return distinct(np.clip(np.concatenate([at - SIDE_RAD, at, at + SIDE_RAD]), 0.0, end_rad))
 
 
 def load_extremes_rad(machine: Machine) -> list[float]:

@@ -14,7 +14,7 @@ from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.machine import FINEST_IN_MODULES
 from ncgear.design.mechanisms import entry_of
 from ncgear.errors import DesignError, WrongInput
-from ncgear.kinematics.check import KinematicCheck, at_speed, load_extremes_rad
+from ncgear.kinematics.check import KinematicCheck, at_speed, both_sides_rad, load_extremes_rad
 from ncgear.kinematics.motion import Machine, OutputMotion, sample_angles
 from ncgear.mechanisms.masses import Masses
 from ncgear.numerics.arrays import Array, distinct
@@ -407,12 +407,13 @@ class Geared(Moving):
 
     @computed
     def extremes_rad(self) -> Array:
-        """Driving angles at which a curve of motion, load, power or ratio is least or greatest, rising, shape (n,).
+        """Driving angles at which a curve of motion, load, power or ratio is least or greatest, and beside them.
 
-        What is drawn is sampled there as well, so that a chart tells the peaks that ``check`` tells.
+        They rise, shape (n,). What is drawn is sampled there as well, so that a chart tells the peaks of ``check``.
         """
         of_ratio = [end.at for end in self.transmission.ratio_range]
-        return distinct([*self.check.extremes_rad, *load_extremes_rad(self.machine), *of_ratio])
+        found = (*self.check.extremes_rad, *load_extremes_rad(self.machine), *of_ratio)
+        return both_sides_rad(found, self.transmission.cycle_rad)
 
     @computed
     def drawn_motions(self) -> tuple[OutputMotion, OutputMotion]:

@@ -18,18 +18,13 @@ import numpy as np
 from ncgear.drawings.charts.chart import joints_up_to
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, Quantity, motion_chart
 from ncgear.drawings.page.chart_figure import PageChart
+from ncgear.kinematics.check import SIDE_RAD
 from ncgear.kinematics.motion import Machine
 from ncgear.numerics.arrays import Array, distinct
 from ncgear.project.drive import Drive
 
 LEAST = 2001
 """Least number of samples over a cycle of the slider."""
-
-SIDE_RAD = 1e-9
-"""Distance in rad between a jump and the samples before and after it.
-
-It is far larger than the rounding of an angle, and too small to be seen or hit by the cursor.
-"""
 
 
 def quantities_of(drive: Drive) -> tuple[Quantity, ...]:
