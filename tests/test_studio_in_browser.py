@@ -347,6 +347,17 @@ OVER_EACH_OTHER = """[...document.querySelectorAll("#facts tr")].filter((row) =>
 """Rows of figures whose texts lie over each other."""
 
 
+TOLD_CUT = """[...document.querySelectorAll(".handles circle")].map((dot) => {
+  dot.dispatchEvent(new PointerEvent("pointerenter"));
+  const told = dot.parentNode.querySelector("text");
+  const [text, whole] = [told.getBoundingClientRect(), dot.ownerSVGElement.getBoundingClientRect()];
+  const said = told.textContent;
+  dot.dispatchEvent(new PointerEvent("pointerleave"));
+  return text.width > 20 && text.left > whole.left - 1 && text.right < whole.right + 1 ? "" : said || "nothing";
+}).filter(Boolean)"""
+"""What handles tell of their values, where it is not whole."""
+
+
 @pytest.mark.tiers(slow=["baler-drivetrain"], rest="long")
 @pytest.mark.parametrize("some", ["baler-drivetrain", "*"])
 def test_no_value_of_any_design_is_cut(browser: Any, studio: Studio, some: str) -> None:
@@ -675,6 +686,7 @@ def test_all_is_in_sight_on_a_small_screen_and_nothing_is_cut(browser: Any, stud
     assert page.evaluate(SMALLEST_TEXT) >= 11.0
     handles = page.locator(".handles circle")
     assert min(box["width"] for box in (one.bounding_box() for one in handles.all())) >= 16.0
+    assert page.evaluate(TOLD_CUT) == []
     # The crank is not hidden behind the rod.
     assert 55.0 < float(page.locator("#angle").input_value()) < 75.0
     field = page.locator("#key-gears\\.face_width_mm")

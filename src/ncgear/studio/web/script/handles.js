@@ -69,14 +69,14 @@ function createHandles(acts) {
     dot.setAttribute("cy", between(at.y, chart.values, chart.y));
   }
 
-  // The value beside a handle, on the side of the chart where there is room.
+  // The value beside a handle, on the side of the chart where there is more room, and whole.
   function tell(dot, handle, at, chart) {
     const told = dot.parentNode.querySelector("text");
     const x = between(at.x, chart.angle_deg, chart.x);
-    const left = x > (chart.x[0] + chart.x[1]) / 2;
     told.textContent = `${handle.name}: ${spoken(handle, at)}`;
-    told.setAttribute("text-anchor", left ? "end" : "start");
-    told.setAttribute("x", x + (left ? -12 : 12));
+    const [wide, whole] = [told.getComputedTextLength(), dot.ownerSVGElement.viewBox.baseVal.width];
+    const beside = x > (chart.x[0] + chart.x[1]) / 2 ? x - 12 - wide : x + 12;
+    told.setAttribute("x", Math.max(0, Math.min(beside, whole - wide)));
     told.setAttribute("y", Math.max(between(at.y, chart.values, chart.y) - 10, 12));
   }
 
