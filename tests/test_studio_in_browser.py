@@ -164,6 +164,28 @@ def test_a_point_that_is_dragged_moves_the_law_as_python_computes_it(opened: Ope
     page.wait_for_function("() => document.getElementById('saved').textContent === 'saved'")
 
 
+def test_a_point_that_is_dragged_away_and_back_leaves_the_design_as_it_was(opened: Opened) -> None:
+    page, before = opened.page, opened.text
+    dot = page.locator(".chart[data-key^=velocity] .handles circle").nth(1)
+    dot.scroll_into_view_if_needed()
+    box, asked = dot.bounding_box(), int(page.evaluate("document.body.dataset.asked"))
+    x, y = box["x"] + box["width"] / 2.0, box["y"] + box["height"] / 2.0
+    page.mouse.move(x, y)
+    page.mouse.down()
+    # Over theta1, where there is no such stroke; what is told of that may take room above the chart.
+    for step in (*range(0, -90, -10), *range(-90, 1, 10)):
+        page.mouse.move(x + step, y)
+        page.wait_for_timeout(40)
+        if step == -90:
+            page.locator(".refusal").wait_for()
+    page.mouse.up()
+    page.wait_for_function("n => Number(document.body.dataset.asked) > n", arg=asked)
+    opened.settled()
+    page.locator(".refusal").wait_for(state="detached")
+    assert opened.text == before
+    assert page.locator("#saved").inner_text() == "saved"
+
+
 @pytest.mark.long
 def test_five_hundred_quick_changes_leave_the_last_one_shown(browser: Any, tmp_path: Path) -> None:
     with studio_of("baler-86", tmp_path) as studio:

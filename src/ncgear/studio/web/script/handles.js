@@ -49,10 +49,11 @@ function lastDigit(value) {
 function createHandles(acts) {
   const state = { dragged: null };
 
-  function changesAt(handle, at) {
-    // An axis along which nothing was moved leaves its key as it is.
-    const moves = Object.entries(handle.moves).filter(([axis]) => at[axis] !== handle[axis]);
-    return Object.assign({}, ...moves.map(([axis, move]) => changesOf(move, valueAt(move, at[axis] - handle[axis]))));
+  // An axis along which a handle was never moved leaves its key as it is; one that is back gives its value back.
+  function changesAt(dot, handle, at) {
+    const axes = Object.keys(handle.moves).filter((axis) => at[axis] !== handle[axis] || dot.moved?.has(axis));
+    dot.moved = new Set(axes);
+    return Object.assign({}, ...axes.map((axis) => changesOf(handle.moves[axis], valueAt(handle.moves[axis], at[axis] - handle[axis]))));
   }
 
   function move(dot, handle, at, chart) {
@@ -60,7 +61,7 @@ function createHandles(acts) {
     place(dot, free, chart);
     dot.setAttribute("aria-valuetext", spoken(handle, free));
     tell(dot, handle, free, chart);
-    const changes = changesAt(handle, free);
+    const changes = changesAt(dot, handle, free);
     if (Object.keys(changes).length) acts.change(changes);
   }
 
