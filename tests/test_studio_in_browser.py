@@ -526,6 +526,12 @@ def test_what_a_design_has_no_longer_goes_from_the_page(browser: Any, pusher: St
     gone = without("{ gears: null }")
     assert all(set(OF_TEETH[part]) <= set(gone[part]) for part in whole)
     assert gone["charts"] == OF_TEETH["charts"]
+    assert opened.page.locator("#points").is_visible()
+    opened.step(
+        lambda: opened.page.evaluate("ncgear.send({ do: 'set', changes: { motion: { law: 'uniform_crank' } } })")
+    )
+    assert not opened.page.locator("#points").is_visible()
+    opened.step(opened.page.locator("#undo").click)
     of_load = ["power_w", "force_n", *OF_TEETH["charts"][1:]]
     assert sorted(without("{ resistance: null }")["charts"]) == sorted(of_load)
     # Of what is refused the last good design stays, and is told apart from the motion, which is not refused.

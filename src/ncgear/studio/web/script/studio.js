@@ -97,6 +97,7 @@ function start() {
     state.motion = content;
     machine.follow(content, n);
     board.follow(content, n);
+    at("points").hidden = !content.handles.length;
     setPaces(content.paces);
     clock.fit(content.loop / RAD, content.swings);
   }
