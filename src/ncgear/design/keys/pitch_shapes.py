@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import suppress
 from math import cos, hypot, inf, pi, sqrt, tan
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
@@ -160,15 +160,9 @@ class RationalCurve(Model):
         return self
 
 
-class DxfContour(Drawn):
-    """A contour of a DXF file: lines, arcs and splines that make one closed curve."""
+class DrawnContour(Drawn):
+    """A contour of a file: curves that make one closed curve."""
 
-    file: FileName | None = optional(
-        "DXF file with one closed contour of LINE, ARC, CIRCLE, ELLIPSE, SPLINE, LWPOLYLINE or POLYLINE; its path "
-        "counts from the design file"
-    )
-    unit: Literal["mm", "cm", "m", "inch"] = required("unit of the drawing")
-    layer: str | None = optional("layer of the contour; left out: all layers", min_length=1, max_length=255)
     tolerance_mm: float | None = optional(
         "how far a smooth curve may be from the contour in mm, along its radius: for a contour of many chords, as of a "
         "traced outline, whose corners no teeth roll over; left out: the contour as it is drawn",
@@ -178,35 +172,44 @@ class DxfContour(Drawn):
     curves: Annotated[Several[RationalCurve], Field(min_length=1, max_length=MOST_CURVES)] | None = optional(
         "the contour's parts, read from the file; given in place of it by programs only"
     )
-    near: float = optional(
-        "how far ends of parts may miss each other, by the digits of the file; given by programs only", 0.0, ge=0.0
-    )
-    drawn_in: Literal["mm", "cm", "m", "inch"] | None = optional("the unit that the file names; given by programs only")
+
+    FILE: ClassVar[str]
+    """What the key ``file`` names."""
 
     @model_validator(mode="after")
     def _has_curves(self) -> Self:
         if self.curves is None:
-            raise fault("", "file is missing; the name of a DXF file is needed")
+            raise fault("", f"file is missing; the name of {self.FILE} is needed")
         return self
 
-    def contour(self) -> tuple[list[RationalSpline], float]:
+    @property
+    def unit_mm(self) -> float:
+        """The unit of the curves."""
+        return 1.0
+
+    @property
+    def near_mm(self) -> float:
+        """How far ends of parts may miss each other by the digits of the file."""
+        return 0.0
+
+    def contour(self, key: str) -> tuple[list[RationalSpline], float]:
         """The parts as one closed chain, and the greatest gap between their ends, in mm.
 
-        Raises WrongInput where they are not one, with the layers that hold one.
+        Raises WrongInput at the key of the file where they are not one, with the layers that hold one.
         """
         from ncgear.ratio.laws.curve_shapes import one_contour
 
-        key, near_mm, parts = f"{KEY}.dxf.file", UNIT_MM[self.unit] * self.near, self.curves or ()
+        parts = self.curves or ()
         try:
-            return one_contour([self._spline(part) for part in parts], near_mm, key)
+            return one_contour([self._spline(part) for part in parts], self.near_mm, key)
         except WrongInput as refusal:
             layers = sorted({part.layer for part in parts})
-            if self.layer is not None or len(layers) == 1:
+            if len(layers) == 1:
                 raise
             closed = list[str]()
             for layer in layers:
                 with suppress(WrongInput):
-                    one_contour([self._spline(part) for part in parts if part.layer == layer], near_mm, key)
+                    one_contour([self._spline(part) for part in parts if part.layer == layer], self.near_mm, key)
                     closed.append(layer)
             one = f"layers that hold one closed contour are {listed(closed, 'and')}" if closed else "no layer holds one"
             raise WrongInput(f"{refusal.problem}; {one}", key=key) from refusal
@@ -216,8 +219,63 @@ class DxfContour(Drawn):
 
         from ncgear.numerics.rational import RationalSpline
 
-        points_mm = UNIT_MM[self.unit] * np.column_stack([np.array(part.x), np.array(part.y)])
+        points_mm = self.unit_mm * np.column_stack([np.array(part.x), np.array(part.y)])
         return RationalSpline(part.degree, np.array(part.knots), points_mm, np.array(part.weights)).clamped()
+
+
+class DxfContour(DrawnContour):
+    """A contour of a DXF file: lines, arcs and splines that make one closed curve."""
+
+    file: FileName | None = optional(
+        "DXF file with one closed contour of LINE, ARC, CIRCLE, ELLIPSE, SPLINE, LWPOLYLINE or POLYLINE; its path "
+        "counts from the design file"
+    )
+    unit: Literal["mm", "cm", "m", "inch"] = required("unit of the drawing")
+    layer: str | None = optional("layer of the contour; left out: all layers", min_length=1, max_length=255)
+    near: float = optional(
+        "how far ends of parts may miss each other, by the digits of the file; given by programs only", 0.0, ge=0.0
+    )
+    drawn_in: Literal["mm", "cm", "m", "inch"] | None = optional("the unit that the file names; given by programs only")
+
+    FILE: ClassVar[str] = "a DXF file"
+
+    @property
+    def unit_mm(self) -> float:
+        """The unit of the drawing."""
+        return UNIT_MM[self.unit]
+
+    @property
+    def near_mm(self) -> float:
+        """By the digits of the file."""
+        return self.unit_mm * self.near
+
+
+class SvgContour(DrawnContour):
+    """A contour of an SVG file, in mm from the lower left corner of its page."""
+
+    file: FileName | None = optional(
+        "SVG file with one closed contour of paths, circles, ellipses, rectangles or polygons; its path counts from the "
+        "design file"
+    )
+    element: str | None = optional("id of the contour's element; left out: all elements", min_length=1, max_length=255)
+
+    FILE: ClassVar[str] = "an SVG file"
+
+
+class PictureContour(DrawnContour):
+    """The outline of a silhouette, in mm from the middle of its box."""
+
+    file: FileName | None = optional(
+        "PNG or JPEG file with one silhouette, dark on light; its path counts from the design file"
+    )
+    width_mm: Length = required("width of the silhouette in mm")
+    threshold: float = optional("brightness of the outline, 0 black and 1 white", 0.5, gt=0.0, lt=1.0)
+    light: bool = optional("true: the silhouette is light on dark", False)
+    tolerance_mm: float = required(  # type: ignore[assignment]
+        "how far the smooth curve may be from the outline in mm, along its radius", gt=0.0, le=100.0
+    )
+
+    FILE: ClassVar[str] = "a picture"
 
 
 class OffsetEllipse(Drawn):

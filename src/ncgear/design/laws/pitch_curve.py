@@ -15,8 +15,10 @@ from ncgear.design.keys.pitch_shapes import (
     DxfContour,
     ModifiedEllipse,
     OffsetEllipse,
+    PictureContour,
     RoundedPolygon,
     Solvable,
+    SvgContour,
 )
 from ncgear.design.keys.types import FORMULA, Expression, Length
 from ncgear.design.laws.base import Begins, DesignLaw, LawKeys
@@ -28,7 +30,17 @@ if TYPE_CHECKING:
     from ncgear.ratio.laws.pitch_curve import Search
     from ncgear.ratio.transmission import Law, Lobes
 
-SHAPES = ("expression_mm", "points", "b_spline", "dxf", "ellipse", "modified_ellipse", "rounded_polygon")
+SHAPES = (
+    "expression_mm",
+    "points",
+    "b_spline",
+    "dxf",
+    "svg",
+    "picture",
+    "ellipse",
+    "modified_ellipse",
+    "rounded_polygon",
+)
 
 
 class PitchCurve(LawKeys):
@@ -46,6 +58,8 @@ class PitchCurve(LawKeys):
     points: CurvePoints | None = optional("points of the curve, through which it is smoothed")
     b_spline: BSpline | None = optional("a closed B-spline by its control points")
     dxf: DxfContour | None = optional("a closed contour of a DXF file")
+    svg: SvgContour | None = optional("a closed contour of an SVG file")
+    picture: PictureContour | None = optional("the outline of a silhouette in a picture")
     ellipse: OffsetEllipse | None = optional("an ellipse that turns about any point inside")
     modified_ellipse: ModifiedEllipse | None = optional(
         "an ellipse about its focus, its relatives of several lobes, and modified ones"
@@ -149,15 +163,15 @@ class PitchCurve(LawKeys):
             spline = self.b_spline
             points = np.column_stack([np.array(spline.x_mm), np.array(spline.y_mm)])
             curve = shapes.closed_b_spline(points, spline.degree, spline.axis_mm, key)
-        elif self.dxf is not None:
-            parts, gap_mm = self.dxf.contour()
+        elif (contour := self.dxf or self.svg or self.picture) is not None:
+            parts, gap_mm = contour.contour(f"{key}.file")
             facts = {"contour_gap_mm": gap_mm}
-            if self.dxf.tolerance_mm is None:
-                curve = shapes.chain(parts, self.dxf.axis_mm, key)
+            if contour.tolerance_mm is None:
+                curve = shapes.chain(parts, contour.axis_mm, key)
             else:
-                points = shapes.points_along(parts) - np.array(self.dxf.axis_mm)
+                points = shapes.points_along(parts) - np.array(contour.axis_mm)
                 polar = shapes.polar_points(points, key)
-                curve, missed = shapes.smoothed_points(*polar, self.dxf.tolerance_mm, repeats, key)
+                curve, missed = shapes.smoothed_points(*polar, contour.tolerance_mm, repeats, key)
                 facts["points_missed_by_mm"] = missed
         else:
             assert self._shape is not None
@@ -174,6 +188,8 @@ LAW = DesignLaw(
         "points": "{file: points.csv, tolerance_mm: 0.05}",
         "b_spline": "{x_mm: [30, 0, -30, 0], y_mm: [0, 20, 0, -20]}",
         "dxf": "{file: contour.dxf, unit: mm}",
+        "svg": "{file: contour.svg}",
+        "picture": "{file: silhouette.png, width_mm: 60, tolerance_mm: 0.1}",
         "modified_ellipse": "{semi_latus_rectum_mm: 30, eccentricity: 0.3, modification: 1.2}",
         "rounded_polygon": "{sides: 4, side_mm: 130, corner_radius_mm: 25}",
     },

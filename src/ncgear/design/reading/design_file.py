@@ -19,6 +19,7 @@ from ncgear.design.reading.contour_file import contour_of
 from ncgear.design.reading.messages import checked
 from ncgear.design.reading.places import Document, Place, Source
 from ncgear.design.reading.points import Columns, FileKind, columns_kind, values_from_files
+from ncgear.design.reading.svg_file import picture_contour_of, svg_contour_of
 from ncgear.design.reading.text import quoted, read_text
 from ncgear.design.reading.yaml import DEEPEST, read_yaml
 from ncgear.errors import WrongInput, located
@@ -34,6 +35,8 @@ FILES: dict[str, FileKind] = {
     "motion": columns_kind(Columns((ANGLE_COLUMNS, VALUE_COLUMNS), MOST_POINTS), law="table"),
     "motion.points": columns_kind(Columns((ANGLE_OR_X, RADIUS_OR_Y), CURVE_POINTS)),
     "motion.dxf": FileKind(("curves",), contour_of),
+    "motion.svg": FileKind(("curves",), svg_contour_of),
+    "motion.picture": FileKind(("curves",), picture_contour_of),
     "resistance.table": FORCE_POINTS,
     "resistance.returning.table": FORCE_POINTS,
 }

@@ -6,37 +6,30 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ncgear.design.keys.pitch_shapes import UNIT_MM, DxfContour
+from ncgear.design.keys.pitch_shapes import KEY, UNIT_MM, DrawnContour, DxfContour
 from ncgear.design.laws.pitch_curve import PitchCurve
 from ncgear.figures.advice.values import Advice, Kind, Where
 from ncgear.figures.numbers import to_digits
+from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
 from ncgear.ratio.laws.closed_curve import JOINED
+from ncgear.ratio.laws.curve_shapes import points_along
 
 
-def contour_of(drive: Drive) -> DxfContour | None:
-    """The contour of a DXF file that the design names; None where it names none."""
+def contour_of(drive: Drive) -> DrawnContour | None:
+    """The contour of a file that the design names; None where it names none."""
     motion = drive.design.motion
-    return motion.dxf if isinstance(motion, PitchCurve) else None
+    return motion.dxf or motion.svg or motion.picture if isinstance(motion, PitchCurve) else None
 
 
 def drawing(drive: Drive) -> Iterator[Advice]:
     """The size by both units, and the greatest gap between parts that count as joined."""
     given = contour_of(drive)
     assert given is not None
-    sides_mm = _sides_mm(given)
-
-    def size(unit: str) -> str:
-        by_unit = UNIT_MM[unit] / UNIT_MM[given.unit]
-        return " by ".join(to_digits(by_unit * side_mm, 3) for side_mm in sides_mm) + " mm"
-
-    if given.drawn_in is not None and given.drawn_in != given.unit:
-        yield _remark(
-            f"the drawing names {given.drawn_in} as its unit, and motion.dxf.unit is {given.unit}",
-            f"the contour is taken as about {size(given.unit)}; in {given.drawn_in} it would be {size(given.drawn_in)}",
-        )
-    gap_mm = drive.law.facts["contour_gap_mm"]
-    assert isinstance(gap_mm, float)
+    parts, gap_mm = given.contour(KEY)
+    sides_mm = np.ptp(points_along(parts), axis=0)
+    if isinstance(given, DxfContour) and given.drawn_in not in (None, given.unit):
+        yield _of_unit(given, given.drawn_in or "", sides_mm)
     if gap_mm > JOINED * max(sides_mm):
         yield _remark(
             f"parts of the contour miss each other by up to {to_digits(gap_mm, 2)} mm, as its rounded numbers do",
@@ -44,20 +37,16 @@ def drawing(drive: Drive) -> Iterator[Advice]:
         )
 
 
-PER_PART = 33
-"""Points of a smooth part by which the size of a drawing is told, to three digits."""
+def _of_unit(given: DxfContour, drawn_in: str, sides_mm: Array) -> Advice:
+    """That the drawing names another unit, with the size by both."""
 
+    def size(unit: str) -> str:
+        return " by ".join(to_digits(UNIT_MM[unit] / given.unit_mm * float(one), 3) for one in sides_mm) + " mm"
 
-def _sides_mm(given: DxfContour) -> tuple[float, float]:
-    """Width and height of the contour in mm."""
-    low, high = np.full(2, np.inf), np.full(2, -np.inf)
-    for curve in given.contour()[0]:
-        for part in curve.smooth_parts():
-            x, y = part.at(np.linspace(part.breaks[0], part.breaks[-1], PER_PART), 0)
-            points = np.stack([x.value, y.value])
-            low, high = np.minimum(low, points.min(axis=1)), np.maximum(high, points.max(axis=1))
-    width, height = high - low
-    return float(width), float(height)
+    return _remark(
+        f"the drawing names {drawn_in} as its unit, and motion.dxf.unit is {given.unit}",
+        f"the contour is taken as about {size(given.unit)}; in {drawn_in} it would be {size(drawn_in)}",
+    )
 
 
 def _remark(what: str, so: str) -> Advice:

@@ -152,8 +152,8 @@ def chain(curves: Sequence[RationalSpline], axis_mm: Point, key: str) -> ClosedC
     chords = sum(len(curve.points) - 1 for curve in curves if curve.degree == 1)
     if chords > MOST_CORNERS:
         raise WrongInput(
-            f"the contour has {chords} chords, and no teeth roll over their corners; give dxf.tolerance_mm, within "
-            "which a smooth curve follows them",
+            f"the contour has {chords} chords, and no teeth roll over their corners; give tolerance_mm beside the "
+            "file, within which a smooth curve follows them",
             key=key,
         )
     parts: list[tuple[PointFunction, Sequence[float]]] = []

@@ -1,0 +1,183 @@
+"""SVG files and pictures that a design file names for the contour of a pitch curve, as rational B-splines.
+
+Curves of SVG are Bezier curves and elliptical arcs, which rational B-splines are exactly; the outline of a picture is
+a chain of chords, which a smooth curve is to follow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from io import BytesIO
+from math import ceil, cos, pi, sin
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ncgear.design.reading.places import FromFile
+from ncgear.design.reading.text import quoted, read_bytes
+from ncgear.design.words import listed
+from ncgear.errors import WrongInput
+from ncgear.extras import require
+from ncgear.numerics.arrays import Array
+
+if TYPE_CHECKING:
+    from svgelements import Arc, PathSegment, Point
+
+LARGEST_MB = 20
+
+PX_PER_INCH = 96.0
+MM_PER_PX = 25.4 / PX_PER_INCH
+"""Unit of CSS and SVG without a unit; what has one is converted by the library."""
+
+SMALLEST_SHARE = 0.01
+"""Share of a picture's pixels under which a patch is dust beside its silhouette."""
+
+MOST_PIXELS = 25_000_000
+
+
+def svg_contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
+    """The curves of the element that is ``given``, or of all; raises WrongInput for what holds none.
+
+    x runs to the right and y up from the lower left corner of the page, in mm.
+    """
+    require("svgelements", "svg", str(file))
+    from svgelements import SVG, Shape
+    from svgelements import Path as Drawn
+
+    content, wanted = read_bytes(file, limit_mb=LARGEST_MB), given.get("element")
+    try:
+        document = SVG.parse(BytesIO(content), reify=True, ppi=PX_PER_INCH)
+        shapes = [one for one in document.elements() if isinstance(one, Shape)]
+        height = float(document.height)
+    except (ValueError, ArithmeticError, TypeError, KeyError, IndexError, AttributeError, SyntaxError) as error:
+        said = " ".join(str(error).split())
+        raise WrongInput(f"is no SVG file that can be read: {quoted(said)}", location=str(file)) from error
+    curves = [
+        _values(curve, shape.id or "", height)
+        for shape in shapes
+        if wanted is None or shape.id == wanted
+        for segment in Drawn(shape)
+        for curve in _curves(segment)
+    ]
+    if not curves:
+        names = sorted({shape.id for shape in shapes if shape.id})
+        held = f"; elements with curves are {listed([quoted(name) for name in names], 'and')}" if names else ""
+        of = "" if wanted is None else f" of the element {quoted(wanted)}"
+        raise WrongInput(f"holds no curve{of}{held}", location=str(file))
+    return FromFile({"curves": curves})
+
+
+Bezier = tuple[Array, Array]
+"""Control points (shape (degree + 1, 2)) and their weights (shape (degree + 1,))."""
+
+
+def _curves(segment: PathSegment) -> Iterator[Bezier]:
+    from svgelements import Arc, CubicBezier, Move, QuadraticBezier
+
+    if isinstance(segment, Move) or segment.start is None or segment.end is None:
+        return
+    if isinstance(segment, Arc):
+        yield from _arcs(segment)
+        return
+    between: tuple[Point, ...] = ()
+    if isinstance(segment, CubicBezier):
+        between = segment.control1, segment.control2
+    elif isinstance(segment, QuadraticBezier):
+        between = (segment.control,)
+    points = np.array([_xy(one) for one in (segment.start, *between, segment.end)])
+    if np.any(points != points[0]):
+        yield points, np.ones(len(points))
+
+
+def _arcs(arc: Arc) -> Iterator[Bezier]:
+    """Quarters of an ellipse or less, each a rational curve of degree 2: its middle weight is the half angle's cosine."""
+    center, along, across = (np.array(_xy(one)) for one in (arc.center, arc.prx, arc.pry))
+    along, across = along - center, across - center
+    start, count = float(arc.get_start_t()), max(ceil(abs(arc.sweep) / (pi / 2.0) - 1e-9), 1)
+    step = float(arc.sweep) / count
+    for number in range(count):
+        turns = (start + step * (number + share) for share in (0.0, 0.5, 1.0))
+        begin, middle, end = (center + cos(turn) * along + sin(turn) * across for turn in turns)
+        weight = cos(step / 2.0)
+        yield np.array([begin, center + (middle - center) / weight, end]), np.array([1.0, weight, 1.0])
+
+
+def _xy(point: Point) -> tuple[float, float]:
+    return float(point.x), float(point.y)
+
+
+def _values(curve: Bezier, element: str, height_px: float) -> dict[str, Any]:
+    """The curve as the keys of a part, in mm from the lower left corner of the page."""
+    points, weights = curve
+    degree = len(points) - 1
+    return {
+        "layer": element,
+        "degree": degree,
+        "knots": [0.0] * (degree + 1) + [1.0] * (degree + 1),
+        "x": (MM_PER_PX * points[:, 0]).tolist(),
+        "y": (MM_PER_PX * (height_px - points[:, 1])).tolist(),
+        "weights": weights.tolist(),
+    }
+
+
+def picture_contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
+    """The outline of the largest dark patch of a picture, or of the largest light one, as chords of ``width_mm``.
+
+    x runs to the right and y up from the middle of the outline's box.  Raises WrongInput where there is no outline, and
+    where the silhouette reaches the edge of the picture.
+    """
+    from contourpy import contour_generator
+    from PIL import Image, UnidentifiedImageError
+
+    read_bytes(file, limit_mb=LARGEST_MB)
+    width_mm, threshold = given.get("width_mm"), given.get("threshold", 0.5)
+    if not all(isinstance(one, int | float) for one in (width_mm, threshold)):
+        return FromFile({"curves": []})
+    try:
+        with Image.open(file) as image:
+            if image.width * image.height > MOST_PIXELS:
+                raise WrongInput(
+                    f"has {image.width} by {image.height} pixels; at most {MOST_PIXELS / 1e6:g} million are right",
+                    location=str(file),
+                )
+            seen = image.convert("RGBA")
+            paper = Image.new("RGBA", seen.size, "white")
+            paper.alpha_composite(seen)
+            light = np.asarray(paper.convert("L"), dtype=float) / 255.0
+    except (UnidentifiedImageError, OSError, ValueError, SyntaxError, Image.DecompressionBombError) as error:
+        raise WrongInput("is no picture that can be read; PNG or JPEG is right", location=str(file)) from error
+    bright = given.get("light") is True
+    ink, over = (light, threshold) if bright else (1.0 - light, 1.0 - threshold)
+    if max(ink[0].max(), ink[-1].max(), ink[:, 0].max(), ink[:, -1].max()) > over:
+        raise WrongInput("the silhouette reaches the edge of the picture; leave room around it", location=str(file))
+    lines = contour_generator(z=ink).lines(over)
+    closed = [line for line in lines if len(line) > 3 and np.all(line[0] == line[-1])]
+    if not closed:
+        raise WrongInput(f"has no outline at a threshold of {threshold:g}; another one may have", location=str(file))
+    outline = max(closed, key=_area)
+    low, high = outline.min(axis=0), outline.max(axis=0)
+    if _area(outline) < SMALLEST_SHARE * ink.size:
+        raise WrongInput(
+            f"has no silhouette: its largest patch has {100.0 * _area(outline) / ink.size:.2g} % of the picture",
+            location=str(file),
+        )
+    points = (outline - (low + high) / 2.0) * (width_mm / float(high[0] - low[0])) * np.array([1.0, -1.0])
+    return FromFile(
+        {
+            "curves": [
+                {
+                    "degree": 1,
+                    "knots": [0.0, *map(float, range(len(points))), float(len(points) - 1)],
+                    "x": points[:, 0].tolist(),
+                    "y": points[:, 1].tolist(),
+                    "weights": [1.0] * len(points),
+                }
+            ]
+        }
+    )
+
+
+def _area(outline: Array) -> float:
+    x, y = outline.T
+    return abs(float(np.sum(x[:-1] * y[1:] - x[1:] * y[:-1]))) / 2.0
