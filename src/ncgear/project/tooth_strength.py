@@ -19,6 +19,7 @@ from ncgear.strength.material import Material
 from ncgear.strength.materials import Choice, Plastic
 from ncgear.strength.plastics import friction, lost_w, temperatures_of
 from ncgear.strength.stiffness import EvenTeeth, LinearTeeth
+from ncgear.strength.surfaces import Surfaces, surfaces_of
 from ncgear.teeth.gear import ToothedGear, ToothedPair
 
 if TYPE_CHECKING:
@@ -64,6 +65,12 @@ def judged_teeth(
     # A harder load may leave the rated places of flanks to their mates: of both loads, the worse one counts.
     strength = found(loading) if loading.still is None else worse_of(found(loading), found(loading.still))
     return JudgedTeeth(loading, strength, methods)
+
+
+def surfaces_of_teeth(judged: JudgedTeeth, gears: Gears, conditions: Conditions, running: Running) -> Surfaces:
+    """Film, heat and wear of the flanks of judged teeth."""
+    materials = judged.strength.driving.material, judged.strength.driven.material
+    return surfaces_of(judged.loading, choices_of(gears), materials, conditions, running)
 
 
 def methods_of(

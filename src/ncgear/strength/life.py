@@ -38,24 +38,38 @@ def stresses_of(
     ``methods`` and ``materials`` are those of the driving and the driven gear.  Shares of load between pairs of teeth
     are those of ``contacts``, so that K_Halpha is 1.
     """
-    line_load = contacts.force_n * conditions.application_factor / running.face_width_mm
-    shaken = line_load * (conditions.dynamic_factor or estimated_dynamic_factor(line_load, contacts, running))
-    flanks, roots = conditions.face_load_factor, face_load_factor_of_roots(running, conditions.face_load_factor)
-    pressure = np.full_like(shaken, np.nan)
+    factor = dynamic_factor_of(contacts, conditions, running)
+    roots = face_load_factor_of_roots(running, conditions.face_load_factor) * _shaken_n_mm(
+        contacts, conditions, running, factor
+    )
+    pressure = np.full_like(roots, np.nan)
     on = contacts.flanks
-    pressure[on] = hertz_pressure_mpa(flanks * shaken[on], contacts.relative_curvature[on], materials)
+    load = flank_load_n_mm(contacts, conditions, running, factor)[on]
+    pressure[on] = hertz_pressure_mpa(load, contacts.relative_curvature[on], materials)
     of_unit = [method.root_stress(contacts.on(gear)) for method, gear in zip(methods, Gear, strict=True)]
     return ContactStresses(
         pressure_mpa=pressure,
-        tension_mpa=np.array([roots * shaken * one.tension_mpa for one in of_unit]),
-        compression_mpa=np.array([roots * shaken * one.compression_mpa for one in of_unit]),
+        tension_mpa=np.array([roots * one.tension_mpa for one in of_unit]),
+        compression_mpa=np.array([roots * one.compression_mpa for one in of_unit]),
     )
 
 
-def estimated_dynamic_factor(line_load_n_mm: Array, contacts: LoadedContacts, running: Running) -> float:
-    """K_V by the mean of the load over the contacts, each by its load: that at which most damage is done."""
-    total = float(line_load_n_mm.sum())
-    return dynamic_factor(running, float((line_load_n_mm**2).sum()) / total) if total > 0.0 else 1.0
+def flank_load_n_mm(contacts: LoadedContacts, conditions: Conditions, running: Running, dynamic: float) -> Array:
+    """The load of flanks for each mm of width where it is most, shape (n,): with K_A, the K_V given, and K_Hbeta."""
+    return conditions.face_load_factor * _shaken_n_mm(contacts, conditions, running, dynamic)
+
+
+def _shaken_n_mm(contacts: LoadedContacts, conditions: Conditions, running: Running, dynamic: float) -> Array:
+    return contacts.force_n * (conditions.application_factor * dynamic / running.face_width_mm)
+
+
+def dynamic_factor_of(contacts: LoadedContacts, conditions: Conditions, running: Running) -> float:
+    """K_V as given or by the mean of the load over the contacts, each by its load: that at which most damage is done."""
+    line_load = contacts.force_n * conditions.application_factor / running.face_width_mm
+    total = float(line_load.sum())
+    if conditions.dynamic_factor is not None or total == 0.0:
+        return conditions.dynamic_factor or 1.0
+    return dynamic_factor(running, float((line_load**2).sum()) / total)
 
 
 def strength_of(

@@ -63,11 +63,15 @@ class Loading:
     angle beyond the law's) have shape (n,); ``even`` tells the even positions.  ``transmission_error_rad`` is the peak
     to peak variation of the error.  ``contact_ratio`` is the mean number of pairs that bear load, where there is load.
     ``cycle_turns`` is how often the driving gear turns in the cycle.  ``knocks`` are those of a turn of the driven
-    gear, whose torque counts; None where they are not followed.  Of teeth that knock, ``still`` is their loading by
-    what the law asks alone.
+    gear, whose torque counts; None where they are not followed.  Rolled lengths go from ``rolled_mm`` of the first position,
+    shape (n,), over ``cycle_mm``; ``between`` gives the contacts at any of them, shape (m,).  Of teeth that knock,
+    ``still`` is their loading by what the law asks alone.
     """
 
     contacts: LoadedContacts
+    between: Callable[[Array], LoadedContacts]
+    rolled_mm: Array
+    cycle_mm: float
     phi1_rad: Array
     torque_n_mm: Array
     error_rad: Array
@@ -145,10 +149,21 @@ def loading_of(
     phi1 = every.phi1_rad[chosen]
     row, slot = np.nonzero(loaded[chosen])
     touching = _Touching.of(meshing, every, chosen[row], slot)
+
+    def between(rolled_mm: Array) -> LoadedContacts:
+        placement = placed_at(pitch, asked.placement, rolled_mm)
+        force = shared(meshing, placement.phi1_rad, asked.between(placement.phi1_rad)).force_n
+        place, pair = np.nonzero(force > IDLE * found.force_n.max())
+        numbers = place, placement.phi1_rad[place], force[place, pair]
+        return _contacts(teeth, _Touching.of(meshing, placement, place, pair), numbers, speed_rad_s)
+
     pairs = loaded[: solved.count].sum(axis=1)
     pairs = pairs[pairs > 0]
     return Loading(
         contacts=_contacts(teeth, touching, (row, phi1[row], found.force_n[chosen[row], slot]), speed_rad_s),
+        between=between,
+        rolled_mm=every.rolled_mm[chosen],
+        cycle_mm=solved.cycle_mm,
         phi1_rad=phi1,
         torque_n_mm=torque[chosen],
         error_rad=found.error_rad[chosen],
