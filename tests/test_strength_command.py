@@ -281,13 +281,13 @@ def test_the_dynamic_factors_of_the_page_are_those_of_the_designs(monkeypatch: p
     named = re.findall(r"(\d\.\d\d) of `([a-z-]+)`", page[page.index("`K_V` is ISO") : page.index("**Life.**")])
     assert len(named) == 4
     seen: list[float] = []
-    estimated = life.estimated_dynamic_factor
+    estimated = life.dynamic_factor_of
 
     def told(*given: Any) -> float:
         seen.append(estimated(*given))
         return seen[-1]
 
-    monkeypatch.setattr(life, "estimated_dynamic_factor", told)
+    monkeypatch.setattr(life, "dynamic_factor_of", told)
     for value, name in named:
         seen.clear()
         _ = Drive(load(ROOT / "designs" / f"{name}.yaml").design).strength

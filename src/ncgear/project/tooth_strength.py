@@ -17,7 +17,7 @@ from ncgear.strength.estimate import estimate_of
 from ncgear.strength.life import strength_of, stresses_of, worse_of
 from ncgear.strength.material import Material
 from ncgear.strength.materials import Choice, Plastic
-from ncgear.strength.plastics import friction, lost_w, temperatures_of
+from ncgear.strength.plastics import ToothTemperature, friction, lost_w, temperatures_of
 from ncgear.strength.stiffness import EvenTeeth, LinearTeeth
 from ncgear.strength.surfaces import Surfaces, surfaces_of
 from ncgear.teeth.gear import ToothedGear, ToothedPair
@@ -32,11 +32,15 @@ Method = Literal["estimate", "elements"]
 
 @dataclass(frozen=True, eq=False)
 class JudgedTeeth:
-    """The load of every tooth, its stresses, and the methods by which both gears' teeth were known."""
+    """The load of every tooth, its stresses, and the methods by which both gears' teeth were known.
+
+    ``warm`` are the temperatures of the driving and the driven gear's teeth, which matter of plastics.
+    """
 
     loading: Loading
     strength: Strength
     methods: tuple[ToothMethod, ToothMethod]
+    warm: tuple[ToothTemperature, ToothTemperature]
 
 
 def judged_teeth(
@@ -64,13 +68,13 @@ def judged_teeth(
 
     # A harder load may leave the rated places of flanks to their mates: of both loads, the worse one counts.
     strength = found(loading) if loading.still is None else worse_of(found(loading), found(loading.still))
-    return JudgedTeeth(loading, strength, methods)
+    return JudgedTeeth(loading, strength, methods, warm)
 
 
 def surfaces_of_teeth(judged: JudgedTeeth, gears: Gears, conditions: Conditions, running: Running) -> Surfaces:
     """Film, heat and wear of the flanks of judged teeth."""
     materials = judged.strength.driving.material, judged.strength.driven.material
-    return surfaces_of(judged.loading, choices_of(gears), materials, conditions, running)
+    return surfaces_of(judged.loading, choices_of(gears), materials, judged.warm, conditions, running)
 
 
 def methods_of(

@@ -78,12 +78,12 @@ class Pressed(Columns):
     @property
     def sum_speed_m_s(self) -> Array:
         """How fast both flanks draw oil into the contact together, shape (n,)."""
-        return np.abs(self.rolling_m_s.sum(axis=1))
+        return np.asarray(np.abs(self.rolling_m_s.sum(axis=1)))
 
     @property
     def sliding_m_s(self) -> Array:
         """Speed of sliding, shape (n,)."""
-        return np.abs(self.rolling_m_s[:, 0] - self.rolling_m_s[:, 1])
+        return np.asarray(np.abs(self.rolling_m_s[:, 0] - self.rolling_m_s[:, 1]))
 
 
 def roughness_um(conditions: Conditions) -> float:
@@ -103,8 +103,8 @@ def friction(pressed: Pressed, oil: Oil, conditions: Conditions) -> Array:
     """
     load, drawn = pressed.line_n_mm * pressed.curvature_per_mm, pressed.sum_speed_m_s
     surface = 0.060 * thinness(oil, conditions) * roughness_um(conditions) ** 0.25
-    most = np.full_like(load, MOST_FRICTION)
-    return np.minimum(most, surface * np.divide(load, drawn, out=most**-5.0, where=drawn > 0.0) ** 0.2)
+    grown = np.divide(load, drawn, out=np.full_like(load, np.inf), where=drawn > 0.0) ** 0.2
+    return np.asarray(np.minimum(surface * grown, MOST_FRICTION))
 
 
 def thinness(oil: Oil, conditions: Conditions) -> float:
@@ -144,9 +144,7 @@ HOTTEST_C = 300.0
 """Temperature up to which sliding thins the oil by the formulas: beyond, oil burns, and they lose their sense."""
 
 
-def film_um(
-    pressed: Pressed, flash: Array, bulk_c: float, oil: Oil, materials: tuple[Material, Material]
-) -> Array:
+def film_um(pressed: Pressed, flash: Array, bulk_c: float, oil: Oil, materials: tuple[Material, Material]) -> Array:
     """The thickness of the film at n places, in um, shape (n,).
 
     1600 rho G^0.6 U^0.7 W^-0.13 S^0.22 with rho in mm, G = alpha E_r, U = eta v_sum / (2 E_r rho), W = 2 pi (p / E_r)^2

@@ -64,7 +64,7 @@ def _shaken_n_mm(contacts: LoadedContacts, conditions: Conditions, running: Runn
 
 
 def dynamic_factor_of(contacts: LoadedContacts, conditions: Conditions, running: Running) -> float:
-    """K_V as given or by the mean of the load over the contacts, each by its load: that at which most damage is done."""
+    """K_V as given or by the mean load of the contacts, each weighed by its load: that which does most damage."""
     line_load = contacts.force_n * conditions.application_factor / running.face_width_mm
     total = float(line_load.sum())
     if conditions.dynamic_factor is not None or total == 0.0:

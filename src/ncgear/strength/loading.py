@@ -63,9 +63,9 @@ class Loading:
     angle beyond the law's) have shape (n,); ``even`` tells the even positions.  ``transmission_error_rad`` is the peak
     to peak variation of the error.  ``contact_ratio`` is the mean number of pairs that bear load, where there is load.
     ``cycle_turns`` is how often the driving gear turns in the cycle.  ``knocks`` are those of a turn of the driven
-    gear, whose torque counts; None where they are not followed.  Rolled lengths go from ``rolled_mm`` of the first position,
-    shape (n,), over ``cycle_mm``; ``between`` gives the contacts at any of them, shape (m,).  Of teeth that knock,
-    ``still`` is their loading by what the law asks alone.
+    gear, whose torque counts; None where they are not followed.  Rolled lengths, ``rolled_mm`` of
+    the positions (shape (n,)), go over ``cycle_mm``; ``between`` gives the contacts at any, shape (m,).  Of teeth that
+    knock, ``still`` is their loading by what the law asks alone.
     """
 
     contacts: LoadedContacts
@@ -135,11 +135,12 @@ def loading_of(
     jumps = (np.roll(bearing, -1) != bearing) | (np.abs(np.roll(most, -1) - most) > JUMP * most.max())
     # Where forces never change, as without a torque, one step is looked at all the same.
     jumps[0] |= not jumps.any()
-    between = solved.rolled_mm[jumps][:, None] + solved.step_mm * np.arange(1, BETWEEN) / BETWEEN
-    every, torque, found = _added(meshing, pitch, asked, (solved, asked.torque_n_mm, first), between.ravel())
+    inside = solved.rolled_mm[jumps][:, None] + solved.step_mm * np.arange(1, BETWEEN) / BETWEEN
+    every, torque, found = _added(meshing, pitch, asked, (solved, asked.torque_n_mm, first), inside.ravel())
     extreme_mm = _extreme_places_mm(meshing, pitch, asked, every, found)
     every, torque, found = _added(meshing, pitch, asked, (every, torque, found), extreme_mm)
-    loaded = found.force_n > IDLE * found.force_n.max()
+    idle_n = IDLE * found.force_n.max()
+    loaded = found.force_n > idle_n
     position, slot = np.nonzero(loaded)
     largest = _largest_of_pairs(meshing, every.phi1_rad[position], slot, found.force_n[position, slot])
     even = np.isin(np.arange(every.count), np.arange(0, solved.count, SOLVED_PER_TOOTH // per_tooth))
@@ -153,7 +154,7 @@ def loading_of(
     def between(rolled_mm: Array) -> LoadedContacts:
         placement = placed_at(pitch, asked.placement, rolled_mm)
         force = shared(meshing, placement.phi1_rad, asked.between(placement.phi1_rad)).force_n
-        place, pair = np.nonzero(force > IDLE * found.force_n.max())
+        place, pair = np.nonzero(force > idle_n)
         numbers = place, placement.phi1_rad[place], force[place, pair]
         return _contacts(teeth, _Touching.of(meshing, placement, place, pair), numbers, speed_rad_s)
 

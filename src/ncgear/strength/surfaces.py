@@ -18,6 +18,7 @@ from ncgear.numerics.highest import largest_from
 from ncgear.pitch.shape import Gear
 from ncgear.strength.conditions import Conditions, Running
 from ncgear.strength.contacts import LoadedContacts
+from ncgear.strength.endurance import film_factor
 from ncgear.strength.film import (
     BULK_SHARE,
     Oil,
@@ -33,6 +34,7 @@ from ncgear.strength.life import dynamic_factor_of, flank_load_n_mm
 from ncgear.strength.loading import Loading
 from ncgear.strength.material import Material
 from ncgear.strength.materials import Choice, Ferrous, Plastic
+from ncgear.strength.plastics import ToothTemperature
 from ncgear.strength.wear import LIMIT_MODULES, coefficient_mm3_n_m, depth_mm, share_unparted
 
 KNOWN = 1e-3
@@ -58,7 +60,7 @@ class Film:
     """The oil between metal flanks.
 
     ``thickness`` is the least specific film thickness lambda, in mean roughnesses Ra of ``roughness_um``; ``oil_c`` and
-    ``bulk_c`` are the temperatures of the oil and of the teeth in it, ``flash_k`` the most by which a contact is hotter.
+    ``bulk_c`` are the temperatures of the oil and of the teeth in it, ``flash_k`` tells how much hotter a contact gets.
     """
 
     thickness: Place
@@ -114,12 +116,15 @@ class Surfaces:
     """The state of a pair's flanks.
 
     ``film`` is None of dry and of plastic flanks, ``scuffing_c`` (the temperature at which the oil fails) of these and
-    of bronze too.
+    of bronze too.  ``pitting_factor`` is Z_L Z_v Z_R of the driving and the driven gear.  ``warm`` are the temperatures
+    of both gears' teeth, None of metal.
     """
 
     film: Film | None
     scuffing_c: float | None
+    pitting_factor: tuple[float, float]
     wear: Wear
+    warm: tuple[ToothTemperature | None, ToothTemperature | None]
 
     @property
     def scuffing_safety(self) -> float | None:
@@ -187,39 +192,31 @@ def surfaces_of(
     loading: Loading,
     choices: tuple[Choice, Choice],
     materials: tuple[Material, Material],
+    warm: tuple[ToothTemperature, ToothTemperature],
     conditions: Conditions,
     running: Running,
 ) -> Surfaces:
     """The state of the flanks under their loads, with all factors of load that the pressure has."""
-    driving, driven = choices
-    plastic = any(isinstance(choice.entry, Plastic) for choice in choices)
-    oil = None if plastic or conditions.lubrication == "dry" else Oil.of(conditions)
-    pair = _Pair(
-        materials,
-        conditions,
-        running,
-        dynamic_factor_of(loading.contacts, conditions, running),
-        (coefficient_mm3_n_m(driving, driven, conditions), coefficient_mm3_n_m(driven, driving, conditions)),
-        oil,
-    )
+    mates = (choices, choices[::-1])
+    plastic = [isinstance(choice.entry, Plastic) for choice in choices]
+    oil = None if any(plastic) or conditions.lubrication == "dry" else Oil.of(conditions)
+    factor = dynamic_factor_of(loading.contacts, conditions, running)
+    first, second = (coefficient_mm3_n_m(*both, conditions) for both in mates)
+    pair = _Pair(materials, conditions, running, factor, (first, second), oil)
     if oil is not None:
         pair = replace(pair, bulk_c=_bulk_c(pair, oil, loading))
     thin, hot, *worn = _largest(pair, loading)
-    film = None
+    limit = LIMIT_MODULES * running.module_mm
+    wear = Wear((first, second), (worn[0], worn[1]), worn[2].value + worn[3].value, limit, conditions.life_h)
+    film, scuffs_c = None, None
     if oil is not None:
         thickness = replace(thin, value=1.0 / thin.value if thin.value > 0.0 else inf)
         film = Film(thickness, roughness_um(conditions), conditions.oil_temperature_c, pair.bulk_c, hot)
-    wear = Wear(
-        pair.coefficients_mm3_n_m,
-        (worn[0], worn[1]),
-        worn[2].value + worn[3].value,
-        LIMIT_MODULES * running.module_mm,
-        conditions.life_h,
-    )
-    entries = [choice.entry for choice in choices]
-    steels = [entry.group.scuffing_structure for entry in entries if isinstance(entry, Ferrous)]
-    scuffs = film is not None and len(steels) == 2
-    return Surfaces(film, scuffing_c(oil, conditions, min(steels)) if scuffs and oil else None, wear)
+        steels = [one.entry.group.scuffing_structure for one in choices if isinstance(one.entry, Ferrous)]
+        scuffs_c = scuffing_c(oil, conditions, min(steels)) if len(steels) == 2 else None
+    pitting = [film_factor(*both, conditions, running) for both in mates]
+    own = [one if is_plastic else None for one, is_plastic in zip(warm, plastic, strict=True)]
+    return Surfaces(film, scuffs_c, (pitting[0], pitting[1]), wear, (own[0], own[1]))
 
 
 def _bulk_c(pair: _Pair, oil: Oil, loading: Loading) -> float:

@@ -44,8 +44,8 @@ LUBRICATED_PLASTIC = 0.1
 """Share of its dry wear that a plastic has with oil or grease: a guess."""
 
 PLASTICS = {"POM": 1e-6, "PA66": 3e-6, "PA66-dry": 3e-6, "PA66-GF30": 5e-6, "PLA-print": 1e-5, "PETG-print": 1e-5}
-"""Dry plastics: rounded up from the thrust washer tests of a maker (RTP, 0.3e-6 to 1.2e-6 of POM, 2.7e-6 of PA66, 4.6e-6
-with glass fibre); prints by a guess.  VDI 2736 has values of the same size."""
+"""Dry plastics: rounded up from a maker's thrust washer tests (RTP: 0.3e-6 to 1.2e-6 of POM, 2.7e-6 of PA66, 4.6e-6
+with glass fibre); prints by a guess."""
 
 
 def coefficient_mm3_n_m(choice: Choice, mate: Choice, conditions: Conditions) -> float:

@@ -190,8 +190,8 @@ class StrengthKeys(Model):
     )
     root_roughness_um: float = optional("mean peak-to-valley roughness Rz of the roots in um", 16.0, gt=0.0, le=200.0)
     temperature_c: float | None = optional(
-        "temperature in \u00b0C of the oil or, of dry or greased gears, of the air about them; left out: 20, and 40 for "
-        "the film of oil between metal flanks",
+        "temperature in \u00b0C of the oil or, of dry or greased gears, of the air about them; left out: 20, and "
+        "40 for the film of oil between metal flanks",
         ge=-50.0,
         le=200.0,
     )

@@ -10,6 +10,7 @@ from ncgear.design.keys.base import listed
 from ncgear.figures.advice.values import Kind, Remedy, changed
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.answer import Answer, Fault, Row, faults_of
+from ncgear.figures.flanks import surfaces_rows
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.sized import sized_rows
@@ -101,6 +102,10 @@ def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
             ),
         ),
         *([Row(f"{of}knocks", (words,))] if (words := knock_words(loading.knocks)) else []),
+        *(
+            Row(f"{of}{name}", (words,))
+            for name, words in surfaces_rows(drive, drive.surfaces_by(rating.strength.method))
+        ),
     ]
 
 
