@@ -25,7 +25,7 @@ from ncgear.strength import life
 from ncgear.strength.answer import Strength
 from ncgear.strength.holding import Damage, WantedSafety, weakest_teeth
 from ncgear.strength.loading import Loading
-from strong import made_up, made_up_loading
+from strong import made_up, made_up_loading, made_up_surfaces
 
 HEAD = """\
 name: press
@@ -61,6 +61,7 @@ def pretend(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
 
         monkeypatch.setattr(Drive, "strength_by", strength)
         monkeypatch.setattr(Drive, "loading_by", loading)
+        monkeypatch.setattr(Drive, "surfaces_by", lambda *_: made_up_surfaces())
 
     return once
 

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from math import degrees, floor, isfinite, log10
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ncgear.figures.numbers import fixed, known, placed, to_digits
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.strength.film import Regime
-from ncgear.strength.surfaces import Film, Place, Surfaces, Wear
+
+if TYPE_CHECKING:
+    # Checks load nothing of contact, and only these values come from there.
+    from ncgear.strength.surfaces import Film, Place, Surfaces, Wear
 
 REGIMES = {
     Regime.FULL: "full film",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from math import degrees
+from typing import TYPE_CHECKING
 
 from ncgear.figures.advice.values import Advice, Kind, NotJudged, Remedy, Where
 from ncgear.figures.flanks import hours_words, place_words
@@ -14,7 +15,9 @@ from ncgear.project.drive import Drive
 from ncgear.project.rough_strength import beside_refusal
 from ncgear.project.strengthening import Rating, known_rating
 from ncgear.strength.film import Regime
-from ncgear.strength.surfaces import Film, Place, Surfaces, Wear
+
+if TYPE_CHECKING:
+    from ncgear.strength.surfaces import Film, Place, Surfaces, Wear
 
 LOADS_UNKNOWN = "the loads of the flanks are not followed"
 """Why flanks are not judged whose strength is not computed, where no other reason is known."""
