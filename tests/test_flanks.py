@@ -110,7 +110,7 @@ class TestFilm:
         assert film_um(PLACE, cold, 60.0, Oil(460.0, 31.0), BOTH) > 1.3 * one
         assert film_um(PLACE, cold, 40.0, OIL, BOTH) > 1.3 * one
         assert film_um(PLACE, np.array([40.0]), 60.0, OIL, BOTH) < 0.9 * one
-        assert film_um(PLACE, np.array([4000.0]), 60.0, OIL, BOTH) > 0.0
+        assert film_um(PLACE, np.array([4000.0]), 900.0, OIL, BOTH) > 0.0
 
     def test_regimes_have_their_ends(self) -> None:
         assert [Regime.of(one) for one in (0.69, 0.7, 1.99, 2.0)] == ["boundary", "mixed", "mixed", "full film"]

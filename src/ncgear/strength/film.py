@@ -141,7 +141,7 @@ takes away less, as oil that is sprayed on."""
 
 
 HOTTEST_C = 300.0
-"""Temperature up to which sliding thins the oil by the formulas: beyond, oil burns, and they lose their sense."""
+"""Temperature up to which heat thins the oil by the formulas: beyond, oil burns, and they lose their sense."""
 
 
 def film_um(pressed: Pressed, flash: Array, bulk_c: float, oil: Oil, materials: tuple[Material, Material]) -> Array:
@@ -150,13 +150,13 @@ def film_um(pressed: Pressed, flash: Array, bulk_c: float, oil: Oil, materials: 
     1600 rho G^0.6 U^0.7 W^-0.13 S^0.22 with rho in mm, G = alpha E_r, U = eta v_sum / (2 E_r rho), W = 2 pi (p / E_r)^2
     and the share S = alpha eta of the contact's temperature over that of the teeth's, by which sliding thins the oil.
     """
-    modulus_pa = 2e6 * contact_modulus_mpa(materials)
+    modulus_pa, bulk_c = 2e6 * contact_modulus_mpa(materials), min(bulk_c, HOTTEST_C)
     radius_mm = 1.0 / pressed.curvature_per_mm
     speed = oil.dynamic_pa_s(bulk_c) * pressed.sum_speed_m_s / (2.0 * modulus_pa * 1e-3 * radius_mm)
     pressure = hertz_pressure_mpa(pressed.line_n_mm, pressed.curvature_per_mm, materials)
     load = 2.0 * np.pi * (1e6 * pressure / modulus_pa) ** 2
     stiff = oil.thickening_per_pa(bulk_c) * modulus_pa
-    hot = np.minimum(bulk_c + flash, max(HOTTEST_C, bulk_c))
+    hot = np.minimum(bulk_c + flash, HOTTEST_C)
     cold = oil.thickening_per_pa(bulk_c) * oil.dynamic_pa_s(bulk_c)
     thinned = oil.thickening_per_pa(hot) * oil.dynamic_pa_s(hot) / cold
     return np.asarray(1600.0 * radius_mm * stiff**0.6 * speed**0.7 * load**-0.13 * thinned**0.22)

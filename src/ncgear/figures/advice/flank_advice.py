@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from math import degrees
 from typing import TYPE_CHECKING
 
+from ncgear.figures.advice.strength_advice import unfollowed_knocks
 from ncgear.figures.advice.values import Advice, Kind, NotJudged, Remedy, Where
 from ncgear.figures.flanks import hours_words, place_words
 from ncgear.figures.numbers import fixed, to_digits
@@ -46,6 +47,8 @@ def flanks(drive: Drive) -> Iterator[Advice | NotJudged]:
         yield _wear(found.wear, drive.conditions.lubrication)
     if found.film is not None and found.film.regime is Regime.BOUNDARY:
         yield _boundary(found.film, found)
+    if why := unfollowed_knocks(rating):
+        yield NotJudged(why)
 
 
 def _where(place: Place, gear: Gear) -> Where:

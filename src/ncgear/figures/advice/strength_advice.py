@@ -36,7 +36,7 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
     if not isinstance(rating, Rating):
         return _roughly(drive, beside_refusal(drive, rating))
     if rating.holds:
-        why = _unfollowed_knocks(rating) or _thin_body(drive, rating)
+        why = unfollowed_knocks(rating) or _thin_body(drive, rating)
         return NotJudged(why) if why else None
     weak = [one for one in rating.weakest if not one.holds]
     first = worst(weak)
@@ -58,7 +58,7 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
     )
 
 
-def _unfollowed_knocks(rating: Rating) -> str:
+def unfollowed_knocks(rating: Rating) -> str:
     """Why teeth whose load changes flanks may bear more than is known; empty where it does not, or that is known."""
     loading = rating.loading
     if loading.knocks is not None or rating.strength.load != "masses" or loading.torque_n_mm.min() >= 0.0:
