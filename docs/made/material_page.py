@@ -93,11 +93,11 @@ here, not in strength. Prints are a rough, cautious guess (below).
 WEAR = """\
 ## Wear
 
-Wear coefficients in mm&sup3; for each N and m of sliding, of flanks that no film parts
-([how they count](method.md#strength-strength)). They are known to the power of ten at best: of steel in oil, 5e-7 (A. Flodin,
-S. Andersson, 1997) and 9.65e-10 (P. Bajpai, A. Kahraman, N. E. Anderson, 2004) were published, of dry steel K = 1.3e-4
-over the hardness where it is hard (J. F. Archard, 1953) and K / 3 = 5e-4 where it is not (E. Rabinowicz), of plastics a
-maker's tests on steel. Metal that runs on plastic loses next to nothing.
+Wear coefficients in mm&sup3; for each N and m of sliding, of flanks that no film parts ([how they
+count](method.md#strength-strength)). They are known to the power of ten at best: of steel in oil, 5e-7 (A. Flodin, S.
+Andersson, 1997) and 9.65e-10 (P. Bajpai, A. Kahraman, N. E. Anderson, 2004) were published, of dry steel K = 1.3e-4
+over the hardness where it is hard (J. F. Archard, 1953) and K / 3 = 5e-4 where it is not (E. Rabinowicz), of plastics
+a maker's tests on steel. Metal that runs on plastic loses next to nothing.
 [`strength.wear_coefficient_mm3_n_m`](design-file/strength.md) takes a person's own.
 """
 
@@ -124,8 +124,9 @@ pit: of their flanks wear alone is told.
 
 ## What is not covered
 
-Micropitting, fracture under a single blow beyond the static factors, deflection and creep of hot plastics, and vibration beyond
-K<sub>V</sub>. ISO 6336 and VDI 2736 are written for circular gears; for others, what follows is a local estimate.
+Micropitting, fracture under a single blow beyond the static factors, deflection and creep of hot plastics, and
+vibration beyond K<sub>V</sub>. ISO 6336 and VDI 2736 are written for circular gears; for others, what follows is a
+local estimate.
 """
 
 
@@ -149,6 +150,8 @@ def _lines() -> Iterator[str]:
     yield from ("", FACTORS)
     shares, factors = (f"{share:g}" for share in SHARES), (f"{factor:g}" for factor in RELIABILITY_FACTORS)
     yield from markdown(("share", *shares), [["Y<sub>Z</sub>", *factors]])
+    yield from ("", WEAR)
+    yield from markdown(("flanks", *LUBRICATIONS), _coefficients())
     yield from ("", PLASTICS)
     yield "Stresses of roots and flanks in MPa after 1e6 and 1e8 cycles:\n"
     degrees = [f"{t:g} &deg;C" for t in TEMPERATURES]
@@ -157,8 +160,6 @@ def _lines() -> Iterator[str]:
     yield from markdown(PLASTIC_HEADS, [_elastic(row) for row in ROWS if isinstance(row, Plastic)])
     yield from ("", HEAT)
     yield from markdown(("pair", "coefficient"), _frictions())
-    yield from ("", WEAR)
-    yield from markdown(("flanks", *LUBRICATIONS), _coefficients())
     yield from ("", PRINTED)
 
 

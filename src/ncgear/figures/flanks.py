@@ -77,7 +77,7 @@ def surfaces_rows(drive: Drive, found: Surfaces) -> list[tuple[str, str]]:
     ]
     rows = [("heat", f"{'; '.join(heat)} (VDI 2736); creep is not judged")] if heat else []
     if found.film is not None:
-        rows += [("film", _film_words(drive, found.film)), ("scuffing", _scuffing_words(found.film, found))]
+        rows += [("film", _film_words(drive, found.film)), ("scuffing", _scuffing_words(drive, found.film, found))]
     return [*rows, ("wear", _wear_words(found.wear))]
 
 
@@ -91,13 +91,14 @@ def _film_words(drive: Drive, film: Film) -> str:
     )
 
 
-def _scuffing_words(film: Film, found: Surfaces) -> str:
-    """The safety against scuffing, with the hottest contact."""
-    hottest = f"contacts reach {fixed(film.hottest_c, 0)} \u00b0C at {angle_words(film.flash_k)}"
+def _scuffing_words(drive: Drive, film: Film, found: Surfaces) -> str:
+    """The safety against scuffing, with the hottest contact and what is known of the oil."""
+    hottest = f"{fixed(film.hottest_c, 0)} \u00b0C at {angle_words(film.flash_k)}"
     if found.scuffing_c is None or found.scuffing_safety is None:
-        return f"{hottest}; of bronze nobody knows where oil fails"
-    fails = f"the oil fails at {fixed(found.scuffing_c, 0)} \u00b0C"
-    return f"safety {to_digits(found.scuffing_safety, 3)}: {hottest}, {fails}"
+        return f"{hottest}; where oil fails between bronze and steel is not known"
+    assumed = "" if "oil_fzg_stage" in drive.design.strength.model_fields_set else " assumed"
+    fails = f"oil fails at {fixed(found.scuffing_c, 0)} \u00b0C (FZG stage {drive.conditions.oil_fzg_stage:g}{assumed})"
+    return f"safety {to_digits(found.scuffing_safety, 3)}, {hottest}, {fails}"
 
 
 def _wear_words(wear: Wear) -> str:
