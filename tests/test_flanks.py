@@ -13,7 +13,7 @@ from drives import drive, drive_of_text
 from ncgear.figures.advice.flank_advice import flanks
 from ncgear.figures.advice.values import Advice, NotJudged
 from ncgear.project.drive import Drive
-from ncgear.strength.conditions import Conditions
+from ncgear.strength.conditions import Conditions, Running
 from ncgear.strength.film import (
     MOST_FRICTION,
     Oil,
@@ -222,6 +222,52 @@ def test_extremes_are_those_of_a_search_by_brute_force() -> None:
 
 
 @pytest.mark.thorough
+def test_circular_gears_have_the_film_and_the_heat_of_their_involutes() -> None:
+    """By hand at every contact: of the loads only the forces are taken, the rest follows from involutes.
+
+    A place at the radius R has the radius of curvature sqrt(R^2 - r_b^2), and is passed at that times the speed.
+    """
+    text = TEXT.replace("law: ellipse, eccentricity: 0.3", "law: uniform_crank")
+    made = drive_of_text(f"{text}strength: {{dynamic_factor: 1.0}}\n")
+    found, loading = made.surfaces_by("estimate"), made.loading_by("estimate")
+    film = found.film
+    assert film is not None
+    contacts = loading.between(np.linspace(0.0, loading.cycle_mm, 20_001))
+    touching = contacts.kept(contacts.flanks)
+    base = 30.0 * np.cos(np.radians(20.0))
+    points = touching.driving_point, touching.driven_point
+    first, second = (np.sqrt(np.abs(point) ** 2 - base**2) for point in points)
+    speed, modulus = 2.0 * pi, 206000.0 / 0.91
+    radius, turned = first * second / (first + second), speed * (first + second) / 1000.0
+    load = touching.force_n * 1.3 / 12.0
+    eta = 1e3 * float(Oil.of(made.conditions).dynamic_pa_s(40.0))
+    mu = 0.060 * (load / (turned * radius)) ** 0.2 * eta**-0.05
+    half = np.sqrt(8.0 * load * radius / (pi * modulus))
+    contact = np.sqrt(45.0 * 440.0 * 7850.0) / 1000.0**0.5
+    flash = 1.11 * mu * load * np.abs(np.sqrt(first) - np.sqrt(second)) * np.sqrt(speed / 1000.0)
+    flash = flash / np.sqrt(2.0 * half) / contact * 1000.0
+    assert film.flash_k.value == pytest.approx(flash.max(), rel=5e-3)
+    warm = 40.0 + 0.47 * flash.mean()
+    assert film.bulk_c - 40.0 == pytest.approx(warm - 40.0, rel=5e-3)
+    oil = Oil.of(made.conditions)
+    cold, hot = (oil.thickening_per_pa(one) * 1e6 for one in (warm, warm + flash))
+    eta_cold, eta_hot = (oil.dynamic_pa_s(one) for one in (warm, warm + flash))
+    thin = 1.6 * radius * (cold * modulus) ** 0.6 * (eta_cold * turned / (2e3 * modulus * radius)) ** 0.7
+    thin = 1e3 * thin * (load / (modulus * radius)) ** -0.13 * (hot * eta_hot / (cold * eta_cold)) ** 0.22
+    assert film.thickness.value == pytest.approx(thin.min(), rel=5e-3)
+    slid = load * np.abs(first - second) * np.clip((4.0 - thin / 1.77) / 3.5, 0.0, 1.0)
+    turns = 20_000.0 * 3600.0
+    for depth, rolled in zip(found.wear.depth_mm, (first, second), strict=True):
+        assert depth.value == pytest.approx(1e-11 * turns * (slid / rolled).max(), rel=5e-3)
+
+
+def test_flanks_of_the_larger_gear_meet_less_often() -> None:
+    running, both = Running(2.0, (24, 48), 10.0, 4.0 * pi), (0.0, 0.0)
+    pair = _Pair(BOTH, replace(CONDITIONS, life_h=10.0), running, 1.0, both, None)
+    assert pair.meetings == pytest.approx([2.0 * 36_000.0, 36_000.0])
+
+
+@pytest.mark.slow
 def test_what_is_judged_depends_on_oil_and_material() -> None:
     plain, thick = drive_of_text(TEXT), with_strength("oil_viscosity_mm2_s: 680")
     film, thicker = (one.surfaces_by("estimate").film for one in (plain, thick))
@@ -247,7 +293,7 @@ def test_what_is_judged_depends_on_oil_and_material() -> None:
     assert (longer.deepest_mm, longer.life_h) == pytest.approx((2.0 * soft.deepest_mm, soft.life_h), rel=1e-9)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_flanks_that_wear_or_scuff_are_told_and_a_thin_film_is_a_remark() -> None:
     held = list(flanks(drive("pusher")))
     assert [one.matters for one in held if isinstance(one, Advice)] == [False]
