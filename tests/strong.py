@@ -50,7 +50,8 @@ def made_up(drive: Drive, bending: float = 2.0, contact: float | None = 1.5) -> 
     contacts = _contacts(size.driving_teeth, size.driven_teeth)
     load = 1.0 + np.cos(contacts.phi1_rad - 2.0 * pi / size.driving_teeth)
     pressure = np.where(contacts.flanks, 500.0 * np.sqrt(load), np.nan)
-    stresses = ContactStresses(pressure, np.stack([100.0 * load, 90.0 * load]), np.stack([110.0 * load, 99.0 * load]))
+    roots = np.stack([100.0 * load, 90.0 * load]), np.stack([110.0 * load, 99.0 * load])
+    stresses = ContactStresses(pressure, *roots, np.full(load.shape, 1.3))
     gears = {
         gear: _gear(count, gear, bending * factor, None if contact is None else contact * factor)
         for gear, count, factor in ((Gear.DRIVING, size.driving_teeth, 1.0), (Gear.DRIVEN, size.driven_teeth, 1.1))
@@ -74,7 +75,7 @@ def made_up_loading(drive: Drive, strength: Strength) -> Loading:
         transmission_error_rad=120e-6,
         contact_ratio=1.5,
         cycle_turns=1,
-        knocks=(),
+        borne=None,
     )
 
 
@@ -100,6 +101,7 @@ def _contacts(driving: int, driven: int) -> LoadedContacts:
         phi1,
         np.zeros(count, dtype=np.intp),
         1000.0 * (2.0 + np.cos(phi1)),
+        1e5 * some,
         0.1 * some,
         np.ones(count, dtype=bool),
         np.stack([some, 2.0 * some], axis=1),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 import platform
+import shlex
 import subprocess
 import sys
 from collections.abc import Callable
@@ -688,3 +689,14 @@ def test_a_file_does_not_get_the_number_of_a_closed_stream(tmp_path: Path) -> No
     shell = f'"{sys.executable}" -c "{code}" 2>&- <&-'
     done = subprocess.run(["bash", "-c", shell], capture_output=True, text=True, cwd=tmp_path, env=environment())
     assert done.stdout == "True\n"
+
+
+def test_a_command_that_is_printed_can_be_pasted(tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever the path: the shell takes the words of the line apart into the command and the file."""
+    monkeypatch.chdir(tmp_path)
+    file = Path("my gears & more", "a pusher.yaml")
+    file.parent.mkdir()
+    file.write_text(TABLE, encoding="utf-8")
+    _, told, _ = run("check", str(file))
+    (line,) = (line for line in told.splitlines() if line.startswith("Next: "))
+    assert shlex.split(line.removeprefix("Next: ").partition(";")[0]) == ["ncgear", "build", str(file)]

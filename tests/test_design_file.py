@@ -281,7 +281,7 @@ ROWS = "0,1\n90,1\n180,1\n270,1\n"
         ("phi1_deg,ratio\n0,1e999\n", "p.csv:2:3: ratio: '1e999' is not a finite number"),
         ("phi1_deg,ratio\n0,\n", "p.csv:2:3: ratio: '' is not a finite number"),
         ("phi1_deg,ratio\n0,1,2\n", "p.csv:2:1: 3 values for 2 columns"),
-        ("phi1_deg;ratio\n" + ROWS, "p.csv:1:1: unknown column: 'phi1_deg;ratio'"),
+        ("phi1_deg;ratio\n" + ROWS, "p.csv:2:1: 1 values for 2 columns; one number for each is right"),
         ("phi1_deg,speed\n" + ROWS, "p.csv:1:10: unknown column: 'speed'; columns can be phi1_rad"),
         ("ratio,ratio\n" + ROWS, "p.csv:1:7: column given twice: 'ratio'"),
         ("phi1_deg,phi1_rad\n" + ROWS, "p.csv:1:1: the header must name one of the columns phi1_rad"),

@@ -28,7 +28,7 @@ from ncgear.drivetrain.bearings import (
     rating_for_n,
     shaft_loads,
 )
-from ncgear.drivetrain.cycle import Cycle, ShaftLoads, cycle_of
+from ncgear.drivetrain.cycle import Cycle, ShaftLoads, cycle_of, with_knocks
 from ncgear.drivetrain.demand import Demand
 from ncgear.drivetrain.losses import TouchingTeeth, losses_of, mesh_loss_factor
 from ncgear.drivetrain.motor import Gearbox, StraightLine, motor_load
@@ -174,8 +174,10 @@ def test_the_worst_fibre_and_its_stresses_lie_between_places() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("gear", Gear)
 def test_forces_and_stresses_of_shafts_against_many_more_places(gear: Gear) -> None:
-    """Nothing at 4001 other places, nor at 721 fibres, is beyond what is told."""
-    of_cycle, around = whole().demand.cycle, drive(DESIGN).design.drivetrain
+    """Nothing at other places, nor at 721 fibres, is beyond what is told, the teeth's knocks counted."""
+    knocking, around = drive(DESIGN).knocking, drive(DESIGN).design.drivetrain
+    assert knocking is not None
+    of_cycle = with_knocks(whole().demand.cycle, knocking)
     found = whole().driving_shaft if gear is Gear.DRIVING else whole().driven_shaft
     assert around is not None
     assert around.driven_shaft is not None
@@ -184,7 +186,7 @@ def test_forces_and_stresses_of_shafts_against_many_more_places(gear: Gear) -> N
     assert found.most_bent is not None
     assert found.shaft is not None
     crank_at_mm = 0.0 if gear is Gear.DRIVING else around.driven_shaft.crank_at_mm
-    loads = shaft_loads(of_cycle, gear, np.linspace(of_cycle.breaks_rad[0], of_cycle.breaks_rad[-1], 4001))
+    loads = shaft_loads(of_cycle, gear, np.linspace(of_cycle.breaks_rad[0], of_cycle.breaks_rad[-1], 100_001))
     both = found.bearings[0].bearing, found.bearings[1].bearing
     for one, force in zip(found.bearings, bearing_forces(loads, both, crank_at_mm), strict=True):
         assert 0.999 < np.abs(force).max() / one.largest_n.value < 1.0 + 1e-9
@@ -208,7 +210,7 @@ def test_forces_and_stresses_of_shafts_against_many_more_places(gear: Gear) -> N
         )
         used = [a / s + m / (2.0 * section.tensile_mpa - s) for s, a, m in terms]
         most = max(most, float(np.hypot(*used)))
-    assert 1.0 - 2e-5 < most * found.shaft.fatigue < 1.0 + 2e-6
+    assert 1.0 - 2e-4 < most * found.shaft.fatigue < 1.0 + 2e-6
 
 
 def test_a_key_in_closed_form() -> None:
@@ -354,8 +356,9 @@ def test_friction_in_the_guide_holds_by_newtons_law_for_the_slider(friction: flo
 
 @pytest.mark.long
 @pytest.mark.slow
-def test_a_key_and_the_teeth_bear_what_the_motor_gives() -> None:
+def test_a_key_and_the_teeth_bear_what_the_motor_gives(monkeypatch: pytest.MonkeyPatch) -> None:
     """The key on the driving shaft bears the greatest torque that the motor implies, and the teeth rub with it."""
+    monkeypatch.setattr(Drive, "knocking", None)
     given = drive(DESIGN).design
     assert given.drivetrain is not None
     found = {}
@@ -708,14 +711,14 @@ def test_the_shipped_design_pinned() -> None:
     assert found.driven_shaft is not None
     assert found.driving_shaft.bearings is not None
     assert found.driven_shaft.bearings is not None
-    # The gear in the middle: half the mesh force each
+    # The gear in the middle: half the mesh force each, where friction pushes with the knock or against it
     first, second = found.driving_shaft.bearings
-    peak = drive(DESIGN).rigid.peaks.mesh
-    assert peak is not None
-    rubbing = 1.0 + losses.mesh_share
-    assert first.largest_n.value == pytest.approx(rubbing * peak.force_n.value / 2.0, rel=1e-9)
+    peaks = drive(DESIGN).knocking_peaks
+    assert peaks is not None
+    assert peaks.mesh is not None
+    assert abs(2.0 * first.largest_n.value / peaks.mesh.force_n.value - 1.0) < 1.01 * losses.mesh_share
     assert second.equivalent_n == pytest.approx(first.equivalent_n, rel=1e-12)
-    assert found.driven_shaft.bearings[1].needed_rating_n == pytest.approx(51_524.0, abs=1.0)
+    assert found.driven_shaft.bearings[1].needed_rating_n == pytest.approx(53_749.0, rel=0.01)
     assert found.motor is not None
     assert found.motor.course is not None
     assert found.motor.course.fluctuation == pytest.approx(0.06858, abs=2e-5)

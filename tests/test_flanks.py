@@ -12,8 +12,10 @@ import pytest
 from drives import drive, drive_of_text
 from ncgear.figures.advice.flank_advice import flanks
 from ncgear.figures.advice.values import Advice, NotJudged
+from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
 from ncgear.strength.conditions import Conditions, Running
+from ncgear.strength.contacts import LoadedContacts
 from ncgear.strength.film import (
     MOST_FRICTION,
     Oil,
@@ -190,6 +192,11 @@ def with_strength(keys: str) -> Drive:
     return drive_of_text(f"{TEXT}strength: {{{keys}}}\n")
 
 
+def even(contacts: LoadedContacts) -> Array:
+    """K_Hbeta that is assumed."""
+    return np.full(contacts.force_n.shape, 1.3)
+
+
 @pytest.mark.thorough
 def test_extremes_are_those_of_a_search_by_brute_force() -> None:
     """At 60 times as many places as pairs are solved at: the least film and the most heat and wear are no worse."""
@@ -200,24 +207,31 @@ def test_extremes_are_those_of_a_search_by_brute_force() -> None:
     strength = made.strength
     materials = strength.driving.material, strength.driven.material
     pair = _Pair(
-        materials, made.conditions, made.running, 1.0, wear.coefficients_mm3_n_m, Oil.of(made.conditions), film.bulk_c
+        materials,
+        made.conditions,
+        made.running,
+        1.0,
+        wear.coefficients_mm3_n_m,
+        even,
+        Oil.of(made.conditions),
+        film.bulk_c,
     )
     shaken = made.strength.stresses.pressure_mpa
     contacts = loading.between(np.linspace(0.0, loading.cycle_mm, 40_001))
-    touching = contacts.kept(contacts.flanks)
-    own = loading.contacts.kept(loading.contacts.flanks)
+    own, known = pair.touching(loading.contacts)
     modulus = materials[0].youngs_modulus_mpa / (2.0 * (1.0 - materials[0].poisson ** 2))
     load = shaken[loading.contacts.flanks] ** 2 * pi / (own.relative_curvature * modulus)
-    factor = float(np.median(load / pair.pressed(own).line_n_mm))
-    assert load == pytest.approx(factor * pair.pressed(own).line_n_mm)
-    rows = replace(pair, dynamic_factor=factor).quantities(touching)
+    factor = float(np.median(load / known.line_n_mm))
+    assert load == pytest.approx(factor * known.line_n_mm)
+    touching, pressed = replace(pair, dynamic_factor=factor).touching(contacts)
+    rows = pair.quantities(touching.side, pressed)
     worst = rows.max(axis=1)
     told = [1.0 / film.thickness.value, film.flash_k.value, wear.depth_mm[0].value, wear.depth_mm[1].value]
     assert told == pytest.approx(worst[:4], rel=3e-3)
     assert np.all(np.array(told) >= (1.0 - 2e-3) * worst[:4])
-    known = rows[0].argmax()
-    assert touching.phi1_rad[known] == pytest.approx(film.thickness.phi1_rad, abs=1e-3)
-    assert touching.driving_flank[known] // 2 + 1 == film.thickness.driving_tooth
+    thinnest = rows[0].argmax()
+    assert touching.phi1_rad[thinnest] == pytest.approx(film.thickness.phi1_rad, abs=1e-3)
+    assert touching.driving_flank[thinnest] // 2 + 1 == film.thickness.driving_tooth
     assert wear.play_mm <= wear.depth_mm[0].value + wear.depth_mm[1].value + 1e-12
 
 
@@ -263,7 +277,7 @@ def test_circular_gears_have_the_film_and_the_heat_of_their_involutes() -> None:
 
 def test_flanks_of_the_larger_gear_meet_less_often() -> None:
     running, both = Running(2.0, (24, 48), 10.0, 4.0 * pi), (0.0, 0.0)
-    pair = _Pair(BOTH, replace(CONDITIONS, life_h=10.0), running, 1.0, both, None)
+    pair = _Pair(BOTH, replace(CONDITIONS, life_h=10.0), running, 1.0, both, even, None)
     assert pair.meetings == pytest.approx([2.0 * 36_000.0, 36_000.0])
 
 

@@ -9,6 +9,7 @@ import pytest
 from scipy.integrate import quad
 
 from circular_pairs import CylindricalPair, contact_ratio_factor, elasticity_factor, nominal_contact_stress_mpa
+from drives import drive_of_text
 from ncgear.strength.hertz import contact_modulus_mpa, half_width_mm, hertz_pressure_mpa
 from tooth_places import STEEL, elastic
 
@@ -53,3 +54,31 @@ def test_an_edge_has_no_width_and_infinite_pressure() -> None:
     line, edge = np.array([10.0]), np.array([np.inf])
     assert half_width_mm(line, edge, (STEEL, STEEL)).tolist() == [0.0]
     assert hertz_pressure_mpa(line, edge, (STEEL, STEEL)).tolist() == [np.inf]
+
+
+@pytest.mark.parametrize(("teeth", "force_n"), [(17, 100), (24, 400), (40, 2000)])
+def test_round_gears_are_rated_at_the_end_of_single_contact_which_deflection_moves(teeth: int, force_n: float) -> None:
+    """By hand: T / (r cos 20 deg), there, with both involutes' radii.  Teeth give way and bear in two pairs sooner."""
+    text = f"""name: round
+linkage: {{crank_mm: 40, rod_mm: 150}}
+operation: {{speed_rpm: 60}}
+motion: {{law: uniform_crank}}
+gears: {{teeth: {teeth}, module_mm: 2.5, face_width_mm: 25, material: 42CrMo4, undercut: allow}}
+resistance: {{polynomial_n: [{force_n}], returning: {{polynomial_n: [{force_n}]}}}}
+strength: {{application_factor: 1, dynamic_factor: 1, face_load_factor: 1}}
+"""
+    one = drive_of_text(text)
+    angle, radius = np.radians(20.0), 1.25 * teeth
+    torque = float(np.abs(one.tooth_load.torque_n_mm(np.linspace(0.0, 2.0 * np.pi, 20_001))).max())
+    line_load = torque / (radius * np.cos(angle)) / 25.0
+    over_base = np.sqrt((radius + 2.5) ** 2 - (radius * np.cos(angle)) ** 2)
+    own = over_base - 2.5 * np.pi * np.cos(angle)
+    mate, modulus = 2.0 * radius * np.sin(angle) - own, 206_000.0 / (2.0 * (1.0 - 0.3**2))
+    by_hand, pitch_point = (
+        np.sqrt(line_load / np.pi * curvature * modulus)
+        for curvature in (1.0 / own + 1.0 / mate, 4.0 / (2.0 * radius * np.sin(angle)))
+    )
+    rated = one.strength.driving.contact
+    assert rated is not None
+    assert 0.97 < rated.stress_mpa.max() / by_hand < 1.0005
+    assert rated.stress_mpa.max() > 0.999 * pitch_point

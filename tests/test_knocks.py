@@ -9,6 +9,7 @@ import pytest
 
 from commands import ROOT, Run, on_text
 from drives import drive_of_text
+from ncgear.dynamics.history import CRANK_BEARING
 from ncgear.figures.advice.drivetrain_advice import around
 from ncgear.figures.advice.strength_advice import rough, strength
 from ncgear.figures.advice.values import Advice, NotJudged
@@ -73,14 +74,62 @@ def test_knocks_are_told_by_every_form(run: Run) -> None:
     assert still["load"].get("knock_max_mm_s", 0.0) < 0.02 * figures["load"]["knock_max_mm_s"]
 
 
-def test_two_pairs_in_series_and_what_stands_around_are_not_judged_for_knocks() -> None:
+SHAFTS = "drivetrain: {driving_shaft: {bearing_a: {at_mm: -40}, bearing_b: {at_mm: 40}}}\n"
+
+
+def test_knocks_that_are_not_followed_are_told_as_not_judged() -> None:
     turning = drive_of_text(SHARED + SLIDER + DRIVEN + "strength: {bending_safety: 0.01, contact_safety: 0.01}\n")
     found = strength(turning.by_stage[1])
     assert isinstance(found, NotJudged)
     assert "knock" in found.why
-    shafts = "drivetrain: {driving_shaft: {bearing_a: {at_mm: -40}, bearing_b: {at_mm: 40}}}\n"
-    assert any(isinstance(one, NotJudged) and "knocks" in one.why for one in around(shaken(0.1, shafts)))
-    assert not any(isinstance(one, NotJudged) for one in around(shaken(0.0, shafts)))
+    helical = drive_of_text(
+        TEXT.replace("PLAY", "0.1").replace(
+            "gears: {", "gears: {helix: {angle_deg: 10, kind: herringbone, hand: right}, "
+        )
+        + SHAFTS
+    )
+    assert any(isinstance(one, NotJudged) and "knocks" in one.why for one in around(helical))
+    assert not any(isinstance(one, NotJudged) for one in around(shaken(0.1, SHAFTS)))
+
+
+def test_a_knock_hurries_the_slider_as_newton_says() -> None:
+    """Speed and acceleration of the slider by differences of its place, the crank's by the torque that is missed."""
+    knocking = shaken(0.1).knocking
+    assert knocking is not None
+    phi1 = knocking.turns_rad
+    loads, machine = knocking.at(phi1), knocking.rigid.machine
+    assert loads.driven_torque.value == pytest.approx(knocking.borne.at(phi1), rel=1e-9)
+    # Round gears: the crank turns as the driving gear does, and its inertia follows from the law's own torque.
+    speed, step = machine.speed_rad_s, 1e-4
+    place = [-40.0 * np.cos(q) + np.sqrt(150.0**2 - (40.0 * np.sin(q)) ** 2) for q in (phi1 - step, phi1, phi1 + step)]
+    slope, bend = (place[2] - place[0]) / (2.0 * step), (place[2] - 2.0 * place[1] + place[0]) / step**2
+    whole = (
+        knocking.rigid.at(phi1, np.ones_like(phi1)).driven_torque.value - knocking.rigid.at(phi1).driven_torque.value
+    )
+    hurry = (knocking.borne.at(phi1) - knocking.borne.asked(phi1)) / whole * speed**2
+    pulled = 4.0 * 1e-3 * np.abs(bend * speed**2 + slope * hurry)
+    along = np.abs(loads.joints["wrist"].x.value)
+    assert along == pytest.approx(pulled, rel=1e-4, abs=1e-4 * pulled.max())
+    assert hurry.max() > 5.0 * speed**2
+
+
+def test_bearings_bear_the_knocks_of_the_teeth() -> None:
+    knocked, still = shaken(0.1, SHAFTS), shaken(0.0, SHAFTS)
+    pair, others = (one.drivetrain.driving_shaft.bearings[0] for one in (knocked, still))
+    peaks, knocking = knocked.knocking_peaks, knocked.knocking
+    assert pair.largest_n.value == pytest.approx(peaks.mesh.force_n.value / 2.0, rel=0.02)
+    assert pair.largest_n.value > 3.0 * others.largest_n.value
+    even = np.linspace(0.0, 2.0 * np.pi, 200_001)[1:]
+    cubes = (knocking.at(even).mesh_force.size_n.value / 2.0) ** 3
+    assert pair.equivalent_n == pytest.approx(float(cubes.mean()) ** (1.0 / 3.0), rel=0.02)
+
+
+def test_forces_with_knocks_are_told_with_the_teeth(run: Run) -> None:
+    holding = "strength: {contact_safety: 0.1}\n"
+    figures = json.loads(on_text(run, "strength", "--json")(TEXT.replace("PLAY", "0.1") + holding)[1])["load"]
+    drive = shaken(0.1)
+    assert figures["with_knocks"]["peak_crank_pin_force_n"] == drive.knocking_peaks.joints_n["pin"].value
+    assert figures["with_knocks"]["peak_crank_pin_force_n"] > 1.2 * drive.rigid.peaks.joints_n["pin"].value
 
 
 @pytest.mark.slow
@@ -91,3 +140,5 @@ def test_the_motion_in_time_presses_teeth_as_hard(play_mm: float) -> None:
     states = one.course.at(one.course.fine_s)
     in_time = float(one.course.machine.answer(states).teeth.normal_n.max())
     assert 0.95 * in_time < peak_n(one) < 1.15 * in_time
+    bearing = one.peaks_of(one.course).forces_n[CRANK_BEARING].value
+    assert 0.95 * bearing < one.knocking_peaks.crank_bearing_n.value < 1.4 * bearing

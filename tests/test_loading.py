@@ -67,7 +67,7 @@ def loading(name: str, teeth: int, torque_n_mm: float = 2e4, per_tooth: int = 20
     pitch, pair = made(name, teeth, relief=kinds.get("relief"))  # type: ignore[arg-type]
     found = teeth_of(name, teeth, **kinds)  # type: ignore[arg-type]
     asked = AskedTorque.of(pitch, lambda phi1: torque_n_mm * (1.0 + 0.3 * np.sin(phi1)))
-    return loading_of(found, pair, pitch, asked, even_speed, per_tooth)
+    return loading_of(found, pair, pitch, asked, even_speed, per_tooth=per_tooth)
 
 
 def even(name: str, teeth: int, torque_n_mm: float, **kinds: float) -> Loading:

@@ -270,6 +270,7 @@ def test_power_that_friction_takes() -> None:
         phi1_rad=np.zeros(2),
         side=flank,
         force_n=np.array([1000.0, 1000.0]),
+        stiffness_n_mm=np.full(2, 1e5),
         relative_curvature=np.ones(2),
         flanks=np.ones(2, dtype=bool),
         rolling_mm_s=np.array([[80.0, 30.0], [-20.0, 30.0]]),

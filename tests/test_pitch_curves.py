@@ -438,11 +438,11 @@ def drawing(folder: Path, add: Callable[[Any], object], **keys: Any) -> Drive:
     return from_folder(folder, **keys)
 
 
-def from_folder(folder: Path, unit: str = "mm", layer: str = "") -> Drive:
+def from_folder(folder: Path, unit: str = "mm", layer: str = "", more: str = "") -> Drive:
     on = f", layer: {layer!r}" if layer else ""
     text = (
         "name: drawn\nlinkage: {crank_mm: 30, rod_mm: 120}\noperation: {speed_rpm: 60}\n"
-        f"motion:\n  law: pitch_curve\n  dxf: {{file: contour.dxf, unit: {unit}{on}}}\n"
+        f"motion:\n  law: pitch_curve\n  dxf: {{file: contour.dxf, unit: {unit}{on}{more}}}\n"
         "gears: {teeth: 32, face_width_mm: 8}\n"
     )
     loaded = parsed(text, folder / "drawn.yaml")
@@ -482,10 +482,10 @@ def test_a_drawn_ellipse_and_spline_are_those_of_their_keys(tmp_path: Path) -> N
         (lambda space: space.add_lwpolyline([(30, 0), (0, 30), (-30, 0), (0, -30)]), "the contour is open: it ends at"),
         (lambda space: (space.add_circle((0, 0), 30), space.add_circle((0, 0), 5)), "1 further part beside a closed"),
         (lambda space: space.add_text("nothing"), "holds no LINE, ARC"),
-        (lambda space: space.add_blockref("B", (0, 0)), "holds INSERT"),
+        (lambda space: space.add_mtext("B"), "it has MTEXT only"),
         (lambda space: space.add_line((0, 0, 0), (9, 9, 9)), "leaves the plane"),
     ],
-    ids=["open", "two", "empty", "block", "out of the plane"],
+    ids=["open", "two", "empty", "notes", "out of the plane"],
 )
 def test_what_is_no_closed_contour_is_refused_at_the_key_of_the_file(
     tmp_path: Path, add: Callable[[Any], object], said: str

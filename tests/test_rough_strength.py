@@ -78,7 +78,7 @@ def test_the_root_stress_of_circular_gears_is_that_of_iso_6336_3() -> None:
     ratio = CylindricalPair(2.0, (40, 40), 12.0).transverse_contact_ratio
     outer = single_contact_diameter(40.0, 42.0, ratio, angle)
     factors = root_factors(root_section(40.0, 0.0, RackTip(1.25, 0.38), angle), 40.0, 0.0, outer, angle)
-    roots = face_load_factor_of_roots(Running(2.0, (40, 40), 12.0, 2.0 * pi), 1.3)
+    roots = face_load_factor_of_roots(Running(2.0, (40, 40), 12.0, 2.0 * pi), np.array(1.3))
     nominal = roots * line_load_n_mm(text) / 2.0
     found = least(rough_strength(drive_of_text(text)), Damage.BENDING)
     assert found.stress_mpa == pytest.approx(nominal * factors.form * factors.notch, rel=0.02)
@@ -271,7 +271,7 @@ def test_the_static_root_stress_of_open_gears_is_that_of_iso_6336_3() -> None:
     ratio = CylindricalPair(2.5, (40, 40), 18.0).transverse_contact_ratio
     outer = single_contact_diameter(40.0, 42.0, ratio, angle)
     factors = root_factors(root_section(40.0, 0.0, RackTip(1.25, 0.38), angle), 40.0, 0.0, outer, angle)
-    roots = face_load_factor_of_roots(Running(2.5, (40, 40), 18.0, 1.0), 1.3)
+    roots = face_load_factor_of_roots(Running(2.5, (40, 40), 18.0, 1.0), np.array(1.3))
     stress = roots * 700.0 * 30.0 / 50.0 / 18.0 / 2.5 * factors.form * factors.notch
     one = least(found, Damage.BENDING)
     assert one.stress_mpa == pytest.approx(stress, rel=0.04)

@@ -70,6 +70,17 @@ Bounds are {LONGEST} characters, {DEEPEST} levels of nesting, {MOST_PANELS} pane
 two), {MOST_CHOICES} joints, and {MOST_TURNS} ups and downs of a resistance over the stroke.
 """
 
+TABLES = """\
+## Tables in files of their own
+
+Where a key `file` stands for columns (of `motion.points`, a law's table, `resistance.table`, a motor's curve, the
+runs of a balance file), and in [`ncgear measured`](commands/measured.md), a table is read as spreadsheets, measuring
+machines and people write it: columns separated by commas, semicolons, tabs or spaces, with a decimal comma where they
+are not separated by commas; a line `sep=;`; lines that begin with `#`, `%`, `//` or `!` as comments; UTF-8 or UTF-16;
+and of XLSX, XLS and ODS the first sheet (`pip install 'ncgear[tables]'`). The first row names the columns as the keys
+are called: `x_mm`, `X (mm)` and `x [mm]` are the same. Other columns, and one without a name, are passed over.
+"""
+
 BALANCE_INTRODUCTION = f"""\
 # The balance file
 
@@ -103,7 +114,7 @@ def key_pages() -> dict[str, str]:
     contents = ",\n".join(f"[{title}]({place})" for place, (_, _, title) in sections.items())
     also = f"[formulas]({FORMULAS_PAGE}) and [materials](materials.md)"
     first = [DESIGN_INTRODUCTION, f"Sections:\n{contents}.\nWhat keys take: {also}.", ""]
-    first += _own(keys, "", "", "Top of the file", 2)
+    first += [*_own(keys, "", "", "Top of the file", 2), TABLES]
     pages = {"design-file.md": first, FORMULAS_PAGE: [FORMULAS]}
     for place, (group, law, title) in sections.items():
         about = f"The section {title} of a [design file](../design-file.md): {group.meaning}."

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import os
+import shlex
 from collections.abc import Iterator
 from contextlib import contextmanager
 from enum import StrEnum
 from pathlib import Path
+from subprocess import list2cmdline
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -31,6 +34,11 @@ def files_to_complete(incomplete: str) -> list[str]:
     found = [place for place in named if start or not place.name.startswith(".")]
     wanted = [place for place in found if place.is_dir() or place.suffix in SUFFIXES]
     return [f"{place}/" if place.is_dir() else str(place) for place in wanted]
+
+
+def pasted(path: Path) -> str:
+    """A path as a shell takes it in a command that is pasted."""
+    return list2cmdline([str(path)]) if os.name == "nt" else shlex.quote(str(path))
 
 
 class FileKind(StrEnum):

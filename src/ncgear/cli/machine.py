@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from ncgear.cli.arguments import EXPORT, AsJson, DesignFile, Timing, Verbose, files_to_complete, opened
+from ncgear.cli.arguments import EXPORT, AsJson, DesignFile, Timing, Verbose, files_to_complete, opened, pasted
 from ncgear.cli.as_json import print_figures, tell
 from ncgear.cli.mending import BUILD, OPTION, MakeTeeth, Mend, as_given, mended, naming_what_helps
 from ncgear.cli.progress import counted, steps_shown
@@ -42,7 +42,7 @@ def check(
             elif verbose:
                 text = check_text(drive)
             else:
-                file = f"{design_file} {OPTION}" if made.text else str(design_file)
+                file = f"{pasted(design_file)} {OPTION}" if made.text else pasted(design_file)
                 text = answer_text(check_answer(drive, file, made.said))
         if as_json:
             print_figures(figures)
@@ -116,7 +116,7 @@ def build(
             typer.echo(build_text(built.summaries, paths, kept))
         else:
             shown = folder / f"{loaded.design.name}.yaml" if made.text else design_file
-            then = f"open {folder / REPORT_FILE}" if report else f"ncgear report {shown}"
+            then = f"open {folder / REPORT_FILE}" if report else f"ncgear report {pasted(shown)}"
             answer = build_answer(drive, built.contacts, built.verdict, then, made.said)
             typer.echo(answer_text(answer, paths, kept))
         if timing:
@@ -244,7 +244,7 @@ def simulate(
             drive.stopwatch.within = on_step.within
             found = simulate_drive(drive, level)
         run = publish_run(folder, simulation_files(found), "simulate")
-        answer = simulated_answer(drive, level, found.figures, found.verdict, str(design_file))
+        answer = simulated_answer(drive, level, found.figures, found.verdict, pasted(design_file))
         tell(answer, found.figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)
         if timing:
             typer.echo(timing_text(drive), err=True)
@@ -306,7 +306,7 @@ def strength(
                 on_pair_step("pictures")
                 files.update(strength_files(pair, rating, figures[-1]))
         run = publish_run(folder, files, "strength")
-        then = f"{SIZE} {design_file}" if drive.design.stages == 1 else ""
+        then = f"{SIZE} {pasted(design_file)}" if drive.design.stages == 1 else ""
         answer = strength_answer(told, together(verdicts), then)
         tell(answer, *figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)
         if timing:

@@ -18,6 +18,7 @@ from ncgear.cli.arguments import (
     Verbose,
     materials_to_complete,
     opened,
+    pasted,
 )
 from ncgear.cli.as_json import tell
 from ncgear.cli.mending import BUILD, naming_what_helps
@@ -76,7 +77,8 @@ def optimize(
                 files[PICTURE] = limit_picture(best)
         # The best law of another design in the same folder stays.
         run = publish_run(folder, files, f"optimize {name}")
-        answer = optimized_answer(best, f"ncgear {'build' if best.design.gears else 'check'} {folder / name}.yaml")
+        command, file = "build" if best.design.gears else "check", pasted(folder / f"{name}.yaml")
+        answer = optimized_answer(best, f"ncgear {command} {file}")
         tell(answer, figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)
 
 
@@ -179,9 +181,9 @@ def size(
         drive = Drive(asked_design(loaded.design, asked))
         with naming_what_helps(drive, BUILD), counted("gears computed") as on_trial:
             found = smallest_gears(drive, GearRoom(space or inf, diameter or inf, width), on_trial)
-        run, then = Run([], []), f"ncgear size {design_file} --out NEW.yaml writes a file with the first"
+        run, then = Run([], []), f"ncgear size {pasted(design_file)} --out NEW.yaml writes a file with the first"
         if out is not None:
             content = sized_design(loaded, found[0], asked).encode()
-            run, then = publish_named(out, content, f"size {out.name}"), f"ncgear build {out}"
+            run, then = publish_named(out, content, f"size {out.name}"), f"ncgear build {pasted(out)}"
         answer = sized_answer(found, then, stated_inertias(loaded.design))
         tell(answer, sized_figures(found), as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)

@@ -10,7 +10,7 @@ from typing import Annotated
 
 import typer
 
-from ncgear.cli.arguments import EXPORT, AsJson, DesignFile, Processes, Scheduler, Verbose, opened
+from ncgear.cli.arguments import EXPORT, AsJson, DesignFile, Processes, Scheduler, Verbose, opened, pasted
 from ncgear.cli.as_json import tell
 from ncgear.cli.progress import counted
 from ncgear.errors import WrongInput
@@ -121,6 +121,6 @@ def sweep(
         run = publish_run(folder, files, "sweep")
         run.paths.extend(found.tables)
         best = first_best(files)
-        then = f"ncgear build {folder / best}" if best else "give other values, or fewer constraints"
+        then = f"ncgear build {pasted(folder / best)}" if best else "give other values, or fewer constraints"
         answer = swept_answer(found.screened, found.deeper, stage.value, then)
         tell(answer, figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import pi
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,6 +22,9 @@ from ncgear.numerics.chebyshev import fitted
 from ncgear.numerics.plane import Vector
 from ncgear.numerics.quadrature import gauss_points
 from ncgear.numerics.zeros import all_zeros
+
+if TYPE_CHECKING:
+    from ncgear.dynamics.knocking import KnockingMachine
 
 NODES = 10
 """Gauss points of a panel: exact to degree 19."""
@@ -69,13 +73,16 @@ def with_tooth_friction(driving_torque: Array, mesh_share: float) -> Array:
     return torque
 
 
-def loads_at(rigid: RigidMachine, phi1_rad: Array, mesh_share: float = 0.0) -> LoadsAt:
+def loads_at(
+    rigid: RigidMachine, phi1_rad: Array, mesh_share: float = 0.0, knocking: KnockingMachine | None = None
+) -> LoadsAt:
     """The loads at driving angles in rad; the machine must have gears.
 
-    ``mesh_share`` is what friction between the teeth takes of the driving torque's size.  The crank turns clockwise in
+    ``mesh_share`` is what friction between the teeth takes of the driving torque's size.  With ``knocking`` the loads
+    are those of a machine whose teeth knock.  The crank turns clockwise in
     the frame of the mechanism, the driving gear against it or, inside a ring, with it.
     """
-    loads = rigid.at(phi1_rad)
+    loads = (knocking or rigid).at(phi1_rad)
     assert rigid.place is not None
     mesh, bearing = _complex(loads.mesh_force.force), _complex(loads.crank_bearing)
     angle = rigid.machine.transmission.driven_angle(phi1_rad, 1)
@@ -99,7 +106,8 @@ class Cycle:
 
     ``breaks_rad`` (shape (m,)) are the driving angles between which loads and their sizes are smooth, ends included.
     ``weight_rad`` (shape (n,)) are the weights of an integral over the driving angle.  ``mesh_share`` is the share of
-    the driving torque that friction between the teeth takes, which its loads count.
+    the driving torque that friction between the teeth takes, which its loads count.  With ``knocking`` they are the
+    loads of teeth that knock.
     """
 
     rigid: RigidMachine
@@ -107,6 +115,11 @@ class Cycle:
     weight_rad: Array
     loads: LoadsAt
     mesh_share: float = 0.0
+    knocking: KnockingMachine | None = None
+
+    def loads_at(self, phi1_rad: Array) -> LoadsAt:
+        """The loads at driving angles in rad, shape (n,)."""
+        return loads_at(self.rigid, phi1_rad, self.mesh_share, self.knocking)
 
     @property
     def places_rad(self) -> Array:
@@ -132,6 +145,22 @@ def rubbing(cycle: Cycle, mesh_share: float) -> Cycle:
     """The cycle with the share of the driving torque that friction between the teeth takes."""
     loads = loads_at(cycle.rigid, cycle.loads.phi1_rad, mesh_share)
     return replace(cycle, loads=loads, mesh_share=mesh_share)
+
+
+def with_knocks(cycle: Cycle, knocking: KnockingMachine) -> Cycle:
+    """The cycle with the loads of teeth that knock; its panels end where a swing of theirs turns round."""
+    first, last = float(cycle.breaks_rad[0]), float(cycle.breaks_rad[-1])
+    turns = first + (knocking.turns_rad - first) % cycle.cycle_rad
+    breaks = apart(np.concatenate([cycle.breaks_rad, turns]), first, last)
+    points, weights = gauss_points(panels_between(breaks, WIDEST_RAD), NODES)
+    return Cycle(
+        cycle.rigid,
+        breaks,
+        weights,
+        loads_at(cycle.rigid, points, cycle.mesh_share, knocking),
+        cycle.mesh_share,
+        knocking,
+    )
 
 
 def cycle_of(rigid: Rigid) -> Cycle:

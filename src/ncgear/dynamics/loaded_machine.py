@@ -96,9 +96,14 @@ class RigidMachine:
             mesh=mesh,
         )
 
-    def at(self, phi1: Array) -> Loads:
-        """The loads at driving angles in rad, shape (n,); right-hand limits at joints of the law."""
+    def at(self, phi1: Array, beyond: Array | None = None) -> Loads:
+        """The loads at driving angles in rad, shape (n,); right-hand limits at joints of the law.
+
+        ``beyond`` (shape (n,)) is what d2phi2/dphi1^2 has beyond the law's, as where teeth part and knock.
+        """
         driven = self.machine.transmission.driven_angle(phi1, 2)
+        if beyond is not None:
+            driven = driven + Jet(np.stack([0.0 * beyond, 0.0 * beyond, beyond / 2.0]))
         returning = ~self.machine.working(driven.value)
         return self.loads(phi1, driven, self._resistance_n(driven.truncated(0), returning), returning)
 

@@ -69,16 +69,16 @@ def _at(name: str, place: Place) -> dict[str, Any]:
 
 
 def surfaces_rows(drive: Drive, found: Surfaces) -> list[tuple[str, str]]:
-    """Names and texts of what is told: heat of plastics, film and scuffing of metal in oil, wear of all."""
+    """Names and texts of what is told: wear of all, film and scuffing of metal in oil, heat of plastics."""
     heat = [
         f"{gear.value} gear {fixed(one.flank_c, 0)} \u00b0C at flanks, {fixed(one.root_c, 0)} at roots"
         for gear, one in zip(Gear, found.warm, strict=True)
         if one is not None
     ]
-    rows = [("heat", f"{'; '.join(heat)} (VDI 2736); creep is not judged")] if heat else []
+    rows = [("wear", _wear_words(found.wear))]
     if found.film is not None:
         rows += [("film", _film_words(drive, found.film)), ("scuffing", _scuffing_words(drive, found.film, found))]
-    return [*rows, ("wear", _wear_words(found.wear))]
+    return [*rows, ("heat", f"{'; '.join(heat)} (VDI 2736); creep is not judged")] if heat else rows
 
 
 def _film_words(drive: Drive, film: Film) -> str:

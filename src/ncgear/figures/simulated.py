@@ -20,7 +20,7 @@ from ncgear.dynamics.history import CRANK_BEARING, History, parted_s, pushing_pa
 from ncgear.dynamics.level import Level
 from ncgear.dynamics.loaded_machine import Loads
 from ncgear.dynamics.peaks import MotionPeaks, Peak
-from ncgear.dynamics.rigid import Rigid
+from ncgear.dynamics.rigid import LoadPeaks, MeshPeak, Rigid
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.csv_text import load_column, motion_columns
 from ncgear.figures.quantities import extreme
@@ -107,9 +107,8 @@ def _masses(drive: Drive) -> dict[str, Any]:
 
 
 def _loads(rigid: Rigid, check: KinematicCheck, coefficient: float) -> dict[str, Any]:
-    peaks, swing = rigid.peaks, rigid.fluctuation
+    swing = rigid.fluctuation
     least, most = rigid.driving.torque_range_n_mm
-    linkage = rigid.machine.machine.linkage
     return {
         **extreme("peak_driving_torque", "n_m", most, N_M_PER_N_MM),
         **extreme("least_driving_torque", "n_m", least, N_M_PER_N_MM),
@@ -118,24 +117,25 @@ def _loads(rigid: Rigid, check: KinematicCheck, coefficient: float) -> dict[str,
         "flank_changes_deg": [degrees(angle) for angle in swing.flank_changes_rad],
         "speed_fluctuation": coefficient,
         "inertia_for_speed_fluctuation_kg_m2": KG_M2 * swing.flywheel_kg_mm2(coefficient),
-        **_mesh(rigid),
-        **_joint_peaks(rigid),
+        **force_figures(rigid.machine.machine.linkage, rigid.peaks),
+    }
+
+
+def force_figures(linkage: Mechanism, peaks: LoadPeaks) -> dict[str, Any]:
+    """The peak forces of the mesh, of each joint of the mechanism by its words, of crank bearing and guide."""
+    joints = dict[str, float]()
+    for name, peak in peaks.joints_n.items():
+        joints.update(extreme(f"peak_{linkage.JOINTS[name].replace(' ', '_')}_force", "n", peak))
+    return {
+        **_mesh(peaks.mesh),
+        **joints,
         **extreme(f"peak_{bearing_name(linkage)}_force", "n", peaks.crank_bearing_n),
         **(extreme("peak_guide_force", "n", peaks.guide_n) if linkage.GUIDED else {}),
     }
 
 
-def _joint_peaks(rigid: Rigid) -> dict[str, float]:
-    """The peak force in each joint of the mechanism, by the joint's words."""
-    words, found = rigid.machine.machine.linkage.JOINTS, dict[str, float]()
-    for name, peak in rigid.peaks.joints_n.items():
-        found.update(extreme(f"peak_{words[name].replace(' ', '_')}_force", "n", peak))
-    return found
-
-
-def _mesh(rigid: Rigid) -> dict[str, Any]:
+def _mesh(mesh: MeshPeak | None) -> dict[str, Any]:
     """The mesh force, which the bearings of the driving shaft bear unchanged; empty for a machine without gears."""
-    mesh = rigid.peaks.mesh
     if mesh is None:
         return {}
     return {

@@ -66,7 +66,7 @@ def _sizes(one: Sized) -> dict[str, Any]:
         "face_width_mm": one.face_width_mm,
         "center_distance_mm": size.center_distance_mm,
         "largest_diameter_mm": one.diameter_mm,
-        "strength": strength_summary(one.rating),
+        "strength": strength_summary(one.rating, one.drive),
         "keys": dict(one.changes),
     }
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from math import degrees, isfinite
+from math import degrees, inf, isfinite
 from typing import Any
 
 import numpy as np
@@ -14,12 +14,16 @@ from ncgear.figures.csv_text import rows_text
 from ncgear.figures.flanks import hours_words, surfaces_figures, surfaces_rows
 from ncgear.figures.numbers import fixed, known, shown, to_digits
 from ncgear.figures.quantities import figure
+from ncgear.figures.simulated import force_figures
 from ncgear.figures.summary.check_summary import stages_summary, verdict_summary
 from ncgear.figures.tables import Column, Table
+from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.project.face_load import told_face_load
 from ncgear.project.strengthening import Rating
 from ncgear.strength.answer import Strength
+from ncgear.strength.conditions import GRADE
 from ncgear.strength.holding import Damage, Weakest, lives_of
 
 LOADS = {
@@ -62,11 +66,14 @@ def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rat
             "contact_ratio_under_load_mean": rating.loading.contact_ratio,
             "transmission_error_under_load_rad": rating.loading.transmission_error_rad,
             **_knock_figures(rating.loading.knocks),
+            **_jam_figures(drive, rating),
+            **({} if (peaks := drive.knocking_peaks) is None else {"with_knocks": force_figures(drive.linkage, peaks)}),
         },
         "gears": {"module_mm": size.module_mm, "face_width_mm": drive.gears.face_width_mm},
-        "strength": strength_summary(rating),
+        "strength": strength_summary(rating, drive),
         **surfaces_figures(drive.surfaces_by(strength.method)),
-        **({} if beside is None else {"strength_beside": strength_summary(beside)}),
+        "face_load": _face_load_figures(drive, rating),
+        **({} if beside is None else {"strength_beside": strength_summary(beside, drive)}),
         **{gear.value: _gear_figures(rating, gear) for gear in Gear},
         **verdict_summary(verdict),
     }
@@ -81,6 +88,48 @@ def _knock_figures(knocks: Sequence[Knock] | None) -> dict[str, Any]:
     return {"knocks": len(knocks), **told}
 
 
+def jolts_words(drive: Drive) -> str:
+    """The application factor, and whether anybody gave it."""
+    assumed = "" if "application_factor" in drive.design.strength.model_fields_set else ", assumed since none is given"
+    return f"an application factor of {drive.conditions.application_factor:g}{assumed}"
+
+
+def _jam_figures(drive: Drive, rating: Rating) -> dict[str, Any]:
+    """The torque of a jam, how often it comes, and the least safeties under it alone; empty without a jam."""
+    jam, jammed = drive.conditions.overload, drive.judged_teeth(rating.strength.method).jammed
+    if jam is None or jammed is None:
+        return {}
+    lives = {gear: lives_of(jammed, gear) for gear in Gear}
+    return {
+        "jam": {
+            "driving_torque_n_m": N_M_PER_N_MM * jam.driving_n_mm,
+            "times": jam.times,
+            "peak_tooth_force_n": float(jammed.contacts.force_n.max()),
+            **{
+                gear.value: {f"{damage.value}_safety_min": life.safety_min for damage, life in of.items()}
+                for gear, of in lives.items()
+            },
+        }
+    }
+
+
+def jam_words(drive: Drive, rating: Rating) -> str:
+    """What the teeth bear in a jam, and how safely; empty without a jam."""
+    jam, jammed = drive.conditions.overload, drive.judged_teeth(rating.strength.method).jammed
+    if jam is None or jammed is None:
+        return ""
+    least = dict[Damage, float]()
+    for gear in Gear:
+        for damage, life in lives_of(jammed, gear).items():
+            least[damage] = min(life.safety_min, least.get(damage, inf))
+    safeties = ", ".join(f"{to_digits(safety, 3)} against {damage.words}" for damage, safety in least.items())
+    return (
+        f"{figure('torque_n_m', N_M_PER_N_MM * jam.driving_n_mm)} at the driving shaft, {jam.times:g} times: up to "
+        f"{figure('force_n', float(jammed.contacts.force_n.max()))} on one pair of teeth, safety {safeties}; the table "
+        "has what is worse"
+    )
+
+
 def knock_words(knocks: Sequence[Knock] | None) -> str:
     """How often and how fast teeth knock; empty where they do not, or where nobody knows."""
     if not knocks:
@@ -92,13 +141,66 @@ def knock_words(knocks: Sequence[Knock] | None) -> str:
     )
 
 
-def strength_summary(rating: Rating) -> dict[str, Any]:
-    """The method, the load, and the least safeties of both gears with the numbers of their teeth."""
+def _face_load_figures(drive: Drive, rating: Rating) -> dict[str, Any]:
+    """The load along the width as far as it is computed; teeth are those of the driving gear."""
+    told = told_face_load(drive, rating.strength.contacts)
+    if told is None:
+        return {}
+    return {
+        "factor_min": told.least.factor,
+        "factor_min_tooth": told.least.tooth,
+        "factor_max": told.greatest.factor,
+        "factor_max_tooth": told.greatest.tooth,
+        "decisive_factor": told.decisive.factor,
+        "decisive_tooth": told.decisive.tooth,
+        "decisive_factor_by_shafts": told.by_shafts,
+        "askew_um": told.askew_um,
+        "crowning_um": told.crowning_um,
+        "best_crowning_um": told.best_um,
+        "best_crowning_factor": told.best,
+    }
+
+
+ALIKE = 0.01
+"""Share by which a crowning has to lower the factor that it is told."""
+
+
+def face_load_words(drive: Drive, rating: Rating) -> str:
+    """How unevenly teeth bear along their width, and whether that is given, assumed or computed."""
+    loading = drive.face_loading
+    told = told_face_load(drive, rating.strength.contacts)
+    if told is None:
+        factor = f"factor {to_digits(loading.constant, 3)}"
+        return f"{factor} as given" if loading.basis == "given" else f"{factor}, assumed since {loading.why}"
+    factors = (told.least.factor, told.greatest.factor, told.decisive.factor, told.by_shafts, told.best)
+    least, greatest, decisive, by_shafts, best = (to_digits(one, 3) for one in factors)
+    grade = "" if drive.design.tolerances else f", grade {GRADE} assumed"
+    at_best = f"crowning of {told.best_um:g} \u00b5m"
+    is_best = told.best > (1.0 - ALIKE) * told.decisive.factor
+    better = "no other crowning is better" if is_best else f"{at_best}: {best}"
+    return (
+        f"factor {least} to {greatest} by shafts, bearings and lead{grade}; {decisive} at tooth "
+        f"{told.decisive.tooth}, which bears most, {by_shafts} if no flank were askew; {better}"
+    )
+
+
+def strength_summary(rating: Rating, drive: Drive) -> dict[str, Any]:
+    """The method, the load, and the least safeties of both gears with the numbers of their teeth.
+
+    ``face_load_factor`` is that of the place that bears most for each mm of width.
+    """
     least: dict[str, dict[str, Any]] = {gear.value: {} for gear in Gear}
     for one in rating.weakest:
         least[one.gear.value][f"{one.damage}_safety_min"] = one.safety
         least[one.gear.value][f"{one.damage}_tooth"] = one.tooth
-    return {"method": rating.strength.method, "load": rating.strength.load, **least}
+    strength = rating.strength
+    return {
+        "method": strength.method,
+        "load": strength.load,
+        "face_load": drive.face_loading.basis,
+        "face_load_factor": strength.stresses.decisive_face_load(strength.contacts),
+        **least,
+    }
 
 
 def _gear_figures(rating: Rating, gear: Gear) -> dict[str, Any]:

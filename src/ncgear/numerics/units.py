@@ -55,6 +55,7 @@ UNITS = {
     "n_m": "N m",
     "n_mm": "N mm",
     "n_per_mm": "N/mm",
+    "n_per_um": "N/\u00b5m",
     "n_s_mm": "N s/mm",
     "percent": "%",
     "pi": "multiples of pi",

@@ -20,12 +20,16 @@ if TYPE_CHECKING:
     from ncgear.contact.pair import PairContact, SidesInContact
     from ncgear.contact.written.as_written import Outlines
     from ncgear.drivetrain.stall import Stall
+    from ncgear.dynamics.flank_changes import Knock
+    from ncgear.dynamics.knocking import KnockingMachine
     from ncgear.dynamics.meshing import Meshing
     from ncgear.dynamics.motion_in_time import Course
     from ncgear.dynamics.peaks import MotionPeaks
     from ncgear.dynamics.quasi_static import LoadedContact, LoadedPeaks
+    from ncgear.dynamics.rigid import LoadPeaks
     from ncgear.formulas.checked import Formulas
     from ncgear.project.drivetrain import DrivetrainResult
+    from ncgear.project.face_load import FaceLoading
     from ncgear.project.passing import Passing
     from ncgear.project.thickness import AtThickness
     from ncgear.project.tooth_load import ToothLoad
@@ -209,10 +213,38 @@ class Drive(Geared):
 
         if self.design.drivetrain is None:
             raise WrongInput("missing; it tells bearings, shafts, motor and more around the gears", key="drivetrain")
-        rigid = self.rigid
+        rigid, knocking = self.rigid, self.knocking
         touching = None if self.helix else TouchingTeeth(self.teeth, self.pitch, self.designed_contact)
         with self.stopwatch("drivetrain"):
-            return drivetrain_of(self.design, rigid, touching)
+            return drivetrain_of(self.design, rigid, touching, knocking)
+
+    @computed
+    def knocks(self) -> tuple[Knock, ...] | None:
+        """The knocks of the teeth in a turn of the driven gear; None where they are not followed, or are refused."""
+        try:
+            return self.loading_by(self.design.strength.method).knocks
+        except DesignError:
+            # Shafts and bearings are judged beside teeth that cannot be.
+            return None
+
+    @computed
+    def knocking(self) -> KnockingMachine | None:
+        """The loaded machine with the knocks of its teeth; None where it has none."""
+        from ncgear.dynamics.knocking import KnockingMachine
+
+        if not self.knocks or (borne := self.loading_by(self.design.strength.method).borne) is None:
+            return None
+        return KnockingMachine(self.rigid.machine, borne)
+
+    @computed
+    def knocking_peaks(self) -> LoadPeaks | None:
+        """The largest forces of the machine with the knocks of its teeth; None where it has none."""
+        from ncgear.kinematics.motion import sample_angles
+
+        if self.knocking is None:
+            return None
+        with self.stopwatch("knocks"):
+            return self.knocking.peaks(sample_angles(self.pair.transmission))
 
     @computed
     def motor_stall(self) -> Stall | None:
@@ -289,11 +321,14 @@ class Drive(Geared):
                 sides = BOTH_SIDES if load.knocks_are_judged else asked.sides
                 meshing = meshing_of(Simulation(), pitch, teeth, stiffness, sides)
                 borne, speed = borne_by(load, meshing), self.pair_speed_rad_s
-                still = loading_of(meshing, teeth, pitch, asked, speed, borne.knocks)
-                if not borne.knocks:
-                    return still
-                knocking = AskedTorque.of(pitch, borne.at)
-                return replace(loading_of(meshing, teeth, pitch, knocking, speed, borne.knocks), still=still)
+                found = loading_of(meshing, teeth, pitch, asked, speed, borne)
+                if borne.knocks:
+                    knocking = AskedTorque.of(pitch, borne.at)
+                    found = replace(loading_of(meshing, teeth, pitch, knocking, speed, borne), still=found)
+                if (jam := self.conditions.overload) is None:
+                    return found
+                jamming = AskedTorque.of(pitch, partial(load.passed_on_n_mm, jam.driving_n_mm))
+                return replace(found, jammed=loading_of(meshing, teeth, pitch, jamming, speed))
 
     @computed
     def _any_meshing(self) -> Meshing:
@@ -426,7 +461,7 @@ class Drive(Geared):
         if method not in self._known_surfaces:
             judged = self.judged_teeth(method)
             with self.stopwatch("film and wear"), located(self.places):
-                found = surfaces_of_teeth(judged, self.gears, self.conditions, self.running)
+                found = surfaces_of_teeth(judged, self.gears, self.conditions, self.running, self.face_loading)
             self._known_surfaces[method] = found
         return self._known_surfaces[method]
 
@@ -444,6 +479,13 @@ class Drive(Geared):
         return found
 
     @computed
+    def face_loading(self) -> FaceLoading:
+        """How unevenly the teeth bear along their width, by the shafts around them where the file tells enough."""
+        from ncgear.project.face_load import face_loading_of
+
+        return face_loading_of(self)
+
+    @computed
     def still_teeth(self) -> JudgedTeeth:
         """As ``judged_teeth`` by the design's method, with a dynamic factor of 1: the least load on the teeth."""
         return self._judged(self.design.strength.method, replace(self.conditions, dynamic_factor=1.0))
@@ -457,7 +499,8 @@ class Drive(Geared):
             if method not in known:
                 methods = methods_of(method, teeth, self.materials)
                 known[method] = methods, self.loading(methods, self.materials)
-            return judged_teeth(method, self.gears, *known[method], conditions, self.running, load)
+            running, uneven = self.running, self.face_loading
+            return judged_teeth(method, self.gears, *known[method], conditions, running, load, uneven)
 
     @computed
     def _known_loadings(self) -> dict[str, tuple[tuple[ToothMethod, ToothMethod], Loading]]:

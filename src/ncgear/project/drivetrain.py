@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ncgear.design.keys import drivetrain as keys
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.drivetrain import DrivenShaft, DrivingShaft, PowerTakeOff
 from ncgear.drivetrain.bearings import (
@@ -19,7 +20,7 @@ from ncgear.drivetrain.bearings import (
     peak_places_rad,
     shaft_loads,
 )
-from ncgear.drivetrain.cycle import Cycle, cycle_of
+from ncgear.drivetrain.cycle import Cycle, cycle_of, with_knocks
 from ncgear.drivetrain.demand import Demand
 from ncgear.drivetrain.losses import TouchingTeeth, mesh_loss_factor
 from ncgear.drivetrain.pto import Excursion, running_ahead, slipping
@@ -36,6 +37,7 @@ from ncgear.drivetrain.shafts import (
     shaft_safety,
 )
 from ncgear.drivetrain.speed import Disc, disc
+from ncgear.dynamics.knocking import KnockingMachine
 from ncgear.dynamics.rigid import Rigid
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
@@ -44,6 +46,7 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.motor import MotorResult, demand_of, motor_of
 
 N_MM_PER_N_M = 1000.0
+N_PER_MM_PER_UM = 1000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,17 +91,20 @@ class DrivetrainResult:
     pto: PowerTakeOffResult | None
 
 
-def drivetrain_of(design: Design, rigid: Rigid, touching: TouchingTeeth | None) -> DrivetrainResult:
+def drivetrain_of(
+    design: Design, rigid: Rigid, touching: TouchingTeeth | None, knocking: KnockingMachine | None
+) -> DrivetrainResult:
     """The drivetrain of a design that has the section; ``touching`` is None where the teeth are helical.
 
-    Raises WrongInput where a part lacks what it needs of the gears.
+    Shafts, keys and bearings bear the loads of ``knocking``, or where that is None of the law.  The motor does not feel
+    the knocks: its shaft goes on evenly.  Raises WrongInput where a part lacks what it needs of the gears.
     """
     given, masses = design.drivetrain, design.masses
     assert given is not None
     assert masses is not None
     wanted = WantedLife(given.life_h, given.reliability_percent)
     demand = demand_of(design, rigid, None if touching is None else _loss_factor(touching, cycle_of(rigid)))
-    cycle = demand.cycle
+    cycle = with_knocks(demand.cycle, knocking) if knocking else demand.cycle
     needed = demand.fluctuation.flywheel_kg_mm2(masses.flywheel.speed_fluctuation)
     missing = needed - rigid.machine.masses.driving_shaft_kg_mm2 - demand.added_kg_mm2
     diameter = given.flywheel_diameter_mm
@@ -113,6 +119,12 @@ def drivetrain_of(design: Design, rigid: Rigid, touching: TouchingTeeth | None) 
         motor=motor_of(design, given.motor, demand) if given.motor else None,
         pto=_pto(given.pto, demand) if given.pto else None,
     )
+
+
+def bearing_of(given: keys.Bearing) -> Bearing:
+    """A bearing of the section."""
+    stiffness = None if given.stiffness_n_per_um is None else N_PER_MM_PER_UM * given.stiffness_n_per_um
+    return Bearing(given.at_mm, given.kind, given.dynamic_rating_n, given.static_rating_n, stiffness)
 
 
 def _loss_factor(touching: TouchingTeeth, cycle: Cycle) -> float:
@@ -137,11 +149,7 @@ def _shaft(
     assert gears is not None
     if given.bearing_a is None or given.bearing_b is None:
         return ShaftResult(None, None, None, None)
-    a, b = given.bearing_a, given.bearing_b
-    bearings = (
-        Bearing(a.at_mm, a.kind, a.dynamic_rating_n, a.static_rating_n),
-        Bearing(b.at_mm, b.kind, b.dynamic_rating_n, b.static_rating_n),
-    )
+    bearings = bearing_of(given.bearing_a), bearing_of(given.bearing_b)
     places = peak_places_rad(cycle, gear, bearings, crank_at_mm)
     loads = shaft_loads(cycle, gear, places)
     lives = bearing_lives(cycle, gear, bearings, crank_at_mm, wanted)

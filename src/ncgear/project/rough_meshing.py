@@ -45,4 +45,4 @@ def rough_meshing(drive: Drive, load: ToothLoad, sides: Sequence[SharedLoad]) ->
 def _mean_stiffness(side: SharedLoad) -> float:
     """The load of all pairs over how far it makes them give way, in N/mm for each mm of width, weighted by the load."""
     line = side.line_n_mm.sum(axis=0)
-    return float((line**2).sum() / (line * side.way_mm).sum())
+    return float((line**2).sum() / (line**2 / side.stiffness_n_mm2).sum())

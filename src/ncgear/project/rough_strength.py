@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from math import ceil, lcm, pi, radians, sin
 
 import numpy as np
@@ -16,7 +17,7 @@ from ncgear.project.drive import Drive
 from ncgear.project.service import choices_of
 from ncgear.project.tooth_form import tooth_form_of
 from ncgear.project.tooth_load import asked_of
-from ncgear.strength.conditions import VibrationUnknown
+from ncgear.strength.conditions import Conditions, VibrationUnknown
 from ncgear.strength.endurance import materials_of
 from ncgear.strength.holding import Damage
 from ncgear.strength.iso6336 import RackTip
@@ -92,17 +93,23 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
         load = rolled_load(drive, borne_by(asked, rough_meshing(drive, asked, sides)).at)
         sides = shared_loads(load, plan, running, drive.materials)
     needs_teeth = _needs_teeth(drive, plan, load, sides)
-    warm = _warm(drive, sides, load.phi1_rad.size)
+    warm, uneven = _warm(drive, sides, load.phi1_rad.size), _uneven(drive, sides, conditions)
+    jammed = list[RoughSafety]()
     try:
+        if (jam := conditions.overload) is not None:
+            pressed = rolled_load(drive, partial(asked.passed_on_n_mm, jam.driving_n_mm))
+            once = replace(conditions, application_factor=1.0, dynamic_factor=1.0)
+            borne = shared_loads(pressed, plan, running, drive.materials)
+            jammed = static_safeties(borne, plan, running, warm, once, _uneven(drive, borne, once))
         why = _no_life(drive)
         if not why:
             try:
-                return RoughStrength(
-                    tuple(rough_safeties(sides, plan, running, warm, conditions)), needs_teeth=needs_teeth
-                )
+                found = rough_safeties(sides, plan, running, warm, conditions, uneven)
+                return RoughStrength((*found, *jammed), needs_teeth=needs_teeth)
             except VibrationUnknown as error:
                 why = error.why
-        return RoughStrength(tuple(static_safeties(sides, plan, running, warm, conditions)), why, needs_teeth, True)
+        found = static_safeties(sides, plan, running, warm, conditions, uneven)
+        return RoughStrength((*found, *jammed), why, needs_teeth, True)
     except Unanswered as error:
         return RoughStrength((), error.problem)
 
@@ -164,6 +171,11 @@ def _needs_teeth(drive: Drive, plan: ToothPlan, load: RolledLoad, sides: list[Sh
     if max(float(one.way_mm.max()) for one in sides) > MOST_WAY * module:
         return "it needs the teeth to tell where they give way so far under the load"
     return ""
+
+
+def _uneven(drive: Drive, sides: list[SharedLoad], conditions: Conditions) -> list[Array]:
+    """K_Hbeta at the positions of each side, shape (n,) each."""
+    return [drive.face_loading.of_side(one, conditions.application_factor) for one in sides]
 
 
 def _would_be_undercut(drive: Drive) -> bool:

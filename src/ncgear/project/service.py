@@ -6,8 +6,9 @@ from dataclasses import replace
 
 from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.strength import AIR_C, USUAL_LIFE_H, WARM_OIL_C, GearMaterial, StrengthKeys
+from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.strength.classes import Quality
-from ncgear.strength.conditions import Conditions, hours_of_strokes
+from ncgear.strength.conditions import Conditions, Overload, hours_of_strokes
 from ncgear.strength.materials import TABLE, Choice, Ferrous, assumed_choice
 
 
@@ -55,8 +56,8 @@ def conditions_of(given: StrengthKeys, stroke_rad: float, speed_rad_s: float) ->
     return Conditions(
         life_h=life_h,
         application_factor=given.application_factor,
+        overload=Overload(jam.driving_torque_n_m / N_M_PER_N_MM, jam.times) if (jam := given.overload) else None,
         dynamic_factor=given.dynamic_factor,
-        face_load_factor=given.face_load_factor,
         reliability=given.reliability,
         lubrication=given.lubrication,
         oil_viscosity_mm2_s=given.oil_viscosity_mm2_s,

@@ -46,8 +46,12 @@ class ToothLoad:
         loads = self.machine.at(self.pair.shaft_rad(angle_rad))
         if self.turns_crank:
             return loads.driven_torque.value
+        return self.passed_on_n_mm(loads.driving_torque.value, angle_rad)
+
+    def passed_on_n_mm(self, driving_n_mm: Array | float, angle_rad: Array) -> Array:
+        """The torque of the driven gear that the machine's driving shaft asks or gives with its own, shape (n,)."""
         driven_speed = self.pair.transmission.driven_angle(angle_rad, 1).derivative(1) * self.pair.speed(angle_rad)
-        return np.asarray(loads.driving_torque.value / driven_speed)
+        return np.asarray(driving_n_mm / driven_speed)
 
     @property
     def knocks_are_judged(self) -> bool:

@@ -4,8 +4,11 @@ from __future__ import annotations
 
 from typing import Literal
 
+import numpy as np
+
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
+from ncgear.numerics.arrays import Array
 from ncgear.numerics.bounds import shown_below
 from ncgear.strength.material import Family, Material
 
@@ -29,19 +32,28 @@ class Running:
 
 
 @dataclass(frozen=True)
+class Overload:
+    """A jam: the torque in N mm at the driving shaft of the machine, and how many times it comes in the wanted life."""
+
+    driving_n_mm: float
+    times: float
+
+
+@dataclass(frozen=True)
 class Conditions:
     """What a person says of the service.
 
-    ``life_h`` is the life wanted.  ``dynamic_factor`` is None where it is estimated.  ``reliability`` is the share of
-    gears that live so long.  ``temperature_c`` is that about plastics, ``oil_temperature_c`` that of the oil
-    that parts metal.  Roughnesses are mean peak-to-valley ones, Rz.  The viscosity at 100 degrees Celsius, the
-    wear coefficient and the safeties wanted are None where they follow from the oil or the material.
+    ``life_h`` is the life wanted. ``dynamic_factor`` is None where it is estimated. ``reliability`` is the share of
+    gears that live so long. ``overload`` is None where no jam is counted. ``temperature_c`` is that about plastics,
+    ``oil_temperature_c`` that of the oil that parts metal. Roughnesses are mean peak-to-valley ones, Rz. The viscosity
+    at 100 degrees Celsius, the wear coefficient and the safeties wanted are None where they follow from the oil or the
+    material.
     """
 
     life_h: float = 20_000.0
     application_factor: float = 1.0
+    overload: Overload | None = None
     dynamic_factor: float | None = None
-    face_load_factor: float = 1.3
     reliability: float = 0.99
     lubrication: Literal["oil", "grease", "dry"] = "oil"
     oil_viscosity_mm2_s: float = 220.0
@@ -72,6 +84,9 @@ def hours_of_strokes(strokes: float, stroke_rad: float, speed_rad_s: float) -> f
     """Hours that a number of strokes takes; the driving gear turns by ``stroke_rad`` in one stroke, out and back."""
     return strokes * stroke_rad / speed_rad_s / 3600.0
 
+
+GRADE = 8
+"""Accuracy grade for which factors are estimated where none is given."""
 
 GRADE_8 = 39.1, 0.0193
 """K1 in N/mm and K2 of spur gears of accuracy grade 8: ISO 6336-1, method C (secondary source)."""
@@ -117,10 +132,10 @@ def dynamic_factor(running: Running, line_load_n_mm: float) -> float:
 HEIGHT_MODULES = 2.25
 
 
-def face_load_factor_of_roots(running: Running, face_load_factor: float) -> float:
-    """The face load factor K_Fbeta for bending: K_Hbeta^N with N = 1 / (1 + h/b + (h/b)^2), b/h at least 3.
+def face_load_factor_of_roots(running: Running, face_load_factor: Array) -> Array:
+    """The face load factors K_Fbeta for bending: K_Hbeta^N with N = 1 / (1 + h/b + (h/b)^2), b/h at least 3.
 
     h is the height of the teeth (ISO 6336-1, secondary source): at the roots, the load is spread along the width.
     """
     slender = min(HEIGHT_MODULES * running.module_mm / running.face_width_mm, 1.0 / 3.0)
-    return float(face_load_factor ** (1.0 / (1.0 + slender + slender**2)))
+    return np.asarray(face_load_factor ** (1.0 / (1.0 + slender + slender**2)))

@@ -35,12 +35,14 @@ class LoadedContacts(Columns):
     BACK.  ``force_n`` is the normal force that the pair bears, in the plane across the axes.  ``relative_curvature``
     is the sum of both flanks' curvatures in 1/mm, infinite where an edge touches; ``flanks`` is false there.
     ``rolling_mm_s`` (shape (n, 2)) are the speeds at which the contact moves along the driving and the driven flank.
+    ``stiffness_n_mm`` is that of the pair.
     """
 
     position: IndexArray
     phi1_rad: Array
     side: IndexArray
     force_n: Array
+    stiffness_n_mm: Array
     relative_curvature: Array
     flanks: Mask
     rolling_mm_s: Array

@@ -32,34 +32,29 @@ def stresses_of(
     materials: tuple[Material, Material],
     conditions: Conditions,
     running: Running,
+    face_load_factor: Array,
 ) -> ContactStresses:
     """The stresses of all contacts, with the factors K_A, K_V and K_Hbeta or K_Fbeta.
 
     ``methods`` and ``materials`` are those of the driving and the driven gear.  Shares of load between pairs of teeth
-    are those of ``contacts``, so that K_Halpha is 1.
+    are those of ``contacts``, so that K_Halpha is 1; ``face_load_factor`` is K_Hbeta of each, shape (n,).
     """
-    factor = dynamic_factor_of(contacts, conditions, running)
-    roots = face_load_factor_of_roots(running, conditions.face_load_factor) * _shaken_n_mm(
-        contacts, conditions, running, factor
-    )
-    pressure = np.full_like(roots, np.nan)
+    shaken = shaken_n_mm(contacts, conditions, running, dynamic_factor_of(contacts, conditions, running))
+    roots = face_load_factor_of_roots(running, face_load_factor)
+    pressure = np.full_like(shaken, np.nan)
     on = contacts.flanks
-    load = flank_load_n_mm(contacts, conditions, running, factor)[on]
-    pressure[on] = hertz_pressure_mpa(load, contacts.relative_curvature[on], materials)
+    pressure[on] = hertz_pressure_mpa((face_load_factor * shaken)[on], contacts.relative_curvature[on], materials)
     of_unit = [method.root_stress(contacts.on(gear)) for method, gear in zip(methods, Gear, strict=True)]
     return ContactStresses(
         pressure_mpa=pressure,
-        tension_mpa=np.array([roots * one.tension_mpa for one in of_unit]),
-        compression_mpa=np.array([roots * one.compression_mpa for one in of_unit]),
+        tension_mpa=np.array([roots * shaken * one.tension_mpa for one in of_unit]),
+        compression_mpa=np.array([roots * shaken * one.compression_mpa for one in of_unit]),
+        face_load_factor=face_load_factor,
     )
 
 
-def flank_load_n_mm(contacts: LoadedContacts, conditions: Conditions, running: Running, dynamic: float) -> Array:
-    """The load of flanks for each mm of width where it is most, shape (n,): with K_A, the K_V given, and K_Hbeta."""
-    return conditions.face_load_factor * _shaken_n_mm(contacts, conditions, running, dynamic)
-
-
-def _shaken_n_mm(contacts: LoadedContacts, conditions: Conditions, running: Running, dynamic: float) -> Array:
+def shaken_n_mm(contacts: LoadedContacts, conditions: Conditions, running: Running, dynamic: float) -> Array:
+    """The mean load for each mm of width, shape (n,), with K_A and the K_V that is given."""
     return contacts.force_n * (conditions.application_factor * dynamic / running.face_width_mm)
 
 
@@ -117,10 +112,15 @@ def _gear_strength(
     return GearStrength(gear, material, bending, tooth_life(rolled, material.contact, teeth, life_h, cycle_h))
 
 
-def worse_of(first: Strength, second: Strength) -> Strength:
-    """The first strength, each tooth with the damage that it suffers by the worse of both loads."""
+def worse_of(first: Strength, second: Strength, lives: bool = True) -> Strength:
+    """The first strength, each tooth with the damage that it suffers by the worse of both loads.
+
+    Without ``lives`` the lives are those of the first: the second load comes a few times only.
+    """
     driving, driven = (
-        replace(one, bending=_worse(one.bending, other.bending), contact=_worse(one.contact, other.contact))
+        replace(
+            one, bending=_worse(one.bending, other.bending, lives), contact=_worse(one.contact, other.contact, lives)
+        )
         for one, other in ((first.of(gear), second.of(gear)) for gear in Gear)
     )
     return replace(first, driving=driving, driven=driven)
@@ -129,7 +129,7 @@ def worse_of(first: Strength, second: Strength) -> Strength:
 _Life = TypeVar("_Life", ToothLife, ToothLife | None)
 
 
-def _worse(first: _Life, second: _Life) -> _Life:
+def _worse(first: _Life, second: _Life, lives: bool) -> _Life:
     if first is None or second is None:
         return first
     worse = second.safety < first.safety
@@ -137,7 +137,7 @@ def _worse(first: _Life, second: _Life) -> _Life:
         stress_mpa=np.where(worse, second.stress_mpa, first.stress_mpa),
         phi1_rad=np.where(worse, second.phi1_rad, first.phi1_rad),
         safety=np.minimum(second.safety, first.safety),
-        life_h=np.minimum(second.life_h, first.life_h),
+        life_h=np.minimum(second.life_h, first.life_h) if lives else first.life_h,
     )
 
 

@@ -15,7 +15,7 @@ import numpy as np
 from ncgear.contact.designed.as_designed import ALIKE_RAD
 from ncgear.contact.designed.extremes import over_cycle
 from ncgear.contact.placement import BACK, BOTH_SIDES, PUSHING, Placement, placed, placed_at
-from ncgear.dynamics.flank_changes import Knock
+from ncgear.dynamics.flank_changes import BorneTorque, Knock
 from ncgear.dynamics.meshing import Meshing
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, largest_rows
@@ -62,10 +62,10 @@ class Loading:
     the largest of all among them.  ``phi1_rad``, ``torque_n_mm`` (asked of the driven gear) and ``error_rad`` (its
     angle beyond the law's) have shape (n,); ``even`` tells the even positions.  ``transmission_error_rad`` is the peak
     to peak variation of the error.  ``contact_ratio`` is the mean number of pairs that bear load, where there is load.
-    ``cycle_turns`` is how often the driving gear turns in the cycle.  ``knocks`` are those of a turn of the driven
-    gear, whose torque counts; None where they are not followed.  Rolled lengths, ``rolled_mm`` of
-    the positions (shape (n,)), go over ``cycle_mm``; ``between`` gives the contacts at any, shape (m,).  Of teeth that
-    knock, ``still`` is their loading by what the law asks alone.
+    ``cycle_turns`` is how often the driving gear turns in the cycle. ``borne`` is the torque with the knocks of a turn
+    of the driven gear; None where nothing is known of them. Of teeth that knock, ``still`` is their loading by what the
+    law asks alone; ``jammed`` is that of a jam, if there is one. Rolled lengths, ``rolled_mm`` of the positions (shape
+    (n,)), go over ``cycle_mm``; ``between`` gives the contacts at any, shape (m,).
     """
 
     contacts: LoadedContacts
@@ -79,8 +79,14 @@ class Loading:
     transmission_error_rad: float
     contact_ratio: float
     cycle_turns: int
-    knocks: tuple[Knock, ...] | None
+    borne: BorneTorque | None = None
     still: Loading | None = None
+    jammed: Loading | None = None
+
+    @property
+    def knocks(self) -> tuple[Knock, ...] | None:
+        """The knocks in a turn of the driven gear; None where they are not followed."""
+        return None if self.borne is None else self.borne.knocks
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,13 +125,13 @@ def loading_of(
     pitch: PitchPair,
     asked: AskedTorque,
     speed_rad_s: Callable[[Array], Array],
-    knocks: tuple[Knock, ...] | None = None,
+    borne: BorneTorque | None = None,
     per_tooth: int = PER_TOOTH,
 ) -> Loading:
     """The loads of straight teeth in ``meshing``, whose table of gaps tells where pairs touch.
 
     It follows the sides of the teeth that the torque presses.  At driving angles (shape (n,)) ``speed_rad_s`` gives the
-    speed of the driving gear; ``knocks`` are those that the torque counts.  ``per_tooth`` is a divisor of
+    speed of the driving gear; ``borne`` tells of the knocks that the torque counts.  ``per_tooth`` is a divisor of
     SOLVED_PER_TOOTH.  Raises as ``shared`` does.
     """
     solved = asked.placement
@@ -144,7 +150,7 @@ def loading_of(
     position, slot = np.nonzero(loaded)
     largest = _largest_of_pairs(meshing, every.phi1_rad[position], slot, found.force_n[position, slot])
     even = np.isin(np.arange(every.count), np.arange(0, solved.count, SOLVED_PER_TOOTH // per_tooth))
-    peaks = _peaks(every.rolled_mm, found.force_n.max(axis=1)) if knocks else position[:0]
+    peaks = _peaks(every.rolled_mm, found.force_n.max(axis=1)) if borne and borne.knocks else position[:0]
     chosen = np.flatnonzero(even | np.isin(np.arange(every.count), np.append(position[largest], peaks)))
     chosen = chosen[np.argsort(every.rolled_mm[chosen])]
     phi1 = every.phi1_rad[chosen]
@@ -172,7 +178,7 @@ def loading_of(
         transmission_error_rad=float(np.ptp(found.error_rad)),
         contact_ratio=float(pairs.mean()) if pairs.size else 0.0,
         cycle_turns=solved.meetings // solved.driving_teeth,
-        knocks=knocks,
+        borne=borne,
     )
 
 
@@ -290,6 +296,7 @@ def _contacts(
         phi1,
         touching.side,
         force,
+        touching.stiffness_n_mm,
         np.where(flanks, relative, np.inf),
         flanks,
         speed_rad_s(phi1)[:, None] * touching.rolling_mm(fits, flanks),
@@ -342,7 +349,7 @@ class _Touching:
     Let t be the unit tangent, w the way from the driven axis to the place of contact and s the sense of the mesh.  Then
     conj(t) w is the lever and, as its imaginary part, -s times the speed of the driven gear's point along t.
     ``sliding_mm`` is the speed of the driving gear's point against the driven one's along t, in mm per rad of phi1,
-    and ``speed`` is dphi2/dphi1 while the pair touches.
+    and ``speed`` is dphi2/dphi1 while the pair touches; ``stiffness_n_mm`` is that of the pair.
     """
 
     placement: Placement
@@ -350,6 +357,7 @@ class _Touching:
     teeth: IndexArray
     urge: Array
     error_rad: Array
+    stiffness_n_mm: Array
     speed: Array
     sliding_mm: Array
     tangent: ComplexArray
@@ -360,9 +368,17 @@ class _Touching:
         """The pairs in slots of the table at positions; shape (n,) each."""
         gaps, phi1, number = meshing.gaps, placement.phi1_rad[row], np.arange(row.size)
         near, sense, distance = gaps.at(phi1), placement.mesh.sense, placement.center_distance_mm
-        urge, error, lever, driving, driven, drift = (
+        urge, error, stiffness, lever, driving, driven, drift = (
             part[number, slot]
-            for part in (near.urge, near.error_rad, near.lever_mm, near.driving_mm, near.driven_mm, near.slopes[0])
+            for part in (
+                near.urge,
+                near.error_rad,
+                near.stiffness,
+                near.lever_mm,
+                near.driving_mm,
+                near.driven_mm,
+                near.slopes[0],
+            )
         )
         speed = placement.speed[row] + drift
         along_x = lever * (sense * speed - 1.0)
@@ -370,7 +386,8 @@ class _Touching:
         tangent = tangent / np.abs(tangent)
         point: ComplexArray = distance + tangent * (lever - 1j * sense * driven)
         pair = gaps.pair[gaps.table.place(phi1)[1], slot]
-        return cls(placement, row, pair, urge, error, speed, driving - speed * driven, tangent, point)
+        sliding = driving - speed * driven
+        return cls(placement, row, pair, urge, error, stiffness, speed, sliding, tangent, point)
 
     @property
     def side(self) -> IndexArray:

@@ -6,6 +6,7 @@ sliding fastest, where a pair begins or ceases to touch.  Where an edge touches 
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from math import inf, pi
 
@@ -13,7 +14,7 @@ import numpy as np
 
 from ncgear.contact.placement import BOTH_SIDES
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.highest import largest_from
 from ncgear.pitch.shape import Gear
 from ncgear.strength.conditions import Conditions, Running
@@ -30,7 +31,7 @@ from ncgear.strength.film import (
     roughness_um,
     scuffing_c,
 )
-from ncgear.strength.life import dynamic_factor_of, flank_load_n_mm
+from ncgear.strength.life import dynamic_factor_of, shaken_n_mm
 from ncgear.strength.loading import Loading
 from ncgear.strength.material import Material
 from ncgear.strength.materials import Choice, Ferrous, Plastic
@@ -137,32 +138,36 @@ class Surfaces:
 
 @dataclass(frozen=True, eq=False)
 class _Pair:
-    """What all places of contact of a pair have in common; ``bulk_c`` is the temperature of its teeth."""
+    """What all places of contact of a pair have in common.
+
+    ``uneven`` gives K_Hbeta of all contacts of some positions; ``bulk_c`` is the temperature of the teeth.
+    """
 
     materials: tuple[Material, Material]
     conditions: Conditions
     running: Running
     dynamic_factor: float
     coefficients_mm3_n_m: tuple[float, float]
+    uneven: Callable[[LoadedContacts], Array]
     oil: Oil | None
     bulk_c: float = 0.0
 
-    def pressed(self, contacts: LoadedContacts) -> Pressed:
-        """Contacts of flanks, as film, heat and wear need them."""
-        load = flank_load_n_mm(contacts, self.conditions, self.running, self.dynamic_factor)
-        return Pressed(load, contacts.relative_curvature, contacts.rolling_mm_s / 1000.0)
+    def touching(self, contacts: LoadedContacts) -> tuple[LoadedContacts, Pressed]:
+        """The contacts of flanks among all contacts of some positions, and as film, heat and wear need them."""
+        shaken = shaken_n_mm(contacts, self.conditions, self.running, self.dynamic_factor)
+        kept, load = contacts.kept(contacts.flanks), (self.uneven(contacts) * shaken)[contacts.flanks]
+        return kept, Pressed(load, kept.relative_curvature, kept.rolling_mm_s / 1000.0)
 
     def flash(self, pressed: Pressed, oil: Oil) -> Array:
         """How much hotter than the teeth each contact is, in K."""
         return flash_k(pressed, friction(pressed, oil, self.conditions), self.materials)
 
-    def quantities(self, contacts: LoadedContacts) -> Array:
-        """What is searched for the largest of, at n contacts of flanks, shape (6, n).
+    def quantities(self, side: IndexArray, pressed: Pressed) -> Array:
+        """What is searched for the largest of, at n contacts of flanks of a side, shape (6, n).
 
         Roughness over film, heat in K, depths in mm that both flanks lose in the wanted life, and the sum of these on
         pushing flanks and on backs.
         """
-        pressed = self.pressed(contacts)
         thin = flash = np.zeros(pressed.line_n_mm.size)
         unparted = np.ones_like(thin)
         if self.oil is not None:
@@ -172,7 +177,7 @@ class _Pair:
             thin, unparted = 1.0 / thickness, share_unparted(thickness)
         depth = self.meetings[:, None] * depth_mm(pressed, unparted, self.coefficients_mm3_n_m)
         play = depth.sum(axis=0)
-        return np.vstack([thin, flash, depth, *(np.where(contacts.side == side, play, 0.0) for side in BOTH_SIDES)])
+        return np.vstack([thin, flash, depth, *(np.where(side == one, play, 0.0) for one in BOTH_SIDES)])
 
     @property
     def meetings(self) -> Array:
@@ -195,14 +200,18 @@ def surfaces_of(
     warm: tuple[ToothTemperature, ToothTemperature],
     conditions: Conditions,
     running: Running,
+    uneven: Callable[[LoadedContacts], Array],
 ) -> Surfaces:
-    """The state of the flanks under their loads, with all factors of load that the pressure has."""
+    """The state of the flanks under their loads, with all factors of load that the pressure has.
+
+    ``uneven`` gives K_Hbeta of contacts, shape (n,), from all contacts of their positions.
+    """
     mates = (choices, choices[::-1])
     plastic = [isinstance(choice.entry, Plastic) for choice in choices]
     oil = None if any(plastic) or conditions.lubrication == "dry" else Oil.of(conditions)
     factor = dynamic_factor_of(loading.contacts, conditions, running)
     first, second = (coefficient_mm3_n_m(*both, conditions) for both in mates)
-    pair = _Pair(materials, conditions, running, factor, (first, second), oil)
+    pair = _Pair(materials, conditions, running, factor, (first, second), uneven, oil)
     if oil is not None:
         pair = replace(pair, bulk_c=_bulk_c(pair, oil, loading))
     thin, hot, *worn = _largest(pair, loading)
@@ -221,8 +230,8 @@ def surfaces_of(
 
 def _bulk_c(pair: _Pair, oil: Oil, loading: Loading) -> float:
     """The temperature of the teeth: that of the oil, and a share of the mean flash temperature over the cycle."""
-    contacts = loading.contacts
-    flash = pair.flash(pair.pressed(contacts.kept(contacts.flanks & loading.even[contacts.position])), oil)
+    touching, pressed = pair.touching(loading.contacts)
+    flash = pair.flash(pressed, oil)[loading.even[touching.position]]
     share = BULK_SHARE[pair.conditions.lubrication]
     return pair.conditions.oil_temperature_c + share * float(flash.mean() if flash.size else 0.0)
 
@@ -231,8 +240,8 @@ def _largest(pair: _Pair, loading: Loading) -> list[Place]:
     """The largest value of each quantity over the cycle, with its place."""
 
     def over(contacts: LoadedContacts, count: int) -> tuple[LoadedContacts, Array, Array]:
-        touching = contacts.kept(contacts.flanks)
-        found = pair.quantities(touching)
+        touching, pressed = pair.touching(contacts)
+        found = pair.quantities(touching.side, pressed)
         largest = np.zeros((len(found), count))
         for row, values in zip(largest, found, strict=True):
             np.maximum.at(row, touching.position, values)

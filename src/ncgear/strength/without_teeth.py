@@ -120,6 +120,11 @@ class SharedLoad:
     relative_curvature: Array
     root_teeth: Array
 
+    @property
+    def stiffness_n_mm2(self) -> Array:
+        """The load of all pairs over how far it makes them give way, for each mm of width, shape (n,)."""
+        return np.asarray(self.line_n_mm.sum(axis=0) / self.way_mm)
+
 
 def shared_loads(
     load: RolledLoad, plan: ToothPlan, running: Running, materials: tuple[Material, Material]
@@ -229,8 +234,11 @@ def rough_safeties(
     running: Running,
     materials: tuple[Material, Material],
     conditions: Conditions,
+    uneven: list[Array],
 ) -> list[RoughSafety]:
     """Both gears' safeties against breakage and, where the material has figures, against pitting, for the life wanted.
+
+    ``uneven`` is K_Hbeta at the positions of each side, shape (n,) each.
 
     Raises VibrationUnknown as ``dynamic_factor`` does, Unanswered for racks that the formulas do not cover.
     """
@@ -241,11 +249,13 @@ def rough_safeties(
         teeth = running.teeth[list(Gear).index(gear)]
         turns = conditions.life_h * 3600.0 * running.speed_rad_s / (2.0 * pi) * running.teeth[0] / teeth
         cycles, wanted = np.array(max(turns, 1.0)), conditions.wanted_bending_safety(material)
-        root = [shaken * _root_stress(one, gear, plan, running, conditions) for one in sides]
+        over = [_factors_of_roots(running, conditions, one) for one in uneven]
+        root = [shaken * k * _root_stress(one, gear, plan, running) for one, k in zip(sides, over, strict=True)]
         found.append(_least(gear, Damage.BENDING, sides, root, float(material.bending.at(cycles)), wanted))
         if material.contact is not None:
             wanted = conditions.wanted_contact_safety(material)
-            pressed = [shaken**0.5 * _pressure(one, materials, conditions) for one in sides]
+            over = [(shaken * conditions.application_factor * one) ** 0.5 for one in uneven]
+            pressed = [k * _pressure(one, materials) for one, k in zip(sides, over, strict=True)]
             found.append(_least(gear, Damage.CONTACT, sides, pressed, float(material.contact.at(cycles)), wanted))
     return found
 
@@ -256,18 +266,20 @@ def static_safeties(
     running: Running,
     materials: tuple[Material, Material],
     conditions: Conditions,
+    uneven: list[Array],
 ) -> list[RoughSafety]:
     """Both gears' safeties against breaking at once: root stress over the static strength, without an estimated K_V.
 
     Vibration only adds to that stress, and fewer cycles are endured no better: less is safe in truth, never more.
     """
     given = conditions.dynamic_factor or 1.0
+    over = [_factors_of_roots(running, conditions, one) for one in uneven]
     return [
         _least(
             gear,
             Damage.BENDING,
             sides,
-            [given * _root_stress(one, gear, plan, running, conditions) for one in sides],
+            [given * k * _root_stress(one, gear, plan, running) for one, k in zip(sides, over, strict=True)],
             float(material.bending.stress_mpa[0]),
             conditions.wanted_bending_safety(material),
         )
@@ -275,8 +287,13 @@ def static_safeties(
     ]
 
 
-def _root_stress(one: SharedLoad, gear: Gear, plan: ToothPlan, running: Running, conditions: Conditions) -> Array:
-    """The largest root stress of a gear at each position, shape (n,), with K_A and K_Fbeta, without K_V.
+def _factors_of_roots(running: Running, conditions: Conditions, uneven: Array) -> Array:
+    """K_A and K_Fbeta at positions, by K_Hbeta there."""
+    return np.asarray(conditions.application_factor * face_load_factor_of_roots(running, uneven))
+
+
+def _root_stress(one: SharedLoad, gear: Gear, plan: ToothPlan, running: Running) -> Array:
+    """The largest root stress of a gear at each position, shape (n,), without factors of load.
 
     Below the pitch point a load is taken as there, where it bends a tooth more.
     """
@@ -285,16 +302,14 @@ def _root_stress(one: SharedLoad, gear: Gear, plan: ToothPlan, running: Running,
     outwards = np.maximum(one.place_mm * (1.0 - 2.0 * place), 0.0) / running.module_mm
     diameter = 2.0 * np.hypot(teeth * sin(angle) / 2.0 + outwards, teeth * cos(angle) / 2.0)
     factors = root_factors(root_section(teeth, shift, plan.rack, angle), teeth, shift, diameter, angle)
-    over = conditions.application_factor * face_load_factor_of_roots(running, conditions.face_load_factor)
-    nominal = over * one.line_n_mm * cos(angle) / running.module_mm
+    nominal = one.line_n_mm * cos(angle) / running.module_mm
     return np.asarray(np.max(nominal * factors.form * factors.notch, axis=0))
 
 
-def _pressure(one: SharedLoad, materials: tuple[Material, Material], conditions: Conditions) -> Array:
-    """Hertz's pressure of the pair that bears the most at each position, shape (n,), without K_V."""
+def _pressure(one: SharedLoad, materials: tuple[Material, Material]) -> Array:
+    """Hertz's pressure of the pair that bears the most at each position, shape (n,), without factors of load."""
     row, column = one.line_n_mm.argmax(axis=0), np.arange(one.line_n_mm.shape[1])
-    over = conditions.application_factor * conditions.face_load_factor
-    return hertz_pressure_mpa(over * one.line_n_mm[row, column], one.relative_curvature[row, column], materials)
+    return hertz_pressure_mpa(one.line_n_mm[row, column], one.relative_curvature[row, column], materials)
 
 
 def _least(

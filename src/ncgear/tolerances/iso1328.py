@@ -1,6 +1,6 @@
 """Flank tolerances of ISO 1328-1:2013 by class, here for every tooth of a non-circular gear.
 
-Source: ISO 1328-1:2013, clause 5, formulas 5 to 9, with the step from class to class of 5.2.2 and the rounding of
+Source: ISO 1328-1:2013, clause 5, formulas 5 to 10, with the step from class to class of 5.2.2 and the rounding of
 5.2.3 (from secondary sources: the same formulas, with their numbers, in two independent public programs, one of which
 prints the example of tests/test_tolerances.py).  In micrometres, with lengths in mm, before the step of the class:
 
@@ -9,6 +9,7 @@ prints the example of tests/test_tolerances.py).  In micrometres, with lengths i
     profile slope      f_HalphaT = 0.4 m + 0.001 d + 4
     profile form       f_falphaT = 0.55 m + 5
     total profile      F_alphaT = sqrt(f_HalphaT^2 + f_falphaT^2)
+    helix slope        f_HbetaT = 0.05 sqrt(d) + 0.35 sqrt(b) + 4
 
 The standard knows circular gears only.  For each tooth of a non-circular gear, the local radius of curvature of the
 pitch curve stands for the radius of the pitch circle.  Where the curve is flat or hollow, the largest diameter of the
@@ -58,6 +59,12 @@ def flank_tolerances(grade: int, diameter_mm: Array, module_mm: float) -> FlankT
         profile_slope_mm=step * (0.4 * module_mm + 0.001 * diameter_mm + 4.0),
         profile_form_mm=step * np.full(np.shape(diameter_mm), 0.55 * module_mm + 5.0),
     )
+
+
+def helix_slope_mm(grade: int, diameter_mm: float, width_mm: float) -> float:
+    """f_HbetaT of a class in mm, not rounded: by how much a flank may lie askew over a face width from 4 to 1200 mm."""
+    base = 0.05 * diameter_mm**0.5 + 0.35 * width_mm**0.5 + 4.0
+    return float(MM_PER_UM * 2.0 ** ((grade - 5) / 2.0) * base)
 
 
 def rounded_um(tolerance_mm: float) -> float:

@@ -78,8 +78,8 @@ class Design(Model, Shown):
         "what the teeth run under and how safe they shall be; left out: 20 000 h in oil", StrengthKeys
     )
     tolerances: AssemblyTolerances | None = optional(
-        "what gears and assembly may deviate by, for ncgear tolerance; left out: grade 8 and more, which its answer "
-        "tells"
+        "what gears and assembly may deviate by, for ncgear tolerance and for the load along the face width; left out: "
+        "grade 8 and more, which its answer tells"
     )
     drivetrain: Drivetrain | None = optional(
         "bearings, shafts, motor and more around the gears, which ncgear simulate judges; left out: none"

@@ -29,6 +29,11 @@ class Bearing(Model):
         "basic dynamic load rating C in N; left out: only the one that is needed is told"
     )
     static_rating_n: Positive | None = optional("basic static load rating C0 in N; left out: no static safety")
+    stiffness_n_per_um: Positive | None = optional(
+        "stiffness in N/um of the bearing and the housing about it together, across the shaft, for the load along the "
+        "face width; left out: that of a usual bearing with this static rating in a rigid housing, or rigid without "
+        "one"
+    )
 
 
 class ShaftKey(Model):

@@ -152,6 +152,26 @@ class Helix(Model):
     )
 
 
+class Lead(Model):
+    """How flanks fall back along the width, both gears together: for the strength and the data sheet, not in solids."""
+
+    RULES = ("end_relief_um with end_relief_length_mm",)
+
+    crowning_um: float = optional(
+        "lead crowning in um: how far flanks fall back at both ends of the face width, along a parabola; both gears "
+        "together",
+        0.0,
+        ge=0.0,
+        le=1000.0,
+    )
+    end_relief_um: float | None = optional(
+        "end relief in um: how far flanks fall back further at both ends, along a line; both gears together",
+        ge=0.0,
+        le=1000.0,
+    )
+    end_relief_length_mm: Length | None = optional("length in mm of the end relief at each end of the face width")
+
+
 Fit = Literal["H6", "H7", "H8", "H9", "H11"]
 
 
@@ -205,7 +225,11 @@ class Lobes(Model):
 class Gears(Model):
     """The pair of gears: lobes, size, rack, backlash, bodies."""
 
-    RULES = ("driving.web.thickness_mm < face_width_mm", "driven.web.thickness_mm < face_width_mm")
+    RULES = (
+        "driving.web.thickness_mm < face_width_mm",
+        "driven.web.thickness_mm < face_width_mm",
+        "lead.end_relief_length_mm < face_width_mm",
+    )
 
     mesh: Literal["external", "internal"] = optional(
         "external: gears side by side; internal: the driven gear is a ring around the driving one, which needs a "
@@ -264,6 +288,11 @@ class Gears(Model):
     )
     method: Literal["exact", "equivalent_gear"] = optional(
         "exact flanks, or for comparison those of the circular gear of the local radius of curvature", "exact"
+    )
+    lead: Lead = optional(
+        "form of the flanks along the width, which spreads the load where shafts bend; solids and drawings do not have "
+        "it, the data sheet says it. Left out: straight flanks",
+        Lead,
     )
     index_holes: bool = optional(
         "true: a small hole in each gear, which face each other at phi1 = 0: half a module wide, and 2 mm at least, "

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from math import cos, hypot, inf, pi, sqrt, tan
 from typing import TYPE_CHECKING, Annotated, Literal, Self
 
@@ -10,7 +11,8 @@ from pydantic import Field, model_validator
 
 from ncgear.design.keys.base import Model, angle, fault, given, optional, require, required
 from ncgear.design.keys.types import CSV_FILE, LONGEST_MM, FileName, Length, Numbers, Place, Several
-from ncgear.design.words import spellings
+from ncgear.design.words import listed, spellings
+from ncgear.errors import WrongInput
 from ncgear.numerics.bounds import shown_below
 
 if TYPE_CHECKING:
@@ -137,6 +139,7 @@ class BSpline(Drawn):
 class RationalCurve(Model):
     """A line, an arc or a spline of a contour, as a rational B-spline in the unit of the drawing."""
 
+    layer: str = optional("layer of the drawing", "")
     degree: int = required("degree", ge=1, le=HIGHEST_DXF_DEGREE)
     knots: Numbers = required("knots, rising")
     x: Numbers = required("x of the control points")
@@ -166,9 +169,19 @@ class DxfContour(Drawn):
     )
     unit: Literal["mm", "cm", "m", "inch"] = required("unit of the drawing")
     layer: str | None = optional("layer of the contour; left out: all layers", min_length=1, max_length=255)
+    tolerance_mm: float | None = optional(
+        "how far a smooth curve may be from the contour in mm, along its radius: for a contour of many chords, as of a "
+        "traced outline, whose corners no teeth roll over; left out: the contour as it is drawn",
+        gt=0.0,
+        le=100.0,
+    )
     curves: Annotated[Several[RationalCurve], Field(min_length=1, max_length=MOST_CURVES)] | None = optional(
         "the contour's parts, read from the file; given in place of it by programs only"
     )
+    near: float = optional(
+        "how far ends of parts may miss each other, by the digits of the file; given by programs only", 0.0, ge=0.0
+    )
+    drawn_in: Literal["mm", "cm", "m", "inch"] | None = optional("the unit that the file names; given by programs only")
 
     @model_validator(mode="after")
     def _has_curves(self) -> Self:
@@ -176,24 +189,35 @@ class DxfContour(Drawn):
             raise fault("", "file is missing; the name of a DXF file is needed")
         return self
 
-    def contour(self) -> list[RationalSpline]:
-        """The parts as one closed chain, in mm; raises WrongInput where they are not one."""
+    def contour(self) -> tuple[list[RationalSpline], float]:
+        """The parts as one closed chain, and the greatest gap between their ends, in mm.
+
+        Raises WrongInput where they are not one, with the layers that hold one.
+        """
+        from ncgear.ratio.laws.curve_shapes import one_contour
+
+        key, near_mm, parts = f"{KEY}.dxf.file", UNIT_MM[self.unit] * self.near, self.curves or ()
+        try:
+            return one_contour([self._spline(part) for part in parts], near_mm, key)
+        except WrongInput as refusal:
+            layers = sorted({part.layer for part in parts})
+            if self.layer is not None or len(layers) == 1:
+                raise
+            closed = list[str]()
+            for layer in layers:
+                with suppress(WrongInput):
+                    one_contour([self._spline(part) for part in parts if part.layer == layer], near_mm, key)
+                    closed.append(layer)
+            one = f"layers that hold one closed contour are {listed(closed, 'and')}" if closed else "no layer holds one"
+            raise WrongInput(f"{refusal.problem}; {one}", key=key) from refusal
+
+    def _spline(self, part: RationalCurve) -> RationalSpline:
         import numpy as np
 
         from ncgear.numerics.rational import RationalSpline
-        from ncgear.ratio.laws.curve_shapes import one_contour
 
-        scale = UNIT_MM[self.unit]
-        parts = [
-            RationalSpline(
-                part.degree,
-                np.array(part.knots),
-                scale * np.column_stack([np.array(part.x), np.array(part.y)]),
-                np.array(part.weights),
-            ).clamped()
-            for part in self.curves or ()
-        ]
-        return one_contour(parts, f"{KEY}.dxf.file")
+        points_mm = UNIT_MM[self.unit] * np.column_stack([np.array(part.x), np.array(part.y)])
+        return RationalSpline(part.degree, np.array(part.knots), points_mm, np.array(part.weights)).clamped()
 
 
 class OffsetEllipse(Drawn):

@@ -127,6 +127,18 @@ AIR_C, WARM_OIL_C = 20.0, 40.0
 that of cold oil."""
 
 
+class Overload(Model):
+    """A jam: the torque that then presses the teeth, wherever they stand, beside the load of every stroke."""
+
+    driving_torque_n_m: Annotated[float, Field(gt=0.0, le=1e9)] = required(
+        "torque in N m at the driving gear's shaft when the machine jams: the most that motor, flywheel or limiter let "
+        "through. The teeth shall bear it at any angle, with the safeties wanted, without K_A and K_V"
+    )
+    times: float = optional(
+        "how many jams come in the wanted life, all of them on the same teeth", 100.0, ge=1.0, le=1e6
+    )
+
+
 class StrengthKeys(Model):
     """How the strength of the teeth is computed."""
 
@@ -148,14 +160,15 @@ class StrengthKeys(Model):
         "load is all; 1.25 to 1.75 for a motor or a machine with jolts beyond it",
         1.0,
     )
+    overload: Overload | None = optional("torque of a jam, which the teeth shall bear a few times; left out: none")
     dynamic_factor: Annotated[float, Field(ge=1.0, le=5.0)] | None = optional(
         "dynamic factor K_V: what the teeth's own vibration adds; left out: estimated by ISO 6336-1, method C, for "
         "accuracy grade 8, near 1 at the speeds of cranks; gears too fast for that need it"
     )
-    face_load_factor: Annotated[float, Field(ge=1.0, le=5.0)] = optional(
-        "face load factor K_Hbeta: the greatest load along the width over the mean one. 1.3 for gears not wider than "
-        "their shafts are stiff, as usual without a calculation of the shafts; 1.0 for the ideal pair",
-        1.3,
+    face_load_factor: Annotated[float, Field(ge=1.0, le=5.0)] | None = optional(
+        "face load factor K_Hbeta: the greatest load along the width over the mean one; 1.0 for the ideal pair. Left "
+        "out: computed for every tooth where drivetrain gives bearings and diameters of both shafts, else 1.3, as "
+        "usual for gears not wider than their shafts are stiff"
     )
     reliability: float = optional(
         "share of gears that shall live so long: 0.99 is that of the figures of ISO 6336", 0.99, ge=0.5, le=0.9999

@@ -57,7 +57,9 @@ Several = Annotated[tuple[Item, ...], Strict(False)]
 Numbers = Several[float]
 FileName = Annotated[str, Field(min_length=1)]
 
-CSV_FILE = "CSV file with {} columns instead, its header naming them; its path counts from the design file"
+CSV_FILE = (
+    "table (CSV, XLSX, ODS) with {} columns instead, its header naming them; its path counts from the design file"
+)
 
 FileFormat = Literal[1]
 FILE_FORMAT = "version of the file's format; a file of a later format needs a later ncgear; left out: 1"

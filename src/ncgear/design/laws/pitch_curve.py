@@ -150,7 +150,15 @@ class PitchCurve(LawKeys):
             points = np.column_stack([np.array(spline.x_mm), np.array(spline.y_mm)])
             curve = shapes.closed_b_spline(points, spline.degree, spline.axis_mm, key)
         elif self.dxf is not None:
-            curve = shapes.chain(self.dxf.contour(), self.dxf.axis_mm, key)
+            parts, gap_mm = self.dxf.contour()
+            facts = {"contour_gap_mm": gap_mm}
+            if self.dxf.tolerance_mm is None:
+                curve = shapes.chain(parts, self.dxf.axis_mm, key)
+            else:
+                points = shapes.points_along(parts) - np.array(self.dxf.axis_mm)
+                polar = shapes.polar_points(points, key)
+                curve, missed = shapes.smoothed_points(*polar, self.dxf.tolerance_mm, repeats, key)
+                facts["points_missed_by_mm"] = missed
         else:
             assert self._shape is not None
             curve = self._shape.curve(key)

@@ -1,66 +1,135 @@
 """DXF files that a design file names for the contour of a pitch curve: lines, arcs and splines, as rational B-splines.
 
 Circles, arcs, ellipses and bulges of polylines become rational curves of degree 2, which are exactly these shapes.
+Files of all systems are read: ASCII with either end of lines, in the code page that they name, and binary ones.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from io import StringIO
-from math import isfinite
+from collections.abc import Iterable, Iterator, Mapping
+from decimal import Decimal
+from math import floor, isfinite, log10, radians, tau
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ncgear.design.reading.places import FromFile
-from ncgear.design.reading.text import quoted, read_text
+from ncgear.design.reading.text import quoted, read_bytes
 from ncgear.design.words import listed
 from ncgear.errors import WrongInput
 
 if TYPE_CHECKING:
-    from ezdxf.entities import DXFEntity
+    from ezdxf.document import Drawing
+    from ezdxf.entities import DXFEntity, LWPolyline, Polyline, Spline
     from ezdxf.math import BSpline
 
 LARGEST_MB = 20
 
 READ = ("LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE")
-NOTES = ("POINT", "TEXT", "MTEXT", "DIMENSION", "LEADER", "MULTILEADER")
-PASSED_OVER = (*NOTES, "HATCH", "VIEWPORT", "IMAGE", "XLINE", "RAY")
-"""What a drawing may hold beside the contour: it is no part of one."""
+"""What a contour is made of; blocks are taken apart, and all else in a drawing is passed over."""
+
+UNITS = {1: "inch", 4: "mm", 5: "cm", 6: "m"}
+"""Units of ``$INSUNITS`` that a design can name."""
+
+DEEPEST = 16
+"""Blocks in blocks that are taken apart."""
+
+SPLINE_FRAME = 16
+"""Flag of a vertex of a smoothed polyline of R12 that is a control point, and no point of the curve."""
+
+FULL = 1e-5
+"""Rad by which a whole ellipse may miss its turn: programs write 6.28318 for 2 pi."""
+
+FLAT = 1e-9
+"""Bulge under which an arc is a line: its height is less than a thousand-millionth of half its length."""
 
 
 def contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
-    """The parts of the layer that is ``given``, or of all; raises WrongInput for what holds none.
+    """The parts of the layer that is ``given``, or of all that are on; raises WrongInput for what holds none.
 
-    Their order and sense are those of the file; whether they make one closed contour is for the law to say.
+    Their order and sense are those of the file; whether they make one closed contour is for the law to say.  With them
+    come the unit that the drawing names and the steps of its numbers, by which ends may miss each other.
     """
-    import ezdxf
     from ezdxf.lldxf.const import DXFError
 
-    text, layer = read_text(file, limit_mb=LARGEST_MB), given.get("layer")
+    layer = given.get("layer")
     try:
-        document = ezdxf.read(StringIO(text))
-        entities = list(document.modelspace())
-        named = [one for one in entities if layer is None or one.dxf.layer.casefold() == str(layer).casefold()]
-        unread = sorted({one.dxftype() for one in named} - {*READ, *PASSED_OVER})
-        if unread:
-            problem = (
-                f"holds {listed(unread, 'and')}; a contour of {listed(READ)} is read (explode blocks in the drawing)"
-            )
-            raise WrongInput(problem, location=str(file))
-        curves = [_values(curve, file) for one in named if one.dxftype() in READ for curve in _curves(one)]
+        document = _document(file)
+        every = list(_apart(document.modelspace()))
+        hidden = {_name(one.dxf.name) for one in document.layers if one.is_off() or one.is_frozen()}
+        shown = [one for one in every if _name(one.dxf.layer) not in hidden and not one.dxf.get("invisible", 0)]
+        named = [one for one in shown if layer is None or _name(one.dxf.layer) == _name(str(layer))]
+        read = [one for one in named if one.dxftype() in READ]
+        curves = [_values(curve, one, file) for one in read for curve in _curves(one)]
+        if not curves:
+            raise WrongInput(_holds_none(document, every, shown, layer), location=str(file))
+        found = {"curves": curves, "near": _near(read)}
+        unit = UNITS.get(document.header.get("$INSUNITS", 0))
     except (DXFError, ValueError, ArithmeticError, TypeError, KeyError, IndexError, AttributeError) as error:
         said = " ".join(str(error).split())
         raise WrongInput(
-            f"is no DXF file that can be read: {said}; save it as ASCII DXF", location=str(file)
+            f"is no DXF file that can be read: {quoted(said)}; save it as DXF again", location=str(file)
         ) from error
-    if not curves:
-        layers = sorted({one.dxf.layer for one in entities if one.dxftype() in READ})
-        held = (
-            f"layers with such parts are {listed([quoted(one) for one in layers], 'and')}" if layers else "it has none"
-        )
-        on_layer = "" if layer is None else f" on layer {quoted(layer)}"
-        raise WrongInput(f"holds no {listed(READ)}{on_layer}; {held}", location=str(file))
-    return FromFile({"curves": curves})
+    return FromFile(found if unit is None else {**found, "drawn_in": unit})
+
+
+def _document(file: Path) -> Drawing:
+    """The drawing; a file that only begins to be one is refused by what it is."""
+    import ezdxf
+    from ezdxf.lldxf.const import DXFStructureError
+
+    content = read_bytes(file, limit_mb=LARGEST_MB)
+    if content[:4] in (b"AC10", b"AC1."):
+        raise WrongInput("is a DWG file, which is not read; save it as DXF", location=str(file))
+    try:
+        return ezdxf.readfile(str(file))
+    except DXFStructureError as error:
+        if "missing EOF" not in str(error):
+            raise
+        raise WrongInput("has no EOF at its end: it is cut off; save it again", location=str(file)) from error
+    except OSError as error:
+        begins = content[:40].decode("ascii", errors="replace").split("\n")[0]
+        raise WrongInput(
+            f"is no DXF file that can be read: it begins with {quoted(begins)}", location=str(file)
+        ) from error
+
+
+def _name(layer: str) -> str:
+    """A layer's name to compare by: case does not count, and letters may be written by their number."""
+    from ezdxf.lldxf.encoding import decode_dxf_unicode
+
+    return decode_dxf_unicode(layer).casefold()
+
+
+def _apart(entities: Iterable[DXFEntity], depth: int = 0) -> Iterator[DXFEntity]:
+    """The entities, and in place of blocks the entities that they hold."""
+    for one in entities:
+        if one.dxftype() == "INSERT" and depth < DEEPEST:
+            yield from _apart(one.virtual_entities(), depth + 1)  # type: ignore[attr-defined]
+        else:
+            yield one
+
+
+def _holds_none(document: Drawing, every: list[DXFEntity], shown: list[DXFEntity], layer: object) -> str:
+    """Why a drawing gives no part of a contour."""
+    from ezdxf.lldxf.encoding import decode_dxf_unicode
+
+    def layers_of(entities: Iterable[DXFEntity]) -> str:
+        names = sorted({decode_dxf_unicode(one.dxf.layer) for one in entities if one.dxftype() in READ})
+        return listed([quoted(name) for name in names], "and") if names else ""
+
+    on_layer = "" if layer is None else f" on layer {quoted(layer)}"
+    if held := layers_of(shown):
+        why = f"layers with such parts are {held}"
+    elif off := layers_of(every):
+        why = f"layers with such parts are off or frozen: {off}; switch them on in the drawing"
+    elif any(one.dxftype() in READ for page in document.layouts if page.is_any_paperspace for one in page):
+        why = "such parts are in its paper space only; draw in the model space"
+    else:
+        kinds = sorted({one.dxftype() for one in every})
+        why = f"it has {listed(kinds, 'and')} only; explode them in the drawing" if kinds else "it has none"
+    return f"holds no {listed(READ)}{on_layer}; {why}"
 
 
 def _curves(entity: DXFEntity) -> Iterator[BSpline]:
@@ -69,14 +138,23 @@ def _curves(entity: DXFEntity) -> Iterator[BSpline]:
     from ezdxf.math import BSpline, ConstructionEllipse, Vec3, rational_bspline_from_ellipse
 
     if isinstance(entity, kinds.LWPolyline | kinds.Polyline):
-        for part in entity.virtual_entities():
-            yield from _curves(part)
+        line = _without_flat_bulges(entity)
+        if isinstance(line, kinds.LWPolyline) and not line.has_arc:
+            # Chords of a traced outline may be many: one curve has them all.
+            points = list(line.vertices_in_wcs())
+            yield BSpline([*points, points[0]] if line.closed else points, order=2)
+        else:
+            for part in line.virtual_entities():
+                yield from _curves(part)
     elif isinstance(entity, kinds.Line):
         yield BSpline([entity.dxf.start, entity.dxf.end], order=2)
     elif isinstance(entity, kinds.Spline):
-        yield entity.construction_tool()
+        yield _through_fit_points(entity) if not entity.control_points and entity.closed else entity.construction_tool()
     elif isinstance(entity, kinds.Ellipse):
-        yield rational_bspline_from_ellipse(entity.construction_tool())
+        whole = entity.construction_tool()
+        if abs(whole.param_span - tau) < FULL or whole.param_span < FULL:
+            whole.start_param, whole.end_param = 0.0, tau
+        yield rational_bspline_from_ellipse(whole)
     elif isinstance(entity, kinds.Circle):
         start, end = (entity.dxf.start_angle, entity.dxf.end_angle) if isinstance(entity, kinds.Arc) else (0.0, 360.0)
         around = ConstructionEllipse.from_arc(
@@ -85,8 +163,44 @@ def _curves(entity: DXFEntity) -> Iterator[BSpline]:
         yield rational_bspline_from_ellipse(around)
 
 
-def _values(curve: BSpline, file: Path) -> dict[str, Any]:
+def _without_flat_bulges(entity: LWPolyline | Polyline) -> LWPolyline | Polyline:
+    """The polyline without doubled vertices, control points of a smoothed one, and arcs that are lines."""
+    from ezdxf import entities as kinds
+
+    if isinstance(entity, kinds.Polyline):
+        if not entity.is_2d_polyline:
+            return entity
+        vertices = [one for one in entity.vertices if not one.dxf.flags & SPLINE_FRAME]
+        points = np.array([(*one.dxf.location.vec2, one.dxf.get("bulge", 0.0)) for one in vertices])
+        flat = kinds.LWPolyline.new(
+            dxfattribs={"layer": entity.dxf.layer, "extrusion": entity.dxf.extrusion, "flags": int(entity.is_closed)}
+        )
+        flat.dxf.elevation = vertices[0].dxf.location.z if vertices else 0.0
+    else:
+        points, flat = np.array(entity.lwpoints.values).reshape(-1, 5)[:, [0, 1, 4]], entity.copy()
+    points = points[np.append(np.any(np.diff(points[:, :2], axis=0) != 0.0, axis=1), True)] if len(points) else points
+    bulges, width = np.where(np.abs(points[:, 2:]) < FLAT, 0.0, points[:, 2:]), np.zeros((len(points), 2))
+    flat.lwpoints.set(np.hstack([points[:, :2], width, bulges]))
+    return flat
+
+
+def _through_fit_points(entity: Spline) -> BSpline:
+    """The closed cubic spline through fit points, of which no control points are stored: smooth at its end, too."""
+    from ezdxf.math import BSpline
+    from scipy.interpolate import make_interp_spline
+
+    points = np.array([tuple(point) for point in entity.fit_points])
+    if np.any(points[0] != points[-1]):
+        points = np.vstack([points, points[:1]])
+    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    spline = make_interp_spline(along, points, k=3, bc_type="periodic")
+    return BSpline(spline.c.tolist(), order=4, knots=spline.t.tolist())
+
+
+def _values(curve: BSpline, entity: DXFEntity, file: Path) -> dict[str, Any]:
     """The curve as the keys of a part; refuses one that leaves the plane."""
+    from ezdxf.lldxf.encoding import decode_dxf_unicode
+
     points = [tuple(point) for point in curve.control_points]
     numbers = [value for point in points for value in point]
     size = max(map(abs, numbers), default=0.0)
@@ -97,11 +211,69 @@ def _values(curve: BSpline, file: Path) -> dict[str, Any]:
         raise WrongInput(
             "holds a part that leaves the plane of the drawing; a flat contour is needed", location=str(file)
         )
-    weights = [float(weight) for weight in curve.weights()] or [1.0] * len(points)
+    weights = [float(weight) for weight in curve.weights()]
+    # Some programs write -1 for the weights of a spline that has none.
+    weights = weights if any(weight > 0.0 for weight in weights) else [1.0] * len(points)
     return {
+        "layer": decode_dxf_unicode(entity.dxf.layer),
         "degree": curve.degree,
         "knots": [float(knot) for knot in curve.knots()],
         "x": [float(x) for x, _, _ in points],
         "y": [float(y) for _, y, _ in points],
         "weights": weights,
     }
+
+
+END_STEPS = 3.0
+"""How many steps of a drawing's numbers two ends may miss each other by: half a step in x and y of both, and as much in
+the centre and the radius of an arc, are 2.9."""
+
+
+def _near(entities: Iterable[DXFEntity]) -> float:
+    """How far ends may miss each other because the drawing's numbers are rounded, in the unit of the drawing."""
+    lengths, angles, turned, radius = list[float](), list[float](), list[float](), 0.0
+    for one in entities:
+        found = one.dxfattribs()
+        for key in ("start", "end", "center", "major_axis"):
+            lengths += [*found[key].vec2] if key in found else []
+        angles += [found[key] for key in ("start_angle", "end_angle") if key in found]
+        turned += [found[key] for key in ("start_param", "end_param") if key in found]
+        radius = max(radius, found["major_axis"].magnitude if "major_axis" in found else 0.0)
+        if "radius" in found:
+            lengths.append(found["radius"])
+            radius = max(radius, found["radius"])
+        lengths += [value for point in _vertices(one) for value in point]
+    return END_STEPS * _step(lengths) + radius * (radians(_step(angles)) + _step(turned))
+
+
+def _vertices(entity: DXFEntity) -> Iterator[tuple[float, float]]:
+    from ezdxf import entities as kinds
+
+    if isinstance(entity, kinds.LWPolyline):
+        yield from ((float(x), float(y)) for x, y in entity.get_points("xy"))
+    elif isinstance(entity, kinds.Polyline):
+        yield from ((one.dxf.location.x, one.dxf.location.y) for one in entity.vertices)
+    elif isinstance(entity, kinds.Spline):
+        yield from ((float(x), float(y)) for x, y, _ in entity.control_points)
+
+
+MOST_SEEN = 2000
+"""Largest numbers of a drawing by which its digits are told."""
+
+
+def _step(values: Iterable[float]) -> float:
+    """The step of rounded numbers, by the digits of the large ones: six digits or three decimals are a step of 0.001
+    for numbers over 100.
+
+    Numbers of one power of ten share their step, which is the least of them; of the two uppermost powers the coarser
+    counts.
+    """
+    sizes = sorted({abs(value) for value in values if isfinite(value)} - {0.0}, reverse=True)[:MOST_SEEN]
+    largest, finest = max(sizes, default=0.0), dict[int, float]()
+    for value in sizes:
+        if value >= largest / 10.0:
+            exponent = Decimal(repr(value)).normalize().as_tuple().exponent
+            power = floor(log10(value))
+            assert isinstance(exponent, int)
+            finest[power] = min(10.0**exponent, finest.get(power, np.inf))
+    return max(finest.values(), default=0.0)

@@ -1,8 +1,7 @@
 """Points of a coordinate measuring machine: a text file with x and y in mm, one point a line.
 
-Columns are separated by commas, semicolons, tabs or spaces; where they are separated by semicolons or tabs, a comma may
-stand for the decimal point.  Empty lines and comments are passed over.  A header may name the columns, so that files
-with more columns than x and y are read as well; without one, a third column is taken for z.
+It is a table as ``ncgear.design.reading.table`` reads it.  A header may name the columns, so that files with more
+columns than x and y are read as well; without one, a third column is taken for z.
 """
 
 from __future__ import annotations
@@ -14,7 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
-from ncgear.design.reading.text import plain_number, quoted, read_text
+from ncgear.design.reading.table import read_rows
+from ncgear.design.reading.text import plain_number, quoted
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
@@ -22,9 +22,6 @@ from ncgear.numerics.arrays import Array
 LARGEST_MB = 50
 
 MOST_POINTS = 500_000
-
-COMMENTS = ("#", "%", "//", "!")
-"""How a line begins that is no point."""
 
 IN_INCHES = re.compile(r"\b(in|inch|inches)\b|_in\b", re.IGNORECASE)
 
@@ -43,35 +40,25 @@ class MeasuredFile:
 
 def read_measured(path: Path) -> MeasuredFile:
     """Read the points; raises WrongInput with the line of what is no point, and for a file in inches or without any."""
-    text = read_text(path, limit_mb=LARGEST_MB)
-    rows: list[tuple[float, float]] = []
+    points: list[tuple[float, float]] = []
     lines: list[int] = []
     columns: tuple[int, int] | None = None
-    for line, content in enumerate(text.splitlines(), 1):
-        stripped = content.strip()
-        if not stripped or stripped.startswith(COMMENTS):
-            continue
-        cells = _cells(stripped)
+    for row in read_rows(path, limit_mb=LARGEST_MB):
+        cells, location = [cell.strip() for cell in row.cells], f"{path}:{row.line}:1"
+        while not cells[-1]:
+            # A separator at the end of a line makes no cell.
+            cells.pop()
         if columns is None and not _is_point(cells):
-            columns = _named(cells, f"{path}:{line}:1")
+            columns = _named(cells, location)
             continue
         columns = columns or (0, 1)
-        if len(rows) == MOST_POINTS:
-            raise WrongInput(f"over {MOST_POINTS} points; fewer are right", location=f"{path}:{line}:1")
-        rows.append(_point(cells, columns, f"{path}:{line}:1"))
-        lines.append(line)
-    if not rows:
+        if len(points) == MOST_POINTS:
+            raise WrongInput(f"over {MOST_POINTS} points; fewer are right", location=location)
+        points.append(_point(cells, columns, location))
+        lines.append(row.line)
+    if not points:
         raise WrongInput("holds no point; lines with x and y in mm are right", location=str(path))
-    return MeasuredFile(str(path), np.array(rows), tuple(lines))
-
-
-def _cells(line: str) -> list[str]:
-    """The cells of a line, each number with a decimal point."""
-    for separator in (";", "\t"):
-        if separator in line:
-            # A separator at the end of a line makes no cell.
-            return [cell.strip().replace(",", ".") for cell in line.rstrip(separator + " ").split(separator)]
-    return [cell.strip() for cell in (line.rstrip(", ").split(",") if "," in line else line.split())]
+    return MeasuredFile(str(path), np.array(points), tuple(lines))
 
 
 def _is_point(cells: Sequence[str]) -> bool:

@@ -14,7 +14,7 @@ from pydantic_core import ErrorDetails
 from ncgear.design.keys.base import FAULT_TYPE, Model, listed
 from ncgear.design.laws.registry import law_models
 from ncgear.design.reading.places import Source
-from ncgear.design.reading.text import quoted
+from ncgear.design.reading.text import plain_number, quoted
 from ncgear.design.words import NAME_RULE, quantity, spellings
 from ncgear.errors import WrongInput
 
@@ -188,7 +188,10 @@ def _wrong_value(detail: ErrorDetails, context: Mapping[str, Any], root: type[Ba
         # No field of today can have another kind of error; if one has, pydantic's own words are better than none.
         return f"{quoted(detail['input'])} is wrong: {detail['msg']}{meaning}"
     count = f" of {context['actual_length']}" if "actual_length" in context else ""
-    return f"{quoted(detail['input'])}{count} given; {needed(context)} is needed{meaning}"
+    given, comma = detail["input"], ""
+    if detail["type"] == "float_type" and isinstance(given, str) and plain_number(given.replace(",", ".")) is not None:
+        comma = ", with a decimal point in place of the comma"
+    return f"{quoted(given)}{count} given; {needed(context)} is needed{comma}{meaning}"
 
 
 _NEEDED: dict[str, Callable[[Mapping[str, Any]], str]] = {

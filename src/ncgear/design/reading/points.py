@@ -1,19 +1,19 @@
-"""Files that a group of a design or balance file names instead of some of its keys; here CSV files.
+"""Files that a group of a design or balance file names instead of some of its keys; here tables.
 
 The columns are read as numbers.  The line of each row is kept, so that a fault has its place.
 """
 
 from __future__ import annotations
 
-import csv
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from math import isfinite
 from pathlib import Path
 from typing import Any
 
 from ncgear.design.keys.base import listed
 from ncgear.design.reading.places import Document, FromFile, Place, named_by
-from ncgear.design.reading.text import plain_number, quoted, read_text
+from ncgear.design.reading.table import Row, column_name, read_rows
+from ncgear.design.reading.text import plain_number, quoted
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 
@@ -97,65 +97,53 @@ def values_from_files(document: Document, path: Path, kinds: Mapping[str, FileKi
 
 
 def read_points(path: Path, columns: Columns) -> PointsFile:
-    """Read the columns; WrongInput names the line of a cell that is no finite number, or of an unknown column."""
-    text = read_text(path, limit_mb=LARGEST_MB)
-    rows = _rows(text, str(path))
-    line, header = next(rows, (1, []))
-    names = _names(header, str(path), line, columns)
-    points = PointsFile(str(path), line, {name: [] for name in names}, [])
-    for line, cells in rows:
-        _append(points, names, line, cells, columns.most_points)
+    """Read the columns, others than which are passed over; WrongInput names the line of a cell that is no number."""
+    rows = read_rows(path, limit_mb=LARGEST_MB)
+    header = next(rows, Row(1, []))
+    places = _places(header, str(path), columns)
+    points = PointsFile(str(path), header.line, {name: [] for name in places}, [])
+    width = len(header.cells)
+    for row in rows:
+        _append(points, places, width, row, columns.most_points)
     return points
 
 
-def _rows(text: str, file: str) -> Iterator[tuple[int, list[str]]]:
-    """Rows that are not blank, each with its line."""
-    reader = csv.reader(text.splitlines(), strict=True, skipinitialspace=True)
-    try:
-        yield from ((reader.line_num, cells) for cells in reader if any(cell.strip() for cell in cells))
-    except csv.Error as error:
-        problem = f"is not CSV: {error}; numbers separated by commas are right"
-        raise WrongInput(problem, location=f"{file}:{reader.line_num}:1") from error
-
-
-def _names(header: list[str], file: str, line: int, columns: Columns) -> list[str]:
-    names = [cell.strip() for cell in header]
+def _places(header: Row, file: str, columns: Columns) -> dict[str, int]:
+    """The columns that are asked for, by name, in the order of the file."""
+    names = [column_name(cell) for cell in header.cells]
     for i, name in enumerate(names):
-        if name not in columns.names or name in names[:i]:
-            problem = "column given twice" if name in columns.names else "unknown column"
-            raise _wrong(
-                file,
-                line,
-                header,
-                i,
-                f"{problem}: {quoted(name)}; columns can be {listed(columns.names)}, with commas between",
-            )
+        if name in columns.names and name in names[:i]:
+            raise _wrong(file, header, i, f"column given twice: {quoted(name)}")
+    named = [name for name in names if name]
     for kind in columns.kinds:
-        if len(set(kind) & set(names)) != 1:
-            problem = (
-                f"the header must name one of the columns {listed(kind)}; it names {listed(names, 'and') or 'none'}"
-            )
-            raise WrongInput(problem, location=f"{file}:{line}:1")
-    return names
+        if len(set(kind) & set(names)) == 1:
+            continue
+        for i, name in enumerate(names):
+            if name and name not in columns.names:
+                known = f"columns can be {listed(columns.names)}"
+                raise _wrong(file, header, i, f"unknown column: {quoted(header.cells[i].strip())}; {known}")
+        problem = f"the header must name one of the columns {listed(kind)}; it names {listed(named, 'and') or 'none'}"
+        raise WrongInput(problem, location=f"{file}:{header.line}:1")
+    return {name: i for i, name in enumerate(names) if name in columns.names}
 
 
-def _append(points: PointsFile, names: list[str], line: int, cells: list[str], most: int) -> None:
-    if len(cells) != len(names):
-        problem = (
-            f"{len(cells)} values for {len(names)} columns; one number for each, its decimals after a point, is right"
-        )
-        raise WrongInput(problem, location=f"{points.file}:{line}:1")
+def _append(points: PointsFile, places: Mapping[str, int], width: int, row: Row, most: int) -> None:
+    cells = row.cells
+    while len(cells) > width and not cells[-1].strip():
+        cells = cells[:-1]
+    if len(cells) != width:
+        decimals = ", its decimals after a point," if row.comma else ""
+        problem = f"{len(cells)} values for {width} columns; one number for each{decimals} is right"
+        raise WrongInput(problem, location=f"{points.file}:{row.line}:1")
     if len(points.lines) == most:
-        raise WrongInput(f"over {most} points; fewer are right", location=f"{points.file}:{line}:1")
-    points.lines.append(line)
-    for i, (name, cell) in enumerate(zip(names, cells, strict=True)):
-        number = plain_number(cell.strip())
+        raise WrongInput(f"over {most} points; fewer are right", location=f"{points.file}:{row.line}:1")
+    points.lines.append(row.line)
+    for name, i in places.items():
+        number = plain_number(cells[i].strip())
         if number is None or not isfinite(number):
-            raise _wrong(points.file, line, cells, i, f"{quoted(cell)} is not a finite number; one is needed", name)
+            raise _wrong(points.file, row, i, f"{quoted(cells[i])} is not a finite number; one is needed", name)
         points.values[name].append(float(number))
 
 
-def _wrong(file: str, line: int, cells: list[str], i: int, problem: str, key: str = "") -> WrongInput:
-    # The column is right as long as no cell is in quotes, which numbers do not need.
-    column = 1 + sum(len(cell) + 1 for cell in cells[:i])
-    return WrongInput(problem, key=key, location=f"{file}:{line}:{column}")
+def _wrong(file: str, row: Row, i: int, problem: str, key: str = "") -> WrongInput:
+    return WrongInput(problem, key=key, location=f"{file}:{row.line}:{row.column(i)}")

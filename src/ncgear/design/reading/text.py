@@ -17,13 +17,17 @@ BYTES_PER_MB = 1_000_000
 
 def read_text(path: Path, *, limit_mb: int) -> str:
     """The text of ``path``; raises WrongInput where it cannot be read.  The size is checked before reading."""
+    return _decoded(read_bytes(path, limit_mb=limit_mb), path)
+
+
+def read_bytes(path: Path, *, limit_mb: int) -> bytes:
+    """The content of ``path``; raises WrongInput where it cannot be read.  The size is checked before reading."""
     try:
         _refuse_unfit(path, limit_mb)
-        content = path.read_bytes()
+        return path.read_bytes()
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise WrongInput(f"cannot be read: {reason}; give an existing, readable file", location=str(path)) from error
-    return _decoded(content, path)
 
 
 def _refuse_unfit(path: Path, limit_mb: int) -> None:

@@ -16,7 +16,6 @@ from ncgear.figures.numbers import five_digits, fixed, placed, to_digits
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.project.drive import Drive
-from ncgear.project.strengthening import Rating, known_rating
 
 if TYPE_CHECKING:
     from ncgear.project.drivetrain import PowerTakeOffResult, ShaftResult
@@ -38,13 +37,22 @@ def around(drive: Drive) -> Iterator[Advice | NotJudged]:
     if found.pto:
         yield from _of_pto(found.pto, N_M_PER_N_MM * found.demand.torque_range_n_mm[1].value)
     yield from _of_knocks(drive)
+    yield from _of_jam(drive)
+
+
+def _of_jam(drive: Drive) -> Iterator[NotJudged]:
+    """That shafts and keys bear a jam as well, of which the strength of the teeth tells."""
+    if drive.conditions.overload is not None:
+        yield NotJudged("shafts, keys and bearings are not judged for the torque of strength.overload")
 
 
 def _of_knocks(drive: Drive) -> Iterator[NotJudged]:
-    """That shafts, keys and bearings bear more where teeth knock, of which the strength of the teeth tells."""
-    rating = known_rating(drive)
-    if isinstance(rating, Rating) and rating.loading.knocks:
-        yield NotJudged("shafts, keys and bearings are not judged for the knocks of teeth whose load changes flanks")
+    """That shafts, keys and bearings may bear more where teeth knock that are not followed."""
+    if drive.knocks is None and drive.rigid.fluctuation.flank_changes_rad.size:
+        yield NotJudged(
+            "shafts, keys and bearings are not judged for the knocks of teeth whose load changes flanks, which are "
+            "followed of a single pair of straight teeth with inertia only"
+        )
 
 
 def before_teeth(drive: Drive) -> Iterator[Advice | NotJudged]:

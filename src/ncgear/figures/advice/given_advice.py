@@ -125,6 +125,9 @@ def _idle_keys(drive: Drive) -> Iterator[Idle]:
     rub, gears, masses = design.simulation.friction, design.gears, design.masses
     shafts = {f"drivetrain.{name}": getattr(around, name) for name in ("driving_shaft", "driven_shaft") if around}
     bearings = any(shaft and shaft.bearing_a for shaft in shafts.values())
+    # With both shafts' bearings the load along the face width follows, unless its factor is given.
+    along = bool(shafts) and all(shaft and shaft.bearing_a for shaft in shafts.values())
+    along = along and design.strength.face_load_factor is None
     motor, line = around.motor if around else None, design.simulation.motor
     made = design.tolerances
     of = {"tolerances.driving": made.driving, "tolerances.driven": made.driven} if made else {}
@@ -209,18 +212,33 @@ def _idle_keys(drive: Drive) -> Iterator[Idle]:
             if part
         ),
         *(
-            (not asks, (f"{name}.grade",), "beside single_pitch_mm and profile_mm, which hold alone", "leave it out")
+            (
+                not asks and not along,
+                (f"{name}.grade",),
+                "beside single_pitch_mm and profile_mm, which hold alone",
+                "leave it out",
+            )
             for name, asks in graded.items()
         ),
         (
-            bool(graded) and not any(asks and of[name].grade is None for name, asks in graded.items()),
+            not along and bool(graded) and not any(asks and of[name].grade is None for name, asks in graded.items()),
             ("tolerances.grade",),
             "and each gear has its own grade, or single_pitch_mm and profile_mm",
             "leave it out",
         ),
         *(
-            (shaft is not None and not shaft.has_strength, (f"{name}.diameter_mm", f"{name}.blank_mm"), *OF_STEEL)
+            (shaft is not None and not shaft.has_strength, keys, *OF_STEEL)
             for name, shaft in shafts.items()
+            for keys in [(f"{name}.blank_mm",) if along else (f"{name}.diameter_mm", f"{name}.blank_mm")]
+        ),
+        *(
+            (
+                not along,
+                (f"{name}.bearing_a.stiffness_n_per_um", f"{name}.bearing_b.stiffness_n_per_um"),
+                "where bearings of one shaft are missing, or strength.face_load_factor is given",
+                "give the bearings of both shafts and no factor",
+            )
+            for name in shafts
         ),
         *(
             (shaft is not None and shaft.bearing_a is None, (f"{name}.crank_at_mm",), "without bearings", "give them")

@@ -52,7 +52,7 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
         f"{first.damage.words} where {first.wanted:g} is wanted" + (f" (also {'; '.join(also)})" if also else ""),
         f"{'teeth break' if first.damage is Damage.BENDING else 'flanks pit'} before the wanted life ends; "
         "ncgear strength computes what would do",
-        _sizes(drive, face_width_factor(rating.weakest), module_factor(rating.weakest)),
+        (*_crowning(drive), *_sizes(drive, face_width_factor(rating.weakest), module_factor(rating.weakest))),
         brief=f"the teeth do not hold: safety {_under(first.safety, first.wanted)} against {first.damage.words}, "
         f"{first.wanted:g} wanted",
     )
@@ -161,6 +161,13 @@ def _rough_remedies(drive: Drive, found: RoughStrength) -> tuple[Remedy, ...]:
     if not found.unjudged:
         return sizes
     return tuple(one for one in sizes if one.short != SIZE) or (TOGETHER,)
+
+
+def _crowning(drive: Drive) -> tuple[Remedy, ...]:
+    """Flanks that fall back at both ends of the width, where the shafts tell what that helps."""
+    if drive.face_loading.basis != "computed":
+        return ()
+    return (Remedy("crown the flanks along the width", short="crowned flanks", search=Search.CROWNED),)
 
 
 def _sizes(drive: Drive, wider: float, larger: float) -> tuple[Remedy, ...]:

@@ -11,7 +11,14 @@ from ncgear.figures.advice.values import Advice, Remedy, Search, changed
 from ncgear.interrupts import TimeIsOver, at_most
 from ncgear.project.alternatives import Changes
 from ncgear.project.drive import Drive
-from ncgear.project.strengthening import Rating, known_rating, large_enough, strong_enough, wide_enough
+from ncgear.project.strengthening import (
+    Rating,
+    crowned_enough,
+    known_rating,
+    large_enough,
+    strong_enough,
+    wide_enough,
+)
 
 FINER = Remedy("try more teeth of a smaller module", short="try more, smaller teeth", search=Search.FINER)
 
@@ -21,6 +28,7 @@ MOST_SECONDS = 5.0
 """Most processor time of the trials of one verdict: who waits for it does not wait longer."""
 
 ENOUGH: dict[Search, tuple[Callable[[Drive, Rating], Changes], str]] = {
+    Search.CROWNED: (crowned_enough, "crown the flanks"),
     Search.WIDER: (wide_enough, "make the gears wider"),
     Search.LARGER: (large_enough, "take a larger module"),
     Search.STRONGER: (strong_enough, "take a stronger material"),

@@ -31,6 +31,7 @@ class Kind(StrEnum):
     DRIVETRAIN = "drivetrain"
     MISSED_WISH = "missed_wish"
     SPEEDS = "speeds"
+    DRAWING = "drawing"
     NEGATIVE_RESISTANCE = "negative_resistance"
     WITHOUT_EFFECT = "without_effect"
     RATIO_RANGE = "ratio_range"
@@ -65,6 +66,7 @@ class Search(StrEnum):
 
     FINER = "more, smaller teeth"
     FLATTER = "a smaller helix angle"
+    CROWNED = "crowned flanks"
     WIDER = "a wider face"
     LARGER = "a larger module"
     STRONGER = "a stronger material"

@@ -17,6 +17,7 @@ from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
 from ncgear.errors import DesignError
 from ncgear.figures.advice import (
+    drawing_advice,
     drivetrain_advice,
     flank_advice,
     given_advice,
@@ -204,6 +205,13 @@ CONDITIONS: dict[Kind, Condition] = {
         "the law's velocities are told at the machine's speed",
         lambda drive: drive.law.stroke is not None,
         _one(law_advice.speeds),
+        of_pair=False,
+    ),
+    Kind.DRAWING: Condition(
+        "drawing",
+        "the drawing names the unit of the design, and its parts meet",
+        lambda drive: drawing_advice.contour_of(drive) is not None,
+        drawing_advice.drawing,
         of_pair=False,
     ),
     Kind.NEGATIVE_RESISTANCE: Condition(

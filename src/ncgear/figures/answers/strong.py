@@ -10,14 +10,19 @@ from ncgear.design.keys.base import listed
 from ncgear.figures.advice.values import Kind, Remedy, changed
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.answer import Answer, Fault, Row, faults_of
+from ncgear.figures.answers.simulated import SAME_AS_MESH
 from ncgear.figures.flanks import surfaces_rows
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
+from ncgear.figures.simulated import force_figures
 from ncgear.figures.sized import sized_rows
 from ncgear.figures.strong import (
     HEADS,
     LOADS,
+    face_load_words,
     holding_words,
+    jam_words,
+    jolts_words,
     knock_words,
     materials_words,
     teeth_words,
@@ -93,7 +98,13 @@ def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
     return [
         Row(f"{of}teeth", (gears,)),
         Row(f"{of}material", (materials_words(drive, rating.strength),)),
-        Row(f"{of}force", (f"up to {figure('force_n', force_n)} on one pair of teeth",)),
+        Row(f"{of}force", (f"up to {figure('force_n', force_n)} on one pair of teeth, times {jolts_words(drive)}",)),
+        Row(f"{of}face load", (face_load_words(drive, rating),)),
+        *(
+            Row(f"{of}{name}", (words,))
+            for name, words in surfaces_rows(drive, drive.surfaces_by(rating.strength.method))
+        ),
+        *([Row(f"{of}knocks", (words,))] if (words := knock_words(loading.knocks)) else []),
         Row(
             f"{of}under load",
             (
@@ -101,12 +112,19 @@ def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
                 f"{figure(error, loading.transmission_error_rad)}",
             ),
         ),
-        *([Row(f"{of}knocks", (words,))] if (words := knock_words(loading.knocks)) else []),
-        *(
-            Row(f"{of}{name}", (words,))
-            for name, words in surfaces_rows(drive, drive.surfaces_by(rating.strength.method))
-        ),
+        *([Row(f"{of}with knocks", (words,))] if (words := _forces_words(drive)) else []),
+        *([Row(f"{of}jam", (words,))] if (words := jam_words(drive, rating)) else []),
     ]
+
+
+def _forces_words(drive: Drive) -> str:
+    """The peak forces in joints and bearings where teeth knock; empty where they do not."""
+    peaks = drive.knocking_peaks
+    if peaks is None:
+        return ""
+    figures = force_figures(drive.linkage, peaks)
+    joints = [key for key in figures if key.endswith("_force_n") and key not in ("peak_mesh_force_n", SAME_AS_MESH)]
+    return ", ".join(f"{name_of(key)} {figure(key, figures[key])}" for key in joints)
 
 
 def sized_answer(found: Sequence[Sized], then: str = "", left_out: Sequence[str] = ()) -> Answer:

@@ -11,7 +11,7 @@ from ncgear.tolerances.iso286 import distance_deviation_mm, hole_text
 
 def tolerances(drive: Drive) -> tuple[Entry, ...]:
     """The tolerances of a pair."""
-    given, gears = drive.gears.tolerances, drive.gears
+    given, gears, lead = drive.gears.tolerances, drive.gears, drive.gears.lead
     pin = gears.driven.crank_pin
     pinned = None if pin is None else hole_text(given.crank_pin_fit, pin.diameter_mm)
     driving, driven = (
@@ -20,6 +20,9 @@ def tolerances(drive: Drive) -> tuple[Entry, ...]:
     rows = (
         Entry("standard", pair=given.standard or None),
         Entry("accuracy grade", pair=given.grade or None),
+        Entry("lead crowning of both gears together", "\u00b5m", pair=lead.crowning_um or None),
+        Entry("end relief of both gears together", "\u00b5m", pair=lead.end_relief_um),
+        Entry("length of the end relief", "mm", pair=lead.end_relief_length_mm),
         Entry("lower deviation of tooth thickness", "mm", pair=given.tooth_thickness_lower_mm),
         Entry("upper deviation of tooth thickness", "mm", pair=given.tooth_thickness_upper_mm),
         Entry("deviation of the centre distance", "mm", pair=distance_text(drive)),

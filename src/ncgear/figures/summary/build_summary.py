@@ -94,7 +94,9 @@ def _strength(drive: Drive) -> dict[str, Any]:
         return {"strength": {"refused": rating.problem}}
     if rating is None:
         return {}
-    return {"strength": {**strength_summary(rating), **surfaces_figures(drive.surfaces_by(rating.strength.method))}}
+    return {
+        "strength": {**strength_summary(rating, drive), **surfaces_figures(drive.surfaces_by(rating.strength.method))}
+    }
 
 
 L_PER_MM3 = 1e-3 * CM3_PER_MM3

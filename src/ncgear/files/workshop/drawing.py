@@ -135,6 +135,12 @@ class Drawing:
     layers: Layers
     notes: tuple[str, ...]
 
+    @property
+    def cut(self) -> Drawing:
+        """Only the closed contours that a workshop cuts, through or part of the way."""
+        cuts = {layer: shapes for layer, shapes in self.layers.items() if layer.use is not Use.REFERENCE}
+        return replace(self, layers=cuts)
+
     def moved(self, x_mm: float) -> Drawing:
         """The drawing, farther along x."""
         layers = {layer: tuple(_moved(shape, x_mm) for shape in shapes) for layer, shapes in self.layers.items()}

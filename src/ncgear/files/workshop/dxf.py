@@ -62,20 +62,24 @@ SLACK = 1.1
 
 
 def dxf_files(shown: PairDrawings) -> dict[str, bytes]:
-    """``driving.dxf`` and ``driven.dxf`` in their own frames, and ``pair.dxf`` as assembled, by their names."""
+    """``driving.dxf`` and ``driven.dxf`` in their own frames, and ``pair.dxf`` as assembled, by their names.
+
+    The files of one gear are for cutting: they hold the closed contours that are cut, and nothing beside them.
+    """
     driving, driven = shown.driving, shown.driven
     assembled = {"DRIVING_": driving, "DRIVEN_": driven.moved(shown.center_distance_mm)}
     return {
-        "driving.dxf": dxf_bytes({"": driving}, driving.notes),
-        "driven.dxf": dxf_bytes({"": driven}, driven.notes),
+        "driving.dxf": dxf_bytes({"": driving.cut}, driving.notes, in_sight=False),
+        "driven.dxf": dxf_bytes({"": driven.cut}, driven.notes, in_sight=False),
         "pair.dxf": dxf_bytes(assembled, shown.notes),
     }
 
 
-def dxf_bytes(drawings: Mapping[str, Drawing], notes: Sequence[str]) -> bytes:
+def dxf_bytes(drawings: Mapping[str, Drawing], notes: Sequence[str], *, in_sight: bool = True) -> bytes:
     """One file with drawings, each by the prefix of its layers' names; the same drawings give the same bytes.
 
-    The notes are below the drawings, and among the properties of the file.  Raises Unanswered for a file with faults.
+    The notes are among the properties of the file and, ``in_sight``, below the drawings.  Raises Unanswered for a file
+    with faults.
     """
 
     def fill(document: Document) -> None:
@@ -83,7 +87,9 @@ def dxf_bytes(drawings: Mapping[str, Drawing], notes: Sequence[str]) -> bytes:
         decimals = flat.decimals_for(drawings.values())
         for prefix, drawing in drawings.items():
             _draw(document, drawing, prefix, decimals)
-        _write(document, notes, *flat.box_around(drawings.values()), decimals)
+        for number, note in enumerate(notes, 1):
+            document.header.custom_vars.append(f"note {number}", note)
+        _write(document, notes if in_sight else (), *flat.box_around(drawings.values()), decimals)
 
     return _file(notes[0], fill)
 
@@ -166,12 +172,12 @@ class _Text(DXFTag):
 
 def _write(document: Document, notes: Sequence[str], low: Array, high: Array, decimals: int) -> None:
     """Write notes below the box of the drawings, line by line, and set the view that shows all of it at opening."""
-    document.layers.add(NOTES, color=COLORS[Use.THROUGH])
+    if notes:
+        document.layers.add(NOTES, color=COLORS[Use.THROUGH])
     low, high = written(low, decimals), written(high, decimals)
     letter = float(written((high[0] - low[0]) / LETTERS_ACROSS, decimals))
     foot = low - np.array([0.0, LINE_SPACING * letter * (len(notes) + 1)])
     for number, note in enumerate(notes, 1):
-        document.header.custom_vars.append(f"note {number}", note)
         place = low - np.array([0.0, LINE_SPACING * letter * (number + 0.5)])
         document.modelspace().add_text(
             note, height=letter, dxfattribs={"layer": NOTES, "insert": tuple(written(place, decimals).tolist())}

@@ -25,6 +25,9 @@ from ncgear.ratio.transmission import JetFunction
 
 Point = tuple[float, float]
 
+ROUGHEST = 1e-3
+"""Share of a contour's size over which ends that miss each other are no rounding of numbers, but open."""
+
 STRAIGHT = 1e-9
 """Share of a polygon's side below which a straight part or a corner's radius is left out."""
 
@@ -121,8 +124,38 @@ def closed_b_spline(points_mm: Array, degree: int, axis_mm: Point, key: str) -> 
     return drawn([(part.at, part.breaks.tolist()) for part in parts], key, endless=len(parts) == 1)
 
 
+MOST_CORNERS = 100
+"""Corners of a contour over which it is an outline of chords, which is to be smoothed; each takes 10 ms to follow."""
+
+PER_PART = 32
+"""Points of a smooth part of a contour that is smoothed with its neighbours."""
+
+
+def points_along(curves: Sequence[RationalSpline]) -> Array:
+    """Points of a chain, shape (n, 2): the corners of chords, and points close together of other curves."""
+    found = list[Array]()
+    for curve in curves:
+        if curve.degree == 1:
+            found.append(curve.points[:-1])
+            continue
+        for part in curve.smooth_parts():
+            x, y = part.at(np.linspace(part.breaks[0], part.breaks[-1], PER_PART, endpoint=False), 0)
+            found.append(np.column_stack([x.value, y.value]))
+    return np.concatenate(found)
+
+
 def chain(curves: Sequence[RationalSpline], axis_mm: Point, key: str) -> ClosedCurve:
-    """The contour of curves that follow each other, each beginning where the one before ends."""
+    """The contour of curves that follow each other, each beginning where the one before ends.
+
+    Raises WrongInput for a contour of so many chords that it is to be smoothed.
+    """
+    chords = sum(len(curve.points) - 1 for curve in curves if curve.degree == 1)
+    if chords > MOST_CORNERS:
+        raise WrongInput(
+            f"the contour has {chords} chords, and no teeth roll over their corners; give dxf.tolerance_mm, within "
+            "which a smooth curve follows them",
+            key=key,
+        )
     parts: list[tuple[PointFunction, Sequence[float]]] = []
     for curve in curves:
         moved = RationalSpline(curve.degree, curve.knots, curve.points - np.array(axis_mm), curve.weights)
@@ -130,16 +163,19 @@ def chain(curves: Sequence[RationalSpline], axis_mm: Point, key: str) -> ClosedC
     return drawn(parts, key)
 
 
-def one_contour(curves: Sequence[RationalSpline], key: str) -> list[RationalSpline]:
-    """Curves in any order and sense as a chain that closes; raises WrongInput where they are not one closed contour.
+def one_contour(curves: Sequence[RationalSpline], near_mm: float, key: str) -> tuple[list[RationalSpline], float]:
+    """Curves in any order and sense as a chain that closes, and the greatest gap between their ends in mm.
 
-    Ends within a millionth of the contour's size are one point, and are put together there.
+    Ends within ``near_mm``, but no more than ROUGHEST and no less than JOINED of the contour's size, are one point, and
+    are put together there; shorter curves are left out.  Raises WrongInput where they are not one closed contour.
     """
-    left = [curve for curve in curves if np.any(curve.points != curve.points[0])]
-    if not left:
+    size = max((float(np.max(np.ptp(curve.points, axis=0))) for curve in curves), default=0.0)
+    if not size:
         raise WrongInput("no lines, arcs or curves; one closed contour is needed", key=key)
-    every = np.concatenate([curve.points for curve in left])
-    near = JOINED * float(np.max(np.ptp(every, axis=0)))
+    every = np.concatenate([curve.points for curve in curves])
+    size = float(np.max(np.ptp(every, axis=0)))
+    near = min(max(near_mm, JOINED * size), ROUGHEST * size)
+    left = [curve for curve in curves if np.max(np.ptp(curve.points, axis=0)) > near]
     found = [left.pop(0)]
     while _gap(found[-1].points[-1], found[0].points[0]) > near:
         tip = found[-1].points[-1]
@@ -164,7 +200,9 @@ def one_contour(curves: Sequence[RationalSpline], key: str) -> list[RationalSpli
             key=key,
         )
     ends = [curve.points[-1] for curve in found]
-    return [_from(curve, start, end) for curve, start, end in zip(found, [ends[-1], *ends], ends, strict=False)]
+    starts = [ends[-1], *ends[:-1]]
+    gap_mm = max(_gap(curve.points[0], start) for curve, start in zip(found, starts, strict=True))
+    return [_from(curve, start, end) for curve, start, end in zip(found, starts, ends, strict=True)], gap_mm
 
 
 def _gap(one: Array, other: Array) -> float:

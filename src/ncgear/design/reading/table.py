@@ -1,0 +1,110 @@
+"""Tables in files as spreadsheets, measuring machines and people write them: rows of cells, each with its line.
+
+Columns are separated by commas, semicolons, tabs or spaces, as the first row shows or a line ``sep=`` says; where they
+are separated by anything but commas, a comma may stand for the decimal point.  Empty lines and comments are passed
+over.  UTF-8 and UTF-16 are read, with or without a mark of their order; of XLSX, XLS and ODS the first sheet.
+"""
+
+from __future__ import annotations
+
+import codecs
+import csv
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+from ncgear.design.reading.text import read_bytes, read_text
+from ncgear.errors import WrongInput
+from ncgear.frozen import dataclass
+
+COMMENTS = ("#", "%", "//", "!")
+"""How a line begins that is no row."""
+
+SHEETS = (".xlsx", ".xlsm", ".xls", ".ods")
+"""Files of spreadsheets, by their endings."""
+
+DECIMAL_COMMA = re.compile(r"\s*[-+]?[0-9]*,[0-9]+([eE][-+]?[0-9]+)?\s*")
+
+
+@dataclass(frozen=True)
+class Row:
+    """The cells of a line of the file; ``comma`` says that commas separate them."""
+
+    line: int
+    cells: list[str]
+    comma: bool = False
+
+    def column(self, number: int) -> int:
+        """Where a cell begins in its line, from 1, as long as no cell is in quotes, which numbers do not need."""
+        return 1 + sum(len(cell) + 1 for cell in self.cells[:number])
+
+
+def read_rows(path: Path, *, limit_mb: int) -> Iterator[Row]:
+    """The rows of a table; raises WrongInput where the file cannot be read, with the line of what is no row."""
+    if path.suffix.lower() in SHEETS:
+        return _of_sheet(path, limit_mb)
+    return _of_text(_text(path, limit_mb), path)
+
+
+def column_name(head: str) -> str:
+    """The name that a head stands for: ``X (mm)``, ``x [mm]`` and ``x_mm`` are ``x_mm``."""
+    return re.sub(r"[^0-9a-z]+", "_", head.casefold().replace("°", " deg ")).strip("_")
+
+
+def _text(path: Path, limit_mb: int) -> str:
+    begins = read_bytes(path, limit_mb=limit_mb)
+    if begins.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
+        try:
+            return begins.decode("utf-16")
+        except UnicodeDecodeError as error:
+            raise WrongInput("is not UTF-16 text; save the file as UTF-8", location=str(path)) from error
+    return read_text(path, limit_mb=limit_mb)
+
+
+def _of_text(text: str, path: Path) -> Iterator[Row]:
+    separator, first = "", 1
+    lines = text.splitlines()
+    if lines and re.fullmatch(r'"?sep=(.|\\t)"?', lines[0].strip(), re.IGNORECASE):
+        separator, first = lines[0].strip().strip('"')[4:].replace("\\t", "\t"), 2
+    for line, content in enumerate(lines[first - 1 :], first):
+        stripped = content.strip()
+        if not stripped or stripped.startswith(COMMENTS):
+            continue
+        separator = separator or next((one for one in (";", "\t", ",") if one in content), " ")
+        cells = content.split() if separator == " " else _cells(content, separator, f"{path}:{line}:1")
+        if any(cell.strip() for cell in cells):
+            yield Row(line, cells if separator == "," else [_with_point(cell) for cell in cells], separator == ",")
+
+
+def _cells(content: str, separator: str, location: str) -> list[str]:
+    if '"' not in content:
+        return content.split(separator)
+    try:
+        (cells,) = csv.reader([content], delimiter=separator, strict=True, skipinitialspace=True)
+    except (csv.Error, ValueError) as error:
+        problem = f"is not CSV: {error}; numbers separated by commas, semicolons or tabs are right"
+        raise WrongInput(problem, location=location) from error
+    return cells
+
+
+def _with_point(cell: str) -> str:
+    return cell.replace(",", ".") if DECIMAL_COMMA.fullmatch(cell) else cell
+
+
+def _of_sheet(path: Path, limit_mb: int) -> Iterator[Row]:
+    """The rows of the first sheet."""
+    from ncgear.extras import require
+
+    require("python_calamine", "tables", str(path))
+    from python_calamine import CalamineError, load_workbook
+
+    read_bytes(path, limit_mb=limit_mb)
+    try:
+        rows = load_workbook(str(path)).get_sheet_by_index(0).to_python(skip_empty_area=False)
+    except (CalamineError, IndexError, OSError) as error:
+        said = " ".join(str(error).split())[:80]
+        raise WrongInput(f"is no spreadsheet that can be read: {said}; save it as CSV", location=str(path)) from error
+    for line, values in enumerate(rows, 1):
+        cells = [repr(value) if isinstance(value, float) else str(value) for value in values]
+        if any(cell.strip() for cell in cells) and not cells[0].strip().startswith(COMMENTS):
+            yield Row(line, cells)

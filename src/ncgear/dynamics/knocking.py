@@ -1,0 +1,79 @@
+"""The forces in a machine whose teeth knock: in joints, bearings and shafts, by the torque that the teeth bear.
+
+Where the teeth bear the torque M in place of T, which the law asks, the driven side of the inertia J about its shaft is
+hurried: its acceleration has (M - T) / J beyond the law's.  All that moves with it bears what that asks, as Newton and
+Euler say, so that the forces are those of ``ncgear.dynamics.loaded_machine`` with another acceleration.  J is
+the crank's reduced inertia (``ncgear.dynamics.crank_load``).  What the slider's place and speed miss of the law's
+is not counted, nor what the guide's friction changes by a knock: both are small beside M - T.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ncgear.dynamics.crank_load import reduced_inertia
+from ncgear.dynamics.flank_changes import BorneTorque
+from ncgear.dynamics.loaded_machine import Loads, RigidMachine
+from ncgear.dynamics.rigid import LoadPeaks, MeshPeak
+from ncgear.frozen import dataclass
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.extrema import Extremum
+from ncgear.numerics.highest import largest_of_each
+from ncgear.numerics.jet import Jet
+from ncgear.numerics.plane import Vector
+from ncgear.numerics.units import N_PER_KG_MM_S2
+
+
+def hurried_loads(rigid: RigidMachine, phi1_rad: Array, beyond_n_mm: Array) -> Loads:
+    """The loads at driving angles in rad where teeth bear a torque beyond what the law asks, M - T, shape (n,) each.
+
+    Where nothing has inertia no torque hurries anything, and the loads are those of the law.
+    """
+    machine, masses = rigid.machine, rigid.masses
+    angle = Jet.variable(machine.transmission.driven_angle(phi1_rad, 0).value, 2)
+    inertia = N_PER_KG_MM_S2 * reduced_inertia(machine.linkage.moving_masses(angle, masses), masses)[0]
+    hurried = np.zeros_like(beyond_n_mm)
+    np.divide(beyond_n_mm, inertia * machine.speed_rad_s**2, out=hurried, where=inertia > 0.0)
+    return rigid.at(phi1_rad, hurried)
+
+
+@dataclass(frozen=True, eq=False)
+class KnockingMachine:
+    """A machine at constant driving speed whose teeth bear ``borne`` in place of what the law asks."""
+
+    rigid: RigidMachine
+    borne: BorneTorque
+
+    def at(self, phi1_rad: Array) -> Loads:
+        """The loads at driving angles in rad, shape (n,)."""
+        return hurried_loads(self.rigid, phi1_rad, self.borne.at(phi1_rad) - self.borne.asked(phi1_rad))
+
+    @property
+    def turns_rad(self) -> Array:
+        """Driving angles of a cycle at which a swing of the teeth's torque turns round, shape (n,), rising."""
+        torque = self.borne.torque_n_mm
+        rising = np.sign(np.diff(torque))
+        turns = np.flatnonzero(rising[1:] != rising[:-1]) + 1
+        return np.unique(self.borne.phi1_rad[turns[np.isfinite(torque[turns])]] % self.borne.cycle_rad)
+
+    def peaks(self, places_rad: Array) -> LoadPeaks:
+        """The largest forces of a cycle, sought between ``places_rad`` (shape (n,)) and where swings turn round."""
+        linkage = self.rigid.machine.linkage
+
+        def sizes(phi1: Array) -> Array:
+            loads = self.at(phi1)
+            vectors = [*(loads.joints[name] for name in linkage.JOINTS), loads.crank_bearing, loads.mesh_force.force]
+            return np.stack([*(_size_n(vector) for vector in vectors), np.abs(loads.guide.value)])
+
+        *joints, bearing, mesh, guide = largest_of_each(sizes, np.union1d(places_rad, self.turns_rad))
+        steep = self.at(np.array([mesh.at])).mesh_force.pressure_angle_rad.value
+        return LoadPeaks(
+            dict[str, Extremum](zip(linkage.JOINTS, joints, strict=True)),
+            bearing,
+            guide,
+            MeshPeak(mesh, float(steep[0])),
+        )
+
+
+def _size_n(force: Vector) -> Array:
+    return np.asarray(np.hypot(force.x.value, force.y.value))

@@ -1,0 +1,259 @@
+"""How unevenly the teeth of a design bear along their width: from keys and loads to ``ncgear.strength.face_load``.
+
+Where the file gives the bearings and diameters of both shafts, K_Hbeta is computed at every position; else it is the
+person's own or ASSUMED.  A bearing is as stiff as its key says, or as its static rating tells at its largest force of
+the cycle; where neither is given it is rigid.  Where teeth bear more than the law asks, as in knocks, the crank presses
+with what that hurries (``ncgear.dynamics.knocking``).  The application factor counts for all forces.
+
+Flanks lie askew by the helix slope that the grade allows either gear (ISO 1328-1) and by the tilt of its bore, all
+independent of each other: the root of the sum of squares, as ISO 6336-1 combines both gears' (secondary source).  Where
+the section ``tolerances`` is left out, both gears have the grade for which K_V is estimated.  Running in takes off the
+mean of what it takes off both materials.  Not counted: play in the bearings, and shafts that are not parallel.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import hypot, radians, tan
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from ncgear.design.keys.drivetrain import DrivenShaft, DrivingShaft
+from ncgear.design.keys.gears import Gears
+from ncgear.drivetrain.bearings import Bearing, stiffness_n_mm, supporting_forces
+from ncgear.dynamics.knocking import hurried_loads
+from ncgear.frozen import dataclass
+from ncgear.kinematics.motion import sample_angles
+from ncgear.numerics.arrays import Array, ComplexArray, largest_rows
+from ncgear.pitch.shape import Gear
+from ncgear.project.drivetrain import bearing_of
+from ncgear.project.service import choices_of
+from ncgear.project.tooth_load import ToothLoad, asked_of
+from ncgear.strength.conditions import GRADE, Running
+from ncgear.strength.contacts import LoadedContacts
+from ncgear.strength.endurance import running_in
+from ncgear.strength.face_load import ASSUMED, FaceLoads, FaceModel, LeadForm, Shaft, Support, best_crowning_mm
+from ncgear.strength.without_teeth import SharedLoad
+from ncgear.tolerances.iso1328 import helix_slope_mm
+
+if TYPE_CHECKING:
+    from ncgear.design.keys.design import Design
+    from ncgear.project.drive import Drive
+
+MM_PER_UM = 1e-3
+
+
+@dataclass(frozen=True, eq=False)
+class FaceLoading:
+    """How K_Hbeta of a pair is known.
+
+    ``basis`` says so: given by the person, assumed (``why`` says what is missing), or computed by ``model`` from the
+    loads ``asked``.  ``constant`` is the factor that is given or assumed.  Loads count with an application factor.
+    """
+
+    basis: Literal["given", "assumed", "computed"]
+    constant: float = ASSUMED
+    why: str = ""
+    model: FaceModel | None = None
+    asked: ToothLoad | None = None
+
+    def of_contacts(self, contacts: LoadedContacts, application_factor: float) -> Array:
+        """K_Hbeta of contacts that bear load, shape (n,); raises as ``FaceModel.factors`` does."""
+        if self.model is None:
+            return np.full(contacts.force_n.shape, self.constant)
+        return self.model.factors(self.loads_of(contacts, application_factor))[contacts.position]
+
+    def loads_of(self, contacts: LoadedContacts, application_factor: float) -> FaceLoads:
+        """What presses the flanks together at every position of loaded contacts."""
+        each = contacts.force_n, contacts.stiffness_n_mm
+        force, stiffness = (np.bincount(contacts.position, one).astype(float) for one in each)
+        phi1, urge = np.zeros(force.size), np.ones(force.size)
+        phi1[contacts.position], urge[contacts.position] = contacts.phi1_rad, 1.0 - 2.0 * contacts.side
+        assert self.model is not None
+        return self.pressing(
+            phi1, urge, application_factor * force, stiffness / self.model.width_mm, application_factor
+        )
+
+    def of_side(self, one: SharedLoad, application_factor: float) -> Array:
+        """K_Hbeta of a load that is known without teeth, shape (n,)."""
+        if self.model is None:
+            return np.full(one.load.force_n.shape, self.constant)
+        load = one.load
+        force = application_factor * load.force_n
+        pressing = self.pressing(load.phi1_rad, load.urge, force, one.stiffness_n_mm2, application_factor)
+        return self.model.factors(pressing)
+
+    def pressing(
+        self, phi1_rad: Array, urge: Array, force_n: Array, stiffness_n_mm2: Array, application_factor: float
+    ) -> FaceLoads:
+        """What presses the flanks together at driving angles, shape (n,).
+
+        ``urge`` is +1 where pushing flanks bear, -1 where backs do; ``force_n`` is the normal force of all pairs, the
+        application factor in it, and ``stiffness_n_mm2`` theirs.
+        """
+        assert self.asked is not None
+        asked, mesh = self.asked, self.asked.mesh_force(phi1_rad, urge)
+        towards = (mesh.force.x.value + 1j * mesh.force.y.value) / mesh.size_n.value
+        arms = _arms_mm(asked, phi1_rad, urge)
+        torque = urge * force_n / application_factor * arms[:, 1]
+        crank = np.real(_crank_n(asked, phi1_rad, torque - asked.torque_n_mm(phi1_rad)) * np.conj(towards))
+        return FaceLoads(force_n, stiffness_n_mm2, application_factor * crank, arms)
+
+
+def _arms_mm(asked: ToothLoad, phi1_rad: Array, urge: Array) -> Array:
+    """The arms of the mesh force about both axes, shape (n, 2)."""
+    slope = asked.pair.transmission.driven_angle(phi1_rad, 1).derivative(1)
+    return np.stack([slope, np.ones(slope.shape)], axis=1) / asked.mesh_force(phi1_rad, urge).size_n.value[:, None]
+
+
+def _crank_n(asked: ToothLoad, phi1_rad: Array, beyond_n_mm: Array) -> ComplexArray:
+    """The force as x + i y in N with which the crank presses on its shaft; the machine's gears lie nowhere.
+
+    Teeth bear ``beyond_n_mm`` (shape (n,)) beyond what the law asks of the driven gear.
+    """
+    bearing = hurried_loads(asked.machine, phi1_rad, beyond_n_mm).crank_bearing
+    return np.asarray(-(bearing.x.value + 1j * bearing.y.value))
+
+
+def face_loading_of(drive: Drive) -> FaceLoading:
+    """How K_Hbeta of a drive's pair is known."""
+    design = drive.design
+    if (own := design.strength.face_load_factor) is not None:
+        return FaceLoading("given", own)
+    around, gears = design.drivetrain, drive.gears
+    if around is None:
+        return FaceLoading("assumed", why="drivetrain is not given")
+    driving = _Around.of(around.driving_shaft, gears, Gear.DRIVING)
+    driven = _Around.of(around.driven_shaft, gears, Gear.DRIVEN)
+    if isinstance(driving, str) or isinstance(driven, str):
+        return FaceLoading("assumed", why=driving if isinstance(driving, str) else str(driven))
+    asked = asked_of(drive)
+    phi1 = sample_angles(asked.pair.transmission)
+    mesh, crank = asked.mesh_force(phi1).force, _crank_n(asked, phi1, np.zeros(phi1.size))
+    on_driven = mesh.x.value + 1j * mesh.y.value
+    # The arm of the force is about the radius of the roots.
+    arms = _arms_mm(asked, phi1, np.ones(phi1.size)).min(axis=0)
+    first, second = (one.youngs_modulus_mpa for one in drive.materials)
+    shafts = driving.shaft((arms[0], first), -on_driven, 0.0 * crank), driven.shaft((arms[1], second), on_driven, crank)
+    askew, running = _askew_mm(design, drive.running), drive.running
+    worn = sum(running_in(one, running, askew) for one in choices_of(gears)) / 2.0
+    model = FaceModel(shafts, driven.crank_at_mm, gears.face_width_mm, askew - worn, lead_form(gears))
+    return FaceLoading("computed", model=model, asked=asked)
+
+
+@dataclass(frozen=True)
+class _Around:
+    """What stands around one gear: the bearings and the diameter of its shaft, and where the crank is on it."""
+
+    bearings: tuple[Bearing, Bearing]
+    diameter_mm: float
+    crank_at_mm: float
+
+    @classmethod
+    def of(cls, given: DrivingShaft | None, gears: Gears, gear: Gear) -> _Around | str:
+        """The same by the keys of a shaft, or what they lack, in words."""
+        if given is None or given.bearing_a is None or given.bearing_b is None:
+            return f"drivetrain gives no bearings of the {gear.value} shaft"
+        diameter = given.diameter_mm or (gears.driving if gear is Gear.DRIVING else gears.driven).bore_mm
+        if diameter is None:
+            return f"the diameter of the {gear.value} shaft is not given"
+        crank_at = given.crank_at_mm if isinstance(given, DrivenShaft) else 0.0
+        return cls((bearing_of(given.bearing_a), bearing_of(given.bearing_b)), diameter, crank_at)
+
+    def shaft(self, body: tuple[float, float], gear_n: ComplexArray, crank_n: ComplexArray) -> Shaft:
+        """The shaft on springs, by the forces of gear and crank over the cycle; ``body`` is the body's radius and E."""
+        borne = supporting_forces(gear_n, crank_n, self.bearings, self.crank_at_mm)
+        first, second = (
+            Support(one.at_mm, stiffness_n_mm(one, float(np.abs(force).max())))
+            for one, force in zip(self.bearings, borne, strict=True)
+        )
+        return Shaft(self.diameter_mm, 2.0 * float(body[0]), (first, second), body[1])
+
+
+def _askew_mm(design: Design, running: Running) -> float:
+    """By how much flanks lie askew over the face width, in either sense."""
+    given, width = design.tolerances, running.face_width_mm
+    slopes = []
+    for gear, teeth in zip(Gear, running.teeth, strict=True):
+        own = None if given is None else getattr(given, gear.value)
+        grade = GRADE if given is None or own is None else own.grade or given.grade
+        slopes.append(0.0 if grade is None else helix_slope_mm(grade, running.module_mm * teeth, width))
+        slopes.append(0.0 if own is None else width * tan(radians(own.tilt_deg)))
+    return hypot(*slopes)
+
+
+def lead_form(gears: Gears) -> LeadForm:
+    """The form of the flanks along the width."""
+    lead = gears.lead
+    return LeadForm(
+        MM_PER_UM * lead.crowning_um, MM_PER_UM * (lead.end_relief_um or 0.0), lead.end_relief_length_mm or 0.0
+    )
+
+
+@dataclass(frozen=True)
+class ToothFactor:
+    """K_Hbeta of a tooth of the driving gear, counted from 1, where its flank bears most for each mm of width."""
+
+    factor: float
+    tooth: int
+
+
+@dataclass(frozen=True)
+class ToldFaceLoad:
+    """What is told of the load along the width: the least and the greatest K_Hbeta of the teeth, and the decisive one.
+
+    Teeth count whose load for each mm of width is LEADING of the largest one at least.
+    ``decisive`` is that of the tooth that bears most for each mm of width, ``by_shafts`` the same if flanks were not
+    askew, and ``best`` with the best crowning, ``best_um``.  ``askew_um`` counts running in, and ``crowning_um`` is the
+    crowning of the design.
+    """
+
+    least: ToothFactor
+    greatest: ToothFactor
+    decisive: ToothFactor
+    by_shafts: float
+    askew_um: float
+    crowning_um: float
+    best_um: float
+    best: float
+
+
+LEADING = 0.5
+"""Share of the largest load from which teeth and positions count for what is told, and for the best crowning.  Where
+teeth bear little, few of their flanks touch, and factors are high without harm."""
+
+
+def told_face_load(drive: Drive, contacts: LoadedContacts) -> ToldFaceLoad | None:
+    """What is told of contacts that bear load; None where K_Hbeta is not computed."""
+    loading, over = drive.face_loading, drive.conditions.application_factor
+    model = loading.model
+    if model is None or not contacts.force_n.size:
+        return None
+    loads, place, force = loading.loads_of(contacts, over), contacts.position, contacts.force_n
+    factors = model.factors(loads)[place]
+    tooth = contacts.on(Gear.DRIVING).tooth
+    line = factors * force
+    rows = largest_rows(line, tooth, int(tooth.max()) + 1)
+    rows = rows[(rows >= 0) & (line[rows] >= LEADING * line.max())]
+    straight = replace(model, askew_mm=0.0).factors(loads)[place]
+    most = np.zeros(loads.force_n.size)
+    np.maximum.at(most, place, force)
+    heavy = most >= LEADING * most.max()
+    crowning_mm = round(best_crowning_mm(model, loads.kept(heavy), most[heavy]) / MM_PER_UM) * MM_PER_UM
+    best = replace(model, lead=replace(model.lead, crowning_mm=crowning_mm)).factors(loads)[place]
+    decisive = int(line.argmax())
+
+    def told(row: int) -> ToothFactor:
+        return ToothFactor(float(factors[row]), int(tooth[row]))
+
+    return ToldFaceLoad(
+        told(rows[factors[rows].argmin()]),
+        told(rows[factors[rows].argmax()]),
+        told(decisive),
+        float(straight[decisive]),
+        model.askew_mm / MM_PER_UM,
+        model.lead.crowning_mm / MM_PER_UM,
+        crowning_mm / MM_PER_UM,
+        float(np.max(best * force) / force[decisive]),
+    )

@@ -1,0 +1,346 @@
+"""The load along the face width: how shafts that bend and twist, bearings that give way and flanks askew spread it.
+
+At a position of the gears the pairs that touch are one row of springs along the width, c N/mm for each mm of width and
+mm of way.  Both gears follow their shafts, so the gap between the flanks at a place z along the width is
+
+    g(z) = g_0(z) + integral of A(z, s) w(s) ds,   w(z) = c max(0, x - g(z)),   integral of w(z) dz = F
+
+with w the load for each mm of width, x how far the gears approach along the normal, g_0 the gap that is there without
+the mesh force (flanks askew, crowning, end relief, the shaft as the crank's force bends it) and A(z, s) how far both
+gears give way at z under a force of 1 N at s.  Flanks only press, so w is never below 0.  The face load factor is
+K_Hbeta = max(w) b / F.  That is the way of ISO 6336-1:2019, annex E (secondary sources), with these choices:
+
+- A shaft is a beam of one diameter on two springs, by Timoshenko: A is the sum over the shaft of M_z M_s / (E I) +
+  10/9 Q_z Q_s / (G S), M and Q the bending moment and the transverse force of a force of 1 N at z and at s, S the area
+  of the section, and of R_z R_s / k over its bearings, R being what they bear (theorem of Castigliano).  The gear's
+  body does not stiffen it: ISO 6336-1 expects that of no body on a key.
+- The teeth stand on the body, a cylinder up to their roots.  It leans as its shaft does in the mean of the width, and
+  bends with it by E I / (E I + E_body I_body), since both resist bending together: the teeth of a wheel stay straight,
+  those of a pinion follow its shaft.  The mean line of a form y(z) is P y, the least squares of y; loads reach the
+  shaft by P's transpose, so that no energy is made.
+- The body twists as a cylinder of the arm of the mesh force, against the end at which the torque comes in or leaves:
+  by 2 / (pi G r^2) times the length that passes on both forces, r being the arm.
+- Teeth beside each other do not support each other, so that the peaks are on the safe side.
+
+**Solution.**  Between M + 1 places the load that a spring would have, u = c (x - g), is taken as linear.  Where it
+presses follows from its zeros, and its forces on the places are those of the hat functions over that part, so that
+linear gaps are met exactly.  With the part known, u and x are the solution of linear equations; it is computed anew
+until it stays (Newton's method, since the forces have a continuous slope).  Equilibrium and all w are checked.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import inf, pi
+
+import numpy as np
+
+from ncgear.errors import NoSuchMechanism
+from ncgear.frozen import dataclass
+from ncgear.numerics.arrays import Array, Columns
+
+ASSUMED = 1.3
+"""K_Hbeta where nothing is known of the shafts: usual for gears not wider than their shafts are stiff."""
+
+PARTS = 16
+"""Parts of the width.  With 64, factors of baler-drivetrain change by 0.05 %, and by 1 % with a crowning of 20 um."""
+
+STEEL_MPA = 206_000.0
+SHEAR_MPA = 79_300.0
+"""Moduli of shafts, of steel."""
+
+SHEARED = 10.0 / 9.0
+"""Factor of the transverse force's energy, of a round section."""
+
+GAUSS = (1.0 - 1.0 / 3.0**0.5) / 2.0, (1.0 + 1.0 / 3.0**0.5) / 2.0
+"""Gauss points of a part of a shaft: products of two moments are parabolas, for which they are exact."""
+
+
+@dataclass(frozen=True)
+class Support:
+    """A bearing with its seat: its place along the shaft in mm and its stiffness in N/mm, infinite where rigid."""
+
+    at_mm: float
+    stiffness_n_mm: float = inf
+
+
+@dataclass(frozen=True)
+class Shaft:
+    """A round shaft of steel on two bearings, and its gear's body below the teeth: diameter and Young's modulus.
+
+    Places along it in mm count from the middle of the gear.
+    """
+
+    diameter_mm: float
+    body_mm: float
+    supports: tuple[Support, Support]
+    body_mpa: float = STEEL_MPA
+
+    @property
+    def bent_teeth(self) -> float:
+        """How much of the shaft's bending the teeth follow: 1 where the body is no thicker than its shaft."""
+        thicker = max((self.body_mm / self.diameter_mm) ** 4 - 1.0, 0.0)
+        return 1.0 / (1.0 + self.body_mpa / STEEL_MPA * thicker)
+
+    def reactions(self, at_mm: Array) -> Array:
+        """What both bearings bear of 1 N at places, shape (2, n)."""
+        first, second = (one.at_mm for one in self.supports)
+        on_second = (at_mm - first) / (second - first)
+        return np.stack([1.0 - on_second, on_second])
+
+    def compliance(self, at_mm: Array, loaded_mm: Array) -> Array:
+        """How far the shaft gives way at n places in mm, across itself, under 1 N at each of k places; shape (n, k)."""
+        forces = np.concatenate([at_mm, loaded_mm])
+        borne = self.reactions(forces)
+        ends = np.unique(np.concatenate([forces, [one.at_mm for one in self.supports]]))
+        length = np.diff(ends)
+        point = (ends[:-1, None] + length[:, None] * GAUSS).ravel()
+
+        def beyond(places: Array) -> Array:
+            """Arms of forces of 1 N beyond points of the shaft, shape (places, points)."""
+            return np.asarray(np.maximum(places[:, None] - point, 0.0))
+
+        moment, across = beyond(forces), (forces[:, None] > point).astype(float)
+        for one, reaction in zip(self.supports, borne, strict=True):
+            moment -= reaction[:, None] * np.maximum(one.at_mm - point, 0.0)
+            across -= reaction[:, None] * (one.at_mm > point)
+        weight = np.repeat(length / 2.0, 2)
+        area = pi * self.diameter_mm**2 / 4.0
+        bending = weight / (STEEL_MPA * area * self.diameter_mm**2 / 16.0)
+        shear = SHEARED * weight / (SHEAR_MPA * area)
+        yielding = np.array([1.0 / one.stiffness_n_mm for one in self.supports])
+        near, far = slice(0, at_mm.size), slice(at_mm.size, None)
+        return np.asarray(
+            (moment[near] * bending) @ moment[far].T
+            + (across[near] * shear) @ across[far].T
+            + (borne[:, near].T * yielding) @ borne[:, far]
+        )
+
+
+@dataclass(frozen=True)
+class LeadForm:
+    """How the flanks of a pair fall back along the width, both gears together, in mm.
+
+    The crowning is a parabola with ``crowning_mm`` at both ends; the end relief begins ``relief_length_mm`` from each
+    end and is ``relief_mm`` there, along a line.
+    """
+
+    crowning_mm: float = 0.0
+    relief_mm: float = 0.0
+    relief_length_mm: float = 0.0
+
+    def gap_mm(self, at_mm: Array, width_mm: float) -> Array:
+        """The gap at places from the middle of the width, of the shape of the places."""
+        share = 2.0 * at_mm / width_mm
+        gap = self.crowning_mm * share**2
+        if self.relief_length_mm > 0.0:
+            into = np.abs(at_mm) - (width_mm / 2.0 - self.relief_length_mm)
+            gap = gap + self.relief_mm * np.maximum(into, 0.0) / self.relief_length_mm
+        return np.asarray(gap)
+
+
+@dataclass(frozen=True, eq=False)
+class FaceLoads(Columns):
+    """What presses flanks together at n positions, shape (n,) each.
+
+    ``force_n`` is the normal force of all pairs together and ``stiffness_n_mm2`` their stiffness for each mm of width.
+    ``crank_n`` is the part of the crank's force on the driven shaft in the direction of the mesh force on that shaft.
+    ``arms_mm`` (shape (n, 2)) are the arms of the mesh force about both axes.
+    """
+
+    force_n: Array
+    stiffness_n_mm2: Array
+    crank_n: Array
+    arms_mm: Array
+
+
+def places_mm(width_mm: float, lead: LeadForm) -> Array:
+    """The places along the width at which gaps are given, shape (PARTS + 1,), from its middle.
+
+    They are equally distant, but for those next to where an end relief begins, which stand right there.
+    """
+    places = np.linspace(-width_mm / 2.0, width_mm / 2.0, PARTS + 1)
+    begins = width_mm / 2.0 - lead.relief_length_mm
+    if 0.0 < begins < width_mm / 2.0:
+        for sign in (-1.0, 1.0):
+            places[1 + int(np.abs(places[1:-1] - sign * begins).argmin())] = sign * begins
+    return places
+
+
+@dataclass(frozen=True)
+class FaceModel:
+    """A pair on its shafts: ``shafts`` of the driving and the driven gear, and where the crank is on the latter.
+
+    ``askew_mm`` is by how much the flanks lie askew over the width, in either sense.
+    """
+
+    shafts: tuple[Shaft, Shaft]
+    crank_at_mm: float
+    width_mm: float
+    askew_mm: float
+    lead: LeadForm
+
+    def factors(self, loads: FaceLoads) -> Array:
+        """K_Hbeta at n positions, shape (n,), by the worse sense of flanks askew; 1 where nothing presses.
+
+        Raises as ``largest_line_load`` does.
+        """
+        pressed = np.flatnonzero(loads.force_n > 0.0)
+        found = np.ones(loads.force_n.size)
+        if not pressed.size:
+            return found
+        at = places_mm(self.width_mm, self.lead)
+        driven = self.shafts[1]
+        force, stiffness = loads.force_n[pressed], loads.stiffness_n_mm2[pressed]
+        straight, twist = _mean_line(at), self._twist(at, loads.arms_mm[pressed])
+        compliance = twist + sum(
+            one.bent_teeth * bent + (1.0 - one.bent_teeth) * straight @ bent @ straight.T
+            for one, bent in ((one, one.compliance(at, at)) for one in self.shafts)
+        )
+        by_crank = driven.compliance(at, np.array([self.crank_at_mm]))[:, 0]
+        by_crank = driven.bent_teeth * by_crank + (1.0 - driven.bent_teeth) * straight @ by_crank
+        gap = by_crank * loads.crank_n[pressed, None] + self.lead.gap_mm(at, self.width_mm)
+        askew = self.askew_mm * at / self.width_mm
+        senses = (1.0, -1.0) if self.askew_mm else (1.0,)
+        largest = [largest_line_load(at, gap + sense * askew, compliance, stiffness, force) for sense in senses]
+        found[pressed] = np.max(largest, axis=0) * self.width_mm / force
+        return found
+
+    def _twist(self, at_mm: Array, arms_mm: Array) -> Array:
+        """How far teeth give way along the normal as their bodies twist, shape (n, places, places).
+
+        The crank takes the torque off the driven gear on its own side; on the driving gear it comes in from the other.
+        """
+        side = 1.0 if self.crank_at_mm >= 0.0 else -1.0
+        twist = np.zeros((len(arms_mm), at_mm.size, at_mm.size))
+        for shaft, arm, end in zip(self.shafts, arms_mm.T, (-side, side), strict=True):
+            far, shear = self.width_mm / 2.0 - end * at_mm, SHEAR_MPA * shaft.body_mpa / STEEL_MPA
+            twist += (2.0 / (pi * shear * arm**2))[:, None, None] * np.minimum(far[:, None], far)
+        return twist
+
+
+RESOLVED_MM = 2.5e-4
+"""To which the best crowning is found: a quarter of what workshops measure."""
+
+GOLDEN = (5.0**0.5 - 1.0) / 2.0
+
+
+def best_crowning_mm(model: FaceModel, loads: FaceLoads, most_n: Array) -> float:
+    """The crowning with which the largest load for each mm of width is the least, 0 where straight flanks are best.
+
+    ``most_n`` (shape (n,)) is what the most loaded pair bears at the positions of ``loads``; other positions are not
+    asked for.  The largest load falls with the crowning and rises again, since too much leaves the middle of the width
+    alone; a golden section finds the least.  Raises as ``largest_line_load`` does.
+    """
+
+    def largest(crowning_mm: float) -> float:
+        crowned = replace(model, lead=replace(model.lead, crowning_mm=crowning_mm))
+        return float(np.max(crowned.factors(loads) * most_n))
+
+    low, high = 0.0, float(np.max(loads.force_n / loads.stiffness_n_mm2)) / model.width_mm
+    while largest(2.0 * high) < largest(high):
+        high *= 2.0
+    high *= 2.0
+    first, second = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+    at_first, at_second = largest(first), largest(second)
+    while high - low > RESOLVED_MM:
+        if at_first <= at_second:
+            high, second, at_second = second, first, at_first
+            first = high - GOLDEN * (high - low)
+            at_first = largest(first)
+        else:
+            low, first, at_first = first, second, at_second
+            second = low + GOLDEN * (high - low)
+            at_second = largest(second)
+    found = (low + high) / 2.0
+    return found if largest(found) < largest(0.0) else 0.0
+
+
+def _mean_line(at_mm: Array) -> Array:
+    """From a form at places along the width to the line of its least squares there, shape (places, places)."""
+    mass = _hats(np.tile([0.0, 1.0], (1, at_mm.size - 1, 1)), np.diff(at_mm))[0]
+    lines = np.stack([np.ones(at_mm.size), at_mm])
+    return np.asarray(lines.T @ np.linalg.solve(lines @ mass @ lines.T, lines @ mass))
+
+
+STEPS = 40
+"""Most steps to the part of the width that presses; four or five do as a rule.  From HALVED on, halves of them."""
+
+HALVED = 12
+
+STAYS = 1e-5
+"""Change of the pressing part, in shares of a part of the width, at which it stays: a force changes with its square."""
+
+BALANCED = 1e-8
+"""Share of the mean load by which forces and gaps may miss their equations; rounding errors are 1e-11 of it."""
+
+
+def largest_line_load(at_mm: Array, gap_mm: Array, compliance: Array, stiffness: Array, force_n: Array) -> Array:
+    """The largest load for each mm of width in N/mm at n positions, shape (n,).
+
+    ``gap_mm`` (shape (n, m) or (m,)) is g_0 at the places ``at_mm`` (m,) from one end of the width to the other,
+    ``compliance`` (n, m, m) or (m, m) is A in mm/N, ``stiffness`` (n,) is c in N/mm2 and ``force_n`` (n,) is above 0.
+    Raises NoSuchMechanism where equations are not met.
+    """
+    count, places = force_n.size, compliance.shape[-1]
+    gap = np.broadcast_to(gap_mm, (count, places))
+    compliance = np.broadcast_to(compliance, (count, places, places))
+    part_mm, mean = np.diff(at_mm), force_n / float(np.ptp(at_mm))
+    load, active = np.ones((count, places)), np.broadcast_to([0.0, 1.0], (count, places - 1, 2)).copy()
+    todo = np.arange(count)
+    for step in range(STEPS):
+        c = stiffness[todo]
+        hats = _hats(active[todo], part_mm)
+        matrix = np.zeros((todo.size, places + 1, places + 1))
+        matrix[:, :-1, :-1] = np.eye(places) + c[:, None, None] * (compliance[todo] @ hats)
+        matrix[:, :-1, -1] = -1.0
+        matrix[:, -1, :-1] = hats.sum(axis=1)
+        right = np.column_stack([-c[:, None] * gap[todo], force_n[todo]])
+        found = np.linalg.solve(matrix, right[..., None])[:, :-1, 0]
+        load[todo] = found if step < HALVED else (found + load[todo]) / 2.0
+        pressing = _pressing(load[todo])
+        stays = np.abs(pressing - active[todo]).max(axis=(1, 2)) < STAYS
+        active[todo] = pressing
+        todo = todo[~stays]
+        if not todo.size:
+            break
+    borne = (_hats(active, part_mm) @ load[..., None])[..., 0]
+    short = np.abs(borne.sum(axis=1) / force_n - 1.0)
+    # The approach x is the same at all places.
+    approach = load + stiffness[:, None] * (gap + (compliance @ borne[..., None])[..., 0])
+    uneven = np.ptp(approach, axis=1) / (mean + np.abs(approach).max(axis=1))
+    missed = np.flatnonzero(~((short < BALANCED) & (uneven < BALANCED)))
+    if missed.size:
+        raise NoSuchMechanism(
+            f"the load along the face width is not found at {missed.size} of {count} positions: gaps and forces miss "
+            f"their equations by {max(short[missed].max(), uneven[missed].max()):.1g}; strength.face_load_factor may "
+            "be given in its place",
+            key="drivetrain",
+        )
+    return np.asarray(load.max(axis=1))
+
+
+def _pressing(load: Array) -> Array:
+    """Begin and end of what presses of each part, in shares of it, shape (n, m - 1, 2); loads are (n, m)."""
+    first, second = load[:, :-1], load[:, 1:]
+    differ = np.where(first == second, 1.0, first - second)
+    zero = np.clip(first / differ, 0.0, 1.0)
+    begin = np.where(first > 0.0, 0.0, np.where(second > 0.0, zero, 1.0))
+    end = np.where(second > 0.0, 1.0, np.where(first > 0.0, zero, 1.0))
+    return np.stack([begin, end], axis=-1)
+
+
+def _hats(active: Array, part_mm: Array) -> Array:
+    """The integrals of products of hat functions over what presses, shape (n, m, m), tridiagonal."""
+    places = active.shape[1] + 1
+    begin, end = active[..., 0], active[..., 1]
+    powers = [part_mm * (end**k - begin**k) / k for k in (1, 2, 3)]
+    rising, both = powers[2], powers[1] - powers[2]
+    falling = powers[0] - 2.0 * powers[1] + powers[2]
+    hats = np.zeros((active.shape[0], places, places))
+    every = np.arange(places - 1)
+    hats[:, every, every] = falling
+    hats[:, every + 1, every + 1] += rising
+    hats[:, every, every + 1] = both
+    hats[:, every + 1, every] = both
+    return hats

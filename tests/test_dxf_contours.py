@@ -1,0 +1,238 @@
+"""Contours of DXF files as programs write them: ends of lines, code pages, rounded numbers, blocks, layers, splines."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import cos, pi, sin
+from pathlib import Path
+from typing import Any
+
+import ezdxf
+import pytest
+from ezdxf.document import Drawing
+
+from ncgear.errors import WrongInput
+from ncgear.figures.advice.drawing_advice import drawing
+from test_pitch_curves import from_folder
+
+HEAD = "holds no LINE, ARC, CIRCLE, ELLIPSE, SPLINE, LWPOLYLINE or POLYLINE"
+PEG = [(30, 2), (22, 22), (0, 27), (-20, 20), (-27, 0), (-19, -21), (2, -26), (23, -19)]
+HALVES = [(-8, -20, 1e-12), (12, -20, 1), (12, 20, -1e-12), (-8, 20, 1)]
+OVAL_DEG = 54.3147
+
+
+def made(add: Callable[[Any], object], version: str = "R2010") -> Drawing:
+    document = ezdxf.new(version)
+    add(document.modelspace())
+    return document
+
+
+def distance_mm(folder: Path, document: Drawing | None = None) -> float:
+    if document is not None:
+        document.saveas(folder / "contour.dxf")
+    found = from_folder(folder).law.center_distance_mm
+    assert found is not None
+    return found
+
+
+def circle(space: Any) -> None:
+    space.add_circle((3.0, 0.0), 30.0, dxfattribs={"layer": "Straße"})
+
+
+def oval(space: Any, digits: int) -> None:
+    """Arcs of radius 16 and 40 that touch, their numbers rounded."""
+    for x, about in ((14.0, 0.0), (-14.0, 180.0)):
+        space.add_arc((x, 0.0), 16.0, *(round((about + turn) % 360.0, digits) for turn in (-OVAL_DEG, OVAL_DEG)))
+    for y, about in ((-19.4936, 90.0), (19.4936, 270.0)):
+        half = 90.0 - OVAL_DEG
+        space.add_arc((0.0, round(y, digits)), 40.0, round(about - half, digits), round(about + half, digits))
+
+
+@pytest.mark.parametrize(
+    ("add", "expected_mm"),
+    [
+        (lambda space: space.add_spline().set_closed([(x, y, 0) for x, y in PEG]), 51.334759),
+        (lambda space: oval(space, 9), 50.090154),
+        (lambda space: oval(space, 3), 50.0898),
+        (lambda space: space.add_ellipse((3, 1), (30, 0), 0.8, 0.0, 6.28318), 54.047662),
+        (lambda space: space.add_lwpolyline(HALVES, format="xyb", close=True), 51.732811),
+        (lambda space: space.add_lwpolyline([HALVES[0], *HALVES], format="xyb", close=True), 51.732811),
+    ],
+    ids=["spline", "arcs", "arcs of three decimals", "ellipse to 6.28318", "bulges of nothing", "doubled vertex"],
+)
+def test_contours_of_other_programs_have_the_distances_that_were_found_elsewhere(
+    tmp_path: Path, add: Callable[[Any], object], expected_mm: float
+) -> None:
+    """By a program of another hand, which integrated the polar curves; rounded numbers move them by their rounding."""
+    assert distance_mm(tmp_path, made(add)) == pytest.approx(expected_mm, abs=2e-5 if expected_mm != 50.0898 else 1e-4)
+
+
+@pytest.mark.parametrize("way", ["windows", "code page", "binary", "by number"])
+def test_a_file_of_any_system_is_read(tmp_path: Path, way: str) -> None:
+    expected, file = distance_mm(tmp_path, made(circle)), tmp_path / "contour.dxf"
+    old = made(circle, "R2000")
+    if way == "windows":
+        file.write_bytes(file.read_bytes().replace(b"\n", b"\r\n"))
+    elif way == "binary":
+        old.saveas(file, fmt="bin")
+    else:
+        old.saveas(file)
+        assert b"Stra\xdfe" in file.read_bytes()
+    if way == "by number":
+        file.write_bytes(file.read_bytes().replace(b"Stra\xdfe", b"Stra\\U+00DFe"))
+    assert distance_mm(tmp_path) == expected
+    assert from_folder(tmp_path, layer="STRASSE").law.center_distance_mm == expected
+
+
+def splined(space: Any) -> None:
+    """A polyline of R12 that is smoothed, with its control points among its vertices."""
+    line = space.add_polyline2d([ellipse_at(number / 90.0)[:2] for number in range(90)], close=True)
+    line.append_vertices([(99.0, 99.0), (98.0, 98.0)])
+    for vertex in line.vertices[-2:]:
+        vertex.dxf.flags = 16
+
+
+def ellipse_at(turn: float) -> tuple[float, float, float]:
+    return 30.0 * cos(2.0 * pi * turn), 24.0 * sin(2.0 * pi * turn), 0.0
+
+
+def through(space: Any) -> None:
+    """A closed spline that has its fit points alone."""
+    spline = space.add_spline([ellipse_at(number / 64.0) for number in range(64)])
+    spline.closed = True
+
+
+def weightless(space: Any) -> None:
+    spline = space.add_spline()
+    spline.set_closed([(x, y, 0) for x, y in PEG])
+    spline.weights = [-1.0] * len(spline.control_points)
+
+
+def in_a_block(space: Any) -> None:
+    inner = space.doc.blocks.new("inner")
+    inner.add_circle((0.0, 0.0), 30.0)
+    space.doc.blocks.new("outer").add_blockref("inner", (0.0, 0.0))
+    space.add_blockref("outer", (3.0, 1.0), dxfattribs={"yscale": 0.8})
+
+
+def beside_what_is_off(space: Any) -> None:
+    circle(space)
+    for name, hide in (("off", lambda layer: layer.off()), ("frozen", lambda layer: layer.freeze())):
+        hide(space.doc.layers.add(name))
+        space.add_line((0, 0), (5, 5), dxfattribs={"layer": name})
+    space.add_solid([(0, 0), (1, 0), (0, 1)])
+
+
+@pytest.mark.parametrize(
+    ("add", "version", "expected_mm", "within"),
+    [
+        (splined, "R12", None, 5e-2),
+        (through, "R2010", None, 1e-5),
+        (weightless, "R2010", 51.334759, 1e-6),
+        (in_a_block, "R2010", 54.047662, 1e-6),
+        (beside_what_is_off, "R2010", 60.149534, 1e-6),
+    ],
+    ids=["R12", "fit points", "weights of -1", "blocks", "layers that are off"],
+)
+def test_what_programs_do_with_curves_is_undone(
+    tmp_path: Path, add: Callable[[Any], object], version: str, expected_mm: float | None, within: float
+) -> None:
+    if expected_mm is None:
+        expected_mm = distance_mm(tmp_path, made(lambda space: space.add_ellipse((0, 0), (30, 0), 0.8)))
+    assert distance_mm(tmp_path, made(add, version)) == pytest.approx(expected_mm, abs=within)
+
+
+def test_a_gap_that_no_rounding_explains_is_open(tmp_path: Path) -> None:
+    """A hundredth of a millimetre between coordinates of four decimals."""
+
+    def gaping(space: Any) -> None:
+        oval(space, 4)
+        next(iter(space)).dxf.center = (14.0123, 0.0)
+
+    with pytest.raises(WrongInput, match="the contour is open: it ends at"):
+        distance_mm(tmp_path, made(gaping))
+
+
+def on_layers(space: Any) -> None:
+    for name, radius in (("A", 30.0), ("B", 5.0)):
+        space.add_circle((3.0, 0.0), radius, dxfattribs={"layer": name})
+    space.add_line((0, 0), (1, 1), dxfattribs={"layer": "C"})
+
+
+def hidden(space: Any) -> None:
+    space.doc.layers.add("off").off()
+    space.add_circle((0, 0), 30.0, dxfattribs={"layer": "off"})
+
+
+@pytest.mark.parametrize(
+    ("add", "said"),
+    [
+        (on_layers, "layers that hold one closed contour are A and B"),
+        (hidden, f"{HEAD}; layers with such parts are off or frozen: 'off'; switch them on"),
+        (lambda space: space.doc.layout().add_circle((0, 0), 30.0), f"{HEAD}; such parts are in its paper space only"),
+        (lambda space: space.add_solid([(0, 0), (1, 0), (0, 1)]), f"{HEAD}; it has SOLID only"),
+    ],
+    ids=["several layers", "layer off", "paper space", "solid"],
+)
+def test_a_drawing_without_a_contour_says_where_one_is(tmp_path: Path, add: Callable[[Any], object], said: str) -> None:
+    with pytest.raises(WrongInput) as refused:
+        distance_mm(tmp_path, made(add))
+    assert said in str(refused.value)
+
+
+@pytest.mark.parametrize(
+    ("content", "said"),
+    [
+        (b"AC1032\x00\x00", "is a DWG file, which is not read; save it as DXF"),
+        (b"<svg>" + b"x" * 7000, "it begins with '<svg>"),
+        (None, "has no EOF at its end: it is cut off"),
+    ],
+    ids=["DWG", "SVG", "cut off"],
+)
+def test_a_file_that_is_something_else_says_what_it_is(tmp_path: Path, content: bytes | None, said: str) -> None:
+    file = tmp_path / "contour.dxf"
+    if content is None:
+        made(circle).saveas(file)
+        content = file.read_bytes()[: file.read_bytes().rindex(b"  0\nEOF")]
+    file.write_bytes(content)
+    with pytest.raises(WrongInput) as refused:
+        from_folder(tmp_path)
+    assert said in str(refused.value)
+    assert len(str(refused.value)) < 400
+
+
+def test_another_unit_and_a_gap_are_remarked_and_cost_no_clean_verdict(tmp_path: Path) -> None:
+    document = made(lambda space: oval(space, 3))
+    document.units = ezdxf.units.IN
+    distance_mm(tmp_path, document)
+    unit, gap = drawing(from_folder(tmp_path))
+    assert not unit.matters
+    assert not gap.matters
+    assert "taken as about 60 by 41 mm; in inch it would be 1524 by 1042 mm" in unit.brief
+    assert "miss each other by up to 0.00035 mm" in gap.brief
+    document = made(circle)
+    document.units = ezdxf.units.MM
+    distance_mm(tmp_path, document)
+    assert not list(drawing(from_folder(tmp_path)))
+
+
+def chords(count: int) -> Callable[[Any], object]:
+    points = [ellipse_at(number / count)[:2] for number in range(count)]
+    return lambda space: space.add_lwpolyline(points, close=True)
+
+
+def test_many_chords_are_smoothed_within_the_tolerance_that_is_asked_for(tmp_path: Path) -> None:
+    expected = distance_mm(tmp_path, made(lambda space: space.add_ellipse((0, 0), (30, 0), 0.8)))
+    with pytest.raises(WrongInput, match="has 2000 chords, and no teeth roll over their corners; give"):
+        distance_mm(tmp_path, made(chords(2000)))
+    drive = from_folder(tmp_path, more=", tolerance_mm: 0.005")
+    assert drive.law.center_distance_mm == pytest.approx(expected, abs=0.005)
+    assert 0.0 < drive.law.facts["points_missed_by_mm"] <= 0.005
+
+
+def test_arcs_are_smoothed_with_their_neighbours(tmp_path: Path) -> None:
+    """The oval's curvature jumps; a smooth curve near it has the same distance to the tolerance."""
+    expected = distance_mm(tmp_path, made(lambda space: oval(space, 9)))
+    assert from_folder(tmp_path, more=", tolerance_mm: 0.02").law.center_distance_mm == pytest.approx(
+        expected, abs=0.02
+    )

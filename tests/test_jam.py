@@ -1,0 +1,103 @@
+"""A jam as a load case of its own: by hand on round gears, beside the load of every stroke, in every command."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+
+from commands import Run, on_text
+from drives import drive_of_text
+from ncgear.figures.advice.drivetrain_advice import around
+from ncgear.figures.advice.strength_advice import rough, strength
+from ncgear.figures.advice.values import Advice, NotJudged
+from ncgear.pitch.shape import Gear
+from ncgear.project.rough_strength import rough_strength
+from ncgear.strength.conditions import face_load_factor_of_roots
+from ncgear.strength.holding import Damage
+
+TEXT = """\
+name: jammed
+linkage: {crank_mm: 40, rod_mm: 150}
+operation: {speed_rpm: 60}
+motion: {law: uniform_crank}
+gears: {teeth: 24, module_mm: 2, face_width_mm: 10, material: 42CrMo4}
+resistance: {polynomial_n: [50]}
+strength: {application_factor: 1.5, dynamic_factor: 1.2JAM}
+"""
+
+TORQUE_N_M = 61.0
+JAM = f", overload: {{driving_torque_n_m: {TORQUE_N_M:g}, times: TIMES}}"
+
+
+def text_of(times: float | None, more: str = "") -> str:
+    return TEXT.replace("JAM", "" if times is None else JAM.replace("TIMES", f"{times:g}")) + more
+
+
+def test_round_gears_bear_a_jam_as_by_hand() -> None:
+    """T / (r cos 20 deg) on one pair where it stands alone; without K_A and K_V."""
+    one = drive_of_text(text_of(1.0))
+    jammed, without = one.judged_teeth("estimate").jammed, drive_of_text(text_of(None)).strength
+    assert jammed is not None
+    force_n = 1e3 * TORQUE_N_M / (24.0 * np.cos(np.radians(20.0)))
+    assert jammed.contacts.force_n.max() == pytest.approx(force_n, rel=1e-6)
+    roots_shared = face_load_factor_of_roots(one.running, np.array(one.face_loading.constant))
+    for place, gear in enumerate(Gear):
+        of_unit = one.judged_teeth("estimate").methods[place].root_stress(jammed.contacts.on(gear)).tension_mpa
+        plain = of_unit * jammed.contacts.force_n / 10.0 * roots_shared
+        assert jammed.stresses.tension_mpa[place] == pytest.approx(plain, rel=1e-9)
+        static = float(jammed.of(gear).material.bending.stress_mpa[0])
+        stress = float(jammed.stresses.tension_mpa[place].max())
+        assert jammed.of(gear).bending.safety_min == pytest.approx(static / stress, rel=1e-6)
+        assert one.strength.of(gear).bending.safety_min == jammed.of(gear).bending.safety_min
+        np.testing.assert_array_equal(one.strength.of(gear).bending.life_h, without.of(gear).bending.life_h)
+
+
+def test_many_jams_are_endured_less_and_a_light_one_changes_nothing() -> None:
+    once, often = (drive_of_text(text_of(times)).strength.driving.bending.safety_min for times in (1.0, 1e6))
+    assert often < 0.8 * once
+    light = drive_of_text(text_of(1.0).replace(f"{TORQUE_N_M:g}", "0.1"))
+    without = drive_of_text(text_of(None))
+    assert light.strength.driving.bending.safety_min == without.strength.driving.bending.safety_min
+
+
+def test_the_second_of_two_stages_bears_the_jam_by_both_ratios() -> None:
+    law = "law: harmonic_ratio, cosine: [0.1], second_stage: {cosine: [-0.2]}"
+    series = text_of(1.0).replace("law: uniform_crank", law)
+    first, second = drive_of_text(series).by_stage
+    whole = drive_of_text(series)
+    own = np.linspace(0.0, 6.0, 7)
+    torque = second.tooth_load.passed_on_n_mm(1e3 * TORQUE_N_M, own)
+    slope = whole.transmission.driven_angle(second.pair.shaft_rad(own), 1).derivative(1)
+    assert torque == pytest.approx(1e3 * TORQUE_N_M / slope, rel=1e-9)
+    assert first.judged_teeth("estimate").jammed is not None
+
+
+def test_a_check_and_a_build_tell_of_teeth_that_a_jam_breaks(run: Run) -> None:
+    breaking = text_of(1.0).replace(f"{TORQUE_N_M:g}", "1000")
+    one = drive_of_text(breaking)
+    for judge in (rough, strength):
+        assert judge(drive_of_text(text_of(1.0).replace(f"{TORQUE_N_M:g}", "20"))) is None
+        assert isinstance(judge(one), Advice)
+    guessed = rough_strength(one)
+    assert guessed is not None
+    roots = min(found.safety for found in guessed.safeties if found.damage is Damage.BENDING)
+    assert roots / min(one.strength.of(gear).bending.safety_min for gear in Gear) == pytest.approx(1.0, abs=0.2)
+    _, told, _ = on_text(run, "strength", "--json")(breaking)
+    assert json.loads(told)["load"]["jam"]["driving_torque_n_m"] == pytest.approx(1000.0)
+
+
+def test_shafts_are_not_judged_for_a_jam() -> None:
+    masses = (
+        "masses: {slider_kg: 1, rod: {mass_kg: 0.2, center_mm: 60, inertia_kg_mm2: 400}, "
+        "crank: {mass_kg: 0.5, center_mm: 0, inertia_kg_mm2: 400}}\n"
+        "drivetrain: {driving_shaft: {bearing_a: {at_mm: -40}, bearing_b: {at_mm: 40}}}\n"
+    )
+
+    def unjudged(times: float | None) -> bool:
+        found = around(drive_of_text(text_of(times, masses)))
+        return any(isinstance(one, NotJudged) and "overload" in one.why for one in found)
+
+    assert unjudged(1.0)
+    assert not unjudged(None)
