@@ -59,16 +59,18 @@ balance balance/threshing-drum.yaml
 REFUSED = {"simulate ellipse.yaml": "masses: missing", "strength ellipse.yaml": "resistance: missing"}
 """Commands of a design that lacks what they need, and what is said."""
 
-OF_EXTRAS = {
+OF_EXTRAS: dict[str, tuple[str, tuple[str, ...] | str]] = {
     "optimize {0}.yaml": ("optimize", STROKES),
-    "frontier ellipse.yaml": ("optimize", ()),
+    "frontier ellipse.yaml": ("optimize", "resistance: missing"),
+    "measured ellipse.yaml --driving points.xlsx": ("tables", "points.xlsx: cannot be read"),
     "build {0}.yaml --format step --out step": ("step", DESIGNS),
     "animate {0}.yaml --out film.mp4": ("video", DESIGNS),
     "sweep {0}.yaml --vary gears.module_mm=1:2:2": ("sweep", DESIGNS),
     "tolerance {0}.yaml --samples 64 --scheduler local": ("cluster", DESIGNS),
     "studio {0}.yaml --no-browser": ("studio", DESIGNS),
 }
-"""Commands that need extras, and the designs; a frontier takes minutes, so it is one that its design cannot have."""
+"""Commands that need extras, and the designs, or what is said by a command that cannot succeed: a frontier would take
+minutes, and there is no spreadsheet."""
 
 READ_ONLY = {"check ellipse.yaml": 0, "build ellipse.yaml": 2, "new my": 2, "report ellipse.yaml --out ../open": 0}
 """Statuses in a folder in which nothing may be written."""
@@ -100,10 +102,10 @@ def runs_of_extras(turn: int | None, extras: set[str]) -> Iterator[Run]:
     for each, (extra, names) in OF_EXTRAS.items():
         if extra not in extras:
             yield Run(each.format(STROKES[0]), 2, f"ncgear[{extra}]")
-        elif names:
+        elif isinstance(names, tuple):
             yield from (Run(each.format(name)) for name in turns(names, turn))
         else:
-            yield Run(each, 2, "resistance: missing")
+            yield Run(each, 2, names)
 
 
 def turns(names: tuple[str, ...], turn: int | None) -> tuple[str, ...]:

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.font_manager import findfont
 from matplotlib.path import Path
 from matplotlib.transforms import Bbox
+from PIL import ImageFont
 
 import drives
 import ncgear.plots
@@ -17,10 +21,14 @@ from ncgear.drawings.charts.chart import Chart, Line, Role
 from ncgear.drawings.charts.drawer import MOTION_LOOK, Look, draw
 from ncgear.drawings.charts.slider_charts import Quantity, over_displacement
 from ncgear.drawings.page.chart_figure import PageChart
-from ncgear.drawings.page.chart_svg import PAGE_LOOK, drawn
+from ncgear.drawings.page.chart_svg import OF_REPORT, PAGE_LOOK, TEXT_SIZE, Size, drawn
+from ncgear.drawings.page.motion_charts import motion_charts
 from ncgear.drawings.pictures import slider_chart
 from ncgear.drawings.plots.canvas import JOINT
+from ncgear.figures.simulated import rigid_figures
 from ncgear.files.balance import spread
+from ncgear.files.simulation import drawn_angles_rad, driving_torque, joint_forces, mesh_forces
+from ncgear.studio.told import CHART
 
 JOINTS = np.array([90.0, 180.0])
 
@@ -66,7 +74,7 @@ def test_the_notebook_and_the_page_draw_the_same_power() -> None:
 
 def test_over_the_displacement_the_values_stay() -> None:
     drive = drives.drive("baler")
-    chart, motions = slider_chart(drive, Quantity.POWER), (drive.motion, drive.uniform_motion)
+    chart, motions = slider_chart(drive, Quantity.POWER), drive.drawn_motions
     across = over_displacement(chart, drive.linkage.OUTPUT, motions)
     assert (across.across, across.names_extreme, across.joints_deg.size) == ("displacement in mm", False, 0)
     for line, before, motion in zip(across.lines, chart.lines, motions, strict=True):
@@ -81,6 +89,94 @@ def test_an_extreme_that_rounds_to_zero_has_no_sign() -> None:
     assert drawn(PageChart("k", chart)).extremes == "0.000 at 0\u00b0 to 1.500 at 120\u00b0"
     below = Chart("ratio", "", (Line(Role.OWN, "own", x, np.array([-0.04, 1.5, 0.7, 0.2])),), 360.0)
     assert drawn(PageChart("k", below)).extremes.startswith("\u22120.040 at")
+
+
+NARROW = """
+name: narrow
+linkage: {crank_mm: 40, rod_mm: 150}
+operation: {speed_rpm: 60}
+motion: {law: ratio_expression, ratio: "1 + 40*exp(-(phi - 3)**2/2e-5)", scale_to_close: true}
+resistance: {expression_n: "20 + 500*exp(-(x - 41.237)**2/1e-3)"}
+"""
+"""A ratio and a force that are high over less than a step of 2000."""
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", ["baler-a1-at-law-speed", "narrow"])
+def test_headings_tell_the_extremes_that_the_figures_tell(name: str) -> None:
+    made = drives.drive_of_text(NARROW) if name == "narrow" else drives.drive(name)
+    check, load = made.check, made.machine.load
+    way = np.linspace(0.0, made.linkage.stroke_mm, 1_000_001)
+    figures = {
+        "velocity_mm_s": check.peak_speed.value,
+        "acceleration_mm_s2": check.peak_acceleration_cycle.value,
+        "force_n": load.against_n(way, np.zeros(way.size, dtype=bool)).max(),
+        "power_w": check.peak_power_w.value,
+        "ratio": made.transmission.ratio_range[1].value,
+    }
+    for one in motion_charts(made, made.transmission.cycle_rad)[1:]:
+        told = [float(word) for word in drawn(one).extremes.replace("\u2212", "-").replace("\u00b0", "").split()[::4]]
+        assert max(map(abs, told)) == pytest.approx(figures[one.key], abs=0.51 * 10.0**-one.decimals), one.key
+    assert drawn(one).extremes.startswith(f"{made.transmission.ratio_range[0].value:.{one.decimals}f} at")
+
+
+def test_the_note_of_a_picture_tells_the_peak_that_a_check_tells() -> None:
+    made = drives.drive("baler-a1-at-law-speed")
+    axes = Figure().subplots()
+    draw(axes, slider_chart(made, Quantity.ACCELERATION), MOTION_LOOK)
+    assert axes.texts[0].get_text() == f"{made.check.peak_acceleration_cycle.value:.0f} mm/s\u00b2 at 331\u00b0"
+
+
+@pytest.mark.thorough
+def test_the_notes_of_loads_tell_the_peaks_that_a_simulation_tells() -> None:
+    made = drives.drive("baler-real")
+    loads = [rigid.machine.at(drawn_angles_rad(made)) for rigid in (made.rigid, made.uniform_rigid)]
+    charts = [driving_torque(made, *loads), *joint_forces(made, *loads), *mesh_forces(made, *loads)]
+    sizes = {one.name: float(np.abs(one.own.values).max()) for one in charts}
+    peaks, figures = made.rigid.peaks, rigid_figures(made)["this_design"]
+    assert sizes["driving torque"] == pytest.approx(figures["peak_driving_torque_n_m"], rel=1e-9)
+    assert sizes["crank bearing"] == pytest.approx(peaks.crank_bearing_n.value, rel=1e-9)
+    assert sizes["guide"] == pytest.approx(peaks.guide_n.value, rel=1e-7)
+    assert sizes["mesh force"] == pytest.approx(peaks.mesh.force_n.value, rel=1e-9)
+    # Negative control: the angles of the table miss the peaks.
+    force = made.rigid.machine.at(made.motion.phi1_rad).crank_bearing
+    assert np.hypot(force.x.value, force.y.value).max() < peaks.crank_bearing_n.value * (1.0 - 1e-6)
+
+
+def test_a_level_extreme_is_named_where_it_begins() -> None:
+    x = np.array([0.0, 90.0, 180.0, 270.0, 360.0])
+    line = Line(Role.OWN, "own", x, np.array([0.0, 80.0, 80.0 + 1e-13, 0.0, -1e-15]))
+    assert drawn(PageChart("k", Chart("force", "N", (line,), 360.0))).extremes == "0.00 at 0\u00b0 to 80.00 at 90\u00b0"
+    level = Line(Role.OWN, "own", x, 1.0 + 1e-9 * x)
+    assert drawn(PageChart("k", Chart("ratio", "", (level,), 360.0))).extremes == "1.000 throughout"
+
+
+TEXT = re.compile(r'<text style="[^"]*text-anchor: (\w+);[^"]*" x="([\d.]+)" y="([\d.]+)"[^>]*>([^<]+)<')
+
+
+@pytest.mark.parametrize(
+    ("largest", "size"),
+    [(2e-7, CHART), (0.4, OF_REPORT), (8.0, CHART), (1.1e5, CHART), (1.1e5, OF_REPORT), (3e7, CHART), (2e12, CHART)],
+)
+def test_numbers_of_a_scale_are_whole_and_apart(largest: float, size: Size) -> None:
+    """With the widths of DejaVu Sans, the font of browsers without another one."""
+    font = ImageFont.truetype(findfont("DejaVu Sans"), 1000)
+    x = np.array([0.0, 90.0, 180.0, 2880.0])
+    line = Line(Role.OWN, "own", x, largest * np.array([-1.0, 0.0, 1.0, 0.2]))
+    svg = drawn(PageChart("k", Chart("acceleration", "mm/s\u00b2", (line,), 2880.0)), size).drawing
+    boxes = []
+    for anchor, across, down, text in TEXT.findall(svg):
+        width = font.getlength(text) * TEXT_SIZE / 1000.0
+        left = float(across) - {"start": 0.0, "middle": 0.5, "end": 1.0}[anchor] * width
+        boxes.append(Bbox.from_bounds(left, float(down) - 0.75 * TEXT_SIZE, width, 0.75 * TEXT_SIZE))
+    texts = [text for *_, text in TEXT.findall(svg)]
+    # Numbers in full alone: no power of ten, and no unit, over the scale.
+    assert len(texts) >= 10
+    assert [
+        text for text in texts if not re.fullmatch(r"\u2212?[\d.]+(e[+\u2212]\d+)?|driving angle in deg", text)
+    ] == []
+    assert all(box.x0 >= 0.0 and box.x1 <= size[0] and box.y0 >= 0.0 and box.y1 <= size[1] for box in boxes)
+    assert not any(one.overlaps(other) for place, one in enumerate(boxes) for other in boxes[:place])
 
 
 NOTED = np.linspace(0.0, 360.0, 721)

@@ -118,6 +118,16 @@ def test_positions_that_the_search_did_not_use_find_nothing_beyond(
     assert max(one.pushing.overlap_mm.max() for one in judged) <= found.overlap_mm.value + 1e-9
 
 
+@pytest.mark.thorough
+def test_a_pressure_angle_that_passes_zero_is_least_at_zero() -> None:
+    """Where the normal's angle against the pitch curve changes its sign; circular gears never come so far."""
+    steep, even = extremes("long ellipse", 60, 0.1), extremes("uniform", 26)
+    for angle in (steep.pushing_pressure_angle_rad, steep.back_pressure_angle_rad):
+        assert angle.low.value == 0.0
+        assert angle.high.value > radians(45.0)
+    assert even.pushing_pressure_angle_rad.low.value > radians(10.0)
+
+
 WRITTEN = [
     ("uniform", 12, 0.0, {"undercut": True}),
     ("uniform 3:2", 30, 0.1, {}),

@@ -240,7 +240,7 @@ def test_pairs_of_all_kinds_have_their_charts(name: str) -> None:
     stages = ["_1", "_2"] if "two-stage" in name else [""]
     keys = parsed(reports.page(name)).xpath("//figure/@data-key")
     assert {f"transmission_error{stage}" for stage in stages} <= set(keys)
-    assert len(parsed(reports.page(name)).xpath("//caption[text()='Basic rack']")) == len(stages)
+    assert len(parsed(reports.page(name)).xpath("//figcaption[text()='Basic rack']")) == len(stages)
 
 
 # --- curves

@@ -16,6 +16,7 @@ import drives
 import reports
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION
 from ncgear.drawings.page.chart_figure import PageChart
+from ncgear.drawings.page.chart_svg import OF_REPORT
 from ncgear.drawings.page.page_charts import gear_charts
 from scenes import in_a_browser
 
@@ -89,6 +90,12 @@ def test_it_loads_without_an_error_or_a_request(baler: Opened) -> None:
 
 
 @pytest.mark.slow
+def test_it_begins_with_the_crank_in_sight(opening: Open) -> None:
+    begun = opening(reports.page("baler"))
+    crank = degrees(begun.page.evaluate("ncgear.drivenAngle(ncgear.drivingAngle())"))
+    assert 55.0 < crank < 75.0
+
+
 def test_requests_and_errors_are_seen(opening: Open) -> None:
     """The policy turns pictures into errors; without it they are requests; and the script's own faults are heard."""
     page = reports.page("baler")
@@ -209,7 +216,7 @@ def test_scrubbing(baler: Opened) -> None:
         for drawn in baler.page.evaluate("JSON.parse(document.getElementById('data').textContent).charts")
         if drawn["key"] == "velocity_mm_s"
     )
-    x = np.interp(90.0, frame["angle_deg"], frame["x"]) / 430.0 * box["width"] + box["x"]
+    x = np.interp(90.0, frame["angle_deg"], frame["x"]) / OF_REPORT[0] * box["width"] + box["x"]
     baler.page.locator("figure[data-key=velocity_mm_s]").scroll_into_view_if_needed()
     box = baler.page.locator("figure[data-key=velocity_mm_s] svg").bounding_box()
     baler.page.mouse.move(x, box["y"] + box["height"] / 2)
@@ -283,6 +290,29 @@ def test_no_window_needs_to_be_scrolled_sideways(baler: Opened, size: tuple[int,
     columns = baler.page.evaluate("getComputedStyle(document.querySelector('.charts')).gridTemplateColumns").split()
     assert len(columns) == {WIDE: 3, MIDDLE: 2, NARROW: 1}[size]
     baler.page.set_viewport_size({"width": WIDE[0], "height": WIDE[1]})
+
+
+CUT = """[...document.querySelectorAll("figcaption, p.note, tr.note span, .columns td, .warnings *")]
+  .filter((one) => one.checkVisibility())
+  .filter((one) => {
+    const inside = document.createRange();
+    inside.selectNodeContents(one);
+    const [text, frame] = [inside.getBoundingClientRect(), one.closest("figure, li").getBoundingClientRect()];
+    return text.width && (text.left < frame.left || text.right > Math.min(frame.right, innerWidth));
+  })
+  .map((one) => one.textContent.slice(0, 60))"""
+"""Words that go beyond their frames."""
+
+
+@pytest.mark.parametrize("size", [WIDE, NARROW])
+def test_headings_and_notes_are_whole_and_charts_can_be_read(opening: Open, size: tuple[int, int]) -> None:
+    opened = opening(reports.page("baler"), viewport=dict(zip(("width", "height"), size, strict=True)))
+    assert opened.page.evaluate(CUT) == []
+    smallest = """Math.min(...[...document.querySelectorAll(".plot text")]
+      .map((one) => parseFloat(getComputedStyle(one).fontSize) * one.getScreenCTM().a))"""
+    assert opened.page.evaluate(smallest) >= 11.0
+    opened.page.add_style_tag(content="td, .note { white-space: nowrap; }")
+    assert opened.page.evaluate(CUT) != []
 
 
 def test_what_is_too_wide_is_seen(baler: Opened) -> None:

@@ -62,12 +62,13 @@ def studio(baler_86: Studio) -> Studio:
 class Opened:
     """A page of a studio; it must never say a fault."""
 
-    def __init__(self, browser: Any, studio: Studio, **context: Any) -> None:
+    def __init__(self, browser: Any, studio: Studio, before: str = "", **context: Any) -> None:
         self.errors: list[str] = []
         self.requests: list[str] = []
         self.studio = studio
         self.page = browser.new_context(**{"viewport": WIDE, **context}).new_page()
         self.page.set_default_timeout(LONGEST_MS)
+        self.page.add_init_script(before)
         self.page.on("request", lambda request: self.requests.append(request.url))
         self.page.on("console", lambda message: self.errors.append(message.text) if message.type == "error" else None)
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
@@ -161,6 +162,28 @@ def test_a_point_that_is_dragged_moves_the_law_as_python_computes_it(opened: Ope
     )
     page.locator("#undo").click()
     page.wait_for_function("() => document.getElementById('saved').textContent === 'saved'")
+
+
+def test_a_point_that_is_dragged_away_and_back_leaves_the_design_as_it_was(opened: Opened) -> None:
+    page, before = opened.page, opened.text
+    dot = page.locator(".chart[data-key^=velocity] .handles circle").nth(1)
+    dot.scroll_into_view_if_needed()
+    box, asked = dot.bounding_box(), int(page.evaluate("document.body.dataset.asked"))
+    x, y = box["x"] + box["width"] / 2.0, box["y"] + box["height"] / 2.0
+    page.mouse.move(x, y)
+    page.mouse.down()
+    # Over theta1, where there is no such stroke; what is told of that may take room above the chart.
+    for step in (*range(0, -90, -10), *range(-90, 1, 10)):
+        page.mouse.move(x + step, y)
+        page.wait_for_timeout(40)
+        if step == -90:
+            page.locator(".refusal").wait_for()
+    page.mouse.up()
+    page.wait_for_function("n => Number(document.body.dataset.asked) > n", arg=asked)
+    opened.settled()
+    page.locator(".refusal").wait_for(state="detached")
+    assert opened.text == before
+    assert page.locator("#saved").inner_text() == "saved"
 
 
 @pytest.mark.long
@@ -346,6 +369,17 @@ OVER_EACH_OTHER = """[...document.querySelectorAll("#facts tr")].filter((row) =>
 """Rows of figures whose texts lie over each other."""
 
 
+TOLD_CUT = """[...document.querySelectorAll(".handles circle")].map((dot) => {
+  dot.dispatchEvent(new PointerEvent("pointerenter"));
+  const told = dot.parentNode.querySelector("text");
+  const [text, whole] = [told.getBoundingClientRect(), dot.ownerSVGElement.getBoundingClientRect()];
+  const said = told.textContent;
+  dot.dispatchEvent(new PointerEvent("pointerleave"));
+  return text.width > 20 && text.left > whole.left - 1 && text.right < whole.right + 1 ? "" : said || "nothing";
+}).filter(Boolean)"""
+"""What handles tell of their values, where it is not whole."""
+
+
 @pytest.mark.tiers(slow=["baler-drivetrain"], rest="long")
 @pytest.mark.parametrize("some", ["baler-drivetrain", "*"])
 def test_no_value_of_any_design_is_cut(browser: Any, studio: Studio, some: str) -> None:
@@ -434,18 +468,184 @@ def test_what_is_shown_of_an_earlier_text_is_pale_while_a_text_is_refused(browse
     charts = page.locator(".chart").count()
     assert charts > 3
     assert page.locator(".chart.stale").count() == charts
-    for place in ("#facts", "#achieved", "#tables > div"):
-        assert page.locator(f"{place}.stale").count() == 1, place
-    assert float(page.evaluate("getComputedStyle(document.querySelector('#facts')).opacity")) < 0.6
+    for parts in ("#facts tbody tr", "#achieved li", "#tables .table-frame"):
+        assert page.locator(f"{parts}.stale").count() == page.locator(parts).count() > 0, parts
+    assert float(page.evaluate("getComputedStyle(document.querySelector('#facts .stale')).opacity")) < 0.6
+    after = "one => getComputedStyle(one, '::after').content"
+    assert [page.locator(one).first.evaluate(after) for one in (".chart .name", "#tables figcaption")] == 2 * [BEFORE]
     assert page.locator("#facts thead th").first.inner_text() == "before"
+    assert page.locator("#facts tbody th").first.evaluate(after) == "none"
+    legend = page.locator("#stage .legend")
+    assert legend.inner_text() == "before"
+    # Nothing lies over it.
+    box = legend.bounding_box()
+    top = page.evaluate("([x, y]) => document.elementFromPoint(x, y).className", [box["x"] + 2.0, box["y"] + 2.0])
+    assert top == "legend"
     assert page.locator("#best-saves").inner_text() == ""
     picture, told = page.locator("#stage").bounding_box(), page.locator("#refusals").bounding_box()
     assert told["y"] > picture["y"] + 0.35 * picture["height"]
     opened.step(page.locator("#undo").click)
     assert page.locator(".stale").count() == 0
+    assert not page.locator("#stage .legend").is_visible()
     assert page.locator("#facts thead th").first.inner_text() == "now"
     assert page.locator("#best-saves").inner_text() != ""
     page.context.close()
+
+
+def shown_of(opened: Opened) -> dict[str, list[str]]:
+    """The charts, figures and tables on the page, by their names, those of an earlier text with a star."""
+    parts = {"charts": ".chart", "facts": "#facts tbody tr", "tables": "#tables .table-frame"}
+    name = "(one.dataset.key ?? one.querySelector('th, figcaption').textContent)"
+    each = f"ones => ones.map((one) => {name} + (one.classList.contains('stale') ? '*' : ''))"
+    return {part: opened.page.locator(selector).evaluate_all(each) for part, selector in parts.items()}
+
+
+BEFORE = '", before"'
+"""What stands behind the name of what is of an earlier text."""
+
+OF_TEETH = {
+    "charts": ["pressure_angle", "force_of_a_pair", "root_stress", "contact_pressure"],
+    "facts": ["teeth", "module", "safety against pitting, 1 wanted"],
+    "tables": ["Weakest teeth", "Contact of the teeth"],
+}
+
+
+def test_what_a_design_has_no_longer_goes_from_the_page(browser: Any, pusher: Studio) -> None:
+    opened = Opened(browser, pusher)
+    whole = shown_of(opened)
+    assert all(set(OF_TEETH[part]) < set(whole[part]) for part in whole)
+
+    def without(changes: str) -> dict[str, list[str]]:
+        opened.step(lambda: opened.page.evaluate(f"ncgear.send({{ do: 'set', changes: {changes} }})"))
+        found = shown_of(opened)
+        assert opened.page.locator("#stage.pale").count() == 0
+        opened.step(opened.page.locator("#undo").click)
+        assert shown_of(opened) == whole
+        return {part: [one for one in whole[part] if one not in found[part]] for part in whole}
+
+    gone = without("{ gears: null }")
+    assert all(set(OF_TEETH[part]) <= set(gone[part]) for part in whole)
+    assert gone["charts"] == OF_TEETH["charts"]
+    assert opened.page.locator("#points").is_visible()
+    opened.step(
+        lambda: opened.page.evaluate("ncgear.send({ do: 'set', changes: { motion: { law: 'uniform_crank' } } })")
+    )
+    assert not opened.page.locator("#points").is_visible()
+    opened.step(opened.page.locator("#undo").click)
+    of_load = ["power_w", "force_n", *OF_TEETH["charts"][1:]]
+    assert sorted(without("{ resistance: null }")["charts"]) == sorted(of_load)
+    # Of what is refused the last good design stays, and is told apart from the motion, which is not refused.
+    opened.set("gears.teeth", "3")
+    refused = shown_of(opened)
+    assert [one for one in refused["charts"] if one.endswith("*")] == [f"{one}*" for one in OF_TEETH["charts"]]
+    assert refused["facts"][0] == "peak power"
+    assert f"{OF_TEETH['facts'][-1]}*" in refused["facts"]
+    marked = opened.page.locator("#facts .stale th").first
+    assert marked.evaluate("one => getComputedStyle(one, '::after').content") == BEFORE
+    # A design without gears is not refused any more.
+    opened.step(lambda: opened.page.evaluate("ncgear.send({ do: 'set', changes: { gears: null } })"))
+    assert [one for part in shown_of(opened).values() for one in part if one.endswith("*")] == []
+    assert "pressure_angle" not in shown_of(opened)["charts"]
+    assert opened.errors == []
+    opened.page.context.close()
+
+
+SOCKETS = """window.sockets = [];
+window.WebSocket = class extends WebSocket { constructor(...given) { super(...given); sockets.push(this); } };"""
+"""Keeps the page's connections at hand, so that answers can be told to it in any order."""
+
+
+def test_answers_that_come_out_of_order_take_nothing_from_the_page(browser: Any, pusher: Studio) -> None:
+    opened = Opened(browser, pusher, SOCKETS)
+    page, whole = opened.page, shown_of(opened)
+    newest = int(page.evaluate("document.body.dataset.asked"))
+
+    def hear(kind: str, number: int, chain: str, content: Any = None) -> None:
+        text = json.dumps({"is": kind, "n": number, "from": chain, "content": content})
+        page.evaluate("data => sockets[0].dispatchEvent(new MessageEvent('message', { data }))", text)
+
+    # Lines of the power of a text whose charts are drawn, as where gears have to be made for it.
+    line = {"role": "own", "y": [0.0, 1.0]}
+    hear("power", newest, "gears", [{"key": "power_w", "x": [0.0, 360.0], "lines": [line]}])
+    assert page.locator(".chart.pale").count() == 0
+    hear("power", newest + 1, "gears", [{"key": "power_w", "x": [0.0, 360.0], "lines": [line]}])
+    assert page.locator(".chart.pale").count() == 1
+    # A refusal that is older than what is asked, and the end of its answers: nothing was drawn in the stead of charts.
+    hear("asked", newest + 3, "")
+    hear(
+        "refused",
+        newest + 2,
+        "contact",
+        {"problem": "none", "key": "", "line": None, "wrong_input": True, "others": []},
+    )
+    hear("done", newest + 2, "contact")
+    assert shown_of(opened) == whole
+    hear("done", newest + 3, "contact")
+    assert shown_of(opened)["charts"] == [one for one in whole["charts"] if one not in OF_TEETH["charts"]]
+    page.context.close()
+
+
+SIZES = {"wide": WIDE, "small": {"width": 1280, "height": 720}, "phone": PHONE}
+
+CHART_TEXTS = """(() => {
+  const bad = [];
+  for (const svg of document.querySelectorAll(".plot svg")) {
+    const whole = svg.getBoundingClientRect();
+    const texts = [...svg.querySelectorAll("text")].filter((one) => one.textContent.trim());
+    const boxes = texts.map((one) => one.getBoundingClientRect());
+    boxes.forEach((a, i) => {
+      const key = `${svg.closest("figure").dataset.key}: ${texts[i].textContent}`;
+      if (a.left < whole.left - 0.5 || a.right > whole.right + 0.5) bad.push(`cut ${key}`);
+      if (a.top < whole.top - 0.5 || a.bottom > whole.bottom + 0.5) bad.push(`cut ${key}`);
+      // Boxes of text have room for ascenders and descenders, which numbers do not have.
+      const over = (b) => a.left < b.right && b.left < a.right && a.top + 2 < b.bottom - 2 && b.top + 2 < a.bottom - 2;
+      if (boxes.slice(i + 1).some(over)) bad.push(`over ${key}`);
+    });
+  }
+  return bad;
+})()"""
+"""Texts of charts that are cut, or lie over another one."""
+
+CUT_ACROSS = """[...document.querySelectorAll(".refusal, .refusal *, figcaption, p.note, tr.note span, .warnings *")]
+  .filter((one) => one.checkVisibility() && one.getClientRects().length)
+  .filter((one) => {
+    const inside = document.createRange();
+    inside.selectNodeContents(one);
+    const [text, frame] = [inside.getBoundingClientRect(), one.closest(".refusal, figure, li").getBoundingClientRect()];
+    return text.width && (text.left < frame.left || text.right > Math.min(frame.right, innerWidth));
+  })
+  .map((one) => one.textContent.slice(0, 60))"""
+"""Words of refusals, headings, notes and warnings that go beyond their frames."""
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_numbers_notes_and_refusals_are_whole_and_the_machine_in_sight(browser: Any, pusher: Studio, size: str) -> None:
+    opened = Opened(browser, pusher, viewport=SIZES[size])
+    page = opened.page
+    for name in ("baler-drivetrain", "baler-a1-at-law-speed"):
+        text = (DESIGNS / f"{name}.yaml").read_text(encoding="utf-8")
+        opened.step(lambda text=text: page.evaluate("text => ncgear.send({ do: 'text', text })", text))
+        assert page.evaluate(CHART_TEXTS) == [], name
+        assert page.evaluate(CUT_ACROSS) == [], name
+    # Its gears are refused.
+    told, machine = page.locator("#refusals").bounding_box(), page.locator("#stage svg.scene").bounding_box()
+    assert machine["height"] > 100.0
+    assert told["y"] >= machine["y"] + machine["height"]
+    assert page.locator("#refusals").evaluate("one => one.scrollHeight - one.clientHeight") <= 1
+    page.add_style_tag(content=".plot svg { margin-left: -30px; } .refusal p, .note { white-space: nowrap; }")
+    page.evaluate("document.querySelectorAll('.plot svg text').forEach((one) => one.setAttribute('x', 0))")
+    assert page.evaluate(CHART_TEXTS) != []
+    assert page.evaluate(CUT_ACROSS) != []
+    page.context.close()
+
+
+def test_the_crank_is_in_sight_though_the_gears_are_refused(browser: Any, tmp_path: Path) -> None:
+    with studio_of("baler-a1-at-law-speed", tmp_path) as studio:
+        opened = Opened(browser, studio)
+        angle = float(opened.page.locator("#angle").input_value())
+        assert 55.0 < np.degrees(opened.page.evaluate(f"ncgear.drivenAngle({np.radians(angle)})")) < 75.0
+        assert not opened.page.locator("#stage .legend").is_visible()
+        opened.page.context.close()
 
 
 def test_controls_of_gears_are_there_with_gears_alone(browser: Any, pusher: Studio) -> None:
@@ -453,7 +653,13 @@ def test_controls_of_gears_are_there_with_gears_alone(browser: Any, pusher: Stud
     page, views = opened.page, opened.page.locator('.views label:has(input[name="view"]):visible')
     find, chosen = page.locator(".views .find"), page.locator('input[name="view"]:checked')
     assert (views.all_inner_texts(), find.is_visible()) == (["machine", "gears", "mesh"], True)
-    page.locator('.views label:has(input[value="mesh"])').click()
+    page.locator("#find-tooth").fill("5")
+    page.locator("#find-tooth").press("Tab")
+    assert page.locator("#found").inner_text().startswith("tooth 5 of the driving gear at")
+    opened.set("gears.module_mm", "1.6")
+    # The tooth that was found is one of another gear.
+    assert (page.locator("#found").text_content(), page.locator("#find-tooth").input_value()) == ("", "")
+    opened.step(page.locator("#undo").click)
     opened.step(lambda: page.evaluate("ncgear.send({ do: 'set', changes: { gears: null } })"))
     assert (views.all_inner_texts(), find.is_visible(), chosen.input_value()) == (["machine"], False, "machine")
     opened.step(page.locator("#undo").click)
@@ -508,6 +714,7 @@ def test_all_is_in_sight_on_a_small_screen_and_nothing_is_cut(browser: Any, stud
     assert page.evaluate(SMALLEST_TEXT) >= 11.0
     handles = page.locator(".handles circle")
     assert min(box["width"] for box in (one.bounding_box() for one in handles.all())) >= 16.0
+    assert page.evaluate(TOLD_CUT) == []
     # The crank is not hidden behind the rod.
     assert 55.0 < float(page.locator("#angle").input_value()) < 75.0
     field = page.locator("#key-gears\\.face_width_mm")
@@ -523,6 +730,11 @@ def test_all_is_in_sight_on_a_small_screen_and_nothing_is_cut(browser: Any, stud
     assert said.text_content() == ""
     opened.set("gears.face_width_mm", "-1")
     assert "-1" in said.inner_text() or "0" in said.inner_text()
+    page.keyboard.press("Control+s")
+    page.wait_for_function("() => document.getElementById('said').textContent.startsWith('saved')")
+    opened.set("gears.face_width_mm", "22")
+    # What was said of the save is not said of what is not saved.
+    assert page.locator("#said").text_content() == ""
     assert opened.errors == []
     page.context.close()
 
@@ -540,7 +752,7 @@ def test_everything_comes_as_one_zip(opened: Opened) -> None:
 def test_a_phone_shows_all_without_scrolling_sideways(browser: Any, studio: Studio) -> None:
     opened = Opened(browser, studio, viewport=PHONE)
     assert opened.page.evaluate("document.scrollingElement.scrollWidth") <= PHONE["width"]
-    boxes = [opened.page.locator(one).bounding_box() for one in ("#machine", "#values", "#curves", "#told")]
+    boxes = [opened.page.locator(one).bounding_box() for one in ("#machine", "#values", "#figures", "#curves", "#rest")]
     assert [box["y"] for box in boxes] == sorted(box["y"] for box in boxes)
     assert all(box["width"] > 300 for box in boxes)
     assert boxes[1]["y"] < 0.8 * opened.page.evaluate("document.scrollingElement.scrollHeight")

@@ -27,9 +27,10 @@ CURVE_POINTS = 1500
 
 
 def slider_chart(drive: Drive, quantity: Quantity) -> Chart:
-    """A quantity of a drive's motion table, beside the uniform law's, with the joints of the law."""
-    joints = np.degrees(joints_up_to(drive.transmission, float(drive.motion.phi1_rad[-1])))
-    return motion_chart(quantity, drive.linkage, drive.motion, drive.uniform_motion, joints)
+    """A quantity of a drive's motion, beside the uniform law's, with the joints of the law."""
+    own, uniform = drive.drawn_motions
+    joints = np.degrees(joints_up_to(drive.transmission, float(own.phi1_rad[-1])))
+    return motion_chart(quantity, drive.linkage, own, uniform, joints)
 
 
 def motion_picture(drive: Drive) -> tuple[list[Chart], str]:
@@ -53,8 +54,7 @@ def load_pictures(drive: Drive, contact: PairContact) -> tuple[str, list[Chart],
     driving angle and over displacement, and their heading.
     """
     load = [slider_chart(drive, quantity) for quantity in LOAD]
-    motions = drive.motion, drive.uniform_motion
-    pairs = [(chart, over_displacement(chart, drive.linkage.OUTPUT, motions)) for chart in load]
+    pairs = [(chart, over_displacement(chart, drive.linkage.OUTPUT, drive.drawn_motions)) for chart in load]
     title = titled(drive, f"{drive.linkage.OUTPUT.load_name} and power")
     return _name_of_pair(drive), _contact_charts(drive, contact), pairs, title
 

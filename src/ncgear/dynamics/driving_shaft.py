@@ -162,6 +162,7 @@ def counting_masses(check: KinematicCheck, shaft: DrivingShaft) -> KinematicChec
         check,
         peak_power_w=shaft.peak_power_w,
         mean_power_w=shaft.mean_power_w,
+        extremes_rad=(*check.extremes_rad, *(end.at for end in shaft.torque_range_n_mm)),
         with_masses=WithMasses(
             peak_power_resistance_w=check.peak_power_w,
             braking_power_w=shaft.braking_power_w,

@@ -32,8 +32,9 @@ from ncgear.figures.simulated import (
 )
 from ncgear.figures.summary.check_summary import verdict_summary
 from ncgear.frozen import dataclass
+from ncgear.kinematics.check import both_sides_rad
 from ncgear.mechanisms.mechanism import Output
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, distinct
 from ncgear.numerics.plane import Vector
 from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.project.drive import Drive
@@ -94,9 +95,18 @@ def mesh_forces(drive: Drive, own: Loads, uniform: Loads) -> list[Chart]:
     ]
 
 
+def drawn_angles_rad(drive: Drive) -> Array:
+    """Driving angles of the charts of the rigid level, rising, shape (n,): those of its table, and of its peaks."""
+    peaks, torque = drive.rigid.peaks, drive.rigid.driving.torque_range_n_mm
+    mesh = [] if peaks.mesh is None else [peaks.mesh.force_n]
+    found = [*peaks.joints_n.values(), peaks.crank_bearing_n, peaks.guide_n, *torque, *mesh]
+    beside = both_sides_rad([peak.at for peak in found], drive.transmission.cycle_rad)
+    return distinct(np.concatenate([drive.motion.phi1_rad, beside]))
+
+
 def _load_chart(drive: Drive, name: str, unit: str, own: Array, uniform: Array) -> Chart:
-    """A load of the rigid level at the driving angles of the drive's motion, beside the uniform crank's."""
-    phi1 = drive.motion.phi1_rad
+    """A load of the rigid level at the driving angles of its charts, beside the uniform crank's."""
+    phi1 = drawn_angles_rad(drive)
     joints = np.degrees(joints_up_to(drive.transmission, float(phi1[-1])))
     lines = ("this design", own), (f"{drive.linkage.UNIFORM}, same speed", uniform)
     return simulated_chart(name, unit, phi1, *lines, joints_deg=joints)
@@ -210,15 +220,17 @@ Results = tuple[Mapping[str, Array], Mapping[str, Any], Mapping[str, bytes]]
 def _at_level(drive: Drive, level: Level) -> Results:
     match level:
         case Level.RIGID:
-            phi1 = drive.motion.phi1_rad
-            loads = drive.rigid.machine.at(phi1), drive.uniform_rigid.machine.at(phi1)
+            machines = drive.rigid.machine, drive.uniform_rigid.machine
+            loads, drawn = (
+                [machine.at(phi1) for machine in machines] for phi1 in (drive.motion.phi1_rad, drawn_angles_rad(drive))
+            )
             figures = rigid_figures(drive)
             if drive.design.drivetrain is not None:
                 figures |= {"drivetrain": drivetrain_figures(drive.drivetrain)}
             charts: Columns = {
-                "driving_torque.png": ([driving_torque(drive, *loads)], "driving torque"),
-                "bearing_forces.png": (joint_forces(drive, *loads), "forces in the joints"),
-                "mesh_force.png": (mesh_forces(drive, *loads), "force between the teeth"),
+                "driving_torque.png": ([driving_torque(drive, *drawn)], "driving torque"),
+                "bearing_forces.png": (joint_forces(drive, *drawn), "forces in the joints"),
+                "mesh_force.png": (mesh_forces(drive, *drawn), "force between the teeth"),
             }
             return rigid_table(drive, *loads), figures, _pictures(drive, LOAD_LOOK, charts)
         case Level.QUASI_STATIC:

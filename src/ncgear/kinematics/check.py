@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from math import degrees, fsum
 
@@ -43,6 +43,9 @@ class KinematicCheck(Shown):
     Speeds and accelerations are in mm/s and mm/s^2, or in rad/s and rad/s^2 where the output turns.  Accelerations are
     magnitudes; ``working`` means from the retracted to the extended dead centre, or all of the cycle of an output that
     never returns.  Of gears that turn less than once, all are those of the way from end to end.
+
+    ``extremes_rad`` are all driving angles at which speed, acceleration or power is least or greatest on a stretch of
+    the cycle: samples that include them miss no peak.
     """
 
     output: Output
@@ -52,6 +55,7 @@ class KinematicCheck(Shown):
     peak_speed: Extremum
     peak_acceleration_working: Extremum
     peak_acceleration_cycle: Extremum
+    extremes_rad: tuple[float, ...]
     with_masses: WithMasses | None = None
 
     @property
@@ -87,24 +91,58 @@ def kinematic_check(machine: Machine) -> KinematicCheck:
         peak_speed=_scaled(_largest(peak.speed for peak in peaks), omega),
         peak_acceleration_working=_scaled(_largest(peak.acceleration for peak in working or peaks), omega**2),
         peak_acceleration_cycle=_scaled(_largest(peak.acceleration for peak in peaks), omega**2),
+        extremes_rad=tuple(angle for peak in peaks for angle in peak.extremes_rad),
     )
+
+
+SIDE_RAD = 1e-9
+"""Distance in rad between a jump and the samples before and after it.
+
+It is far larger than the rounding of an angle, and too small to be seen or hit by a cursor.
+"""
+
+
+def both_sides_rad(angles_rad: Sequence[float], end_rad: float) -> Array:
+    """Driving angles from 0 to an end with those right before and after each, since a curve may jump there, rising."""
+    at = np.array(angles_rad)
+    return distinct(np.clip(np.concatenate([at - SIDE_RAD, at, at + SIDE_RAD]), 0.0, end_rad))
+
+
+def load_extremes_rad(machine: Machine) -> list[float]:
+    """Driving angles at which the load is least or greatest on a stretch of the cycle, or has a knot."""
+    return [angle for stretch in stretches(machine) for angle in _load_extremes_rad(machine, stretch)]
+
+
+def _load_extremes_rad(machine: Machine, stretch: Stretch) -> list[float]:
+    passed: list[float] = _passed_rad(machine, stretch).tolist()
+    curves = machine.load.smooth_curves_n(not stretch.working)
+    if not curves:
+        return passed
+
+    def loads(phi1: Array) -> list[Jet]:
+        position = stretch.displacement(phi1, 1)
+        return [load_n(position) for load_n in curves]
+
+    return [*passed, *_places(extremes_on(loads, _grid(machine, stretch)))]
 
 
 @dataclass(frozen=True)
 class _Peaks:
-    """Largest magnitudes on a stretch, per rad of driving angle: in mm/rad, mm/rad^2 and N mm/rad; never below zero."""
+    """Largest magnitudes on a stretch, per rad of driving angle: in mm/rad, mm/rad^2 and N mm/rad; never below zero.
+
+    ``extremes_rad`` are the driving angles of all least and greatest values, the magnitudes among them.
+    """
 
     speed: Extremum
     acceleration: Extremum
     power: Extremum
+    extremes_rad: tuple[float, ...]
 
 
 def _peaks(machine: Machine, stretch: Stretch) -> _Peaks:
     """The peaks of one stretch, looked for together since all follow from the displacement."""
-    load, stroke_mm, returning = machine.load, machine.linkage.stroke_mm, not stretch.working
-    passed = angles_at(stretch, load.knots_mm(stroke_mm, returning))
-    knots = distinct(np.concatenate([stretch.knots_rad, passed]))
-    curves = load.smooth_curves_n(returning)
+    returning = not stretch.working
+    curves = machine.load.smooth_curves_n(returning)
 
     def quantities(phi1: Array) -> list[Jet]:
         position = stretch.displacement(phi1, 3)
@@ -113,9 +151,25 @@ def _peaks(machine: Machine, stretch: Stretch) -> _Peaks:
         near, forward = position.truncated(1), (-speed if returning else speed).truncated(1)
         return [speed, speed.differentiated(), *(force_n(near) * forward for force_n in curves)]
 
-    speed, acceleration, *powers = extremes_on(quantities, grid_between(stretch.start_rad, stretch.end_rad, knots))
+    found = extremes_on(quantities, _grid(machine, stretch))
+    speed, acceleration, *powers = found
     still = Extremum(0.0, stretch.start_rad)
-    return _Peaks(_size(speed), _size(acceleration), _largest([still, *(most for _, most in powers)]))
+    return _Peaks(_size(speed), _size(acceleration), _largest([still, *(most for _, most in powers)]), _places(found))
+
+
+def _grid(machine: Machine, stretch: Stretch) -> Array:
+    """The grid on which the extremes of a stretch are looked for, with its own knots and those of the load."""
+    knots = distinct(np.concatenate([stretch.knots_rad, _passed_rad(machine, stretch)]))
+    return grid_between(stretch.start_rad, stretch.end_rad, knots)
+
+
+def _passed_rad(machine: Machine, stretch: Stretch) -> Array:
+    """Driving angles in a stretch at which the output passes a knot of the load."""
+    return angles_at(stretch, machine.load.knots_mm(machine.linkage.stroke_mm, not stretch.working))
+
+
+def _places(ranges: Iterable[tuple[Extremum, Extremum]]) -> tuple[float, ...]:
+    return tuple(end.at for ends in ranges for end in ends)
 
 
 def _size(found: tuple[Extremum, Extremum]) -> Extremum:

@@ -14,10 +14,10 @@ from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.machine import FINEST_IN_MODULES
 from ncgear.design.mechanisms import entry_of
 from ncgear.errors import DesignError, WrongInput
-from ncgear.kinematics.check import KinematicCheck, at_speed
+from ncgear.kinematics.check import KinematicCheck, at_speed, both_sides_rad, load_extremes_rad
 from ncgear.kinematics.motion import Machine, OutputMotion, sample_angles
 from ncgear.mechanisms.masses import Masses
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, distinct
 from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.pitch.shape import Gear
@@ -404,6 +404,22 @@ class Geared(Moving):
     def uniform_motion(self) -> OutputMotion:
         """The uniform crank's motion at the same angles, with the same masses."""
         return self.motion_of(self.uniform_machine, self.motion.phi1_rad)
+
+    @computed
+    def extremes_rad(self) -> Array:
+        """Driving angles at which a curve of motion, load, power or ratio is least or greatest, and beside them.
+
+        They rise, shape (n,). What is drawn is sampled there as well, so that a chart tells the peaks of ``check``.
+        """
+        of_ratio = [end.at for end in self.transmission.ratio_range]
+        found = (*self.check.extremes_rad, *load_extremes_rad(self.machine), *of_ratio)
+        return both_sides_rad(found, self.transmission.cycle_rad)
+
+    @computed
+    def drawn_motions(self) -> tuple[OutputMotion, OutputMotion]:
+        """Both motions at the angles of ``motion`` and at those of ``extremes_rad``, for charts."""
+        phi1 = distinct(np.concatenate([sample_angles(self.transmission), self.extremes_rad]))
+        return self.motion_of(self.machine, phi1), self.motion_of(self.uniform_machine, phi1)
 
     def motion_of(self, machine: Machine, phi1_rad: Array) -> OutputMotion:
         """The motion of a machine of this design at driving angles in rad, shape (n,)."""

@@ -7,7 +7,7 @@ from typing import Any
 
 from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.drawings.page.data import scene_data
-from ncgear.drawings.page.motion_charts import motion_charts
+from ncgear.drawings.page.motion_charts import cycle_angles_rad, motion_charts
 from ncgear.drawings.page.scene_svg import scene_svg
 from ncgear.drawings.scene.scene import Scene, scene_of, scene_of_teeth, scene_without_gears
 from ncgear.errors import DesignError
@@ -27,7 +27,8 @@ def gear_answers(drive: Drive) -> Iterator[Answer]:
         yield "bare", _shown(scene_without_gears(drive), gears=False)
         raise
     if power_needs_gears(drive):
-        yield "power", [live(chart) for chart in motion_charts(drive, scene.loop_rad, [Quantity.POWER])]
+        power = motion_charts(drive, scene.loop_rad, [Quantity.POWER], cycle_angles_rad(drive))
+        yield "power", [live(chart) for chart in power]
     has_gears = drive.design.gears is not None
     yield "scene", _shown(scene, gears=has_gears)
     if has_gears:

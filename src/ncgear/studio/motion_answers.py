@@ -1,6 +1,7 @@
 """The chain of the motion: what a law does with a mechanism, for which no tooth is needed.
 
-What it tells first follows the hand, so it asks for little: charts are drawn, and the design is judged, after it.
+What it tells first follows the hand, so it asks for little: extremes are searched, charts drawn, and the design is
+judged, after it.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import numpy as np
 from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.drawings.page.chart_figure import PageChart
 from ncgear.drawings.page.data import MORE_DECIMALS, paces, shaft_tables
-from ncgear.drawings.page.motion_charts import motion_charts, quantities_of
+from ncgear.drawings.page.motion_charts import cycle_angles_rad, motion_charts, quantities_of
 from ncgear.drawings.scene.scene import scene_without_gears
 from ncgear.numerics.arrays import Array, IndexArray, distinct
 from ncgear.project.drive import Drive
@@ -32,7 +33,7 @@ def motion_answers(drive: Drive) -> Iterator[Answer]:
     """Law, motion and power: ``motion``, ``figures``, each ``chart``, ``verdict``, ``best`` of all laws."""
     scene = scene_without_gears(drive)
     asked = [one for one in quantities_of(drive) if one is not Quantity.POWER or not power_needs_gears(drive)]
-    charts = motion_charts(drive, scene.loop_rad, asked)
+    followed = motion_charts(drive, scene.loop_rad, asked, cycle_angles_rad(drive))
     yield (
         "motion",
         {
@@ -40,7 +41,7 @@ def motion_answers(drive: Drive) -> Iterator[Answer]:
             "swings": scene.swings,
             "paces": [asdict(pace) for pace in paces(drive.design.operation.speed_rpm)],
             "shafts": shaft_tables(scene),
-            "charts": [live(chart) for chart in charts],
+            "charts": [live(chart) for chart in followed],
             "handles": handles(drive),
         },
     )
@@ -62,7 +63,7 @@ def motion_answers(drive: Drive) -> Iterator[Answer]:
         },
     )
     first = [quantity.key_of(drive.linkage.OUTPUT) for quantity in FIRST]
-    charts = motion_charts(drive, scene.loop_rad) if power_needs_gears(drive) else charts
+    charts = motion_charts(drive, scene.loop_rad)
     yield from drawn_charts(sorted(charts, key=lambda one: first.index(one.key) if one.key in first else len(first)))
     yield "verdict", verdict_data(judged(drive, Known.MOTION))
     yield "best", saved(drive.design)

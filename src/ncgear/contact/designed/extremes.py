@@ -80,10 +80,16 @@ def contact_extremes(
     told = np.repeat([ALIKE_RAD, 0.0, ALIKE_RAD * float(designed.pushing.first.lever_mm.max())], counts)
     found = largest_from(quantities, places, values, np.maximum(shares * np.ptp(values, axis=1), told))
     *ranges, sliding, lever, ahead = (at_angle(pitch, even, one) for one in found)
-    pushing, back, backlash, pushing_angle, back_angle = ranges_of(ranges)
+    pushing, back, backlash, *angles = ranges_of(ranges)
+    pushing_angle, back_angle = (_settled(one) for one in angles)
     overlap, deepest = replace(ahead, value=max(ahead.value, 0.0)), placed_at(pitch, even, np.array([found[-1].at]))
     found_at = pushing_angle, back_angle, sliding, replace(lever, value=-lever.value), overlap
     return ContactExtremes(pushing, back, backlash, *found_at, deepest.teeth_at(0))
+
+
+def _settled(angle: Range) -> Range:
+    """A pressure angle, which is a size, whose least value is 0 where it cannot be told from 0."""
+    return replace(angle, low=replace(angle.low, value=0.0)) if angle.low.value <= CLOSELY * angle.width else angle
 
 
 def over_cycle(even: Placement, values: Array) -> tuple[Array, Array]:

@@ -177,11 +177,10 @@ def _chart(shown: PageChart) -> Markup:
     drawing = plain.drawing.replace(f'"{shown.key}-', f'"{key}-').replace(f"#{shown.key}-", f"#{key}-")
     lines = shown.chart.lines
     keys = NOTHING.join(map(_key, lines)) if len(lines) > 1 else NOTHING
-    unit = f" in {shown.chart.unit}" if shown.chart.unit else ""
     return Markup(
-        '<figure class="plot" role="img" aria-label="{0}{1}: {2}"><figcaption><b>{0}</b>'
-        '<span class="extremes">{2}</span><span class="key">{3}</span></figcaption>{4}</figure>'
-    ).format(shown.chart.name, unit, plain.extremes, keys, Markup(drawing))
+        '<figure class="plot" role="img" aria-label="{0}: {1}"><figcaption><b>{0}</b>'
+        '<span class="extremes">{1}</span><span class="key">{2}</span></figcaption>{3}</figure>'
+    ).format(plain.heading, plain.extremes, keys, Markup(drawing))
 
 
 def _key(line: Line) -> Markup:

@@ -14,6 +14,10 @@ END = "</svg>"
 DIGITS = 4
 """Significant digits of the largest value of a line; all lines of the chart have the decimals that follow from it."""
 
+ALIKE = 1e-9
+"""Share of a chart's largest value by which values differ that count as equal: more than rounding errors, and nothing
+that any digit shows."""
+
 DRIVING, BETWEEN = "driving", "between"
 """The shafts whose angle can be the horizontal axis: the driving shaft, and the shaft between two stages."""
 
@@ -75,6 +79,12 @@ class ChartFigure:
         return Markup(f"{self.drawing.removesuffix(END)}{cursor}{END}")
 
     @property
+    def heading(self) -> str:
+        """The name of the chart with its unit: none stands at the scale, where it would lie over a number."""
+        chart = self.page_chart.chart
+        return f"{chart.name} in {chart.unit}" if chart.unit else chart.name
+
+    @property
     def uniform(self) -> int | None:
         """Place of the uniform crank's line; None where there is none."""
         roles = [line.role for line in self.page_chart.chart.lines]
@@ -82,8 +92,12 @@ class ChartFigure:
 
     @property
     def extremes(self) -> str:
-        """Words for the least and greatest value of the first line, with their angles."""
+        """Words for the least and greatest value of the first line, with their angles where they differ."""
         line, decimals = self.page_chart.chart.lines[0], self.page_chart.decimals
-        places = int(np.argmin(line.values)), int(np.argmax(line.values))
-        texts = [f"{fixed(line.values[place], decimals)} at {fixed(line.x[place], 0)}\u00b0" for place in places]
-        return " to ".join(texts).replace("-", "\u2212")
+        # The first of several places, which rounding errors tell apart.
+        alike = ALIKE * float(np.max(np.abs(line.values)))
+        places = [int(np.argmax(values >= values.max() - alike)) for values in (-line.values, line.values)]
+        values = [fixed(line.values[place], decimals) for place in places]
+        texts = [f"{value} at {fixed(line.x[place], 0)}\u00b0" for value, place in zip(values, places, strict=True)]
+        told = " to ".join(texts) if values[0] != values[1] else f"{values[0]} throughout"
+        return told.replace("-", "\u2212")

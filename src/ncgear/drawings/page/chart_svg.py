@@ -26,12 +26,25 @@ from ncgear.drawings.plots.canvas import JOINT
 Size = tuple[float, float]
 """Width and height of a chart in SVG units, which are CSS pixels where it is not scaled."""
 
-OF_REPORT: Size = (430.0, 190.0)
+OF_REPORT: Size = (330.0, 170.0)
+"""Size of a chart on the narrowest page, a phone's, with text of 11 pixels; on wider pages it grows."""
 
 POINTS_PER_INCH = 72
 """The resolution of matplotlib's SVG files: with it, display coordinates are SVG units."""
 
 TEXT_SIZE = 11.0
+
+MINUS = "\u2212"
+
+DIGIT_WIDTH, WIDTHS = 0.64, {MINUS: 0.84, "+": 0.84, ".": 0.32}
+"""Widths of the letters of a number as shares of the size of text: those of DejaVu Sans and of Verdana, than which no
+font that pages are read in is wider."""
+
+NUMBERS_OFF = 8.0
+"""Gap between a vertical scale and its numbers, which has room for half a point that is dragged (``handles.js``)."""
+
+BESIDE_NUMBERS, LEAST_LEFT, LEAST_RIGHT = NUMBERS_OFF + 6.0, 46.0, 12.0
+"""Widths of a gap, a tick and an edge beside a number, and least widths beside a chart: most charts are alike."""
 
 OWN_COLOR, UNIFORM_COLOR, INK, GRID, WRITTEN_COLOR = (f"#a1000{number}" for number in range(1, 6))
 
@@ -59,7 +72,7 @@ ANGLE_NAMES = {DRIVING: "driving angle in deg", BETWEEN: "angle of the shaft bet
 
 
 def _dress(axes: Axes, chart: Chart, _: str) -> None:
-    """Put the unit above the scale, few numbers, a faint grid, and no frame on sides without a scale."""
+    """Put few numbers, a faint grid, and no frame on sides without a scale; the unit is in the chart's heading."""
     axes.set_xlim(0.0, chart.end)
     axes.margins(y=0.08)
     axes.patch.set_visible(False)
@@ -67,7 +80,9 @@ def _dress(axes: Axes, chart: Chart, _: str) -> None:
     axes.xaxis.set_major_locator(MultipleLocator(60.0 * max(round(chart.end / 360.0), 1)))
     axes.yaxis.set_major_locator(MaxNLocator(5, min_n_ticks=3))
     axes.tick_params(labelsize=TEXT_SIZE, labelcolor=INK, color=UNIFORM_COLOR, length=3.0)
-    axes.set_title(chart.unit, size=TEXT_SIZE, color=INK, loc="left", pad=4.0, x=-34.0 / OF_REPORT[0])
+    # In full: a power of ten by itself above the scale would lie over its highest number.
+    axes.yaxis.set_major_formatter(lambda value, _: f"{value + 0.0:.12g}".replace("-", MINUS))
+    axes.tick_params(axis="y", pad=NUMBERS_OFF)
     axes.grid(True, color=GRID, linewidth=0.8)
     axes.set_axisbelow(True)
     for name, spine in axes.spines.items():
@@ -96,13 +111,14 @@ def all_drawn(page_charts: Sequence[PageChart]) -> list[ChartFigure]:
 def drawn(page_chart: PageChart, size: Size = OF_REPORT) -> ChartFigure:
     """The drawn chart; the same chart gives the same text."""
     width, height = size
-    margins = {"left": 46.0 / width, "right": 1.0 - 12.0 / width, "bottom": 38.0 / height, "top": 1.0 - 16.0 / height}
     with mpl.rc_context(SETTINGS):
         made = Figure(figsize=(width / POINTS_PER_INCH, height / POINTS_PER_INCH), dpi=POINTS_PER_INCH)
         FigureCanvasSVG(made)
-        axes = made.subplots(gridspec_kw=margins)
+        axes = made.subplots()
         draw(axes, page_chart.chart, PAGE_LOOK)
         axes.set_xlabel(ANGLE_NAMES[page_chart.shaft], size=TEXT_SIZE, color=INK)
+        left, right = _margins(axes)
+        made.subplots_adjust(left / width, 38.0 / height, 1.0 - right / width, 1.0 - 8.0 / height)
         text = StringIO()
         made.savefig(text, format="svg", metadata=NO_METADATA)
         (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
@@ -110,6 +126,20 @@ def drawn(page_chart: PageChart, size: Size = OF_REPORT) -> ChartFigure:
     (x0, y0), (x1, y1) = corners.tolist()
     svg = for_page(text.getvalue(), page_chart.key)
     return ChartFigure(page_chart, svg, (left, right), (x0, x1), (low, high), (height - y0, height - y1))
+
+
+def _margins(axes: Axes) -> tuple[float, float]:
+    """The widths left and right of axes, in SVG units, in which the numbers of the scales have room in any font."""
+    beside, below = (
+        [_width(text) for text in scale.get_major_formatter().format_ticks(list(scale.get_majorticklocs()))]
+        for scale in (axes.yaxis, axes.xaxis)
+    )
+    return max(LEAST_LEFT, max(beside) + BESIDE_NUMBERS), max(LEAST_RIGHT, max(below) / 2.0)
+
+
+def _width(text: str) -> float:
+    """Width of a number in SVG units, in the widest font of a page's text."""
+    return TEXT_SIZE * sum(WIDTHS.get(letter, DIGIT_WIDTH) for letter in text)
 
 
 def for_page(document: str, key: str) -> str:

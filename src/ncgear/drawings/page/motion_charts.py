@@ -1,8 +1,9 @@
 """The charts of the output's motion on the page, and the angles at which their lines are sampled.
 
 A cursor of the page runs along every line, straight from sample to sample, and shows the values.  The samples are
-therefore close together, and there is one on either side of every angle at which a curve may jump.  The horizontal axis
-is the driving angle.
+therefore close together, there is one on either side of every angle at which a curve may jump, and one wherever this
+design's curves are least or greatest, so that the page names the extremes that a check tells.  The horizontal axis is
+the driving angle.
 """
 
 from __future__ import annotations
@@ -17,18 +18,13 @@ import numpy as np
 from ncgear.drawings.charts.chart import joints_up_to
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, Quantity, motion_chart
 from ncgear.drawings.page.chart_figure import PageChart
+from ncgear.kinematics.check import SIDE_RAD
 from ncgear.kinematics.motion import Machine
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, distinct
 from ncgear.project.drive import Drive
 
 LEAST = 2001
 """Least number of samples over a cycle of the slider."""
-
-SIDE_RAD = 1e-9
-"""Distance in rad between a jump and the samples before and after it.
-
-It is far larger than the rounding of an angle, and too small to be seen or hit by the cursor.
-"""
 
 
 def quantities_of(drive: Drive) -> tuple[Quantity, ...]:
@@ -36,10 +32,17 @@ def quantities_of(drive: Drive) -> tuple[Quantity, ...]:
     return (*MOTION, *loads_of(drive), Quantity.RATIO)
 
 
-def motion_charts(drive: Drive, end_rad: float, quantities: Sequence[Quantity] | None = None) -> list[PageChart]:
-    """Charts from 0 to a driving angle, all of them or some; masses are looked at for the power alone."""
+def motion_charts(
+    drive: Drive, end_rad: float, quantities: Sequence[Quantity] | None = None, phi1: Array | None = None
+) -> list[PageChart]:
+    """Charts from 0 to a driving angle, all of them or some; masses are looked at for the power alone.
+
+    They are sampled at driving angles ``phi1`` of a cycle in rad, shape (n,), or else at ``cycle_angles_rad`` and where
+    any curve of this design is least or greatest.
+    """
     quantities = quantities_of(drive) if quantities is None else quantities
-    phi1 = cycle_angles_rad(drive)
+    if phi1 is None:
+        phi1 = distinct(np.concatenate([cycle_angles_rad(drive), drive.extremes_rad]))
     machines = drive.machine, drive.uniform_machine
     moved = drive.motion_of if Quantity.POWER in quantities else Machine.motion
     own, uniform = (moved(machine, phi1) for machine in machines)

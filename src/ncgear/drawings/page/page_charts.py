@@ -19,6 +19,7 @@ from ncgear.drawings.charts.chart import Chart, Line, Role, joints_up_to
 from ncgear.drawings.charts.slider_charts import RATIO_NAME
 from ncgear.drawings.page.chart_figure import BETWEEN, DRIVING, PageChart
 from ncgear.drawings.page.motion_charts import split_angles
+from ncgear.numerics.arrays import distinct
 from ncgear.project.drive import Drive
 from ncgear.project.strengthening import Rating, known_rating
 from ncgear.ratio.transmission import Transmission
@@ -101,9 +102,10 @@ def _closed(line: Line, end_deg: float, role: Role, label: str) -> Line:
 
 
 def ratio_chart(law: Transmission, end_rad: float) -> Chart:
-    """The ratio of a law from 0 to a driving angle, with its joints."""
+    """The ratio of a law from 0 to a driving angle, with its joints and its extremes."""
     joints = joints_up_to(law, end_rad)
-    angle = split_angles(end_rad, joints.tolist())
+    extremes = [end.at for end in law.ratio_range]
+    angle = distinct(np.concatenate([split_angles(end_rad, joints.tolist()), extremes]))
     values = 1.0 / law.driven_angle(angle, 1).derivative(1)
     line = Line(Role.OWN, "this design", np.degrees(angle), values)
     return Chart(RATIO_NAME, "", (line,), degrees(end_rad), joints_deg=np.degrees(joints))

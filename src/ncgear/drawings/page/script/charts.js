@@ -34,16 +34,17 @@ function createChart(figure, chart) {
   return { show };
 }
 
-// The place of a pointer in the units of an SVG element.
-function placeIn(svg, event) {
-  return new DOMPoint(event.clientX, event.clientY).matrixTransform(svg.getScreenCTM().inverse());
-}
+// From the screen to the units of an SVG element, as it stands at the moment.
+const intoUnits = (svg) => svg.getScreenCTM().inverse();
+
+// The place of a pointer in these units.
+const placeIn = (units, event) => new DOMPoint(event.clientX, event.clientY).matrixTransform(units);
 
 // `onPick` gets the angle, of the axis of the chart that is there at the moment, under the pointer while it is pressed.
 function followPointer(plot, chartNow, onPick) {
   function pick(event) {
     const chart = chartNow();
-    const deg = between(placeIn(plot.querySelector("svg"), event).x, chart.x, chart.angle_deg);
+    const deg = between(placeIn(intoUnits(plot.querySelector("svg")), event).x, chart.x, chart.angle_deg);
     onPick(Math.min(Math.max(deg, chart.angle_deg[0]), chart.angle_deg[1]));
   }
 

@@ -2,6 +2,7 @@
 
 const RAD = Math.PI / 180;
 const HALVINGS = 50;
+const FIRST_CRANK_DEG = 60;
 
 function degreesAt(scene, deg) {
   const angles = scene.shaft_angles(deg * RAD).map((angle) => angle / RAD);
@@ -21,6 +22,12 @@ function drivingOf(scene, shaft, target) {
     else high = middle;
   }
   return low;
+}
+
+// Driving angle in degrees at which the crank first stands well off its dead centre, so that it is seen beside the rod.
+function firstPose(scene, cycle) {
+  const degrees = Array.from({ length: 90 }, (_, i) => (i * cycle) / 90);
+  return degrees.find((deg) => scene.driven_angle(deg * RAD) >= FIRST_CRANK_DEG * RAD) ?? 0;
 }
 
 // The driving angle in degrees, set by hand or carried on by time; `onChange` hears of every new one.

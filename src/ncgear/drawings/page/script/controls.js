@@ -74,7 +74,7 @@ function isTaken(key, target) {
   if (target.id === "scrub") return false;
   if (target.closest("select, input")) return true;
   if (key === " ") return target.closest("button, a, summary") !== null;
-  return key === "ArrowUp" || key === "ArrowDown" || target.closest("pre, .table-frame") !== null;
+  return key === "ArrowUp" || key === "ArrowDown" || target.closest("pre, .scroll") !== null;
 }
 
 function onKey(event, clock) {

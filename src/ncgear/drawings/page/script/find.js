@@ -13,7 +13,7 @@ function listenToViews(sceneNow) {
 }
 
 // Teeth looked up: by the links in the page's words and tables, or by gear and number beside the scene that `sceneNow`
-// gives; `fit` takes the gears and the views of another scene, and hides what it has not.
+// gives; `fit` takes the gears and the views of another scene, in which no tooth is marked, and hides what it has not.
 
 function createFinder(sceneNow, clock) {
   const [gear, number, told, numbers] = ["find-gear", "find-tooth", "found", "numbers"].map((id) =>
@@ -57,6 +57,8 @@ function createFinder(sceneNow, clock) {
     gear.replaceChildren(...names.map((name) => new Option(name.replace("-", " of stage "), name)));
     if (names.includes(chosen)) gear.value = chosen;
     sceneNow().numbers(numbers.checked);
+    told.textContent = "";
+    if (number !== document.activeElement) number.value = "";
     gear.closest(".find").hidden = !names.length;
     for (const choice of document.querySelectorAll('input[name="view"]')) {
       choice.parentNode.hidden = !sceneNow().views.includes(choice.value);

@@ -67,6 +67,7 @@ function start() {
   createFinder(() => scene, clock);
   createSolids();
   clock.fit(data.cycle_deg, data.swings);
+  clock.set(firstPose(scene, clock.cycle()));
 
   // For whoever looks at the page by script: angles in rad.
   window.ncgear = Object.freeze({

@@ -2,15 +2,19 @@
 
 function createBoard(place, handles, onPick) {
   const charts = new Map();
-  const state = { handles: [], held: null, degrees: null };
+  const state = { handles: [], held: null, degrees: null, drawn: {} };
 
-  function created(key) {
+  // A new chart stands after the one that its chain has drawn of the same text before; the motion's come first.
+  function created(key, { from, n }) {
     const figure = document.createElement("figure");
     figure.className = "chart";
     figure.dataset.key = key;
     figure.innerHTML =
       '<figcaption><span class="name"></span><span class="extremes"></span><span class="key"></span></figcaption><div class="plot"></div>';
-    place.append(figure);
+    const last = state.drawn[from];
+    if (last?.n === n) last.figure.after(figure);
+    else if (from === "motion") place.prepend(figure);
+    else place.append(figure);
     const one = { figure, plot: figure.querySelector(".plot"), chart: null, live: null, cursor: null };
     followPointer(one.plot, () => one.chart, (deg) => onPick(one.chart, deg));
     charts.set(key, one);
@@ -19,13 +23,14 @@ function createBoard(place, handles, onPick) {
 
   // A chart as the server has drawn it for the text of a number.
   function draw(content, { from, n }) {
-    const one = charts.get(content.key) ?? created(content.key);
+    const one = charts.get(content.key) ?? created(content.key, { from, n });
     Object.assign(one, { late: null, from, n });
+    state.drawn[from] = one;
     if (handles.dragging()) {
       one.late = content;
       return;
     }
-    Object.assign(one, { chart: content, live: null });
+    Object.assign(one, { chart: content, live: null, seen: n });
     const focused = one.plot.contains(document.activeElement) ? document.activeElement.dataset.handle : null;
     one.plot.innerHTML = content.svg;
     one.figure.classList.remove("pale");
@@ -42,10 +47,9 @@ function createBoard(place, handles, onPick) {
   function keyOf(content, line, number) {
     const made = document.createElement("span");
     made.className = `line ${line.role}`;
-    made.innerHTML = '<i aria-hidden="true"></i><span></span> <b data-value></b> <span></span>';
+    made.innerHTML = '<i aria-hidden="true"></i><span></span> <b data-value></b>';
     made.querySelector("span").textContent = line.label;
     made.querySelector("b").dataset.value = number;
-    made.lastChild.textContent = content.unit;
     return made;
   }
 
@@ -57,17 +61,17 @@ function createBoard(place, handles, onPick) {
     handles.put(svg, one.chart, state.handles);
   }
 
-  // Lines that follow a motion before its charts are drawn.
-  function follow(motion) {
+  // Lines that follow a motion of the text of a number before its charts are drawn.
+  function follow(motion, n) {
     state.handles = motion.handles;
-    lines(motion.charts);
+    lines(motion.charts, n);
   }
 
-  function lines(followed) {
+  function lines(followed, n) {
     for (const live of followed) {
       for (const line of live.lines) line.x = live.x;
       const one = charts.get(live.key);
-      if (!one?.chart) continue;
+      if (!one?.chart || one.seen >= n) continue;
       one.live = live;
       one.figure.classList.add("pale");
       overlay(one);
@@ -76,7 +80,7 @@ function createBoard(place, handles, onPick) {
 
   // What was drawn while something was dragged is shown at its end.
   function settle() {
-    for (const one of charts.values()) if (one.late) draw(one.late, one);
+    for (const one of [...charts.values()]) if (one.late) draw(one.late, one);
   }
 
   function valuesAt(one) {
@@ -104,10 +108,19 @@ function createBoard(place, handles, onPick) {
     for (const one of charts.values()) if (one.chart) overlay(one);
   }
 
+  // The charts of a chain that it has not drawn of the text of a number go.
+  function drop(from, n) {
+    for (const [key, one] of charts) {
+      if (one.from !== from || one.n >= n) continue;
+      one.figure.remove();
+      charts.delete(key);
+    }
+  }
+
   function showStale(stale) {
     for (const one of charts.values()) one.figure.classList.toggle("stale", stale(one.from, one.n));
   }
 
   const chart = (key) => charts.get(key)?.chart;
-  return { draw, follow, lines, settle, show, hold, showStale, chart };
+  return { draw, drop, follow, lines, settle, show, hold, showStale, chart };
 }

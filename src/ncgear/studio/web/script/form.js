@@ -54,7 +54,7 @@ function valueOf(row, input) {
 // `acts.change(changes)` hears of every value on the way, `acts.set(changes)` of the one that is meant.
 function createForm(place, find, acts) {
   // `faults` are of the text, `own` what was typed and is not taken, both in words by the keys' paths.
-  const state = { shape: "", inputs: new Map(), faults: new Map(), own: new Map() };
+  const state = { shape: "", open: new Set(), inputs: new Map(), faults: new Map(), own: new Map() };
 
   function show(rows) {
     const shape = JSON.stringify(rows, (key, value) => (["value", "step"].includes(key) ? undefined : value));
@@ -64,9 +64,10 @@ function createForm(place, find, acts) {
   }
 
   function build(rows, shape) {
-    const open = new Set([...place.querySelectorAll("details[open]")].map((one) => one.dataset.path));
-    // On a phone all groups begin closed, so that every one of them is in reach.
+    const { open } = state;
+    // On a phone all groups begin closed, so that every one of them is in reach; one that comes back is as it was.
     if (!state.shape && innerWidth > NARROW) ["motion", "gears", "operation", "linkage"].forEach((path) => open.add(path));
+    for (const one of place.querySelectorAll("details")) open[one.open ? "add" : "delete"](one.dataset.path);
     const focused = document.activeElement?.closest?.("[data-path]")?.dataset.path;
     state.shape = shape;
     state.inputs = new Map();

@@ -49,10 +49,11 @@ function lastDigit(value) {
 function createHandles(acts) {
   const state = { dragged: null };
 
-  function changesAt(handle, at) {
-    // An axis along which nothing was moved leaves its key as it is.
-    const moves = Object.entries(handle.moves).filter(([axis]) => at[axis] !== handle[axis]);
-    return Object.assign({}, ...moves.map(([axis, move]) => changesOf(move, valueAt(move, at[axis] - handle[axis]))));
+  // An axis along which a handle was never moved leaves its key as it is; one that is back gives its value back.
+  function changesAt(dot, handle, at) {
+    const axes = Object.keys(handle.moves).filter((axis) => at[axis] !== handle[axis] || dot.moved?.has(axis));
+    dot.moved = new Set(axes);
+    return Object.assign({}, ...axes.map((axis) => changesOf(handle.moves[axis], valueAt(handle.moves[axis], at[axis] - handle[axis]))));
   }
 
   function move(dot, handle, at, chart) {
@@ -60,7 +61,7 @@ function createHandles(acts) {
     place(dot, free, chart);
     dot.setAttribute("aria-valuetext", spoken(handle, free));
     tell(dot, handle, free, chart);
-    const changes = changesAt(handle, free);
+    const changes = changesAt(dot, handle, free);
     if (Object.keys(changes).length) acts.change(changes);
   }
 
@@ -69,14 +70,14 @@ function createHandles(acts) {
     dot.setAttribute("cy", between(at.y, chart.values, chart.y));
   }
 
-  // The value beside a handle, on the side of the chart where there is room.
+  // The value beside a handle, on the side of the chart where there is more room, and whole.
   function tell(dot, handle, at, chart) {
     const told = dot.parentNode.querySelector("text");
     const x = between(at.x, chart.angle_deg, chart.x);
-    const left = x > (chart.x[0] + chart.x[1]) / 2;
     told.textContent = `${handle.name}: ${spoken(handle, at)}`;
-    told.setAttribute("text-anchor", left ? "end" : "start");
-    told.setAttribute("x", x + (left ? -12 : 12));
+    const [wide, whole] = [told.getComputedTextLength(), dot.ownerSVGElement.viewBox.baseVal.width];
+    const beside = x > (chart.x[0] + chart.x[1]) / 2 ? x - 12 - wide : x + 12;
+    told.setAttribute("x", Math.max(0, Math.min(beside, whole - wide)));
     told.setAttribute("y", Math.max(between(at.y, chart.values, chart.y) - 10, 12));
   }
 
@@ -94,6 +95,7 @@ function createHandles(acts) {
   }
 
   function listen(dot, handle, svg, chart) {
+    // Where the handle was grasped, and where the chart stood then: what comes above it meanwhile moves no handle.
     let grasped = null;
     dot.addEventListener("pointerdown", (event) => {
       event.stopPropagation();
@@ -101,12 +103,13 @@ function createHandles(acts) {
       dot.focus();
       dot.setPointerCapture(event.pointerId);
       state.dragged = handle;
-      grasped = placeIn(svg, event);
+      const units = intoUnits(svg);
+      grasped = { units, from: placeIn(units, event) };
     });
     dot.addEventListener("pointermove", (event) => {
       if (!dot.hasPointerCapture(event.pointerId)) return;
       event.stopPropagation();
-      move(dot, handle, dragged(handle, grasped, placeIn(svg, event), chart), chart);
+      move(dot, handle, dragged(handle, grasped.from, placeIn(grasped.units, event), chart), chart);
     });
     for (const name of ["pointerup", "pointercancel"]) {
       dot.addEventListener(name, () => {

@@ -1,10 +1,8 @@
 // The page put together: one design, and everything that shows it or changes it.
 
-const FIRST_CRANK_DEG = 60;
-
 function start() {
   const at = (id) => document.getElementById(id);
-  const state = { newest: 0, refused: {}, motion: null, power: [], held: false, begun: false };
+  const state = { newest: 0, refused: {}, failed: {}, motion: null, power: [], held: false, begun: false };
   const link = createLink(hear, (on, taken) => {
     document.body.classList.toggle("offline", !on);
     if (taken) say("This page goes on in another tab; load it anew to go on here.");
@@ -12,19 +10,25 @@ function start() {
     else if (at("said").textContent.startsWith("The server")) say("");
   });
 
+  // What was said is about what was done before.
+  function send(message) {
+    if (!document.body.classList.contains("offline")) say("");
+    link.send(message);
+  }
+
   const machine = createMachine(at("stage"), at("held-stage"));
   const clock = createClock(show);
   const controls = createControls(clock);
   const acts = {
     change: (changes) => {
-      link.send({ do: "change", changes });
+      send({ do: "change", changes });
       form.follow(changes);
     },
     keep: () => {
-      link.send({ do: "keep" });
+      send({ do: "keep" });
       board.settle();
     },
-    set: (changes) => link.send({ do: "set", changes }),
+    set: (changes) => send({ do: "set", changes }),
     reveal: (key) => form.reveal(key),
   };
   const handles = createHandles(acts);
@@ -32,8 +36,8 @@ function start() {
   const form = createForm(at("form"), at("find"), acts);
   const told = createTold(acts);
   const finder = createFinder(machine.scene, clock);
-  const making = createMaking(at("jobs"), link.send);
-  const saving = createSaving(at("question"), link.send);
+  const making = createMaking(at("jobs"), send);
+  const saving = createSaving(at("question"), send);
 
   function show(deg, playing) {
     machine.show(deg * RAD);
@@ -52,17 +56,19 @@ function start() {
 
   function hear(message) {
     const { is, n, content } = message;
+    if (is === "refused") state.failed[message.from] = n;
     if (n !== undefined) {
       // Answers to a text that is not shown any more come too late.
-      if (is !== "state" && is !== "asked" && n < state.newest && is === "refused") return;
+      if (is === "refused" && n < state.newest) return;
       state.newest = Math.max(state.newest, n);
     }
-    const answers = { state: takeState, motion: takeMotion, power: takePower, scene: takeScene, bare: takeBare, figures: told.figures, teeth: told.teeth };
-    Object.assign(answers, { verdict: told.verdict, strength: told.strength, best: told.best, chart: takeChart });
+    const answers = { state: takeState, motion: takeMotion, power: takePower, scene: takeScene, bare: takeBare, figures: told.take, teeth: told.take };
+    Object.assign(answers, { verdict: told.verdict, strength: told.take, best: told.best, chart: board.draw });
     Object.assign(answers, { job: making.show, said: say, question: saving.ask, lacking: takeLacking });
     if (is === "refused") takeRefusal(message);
     else if (answers[is]) answers[is](content, message);
     if (["motion", "scene", "strength", "done"].includes(is)) settled(message);
+    if (is === "done" && state.failed[message.from] !== n) ended(message);
     showStale();
     if (is === "done") document.body.dataset[`done${message.from[0].toUpperCase()}${message.from.slice(1)}`] = n;
   }
@@ -87,44 +93,31 @@ function start() {
     if (groups.length) say(groups.map((path) => `${path} cannot be left out: ${content[path]}`).join(" "));
   }
 
-  function takeMotion(content) {
+  function takeMotion(content, { n }) {
     state.motion = content;
-    machine.follow(content);
-    board.follow(content);
+    machine.follow(content, n);
+    board.follow(content, n);
+    at("points").hidden = !content.handles.length;
     setPaces(content.paces);
     clock.fit(content.loop / RAD, content.swings);
   }
 
   // Power that counts gears comes with them.
-  function takePower(content) {
+  function takePower(content, { n }) {
     state.power = content;
-    board.lines(content);
+    board.lines(content, n);
   }
 
-  function takeScene(content) {
-    machine.take(content);
+  function takeScene(content, { n }) {
+    machine.take(content, n);
     finder.fit();
-    clock.set(state.begun ? clock.deg() : firstPose());
+    clock.set(state.begun ? clock.deg() : firstPose(machine.scene(), clock.cycle()));
     state.begun = true;
-    if (!content.gears) told.withoutGears("");
-  }
-
-  // Driving angle in degrees at which the crank first stands well off its dead centre, so that it is seen beside the rod.
-  function firstPose() {
-    const scene = machine.scene();
-    const degrees = Array.from({ length: 90 }, (_, i) => (i * clock.cycle()) / 90);
-    return degrees.find((deg) => scene.driven_angle(deg * RAD) >= FIRST_CRANK_DEG * RAD) ?? 0;
   }
 
   // Without teeth the mechanism alone is shown, unless there is an earlier machine to be seen behind the refusal.
-  function takeBare(content) {
-    if (!machine.scene()) machine.take(content);
-    finder.fit();
-    clock.set(clock.deg());
-  }
-
-  function takeChart(content, message) {
-    board.draw(content, message);
+  function takeBare(content, message) {
+    if (!machine.scene()) takeScene(content, message);
   }
 
   function setPaces(paces) {
@@ -137,7 +130,6 @@ function start() {
 
   function takeRefusal(message) {
     state.refused[message.from] = { ...message.content, n: message.n };
-    if (message.from !== "motion") told.withoutGears(message.content.after);
     showRefusals();
   }
 
@@ -146,7 +138,6 @@ function start() {
     const found = Object.values(state.refused);
     const each = found.flatMap((one) => [one, ...one.others.map((other) => ({ ...one, ...other }))]);
     const once = each.filter((one, i) => each.findIndex((other) => other.problem === one.problem && other.key === one.key) === i);
-    machine.refuse(found.length > 0);
     told.refusals(once);
     form.mark(new Map(once.map((one) => [one.key, one.problem])));
   }
@@ -156,7 +147,7 @@ function start() {
     const stale = (from, n) => (state.refused[from]?.n ?? -Infinity) > n;
     const motion = told.showStale(stale);
     board.showStale(stale);
-    const before = { motion, machine: Object.keys(state.refused).length > 0 };
+    const before = { motion, machine: machine.showStale(Math.max(-Infinity, ...Object.values(state.refused).map((one) => one.n))) };
     for (const one of document.querySelectorAll("[data-now]")) one.textContent = before[one.dataset.now] ? "before" : "now";
   }
 
@@ -166,6 +157,12 @@ function start() {
       delete state.refused[from];
       showRefusals();
     }
+  }
+
+  // What a chain has answered to its end, unrefused, is all that there is of it: what it told of earlier texts goes.
+  function ended({ from, n }) {
+    board.drop(from, n);
+    told.drop(from, n);
   }
 
   function hold() {
@@ -178,21 +175,21 @@ function start() {
     clock.set(clock.deg());
   }
 
-  at("undo").addEventListener("click", () => link.send({ do: "undo" }));
-  at("redo").addEventListener("click", () => link.send({ do: "redo" }));
+  at("undo").addEventListener("click", () => send({ do: "undo" }));
+  at("redo").addEventListener("click", () => send({ do: "redo" }));
   at("save").addEventListener("click", saving.save);
   at("hold").addEventListener("click", hold);
   at("take").addEventListener("click", () => {
     at("text").blur();
-    link.send({ do: "text", text: at("text").value });
+    send({ do: "text", text: at("text").value });
   });
   document.addEventListener("keydown", (event) => {
     if (!(event.ctrlKey || event.metaKey) || event.altKey) return;
     const typing = event.target.closest("textarea, input[type=search], :not(.number, .integer) > input[type=text]");
     const key = event.key.toLowerCase();
     if (key === "s") saving.save();
-    else if (key === "z" && !typing) link.send({ do: event.shiftKey ? "redo" : "undo" });
-    else if (key === "y" && !typing) link.send({ do: "redo" });
+    else if (key === "z" && !typing) send({ do: event.shiftKey ? "redo" : "undo" });
+    else if (key === "y" && !typing) send({ do: "redo" });
     else return;
     event.preventDefault();
   });
@@ -204,7 +201,7 @@ function start() {
     drivenAngle: (phi1) => machine.scene().driven_angle(phi1),
     motion: () => state.motion,
     chart: board.chart,
-    send: link.send,
+    send: send,
   });
 }
 

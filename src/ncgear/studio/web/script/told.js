@@ -9,14 +9,13 @@ function tableElement(table) {
   const rows = table.rows.flatMap((row) => {
     const [first, ...rest] = row.cells;
     const cells = rest.map((text, i) => cell("td", text, i === 0 && row.span > 1 ? { colspan: row.span } : {}));
-    const note = row.note ? [made("tr", { class: "note" }, cell("td", row.note, { colspan: row.cells.length }))] : [];
+    const note = row.note ? [made("tr", { class: "note" }, made("td", { colspan: row.cells.length }, made("span", {}, row.note)))] : [];
     return [made("tr", {}, cell("th", first, { scope: "row" }), ...cells), ...note];
   });
-  const inner = made("table", {}, made("caption", {}, table.title), made("thead", {}, made("tr", {}, ...head)), made("tbody", {}, ...rows));
+  const inner = made("table", {}, made("thead", {}, made("tr", {}, ...head)), made("tbody", {}, ...rows));
   const notes = table.notes.map((note) => cell("p", note, { class: "note" }));
-  const frame = made("div", { class: "table-frame", tabindex: 0, role: "group" }, inner, ...notes);
-  frame.setAttribute("aria-label", table.title);
-  return frame;
+  const scroll = made("div", { class: "scroll", tabindex: 0, role: "group", "aria-label": table.title }, inner);
+  return made("figure", { class: "table-frame" }, cell("figcaption", table.title), scroll, ...notes);
 }
 
 // The number at the beginning of a text, and what follows it; null for a text of more than one number.
@@ -39,35 +38,43 @@ function differenceOf(text, other) {
 // `acts.set(changes)` takes a remedy, `acts.reveal(key)` shows a key of the form.
 function createTold(acts) {
   const at = (id) => document.getElementById(id);
-  const parts = { facts: [], teeth: [], safety: [], crank: "", verdict: null, verdictOf: -1, figuresOf: -1, tables: { motion: [], gears: [], strength: [] } };
+  // What each part was told last, by which chain and of which text; the verdict comes from two chains.
+  const parts = { figures: null, strength: null, teeth: null, verdict: null };
+  const shows = new WeakMap();
   let held = null;
 
   // The peaks and the safeties first; beside them the crank, or the kept design in its place.
   function rowsOfFacts() {
-    const compared = parts.facts.filter((one) => one.length > 2);
-    const others = parts.facts.filter((one) => one.length <= 2);
-    return [...compared, ...parts.safety, ...others, ...parts.teeth];
+    const rows = (part, chosen = () => true) => (part?.facts ?? []).filter(chosen).map((fact) => ({ part, fact }));
+    const { figures, strength, teeth } = parts;
+    const compared = (fact) => fact.length > 2;
+    return [...rows(figures, compared), ...rows(strength), ...rows(figures, (fact) => !compared(fact)), ...rows(teeth)];
   }
 
   function showFacts() {
     const before = held && new Map(held.map(([name, text]) => [name, text]));
-    const rows = rowsOfFacts().map(([name, text, ...crank]) => {
+    const crank = parts.figures?.crank ?? "";
+    const rows = rowsOfFacts().map(({ part, fact: [name, text, ...beside] }) => {
       const other = before?.get(name) ?? "";
-      const beside = before ? [other, other && differenceOf(text, other)] : crank;
-      const cells = [text, ...beside].map((one) => cell("td", one));
-      return made("tr", {}, cell("th", name, { scope: "row" }), ...cells);
+      const cells = [text, ...(before ? [other, other && differenceOf(text, other)] : beside)].map((one) => cell("td", one));
+      return of(part, made("tr", {}, cell("th", name, { scope: "row" }), ...cells));
     });
-    at("facts").tHead.rows[0].cells[2].textContent = before ? "kept" : parts.crank;
+    at("facts").tHead.rows[0].cells[2].textContent = before ? "kept" : crank;
     at("facts").tBodies[0].replaceChildren(...rows);
-    at("crank").textContent = parts.crank;
+    at("crank").textContent = crank;
     at("legend").hidden = !before;
+  }
+
+  // An element and the part that it shows, from whose age it is told whether it is of an earlier text.
+  function of(part, element) {
+    shows.set(element, part);
+    return element;
   }
 
   // The newest verdict counts: that of the motion until the teeth of the same design are judged.
   function verdict(content, message) {
-    const newest = message.from === "motion" ? parts.verdictOf + 1 : parts.verdictOf;
-    if (message.n < newest) return;
-    Object.assign(parts, { verdict: content, verdictOf: message.n });
+    if (parts.verdict && message.n < parts.verdict.n + (message.from === "motion")) return;
+    parts.verdict = message;
     const items = content.advices.map((advice) => {
       const before = `${advice.stage}${advice.matters ? "" : "Remark: "}`;
       const item = made("li", { class: advice.remedies.length ? "remediable" : "" });
@@ -92,44 +99,28 @@ function createTold(acts) {
     return line;
   }
 
-  function showTables() {
-    const { motion, gears, strength } = parts.tables;
-    at("tables").lastElementChild.replaceChildren(...[...strength, ...motion, ...gears].map(tableElement));
+  function show() {
+    const { figures, strength, teeth } = parts;
+    const tables = [strength, figures, teeth].flatMap((part) => (part?.tables ?? []).map((table) => of(part, tableElement(table))));
+    at("tables").lastElementChild.replaceChildren(...tables);
+    at("achieved").replaceChildren(...(figures?.achieved ?? []).map((line) => of(figures, cell("li", line))));
+    showFacts();
   }
 
-  function figures(content, message) {
-    Object.assign(parts, { facts: content.facts, crank: content.crank, figuresOf: message.n });
-    parts.tables.motion = content.tables;
-    at("achieved").replaceChildren(...content.achieved.map((line) => cell("li", line)));
-    showFacts();
-    showTables();
+  function take(content, { is, from, n }) {
+    parts[is] = { ...content, from, n };
+    show();
   }
 
-  function teeth(content) {
-    parts.teeth = content.facts;
-    parts.tables.gears = content.tables;
-    showFacts();
-    showTables();
-  }
-
-  function strength(content) {
-    parts.safety = content.facts;
-    parts.tables.strength = content.tables;
-    showFacts();
-    showTables();
-  }
-
-  // Parts of gears that do not exist are not shown as if they did.
-  function withoutGears(after) {
-    if (!["teeth", "verdict", "strength", "chart"].includes(after)) Object.assign(parts, { teeth: [] });
-    parts.safety = [];
-    Object.assign(parts.tables, { gears: [], strength: [] });
-    showFacts();
-    showTables();
+  // What a chain has told of earlier texts goes where it has not told it of the text of a number.
+  function drop(from, n) {
+    const gone = ["figures", "strength", "teeth"].filter((name) => parts[name]?.from === from && parts[name].n < n);
+    for (const name of gone) parts[name] = null;
+    if (gone.length) show();
   }
 
   function hold(on) {
-    held = on ? rowsOfFacts() : null;
+    held = on ? rowsOfFacts().map(({ fact }) => fact) : null;
     showFacts();
   }
 
@@ -158,12 +149,17 @@ function createTold(acts) {
 
   // Makes pale what `stale(chain, n)` tells of an earlier text; gives whether the motion's figures are.
   function showStale(stale) {
-    const motion = stale("motion", parts.figuresOf);
-    for (const one of [at("facts"), at("achieved"), at("tables").lastElementChild]) one.classList.toggle("stale", motion);
-    at("warnings").classList.toggle("stale", stale("motion", parts.verdictOf) || stale("contact", parts.verdictOf));
+    for (const one of document.querySelectorAll("#facts tbody tr, #achieved li, #tables .table-frame")) {
+      const { from, n } = shows.get(one);
+      one.classList.toggle("stale", stale(from, n));
+    }
+    const judged = parts.verdict?.n ?? Infinity;
+    at("warnings").classList.toggle("stale", stale("motion", judged) || stale("contact", judged));
+    const motion = parts.figures !== null && stale("motion", parts.figures.n);
+    at("facts").classList.toggle("before", motion);
     if (motion) best(null);
     return motion;
   }
 
-  return { showStale, best, figures, teeth, verdict, strength, withoutGears, hold, refusals };
+  return { showStale, best, take, drop, verdict, hold, refusals };
 }
