@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import inf, pi
 
 import numpy as np
@@ -13,6 +14,7 @@ from ncgear.strength.answer import ContactStresses, GearStrength, Strength, Toot
 from ncgear.strength.contacts import LoadedContacts
 from ncgear.strength.loading import Loading
 from ncgear.strength.material import EnduredStress, Family, Material
+from ncgear.strength.surfaces import Film, Place, Surfaces, Wear
 
 STEEL = Material(
     "some steel",
@@ -63,6 +65,9 @@ def made_up_loading(drive: Drive, strength: Strength) -> Loading:
     phi1 = 2.0 * pi * np.arange(count) / count
     return Loading(
         contacts=strength.contacts,
+        between=lambda rolled_mm: strength.contacts.kept(np.isin(strength.contacts.position, rolled_mm)),
+        rolled_mm=np.arange(count, dtype=float),
+        cycle_mm=float(count),
         phi1_rad=phi1,
         torque_n_mm=np.full(count, 1e5),
         error_rad=60e-6 * np.cos(phi1),
@@ -72,6 +77,13 @@ def made_up_loading(drive: Drive, strength: Strength) -> Loading:
         cycle_turns=1,
         borne=None,
     )
+
+
+def made_up_surfaces() -> Surfaces:
+    """Flanks of metal in oil that lose a hundredth of a millimetre, of a limit of a fifth."""
+    place = Place(0.01, 1.0, 2, 2)
+    film = Film(replace(place, value=0.5), 1.0, 40.0, 41.0, replace(place, value=9.0))
+    return Surfaces(film, 300.0, (0.9, 0.9), Wear((1e-8, 1e-8), (place, place), 0.02, 0.2, 20_000.0), (None, None))
 
 
 def _contacts(driving: int, driven: int) -> LoadedContacts:

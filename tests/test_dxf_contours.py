@@ -223,9 +223,7 @@ def chords(count: int) -> Callable[[Any], object]:
 
 def test_many_chords_are_smoothed_within_the_tolerance_that_is_asked_for(tmp_path: Path) -> None:
     expected = distance_mm(tmp_path, made(lambda space: space.add_ellipse((0, 0), (30, 0), 0.8)))
-    with pytest.raises(
-        WrongInput, match="has 2000 chords, and no teeth roll over their corners; give"
-    ):
+    with pytest.raises(WrongInput, match="has 2000 chords, and no teeth roll over their corners; give"):
         distance_mm(tmp_path, made(chords(2000)))
     drive = from_folder(tmp_path, more=", tolerance_mm: 0.005")
     assert drive.law.center_distance_mm == pytest.approx(expected, abs=0.005)

@@ -210,7 +210,7 @@ def test_the_command_tells_both_stages(run: Run) -> None:
     assert (status, err) == (0, "")
     folder = Path("export/press-strength")
     for number in (1, 2):
-        assert f"press, stage {number}: strength of the teeth at 60 r/min" in out
+        assert f"stage {number}: driving, breakage" in out
         assert f"stage-{number}/strength.png" in out
     found = [json.loads((folder / f"stage-{number}" / "strength.json").read_text()) for number in (1, 2)]
     assert [one["stage"]["number"] for one in found] == [1, 2]

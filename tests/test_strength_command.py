@@ -25,7 +25,7 @@ from ncgear.strength import life
 from ncgear.strength.answer import Strength
 from ncgear.strength.holding import Damage, WantedSafety, weakest_teeth
 from ncgear.strength.loading import Loading
-from strong import made_up, made_up_loading
+from strong import made_up, made_up_loading, made_up_surfaces
 
 HEAD = """\
 name: press
@@ -61,6 +61,7 @@ def pretend(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
 
         monkeypatch.setattr(Drive, "strength_by", strength)
         monkeypatch.setattr(Drive, "loading_by", loading)
+        monkeypatch.setattr(Drive, "surfaces_by", lambda *_: made_up_surfaces())
 
     return once
 
@@ -281,13 +282,13 @@ def test_the_dynamic_factors_of_the_page_are_those_of_the_designs(monkeypatch: p
     named = re.findall(r"(\d\.\d\d) of `([a-z-]+)`", page[page.index("`K_V` is ISO") : page.index("**Life.**")])
     assert len(named) == 4
     seen: list[float] = []
-    estimated = life.estimated_dynamic_factor
+    estimated = life.dynamic_factor_of
 
     def told(*given: Any) -> float:
         seen.append(estimated(*given))
         return seen[-1]
 
-    monkeypatch.setattr(life, "estimated_dynamic_factor", told)
+    monkeypatch.setattr(life, "dynamic_factor_of", told)
     for value, name in named:
         seen.clear()
         _ = Drive(load(ROOT / "designs" / f"{name}.yaml").design).strength

@@ -10,13 +10,14 @@ from ncgear.figures.tables import markdown
 from ncgear.numerics.arrays import Array
 from ncgear.strength.classes import LifePoint, Quality
 from ncgear.strength.endurance import RELIABILITY_FACTORS, SHARES, limit_bending_mpa, limit_contact_mpa
-from ncgear.strength.materials import ASSUMED, ROWS, Bronze, Choice, Ferrous, Plastic
+from ncgear.strength.materials import ASSUMED, ROWS, TABLE, Bronze, Choice, Ferrous, Plastic
 from ncgear.strength.plastics import (
     LUBRICATED_FRICTION,
     PLASTICS_FRICTION,
     flank_limit_mpa,
     root_limit_mpa,
 )
+from ncgear.strength.wear import usual_mm3_n_m
 
 NAME = "materials.md"
 
@@ -68,8 +69,7 @@ mean speed along the pitch curves and the radius of circular gears of the same t
 runs against a hard one of R<sub>z</sub> 6 &micro;m or less; and Z<sub>X</sub> of the size. Roots have
 Y<sub>RrelT</sub> of their roughness and Y<sub>X</sub> of the size; Y<sub>deltarelT</sub> is taken as 1. A root whose
 tooth is loaded on both flanks counts 0.357 of the compression as tension, so that equal loads both ways leave 0.7 of
-the stress, as in the annex of ISO 6336-3. Dry metal wears, which is not judged: it is never said to
-hold, nor that its life has no end.
+the stress, as in the annex of ISO 6336-3. Dry metal has no figures for pitting: its flanks wear, as below.
 
 All stresses are divided by Y<sub>Z</sub> for the share of gears that shall live so long (AGMA 2101), 1 at the 99 % that
 the figures of ISO 6336 are for:
@@ -88,6 +88,17 @@ temperature given:
 
 Beyond 1e8 cycles they are an extrapolation. Polyamide takes up water: moist and as moulded it differs in stiffness
 here, not in strength. Prints are a rough, cautious guess (below).
+"""
+
+WEAR = """\
+## Wear
+
+Wear coefficients in mm&sup3; for each N and m of sliding, of flanks that no film parts ([how they
+count](method.md#strength-strength)). They are known to the power of ten at best: of steel in oil, 5e-7 (A. Flodin, S.
+Andersson, 1997) and 9.65e-10 (P. Bajpai, A. Kahraman, N. E. Anderson, 2004) were published, of dry steel K = 1.3e-4
+over the hardness where it is hard (J. F. Archard, 1953) and K / 3 = 5e-4 where it is not (E. Rabinowicz), of plastics
+a maker's tests on steel. Metal that runs on plastic loses next to nothing.
+[`strength.wear_coefficient_mm3_n_m`](design-file/strength.md) takes a person's own.
 """
 
 TEMPERATURES = 20.0, 40.0, 60.0, 80.0, 100.0
@@ -109,15 +120,17 @@ tell the life of one pair at one load, such as that PETG outlives PLA by a fifth
 (2022) 2064). The stresses of roots here are a cautious guess without a source: half of the usual strength of printed
 bars in tension for a thousand cycles, a fifth for a million, an eighth for long, and falling in a line with temperature
 to nothing where the plastic softens. Take twice the usual safety, and try. Flanks of prints wear and melt rather than
-pit: nothing is told of them.
+pit: of their flanks wear alone is told.
 
 ## What is not covered
 
-Wear, scuffing, fracture under a single blow beyond the static factors, deflection of hot plastics, and vibration beyond
-K<sub>V</sub>. ISO 6336 and VDI 2736 are written for circular gears; for others, what follows is a local estimate.
+Micropitting, fracture under a single blow beyond the static factors, deflection and creep of hot plastics, and
+vibration beyond K<sub>V</sub>. ISO 6336 and VDI 2736 are written for circular gears; for others, what follows is a
+local estimate.
 """
 
 
+LUBRICATIONS = "oil", "grease", "dry"
 METAL_HEADS = ("name", "material", "class", "hardness", "flanks", "roots", "E in GPa", "density in kg/m&sup3;")
 PLASTIC_HEADS = ("name", "E in GPa", "density in kg/m&sup3;", "up to", "source")
 
@@ -137,6 +150,8 @@ def _lines() -> Iterator[str]:
     yield from ("", FACTORS)
     shares, factors = (f"{share:g}" for share in SHARES), (f"{factor:g}" for factor in RELIABILITY_FACTORS)
     yield from markdown(("share", *shares), [["Y<sub>Z</sub>", *factors]])
+    yield from ("", WEAR)
+    yield from markdown(("flanks", *LUBRICATIONS), _coefficients())
     yield from ("", PLASTICS)
     yield "Stresses of roots and flanks in MPa after 1e6 and 1e8 cycles:\n"
     degrees = [f"{t:g} &deg;C" for t in TEMPERATURES]
@@ -214,6 +229,13 @@ def _pair(stresses: Array) -> str:
 def _elastic(row: Plastic) -> list[str]:
     modulus, density = f"{row.elastic.youngs_modulus_mpa / 1000.0:g}", f"{row.elastic.density_kg_m3:g}"
     return [f"`{row.name}`", modulus, density, f"{row.hottest_c:g} &deg;C", row.source]
+
+
+def _coefficients() -> Iterator[list[str]]:
+    kinds = {"hardened steel": "16MnCr5", "other steel and iron": "C45", "bronze": "CuSn12"}
+    plastics = {f"`{row.name}`": row.name for row in ROWS if isinstance(row, Plastic)}
+    for words, name in {**kinds, **plastics}.items():
+        yield [words, *(f"{usual_mm3_n_m(TABLE[name], TABLE['16MnCr5'], one):.2g}" for one in LUBRICATIONS)]
 
 
 def _frictions() -> Iterator[list[str]]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from math import degrees, floor, inf, isfinite, log10
+from math import degrees, inf, isfinite
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ import numpy as np
 from ncgear.dynamics.flank_changes import Knock
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.csv_text import rows_text
+from ncgear.figures.flanks import hours_words, surfaces_figures, surfaces_rows
 from ncgear.figures.numbers import fixed, known, shown, to_digits
 from ncgear.figures.quantities import figure
 from ncgear.figures.simulated import force_figures
@@ -70,6 +71,7 @@ def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rat
         },
         "gears": {"module_mm": size.module_mm, "face_width_mm": drive.gears.face_width_mm},
         "strength": strength_summary(rating, drive),
+        **surfaces_figures(drive.surfaces_by(strength.method)),
         "face_load": _face_load_figures(drive, rating),
         **({} if beside is None else {"strength_beside": strength_summary(beside, drive)}),
         **{gear.value: _gear_figures(rating, gear) for gear in Gear},
@@ -191,14 +193,12 @@ def strength_summary(rating: Rating, drive: Drive) -> dict[str, Any]:
     for one in rating.weakest:
         least[one.gear.value][f"{one.damage}_safety_min"] = one.safety
         least[one.gear.value][f"{one.damage}_tooth"] = one.tooth
-    unjudged = {"wear": "not judged"} if rating.strength.wears else {}
     strength = rating.strength
     return {
         "method": strength.method,
         "load": strength.load,
         "face_load": drive.face_loading.basis,
         "face_load_factor": strength.stresses.decisive_face_load(strength.contacts),
-        **unjudged,
         **least,
     }
 
@@ -245,7 +245,7 @@ def life_words(hours: float, wears: bool = False) -> str:
     """Hours of life, to two digits, or the words for none and for no end of it, which teeth that wear have."""
     if not isfinite(hours):
         return "until worn" if wears else "no end"
-    return f"{to_digits(round(hours, 1 - floor(log10(hours))), 2)} h" if hours >= 0.01 else "none"
+    return hours_words(hours)
 
 
 def materials_words(drive: Drive, strength: Strength) -> str:
@@ -276,7 +276,7 @@ HEADS = (
 
 def weakest_table(drive: Drive, rating: Rating) -> Table:
     """The weakest tooth of each gear for each kind of damage, with notes on load, method and material."""
-    strength = rating.strength
+    strength, surfaces = rating.strength, drive.surfaces_by(rating.strength.method)
     notes = LOADS[strength.load], METHODS[strength.method], ERRORS[strength.method], materials_words(drive, strength)
     return Table(
         "Weakest teeth",
@@ -284,7 +284,7 @@ def weakest_table(drive: Drive, rating: Rating) -> Table:
         tuple(weakest_cells(one, rating.strength.wears) for one in rating.weakest),
         (
             *(f"{note}." for note in notes),
-            *(["Dry metal wears, which is not judged."] if rating.strength.wears else []),
+            *(f"{name.capitalize()}: {words}." for name, words in surfaces_rows(drive, surfaces)),
         ),
     )
 
@@ -305,7 +305,7 @@ def weakest_cells(one: Weakest, wears: bool) -> tuple[str, ...]:
 
 
 HOLD = "The teeth hold: no safety is under the wanted one."
-WEAR = "No tooth breaks, but dry metal wears, which is not judged: no safety is under the wanted one."
+WEAR = "No tooth breaks: no safety is under the wanted one; dry metal wears."
 
 
 def holding_words(wears: bool) -> str:

@@ -46,6 +46,7 @@ UNITS = {
     "mm2": "mm2",
     "mm2_s": "mm2/s",
     "mm3": "mm3",
+    "mm3_n_m": "mm3/(N m)",
     "mm_s": "mm/s",
     "mm_s2": "mm/s2",
     "mm_s3": "mm/s3",

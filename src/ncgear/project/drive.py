@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from ncgear.strength.material import Material
     from ncgear.strength.method import ToothMethod
     from ncgear.strength.stiffness import LinearTeeth
+    from ncgear.strength.surfaces import Surfaces
 
 MOTOR = "simulation.motor"
 
@@ -453,6 +454,17 @@ class Drive(Geared):
         """The load of every tooth, shared by the stiffness that a method of strength gives the teeth."""
         return self.judged_teeth(method).loading
 
+    def surfaces_by(self, method: Literal["estimate", "elements"]) -> Surfaces:
+        """Film, heat and wear of the flanks under the loads of a method; computed once."""
+        from ncgear.project.tooth_strength import surfaces_of_teeth
+
+        if method not in self._known_surfaces:
+            judged = self.judged_teeth(method)
+            with self.stopwatch("film and wear"), located(self.places):
+                found = surfaces_of_teeth(judged, self.gears, self.conditions, self.running, self.face_loading)
+            self._known_surfaces[method] = found
+        return self._known_surfaces[method]
+
     def judged_teeth(self, method: Literal["estimate", "elements"]) -> JudgedTeeth:
         """Loads and strength of the teeth by a method, and what else the method found; computed, or refused, once."""
         known = self._known_strengths
@@ -493,6 +505,10 @@ class Drive(Geared):
     @computed
     def _known_loadings(self) -> dict[str, tuple[tuple[ToothMethod, ToothMethod], Loading]]:
         """Loads by method: they are the same under any conditions."""
+        return {}
+
+    @computed
+    def _known_surfaces(self) -> dict[str, Surfaces]:
         return {}
 
     @computed

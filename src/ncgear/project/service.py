@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ncgear.design.keys.gears import Gears
-from ncgear.design.keys.strength import USUAL_LIFE_H, GearMaterial, StrengthKeys
+from ncgear.design.keys.strength import AIR_C, USUAL_LIFE_H, WARM_OIL_C, GearMaterial, StrengthKeys
 from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.strength.classes import Quality
 from ncgear.strength.conditions import Conditions, Overload, hours_of_strokes
@@ -61,9 +61,13 @@ def conditions_of(given: StrengthKeys, stroke_rad: float, speed_rad_s: float) ->
         reliability=given.reliability,
         lubrication=given.lubrication,
         oil_viscosity_mm2_s=given.oil_viscosity_mm2_s,
+        oil_viscosity_100_mm2_s=given.oil_viscosity_100_mm2_s,
+        oil_fzg_stage=given.oil_fzg_stage,
+        wear_coefficient_mm3_n_m=given.wear_coefficient_mm3_n_m,
         flank_roughness_um=given.flank_roughness_um,
         root_roughness_um=given.root_roughness_um,
-        temperature_c=given.temperature_c,
+        temperature_c=AIR_C if given.temperature_c is None else given.temperature_c,
+        oil_temperature_c=WARM_OIL_C if given.temperature_c is None else given.temperature_c,
         contact_safety=given.contact_safety,
         bending_safety=given.bending_safety,
     )

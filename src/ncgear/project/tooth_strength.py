@@ -9,17 +9,20 @@ from typing import TYPE_CHECKING, Literal
 from ncgear.design.keys.gears import Gears
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
+from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.service import choices_of
 from ncgear.project.tooth_load import ToothLoad
 from ncgear.strength.conditions import Conditions, Running
+from ncgear.strength.contacts import LoadedContacts
 from ncgear.strength.endurance import materials_of
 from ncgear.strength.estimate import estimate_of
 from ncgear.strength.life import strength_of, stresses_of, worse_of
 from ncgear.strength.material import Material
 from ncgear.strength.materials import Choice, Plastic
-from ncgear.strength.plastics import friction, lost_w, temperatures_of
+from ncgear.strength.plastics import ToothTemperature, friction, lost_w, temperatures_of
 from ncgear.strength.stiffness import EvenTeeth, LinearTeeth
+from ncgear.strength.surfaces import Surfaces, surfaces_of
 from ncgear.teeth.gear import ToothedGear, ToothedPair
 
 if TYPE_CHECKING:
@@ -35,12 +38,14 @@ Method = Literal["estimate", "elements"]
 class JudgedTeeth:
     """The load of every tooth, its stresses, and the methods by which both gears' teeth were known.
 
+    ``warm`` are the temperatures of the driving and the driven gear's teeth, which matter of plastics.
     ``strength`` counts a jam where that is worse; ``jammed`` is the strength by the jam alone, if there is one.
     """
 
     loading: Loading
     strength: Strength
     methods: tuple[ToothMethod, ToothMethod]
+    warm: tuple[ToothTemperature, ToothTemperature]
     jammed: Strength | None = None
 
 
@@ -74,11 +79,23 @@ def judged_teeth(
         # A harder load may leave the rated places of flanks to their mates: of both loads, the worse one counts.
         strength = worse_of(strength, found(loading.still, conditions))
     if loading.jammed is None or conditions.overload is None:
-        return JudgedTeeth(loading, strength, methods)
+        return JudgedTeeth(loading, strength, methods, warm)
     jams_h = conditions.overload.times * cycle_rad / running.speed_rad_s / 3600.0
     few = replace(conditions, application_factor=1.0, dynamic_factor=1.0, life_h=jams_h)
     jammed = found(loading.jammed, few)
-    return JudgedTeeth(loading, worse_of(strength, jammed, lives=False), methods, jammed)
+    return JudgedTeeth(loading, worse_of(strength, jammed, lives=False), methods, warm, jammed)
+
+
+def surfaces_of_teeth(
+    judged: JudgedTeeth, gears: Gears, conditions: Conditions, running: Running, face_loading: FaceLoading
+) -> Surfaces:
+    """Film, heat and wear of the flanks of judged teeth, without jams, which are few."""
+    materials = judged.strength.driving.material, judged.strength.driven.material
+
+    def uneven(contacts: LoadedContacts) -> Array:
+        return face_loading.of_contacts(contacts, conditions.application_factor)
+
+    return surfaces_of(judged.loading, choices_of(gears), materials, judged.warm, conditions, running, uneven)
 
 
 def methods_of(

@@ -65,6 +65,11 @@ class StrengthClass:
     hardened: bool
 
     @property
+    def scuffing_structure(self) -> float:
+        """The structural factor X_W of ISO/TS 6336-20: 1.5 of nitrided steel, else 1, with little austenite."""
+        return 1.5 if self.abbreviation.startswith("N") else 1.0
+
+    @property
     def hardnesses(self) -> tuple[float, float]:
         """The least and the greatest hardness of which the class has figures for contact in its normal quality."""
         line = self.contact[Quality.MQ]

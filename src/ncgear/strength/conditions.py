@@ -43,9 +43,11 @@ class Overload:
 class Conditions:
     """What a person says of the service.
 
-    ``life_h`` is the life wanted.  ``dynamic_factor`` is None where it is estimated.  ``reliability`` is the share of
-    gears that live so long.  ``overload`` is None where no jam is counted.  Roughnesses are mean peak-to-valley ones,
-    Rz.  The safeties wanted are None where they follow from the material.
+    ``life_h`` is the life wanted. ``dynamic_factor`` is None where it is estimated. ``reliability`` is the share of
+    gears that live so long. ``overload`` is None where no jam is counted. ``temperature_c`` is that about plastics,
+    ``oil_temperature_c`` that of the oil that parts metal. Roughnesses are mean peak-to-valley ones, Rz. The viscosity
+    at 100 degrees Celsius, the wear coefficient and the safeties wanted are None where they follow from the oil or the
+    material.
     """
 
     life_h: float = 20_000.0
@@ -55,9 +57,13 @@ class Conditions:
     reliability: float = 0.99
     lubrication: Literal["oil", "grease", "dry"] = "oil"
     oil_viscosity_mm2_s: float = 220.0
+    oil_viscosity_100_mm2_s: float | None = None
+    oil_fzg_stage: float = 12.0
+    wear_coefficient_mm3_n_m: float | None = None
     flank_roughness_um: float = 6.0
     root_roughness_um: float = 16.0
     temperature_c: float = 20.0
+    oil_temperature_c: float = 40.0
     contact_safety: float | None = None
     bending_safety: float | None = None
 

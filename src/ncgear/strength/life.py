@@ -39,8 +39,7 @@ def stresses_of(
     ``methods`` and ``materials`` are those of the driving and the driven gear.  Shares of load between pairs of teeth
     are those of ``contacts``, so that K_Halpha is 1; ``face_load_factor`` is K_Hbeta of each, shape (n,).
     """
-    line_load = contacts.force_n * conditions.application_factor / running.face_width_mm
-    shaken = line_load * (conditions.dynamic_factor or estimated_dynamic_factor(line_load, contacts, running))
+    shaken = shaken_n_mm(contacts, conditions, running, dynamic_factor_of(contacts, conditions, running))
     roots = face_load_factor_of_roots(running, face_load_factor)
     pressure = np.full_like(shaken, np.nan)
     on = contacts.flanks
@@ -54,10 +53,18 @@ def stresses_of(
     )
 
 
-def estimated_dynamic_factor(line_load_n_mm: Array, contacts: LoadedContacts, running: Running) -> float:
-    """K_V by the mean of the load over the contacts, each by its load: that at which most damage is done."""
-    total = float(line_load_n_mm.sum())
-    return dynamic_factor(running, float((line_load_n_mm**2).sum()) / total) if total > 0.0 else 1.0
+def shaken_n_mm(contacts: LoadedContacts, conditions: Conditions, running: Running, dynamic: float) -> Array:
+    """The mean load for each mm of width, shape (n,), with K_A and the K_V that is given."""
+    return contacts.force_n * (conditions.application_factor * dynamic / running.face_width_mm)
+
+
+def dynamic_factor_of(contacts: LoadedContacts, conditions: Conditions, running: Running) -> float:
+    """K_V as given or by the mean load of the contacts, each weighed by its load: that which does most damage."""
+    line_load = contacts.force_n * conditions.application_factor / running.face_width_mm
+    total = float(line_load.sum())
+    if conditions.dynamic_factor is not None or total == 0.0:
+        return conditions.dynamic_factor or 1.0
+    return dynamic_factor(running, float((line_load**2).sum()) / total)
 
 
 def strength_of(

@@ -62,12 +62,16 @@ class Loading:
     the largest of all among them.  ``phi1_rad``, ``torque_n_mm`` (asked of the driven gear) and ``error_rad`` (its
     angle beyond the law's) have shape (n,); ``even`` tells the even positions.  ``transmission_error_rad`` is the peak
     to peak variation of the error.  ``contact_ratio`` is the mean number of pairs that bear load, where there is load.
-    ``cycle_turns`` is how often the driving gear turns in the cycle.  ``borne`` is the torque with the
-    knocks of a turn of the driven gear; None where nothing is known of them.  Of teeth that knock, ``still`` is their
-    loading by what the law asks alone; ``jammed`` is that of a jam, if there is one.
+    ``cycle_turns`` is how often the driving gear turns in the cycle. ``borne`` is the torque with the knocks of a turn
+    of the driven gear; None where nothing is known of them. Of teeth that knock, ``still`` is their loading by what the
+    law asks alone; ``jammed`` is that of a jam, if there is one. Rolled lengths, ``rolled_mm`` of the positions (shape
+    (n,)), go over ``cycle_mm``; ``between`` gives the contacts at any, shape (m,).
     """
 
     contacts: LoadedContacts
+    between: Callable[[Array], LoadedContacts]
+    rolled_mm: Array
+    cycle_mm: float
     phi1_rad: Array
     torque_n_mm: Array
     error_rad: Array
@@ -137,11 +141,12 @@ def loading_of(
     jumps = (np.roll(bearing, -1) != bearing) | (np.abs(np.roll(most, -1) - most) > JUMP * most.max())
     # Where forces never change, as without a torque, one step is looked at all the same.
     jumps[0] |= not jumps.any()
-    between = solved.rolled_mm[jumps][:, None] + solved.step_mm * np.arange(1, BETWEEN) / BETWEEN
-    every, torque, found = _added(meshing, pitch, asked, (solved, asked.torque_n_mm, first), between.ravel())
+    inside = solved.rolled_mm[jumps][:, None] + solved.step_mm * np.arange(1, BETWEEN) / BETWEEN
+    every, torque, found = _added(meshing, pitch, asked, (solved, asked.torque_n_mm, first), inside.ravel())
     extreme_mm = _extreme_places_mm(meshing, pitch, asked, every, found)
     every, torque, found = _added(meshing, pitch, asked, (every, torque, found), extreme_mm)
-    loaded = found.force_n > IDLE * found.force_n.max()
+    idle_n = IDLE * found.force_n.max()
+    loaded = found.force_n > idle_n
     position, slot = np.nonzero(loaded)
     largest = _largest_of_pairs(meshing, every.phi1_rad[position], slot, found.force_n[position, slot])
     even = np.isin(np.arange(every.count), np.arange(0, solved.count, SOLVED_PER_TOOTH // per_tooth))
@@ -151,10 +156,21 @@ def loading_of(
     phi1 = every.phi1_rad[chosen]
     row, slot = np.nonzero(loaded[chosen])
     touching = _Touching.of(meshing, every, chosen[row], slot)
+
+    def between(rolled_mm: Array) -> LoadedContacts:
+        placement = placed_at(pitch, asked.placement, rolled_mm)
+        force = shared(meshing, placement.phi1_rad, asked.between(placement.phi1_rad)).force_n
+        place, pair = np.nonzero(force > idle_n)
+        numbers = place, placement.phi1_rad[place], force[place, pair]
+        return _contacts(teeth, _Touching.of(meshing, placement, place, pair), numbers, speed_rad_s)
+
     pairs = loaded[: solved.count].sum(axis=1)
     pairs = pairs[pairs > 0]
     return Loading(
         contacts=_contacts(teeth, touching, (row, phi1[row], found.force_n[chosen[row], slot]), speed_rad_s),
+        between=between,
+        rolled_mm=every.rolled_mm[chosen],
+        cycle_mm=solved.cycle_mm,
         phi1_rad=phi1,
         torque_n_mm=torque[chosen],
         error_rad=found.error_rad[chosen],

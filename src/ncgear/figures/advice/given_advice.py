@@ -165,7 +165,7 @@ def _idle_keys(drive: Drive) -> Iterator[Idle]:
         ),
         (
             design.strength.lubrication == "dry",
-            ("strength.oil_viscosity_mm2_s",),
+            ("strength.oil_viscosity_mm2_s", "strength.oil_viscosity_100_mm2_s", "strength.oil_fzg_stage"),
             "with dry teeth, which no oil parts",
             "leave it out, or choose oil",
         ),

@@ -24,9 +24,6 @@ from ncgear.strength.iso6336 import THINNEST_WEB, rim_factor
 
 SIZE = "ncgear size"
 
-WEAR = "wear of dry metal is not computed, only that its teeth do not break"
-"""Why dry gears of metal are not judged where their roots hold."""
-
 
 def strength(drive: Drive) -> Advice | NotJudged | None:
     """Teeth whose safety against breakage or pitting is under the wanted one; names the weakest of all.
@@ -39,7 +36,7 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
     if not isinstance(rating, Rating):
         return _roughly(drive, beside_refusal(drive, rating))
     if rating.holds:
-        why = WEAR if rating.strength.wears else _unfollowed_knocks(rating) or _thin_body(drive, rating)
+        why = unfollowed_knocks(rating) or _thin_body(drive, rating)
         return NotJudged(why) if why else None
     weak = [one for one in rating.weakest if not one.holds]
     first = worst(weak)
@@ -61,7 +58,7 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
     )
 
 
-def _unfollowed_knocks(rating: Rating) -> str:
+def unfollowed_knocks(rating: Rating) -> str:
     """Why teeth whose load changes flanks may bear more than is known; empty where it does not, or that is known."""
     loading = rating.loading
     if loading.knocks is not None or rating.strength.load != "masses" or loading.torque_n_mm.min() >= 0.0:
@@ -144,9 +141,7 @@ def _not_judged(drive: Drive, found: RoughStrength) -> NotJudged | None:
         near = "very roughly" if found.needs_teeth else "about"
         told = f"a safety of {near} {to_digits(least.safety, 2)} against {rough_damage(found, least)}"
         return NotJudged(f"{found.unjudged}; all that is known is {told}, {least.wanted:g} wanted")
-    if found.needs_teeth:
-        return NotJudged(found.needs_teeth)
-    return NotJudged(WEAR) if any(one.wears for one in drive.materials) else None
+    return NotJudged(found.needs_teeth) if found.needs_teeth else None
 
 
 TOGETHER = Remedy("make teeth larger and gears wider together, or let them bear less")

@@ -20,6 +20,7 @@ class Kind(StrEnum):
 
     MADE = "made"
     STRENGTH = "strength"
+    FLANKS = "flanks"
     JAMS = "jams"
     CONTACT_RATIO = "contact_ratio"
     PRESSURE_ANGLE = "pressure_angle"

@@ -19,6 +19,7 @@ from ncgear.errors import DesignError
 from ncgear.figures.advice import (
     drawing_advice,
     drivetrain_advice,
+    flank_advice,
     given_advice,
     law_advice,
     linkage_advice,
@@ -134,6 +135,13 @@ CONDITIONS: dict[Kind, Condition] = {
         _one(strength_advice.strength),
         Known.TEETH,
         _one(strength_advice.rough),
+    ),
+    Kind.FLANKS: Condition(
+        "film and wear",
+        "flanks neither scuff nor wear away",
+        lambda drive: _gears(drive) and _load(drive),
+        flank_advice.flanks,
+        Known.TEETH,
     ),
     Kind.JAMS: Condition(
         "assembly", "the gears can be put together and turn", _gears, _of_teeth(Kind.JAMS), Known.TEETH

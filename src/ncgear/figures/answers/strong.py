@@ -11,6 +11,7 @@ from ncgear.figures.advice.values import Kind, Remedy, changed
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.answer import Answer, Fault, Row, faults_of
 from ncgear.figures.answers.simulated import SAME_AS_MESH
+from ncgear.figures.flanks import surfaces_rows
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.simulated import force_figures
@@ -99,6 +100,11 @@ def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
         Row(f"{of}material", (materials_words(drive, rating.strength),)),
         Row(f"{of}force", (f"up to {figure('force_n', force_n)} on one pair of teeth, times {jolts_words(drive)}",)),
         Row(f"{of}face load", (face_load_words(drive, rating),)),
+        *(
+            Row(f"{of}{name}", (words,))
+            for name, words in surfaces_rows(drive, drive.surfaces_by(rating.strength.method))
+        ),
+        *([Row(f"{of}knocks", (words,))] if (words := knock_words(loading.knocks)) else []),
         Row(
             f"{of}under load",
             (
@@ -106,7 +112,6 @@ def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
                 f"{figure(error, loading.transmission_error_rad)}",
             ),
         ),
-        *([Row(f"{of}knocks", (words,))] if (words := knock_words(loading.knocks)) else []),
         *([Row(f"{of}with knocks", (words,))] if (words := _forces_words(drive)) else []),
         *([Row(f"{of}jam", (words,))] if (words := jam_words(drive, rating)) else []),
     ]

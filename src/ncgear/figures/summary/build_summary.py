@@ -20,6 +20,7 @@ from ncgear.contact.written.as_written import AsWritten
 from ncgear.contact.written.extremes import WrittenExtremes
 from ncgear.errors import DesignError
 from ncgear.figures.advice.verdict import Verdict
+from ncgear.figures.flanks import surfaces_figures
 from ncgear.figures.numbers import known
 from ncgear.figures.passed import passed_summary
 from ncgear.figures.quantities import extreme
@@ -91,7 +92,11 @@ def _strength(drive: Drive) -> dict[str, Any]:
     rating = known_rating(drive)
     if isinstance(rating, DesignError):
         return {"strength": {"refused": rating.problem}}
-    return {} if rating is None else {"strength": strength_summary(rating, drive)}
+    if rating is None:
+        return {}
+    return {
+        "strength": {**strength_summary(rating, drive), **surfaces_figures(drive.surfaces_by(rating.strength.method))}
+    }
 
 
 L_PER_MM3 = 1e-3 * CM3_PER_MM3

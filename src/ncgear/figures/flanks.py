@@ -1,0 +1,126 @@
+"""What is told of the film between flanks, their heat and their wear: figures, and a line of text for each."""
+
+from __future__ import annotations
+
+from math import degrees, floor, isfinite, log10
+from typing import TYPE_CHECKING, Any
+
+from ncgear.figures.numbers import fixed, known, placed, to_digits
+from ncgear.pitch.shape import Gear
+from ncgear.project.drive import Drive
+from ncgear.strength.film import Regime
+
+if TYPE_CHECKING:
+    # Checks load nothing of contact, and only these values come from there.
+    from ncgear.strength.surfaces import Film, Place, Surfaces, Wear
+
+REGIMES = {
+    Regime.FULL: "full film",
+    Regime.MIXED: "mixed lubrication",
+    Regime.BOUNDARY: "boundary lubrication",
+}
+"""The words for a regime."""
+
+
+def surfaces_figures(found: Surfaces) -> dict[str, Any]:
+    """Sections of film, scuffing and wear; of what is not judged, a word that says so."""
+    film, wear = found.film, found.wear
+    figures: dict[str, Any] = {"film": "not judged", "scuffing": "not judged"}
+    if film is not None:
+        safety = found.scuffing_safety
+        figures["film"] = {
+            "regime": film.regime.value,
+            "specific_film_thickness_min": known(film.thickness.value),
+            **_at("specific_film_thickness_min", film.thickness),
+            "flank_roughness_ra_um": film.roughness_um,
+            "oil_c": film.oil_c,
+            "teeth_c": film.bulk_c,
+            "pitting_film_factor": min(found.pitting_factor),
+        }
+        figures["scuffing"] = {
+            "scuffing_safety": None if safety is None else known(safety),
+            "contact_max_c": film.hottest_c,
+            **_at("contact_max", film.flash_k),
+            "scuffing_c": found.scuffing_c,
+        }
+    figures["wear"] = {
+        "wanted_h": wear.wanted_h,
+        "limit_mm": wear.limit_mm,
+        "until_limit_h": known(wear.life_h),
+        "backlash_added_mm": wear.play_mm,
+    }
+    for gear, coefficient, depth in zip(Gear, wear.coefficients_mm3_n_m, wear.depth_mm, strict=True):
+        figures["wear"][gear.value] = {
+            "coefficient_mm3_n_m": coefficient,
+            "depth_max_mm": depth.value,
+            "depth_max_at_rad": depth.phi1_rad,
+            "tooth": depth.tooth(gear),
+        }
+    return figures
+
+
+def _at(name: str, place: Place) -> dict[str, Any]:
+    """The driving angle and the teeth of a figure."""
+    return {
+        f"{name}_at_rad": place.phi1_rad,
+        "driving_tooth": place.driving_tooth,
+        "driven_tooth": place.driven_tooth,
+    }
+
+
+def surfaces_rows(drive: Drive, found: Surfaces) -> list[tuple[str, str]]:
+    """Names and texts of what is told: wear of all, film and scuffing of metal in oil, heat of plastics."""
+    heat = [
+        f"{gear.value} gear {fixed(one.flank_c, 0)} \u00b0C at flanks, {fixed(one.root_c, 0)} at roots"
+        for gear, one in zip(Gear, found.warm, strict=True)
+        if one is not None
+    ]
+    rows = [("wear", _wear_words(found.wear))]
+    if found.film is not None:
+        rows += [("film", _film_words(drive, found.film)), ("scuffing", _scuffing_words(drive, found.film, found))]
+    return [*rows, ("heat", f"{'; '.join(heat)} (VDI 2736); creep is not judged")] if heat else rows
+
+
+def _film_words(drive: Drive, film: Film) -> str:
+    """The regime with the least film and its place, and the oil's temperature."""
+    assumed = " assumed" if drive.design.strength.temperature_c is None else ""
+    least, place = to_digits(film.thickness.value, 2), angle_words(film.thickness)
+    return (
+        f"{REGIMES[film.regime]}: {least} of the roughness at {place}, "
+        f"{drive.conditions.lubrication} at {film.oil_c:g} \u00b0C{assumed}"
+    )
+
+
+def _scuffing_words(drive: Drive, film: Film, found: Surfaces) -> str:
+    """The safety against scuffing, with the hottest contact and what is known of the oil."""
+    hottest = f"{fixed(film.hottest_c, 0)} \u00b0C at {angle_words(film.flash_k)}"
+    if found.scuffing_c is None or found.scuffing_safety is None:
+        return f"{hottest}; where oil fails between bronze and steel is not known"
+    assumed = "" if "oil_fzg_stage" in drive.design.strength.model_fields_set else " assumed"
+    fails = f"oil fails at {fixed(found.scuffing_c, 0)} \u00b0C (FZG stage {drive.conditions.oil_fzg_stage:g}{assumed})"
+    return f"safety {to_digits(found.scuffing_safety, 3)}, {hottest}, {fails}"
+
+
+def _wear_words(wear: Wear) -> str:
+    """The deepest place after the wanted life and what that adds to the backlash, or when the limit is reached."""
+    if wear.deepest_mm == 0.0:
+        return "none: a film parts the flanks"
+    told = f"{to_digits(wear.deepest_mm, 2)} mm in {hours_words(wear.wanted_h)}, within a factor of ten"
+    if wear.holds:
+        return f"{told}; backlash grows by up to {to_digits(wear.play_mm, 2)} mm"
+    return f"{told}; a tenth of the module is gone after {hours_words(wear.life_h)}"
+
+
+def angle_words(place: Place) -> str:
+    """``phi1 = 141.4 deg``."""
+    return f"phi1 = {placed(degrees(place.phi1_rad))} deg"
+
+
+def place_words(place: Place) -> str:
+    """``phi1 = 141.4 deg, teeth 18 : 17``."""
+    return f"{angle_words(place)}, teeth {place.driving_tooth} : {place.driven_tooth}"
+
+
+def hours_words(hours: float) -> str:
+    """Hours to two digits."""
+    return f"{to_digits(round(hours, 1 - floor(log10(hours))), 2)} h" if isfinite(hours) and hours >= 0.01 else "none"

@@ -1,0 +1,267 @@
+"""The state of the flanks over a cycle and the wanted life: least film, greatest heat, and what wears off.
+
+Extremes are searched between the positions of the loads too (``ncgear.numerics.highest``): a film is thinnest, and
+sliding fastest, where a pair begins or ceases to touch.  Where an edge touches there is no film, and nothing is told.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+from math import inf, pi
+
+import numpy as np
+
+from ncgear.contact.placement import BOTH_SIDES
+from ncgear.frozen import dataclass
+from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.highest import largest_from
+from ncgear.pitch.shape import Gear
+from ncgear.strength.conditions import Conditions, Running
+from ncgear.strength.contacts import LoadedContacts
+from ncgear.strength.endurance import film_factor
+from ncgear.strength.film import (
+    BULK_SHARE,
+    Oil,
+    Pressed,
+    Regime,
+    film_um,
+    flash_k,
+    friction,
+    roughness_um,
+    scuffing_c,
+)
+from ncgear.strength.life import dynamic_factor_of, shaken_n_mm
+from ncgear.strength.loading import Loading
+from ncgear.strength.material import Material
+from ncgear.strength.materials import Choice, Ferrous, Plastic
+from ncgear.strength.plastics import ToothTemperature
+from ncgear.strength.wear import LIMIT_MODULES, coefficient_mm3_n_m, depth_mm, share_unparted
+
+KNOWN = 1e-3
+"""Share of itself to which an extreme is known: its formulas are known to a tenth at best."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """A value at its place of contact: the driving angle, and the teeth that touch there, from 1."""
+
+    value: float
+    phi1_rad: float
+    driving_tooth: int
+    driven_tooth: int
+
+    def tooth(self, gear: Gear) -> int:
+        """The tooth of a gear."""
+        return self.driving_tooth if gear is Gear.DRIVING else self.driven_tooth
+
+
+@dataclass(frozen=True)
+class Film:
+    """The oil between metal flanks.
+
+    ``thickness`` is the least specific film thickness lambda, in mean roughnesses Ra of ``roughness_um``; ``oil_c`` and
+    ``bulk_c`` are the temperatures of the oil and of the teeth in it, ``flash_k`` tells how much hotter a contact gets.
+    """
+
+    thickness: Place
+    roughness_um: float
+    oil_c: float
+    bulk_c: float
+    flash_k: Place
+
+    @property
+    def regime(self) -> Regime:
+        """How flanks are parted where the film is thinnest."""
+        return Regime.of(self.thickness.value)
+
+    @property
+    def hottest_c(self) -> float:
+        """The highest temperature of a contact."""
+        return self.bulk_c + self.flash_k.value
+
+
+@dataclass(frozen=True)
+class Wear:
+    """What the wanted life takes off the flanks, in mm along their normal.
+
+    ``depth_mm`` has the deepest places of the driving and the driven gear.  ``play_mm`` is the most by which the play
+    along the normal grows: the sum of both flanks at the worst place, of pushing flanks and of backs.  ``limit_mm`` is
+    worn off after ``life_h``, which is infinite where nothing wears.
+    """
+
+    coefficients_mm3_n_m: tuple[float, float]
+    depth_mm: tuple[Place, Place]
+    play_mm: float
+    limit_mm: float
+    wanted_h: float
+
+    @property
+    def deepest_mm(self) -> float:
+        """The deepest place of both gears."""
+        return max(one.value for one in self.depth_mm)
+
+    @property
+    def life_h(self) -> float:
+        """Hours until the limit is worn off at the deepest place."""
+        return self.wanted_h * self.limit_mm / self.deepest_mm if self.deepest_mm > 0.0 else inf
+
+    @property
+    def holds(self) -> bool:
+        """Whether the wanted life leaves more than the limit."""
+        return self.deepest_mm <= self.limit_mm
+
+
+@dataclass(frozen=True)
+class Surfaces:
+    """The state of a pair's flanks.
+
+    ``film`` is None of dry and of plastic flanks, ``scuffing_c`` (the temperature at which the oil fails) of these and
+    of bronze too.  ``pitting_factor`` is Z_L Z_v Z_R of the driving and the driven gear.  ``warm`` are the temperatures
+    of both gears' teeth, None of metal.
+    """
+
+    film: Film | None
+    scuffing_c: float | None
+    pitting_factor: tuple[float, float]
+    wear: Wear
+    warm: tuple[ToothTemperature | None, ToothTemperature | None]
+
+    @property
+    def scuffing_safety(self) -> float | None:
+        """How many times hotter over its oil a contact may get until it scuffs: (T_S - T_oil) / (T - T_oil)."""
+        if self.film is None or self.scuffing_c is None:
+            return None
+        heated = self.film.hottest_c - self.film.oil_c
+        return (self.scuffing_c - self.film.oil_c) / heated if heated > 0.0 else inf
+
+
+@dataclass(frozen=True, eq=False)
+class _Pair:
+    """What all places of contact of a pair have in common.
+
+    ``uneven`` gives K_Hbeta of all contacts of some positions; ``bulk_c`` is the temperature of the teeth.
+    """
+
+    materials: tuple[Material, Material]
+    conditions: Conditions
+    running: Running
+    dynamic_factor: float
+    coefficients_mm3_n_m: tuple[float, float]
+    uneven: Callable[[LoadedContacts], Array]
+    oil: Oil | None
+    bulk_c: float = 0.0
+
+    def touching(self, contacts: LoadedContacts) -> tuple[LoadedContacts, Pressed]:
+        """The contacts of flanks among all contacts of some positions, and as film, heat and wear need them."""
+        shaken = shaken_n_mm(contacts, self.conditions, self.running, self.dynamic_factor)
+        kept, load = contacts.kept(contacts.flanks), (self.uneven(contacts) * shaken)[contacts.flanks]
+        return kept, Pressed(load, kept.relative_curvature, kept.rolling_mm_s / 1000.0)
+
+    def flash(self, pressed: Pressed, oil: Oil) -> Array:
+        """How much hotter than the teeth each contact is, in K."""
+        return flash_k(pressed, friction(pressed, oil, self.conditions), self.materials)
+
+    def quantities(self, side: IndexArray, pressed: Pressed) -> Array:
+        """What is searched for the largest of, at n contacts of flanks of a side, shape (6, n).
+
+        Roughness over film, heat in K, depths in mm that both flanks lose in the wanted life, and the sum of these on
+        pushing flanks and on backs.
+        """
+        thin = flash = np.zeros(pressed.line_n_mm.size)
+        unparted = np.ones_like(thin)
+        if self.oil is not None:
+            flash = self.flash(pressed, self.oil)
+            film = film_um(pressed, flash, self.bulk_c, self.oil, self.materials)
+            thickness = np.maximum(film / roughness_um(self.conditions), LEAST_FILM)
+            thin, unparted = 1.0 / thickness, share_unparted(thickness)
+        depth = self.meetings[:, None] * depth_mm(pressed, unparted, self.coefficients_mm3_n_m)
+        play = depth.sum(axis=0)
+        return np.vstack([thin, flash, depth, *(np.where(side == one, play, 0.0) for one in BOTH_SIDES)])
+
+    @property
+    def meetings(self) -> Array:
+        """How often a flank of the driving and of the driven gear meets a mate in the wanted life, shape (2,).
+
+        Each meeting counts as the worst, which it is where teeth always meet the same mates.
+        """
+        turns = self.conditions.life_h * 3600.0 * self.running.speed_rad_s / (2.0 * pi)
+        return turns * np.array([1.0, self.running.teeth[0] / self.running.teeth[1]])
+
+
+LEAST_FILM = 1e-6
+"""Specific film thickness where flanks draw in no oil at all."""
+
+
+def surfaces_of(
+    loading: Loading,
+    choices: tuple[Choice, Choice],
+    materials: tuple[Material, Material],
+    warm: tuple[ToothTemperature, ToothTemperature],
+    conditions: Conditions,
+    running: Running,
+    uneven: Callable[[LoadedContacts], Array],
+) -> Surfaces:
+    """The state of the flanks under their loads, with all factors of load that the pressure has.
+
+    ``uneven`` gives K_Hbeta of contacts, shape (n,), from all contacts of their positions.
+    """
+    mates = (choices, choices[::-1])
+    plastic = [isinstance(choice.entry, Plastic) for choice in choices]
+    oil = None if any(plastic) or conditions.lubrication == "dry" else Oil.of(conditions)
+    factor = dynamic_factor_of(loading.contacts, conditions, running)
+    first, second = (coefficient_mm3_n_m(*both, conditions) for both in mates)
+    pair = _Pair(materials, conditions, running, factor, (first, second), uneven, oil)
+    if oil is not None:
+        pair = replace(pair, bulk_c=_bulk_c(pair, oil, loading))
+    thin, hot, *worn = _largest(pair, loading)
+    limit = LIMIT_MODULES * running.module_mm
+    wear = Wear((first, second), (worn[0], worn[1]), worn[2].value + worn[3].value, limit, conditions.life_h)
+    film, scuffs_c = None, None
+    if oil is not None:
+        thickness = replace(thin, value=1.0 / thin.value if thin.value > 0.0 else inf)
+        film = Film(thickness, roughness_um(conditions), conditions.oil_temperature_c, pair.bulk_c, hot)
+        steels = [one.entry.group.scuffing_structure for one in choices if isinstance(one.entry, Ferrous)]
+        scuffs_c = scuffing_c(oil, conditions, min(steels)) if len(steels) == 2 else None
+    pitting = [film_factor(*both, conditions, running) for both in mates]
+    own = [one if is_plastic else None for one, is_plastic in zip(warm, plastic, strict=True)]
+    return Surfaces(film, scuffs_c, (pitting[0], pitting[1]), wear, (own[0], own[1]))
+
+
+def _bulk_c(pair: _Pair, oil: Oil, loading: Loading) -> float:
+    """The temperature of the teeth: that of the oil, and a share of the mean flash temperature over the cycle."""
+    touching, pressed = pair.touching(loading.contacts)
+    flash = pair.flash(pressed, oil)[loading.even[touching.position]]
+    share = BULK_SHARE[pair.conditions.lubrication]
+    return pair.conditions.oil_temperature_c + share * float(flash.mean() if flash.size else 0.0)
+
+
+def _largest(pair: _Pair, loading: Loading) -> list[Place]:
+    """The largest value of each quantity over the cycle, with its place."""
+
+    def over(contacts: LoadedContacts, count: int) -> tuple[LoadedContacts, Array, Array]:
+        touching, pressed = pair.touching(contacts)
+        found = pair.quantities(touching.side, pressed)
+        largest = np.zeros((len(found), count))
+        for row, values in zip(largest, found, strict=True):
+            np.maximum.at(row, touching.position, values)
+        return touching, found, largest
+
+    def at(rolled_mm: Array) -> Array:
+        return over(loading.between(rolled_mm), rolled_mm.size)[2]
+
+    known = over(loading.contacts, loading.rolled_mm.size)[2]
+    places = np.append(loading.rolled_mm, loading.rolled_mm[0] + loading.cycle_mm)
+    extremes = largest_from(at, places, np.hstack([known, known[:, :1]]), KNOWN * known.max(axis=1))
+    rolled = np.array([one.at for one in extremes])
+    touching, found, _ = over(loading.between(rolled), rolled.size)
+    return [_place(touching, np.where(touching.position == row, found[row], -1.0)) for row in range(rolled.size)]
+
+
+def _place(touching: LoadedContacts, values: Array) -> Place:
+    """The largest of the values at contacts; none where only edges touch."""
+    if not values.size or values.max() < 0.0:
+        return Place(0.0, 0.0, 1, 1)
+    row = int(values.argmax())
+    teeth = touching.on(Gear.DRIVING).tooth[row], touching.on(Gear.DRIVEN).tooth[row]
+    return Place(float(values[row]), float(touching.phi1_rad[row]), int(teeth[0]), int(teeth[1]))
