@@ -254,8 +254,7 @@ class SvgContour(DrawnContour):
     """A contour of an SVG file, in mm from the lower left corner of its page."""
 
     file: FileName | None = optional(
-        "SVG file with one closed contour of paths, circles, ellipses, rectangles or polygons; its path counts from the "
-        "design file"
+        "SVG file with one closed contour of paths, circles, ellipses or polygons; its path counts from the design file"
     )
     element: str | None = optional("id of the contour's element; left out: all elements", min_length=1, max_length=255)
 
@@ -271,7 +270,7 @@ class PictureContour(DrawnContour):
     width_mm: Length = required("width of the silhouette in mm")
     threshold: float = optional("brightness of the outline, 0 black and 1 white", 0.5, gt=0.0, lt=1.0)
     light: bool = optional("true: the silhouette is light on dark", False)
-    tolerance_mm: float = required(  # type: ignore[assignment]
+    tolerance_mm: float = required(
         "how far the smooth curve may be from the outline in mm, along its radius", gt=0.0, le=100.0
     )
 

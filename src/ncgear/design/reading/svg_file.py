@@ -6,6 +6,7 @@ a chain of chords, which a smooth curve is to follow.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from io import BytesIO
 from math import ceil, cos, pi, sin
@@ -22,7 +23,7 @@ from ncgear.extras import require
 from ncgear.numerics.arrays import Array
 
 if TYPE_CHECKING:
-    from svgelements import Arc, PathSegment, Point
+    from svgelements import SVG, Arc, PathSegment, Point
 
 LARGEST_MB = 20
 
@@ -49,15 +50,17 @@ def svg_contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
     try:
         document = SVG.parse(BytesIO(content), reify=True, ppi=PX_PER_INCH)
         shapes = [one for one in document.elements() if isinstance(one, Shape)]
+        mm = MM_PER_PX * _sharpened(document)
         height = float(document.height)
     except (ValueError, ArithmeticError, TypeError, KeyError, IndexError, AttributeError, SyntaxError) as error:
         said = " ".join(str(error).split())
         raise WrongInput(f"is no SVG file that can be read: {quoted(said)}", location=str(file)) from error
     curves = [
-        _values(curve, shape.id or "", height)
+        _values(curve, shape.id or "", height, mm)
         for shape in shapes
         if wanted is None or shape.id == wanted
-        for segment in Drawn(shape)
+        # Turned ellipses and rectangles keep their transform until they are paths.
+        for segment in abs(Drawn(shape))
         for curve in _curves(segment)
     ]
     if not curves:
@@ -91,7 +94,7 @@ def _curves(segment: PathSegment) -> Iterator[Bezier]:
 
 
 def _arcs(arc: Arc) -> Iterator[Bezier]:
-    """Quarters of an ellipse or less, each a rational curve of degree 2: its middle weight is the half angle's cosine."""
+    """Quarters of an ellipse or less, each a rational curve whose middle weight is the cosine of half its angle."""
     center, along, across = (np.array(_xy(one)) for one in (arc.center, arc.prx, arc.pry))
     along, across = along - center, across - center
     start, count = float(arc.get_start_t()), max(ceil(abs(arc.sweep) / (pi / 2.0) - 1e-9), 1)
@@ -107,16 +110,26 @@ def _xy(point: Point) -> tuple[float, float]:
     return float(point.x), float(point.y)
 
 
-def _values(curve: Bezier, element: str, height_px: float) -> dict[str, Any]:
-    """The curve as the keys of a part, in mm from the lower left corner of the page."""
+def _sharpened(document: SVG) -> float:
+    """What the library's factor for mm, which has six digits, is to be multiplied by."""
+    sized = re.fullmatch(
+        r"\s*([0-9.]+(?:e[-+]?[0-9]+)?)\s*(mm|cm)\s*", str(document.values.get("width", "")), re.IGNORECASE
+    )
+    if sized is None or not float(document.width) > 0.0:
+        return 1.0
+    return float(sized[1]) * (10.0 if sized[2].lower() == "cm" else 1.0) / MM_PER_PX / float(document.width)
+
+
+def _values(curve: Bezier, element: str, height_px: float, mm: float) -> dict[str, Any]:
+    """The curve as the keys of a part, in mm (of a pixel) from the lower left corner of the page."""
     points, weights = curve
     degree = len(points) - 1
     return {
         "layer": element,
         "degree": degree,
         "knots": [0.0] * (degree + 1) + [1.0] * (degree + 1),
-        "x": (MM_PER_PX * points[:, 0]).tolist(),
-        "y": (MM_PER_PX * (height_px - points[:, 1])).tolist(),
+        "x": (mm * points[:, 0]).tolist(),
+        "y": (mm * (height_px - points[:, 1])).tolist(),
         "weights": weights.tolist(),
     }
 
@@ -132,8 +145,9 @@ def picture_contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
 
     read_bytes(file, limit_mb=LARGEST_MB)
     width_mm, threshold = given.get("width_mm"), given.get("threshold", 0.5)
-    if not all(isinstance(one, int | float) for one in (width_mm, threshold)):
-        return FromFile({"curves": []})
+    if not isinstance(width_mm, int | float) or not isinstance(threshold, int | float):
+        # The keys are checked with all others.
+        return FromFile({})
     try:
         with Image.open(file) as image:
             if image.width * image.height > MOST_PIXELS:
@@ -152,7 +166,7 @@ def picture_contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
     if max(ink[0].max(), ink[-1].max(), ink[:, 0].max(), ink[:, -1].max()) > over:
         raise WrongInput("the silhouette reaches the edge of the picture; leave room around it", location=str(file))
     lines = contour_generator(z=ink).lines(over)
-    closed = [line for line in lines if len(line) > 3 and np.all(line[0] == line[-1])]
+    closed = [np.asarray(line) for line in lines if line is not None and len(line) > 3 and np.all(line[0] == line[-1])]
     if not closed:
         raise WrongInput(f"has no outline at a threshold of {threshold:g}; another one may have", location=str(file))
     outline = max(closed, key=_area)
