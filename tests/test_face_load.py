@@ -458,7 +458,7 @@ class TestBalerDrivetrain:
         """The leaning of the crank's overhang alone makes little, flanks askew by grade 8 more, crowning cures most."""
         drive = drives.drive("baler-drivetrain")
         strength = drive.strength_by("estimate")
-        told = told_face_load(drive, strength.contacts)
+        told = told_face_load(drive.face_loading, strength.contacts, drive.conditions.application_factor)
         assert told is not None
         assert 1.0 < told.by_shafts < 1.2
         assert 1.6 < told.decisive.factor < 1.8

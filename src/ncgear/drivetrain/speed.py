@@ -230,8 +230,7 @@ def _solved(demand: Demand, drive: LineDrive, ends: Array, known: SpeedCourse | 
     half = np.diff(ends)[:, None] / 2.0
     points = (ends[:-1, None] + half * (1.0 + unit)).ravel()
     whole = (half * weights).ravel()
-    summed = np.kron(np.tri(half.size, k=-1), np.ones((NODES, 1)) * weights) * np.repeat(half, NODES)
-    summed = summed + np.kron(np.diag(half[:, 0]), inside)
+    within = half[:, :, None] * inside
     inertia, asked = demand.inertia(points)[0], demand.at_any_speed_n_mm(points)
     mean, strongest = float(np.sum(whole * asked)) / float(np.ptp(ends)), float(drive.torque_n_mm(np.zeros(1))[0])
     if mean >= strongest:
@@ -244,28 +243,48 @@ def _solved(demand: Demand, drive: LineDrive, ends: Array, known: SpeedCourse | 
     if known is not None:
         # A polynomial of coarse panels may fall below 0 where energies are small
         energy, rounded = np.maximum(known.energy(points), LEAST_SHARE * energy), rounded[-3:]
-    start, count = float(energy[0]), points.size
+    start = float(energy[0])
     for round_n_mm in float(np.abs(asked).max()) * np.array(rounded):
         for _ in range(STEPS):
             speed = np.sqrt(2.0 * energy / inertia)
             torque, change = drive.rounded_n_mm(speed, round_n_mm)
             given, slope = torque - asked, change / (inertia * speed)
-            missed = np.append(energy - start - summed @ given, np.sum(whole * given))
-            matrix = np.zeros((count + 1, count + 1))
-            matrix[:count, :count] = np.eye(count) - summed * slope
-            matrix[:count, count] = -1.0
-            matrix[count, :count] = whole * slope
-            step = np.linalg.solve(matrix, -missed)
-            falling = step[:count] < 0.0
-            room = (1.0 - LEAST_SHARE) * energy[falling] / -step[:count][falling]
+            step, begins = _newton_step(energy - start, given, slope, within, whole)
+            falling = step < 0.0
+            room = (1.0 - LEAST_SHARE) * energy[falling] / -step[falling]
             share = float(np.min(room, initial=1.0))
-            energy, start = energy + share * step[:count], start + share * float(step[count])
-            if np.abs(step).max() <= SOLVED * energy.max():
+            energy, start = energy + share * step, start + share * begins
+            if max(np.abs(step).max(), abs(begins)) <= SOLVED * energy.max():
                 break
         else:
             raise _stops(demand, drive, "is stopped by it, or no steady motion is found")
     given = drive.torque_n_mm(np.sqrt(2.0 * energy / inertia)) - asked
     return SpeedCourse(demand, drive, _form(ends, unit, given, start))
+
+
+def _newton_step(beyond: Array, given: Array, slope: Array, within: Array, whole: Array) -> tuple[Array, float]:
+    """How far the energies at the nodes (shape (n,)) and at the beginning are to be moved.
+
+    ``beyond`` are the energies beyond that at the beginning, ``given`` the torque that the energies grow by, with its
+    ``slope`` by them, ``within`` (shape (panels, NODES, NODES)) the integrals from a panel's start and ``whole`` the
+    weights of all nodes.  With the steps s at the beginning and a at a panel's start, those in the panel are
+    a u + v: its own equations give u and v, and what it adds to a; that a comes round to s gives s.
+    """
+    shape = within.shape[:2]
+    torque, rising, weight = (one.reshape(shape) for one in (given, slope, whole))
+    before = np.concatenate([[0.0], np.cumsum((weight * torque).sum(axis=1))])
+    missed = beyond.reshape(shape) - before[:-1, None] - (within @ torque[:, :, None])[:, :, 0]
+    right = np.stack([np.ones(shape), -missed], axis=-1)
+    u, v = np.moveaxis(np.linalg.solve(np.eye(NODES) - within * rising[:, None, :], right), -1, 0)
+    grows, adds = ((weight * rising * one).sum(axis=1) for one in (u, v))
+    # a after the panels, as a share of s and a rest.
+    shares, rests = np.ones(shape[0] + 1), np.zeros(shape[0] + 1)
+    for panel in range(shape[0]):
+        shares[panel + 1] = shares[panel] * (1.0 + grows[panel])
+        rests[panel + 1] = rests[panel] * (1.0 + grows[panel]) + adds[panel]
+    begins = (before[-1] + rests[-1]) / (1.0 - shares[-1])
+    starts = begins * shares[:-1] + rests[:-1]
+    return (starts[:, None] * u + v).ravel(), float(begins)
 
 
 def _radau() -> tuple[Array, Array, Array]:

@@ -9,10 +9,11 @@ is not counted, nor what the guide's friction changes by a knock: both are small
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ncgear.dynamics.crank_load import reduced_inertia
-from ncgear.dynamics.flank_changes import BorneTorque
 from ncgear.dynamics.loaded_machine import Loads, RigidMachine
 from ncgear.dynamics.rigid import LoadPeaks, MeshPeak
 from ncgear.frozen import dataclass
@@ -35,6 +36,10 @@ def hurried_loads(rigid: RigidMachine, phi1_rad: Array, beyond_n_mm: Array) -> L
     hurried = np.zeros_like(beyond_n_mm)
     np.divide(beyond_n_mm, inertia * machine.speed_rad_s**2, out=hurried, where=inertia > 0.0)
     return rigid.at(phi1_rad, hurried)
+
+
+if TYPE_CHECKING:
+    from ncgear.dynamics.flank_changes import BorneTorque
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,11 +6,9 @@ from collections.abc import Callable
 
 import numpy as np
 
-from ncgear.design.keys import drivetrain as keys
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.drivetrain import DrivenShaft, DrivingShaft, PowerTakeOff
 from ncgear.drivetrain.bearings import (
-    Bearing,
     BearingLife,
     Bend,
     WantedLife,
@@ -43,10 +41,10 @@ from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.pitch.shape import Gear
+from ncgear.project.face_load import bearing_of
 from ncgear.project.motor import MotorResult, demand_of, motor_of
 
 N_MM_PER_N_M = 1000.0
-N_PER_MM_PER_UM = 1000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,12 +117,6 @@ def drivetrain_of(
         motor=motor_of(design, given.motor, demand) if given.motor else None,
         pto=_pto(given.pto, demand) if given.pto else None,
     )
-
-
-def bearing_of(given: keys.Bearing) -> Bearing:
-    """A bearing of the section."""
-    stiffness = None if given.stiffness_n_per_um is None else N_PER_MM_PER_UM * given.stiffness_n_per_um
-    return Bearing(given.at_mm, given.kind, given.dynamic_rating_n, given.static_rating_n, stiffness)
 
 
 def _loss_factor(touching: TouchingTeeth, cycle: Cycle) -> float:

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from ncgear.design.keys.drivetrain import DrivenShaft, DrivingShaft
+from ncgear.design.keys import drivetrain as keys
 from ncgear.design.keys.gears import Gears
 from ncgear.drivetrain.bearings import Bearing, stiffness_n_mm, supporting_forces
 from ncgear.dynamics.knocking import hurried_loads
@@ -27,7 +27,6 @@ from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import sample_angles
 from ncgear.numerics.arrays import Array, ComplexArray, largest_rows
 from ncgear.pitch.shape import Gear
-from ncgear.project.drivetrain import bearing_of
 from ncgear.project.service import choices_of
 from ncgear.project.tooth_load import ToothLoad, asked_of
 from ncgear.strength.conditions import GRADE, Running
@@ -39,9 +38,10 @@ from ncgear.tolerances.iso1328 import helix_slope_mm
 
 if TYPE_CHECKING:
     from ncgear.design.keys.design import Design
-    from ncgear.project.drive import Drive
+    from ncgear.project.geared import Geared
 
 MM_PER_UM = 1e-3
+N_PER_MM_PER_UM = 1000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,7 +116,7 @@ def _crank_n(asked: ToothLoad, phi1_rad: Array, beyond_n_mm: Array) -> ComplexAr
     return np.asarray(-(bearing.x.value + 1j * bearing.y.value))
 
 
-def face_loading_of(drive: Drive) -> FaceLoading:
+def face_loading_of(drive: Geared) -> FaceLoading:
     """How K_Hbeta of a drive's pair is known."""
     design = drive.design
     if (own := design.strength.face_load_factor) is not None:
@@ -142,6 +142,12 @@ def face_loading_of(drive: Drive) -> FaceLoading:
     return FaceLoading("computed", model=model, asked=asked)
 
 
+def bearing_of(given: keys.Bearing) -> Bearing:
+    """A bearing of the section."""
+    stiffness = None if given.stiffness_n_per_um is None else N_PER_MM_PER_UM * given.stiffness_n_per_um
+    return Bearing(given.at_mm, given.kind, given.dynamic_rating_n, given.static_rating_n, stiffness)
+
+
 @dataclass(frozen=True)
 class _Around:
     """What stands around one gear: the bearings and the diameter of its shaft, and where the crank is on it."""
@@ -151,14 +157,14 @@ class _Around:
     crank_at_mm: float
 
     @classmethod
-    def of(cls, given: DrivingShaft | None, gears: Gears, gear: Gear) -> _Around | str:
+    def of(cls, given: keys.DrivingShaft | None, gears: Gears, gear: Gear) -> _Around | str:
         """The same by the keys of a shaft, or what they lack, in words."""
         if given is None or given.bearing_a is None or given.bearing_b is None:
             return f"drivetrain gives no bearings of the {gear.value} shaft"
         diameter = given.diameter_mm or (gears.driving if gear is Gear.DRIVING else gears.driven).bore_mm
         if diameter is None:
             return f"the diameter of the {gear.value} shaft is not given"
-        crank_at = given.crank_at_mm if isinstance(given, DrivenShaft) else 0.0
+        crank_at = given.crank_at_mm if isinstance(given, keys.DrivenShaft) else 0.0
         return cls((bearing_of(given.bearing_a), bearing_of(given.bearing_b)), diameter, crank_at)
 
     def shaft(self, body: tuple[float, float], gear_n: ComplexArray, crank_n: ComplexArray) -> Shaft:
@@ -224,9 +230,8 @@ LEADING = 0.5
 teeth bear little, few of their flanks touch, and factors are high without harm."""
 
 
-def told_face_load(drive: Drive, contacts: LoadedContacts) -> ToldFaceLoad | None:
-    """What is told of contacts that bear load; None where K_Hbeta is not computed."""
-    loading, over = drive.face_loading, drive.conditions.application_factor
+def told_face_load(loading: FaceLoading, contacts: LoadedContacts, over: float) -> ToldFaceLoad | None:
+    """What is told of contacts that bear load, ``over`` times it; None where K_Hbeta is not computed."""
     model = loading.model
     if model is None or not contacts.force_n.size:
         return None

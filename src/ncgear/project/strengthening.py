@@ -17,7 +17,6 @@ from ncgear.frozen import dataclass
 from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import Changes, changed_drive
 from ncgear.project.drive import Drive
-from ncgear.project.face_load import told_face_load
 from ncgear.strength.answer import Strength
 from ncgear.strength.holding import WantedSafety, Weakest, face_width_factor, module_factor, weakest_teeth
 from ncgear.strength.materials import ASSUMED
@@ -116,7 +115,10 @@ def unknown(drive: Drive) -> WrongInput | None:
 
 def crowned_enough(drive: Drive, rating: Rating) -> Changes:
     """The lead crowning in whole um that is the best, where teeth hold with it; else, or as nothing tells it, empty."""
-    told = told_face_load(drive, rating.strength.contacts)
+    # A check, which makes no teeth, loads nothing of this.
+    from ncgear.project.face_load import told_face_load
+
+    told = told_face_load(drive.face_loading, rating.strength.contacts, drive.conditions.application_factor)
     if told is None or told.best_um == told.crowning_um:
         return {}
     changes: Changes = {"gears.lead.crowning_um": told.best_um}

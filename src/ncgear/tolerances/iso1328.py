@@ -18,11 +18,15 @@ gear stands for the diameter.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
-from ncgear.teeth.gear import ToothedGear
+
+if TYPE_CHECKING:
+    from ncgear.teeth.gear import ToothedGear
 
 CLASSES = 1, 11
 """The finest and the coarsest class."""

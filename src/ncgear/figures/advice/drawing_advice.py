@@ -13,7 +13,6 @@ from ncgear.figures.numbers import to_digits
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
 from ncgear.ratio.laws.closed_curve import JOINED
-from ncgear.ratio.laws.curve_shapes import points_along
 
 
 def contour_of(drive: Drive) -> DrawnContour | None:
@@ -24,6 +23,8 @@ def contour_of(drive: Drive) -> DrawnContour | None:
 
 def drawing(drive: Drive) -> Iterator[Advice]:
     """The size by both units, and the greatest gap between parts that count as joined."""
+    from ncgear.ratio.laws.curve_shapes import points_along
+
     given = contour_of(drive)
     assert given is not None
     parts, gap_mm = given.contour(KEY)
