@@ -236,3 +236,67 @@ def test_arcs_are_smoothed_with_their_neighbours(tmp_path: Path) -> None:
     assert from_folder(tmp_path, more=", tolerance_mm: 0.02").law.center_distance_mm == pytest.approx(
         expected, abs=0.02
     )
+
+
+def stadium(space: Any) -> None:
+    space.add_line((25, 25), (-25, 25))
+    space.add_arc((-25, 0), 25, 90, 270)
+    space.add_line((-25, -25), (25, -25))
+    space.add_arc((25, 0), 25, 270, 90)
+
+
+@pytest.mark.parametrize("tolerance_mm", [0.005, 0.2])
+def test_a_smooth_curve_is_held_to_straight_parts_as_to_corners(tmp_path: Path, tolerance_mm: float) -> None:
+    """75.45 and 76.23 where only their ends were held; the distance itself is that of the contour as it is drawn."""
+    expected = distance_mm(tmp_path, made(stadium))
+    smooth = from_folder(tmp_path, more=f", tolerance_mm: {tolerance_mm}").law.center_distance_mm
+    assert smooth == pytest.approx(expected, abs=tolerance_mm)
+
+
+def rows(space: Any) -> None:
+    space.doc.blocks.new("A").add_circle((0.0, 0.0), 30.0)
+    space.add_blockref("A", (3.0, 0.0)).grid((1, 2), (0.0, 100.0))
+
+
+def bomb(space: Any) -> None:
+    """Five blocks, each with ten of the one before: 100 000 circles."""
+    space.doc.blocks.new("0").add_circle((0.0, 0.0), 30.0)
+    for depth in range(1, 6):
+        block = space.doc.blocks.new(str(depth))
+        for place in range(10):
+            block.add_blockref(str(depth - 1), (place, 0.0))
+    space.add_blockref("5", (0.0, 0.0))
+
+
+@pytest.mark.parametrize(
+    ("add", "said"), [(rows, "1 further part beside a closed contour"), (bomb, "holds over 20000")]
+)
+def test_every_copy_of_a_block_counts_and_too_many_are_refused(
+    tmp_path: Path, add: Callable[[Any], object], said: str
+) -> None:
+    with pytest.raises(WrongInput, match=said):
+        distance_mm(tmp_path, made(add))
+
+
+def test_layer_0_of_a_block_is_the_layer_on_which_it_is_put(tmp_path: Path) -> None:
+    def put(space: Any) -> None:
+        space.doc.blocks.new("A").add_circle((0.0, 0.0), 30.0)
+        space.add_blockref("A", (3.0, 0.0), dxfattribs={"layer": "TEETH"})
+        space.doc.layers.add("off").off()
+        space.add_blockref("A", (3.0, 0.0), dxfattribs={"layer": "off"})
+
+    distance_mm(tmp_path, made(put))
+    assert from_folder(tmp_path, layer="TEETH").law.center_distance_mm == pytest.approx(60.1495338, abs=1e-6)
+
+
+def test_parts_of_no_length_and_a_mark_of_utf_8_are_passed_over(tmp_path: Path) -> None:
+    def beside(space: Any) -> None:
+        circle(space)
+        space.add_lwpolyline([(1, 1), (1, 1)])
+        space.add_arc((1, 1), 1e-12, 0, 90)
+
+    expected = distance_mm(tmp_path, made(beside))
+    assert expected == pytest.approx(60.1495338, abs=1e-6)
+    file = tmp_path / "contour.dxf"
+    file.write_bytes(b"\xef\xbb\xbf" + file.read_bytes())
+    assert distance_mm(tmp_path) == expected

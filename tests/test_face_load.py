@@ -500,7 +500,8 @@ class TestBalerDrivetrain:
         drive = drives.drive("baler-drivetrain")
         path = str(DESIGNS / "baler-drivetrain.yaml")
         told = json.loads(run("strength", path, "--json")[1])
-        assert drives.built("baler-drivetrain").summary["strength"] == told["strength"]
+        summary = drives.built("baler-drivetrain").summary["strength"]
+        assert {key: summary[key] for key in told["strength"]} == told["strength"]
         assert told["strength"]["face_load"] == "computed"
         assert told["face_load"]["decisive_factor"] == told["strength"]["face_load_factor"]
         again = changed_drive(drive, {"gears.backlash_share": 0.5})

@@ -57,6 +57,9 @@ def test_round_gears_bear_a_jam_as_by_hand() -> None:
 def test_many_jams_are_endured_less_and_a_light_one_changes_nothing() -> None:
     once, often = (drive_of_text(text_of(times)).strength.driving.bending.safety_min for times in (1.0, 1e6))
     assert often < 0.8 * once
+    broken = drive_of_text(text_of(1.0).replace(f"{TORQUE_N_M:g}", "1000")).strength.driving.bending
+    assert broken.safety_min < 1.0
+    assert broken.life_h[broken.weakest - 1] == 0.0
     light = drive_of_text(text_of(1.0).replace(f"{TORQUE_N_M:g}", "0.1"))
     without = drive_of_text(text_of(None))
     assert light.strength.driving.bending.safety_min == without.strength.driving.bending.safety_min

@@ -71,6 +71,14 @@ def test_measured_points_are_read_by_the_same_reader(tmp_path: Path, form: str) 
         ("x_mm,force_n\n1,5,2\n", "t.csv:2:1: 3 values for 2 columns; one number for each, its decimals after a point"),
         ("x_mm;force_n\n1,5;2,5,0\n", "t.csv:2:5: force_n: '2,5,0' is not a finite number"),
         ("x_mm;force_n\n1\n", "t.csv:2:1: 1 values for 2 columns; one number for each is right"),
+        (
+            "x_mm;force_n\n0;0\n25;1,000\n50.5;1,200\n",
+            "t.csv:4:1: numbers with commas (line 3) and with points (line 4)",
+        ),
+        ("x_mm\tforce_n\n50,5\t1.200\n", "t.csv:2:1: numbers with commas (line 2) and with points (line 2)"),
+        ("x_mm,Force (µN)\n1,2\n", "unknown column: 'Force (µN)'"),
+        ("x_mm,force (-N)\n1,2\n", "unknown column: 'force (-N)'"),
+        ("Δx_mm,force_n\n1,2\n", "unknown column: 'Δx_mm'"),
         ("x_mm,force_n\n1,2\n\n3,x\n", "t.csv:4:3: force_n: 'x' is not a finite number"),
     ],
 )

@@ -115,7 +115,7 @@ def _gear_strength(
 def worse_of(first: Strength, second: Strength, lives: bool = True) -> Strength:
     """The first strength, each tooth with the damage that it suffers by the worse of both loads.
 
-    Without ``lives`` the lives are those of the first: the second load comes a few times only.
+    Without ``lives`` the second load comes a few times only: it ends the life at once, or not at all.
     """
     driving, driven = (
         replace(
@@ -137,7 +137,7 @@ def _worse(first: _Life, second: _Life, lives: bool) -> _Life:
         stress_mpa=np.where(worse, second.stress_mpa, first.stress_mpa),
         phi1_rad=np.where(worse, second.phi1_rad, first.phi1_rad),
         safety=np.minimum(second.safety, first.safety),
-        life_h=np.minimum(second.life_h, first.life_h) if lives else first.life_h,
+        life_h=np.minimum(second.life_h, first.life_h) if lives else np.where(second.safety < 1.0, 0.0, first.life_h),
     )
 
 

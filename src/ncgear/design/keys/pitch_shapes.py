@@ -192,7 +192,7 @@ class DrawnContour(Drawn):
         """How far ends of parts may miss each other by the digits of the file."""
         return 0.0
 
-    def contour(self, key: str) -> tuple[list[RationalSpline], float]:
+    def chain(self, key: str) -> tuple[list[RationalSpline], float]:
         """The parts as one closed chain, and the greatest gap between their ends, in mm.
 
         Raises WrongInput at the key of the file where they are not one, with the layers that hold one.

@@ -16,6 +16,7 @@ from ncgear.design.keys.base import Model
 from ncgear.frozen import dataclass
 
 if TYPE_CHECKING:
+    from ncgear.design.keys.pitch_shapes import DrawnContour
     from ncgear.mechanisms.mechanism import Mechanism
     from ncgear.ratio.laws.over_driven_angle import StagedLaw
     from ncgear.ratio.transmission import Law, Lobes, Transmission
@@ -89,6 +90,11 @@ class LawKeys(Model):
     def gives_center_distance(self) -> bool:
         """Whether the distance of the gears' axes follows from the law; most laws hold for gears of any size."""
         return False
+
+    @property
+    def contour(self) -> DrawnContour | None:
+        """The contour of a file that the pitch curve is drawn by; most laws have none."""
+        return None
 
     @property
     def is_open(self) -> bool:

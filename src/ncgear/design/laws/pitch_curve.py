@@ -12,6 +12,7 @@ from ncgear.design.keys.pitch_shapes import (
     KEY,
     BSpline,
     CurvePoints,
+    DrawnContour,
     DxfContour,
     ModifiedEllipse,
     OffsetEllipse,
@@ -77,6 +78,11 @@ class PitchCurve(LawKeys):
         "distance of the axes in mm; left out where solve_for is center_distance, or where the gears' size gives it"
     )
     phase: float = angle("angle {unit} that the gear has turned when phi = 0, or +x of a drawn curve, faces the mate")
+
+    @property
+    def contour(self) -> DrawnContour | None:
+        """Of a drawing or a picture."""
+        return self.dxf or self.svg or self.picture
 
     @property
     def gives_pitch_curve(self) -> bool:
@@ -163,8 +169,8 @@ class PitchCurve(LawKeys):
             spline = self.b_spline
             points = np.column_stack([np.array(spline.x_mm), np.array(spline.y_mm)])
             curve = shapes.closed_b_spline(points, spline.degree, spline.axis_mm, key)
-        elif (contour := self.dxf or self.svg or self.picture) is not None:
-            parts, gap_mm = contour.contour(f"{key}.file")
+        elif (contour := self.contour) is not None:
+            parts, gap_mm = contour.chain(f"{key}.file")
             facts = {"contour_gap_mm": gap_mm}
             if contour.tolerance_mm is None:
                 curve = shapes.chain(parts, contour.axis_mm, key)

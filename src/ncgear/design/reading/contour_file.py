@@ -6,14 +6,18 @@ Files of all systems are read: ASCII with either end of lines, in the code page 
 
 from __future__ import annotations
 
+import codecs
 from collections.abc import Iterable, Iterator, Mapping
 from decimal import Decimal
+from io import StringIO
+from itertools import islice
 from math import floor, isfinite, log10, radians, tau
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ncgear.design.keys.pitch_shapes import MOST_CURVES
 from ncgear.design.reading.places import FromFile
 from ncgear.design.reading.text import quoted, read_bytes
 from ncgear.design.words import listed
@@ -31,6 +35,9 @@ READ = ("LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE")
 
 UNITS = {1: "inch", 4: "mm", 5: "cm", 6: "m"}
 """Units of ``$INSUNITS`` that a design can name."""
+
+MOST_ENTITIES = 20_000
+"""Entities of a drawing, those of its blocks counted as often as they are put into it."""
 
 DEEPEST = 16
 """Blocks in blocks that are taken apart."""
@@ -56,12 +63,19 @@ def contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
     layer = given.get("layer")
     try:
         document = _document(file)
-        every = list(_apart(document.modelspace()))
+        every = list(islice(_apart(document.modelspace()), MOST_ENTITIES + 1))
+        if len(every) > MOST_ENTITIES:
+            raise WrongInput(f"holds over {MOST_ENTITIES} entities; a contour alone is right", location=str(file))
         hidden = {_name(one.dxf.name) for one in document.layers if one.is_off() or one.is_frozen()}
         shown = [one for one in every if _name(one.dxf.layer) not in hidden and not one.dxf.get("invisible", 0)]
         named = [one for one in shown if layer is None or _name(one.dxf.layer) == _name(str(layer))]
         read = [one for one in named if one.dxftype() in READ]
         curves = [_values(curve, one, file) for one in read for curve in _curves(one)]
+        if len(curves) > MOST_CURVES:
+            problem = (
+                f"holds {len(curves)} lines, arcs and curves; at most {MOST_CURVES} are right: join lines to a polyline"
+            )
+            raise WrongInput(problem, location=str(file))
         if not curves:
             raise WrongInput(_holds_none(document, every, shown, layer), location=str(file))
         found = {"curves": curves, "near": _near(read)}
@@ -83,6 +97,8 @@ def _document(file: Path) -> Drawing:
     if content[:4] in (b"AC10", b"AC1."):
         raise WrongInput("is a DWG file, which is not read; save it as DXF", location=str(file))
     try:
+        if content.startswith(codecs.BOM_UTF8):
+            return ezdxf.read(StringIO(content.decode("utf-8-sig"), newline=None))
         return ezdxf.readfile(str(file))
     except DXFStructureError as error:
         if "missing EOF" not in str(error):
@@ -104,11 +120,19 @@ def _name(layer: str) -> str:
 
 def _apart(entities: Iterable[DXFEntity], depth: int = 0) -> Iterator[DXFEntity]:
     """The entities, and in place of blocks the entities that they hold."""
+    from ezdxf.entities import Insert
+
     for one in entities:
-        if one.dxftype() == "INSERT" and depth < DEEPEST:
-            yield from _apart(one.virtual_entities(), depth + 1)  # type: ignore[attr-defined]
-        else:
+        if not isinstance(one, Insert) or depth == DEEPEST:
             yield one
+        elif one.mcount > 1:
+            yield from _apart(one.multi_insert(), depth)
+        else:
+            for part in _apart(one.virtual_entities(), depth + 1):
+                # What lies on layer 0 of a block lies on the layer on which the block is put.
+                if part.dxf.layer == "0":
+                    part.dxf.layer = one.dxf.layer
+                yield part
 
 
 def _holds_none(document: Drawing, every: list[DXFEntity], shown: list[DXFEntity], layer: object) -> str:
@@ -142,7 +166,8 @@ def _curves(entity: DXFEntity) -> Iterator[BSpline]:
         if isinstance(line, kinds.LWPolyline) and not line.has_arc:
             # Chords of a traced outline may be many: one curve has them all.
             points = list(line.vertices_in_wcs())
-            yield BSpline([*points, points[0]] if line.closed else points, order=2)
+            if len(points) > 1:
+                yield BSpline([*points, points[0]] if line.closed else points, order=2)
         else:
             for part in line.virtual_entities():
                 yield from _curves(part)
@@ -155,7 +180,7 @@ def _curves(entity: DXFEntity) -> Iterator[BSpline]:
         if abs(whole.param_span - tau) < FULL or whole.param_span < FULL:
             whole.start_param, whole.end_param = 0.0, tau
         yield rational_bspline_from_ellipse(whole)
-    elif isinstance(entity, kinds.Circle):
+    elif isinstance(entity, kinds.Circle) and abs(entity.dxf.radius) > FLAT:
         start, end = (entity.dxf.start_angle, entity.dxf.end_angle) if isinstance(entity, kinds.Arc) else (0.0, 360.0)
         around = ConstructionEllipse.from_arc(
             Vec3(entity.dxf.center), entity.dxf.radius, Vec3(entity.dxf.extrusion), start, end

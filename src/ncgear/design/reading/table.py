@@ -2,7 +2,7 @@
 
 Columns are separated by commas, semicolons, tabs or spaces, as the first row shows or a line ``sep=`` says; where they
 are separated by anything but commas, a comma may stand for the decimal point.  Empty lines and comments are passed
-over.  UTF-8 and UTF-16 are read, with or without a mark of their order; of XLSX, XLS and ODS the first sheet.
+over.  UTF-8 is read, and UTF-16 with its mark; of XLSX, XLS and ODS the first sheet.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 import codecs
 import csv
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from ncgear.design.reading.text import read_bytes, read_text
@@ -23,6 +23,7 @@ COMMENTS = ("#", "%", "//", "!")
 SHEETS = (".xlsx", ".xlsm", ".xls", ".ods")
 """Files of spreadsheets, by their endings."""
 
+DECIMAL_POINT = re.compile(r"\s*[-+]?[0-9]*\.[0-9]+([eE][-+]?[0-9]+)?\s*")
 DECIMAL_COMMA = re.compile(r"\s*[-+]?[0-9]*,[0-9]+([eE][-+]?[0-9]+)?\s*")
 
 
@@ -47,8 +48,11 @@ def read_rows(path: Path, *, limit_mb: int) -> Iterator[Row]:
 
 
 def column_name(head: str) -> str:
-    """The name that a head stands for: ``X (mm)``, ``x [mm]`` and ``x_mm`` are ``x_mm``."""
-    return re.sub(r"[^0-9a-z]+", "_", head.casefold().replace("°", " deg ")).strip("_")
+    """The name that a head stands for: ``X (mm)``, ``x [mm]`` and ``x_mm`` are ``x_mm``.
+
+    Letters and signs that mean more, as of ``Force (µN)`` and ``force (-N)``, stay, so that no key has that name.
+    """
+    return re.sub(r"[\s()\[\]{}/,;:·*^_]+|(?<=\w)-(?=\w)", "_", head.casefold().replace("°", " deg ")).strip("_")
 
 
 def _text(path: Path, limit_mb: int) -> str:
@@ -62,7 +66,7 @@ def _text(path: Path, limit_mb: int) -> str:
 
 
 def _of_text(text: str, path: Path) -> Iterator[Row]:
-    separator, first = "", 1
+    separator, first, decimals = "", 1, dict[str, int]()
     lines = text.splitlines()
     if lines and re.fullmatch(r'"?sep=(.|\\t)"?', lines[0].strip(), re.IGNORECASE):
         separator, first = lines[0].strip().strip('"')[4:].replace("\\t", "\t"), 2
@@ -72,6 +76,8 @@ def _of_text(text: str, path: Path) -> Iterator[Row]:
             continue
         separator = separator or next((one for one in (";", "\t", ",") if one in content), " ")
         cells = content.split() if separator == " " else _cells(content, separator, f"{path}:{line}:1")
+        if separator != ",":
+            _refuse_both(cells, line, decimals, path)
         if any(cell.strip() for cell in cells):
             yield Row(line, cells if separator == "," else [_with_point(cell) for cell in cells], separator == ",")
 
@@ -85,6 +91,21 @@ def _cells(content: str, separator: str, location: str) -> list[str]:
         problem = f"is not CSV: {error}; numbers separated by commas, semicolons or tabs are right"
         raise WrongInput(problem, location=location) from error
     return cells
+
+
+def _refuse_both(cells: Sequence[str], line: int, decimals: dict[str, int], path: Path) -> None:
+    """Refuse numbers with points beside numbers with commas: in one of both the sign parts thousands.
+
+    ``decimals`` has the first line of each sign, and gets that of ``cells``.
+    """
+    for sign, pattern in ((".", DECIMAL_POINT), (",", DECIMAL_COMMA)):
+        if any(pattern.fullmatch(cell) for cell in cells):
+            decimals.setdefault(sign, line)
+    if len(decimals) == len({".", ","}):
+        problem = (
+            f"numbers with commas (line {decimals[',']}) and with points (line {decimals['.']}); one sign is right"
+        )
+        raise WrongInput(f"{problem}, and none between thousands", location=f"{path}:{line}:1")
 
 
 def _with_point(cell: str) -> str:

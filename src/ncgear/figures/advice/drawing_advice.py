@@ -6,8 +6,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ncgear.design.keys.pitch_shapes import KEY, UNIT_MM, DrawnContour, DxfContour
-from ncgear.design.laws.pitch_curve import PitchCurve
+from ncgear.design.keys.pitch_shapes import KEY, UNIT_MM, DxfContour
 from ncgear.figures.advice.values import Advice, Kind, Where
 from ncgear.figures.numbers import to_digits
 from ncgear.numerics.arrays import Array
@@ -15,19 +14,13 @@ from ncgear.project.drive import Drive
 from ncgear.ratio.laws.closed_curve import JOINED
 
 
-def contour_of(drive: Drive) -> DrawnContour | None:
-    """The contour of a file that the design names; None where it names none."""
-    motion = drive.design.motion
-    return motion.dxf or motion.svg or motion.picture if isinstance(motion, PitchCurve) else None
-
-
 def drawing(drive: Drive) -> Iterator[Advice]:
     """The size by both units, and the greatest gap between parts that count as joined."""
     from ncgear.ratio.laws.curve_shapes import points_along
 
-    given = contour_of(drive)
+    given = drive.design.motion.contour
     assert given is not None
-    parts, gap_mm = given.contour(KEY)
+    parts, gap_mm = given.chain(KEY)
     sides_mm = np.ptp(points_along(parts), axis=0)
     if isinstance(given, DxfContour) and given.drawn_in not in (None, given.unit):
         yield _of_unit(given, given.drawn_in or "", sides_mm)

@@ -231,6 +231,12 @@ def _idle_keys(drive: Drive) -> Iterator[Idle]:
             for name, shaft in shafts.items()
             for keys in [(f"{name}.blank_mm",) if along else (f"{name}.diameter_mm", f"{name}.blank_mm")]
         ),
+        (
+            not along,
+            ("gears.lead.crowning_um", "gears.lead.end_relief_um", "gears.lead.end_relief_length_mm"),
+            "where bearings of a shaft are missing, or strength.face_load_factor is given",
+            "give the bearings of both shafts and no factor",
+        ),
         *(
             (
                 not along,

@@ -210,7 +210,7 @@ CONDITIONS: dict[Kind, Condition] = {
     Kind.DRAWING: Condition(
         "drawing",
         "the drawing names the unit of the design, and its parts meet",
-        lambda drive: drawing_advice.contour_of(drive) is not None,
+        lambda drive: drive.design.motion.contour is not None,
         drawing_advice.drawing,
         of_pair=False,
     ),

@@ -99,6 +99,7 @@ def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
         Row(f"{of}teeth", (gears,)),
         Row(f"{of}material", (materials_words(drive, rating.strength),)),
         Row(f"{of}force", (f"up to {figure('force_n', force_n)} on one pair of teeth, times {jolts_words(drive)}",)),
+        *([Row(f"{of}jam", (words,))] if (words := jam_words(drive, rating)) else []),
         Row(f"{of}face load", (face_load_words(drive, rating),)),
         *(
             Row(f"{of}{name}", (words,))
@@ -113,7 +114,6 @@ def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
             ),
         ),
         *([Row(f"{of}with knocks", (words,))] if (words := _forces_words(drive)) else []),
-        *([Row(f"{of}jam", (words,))] if (words := jam_words(drive, rating)) else []),
     ]
 
 

@@ -127,16 +127,29 @@ def closed_b_spline(points_mm: Array, degree: int, axis_mm: Point, key: str) -> 
 MOST_CORNERS = 100
 """Corners of a contour over which it is an outline of chords, which is to be smoothed; each takes 10 ms to follow."""
 
-PER_PART = 32
-"""Points of a smooth part of a contour that is smoothed with its neighbours."""
+PER_PART, ALONG = 128, 1000
+"""Points of a smooth part of a contour that is smoothed with its neighbours, and into how many pieces a contour as long
+as a circle of its size is cut at least."""
 
 
 def points_along(curves: Sequence[RationalSpline]) -> Array:
-    """Points of a chain, shape (n, 2): the corners of chords, and points close together of other curves."""
+    """Points of a chain, shape (n, 2), close together all along it, its corners among them.
+
+    Chords are cut into pieces of a share of 1 / ALONG of the chain at most; a smooth curve has PER_PART points.
+    """
+    every = np.concatenate([curve.points for curve in curves])
+    longest = float(np.max(np.ptp(every, axis=0))) * pi / ALONG
     found = list[Array]()
     for curve in curves:
         if curve.degree == 1:
-            found.append(curve.points[:-1])
+            chords = np.diff(curve.points, axis=0)
+            pieces = np.maximum(np.ceil(np.hypot(*chords.T) / longest), 1.0).astype(int)
+            share = (np.arange(pieces.sum()) - np.repeat(np.cumsum(pieces) - pieces, pieces)) / np.repeat(
+                pieces, pieces
+            )
+            found.append(
+                np.repeat(curve.points[:-1], pieces, axis=0) + share[:, None] * np.repeat(chords, pieces, axis=0)
+            )
             continue
         for part in curve.smooth_parts():
             x, y = part.at(np.linspace(part.breaks[0], part.breaks[-1], PER_PART, endpoint=False), 0)
