@@ -100,12 +100,12 @@ def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
         Row(f"{of}material", (materials_words(drive, rating.strength),)),
         Row(f"{of}force", (f"up to {figure('force_n', force_n)} on one pair of teeth, times {jolts_words(drive)}",)),
         *([Row(f"{of}jam", (words,))] if (words := jam_words(drive, rating)) else []),
+        *([Row(f"{of}knocks", (words,))] if (words := knock_words(loading.knocks)) else []),
         Row(f"{of}face load", (face_load_words(drive, rating),)),
         *(
             Row(f"{of}{name}", (words,))
             for name, words in surfaces_rows(drive, drive.surfaces_by(rating.strength.method))
         ),
-        *([Row(f"{of}knocks", (words,))] if (words := knock_words(loading.knocks)) else []),
         Row(
             f"{of}under load",
             (
