@@ -18,6 +18,7 @@ import pygltflib
 import pytest
 import shapely
 from lib3mf import get_wrapper
+from scipy.spatial.transform import Rotation, Slerp
 from shapely import Polygon
 from svgelements import SVG, Arc, Group, Move
 from svgelements import Path as SvgPath
@@ -422,9 +423,38 @@ def shown(data: bytes) -> dict[str, Array]:
         view = image.bufferViews[accessor.bufferView]
         start = (view.byteOffset or 0) + (accessor.byteOffset or 0)
         points = np.frombuffer(blob, "<f4", 3 * accessor.count, start).reshape(-1, 3).astype(float)
-        matrix = np.array(node.matrix or np.eye(4).ravel()).reshape(4, 4).T
-        found[node.name] = points @ matrix[:3, :3].T + matrix[:3, 3]
+        found[node.name] = Rotation.from_quat(node.rotation).apply(points * node.scale) + node.translation
     return found
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["ellipse", "internal-1-2", "log-generator"])
+def test_the_gears_of_the_scene_turn_by_their_law(name: str) -> None:
+    """Between keys as glTF turns nodes, by scipy: the driving gear evenly, the driven one by the law."""
+    one = drive(name)
+    image = pygltflib.GLTF2.load_from_bytes(files(name)["pair.glb"])
+    blob, (animation,) = image.binary_blob(), image.animations
+
+    def values(accessor: int, width: int) -> Array:
+        kept, view = image.accessors[accessor], image.bufferViews[image.accessors[accessor].bufferView]
+        assert view.byteOffset % 4 == 0
+        return np.frombuffer(blob, "<f4", width * kept.count, view.byteOffset).reshape(kept.count, width).astype(float)
+
+    turns, speed = {}, one.machine.speed_rad_s
+    for channel in animation.channels:
+        sampler, node = animation.samplers[channel.sampler], image.nodes[channel.target.node]
+        time_s, keys = values(sampler.input, 1)[:, 0], Rotation.from_quat(values(sampler.output, 4))
+        assert (channel.target.path, image.accessors[sampler.input].max) == ("rotation", [pytest.approx(time_s[-1])])
+        assert (keys[0].inv() * keys[-1]).magnitude() == pytest.approx(0.0, abs=1e-6)
+        at_s = np.linspace(0.0, time_s[-1], 611)
+        own = Rotation.from_quat(node.rotation).inv() * Slerp(time_s, keys)(at_s)
+        turns[node.name] = np.unwrap(own.as_rotvec() @ np.array([0.0, 0.0, 1.0]), period=2.0 * np.pi)
+    forth = np.minimum(speed * at_s, 2.0 * one.pair.transmission.lobes.driving_period_rad - speed * at_s)
+    phi1 = speed * at_s if one.pair.transmission.lobes.repeats else forth
+    sense = 1.0 if one.gears.mesh == "internal" else -1.0
+    for gear, expected in (("driving", phi1), ("driven", sense * one.transmission.driven_angle(phi1).value)):
+        missed = (turns[gear] - expected + np.pi) % (2.0 * np.pi) - np.pi
+        assert np.abs(missed).max() < 1e-4, gear
 
 
 @pytest.mark.tiers(slow=["internal-1-2"], rest="long")

@@ -12,6 +12,8 @@ from itertools import count
 from uuid import UUID
 
 from ncgear.drawings.solid_pair import linear_light, pair_scene
+from ncgear.files.workshop.turning import turning
+from ncgear.pitch.shape import Mesh
 from ncgear.project.drive import Drive
 from ncgear.solids.mesh.triangles import TriangleMesh
 
@@ -111,5 +113,6 @@ def _item(number: int, name: str, x_mm: float, identity: UUID) -> str:
 
 
 def glb_files(drive: Drive) -> dict[str, bytes]:
-    """``pair.glb`` with the nodes ``driving`` and ``driven``."""
-    return {"pair.glb": pair_scene(drive.solids, drive.pitch.center_distance_mm, linear_light).export(file_type="glb")}
+    """``pair.glb`` with the nodes ``driving`` and ``driven``, which turn by the law."""
+    still = pair_scene(drive.solids, drive.pitch.center_distance_mm, linear_light).export(file_type="glb")
+    return {"pair.glb": turning(still, drive.pair, Mesh(drive.gears.mesh), drive.machine.speed_rad_s)}
