@@ -221,6 +221,7 @@ def chords(count: int) -> Callable[[Any], object]:
     return lambda space: space.add_lwpolyline(points, close=True)
 
 
+@pytest.mark.slow
 def test_many_chords_are_smoothed_within_the_tolerance_that_is_asked_for(tmp_path: Path) -> None:
     expected = distance_mm(tmp_path, made(lambda space: space.add_ellipse((0, 0), (30, 0), 0.8)))
     with pytest.raises(WrongInput, match="has 2000 chords, and no teeth roll over their corners; give"):
@@ -268,6 +269,7 @@ def bomb(space: Any) -> None:
     space.add_blockref("5", (0.0, 0.0))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("add", "said"), [(rows, "1 further part beside a closed contour"), (bomb, "holds over 20000")]
 )

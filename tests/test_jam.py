@@ -77,6 +77,7 @@ def test_the_second_of_two_stages_bears_the_jam_by_both_ratios() -> None:
     assert first.judged_teeth("estimate").jammed is not None
 
 
+@pytest.mark.slow
 def test_a_check_and_a_build_tell_of_teeth_that_a_jam_breaks(run: Run) -> None:
     breaking = text_of(1.0).replace(f"{TORQUE_N_M:g}", "1000")
     one = drive_of_text(breaking)
@@ -91,6 +92,7 @@ def test_a_check_and_a_build_tell_of_teeth_that_a_jam_breaks(run: Run) -> None:
     assert json.loads(told)["load"]["jam"]["driving_torque_n_m"] == pytest.approx(1000.0)
 
 
+@pytest.mark.slow
 def test_shafts_are_not_judged_for_a_jam() -> None:
     masses = (
         "masses: {slider_kg: 1, rod: {mass_kg: 0.2, center_mm: 60, inertia_kg_mm2: 400}, "

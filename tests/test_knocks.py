@@ -63,6 +63,7 @@ def test_a_check_and_a_build_tell_of_teeth_that_only_knocks_break() -> None:
         assert isinstance(judge(broken), Advice)
 
 
+@pytest.mark.slow
 def test_knocks_are_told_by_every_form(run: Run) -> None:
     holding = "strength: {contact_safety: 0.1}\n"
     _, told, _ = on_text(run, "strength")(TEXT.replace("PLAY", "0.1") + holding)
@@ -113,6 +114,7 @@ def test_a_knock_hurries_the_slider_as_newton_says() -> None:
     assert hurry.max() > 5.0 * speed**2
 
 
+@pytest.mark.slow
 def test_bearings_bear_the_knocks_of_the_teeth() -> None:
     knocked, still = shaken(0.1, SHAFTS), shaken(0.0, SHAFTS)
     pair, others = (one.drivetrain.driving_shaft.bearings[0] for one in (knocked, still))
@@ -124,6 +126,7 @@ def test_bearings_bear_the_knocks_of_the_teeth() -> None:
     assert pair.equivalent_n == pytest.approx(float(cubes.mean()) ** (1.0 / 3.0), rel=0.02)
 
 
+@pytest.mark.slow
 def test_forces_with_knocks_are_told_with_the_teeth(run: Run) -> None:
     holding = "strength: {contact_safety: 0.1}\n"
     figures = json.loads(on_text(run, "strength", "--json")(TEXT.replace("PLAY", "0.1") + holding)[1])["load"]
