@@ -79,8 +79,9 @@ def loads_at(
     """The loads at driving angles in rad; the machine must have gears.
 
     ``mesh_share`` is what friction between the teeth takes of the driving torque's size.  With ``knocking`` the loads
-    are those of a machine whose teeth knock.  The crank turns clockwise in
-    the frame of the mechanism, the driving gear against it or, inside a ring, with it.
+    are those of a machine whose teeth knock.
+
+    The crank turns clockwise in the frame of the mechanism, the driving gear against it or, inside a ring, with it.
     """
     loads = (knocking or rigid).at(phi1_rad)
     assert rigid.place is not None
@@ -153,14 +154,8 @@ def with_knocks(cycle: Cycle, knocking: KnockingMachine) -> Cycle:
     turns = first + (knocking.turns_rad - first) % cycle.cycle_rad
     breaks = apart(np.concatenate([cycle.breaks_rad, turns]), first, last)
     points, weights = gauss_points(panels_between(breaks, WIDEST_RAD), NODES)
-    return Cycle(
-        cycle.rigid,
-        breaks,
-        weights,
-        loads_at(cycle.rigid, points, cycle.mesh_share, knocking),
-        cycle.mesh_share,
-        knocking,
-    )
+    loads = loads_at(cycle.rigid, points, cycle.mesh_share, knocking)
+    return replace(cycle, breaks_rad=breaks, weight_rad=weights, loads=loads, knocking=knocking)
 
 
 def cycle_of(rigid: Rigid) -> Cycle:

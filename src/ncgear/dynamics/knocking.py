@@ -24,6 +24,9 @@ from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import Vector
 from ncgear.numerics.units import N_PER_KG_MM_S2
 
+if TYPE_CHECKING:
+    from ncgear.dynamics.flank_changes import BorneTorque
+
 
 def hurried_loads(rigid: RigidMachine, phi1_rad: Array, beyond_n_mm: Array) -> Loads:
     """The loads at driving angles in rad where teeth bear a torque beyond what the law asks, M - T, shape (n,) each.
@@ -36,10 +39,6 @@ def hurried_loads(rigid: RigidMachine, phi1_rad: Array, beyond_n_mm: Array) -> L
     hurried = np.zeros_like(beyond_n_mm)
     np.divide(beyond_n_mm, inertia * machine.speed_rad_s**2, out=hurried, where=inertia > 0.0)
     return rigid.at(phi1_rad, hurried)
-
-
-if TYPE_CHECKING:
-    from ncgear.dynamics.flank_changes import BorneTorque
 
 
 @dataclass(frozen=True, eq=False)

@@ -20,7 +20,6 @@ from ncgear.figures.tables import Column, Table
 from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.face_load import told_face_load
 from ncgear.project.strengthening import Rating
 from ncgear.strength.answer import Strength
 from ncgear.strength.conditions import GRADE
@@ -143,7 +142,7 @@ def knock_words(knocks: Sequence[Knock] | None) -> str:
 
 def _face_load_figures(drive: Drive, rating: Rating) -> dict[str, Any]:
     """The load along the width as far as it is computed; teeth are those of the driving gear."""
-    told = told_face_load(drive.face_loading, rating.strength.contacts, drive.conditions.application_factor)
+    told = drive.told_face_load_by(rating.strength.method)
     if told is None:
         return {}
     return {
@@ -168,7 +167,7 @@ ALIKE = 0.01
 def face_load_words(drive: Drive, rating: Rating) -> str:
     """How unevenly teeth bear along their width, and whether that is given, assumed or computed."""
     loading = drive.face_loading
-    told = told_face_load(drive.face_loading, rating.strength.contacts, drive.conditions.application_factor)
+    told = drive.told_face_load_by(rating.strength.method)
     if told is None:
         factor = f"factor {to_digits(loading.constant, 3)}"
         return f"{factor} as given" if loading.basis == "given" else f"{factor}, assumed since {loading.why}"

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from ncgear.dynamics.rigid import LoadPeaks
     from ncgear.formulas.checked import Formulas
     from ncgear.project.drivetrain import DrivetrainResult
-    from ncgear.project.face_load import FaceLoading
+    from ncgear.project.face_load import FaceLoading, ToldFaceLoad
     from ncgear.project.passing import Passing
     from ncgear.project.thickness import AtThickness
     from ncgear.project.tooth_load import ToothLoad
@@ -465,6 +465,16 @@ class Drive(Geared):
             self._known_surfaces[method] = found
         return self._known_surfaces[method]
 
+    def told_face_load_by(self, method: Literal["estimate", "elements"]) -> ToldFaceLoad | None:
+        """What is told of the load along the width by a method; computed once, None where it is not computed."""
+        from ncgear.project.face_load import told_face_load
+
+        known = self._known_face_loads
+        if method not in known:
+            contacts, over = self.strength_by(method).contacts, self.conditions.application_factor
+            known[method] = told_face_load(self.face_loading, contacts, over)
+        return known[method]
+
     def judged_teeth(self, method: Literal["estimate", "elements"]) -> JudgedTeeth:
         """Loads and strength of the teeth by a method, and what else the method found; computed, or refused, once."""
         known = self._known_strengths
@@ -509,6 +519,10 @@ class Drive(Geared):
 
     @computed
     def _known_surfaces(self) -> dict[str, Surfaces]:
+        return {}
+
+    @computed
+    def _known_face_loads(self) -> dict[str, ToldFaceLoad | None]:
         return {}
 
     @computed

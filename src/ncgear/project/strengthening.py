@@ -115,10 +115,7 @@ def unknown(drive: Drive) -> WrongInput | None:
 
 def crowned_enough(drive: Drive, rating: Rating) -> Changes:
     """The lead crowning in whole um that is the best, where teeth hold with it; else, or as nothing tells it, empty."""
-    # A check, which makes no teeth, loads nothing of this.
-    from ncgear.project.face_load import told_face_load
-
-    told = told_face_load(drive.face_loading, rating.strength.contacts, drive.conditions.application_factor)
+    told = drive.told_face_load_by(rating.strength.method)
     if told is None or told.best_um == told.crowning_um:
         return {}
     changes: Changes = {"gears.lead.crowning_um": told.best_um}

@@ -171,12 +171,13 @@ class PitchCurve(LawKeys):
             curve = shapes.closed_b_spline(points, spline.degree, spline.axis_mm, key)
         elif (contour := self.contour) is not None:
             parts, gap_mm = contour.chain(f"{key}.file")
-            facts = {"contour_gap_mm": gap_mm}
+            along = shapes.points_along(parts)
+            width, height = np.ptp(along, axis=0).tolist()
+            facts = {"contour_gap_mm": gap_mm, "contour_width_mm": width, "contour_height_mm": height}
             if contour.tolerance_mm is None:
                 curve = shapes.chain(parts, contour.axis_mm, key)
             else:
-                points = shapes.points_along(parts) - np.array(contour.axis_mm)
-                polar = shapes.polar_points(points, key)
+                polar = shapes.polar_points(along - np.array(contour.axis_mm), key)
                 curve, missed = shapes.smoothed_points(*polar, contour.tolerance_mm, repeats, key)
                 facts["points_missed_by_mm"] = missed
         else:

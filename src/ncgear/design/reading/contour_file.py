@@ -48,6 +48,9 @@ SPLINE_FRAME = 16
 FULL = 1e-5
 """Rad by which a whole ellipse may miss its turn: programs write 6.28318 for 2 pi."""
 
+POINT = 1e-9
+"""Radius in the drawing's unit under which a circle or an arc has no length."""
+
 FLAT = 1e-9
 """Bulge under which an arc is a line: its height is less than a thousand-millionth of half its length."""
 
@@ -111,11 +114,16 @@ def _document(file: Path) -> Drawing:
         ) from error
 
 
-def _name(layer: str) -> str:
-    """A layer's name to compare by: case does not count, and letters may be written by their number."""
+def _decoded(layer: str) -> str:
+    """A layer's name, of which letters may be written by their number."""
     from ezdxf.lldxf.encoding import decode_dxf_unicode
 
-    return decode_dxf_unicode(layer).casefold()
+    return str(decode_dxf_unicode(layer))
+
+
+def _name(layer: str) -> str:
+    """A layer's name to compare by: case does not count."""
+    return _decoded(layer).casefold()
 
 
 def _apart(entities: Iterable[DXFEntity], depth: int = 0) -> Iterator[DXFEntity]:
@@ -137,10 +145,9 @@ def _apart(entities: Iterable[DXFEntity], depth: int = 0) -> Iterator[DXFEntity]
 
 def _holds_none(document: Drawing, every: list[DXFEntity], shown: list[DXFEntity], layer: object) -> str:
     """Why a drawing gives no part of a contour."""
-    from ezdxf.lldxf.encoding import decode_dxf_unicode
 
     def layers_of(entities: Iterable[DXFEntity]) -> str:
-        names = sorted({decode_dxf_unicode(one.dxf.layer) for one in entities if one.dxftype() in READ})
+        names = sorted({_decoded(one.dxf.layer) for one in entities if one.dxftype() in READ})
         return listed([quoted(name) for name in names], "and") if names else ""
 
     on_layer = "" if layer is None else f" on layer {quoted(layer)}"
@@ -180,7 +187,7 @@ def _curves(entity: DXFEntity) -> Iterator[BSpline]:
         if abs(whole.param_span - tau) < FULL or whole.param_span < FULL:
             whole.start_param, whole.end_param = 0.0, tau
         yield rational_bspline_from_ellipse(whole)
-    elif isinstance(entity, kinds.Circle) and abs(entity.dxf.radius) > FLAT:
+    elif isinstance(entity, kinds.Circle) and abs(entity.dxf.radius) > POINT:
         start, end = (entity.dxf.start_angle, entity.dxf.end_angle) if isinstance(entity, kinds.Arc) else (0.0, 360.0)
         around = ConstructionEllipse.from_arc(
             Vec3(entity.dxf.center), entity.dxf.radius, Vec3(entity.dxf.extrusion), start, end
@@ -224,8 +231,6 @@ def _through_fit_points(entity: Spline) -> BSpline:
 
 def _values(curve: BSpline, entity: DXFEntity, file: Path) -> dict[str, Any]:
     """The curve as the keys of a part; refuses one that leaves the plane."""
-    from ezdxf.lldxf.encoding import decode_dxf_unicode
-
     points = [tuple(point) for point in curve.control_points]
     numbers = [value for point in points for value in point]
     size = max(map(abs, numbers), default=0.0)
@@ -240,7 +245,7 @@ def _values(curve: BSpline, entity: DXFEntity, file: Path) -> dict[str, Any]:
     # Some programs write -1 for the weights of a spline that has none.
     weights = weights if any(weight > 0.0 for weight in weights) else [1.0] * len(points)
     return {
-        "layer": decode_dxf_unicode(entity.dxf.layer),
+        "layer": _decoded(entity.dxf.layer),
         "degree": curve.degree,
         "knots": [float(knot) for knot in curve.knots()],
         "x": [float(x) for x, _, _ in points],

@@ -2,26 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
-import numpy as np
-
-from ncgear.design.keys.pitch_shapes import KEY, UNIT_MM, DxfContour
+from ncgear.design.keys.pitch_shapes import UNIT_MM, DxfContour
 from ncgear.figures.advice.values import Advice, Kind, Where
 from ncgear.figures.numbers import to_digits
-from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
 from ncgear.ratio.laws.closed_curve import JOINED
 
 
 def drawing(drive: Drive) -> Iterator[Advice]:
     """The size by both units, and the greatest gap between parts that count as joined."""
-    from ncgear.ratio.laws.curve_shapes import points_along
-
-    given = drive.design.motion.contour
-    assert given is not None
-    parts, gap_mm = given.chain(KEY)
-    sides_mm = np.ptp(points_along(parts), axis=0)
+    given, facts = drive.design.motion.contour, drive.law.facts
+    gap_mm, *sides_mm = (float(facts[f"contour_{name}_mm"] or 0.0) for name in ("gap", "width", "height"))
     if isinstance(given, DxfContour) and given.drawn_in not in (None, given.unit):
         yield _of_unit(given, given.drawn_in or "", sides_mm)
     if gap_mm > JOINED * max(sides_mm):
@@ -31,11 +24,11 @@ def drawing(drive: Drive) -> Iterator[Advice]:
         )
 
 
-def _of_unit(given: DxfContour, drawn_in: str, sides_mm: Array) -> Advice:
+def _of_unit(given: DxfContour, drawn_in: str, sides_mm: Sequence[float]) -> Advice:
     """That the drawing names another unit, with the size by both."""
 
     def size(unit: str) -> str:
-        return " by ".join(to_digits(UNIT_MM[unit] / given.unit_mm * float(one), 3) for one in sides_mm) + " mm"
+        return " by ".join(to_digits(UNIT_MM[unit] / given.unit_mm * one, 3) for one in sides_mm) + " mm"
 
     return _remark(
         f"the drawing names {drawn_in} as its unit, and motion.dxf.unit is {given.unit}",
