@@ -175,6 +175,8 @@ def test_pages_do_not_share_what_is_edited(studio: Studio) -> None:
         assert "speed_rpm: 11" in one.until("state")["content"]["text"]
         two.send("redo")
         assert "speed_rpm: 11" not in two.until("state")["content"]["text"]
+        one.send("undo")
+        assert one.until("state")["content"]["saved"]
 
 
 @pytest.mark.tiers(slow=["message7"], rest="long")
@@ -228,7 +230,7 @@ NO_MESSAGES = [
 
 def test_what_is_no_message_is_told_and_the_conversation_goes_on(studio: Studio) -> None:
     with studio.page("noise") as page:
-        page.until("state")
+        saved = page.until("state")["content"]["saved"]
         for data in NO_MESSAGES:
             page.socket.send(data)
             # A page may first be told of a draft that an earlier studio left.
@@ -236,7 +238,7 @@ def test_what_is_no_message_is_told_and_the_conversation_goes_on(studio: Studio)
                 pass
             assert "message" in said, data
         page.send("redo")
-        assert page.until("state")["content"]["saved"]
+        assert page.until("state")["content"]["saved"] == saved
 
 
 @pytest.mark.parametrize(
@@ -245,12 +247,12 @@ def test_what_is_no_message_is_told_and_the_conversation_goes_on(studio: Studio)
 )
 def test_texts_of_any_form_are_told_their_fault(studio: Studio, text: str) -> None:
     with studio.page(f"form{hash(text)}") as page:
-        page.until("state")
+        before = page.until("state")["content"]["text"]
         page.send("text", text=text)
         assert page.until("state")["content"]["text"] == text
         assert "internal fault" not in page.until("refused")["content"]["problem"]
         page.send("undo")
-        assert page.until("state")["content"]["saved"]
+        assert page.until("state")["content"]["text"] == before
 
 
 def test_names_that_no_file_can_have_are_not_found(studio: Studio) -> None:
