@@ -770,3 +770,11 @@ def test_a_thousand_random_splines_close_or_say_where_they_do_not(
     polar: list[tuple[float, float]], degree: int
 ) -> None:
     one_spline(polar, degree)
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1e6])
+def test_a_polygon_of_any_size_has_its_sides(scale: float) -> None:
+    """Sides that are short beside the corners' arcs are left out by their share, not by their length in mm."""
+    curve = rounded_polygon(4, 40.0 * scale, 19.999 * scale, (0.0, 0.0), KEY)
+    whole = rounded_polygon(4, 40.0, 19.999, (0.0, 0.0), KEY)
+    assert len(curve.stretches) == len(whole.stretches) == 8
