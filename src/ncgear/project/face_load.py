@@ -95,16 +95,10 @@ class FaceLoading:
         assert self.asked is not None
         asked, mesh = self.asked, self.asked.mesh_force(phi1_rad, urge)
         towards = (mesh.force.x.value + 1j * mesh.force.y.value) / mesh.size_n.value
-        arms = _arms_mm(asked, phi1_rad, urge)
+        arms = asked.arms_mm(phi1_rad, urge)
         torque = urge * force_n / application_factor * arms[:, 1]
         crank = np.real(_crank_n(asked, phi1_rad, torque - asked.torque_n_mm(phi1_rad)) * np.conj(towards))
         return FaceLoads(force_n, stiffness_n_mm2, application_factor * crank, arms)
-
-
-def _arms_mm(asked: ToothLoad, phi1_rad: Array, urge: Array) -> Array:
-    """The arms of the mesh force about both axes, shape (n, 2)."""
-    slope = asked.pair.transmission.driven_angle(phi1_rad, 1).derivative(1)
-    return np.stack([slope, np.ones(slope.shape)], axis=1) / asked.mesh_force(phi1_rad, urge).size_n.value[:, None]
 
 
 def _crank_n(asked: ToothLoad, phi1_rad: Array, beyond_n_mm: Array) -> ComplexArray:
@@ -133,7 +127,7 @@ def face_loading_of(drive: Geared) -> FaceLoading:
     mesh, crank = asked.mesh_force(phi1).force, _crank_n(asked, phi1, np.zeros(phi1.size))
     on_driven = mesh.x.value + 1j * mesh.y.value
     # The arm of the force is about the radius of the roots.
-    arms = _arms_mm(asked, phi1, np.ones(phi1.size)).min(axis=0)
+    arms = asked.arms_mm(phi1, np.ones(phi1.size)).min(axis=0)
     first, second = (one.youngs_modulus_mpa for one in drive.materials)
     shafts = driving.shaft((arms[0], first), -on_driven, 0.0 * crank), driven.shaft((arms[1], second), on_driven, crank)
     askew, running = _askew_mm(design, drive.running), drive.running
@@ -181,12 +175,19 @@ def _askew_mm(design: Design, running: Running) -> float:
     """By how much flanks lie askew over the face width, in either sense."""
     given, width = design.tolerances, running.face_width_mm
     slopes = []
-    for gear, teeth in zip(Gear, running.teeth, strict=True):
+    for gear, teeth, grade in zip(Gear, running.teeth, grades_of(design), strict=True):
         own = None if given is None else getattr(given, gear.value)
-        grade = GRADE if given is None or own is None else own.grade or given.grade
         slopes.append(0.0 if grade is None else helix_slope_mm(grade, running.module_mm * teeth, width))
         slopes.append(0.0 if own is None else width * tan(radians(own.tilt_deg)))
     return hypot(*slopes)
+
+
+def grades_of(design: Design) -> tuple[int | None, int | None]:
+    """The accuracy grades of both gears: GRADE without the section ``tolerances``, None where that gives none."""
+    given = design.tolerances
+    if given is None:
+        return GRADE, GRADE
+    return given.driving.grade or given.grade, given.driven.grade or given.grade
 
 
 def lead_form(gears: Gears) -> LeadForm:

@@ -17,13 +17,13 @@ from ncgear.project.drive import Drive
 from ncgear.project.service import choices_of
 from ncgear.project.tooth_form import tooth_form_of
 from ncgear.project.tooth_load import asked_of
-from ncgear.strength.conditions import Conditions, VibrationUnknown
+from ncgear.strength.conditions import Conditions
 from ncgear.strength.endurance import materials_of
-from ncgear.strength.holding import Damage
 from ncgear.strength.iso6336 import RackTip
 from ncgear.strength.material import Material
 from ncgear.strength.materials import Plastic
 from ncgear.strength.plastics import friction, temperatures_of
+from ncgear.strength.vibration import MeshStiffness
 from ncgear.strength.without_teeth import (
     MOST_LEAP,
     MOST_WAY,
@@ -103,11 +103,10 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
             jammed = static_safeties(borne, plan, running, warm, once, _uneven(drive, borne, once))
         why = _no_life(drive)
         if not why:
-            try:
-                found = rough_safeties(sides, plan, running, warm, conditions, uneven)
-                return RoughStrength((*found, *jammed), needs_teeth=needs_teeth)
-            except VibrationUnknown as error:
-                why = error.why
+            mesh = rough_mesh(drive, sides, load)
+            shaken = [drive.vibration.factors(one.load.phi1_rad, one.load.force_n, mesh, conditions) for one in sides]
+            found = rough_safeties(sides, plan, running, warm, conditions, uneven, shaken)
+            return RoughStrength((*found, *jammed), needs_teeth=needs_teeth)
         found = static_safeties(sides, plan, running, warm, conditions, uneven)
         return RoughStrength((*found, *jammed), why, needs_teeth, True)
     except Unanswered as error:
@@ -115,28 +114,32 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
 
 
 def beside_refusal(drive: Drive, refusal: DesignError | None) -> RoughStrength | None:
-    """The rough strength of a pair whose strength is refused, or of which none is computed (None).
-
-    With a K_V that is not known the teeth themselves tell whether they break at once.
-    """
+    """The rough strength of a pair whose strength is refused, or of which none is computed (None)."""
     if refusal is None:
         return rough_strength(drive)
-    if isinstance(refusal, VibrationUnknown):
-        return _without_vibration(drive, refusal)
     found = rough_strength(drive)
     return found and replace(found, unjudged=refusal.problem)
 
 
-def _without_vibration(drive: Drive, refusal: VibrationUnknown) -> RoughStrength:
-    """Both gears' safeties against breaking at once, by the teeth under load without K_V."""
-    still = drive.still_teeth.strength
-    found = []
-    for gear, tension in zip(Gear, still.stresses.tension_mpa, strict=True):
-        row, material = int(tension.argmax()), still.of(gear).material
-        wanted, stress = drive.conditions.wanted_bending_safety(material), float(tension[row])
-        safety = float(material.bending.stress_mpa[0]) / stress
-        found.append(RoughSafety(gear, Damage.BENDING, safety, wanted, stress, float(still.contacts.phi1_rad[row])))
-    return RoughStrength(tuple(found), refusal.why, at_once=True)
+def rough_mesh(drive: Drive, sides: list[SharedLoad], load: RolledLoad) -> MeshStiffness | None:
+    """How stiff the teeth of a pair are, roughly, as a mean over a pitch."""
+    phi1, stiffness, pairs = (
+        np.concatenate(parts)
+        for parts in zip(
+            *(
+                (
+                    one.load.phi1_rad,
+                    drive.running.face_width_mm * one.stiffness_n_mm2,
+                    np.sum(one.line_n_mm > 0.0, axis=0),
+                )
+                for one in sides
+            ),
+            strict=True,
+        )
+    )
+    order = np.argsort(phi1)
+    cycle = 2.0 * pi * round(load.phi1_rad.size / PER_TOOTH / drive.running.teeth[0])
+    return MeshStiffness.of(phi1[order], stiffness[order], pairs[order], cycle, PER_TOOTH)
 
 
 def rough_damage(found: RoughStrength, one: RoughSafety) -> str:

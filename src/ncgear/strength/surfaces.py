@@ -31,7 +31,7 @@ from ncgear.strength.film import (
     roughness_um,
     scuffing_c,
 )
-from ncgear.strength.life import dynamic_factor_of, shaken_n_mm
+from ncgear.strength.life import shaken_n_mm
 from ncgear.strength.loading import Loading
 from ncgear.strength.material import Material
 from ncgear.strength.materials import Choice, Ferrous, Plastic
@@ -140,21 +140,22 @@ class Surfaces:
 class _Pair:
     """What all places of contact of a pair have in common.
 
-    ``uneven`` gives K_Hbeta of all contacts of some positions; ``bulk_c`` is the temperature of the teeth.
+    ``uneven`` gives K_Hbeta of all contacts of some positions, ``shaken`` their K_V; ``bulk_c`` is the temperature of
+    the teeth.
     """
 
     materials: tuple[Material, Material]
     conditions: Conditions
     running: Running
-    dynamic_factor: float
     coefficients_mm3_n_m: tuple[float, float]
     uneven: Callable[[LoadedContacts], Array]
+    shaken: Callable[[LoadedContacts], Array]
     oil: Oil | None
     bulk_c: float = 0.0
 
     def touching(self, contacts: LoadedContacts) -> tuple[LoadedContacts, Pressed]:
         """The contacts of flanks among all contacts of some positions, and as film, heat and wear need them."""
-        shaken = shaken_n_mm(contacts, self.conditions, self.running, self.dynamic_factor)
+        shaken = shaken_n_mm(contacts, self.conditions, self.running, self.shaken(contacts))
         kept, load = contacts.kept(contacts.flanks), (self.uneven(contacts) * shaken)[contacts.flanks]
         return kept, Pressed(load, kept.relative_curvature, kept.rolling_mm_s / 1000.0)
 
@@ -201,17 +202,17 @@ def surfaces_of(
     conditions: Conditions,
     running: Running,
     uneven: Callable[[LoadedContacts], Array],
+    shaken: Callable[[LoadedContacts], Array],
 ) -> Surfaces:
     """The state of the flanks under their loads, with all factors of load that the pressure has.
 
-    ``uneven`` gives K_Hbeta of contacts, shape (n,), from all contacts of their positions.
+    ``uneven`` gives K_Hbeta and ``shaken`` K_V of contacts, shape (n,), from all contacts of their positions.
     """
     mates = (choices, choices[::-1])
     plastic = [isinstance(choice.entry, Plastic) for choice in choices]
     oil = None if any(plastic) or conditions.lubrication == "dry" else Oil.of(conditions)
-    factor = dynamic_factor_of(loading.contacts, conditions, running)
     first, second = (coefficient_mm3_n_m(*both, conditions) for both in mates)
-    pair = _Pair(materials, conditions, running, factor, (first, second), uneven, oil)
+    pair = _Pair(materials, conditions, running, (first, second), uneven, shaken, oil)
     if oil is not None:
         pair = replace(pair, bulk_c=_bulk_c(pair, oil, loading))
     thin, hot, *worn = _largest(pair, loading)
