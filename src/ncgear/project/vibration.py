@@ -14,17 +14,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ncgear.design.keys.masses import Simulation
 from ncgear.dynamics.crank_load import reduced_inertia
+from ncgear.dynamics.swinging_mesh import SwingingMesh, swings
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.jet import Jet
-from ncgear.numerics.units import RAD_S_PER_RPM
+from ncgear.numerics.units import N_PER_KG_MM_S2, RAD_S_PER_RPM
 from ncgear.pitch.shape import Gear, speed
 from ncgear.project.face_load import grades_of
 from ncgear.project.moving_masses import disc_kg_mm2
 from ncgear.project.service import choices_of, densities_kg_m3
 from ncgear.project.tooth_load import ToothLoad, asked_of
-from ncgear.strength.conditions import GRADE, Conditions, Running
+from ncgear.strength.conditions import GRADE, Running
 from ncgear.strength.endurance import running_in
 from ncgear.strength.vibration import RESONANCE, MeshStiffness, Vibration
 from ncgear.tolerances.iso1328 import flank_tolerances
@@ -109,46 +111,116 @@ def mesh_stiffness(loading: Loading, running: Running) -> MeshStiffness | None:
 
 
 @dataclass(frozen=True)
-class PlaceOfTurn:
-    """A value and the driving angle where it is."""
-
-    value: float
-    phi1_rad: float
-
-
-@dataclass(frozen=True)
 class ToldVibration:
     """What is told of a mesh's vibration.
 
-    ``given`` is K_V of the design, None where it is computed. Then ``decisive`` is K_V where a pair bears most with it,
-    and ``least`` and ``greatest`` are the resonance ratios of a turn.  It resonates between the pairs of driving angles
-    in degrees ``resonates_deg``, and somewhere in the turn at speeds of ``critical_rpm``; None without inertia.
+    ``factor`` is K_V where a pair bears most with it, at the driving angle ``phi1_rad``; ``is_given`` by the design.
+    ``least`` and ``greatest`` are the resonance ratios of a turn.  The mesh resonates between the pairs of driving
+    angles in degrees ``resonates_deg``, and somewhere in the turn at speeds of ``critical_rpm``; None without inertia.
     """
 
-    given: float | None
-    decisive: PlaceOfTurn
-    least: PlaceOfTurn
-    greatest: PlaceOfTurn
+    factor: float
+    phi1_rad: float
+    is_given: bool
+    least: float
+    greatest: float
     resonates_deg: tuple[tuple[float, float], ...]
     critical_rpm: tuple[float, float] | None
 
 
 def told_vibration(
-    drive: Geared, vibration: Vibration, mesh: MeshStiffness, conditions: Conditions, decisive: PlaceOfTurn
+    drive: Geared, mesh: MeshStiffness, phi1_rad: Array, factors: Array, force_n: Array
 ) -> ToldVibration:
-    """What is told of a mesh of known stiffness whose K_V is ``decisive`` where it counts most."""
-    phi1 = mesh.phi1_rad
-    ratios = vibration.resonance(phi1, mesh)
-    least, greatest = (PlaceOfTurn(float(ratios[row]), float(phi1[row])) for row in (ratios.argmin(), ratios.argmax()))
+    """What is told of a mesh of known stiffness with K_V under forces at driving angles, shape (n,) each."""
+    turn = mesh.phi1_rad < 2.0 * pi
+    phi1, most = mesh.phi1_rad[turn], int((factors * force_n).argmax())
+    ratios = drive.vibration.resonance(phi1, mesh)
+    least, greatest = float(ratios.min()), float(ratios.max())
     rpm = drive.machine.speed_rad_s / RAD_S_PER_RPM
-    critical = (rpm * RESONANCE[0] / greatest.value, rpm * RESONANCE[1] / least.value) if least.value > 0.0 else None
-    resonates = stretches_deg(phi1, (ratios >= RESONANCE[0]) & (ratios <= RESONANCE[1]))
-    return ToldVibration(conditions.dynamic_factor, decisive, least, greatest, resonates, critical)
+    return ToldVibration(
+        float(factors[most]),
+        float(phi1_rad[most]),
+        drive.conditions.dynamic_factor is not None,
+        least,
+        greatest,
+        _stretches_deg(phi1, (ratios >= RESONANCE[0]) & (ratios <= RESONANCE[1])),
+        (rpm * RESONANCE[0] / greatest, rpm * RESONANCE[1] / least) if least > 0.0 else None,
+    )
 
 
-def stretches_deg(phi1_rad: Array, inside: Array) -> tuple[tuple[float, float], ...]:
+def _stretches_deg(phi1_rad: Array, inside: Mask) -> tuple[tuple[float, float], ...]:
     """The stretches of driving angles in degrees, shape (n,) and rising, over which a place is inside."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
     return tuple(
         (degrees(float(phi1_rad[first])), degrees(float(phi1_rad[last - 1]))) for first, last in edges.reshape(-1, 2)
     )
+
+
+LEADING = 0.5
+"""Share of the largest force from which places count for the greatest K_V of a turn: where teeth bear next to nothing,
+what their deviations add is many times as much."""
+
+SPEEDS, SLOWER, FASTER = 121, 4.0, 1.5
+"""Speeds of a sweep, and from how far below to how far above the critical speeds they go at least; next speeds are
+nearer to each other than the width of a resonance with usual damping, a seventh of it."""
+
+MOST_TURNS = 2
+"""Turns of the driving gear that are followed in a sweep, where teeth take more to meet all their mates."""
+
+
+@dataclass(frozen=True, eq=False)
+class SpeedSweep:
+    """A mesh at s driving speeds under the loads of the design's own; shape (s,) each.
+
+    ``least`` and ``greatest`` are the resonance ratios of a turn, ``factor`` the greatest K_V of places that bear
+    LEADING of the most at least.  ``load_factor`` is that of ``ncgear.dynamics.swinging_mesh``; None where the load
+    changes flanks, so that the teeth part.
+    """
+
+    speed_rpm: Array
+    least: Array
+    greatest: Array
+    factor: Array
+    load_factor: Array | None
+
+
+def speed_sweep(drive: Geared, loading: Loading) -> SpeedSweep | None:
+    """The sweep of a pair under its loads without knocks; None where nothing has inertia or bears load."""
+    loads, running = loading.still or loading, drive.running
+    mesh, contacts = mesh_stiffness(loads, running), loads.contacts
+    if mesh is None:
+        return None
+    pair_force = np.bincount(contacts.position, contacts.force_n, loads.even.size)
+    phi1, force = loads.phi1_rad[loads.even], pair_force[loads.even]
+    told = told_vibration(drive, mesh, phi1, np.ones(phi1.size), force)
+    if told.critical_rpm is None:
+        return None
+    own_rpm = drive.machine.speed_rad_s / RAD_S_PER_RPM
+    ends = min(own_rpm, told.critical_rpm[0] / SLOWER), max(own_rpm, told.critical_rpm[1] * FASTER)
+    speeds = np.unique(np.append(np.geomspace(*ends, SPEEDS), own_rpm))
+    faster, leading = speeds / own_rpm, force >= LEADING * force.max()
+    over, vibration = drive.conditions.application_factor, drive.vibration
+    factors = vibration.factors_at_speeds(phi1[leading], force[leading], mesh, over, faster)
+    load_factor = _load_factor(drive, loads, faster * drive.machine.speed_rad_s)
+    return SpeedSweep(speeds, faster * told.least, faster * told.greatest, factors.max(axis=1), load_factor)
+
+
+def _load_factor(drive: Geared, loads: Loading, speeds_rad_s: Array) -> Array | None:
+    """How much more teeth bear that swing at driving speeds, shape (s,); None where the load changes flanks."""
+    if loads.contacts.side.min() != loads.contacts.side.max():
+        return None
+    rows = np.flatnonzero(loads.even & (loads.phi1_rad < 2.0 * pi * MOST_TURNS))
+    rows = rows[np.isin(rows, loads.contacts.position)]
+    phi1, urge = loads.phi1_rad[rows], np.sign(loads.torque_n_mm[rows])
+    arm = asked_of(drive).arms_mm(phi1, np.where(urge < 0.0, -1.0, 1.0))[:, 1]
+    stiffness = np.bincount(loads.contacts.position, loads.contacts.stiffness_n_mm, loads.even.size)[rows]
+    swinging = SwingingMesh(
+        phi1,
+        2.0 * pi * min(loads.cycle_turns, MOST_TURNS),
+        stiffness * arm**2,
+        N_PER_KG_MM_S2 * drive.vibration.reduced_kg(phi1) * arm**2,
+        loads.error_rad[rows],
+        loads.torque_n_mm[rows],
+        Simulation().damping_ratio,
+    )
+    return swings(swinging, speeds_rad_s).load_factor

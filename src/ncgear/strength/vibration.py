@@ -126,20 +126,24 @@ class Vibration:
         stiffness, _ = mesh.at(phi1_rad)
         return self.passing_rad_s(phi1_rad) * np.sqrt(self.reduced_kg(phi1_rad) * N_PER_KG_MM / stiffness)
 
-    def factors(
-        self, phi1_rad: Array, force_n: Array, mesh: MeshStiffness | None, conditions: Conditions, faster: float = 1.0
-    ) -> Array:
+    def factors(self, phi1_rad: Array, force_n: Array, mesh: MeshStiffness | None, conditions: Conditions) -> Array:
         """K_V at driving angles where all pairs together bear a normal force, shape (n,) each.
 
-        It is that of ``conditions`` where they give one.  The gears turn so many times ``faster`` than their speed.
+        It is that of ``conditions`` where they give one.
         """
         if conditions.dynamic_factor is not None or mesh is None:
             return np.full(force_n.shape, conditions.dynamic_factor or 1.0)
+        return self.factors_at_speeds(phi1_rad, force_n, mesh, conditions.application_factor, np.ones(1))[0]
+
+    def factors_at_speeds(
+        self, phi1_rad: Array, force_n: Array, mesh: MeshStiffness, application_factor: float, faster: Array
+    ) -> Array:
+        """K_V, shape (s, n), under the same forces at so many times the speed, shape (s,)."""
         stiffness, ratio = mesh.at(phi1_rad)
         width = self.running.face_width_mm
-        line = np.abs(force_n) * (conditions.application_factor * cos(self.rack_angle_rad) / width)
+        line = np.abs(force_n) * (application_factor * cos(self.rack_angle_rad) / width)
         line = np.maximum(line, np.finfo(float).tiny)
-        resonance = faster * self.resonance(phi1_rad, mesh)
+        resonance = faster[:, None] * self.resonance(phi1_rad, mesh)
         return dynamic_factor(resonance, line, stiffness / width, ratio, self.deviations_mm)
 
     def of_contacts(self, contacts: LoadedContacts, mesh: MeshStiffness | None, conditions: Conditions) -> Array:
