@@ -210,21 +210,21 @@ def test_extremes_are_those_of_a_search_by_brute_force() -> None:
         materials,
         made.conditions,
         made.running,
-        1.0,
         wear.coefficients_mm3_n_m,
+        even,
         even,
         Oil.of(made.conditions),
         film.bulk_c,
     )
     shaken = made.strength.stresses.pressure_mpa
     contacts = loading.between(np.linspace(0.0, loading.cycle_mm, 40_001))
-    own, known = pair.touching(loading.contacts)
+    own, _, known = pair.touching(loading.contacts)
     modulus = materials[0].youngs_modulus_mpa / (2.0 * (1.0 - materials[0].poisson ** 2))
     load = shaken[loading.contacts.flanks] ** 2 * pi / (own.relative_curvature * modulus)
     factor = float(np.median(load / known.line_n_mm))
     assert load == pytest.approx(factor * known.line_n_mm)
-    touching, pressed = replace(pair, dynamic_factor=factor).touching(contacts)
-    rows = pair.quantities(touching.side, pressed)
+    touching, shaken, pressed = replace(pair, shaken=lambda one: np.full(one.force_n.shape, factor)).touching(contacts)
+    rows = pair.quantities(touching.side, shaken, pressed)
     worst = rows.max(axis=1)
     told = [1.0 / film.thickness.value, film.flash_k.value, wear.depth_mm[0].value, wear.depth_mm[1].value]
     assert told == pytest.approx(worst[:4], rel=3e-3)

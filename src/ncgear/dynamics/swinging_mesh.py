@@ -110,4 +110,4 @@ class _Steps:
     def after(self, row: int, states: Array, driven: Array) -> Array:
         """States of shape (2, k, s) a place later; ``driven`` (k, 1) says which of the k are driven."""
         turning, drift = self.turning[:, :, row, None], self.drift[:, row, None] * driven
-        return turning[:, 0] * states[0] + turning[:, 1] * states[1] + drift
+        return np.asarray(turning[:, 0] * states[0] + turning[:, 1] * states[1] + drift)

@@ -41,7 +41,6 @@ if TYPE_CHECKING:
     from ncgear.strength.method import ToothMethod
     from ncgear.strength.stiffness import LinearTeeth
     from ncgear.strength.surfaces import Surfaces
-    from ncgear.strength.vibration import Vibration
 
 MOTOR = "simulation.motor"
 
@@ -472,8 +471,9 @@ class Drive(Geared):
 
         known = self._known_face_loads
         if method not in known:
-            contacts, over = self.strength_by(method).contacts, self.conditions.application_factor
-            known[method] = told_face_load(self.face_loading, contacts, over)
+            found, over = self.strength_by(method), self.conditions.application_factor
+            shaken = found.stresses.dynamic_factor
+            known[method] = told_face_load(self.face_loading, found.contacts, over, shaken)
         return known[method]
 
     def judged_teeth(self, method: Literal["estimate", "elements"]) -> JudgedTeeth:
@@ -495,13 +495,6 @@ class Drive(Geared):
         from ncgear.project.face_load import face_loading_of
 
         return face_loading_of(self)
-
-    @computed
-    def vibration(self) -> Vibration:
-        """What the vibration of the pair's mesh depends on besides its loads."""
-        from ncgear.project.vibration import vibration_of
-
-        return vibration_of(self)
 
     def _judged(self, method: Literal["estimate", "elements"]) -> JudgedTeeth:
         from ncgear.project.tooth_strength import judged_teeth, methods_of

@@ -3,7 +3,8 @@
 Where the file gives the bearings and diameters of both shafts, K_Hbeta is computed at every position; else it is the
 person's own or ASSUMED.  A bearing is as stiff as its key says, or as its static rating tells at its largest force of
 the cycle; where neither is given it is rigid.  Where teeth bear more than the law asks, as in knocks, the crank presses
-with what that hurries (``ncgear.dynamics.knocking``).  The application factor counts for all forces.
+with what that hurries (``ncgear.dynamics.knocking``).  The application factor
+counts for all forces, K_V for those of the teeth.
 
 Flanks lie askew by the helix slope that the grade allows either gear (ISO 1328-1) and by the tilt of its bore, all
 independent of each other: the root of the sum of squares, as ISO 6336-1 combines both gears' (secondary source).  Where
@@ -58,47 +59,54 @@ class FaceLoading:
     model: FaceModel | None = None
     asked: ToothLoad | None = None
 
-    def of_contacts(self, contacts: LoadedContacts, application_factor: float) -> Array:
-        """K_Hbeta of contacts that bear load, shape (n,); raises as ``FaceModel.factors`` does."""
+    def of_contacts(self, contacts: LoadedContacts, application_factor: float, shaken: Array) -> Array:
+        """K_Hbeta of contacts with K_V ``shaken``, shape (n,) each; raises as ``FaceModel.factors`` does."""
         if self.model is None:
             return np.full(contacts.force_n.shape, self.constant)
-        return self.model.factors(self.loads_of(contacts, application_factor))[contacts.position]
+        return self.model.factors(self.loads_of(contacts, application_factor, shaken))[contacts.position]
 
-    def loads_of(self, contacts: LoadedContacts, application_factor: float) -> FaceLoads:
-        """What presses the flanks together at every position of loaded contacts."""
+    def loads_of(self, contacts: LoadedContacts, application_factor: float, shaken: Array) -> FaceLoads:
+        """What presses the flanks together at every position of loaded contacts with K_V ``shaken``, shape (n,)."""
         each = contacts.force_n, contacts.stiffness_n_mm
         force, stiffness = (np.bincount(contacts.position, one).astype(float) for one in each)
-        phi1, urge = np.zeros(force.size), np.ones(force.size)
+        phi1, urge, factor = np.zeros(force.size), np.ones(force.size), np.ones(force.size)
         phi1[contacts.position], urge[contacts.position] = contacts.phi1_rad, 1.0 - 2.0 * contacts.side
+        factor[contacts.position] = shaken
         assert self.model is not None
-        return self.pressing(
-            phi1, urge, application_factor * force, stiffness / self.model.width_mm, application_factor
-        )
+        return self.pressing(phi1, urge, force, stiffness / self.model.width_mm, application_factor, factor)
 
-    def of_side(self, one: SharedLoad, application_factor: float) -> Array:
-        """K_Hbeta of a load that is known without teeth, shape (n,)."""
+    def of_side(self, one: SharedLoad, application_factor: float, shaken: Array) -> Array:
+        """K_Hbeta of a load that is known without teeth, with K_V ``shaken``, shape (n,) each."""
         if self.model is None:
             return np.full(one.load.force_n.shape, self.constant)
         load = one.load
-        force = application_factor * load.force_n
-        pressing = self.pressing(load.phi1_rad, load.urge, force, one.stiffness_n_mm2, application_factor)
+        pressing = self.pressing(
+            load.phi1_rad, load.urge, load.force_n, one.stiffness_n_mm2, application_factor, shaken
+        )
         return self.model.factors(pressing)
 
     def pressing(
-        self, phi1_rad: Array, urge: Array, force_n: Array, stiffness_n_mm2: Array, application_factor: float
+        self,
+        phi1_rad: Array,
+        urge: Array,
+        force_n: Array,
+        stiffness_n_mm2: Array,
+        application_factor: float,
+        shaken: Array,
     ) -> FaceLoads:
         """What presses the flanks together at driving angles, shape (n,).
 
-        ``urge`` is +1 where pushing flanks bear, -1 where backs do; ``force_n`` is the normal force of all pairs, the
-        application factor in it, and ``stiffness_n_mm2`` theirs.
+        ``urge`` is +1 where pushing flanks bear, -1 where backs do; ``force_n`` is the normal force of all pairs
+        without factors, and ``stiffness_n_mm2`` theirs.  K_V, ``shaken``, is of the teeth alone: the crank does not
+        feel it.
         """
         assert self.asked is not None
         asked, mesh = self.asked, self.asked.mesh_force(phi1_rad, urge)
         towards = (mesh.force.x.value + 1j * mesh.force.y.value) / mesh.size_n.value
         arms = asked.arms_mm(phi1_rad, urge)
-        torque = urge * force_n / application_factor * arms[:, 1]
+        torque = urge * force_n * arms[:, 1]
         crank = np.real(_crank_n(asked, phi1_rad, torque - asked.torque_n_mm(phi1_rad)) * np.conj(towards))
-        return FaceLoads(force_n, stiffness_n_mm2, application_factor * crank, arms)
+        return FaceLoads(application_factor * shaken * force_n, stiffness_n_mm2, application_factor * crank, arms)
 
 
 def _crank_n(asked: ToothLoad, phi1_rad: Array, beyond_n_mm: Array) -> ComplexArray:
@@ -231,12 +239,12 @@ LEADING = 0.5
 teeth bear little, few of their flanks touch, and factors are high without harm."""
 
 
-def told_face_load(loading: FaceLoading, contacts: LoadedContacts, over: float) -> ToldFaceLoad | None:
-    """What is told of contacts that bear load, ``over`` times it; None where K_Hbeta is not computed."""
+def told_face_load(loading: FaceLoading, contacts: LoadedContacts, over: float, shaken: Array) -> ToldFaceLoad | None:
+    """What is told of contacts that bear load, ``over`` and K_V times it; None where K_Hbeta is not computed."""
     model = loading.model
     if model is None or not contacts.force_n.size:
         return None
-    loads, place, force = loading.loads_of(contacts, over), contacts.position, contacts.force_n
+    loads, place, force = loading.loads_of(contacts, over, shaken), contacts.position, shaken * contacts.force_n
     factors = model.factors(loads)[place]
     tooth = contacts.on(Gear.DRIVING).tooth
     line = factors * force

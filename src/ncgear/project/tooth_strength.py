@@ -73,8 +73,8 @@ def judged_teeth(
     cycle_rad = 2.0 * pi * loading.cycle_turns
 
     def found(loads: Loading, under: Conditions) -> Strength:
-        uneven = face_loading.of_contacts(loads.contacts, under.application_factor)
         shaken = vibration.of_contacts(loads.contacts, mesh_stiffness(loads, running), under)
+        uneven = face_loading.of_contacts(loads.contacts, under.application_factor, shaken)
         stresses = stresses_of(loads.contacts, methods, materials, under, running, uneven, shaken)
         return strength_of(loads.contacts, stresses, materials, under, cycle_rad, running, method, load)
 
@@ -103,7 +103,7 @@ def surfaces_of_teeth(
     mesh = mesh_stiffness(judged.loading, running)
 
     def uneven(contacts: LoadedContacts) -> Array:
-        return face_loading.of_contacts(contacts, conditions.application_factor)
+        return face_loading.of_contacts(contacts, conditions.application_factor, shaken(contacts))
 
     def shaken(contacts: LoadedContacts) -> Array:
         return vibration.of_contacts(contacts, mesh, conditions)

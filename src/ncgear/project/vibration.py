@@ -103,7 +103,7 @@ def mesh_stiffness(loading: Loading, running: Running) -> MeshStiffness | None:
     """How stiff the teeth of a loading are as a mean over a pitch; None where nothing bears."""
     contacts, even = loading.contacts, loading.even
     stiffness, pairs = (
-        np.bincount(contacts.position, one, even.size)[even]
+        np.bincount(contacts.position, one, even.size)[even].astype(float)
         for one in (contacts.stiffness_n_mm, np.ones(contacts.force_n.size))
     )
     per_pitch = int(even.sum()) // (loading.cycle_turns * running.teeth[0])
@@ -114,13 +114,16 @@ def mesh_stiffness(loading: Loading, running: Running) -> MeshStiffness | None:
 class ToldVibration:
     """What is told of a mesh's vibration.
 
-    ``factor`` is K_V where a pair bears most with it, at the driving angle ``phi1_rad``; ``is_given`` by the design.
-    ``least`` and ``greatest`` are the resonance ratios of a turn.  The mesh resonates between the pairs of driving
-    angles in degrees ``resonates_deg``, and somewhere in the turn at speeds of ``critical_rpm``; None without inertia.
+    ``factor`` is K_V where a pair bears most, at the driving angle ``phi1_rad``, and ``is_given`` by the design;
+    ``most_n`` is the largest force of a pair with its own K_V, which may be elsewhere: what deviations add does not
+    grow with the load.  ``least`` and ``greatest`` are the resonance ratios of a turn.  The mesh resonates between the
+    pairs of driving angles in degrees ``resonates_deg``, and somewhere in the turn at speeds of ``critical_rpm``; None
+    without inertia.
     """
 
     factor: float
     phi1_rad: float
+    most_n: float
     is_given: bool
     least: float
     greatest: float
@@ -133,13 +136,14 @@ def told_vibration(
 ) -> ToldVibration:
     """What is told of a mesh of known stiffness with K_V under forces at driving angles, shape (n,) each."""
     turn = mesh.phi1_rad < 2.0 * pi
-    phi1, most = mesh.phi1_rad[turn], int((factors * force_n).argmax())
+    phi1, most = mesh.phi1_rad[turn], int(force_n.argmax())
     ratios = drive.vibration.resonance(phi1, mesh)
     least, greatest = float(ratios.min()), float(ratios.max())
     rpm = drive.machine.speed_rad_s / RAD_S_PER_RPM
     return ToldVibration(
         float(factors[most]),
         float(phi1_rad[most]),
+        float((factors * force_n).max()),
         drive.conditions.dynamic_factor is not None,
         least,
         greatest,
@@ -190,7 +194,7 @@ def speed_sweep(drive: Geared, loading: Loading) -> SpeedSweep | None:
     mesh, contacts = mesh_stiffness(loads, running), loads.contacts
     if mesh is None:
         return None
-    pair_force = np.bincount(contacts.position, contacts.force_n, loads.even.size)
+    pair_force = np.bincount(contacts.position, contacts.force_n, loads.even.size).astype(float)
     phi1, force = loads.phi1_rad[loads.even], pair_force[loads.even]
     told = told_vibration(drive, mesh, phi1, np.ones(phi1.size), force)
     if told.critical_rpm is None:

@@ -31,7 +31,7 @@ class ContactStresses:
 
     def decisive_face_load(self, contacts: LoadedContacts) -> float:
         """K_Hbeta of the contact that bears most for each mm of width; 1 where none bears load."""
-        load = self.face_load_factor * contacts.force_n
+        load = self.face_load_factor * self.dynamic_factor * contacts.force_n
         return float(self.face_load_factor[load.argmax()]) if load.size else 1.0
 
 

@@ -153,21 +153,22 @@ class _Pair:
     oil: Oil | None
     bulk_c: float = 0.0
 
-    def touching(self, contacts: LoadedContacts) -> tuple[LoadedContacts, Pressed]:
-        """The contacts of flanks among all contacts of some positions, and as film, heat and wear need them."""
-        shaken = shaken_n_mm(contacts, self.conditions, self.running, self.shaken(contacts))
-        kept, load = contacts.kept(contacts.flanks), (self.uneven(contacts) * shaken)[contacts.flanks]
-        return kept, Pressed(load, kept.relative_curvature, kept.rolling_mm_s / 1000.0)
+    def touching(self, contacts: LoadedContacts) -> tuple[LoadedContacts, Array, Pressed]:
+        """The contacts of flanks among all contacts of some positions, their K_V, and as film and heat need them."""
+        shaken = self.shaken(contacts)
+        load = self.uneven(contacts) * shaken_n_mm(contacts, self.conditions, self.running, shaken)
+        kept, load = contacts.kept(contacts.flanks), load[contacts.flanks]
+        return kept, shaken[contacts.flanks], Pressed(load, kept.relative_curvature, kept.rolling_mm_s / 1000.0)
 
     def flash(self, pressed: Pressed, oil: Oil) -> Array:
         """How much hotter than the teeth each contact is, in K."""
         return flash_k(pressed, friction(pressed, oil, self.conditions), self.materials)
 
-    def quantities(self, side: IndexArray, pressed: Pressed) -> Array:
+    def quantities(self, side: IndexArray, shaken: Array, pressed: Pressed) -> Array:
         """What is searched for the largest of, at n contacts of flanks of a side, shape (6, n).
 
         Roughness over film, heat in K, depths in mm that both flanks lose in the wanted life, and the sum of these on
-        pushing flanks and on backs.
+        pushing flanks and on backs.  Wear follows the mean load, which vibration does not change.
         """
         thin = flash = np.zeros(pressed.line_n_mm.size)
         unparted = np.ones_like(thin)
@@ -176,7 +177,7 @@ class _Pair:
             film = film_um(pressed, flash, self.bulk_c, self.oil, self.materials)
             thickness = np.maximum(film / roughness_um(self.conditions), LEAST_FILM)
             thin, unparted = 1.0 / thickness, share_unparted(thickness)
-        depth = self.meetings[:, None] * depth_mm(pressed, unparted, self.coefficients_mm3_n_m)
+        depth = self.meetings[:, None] * depth_mm(pressed, unparted / shaken, self.coefficients_mm3_n_m)
         play = depth.sum(axis=0)
         return np.vstack([thin, flash, depth, *(np.where(side == one, play, 0.0) for one in BOTH_SIDES)])
 
@@ -231,7 +232,7 @@ def surfaces_of(
 
 def _bulk_c(pair: _Pair, oil: Oil, loading: Loading) -> float:
     """The temperature of the teeth: that of the oil, and a share of the mean flash temperature over the cycle."""
-    touching, pressed = pair.touching(loading.contacts)
+    touching, _, pressed = pair.touching(loading.contacts)
     flash = pair.flash(pressed, oil)[loading.even[touching.position]]
     share = BULK_SHARE[pair.conditions.lubrication]
     return pair.conditions.oil_temperature_c + share * float(flash.mean() if flash.size else 0.0)
@@ -241,8 +242,8 @@ def _largest(pair: _Pair, loading: Loading) -> list[Place]:
     """The largest value of each quantity over the cycle, with its place."""
 
     def over(contacts: LoadedContacts, count: int) -> tuple[LoadedContacts, Array, Array]:
-        touching, pressed = pair.touching(contacts)
-        found = pair.quantities(touching.side, pressed)
+        touching, shaken, pressed = pair.touching(contacts)
+        found = pair.quantities(touching.side, shaken, pressed)
         largest = np.zeros((len(found), count))
         for row, values in zip(largest, found, strict=True):
             np.maximum.at(row, touching.position, values)

@@ -28,11 +28,9 @@ import numpy as np
 
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.units import N_PER_KG_MM_S2
 from ncgear.strength.conditions import Conditions, Running
 from ncgear.strength.contacts import LoadedContacts
-
-N_PER_KG_MM = 1e-3
-"""One kg mm/s2 in N."""
 
 RESONANCE = 0.85, 1.15
 """The resonance ratios between which a mesh resonates."""
@@ -124,7 +122,8 @@ class Vibration:
     def resonance(self, phi1_rad: Array, mesh: MeshStiffness) -> Array:
         """N at driving angles, shape (n,); 0 where nothing has inertia."""
         stiffness, _ = mesh.at(phi1_rad)
-        return self.passing_rad_s(phi1_rad) * np.sqrt(self.reduced_kg(phi1_rad) * N_PER_KG_MM / stiffness)
+        swing_s = np.sqrt(self.reduced_kg(phi1_rad) * N_PER_KG_MM_S2 / stiffness)
+        return np.asarray(self.passing_rad_s(phi1_rad) * swing_s)
 
     def factors(self, phi1_rad: Array, force_n: Array, mesh: MeshStiffness | None, conditions: Conditions) -> Array:
         """K_V at driving angles where all pairs together bear a normal force, shape (n,) each.
@@ -151,6 +150,6 @@ class Vibration:
         if not contacts.force_n.size:
             return np.empty(0)
         every, first = np.unique(contacts.position, return_index=True)
-        force = np.bincount(contacts.position, contacts.force_n)[every]
+        force = np.bincount(contacts.position, contacts.force_n)[every].astype(float)
         found = self.factors(contacts.phi1_rad[first], force, mesh, conditions)
         return np.asarray(found[np.searchsorted(every, contacts.position)])
