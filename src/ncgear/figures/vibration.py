@@ -45,16 +45,13 @@ def vibration_figures(told: ToldVibration | None) -> dict[str, Any]:
 
 
 def vibration_words(told: ToldVibration) -> str:
-    """The dynamic factor where it counts most, how near the mesh is to its resonance, and the critical speeds."""
-    factor = f"K_V {to_digits(told.factor, 3)}"
-    factor += (
-        " as given" if told.is_given else f" where a pair bears most, up to {figure('force_n', told.most_n)} with it"
-    )
+    """The dynamic factor where a pair bears most, the largest force with it, and the critical speeds."""
+    factor = f"K_V {to_digits(told.factor, 3)}{' as given' if told.is_given else ''}"
+    factor += f", up to {figure('force_n', told.most_n)} with it"
     if told.critical_rpm is None:
         return f"{factor}; nothing that moves has inertia"
-    least, most = (to_digits(one, 2) for one in (told.least, told.greatest))
     low, high = (to_digits(one, 2) for one in told.critical_rpm)
-    return f"{factor}; resonance ratio {least} to {most} in a turn, critical speeds from {low} to {high} r/min"
+    return f"{factor}; resonance at {low} to {high} r/min"
 
 
 def stretches_words(told: ToldVibration) -> str:

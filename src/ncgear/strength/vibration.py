@@ -132,7 +132,8 @@ class Vibration:
         """
         if conditions.dynamic_factor is not None or mesh is None:
             return np.full(force_n.shape, conditions.dynamic_factor or 1.0)
-        return self.factors_at_speeds(phi1_rad, force_n, mesh, conditions.application_factor, np.ones(1))[0]
+        (found,) = self.factors_at_speeds(phi1_rad, force_n, mesh, conditions.application_factor, np.ones(1))
+        return np.asarray(found)
 
     def factors_at_speeds(
         self, phi1_rad: Array, force_n: Array, mesh: MeshStiffness, application_factor: float, faster: Array
