@@ -215,7 +215,7 @@ class Drive(Geared):
         rigid, knocking = self.rigid, self.knocking
         touching = None if self.helix else TouchingTeeth(self.teeth, self.pitch, self.designed_contact)
         with self.stopwatch("drivetrain"):
-            return drivetrain_of(self.design, rigid, touching, knocking)
+            return drivetrain_of(self.design, rigid, touching, knocking, self.conditions.overload)
 
     @computed
     def knocks(self) -> tuple[Knock, ...] | None:
