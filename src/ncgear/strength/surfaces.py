@@ -38,6 +38,10 @@ from ncgear.strength.materials import Choice, Ferrous, Plastic
 from ncgear.strength.plastics import ToothTemperature
 from ncgear.strength.wear import LIMIT_MODULES, coefficient_mm3_n_m, depth_mm, share_unparted
 
+LEAST_SCUFFING = 1.0
+"""Safety under which flanks scuff: the formula's temperature is that at which test gears did.  ISO/TS 6336-20 calls the
+risk high below 1, moderate up to 2."""
+
 KNOWN = 1e-3
 """Share of itself to which an extreme is known: its formulas are known to a tenth at best."""
 
@@ -134,6 +138,13 @@ class Surfaces:
             return None
         heated = self.film.hottest_c - self.film.oil_c
         return (self.scuffing_c - self.film.oil_c) / heated if heated > 0.0 else inf
+
+    @property
+    def share(self) -> float:
+        """The least share of what is wanted that flanks have, of their safety against scuffing and of their life."""
+        scuffing = self.scuffing_safety
+        lasting = self.wear.limit_mm / self.wear.deepest_mm if self.wear.deepest_mm > 0.0 else inf
+        return lasting if scuffing is None else min(lasting, scuffing / LEAST_SCUFFING)
 
 
 @dataclass(frozen=True, eq=False)
