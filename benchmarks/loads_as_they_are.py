@@ -128,12 +128,12 @@ def main() -> None:
                 cells += [to_digits(found[damage], 3), worth]
             rows.append(f"| {' | '.join([machine, load, *cells])} |")
             before = found
-        found = drive.surfaces_by("estimate")
-        assert found.film is not None
-        wear = found.wear.deepest_mm
+        flank = drive.surfaces_by("estimate")
+        assert flank.film is not None
+        wear = flank.wear.deepest_mm
         cells = [
-            to_digits(found.film.thickness.value, 2),
-            to_digits(found.scuffing_safety or inf, 3),
+            to_digits(flank.film.thickness.value, 2),
+            to_digits(flank.scuffing_safety or inf, 3),
             to_digits(wear, 2),
             to_digits(wear / drive.running.module_mm, 2),
             f"{process_time() - begun:.1f}",
