@@ -37,7 +37,9 @@ motion: {law: ellipse, eccentricity: 0.3}
 GEARS = "gears: {teeth: 19, module_mm: 1.5, face_width_mm: 10}\n"
 LOAD = "resistance: {polynomial_n: [400]}\n"
 
-FILES = {"strength.json", "strength.csv", "strength.png", "strength-cycle.png", "manifest.json"}
+FILES = {"manifest.json", "strength.json", "strength.csv", "strength-speeds.csv"} | {
+    f"strength{name}.png" for name in ("", "-cycle", "-speeds")
+}
 
 WANTED = dict.fromkeys(Gear, WantedSafety(1.4, 1.0))
 

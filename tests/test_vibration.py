@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import cos, pi, radians, sqrt
 
 import numpy as np
@@ -13,11 +14,11 @@ from drives import drive_of_text
 from ncgear.dynamics.swinging_mesh import SwingingMesh, swings
 from ncgear.figures.advice import vibration_advice
 from ncgear.figures.advice.values import Advice, NotJudged
-from ncgear.figures.vibration import vibration_of_rating
+from ncgear.figures.vibration import speeds_csv, vibration_of_rating
 from ncgear.project.drive import Drive
 from ncgear.project.rough_strength import rough_strength
 from ncgear.project.strengthening import rating_of
-from ncgear.project.vibration import mesh_stiffness, speed_sweep
+from ncgear.project.vibration import SpeedSweep, mesh_stiffness, speed_sweep
 from ncgear.strength.vibration import MeshStiffness, dynamic_factor
 
 TURN = 2.0 * pi
@@ -238,6 +239,13 @@ def test_a_sweep_of_speed() -> None:
     assert sweep.load_factor[sweep.speed_rpm <= 1.01 * sweep.speed_rpm[0]] == pytest.approx(1.0, abs=0.15)
     assert 1.3 < sweep.load_factor.max() < 6.0
     assert sweep.speed_rpm[sweep.load_factor.argmax()] < told.critical_rpm[1]
+
+
+def test_swings_without_end_leave_their_cell_empty() -> None:
+    one = np.ones(2)
+    sweep = SpeedSweep(np.array([10.0, 20.0]), one, one, one, np.array([1.5, np.inf]))
+    assert [line.rpartition(",")[2] for line in speeds_csv(sweep).split()] == ["load_factor_swinging", "1.5", ""]
+    assert speeds_csv(replace(sweep, load_factor=None)).endswith("1.0,1.0,1.0,\n")
 
 
 @pytest.mark.thorough

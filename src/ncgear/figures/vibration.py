@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ncgear.figures.csv_text import rows_text
-from ncgear.figures.numbers import fixed, to_digits
+from ncgear.figures.numbers import fixed, known, to_digits
 from ncgear.figures.quantities import figure
 from ncgear.project.drive import Drive
 from ncgear.strength.vibration import RESONANCE
@@ -69,7 +69,7 @@ COLUMNS = ("speed_rpm", "resonance_ratio_min", "resonance_ratio_max", "dynamic_f
 
 
 def speeds_csv(sweep: SpeedSweep) -> str:
-    """A row for each driving speed; the last column is empty where the load changes flanks."""
-    swinging = [None] * sweep.speed_rpm.size if sweep.load_factor is None else sweep.load_factor.tolist()
+    """A row for each driving speed; the last column is empty of swings without end, and of loads that change flanks."""
+    swinging = [None] * sweep.speed_rpm.size if sweep.load_factor is None else map(known, sweep.load_factor.tolist())
     columns = (one.tolist() for one in (sweep.speed_rpm, sweep.least, sweep.greatest, sweep.factor))
     return rows_text(COLUMNS, zip(*columns, swinging, strict=True))
