@@ -6,11 +6,13 @@ Both are compared with the limit that no law goes below, and with other mechanis
 from __future__ import annotations
 
 import platform
+from collections.abc import Sequence
 from dataclasses import asdict
 from math import degrees
 from typing import Any
 
 from ncgear import __version__
+from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import SIZES
 from ncgear.design.laws.registry import found_values
 from ncgear.design.reading.design_file import LoadedDesign
@@ -21,6 +23,7 @@ from ncgear.figures.numbers import shown
 from ncgear.figures.quantities import told
 from ncgear.frozen import dataclass
 from ncgear.numerics.units import KG_M2
+from ncgear.optimum.flywheels import KNOTS, FlywheelPoint
 from ncgear.optimum.frontier import FamilyPoint, LawPoint
 from ncgear.optimum.makeable.demanded import CLOSE
 from ncgear.optimum.makeable.wishes import Goal
@@ -69,6 +72,8 @@ def optimized_design(loaded: LoadedDesign, best: BestLaw) -> str:
     ratio, second = best.law.ratio.tolist(), best.law.second
     motion = found_values(ratio, None if second is None else second.tolist())
     values: dict[str, Any] = {"name": ending_in(SUFFIX, best.design.name), "motion": motion}
+    if best.flywheel is not None:
+        values["masses.driven_flywheel_kg_mm2"] = best.flywheel.inertia_kg_mm2
     if best.design.motion.gives_center_distance and best.design.gears is not None:
         values |= {f"gears.{key}": size for key, size in zip(SIZES, kept_size(best.design), strict=True)}
     return design_copy(loaded, values)
@@ -93,6 +98,13 @@ def certificate(best: BestLaw) -> dict[str, Any]:
             "parts": effort.parts if effort else None,
             "argument": ARGUMENT,
         },
+        "driven_flywheel": None
+        if best.flywheel is None
+        else {
+            "inertia_kg_mm2": best.flywheel.inertia_kg_mm2,
+            "limit_with_any": best.flywheel.least_with_any,
+            "outside_the_proof": FREE_FLYWHEEL,
+        },
         "starts": asdict(best.starts),
         "masses": None if best.task.masses is None else asdict(best.task.masses),
         "speed_fluctuation": best.task.speed_fluctuation,
@@ -109,6 +121,10 @@ def certificate(best: BestLaw) -> dict[str, Any]:
         "made_by": {"ncgear": __version__, "python": platform.python_version()},
     }
 
+
+FREE_FLYWHEEL = (
+    "goal.limit holds for the flywheel that was chosen; with every flywheel of the range only limit_with_any is certain"
+)
 
 REACHED = 0.99
 """Share of a limit from which a law counts as near to it: laws of few knots stay a little under what binds them."""
@@ -276,4 +292,43 @@ def frontier_figures(found: Frontier, beside: SoughtMachine) -> dict[str, Any]:
             for point, family in points_of(found)
         ],
         "mechanisms": [_named(vars(mechanism), beside) for mechanism in other_mechanisms(beside)],
+    }
+
+
+FLYWHEEL_COLUMNS = (
+    "flywheel_kg_mm2",
+    "limit_power_w",
+    "law_power_w",
+    "law_braking_power_w",
+    "law_acceleration_mm_s2",
+    "law_tangent_deg",
+)
+
+
+def flywheel_csv(found: Sequence[FlywheelPoint]) -> str:
+    """One line for each size of the flywheel on the driven shaft."""
+    rows = []
+    for one in found:
+        law = one.law
+        figures = law.peak_power_w, law.braking_power_w, law.peak_acceleration_mm_s2, degrees(law.tangent_rad)
+        rows.append([one.flywheel_kg_mm2, one.limit_w, *figures])
+    return rows_text(FLYWHEEL_COLUMNS, rows)
+
+
+def flywheel_figures(found: Sequence[FlywheelPoint], design: Design) -> dict[str, Any]:
+    """The points with all figures of the laws."""
+    return {
+        "design": design.name,
+        "speed_rpm": design.operation.speed_rpm,
+        "knots": KNOTS,
+        "argument_of_limit": ARGUMENT,
+        "points": [
+            {
+                "driven_flywheel_kg_mm2": one.flywheel_kg_mm2,
+                "limit_power_w": one.limit_w,
+                "law": figures_summary(one.law),
+                "gap": one.law.peak_power_w / one.limit_w - 1.0 if one.limit_w > 0.0 else None,
+            }
+            for one in found
+        ],
     }

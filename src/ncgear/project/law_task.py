@@ -110,6 +110,13 @@ def inertia_as_given(design: Design) -> TrainInertia:
         return inertia_with(design, even)
 
 
+def with_driven_flywheel(design: Design, inertia_kg_mm2: float) -> Design:
+    """The design with a flywheel in kg mm2 on its driven shaft; the design must give masses."""
+    assert design.masses is not None
+    masses = design.masses.model_copy(update={"driven_flywheel_kg_mm2": inertia_kg_mm2})
+    return design.model_copy(update={"masses": masses})
+
+
 def _size_of(design: Design, limits: Limits) -> task.GearSize | None:
     """The size of an external pair; raises WrongInput where the force between its teeth is limited and not known."""
     key, gears = "optimize.limits.tooth_force_n", design.gears

@@ -147,6 +147,15 @@ class Design(Model, Shown):
         return self
 
     @model_validator(mode="after")
+    def _a_free_flywheel_has_masses(self) -> Self:
+        if self.optimize is not None and self.optimize.driven_flywheel_kg_mm2 is not None and self.masses is None:
+            raise fault(
+                "optimize.driven_flywheel_kg_mm2",
+                "given, but without masses there is nothing that a flywheel could take up; give masses",
+            )
+        return self
+
+    @model_validator(mode="after")
     def _gears_have_a_size(self) -> Self:
         if self.gears is None:
             return self

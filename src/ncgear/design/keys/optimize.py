@@ -6,7 +6,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import Model, fault, given, optional
+from ncgear.design.keys.base import Model, fault, given, optional, required
+from ncgear.design.keys.masses import Inertia
 from ncgear.design.keys.types import Length, Positive, Speed
 from ncgear.design.words import listed
 
@@ -75,6 +76,19 @@ class Weights(Model):
         return self
 
 
+class FlywheelRange(Model):
+    """The sizes of a flywheel on the driven shaft among which the best is sought."""
+
+    least: Inertia = optional("least moment of inertia in kg mm2", 0.0)
+    most: Inertia = required("greatest moment of inertia in kg mm2")
+
+    @model_validator(mode="after")
+    def _a_range(self) -> Self:
+        if not self.most > self.least:
+            raise fault("most", f"{self.most:g} given; over least, {self.least:g}, is right")
+        return self
+
+
 GOALS = Literal[
     "least_acceleration",
     "least_power",
@@ -98,6 +112,10 @@ class Optimize(Model):
     )
     weights: Weights | None = optional("the figures that count alike; only for goal weighted, two or more")
     limits: Limits = optional("what the law may nowhere exceed", Limits)
+    driven_flywheel_kg_mm2: FlywheelRange | None = optional(
+        "sizes of a flywheel on the driven shaft, in kg mm2, among which the best is sought together with the law; "
+        "left out: the flywheel is masses.driven_flywheel_kg_mm2"
+    )
     knots: Annotated[int, Field(ge=FEWEST_KNOTS, le=MOST_KNOTS)] = optional(
         "knots of the spline of ln i12 around the turn: more come closer to the limit", 180
     )
