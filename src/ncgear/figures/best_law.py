@@ -40,6 +40,8 @@ UNITS = {
     Goal.FLYWHEEL: "kg mm2",
     Goal.BEARING_FORCE: "N",
     Goal.SHAKING_FORCE: "N",
+    Goal.TOOTH_FORCE: "N",
+    Goal.PRESSURE_ANGLE: "deg beside the rack's",
     Goal.WEIGHTED: "1",
 }
 
@@ -56,8 +58,13 @@ SUFFIX = "-optimized"
 
 def unit_of_goal(best: BestLaw) -> str:
     """The unit of what is least."""
-    goal = best.wishes.goal
-    return best.task.linkage.OUTPUT.acceleration.text if goal is Goal.ACCELERATION else UNITS[goal]
+    output = best.task.linkage.OUTPUT
+    of_motion = {
+        Goal.SPEED: output.speed.text,
+        Goal.ACCELERATION: output.acceleration.text,
+        Goal.JERK: f"{output.speed.text}3",
+    }
+    return {**UNITS, **of_motion}[best.wishes.goal]
 
 
 def _named(values: dict[str, Any], beside: SoughtMachine) -> dict[str, Any]:
@@ -137,7 +144,9 @@ def limits_not_reached(best: BestLaw) -> dict[str, tuple[float, float]]:
         return {}
     found, rack = best.figures, best.wishes.limits.rack_angle_rad
     has = {
-        **{f"peak_acceleration_{unit}": found.peak_acceleration_mm_s2 for unit in ("mm_s2", "rad_s2")},
+        **{f"peak_speed_{unit}_s": found.peak_speed_mm_s for unit in ("mm", "rad")},
+        **{f"peak_acceleration_{unit}_s2": found.peak_acceleration_mm_s2 for unit in ("mm", "rad")},
+        **{f"peak_jerk_{unit}_s3": found.peak_jerk_mm_s3 for unit in ("mm", "rad")},
         "pressure_angle_deg": degrees(found.tangent_rad + rack),
         "ratio_max": found.ratio_max,
         "peak_power_w": found.peak_power_w,
@@ -184,6 +193,10 @@ def not_closed(best: BestLaw) -> str | None:
     bound = best.limit
     if bound is None or min(best.goal, bound.reach) <= CLOSE * bound.value:
         return None
+    if bound.effort is None and bound.places == 0:
+        return "knows the stroke, the time and the work of a cycle alone, in closed form"
+    if bound.effort is None and (best.wishes.convex or best.wishes.limits.pressure_angle_rad is not None):
+        return "not closed further"
     if bound.effort is None:
         return "not closed further: that needs one pair with convex pitch curves or a limit of the pressure angle"
     effort = bound.effort

@@ -16,7 +16,7 @@ from ncgear.dynamics.loaded_machine import IDLE, Loads, RigidMachine, broken_cyc
 from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
-from ncgear.kinematics.check import kinematic_check
+from ncgear.kinematics.check import kinematic_check, peak_jerk
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.masses import Masses
 from ncgear.mechanisms.mechanism import Mechanism
@@ -40,6 +40,18 @@ class GearSize:
     center_distance_mm: float | None
     rack_angle_rad: float
     idle_angle_rad: float | None = None
+
+    def rolled_mm(self, lobes: Lobes) -> float:
+        """The greatest length that a pair of this size rolls across the line of centres in one cycle.
+
+        The pitch curves' own length bounds it where teeth and module are given.  With a centre distance a the driven
+        gear's radius a i/(1 + i) is concave in i, so its mean over the crank's turn is at most that at the mean ratio.
+        """
+        if self.teeth is not None and self.module_mm is not None:
+            return self.teeth * pi * self.module_mm / lobes.driving
+        assert self.center_distance_mm is not None
+        mean = lobes.driving_period_rad / (2.0 * pi)
+        return 2.0 * pi * self.center_distance_mm * mean / (1.0 + mean)
 
 
 FLUCTUATION = 0.05
@@ -116,7 +128,7 @@ class Limits:
 
     ``ratio_min`` and ``ratio_max`` bound i12 = dphi1/dphi2; ``pressure_angle_rad`` bounds the tangent angle of the
     pitch curves, |atan(r1'/r1)|, not counting the rack's own; ``rack_angle_rad`` is the rack's own, which the limit in
-    a design file and messages include; The limits from ``braking_power_w`` on are for figures of
+    a design file and messages include.  The limits from ``braking_power_w`` on are for figures of
     ``ncgear.optimum.task``; the flywheel is for the task's speed fluctuation.  Raises WrongInput for a value that
     bounds nothing, with its key in the design file.
     """
@@ -125,6 +137,7 @@ class Limits:
     ratio_max: float
     peak_power_w: float | None = None
     peak_acceleration_mm_s2: float | None = None
+    peak_speed_mm_s: float | None = None
     pressure_angle_rad: float | None = None
     rack_angle_rad: float = 0.0
     braking_power_w: float | None = None
@@ -142,6 +155,7 @@ class Limits:
         positive = {
             "limits.peak_power_w": self.peak_power_w,
             "limits.peak_acceleration_mm_s2": self.peak_acceleration_mm_s2,
+            "limits.peak_speed_mm_s": self.peak_speed_mm_s,
             **{f"limits.{name}": getattr(self, name) for name in LOAD_LIMITS},
         }
         for key, value in positive.items():
@@ -170,9 +184,10 @@ class Figures:
     """Peaks at the operating speed, ratio range, and the shape of the pitch curves.
 
     ``curvature_turns`` is the largest curvature of any curve, bulge or dent, times the length its pair rolls in one
-    cycle.  With several pairs the ratios are the whole train's, and ``convex`` means that all curves are.  The figures
-    from ``braking_power_w`` on are computed here, None where no masses are given; ``tooth_force_n`` is None as well
-    where the size of the gears is not known or there are several pairs.
+    cycle.  ``peak_jerk_mm_s3`` is None where the acceleration jumps.  With several pairs the ratios are the whole
+    train's, and ``convex`` means that all curves are.  The figures from ``braking_power_w`` on are computed here, None
+    where no masses are given; ``tooth_force_n`` is None as well where the size of the gears is not known or there are
+    several pairs.
     """
 
     peak_power_w: float
@@ -184,6 +199,7 @@ class Figures:
     tangent_rad: float
     convex: bool
     curvature_turns: float
+    peak_jerk_mm_s3: float | None = None
     braking_power_w: float | None = None
     rms_torque_n_m: float | None = None
     flywheel_kg_mm2: float | None = None
@@ -201,11 +217,15 @@ class Prices:
 
     peak_acceleration_mm_s2: float = 0.0
     peak_power_w: float = 0.0
+    peak_speed_mm_s: float = 0.0
+    peak_jerk_mm_s3: float = 0.0
+    tangent_rad: float = 0.0
     braking_power_w: float = 0.0
     rms_torque_n_m: float = 0.0
     flywheel_kg_mm2: float = 0.0
     bearing_force_n: float = 0.0
     shaking_force_n: float = 0.0
+    tooth_force_n: float = 0.0
 
     def __post_init__(self) -> None:
         for name, price in vars(self).items():
@@ -231,7 +251,7 @@ def figures(task: Task, train: Train, as_large_as: Train | None = None) -> Figur
     gears at their own centre distance, or at the centre distance of another law's gears (``as_large_as``).
     """
     machine = Machine(train.whole, task.linkage, task.load, task.speed_rad_s)
-    check = kinematic_check(machine)
+    check, jerk = kinematic_check(machine), peak_jerk(machine)
     pairs = [_pair(task, one) for one in train.pairs]
     lowest, highest = train.whole.ratio_range
     of_motion = Figures(
@@ -246,6 +266,7 @@ def figures(task: Task, train: Train, as_large_as: Train | None = None) -> Figur
         curvature_turns=max(abs(end.value) for pair in pairs for gear in Gear for end in pair.curvature_range[gear])
         * TEETH
         * pi,
+        peak_jerk_mm_s3=None if jerk is None else jerk.value,
     )
     if task.masses is None:
         return of_motion

@@ -137,7 +137,10 @@ class Design(Model, Shown):
         if self.optimize is None:
             return self
         ways = ("mm", "rad") if entry_of(self.linkage).turns else ("rad", "mm")
-        groups = {"limits": ("peak_acceleration_{}_s2", "peak_jerk_{}_s3"), "weights": ("acceleration_{}_s2",)}
+        groups = {
+            "limits": ("peak_speed_{}_s", "peak_acceleration_{}_s2", "peak_jerk_{}_s3"),
+            "weights": ("acceleration_{}_s2", "jerk_{}_s3"),
+        }
         for group, names in groups.items():
             for name in names:
                 wrong, right = (name.format(way) for way in ways)

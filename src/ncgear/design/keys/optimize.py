@@ -33,8 +33,10 @@ class Limits(Model):
     tooth_force_n: Positive | None = optional(
         "greatest force between the teeth along their normal in N; needs gears of a given size"
     )
+    peak_speed_mm_s: Positive | None = optional("greatest slider speed in mm/s, over the whole cycle")
     peak_acceleration_mm_s2: Positive | None = optional("greatest slider acceleration in mm/s2, over the whole cycle")
     peak_jerk_mm_s3: Positive | None = optional("greatest slider jerk in mm/s3")
+    peak_speed_rad_s: Positive | None = optional("greatest speed in rad/s of an output that turns")
     peak_acceleration_rad_s2: Positive | None = optional(
         "greatest acceleration in rad/s2 of an output that turns, over the whole cycle"
     )
@@ -67,6 +69,9 @@ class Weights(Model):
     flywheel_kg_mm2: Positive | None = optional("flywheel in kg mm2 that counts as 1")
     bearing_force_n: Positive | None = optional("bearing force in N that counts as 1")
     shaking_force_n: Positive | None = optional("shaking force in N that counts as 1")
+    tooth_force_n: Positive | None = optional("force between the teeth in N that counts as 1")
+    jerk_mm_s3: Positive | None = optional("peak jerk in mm/s3 that counts as 1")
+    jerk_rad_s3: Positive | None = optional("peak jerk in rad/s3 of an output that turns that counts as 1")
 
     @model_validator(mode="after")
     def _two_or_more(self) -> Self:
@@ -97,6 +102,10 @@ GOALS = Literal[
     "least_flywheel",
     "least_bearing_force",
     "least_shaking_force",
+    "least_tooth_force",
+    "least_speed",
+    "least_jerk",
+    "least_pressure_angle",
     "weighted",
 ]
 
@@ -105,9 +114,9 @@ class Optimize(Model):
     """What `ncgear optimize` looks for."""
 
     goal: GOALS = optional(
-        "what shall be least: the slider's peak acceleration; the driving shaft's peak power (and with it its peak "
-        "torque), its braking power, its r.m.s. torque, or the flywheel that it needs; the force on the crank's "
-        "bearings or on the frame; or a weighted sum",
+        "what shall be least: the slider's peak speed, acceleration or jerk; the driving shaft's peak power (and with "
+        "it its peak torque), its braking power, its r.m.s. torque, or the flywheel that it needs; the force on the "
+        "crank's bearings, on the frame or between the teeth; the pressure angle; or a weighted sum",
         "least_acceleration",
     )
     weights: Weights | None = optional("the figures that count alike; only for goal weighted, two or more")

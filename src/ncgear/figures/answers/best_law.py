@@ -78,6 +78,7 @@ def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
     told: dict[str, Callable[[Figures], str]] = {
         name_of("peak_power_w"): lambda one: figure("peak_power_w", one.peak_power_w),
         name_of(accelerated): lambda one: figure(accelerated, one.peak_acceleration_mm_s2),
+        **_asked_of_motion(best),
         "ratio": lambda one: f"{fixed(one.ratio_min, 3)} to {fixed(one.ratio_max, 3)}",
         name_of("max_pressure_angle_deg"): lambda one: figure(
             "max_pressure_angle_deg", degrees(one.tangent_rad + rack)
@@ -104,6 +105,17 @@ def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
         relaxed = "" if distance is None else ", and may lie higher"
         rows.append(Row("masses", (f"count; the limit holds for a driven gear of {gear}{relaxed}",)))
     return [*rows, *_without_masses(best)]
+
+
+def _asked_of_motion(best: BestLaw) -> dict[str, Callable[[Figures], str]]:
+    """Peak speed and peak jerk where they are limited or have a price."""
+    wishes, unit = best.wishes, best.task.linkage.OUTPUT.speed.ending
+    told: dict[str, Callable[[Figures], str]] = {}
+    if wishes.limits.peak_speed_mm_s is not None or wishes.prices.peak_speed_mm_s:
+        told[name_of(f"peak_speed_{unit}")] = lambda one: figure(f"peak_speed_{unit}", one.peak_speed_mm_s)
+    if wishes.peak_jerk_mm_s3 is not None or wishes.prices.peak_jerk_mm_s3:
+        told[name_of(f"peak_jerk_{unit}3")] = lambda one: figure(f"peak_jerk_{unit}3", one.peak_jerk_mm_s3)
+    return told
 
 
 def _of_flywheel(best: BestLaw) -> list[Row]:

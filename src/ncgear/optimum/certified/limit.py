@@ -139,14 +139,15 @@ def least_power(task: Task, asked: Demands, places: int | None = None, *, proven
     return replace(found, value=max(found.value, mean_w))
 
 
-def least_of(task: Task, asked: Demands, name: str, places: int | None = None) -> Bound:
+def least_of(task: Task, asked: Demands, name: str, places: int | None = None, guess: float | None = None) -> Bound:
     """Least value of a demand, by its name in ``Demands``, with which the other demands can be kept.
 
     The driving curve is left free, and with masses the limit is a relaxation; ``raised`` gives a higher limit from a
-    known law.  Raises NoSuchMechanism as ``least_acceleration`` does.
+    known law.  The search begins at a guess, else at about the mean power.  Raises NoSuchMechanism as
+    ``least_acceleration`` does.
     """
     problem = problem_of(task, asked, places).under(**{name: inf})
-    found = turning_point(lambda value: problem.under(**{name: value}).excess, _mean_power_w(task), BISECTED)
+    found = turning_point(lambda value: problem.under(**{name: value}).excess, guess or _mean_power_w(task), BISECTED)
     if found is None:
         raise refusal(problem)
     certain, enough = found

@@ -192,9 +192,16 @@ class MotionProgramme:
         self.programme.product(self.time[worked], root.repeated(worked.size), least_product)
 
     def limit_speeds(self) -> None:
-        """Even speeds over stretches, and ranges of the speed; squared, over crank w."""
+        """The peak speed, even speeds over stretches, and ranges of the speed; squared, over crank w."""
         on, per_q = self.on, (self.on.slope_mm_rad / self.crank) ** 2
         unit = self.crank * self.speed
+        if (peak := self._limit("speed_mm_s")) is not None:
+            # The square of its share lies below its chord
+            square = (peak.share * (1.0 + peak.least) - peak.least) * (peak.most / unit) ** 2
+            self.programme.positive(square.repeated(on.count) - self.q * per_q)
+            # A cell's way takes its time at full speed: time * share >= least
+            least = on.length_mm * self.speed / (peak.most * self.after_h)
+            self.programme.product(self.time, peak.share.repeated(on.count), self.constant(np.sqrt(least)))
         for even in self.asked.requirements(EvenSpeed):
             places = on.within(*even.stretch)
             places = places[per_q[places] > 0.0]

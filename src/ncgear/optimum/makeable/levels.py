@@ -202,14 +202,15 @@ def of_loads(task: Task, units: MachineScales, limits: Limits, prices: Prices) -
     yield from level("bearing_force_n", words, bearing, size(quantities.bearing_force, bearing))
     words = "a force of {} N on the frame"
     yield from level("shaking_force_n", words, shaking, size(quantities.shaking_force, shaking))
-    if limits.tooth_force_n is not None:
-        yield _tooth_force(task, limits.tooth_force_n)
+    if limits.tooth_force_n is not None or prices.tooth_force_n:
+        yield _tooth_force(task, units, limits.tooth_force_n, prices.tooth_force_n)
 
 
-def _tooth_force(task: Task, limit: float) -> Level:
+def _tooth_force(task: Task, units: MachineScales, limit: float | None, price: float) -> Level:
     """The force of the flanks that carry; the other sign, of flanks that do not, is far under the limit."""
     size = task.gears
     assert size is not None
+    unit = limit or units.torque_n_mm * task.cycle_rad / size.rolled_mm(task.lobes)
     lobes, idle = task.lobes.driving, size.idle_angle_rad
     angles = size.rack_angle_rad, size.rack_angle_rad if idle is None else idle
 
@@ -220,7 +221,7 @@ def _tooth_force(task: Task, limit: float) -> Level:
         # Of the driven gear
         torque = quantities.driving_torque(at, slider, task.speed_rad_s) * at.ratio
         pushing, back = quantities.inverse_levers(at, angles)
-        return torque * pushing / distance / limit, -torque * back / distance / limit
+        return torque * pushing / distance / unit, -torque * back / distance / unit
 
-    words = "a force of {} N between the teeth"
-    return limited("tooth_force_n", words, lambda level: shown_above(level * limit), 1.0, 0.0, sides)
+    words, cap = "a force of {} N between the teeth", None if limit is None else 1.0
+    return limited("tooth_force_n", words, lambda level: shown_above(level * unit), cap, price * unit, sides)

@@ -32,6 +32,10 @@ class Goal(Enum):
     FLYWHEEL = "least_flywheel"
     BEARING_FORCE = "least_bearing_force"
     SHAKING_FORCE = "least_shaking_force"
+    TOOTH_FORCE = "least_tooth_force"
+    SPEED = "least_speed"
+    JERK = "least_jerk"
+    PRESSURE_ANGLE = "least_pressure_angle"
     WEIGHTED = "weighted"
 
 
@@ -43,6 +47,10 @@ ALONE = {
     Goal.FLYWHEEL: Prices(flywheel_kg_mm2=1.0),
     Goal.BEARING_FORCE: Prices(bearing_force_n=1.0),
     Goal.SHAKING_FORCE: Prices(shaking_force_n=1.0),
+    Goal.TOOTH_FORCE: Prices(tooth_force_n=1.0),
+    Goal.SPEED: Prices(peak_speed_mm_s=1.0),
+    Goal.JERK: Prices(peak_jerk_mm_s3=1.0),
+    Goal.PRESSURE_ANGLE: Prices(tangent_rad=degrees(1.0)),
 }
 """The figure that is least under each goal, without the weighted goal."""
 
@@ -170,14 +178,25 @@ def _of_peaks(wishes: Wishes, scales: Scales) -> Iterator[Level]:
             watt * prices.peak_power_w,
             lambda at, slider, _: (quantities.power(at, slider, speed) / watt,),
         )
-    if (jerk := wishes.peak_jerk_mm_s3) is not None:
+    if wishes.peak_jerk_mm_s3 is not None or prices.peak_jerk_mm_s3:
+        jerk = wishes.peak_jerk_mm_s3 or unit * speed
         yield limited(
             f"peak_jerk_{output.speed.ending}3",
             f"a peak jerk of {{}} {output.speed.text}^3",
             lambda level: shown_above(level * jerk),
-            1.0,
-            0.0,
+            None if wishes.peak_jerk_mm_s3 is None else 1.0,
+            jerk * prices.peak_jerk_mm_s3,
             lambda at, slider, _: _both(quantities.jerk(at, slider, speed) / jerk),
+        )
+    if limits.peak_speed_mm_s is not None or prices.peak_speed_mm_s:
+        most_mm_s = limits.peak_speed_mm_s or scales.task.linkage.half_way * speed
+        yield limited(
+            f"peak_speed_{output.speed.ending}",
+            f"a peak speed of {{}} {output.speed.text}",
+            lambda level: shown_above(level * most_mm_s),
+            None if limits.peak_speed_mm_s is None else 1.0,
+            most_mm_s * prices.peak_speed_mm_s,
+            lambda at, slider, _: _both(quantities.velocity(at, slider, speed) / most_mm_s),
         )
 
 
@@ -207,13 +226,17 @@ def _of_ratio(wishes: Wishes, scales: Scales) -> Iterator[Level]:
 
 
 def _of_curves(wishes: Wishes) -> Iterator[Level]:
-    shared, rack = wishes.two_stages, wishes.limits.rack_angle_rad
-    if shared is not None:
+    shared, limits, prices = wishes.two_stages, wishes.limits, wishes.prices
+    rack, limited_rad = limits.rack_angle_rad, limits.pressure_angle_rad
+    if prices.tangent_rad:
+        given = limited_rad if shared is None else shared.pressure_angle_rad
+        yield _pressure_angle(None if given is None else tan(given), 1.0, rack)
+    elif shared is not None:
         given = shared.pressure_angle_rad
         yield _pressure_angle(STEEPEST, EASE, rack) if given is None else _pressure_angle(tan(given), EVENLY, rack)
-    elif wishes.limits.pressure_angle_rad is not None:
-        yield _pressure_angle(tan(wishes.limits.pressure_angle_rad), 0.0, rack)
-    elif wishes.limits.tooth_force_n is not None:
+    elif limited_rad is not None:
+        yield _pressure_angle(tan(limited_rad), 0.0, rack)
+    elif limits.tooth_force_n is not None or prices.tooth_force_n:
         yield _pressure_angle(tan(NEXT_TO_LOCKED - rack), 0.0, rack)
     if wishes.curvature_turns is not None:
         yield _curvature(wishes, wishes.curvature_turns)
@@ -222,7 +245,7 @@ def _of_curves(wishes: Wishes) -> Iterator[Level]:
             yield _convex(bulge)
 
 
-def _pressure_angle(most: float, weight: float, rack_rad: float) -> Level:
+def _pressure_angle(most: float | None, weight: float, rack_rad: float) -> Level:
     return limited(
         "pressure_angle_deg",
         "a pressure angle of {} deg",
