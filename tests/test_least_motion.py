@@ -81,10 +81,10 @@ def test_the_peak_jerk_of_a_uniform_crank_is_that_of_its_formula() -> None:
 @pytest.mark.judges("kinematics")
 def test_a_law_whose_acceleration_jumps_has_no_peak_jerk() -> None:
     kinked = HEAD.replace(
-        "law: uniform_crank", "law: ratio_expression, ratio: 1.2 + 0.2*abs(sin(phi)), scale_to_close: true"
+        "law: uniform_crank", "law: ratio_expression, ratio: 1.2 + 0.2*abs(cos(phi)), scale_to_close: true"
     )
     assert peak_jerk(Drive(parsed(kinked, Path("d.yaml")).design).machine) is None
-    smooth = kinked.replace("abs(sin(phi))", "sin(phi)")
+    smooth = kinked.replace("abs(cos(phi))", "cos(phi)")
     assert peak_jerk(Drive(parsed(smooth, Path("d.yaml")).design).machine) is not None
 
 

@@ -54,7 +54,7 @@ def optimize(
         name = ending_in(SUFFIX, loaded.design.name)
         folder = out or EXPORT / name
         prepare(folder)
-        free = loaded.design.optimize and loaded.design.optimize.driven_flywheel_kg_mm2
+        free = loaded.design.free_flywheel
         with steps_shown(6 if free else 5) as on_step:
             best = BestLaw(
                 loaded.design,

@@ -195,7 +195,8 @@ def not_closed(best: BestLaw) -> str | None:
         return None
     if bound.effort is None and bound.places == 0:
         return "knows the stroke, the time and the work of a cycle alone, in closed form"
-    if bound.effort is None and (best.wishes.convex or best.wishes.limits.pressure_angle_rad is not None):
+    prices = best.wishes.prices
+    if bound.effort is None and (prices.tangent_rad or prices.peak_jerk_mm_s3 or prices.tooth_force_n):
         return "not closed further"
     if bound.effort is None:
         return "not closed further: that needs one pair with convex pitch curves or a limit of the pressure angle"

@@ -85,7 +85,7 @@ class BestLaw(SoughtMachine, Shown):
 
         Where no law is found with any, it is the greatest, with which the limits are refused.
         """
-        asked = self.given.optimize and self.given.optimize.driven_flywheel_kg_mm2
+        asked = self.given.free_flywheel
         if asked is None:
             return None
         require("casadi", "optimize", "ncgear optimize")

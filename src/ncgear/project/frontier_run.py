@@ -141,7 +141,7 @@ def over_flywheels(design: Design, count: int, on_law: Callable[[int, int], None
     is found with any size.
     """
     require("casadi", "optimize", "ncgear frontier")
-    asked = design.optimize and design.optimize.driven_flywheel_kg_mm2
+    asked = design.free_flywheel
     if asked is None:
         problem = "missing; give the range of sizes, as {most: 150e6}, to set power against the flywheel"
         raise WrongInput(problem, key="optimize.driven_flywheel_kg_mm2")

@@ -22,7 +22,7 @@ def saved(design: Design) -> dict[str, str] | None:
     wishes contradict each other, the flywheel is free, or the extra of the optimiser is not installed.
     """
     best = BestLaw(design)
-    if design.optimize is not None and design.optimize.driven_flywheel_kg_mm2 is not None:
+    if design.free_flywheel is not None:
         # The search for the flywheel takes too long here
         return None
     try:

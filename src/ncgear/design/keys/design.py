@@ -15,7 +15,7 @@ from ncgear.design.keys.gears import SIZES, Gears
 from ncgear.design.keys.linkages import Fit, Linkage, NoLinkage
 from ncgear.design.keys.machine import Comparison, Operation, Output, Resistance
 from ncgear.design.keys.masses import Masses, Simulation
-from ncgear.design.keys.optimize import Optimize
+from ncgear.design.keys.optimize import FlywheelRange, Optimize
 from ncgear.design.keys.strength import StrengthKeys
 from ncgear.design.keys.tolerances import AssemblyTolerances
 from ncgear.design.keys.types import FILE_FORMAT, FileFormat
@@ -149,9 +149,14 @@ class Design(Model, Shown):
                     raise fault(f"optimize.{group}.{wrong}", f"given, but the output {does}; {right} is right")
         return self
 
+    @property
+    def free_flywheel(self) -> FlywheelRange | None:
+        """The sizes among which a flywheel on the driven shaft is sought; None where it is as the masses say."""
+        return None if self.optimize is None else self.optimize.driven_flywheel_kg_mm2
+
     @model_validator(mode="after")
     def _a_free_flywheel_has_masses(self) -> Self:
-        if self.optimize is not None and self.optimize.driven_flywheel_kg_mm2 is not None and self.masses is None:
+        if self.free_flywheel is not None and self.masses is None:
             raise fault(
                 "optimize.driven_flywheel_kg_mm2",
                 "given, but without masses there is nothing that a flywheel could take up; give masses",

@@ -120,7 +120,7 @@ def _asked_of_motion(best: BestLaw) -> dict[str, Callable[[Figures], str]]:
 
 def _of_flywheel(best: BestLaw) -> list[Row]:
     """The flywheel on the driven shaft that was chosen, and the limit with any flywheel of its range."""
-    chosen, asked = best.flywheel, best.given.optimize and best.given.optimize.driven_flywheel_kg_mm2
+    chosen, asked = best.flywheel, best.given.free_flywheel
     if chosen is None or asked is None:
         return []
     size = figure("driven_flywheel_kg_m2", KG_M2 * chosen.inertia_kg_mm2)

@@ -197,11 +197,12 @@ class MotionProgramme:
         unit = self.crank * self.speed
         if (peak := self._limit("speed_mm_s")) is not None:
             # The square of its share lies below its chord
-            square = (peak.share * (1.0 + peak.least) - peak.least) * (peak.most / unit) ** 2
-            self.programme.positive(square.repeated(on.count) - self.q * per_q)
-            # A cell's way takes its time at full speed: time * share >= least
-            least = on.length_mm * self.speed / (peak.most * self.after_h)
-            self.programme.product(self.time, peak.share.repeated(on.count), self.constant(np.sqrt(least)))
+            all_round = peak.share.repeated(on.count)
+            square = (all_round * (1.0 + peak.least) - peak.least) * (peak.most / unit) ** 2
+            self.programme.positive(square - self.q * per_q)
+            # A cell's way takes its time at full speed: time * share >= shortest
+            shortest = on.length_mm * self.speed / (peak.most * self.after_h)
+            self.programme.product(self.time, all_round, self.constant(np.sqrt(shortest)))
         for even in self.asked.requirements(EvenSpeed):
             places = on.within(*even.stretch)
             places = places[per_q[places] > 0.0]
