@@ -77,6 +77,9 @@ GOALS = {
     Goal.FLYWHEEL: "flywheel_kg_mm2",
     Goal.BEARING_FORCE: "bearing_force_n",
     Goal.SHAKING_FORCE: "shaking_force_n",
+    Goal.TOOTH_FORCE: "tooth_force_n",
+    Goal.SPEED: "peak_speed_mm_s",
+    Goal.JERK: "peak_jerk_mm_s3",
     Goal.POWER: "peak_power_w",
 }
 
