@@ -41,6 +41,7 @@ UNITS = {
     Goal.BEARING_FORCE: "N",
     Goal.SHAKING_FORCE: "N",
     Goal.TOOTH_FORCE: "N",
+    Goal.FLANK_LOAD: "N mm",
     Goal.PRESSURE_ANGLE: "deg beside the rack's",
     Goal.WEIGHTED: "1",
 }
@@ -196,7 +197,9 @@ def not_closed(best: BestLaw) -> str | None:
     if bound.effort is None and bound.places == 0:
         return "knows the stroke, the time and the work of a cycle alone, in closed form"
     prices = best.wishes.prices
-    if bound.effort is None and (prices.tangent_rad or prices.peak_jerk_mm_s3 or prices.tooth_force_n):
+    if bound.effort is None and (
+        prices.tangent_rad or prices.peak_jerk_mm_s3 or prices.tooth_force_n or prices.flank_load_n_mm
+    ):
         return "not closed further"
     if bound.effort is None:
         return "not closed further: that needs one pair with convex pitch curves or a limit of the pressure angle"

@@ -7,8 +7,8 @@ the motor drives, negative where it brakes.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import asdict, field, replace
+from functools import partial
 from math import degrees, inf, pi, tan
 
 from ncgear.dynamics.driving_shaft import DrivingShaft
@@ -17,13 +17,17 @@ from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.kinematics.check import kinematic_check, peak_jerk
-from ncgear.kinematics.motion import Machine
+from ncgear.kinematics.motion import Machine, Stretch
 from ncgear.mechanisms.masses import Masses
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.slider_load import SliderLoad
+from ncgear.numerics import jet
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.extrema import extremes
+from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import Vector
 from ncgear.pitch.pair import PitchPair, sized_pair, solved_size
-from ncgear.pitch.shape import Gear
+from ncgear.pitch.shape import Gear, tangent_slope
 from ncgear.ratio.transmission import Lobes, Pair, Train, Transmission
 
 
@@ -118,6 +122,7 @@ LOAD_LIMITS = (
     "bearing_force_n",
     "shaking_force_n",
     "tooth_force_n",
+    "flank_load_n_mm",
 )
 """What the machine feels besides its peak power, by its names in ``Limits``, in ``Figures`` and in design files."""
 
@@ -146,6 +151,7 @@ class Limits:
     bearing_force_n: float | None = None
     shaking_force_n: float | None = None
     tooth_force_n: float | None = None
+    flank_load_n_mm: float | None = None
 
     def __post_init__(self) -> None:
         if not 0.0 < self.ratio_min < inf:
@@ -186,8 +192,8 @@ class Figures:
     ``curvature_turns`` is the largest curvature of any curve, bulge or dent, times the length its pair rolls in one
     cycle.  ``peak_jerk_mm_s3`` is None where the acceleration jumps.  With several pairs the ratios are the whole
     train's, and ``convex`` means that all curves are.  The figures from ``braking_power_w`` on are computed here, None
-    where no masses are given; ``tooth_force_n`` is None as well where the size of the gears is not known or there are
-    several pairs.
+    where no masses are given; ``tooth_force_n`` and ``flank_load_n_mm`` are None as well where the size of the gears is
+    not known or there are several pairs.
     """
 
     peak_power_w: float
@@ -206,6 +212,7 @@ class Figures:
     bearing_force_n: float | None = None
     shaking_force_n: float | None = None
     tooth_force_n: float | None = None
+    flank_load_n_mm: float | None = None
 
 
 @dataclass(frozen=True)
@@ -226,6 +233,7 @@ class Prices:
     bearing_force_n: float = 0.0
     shaking_force_n: float = 0.0
     tooth_force_n: float = 0.0
+    flank_load_n_mm: float = 0.0
 
     def __post_init__(self) -> None:
         for name, price in vars(self).items():
@@ -274,24 +282,23 @@ def figures(task: Task, train: Train, as_large_as: Train | None = None) -> Figur
     rigid = task.loaded(machine, between)
     loads = asdict(felt(rigid, task.speed_fluctuation))
     sized = pairs if as_large_as is None else [_pair(task, one) for one in as_large_as.pairs]
-    return replace(of_motion, **loads, tooth_force_n=_tooth_force_n(task, rigid, sized))
+    if task.gears is None or len(pairs) > 1:
+        return replace(of_motion, **loads)
+    in_mesh = replace(rigid, place=_place_of(task, task.gears, sized[0]))
+    force, flanks = tooth_force_n(in_mesh), flank_load_n_mm(in_mesh)
+    return replace(of_motion, **loads, tooth_force_n=force, flank_load_n_mm=flanks)
 
 
 def _pair(task: Task, pair: Pair) -> PitchPair:
     return sized_pair(pair.transmission, TEETH * task.lobes.driving, 1.0, None)
 
 
-def _tooth_force_n(task: Task, rigid: RigidMachine, pairs: Sequence[PitchPair]) -> float | None:
-    """The largest force between the teeth at the gears' own size; None where that is not known, and of two pairs."""
-    size = task.gears
-    if size is None or len(pairs) > 1:
-        return None
-    pair = pairs[0]
+def _place_of(task: Task, size: GearSize, pair: PitchPair) -> MeshPlace:
+    """How the gears lie at their own size."""
     lobes, length = task.lobes, pair.arc.period * task.lobes.driving
     own = solved_size(length, lobes, size.teeth, size.module_mm, size.center_distance_mm)
     # The direction of the centre line turns the force and leaves its size
-    place = MeshPlace(own.center_distance_mm, size.rack_angle_rad, pair.mesh, 0.0, size.idle_angle_rad)
-    return tooth_force_n(replace(rigid, place=place))
+    return MeshPlace(own.center_distance_mm, size.rack_angle_rad, pair.mesh, 0.0, size.idle_angle_rad)
 
 
 def _wrong(key: str, value: float, needed: str) -> WrongInput:
@@ -346,3 +353,29 @@ def tooth_force_n(rigid: RigidMachine) -> float:
     least, most = (end.value for end in range_over(rigid, cycle, lambda loads: loads.mesh_force.size_n))
     # Beyond 90 degrees the size is negative
     return inf if least < -IDLE * most else most
+
+
+def flank_load_n_mm(rigid: RigidMachine) -> float:
+    """Largest force between the teeth times relative curvature of the pitch curves times the centre distance squared.
+
+    It does not depend on the gears' size: the contact stress at the pitch point, p^2 = E* F (k1 + k2)/(pi b sin alpha),
+    asks for a face width times centre distance squared in proportion to it.  With the tangent t = r1'/r1 the curvatures
+    are k1 + k2 = (1 + s)^2/(a s sqrt(1 + t^2)).  Infinite where flanks carry at 90 degrees or more.
+    """
+    if tooth_force_n(rigid) == inf:
+        return inf
+    place = rigid.place
+    assert place is not None
+    distance_mm = place.center_distance_mm
+
+    def load(stretch: Stretch, phi1: Array) -> Jet:
+        force = rigid.on(stretch, phi1).mesh_force.size_n
+        slope = stretch.driven_angle(phi1, force.order + 2).differentiated()
+        tangent, ratio = tangent_slope(slope, place.mesh), slope.truncated(force.order)
+        curved = (1.0 + ratio) * (1.0 + ratio) / (ratio * jet.sqrt(1.0 + tangent * tangent))
+        return force * curved * distance_mm
+
+    return max(
+        extremes(partial(load, stretch), stretch.start_rad, stretch.end_rad, breaks)[1].value
+        for stretch, breaks in broken_cycle(rigid)
+    )

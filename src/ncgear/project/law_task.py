@@ -119,10 +119,11 @@ def with_driven_flywheel(design: Design, inertia_kg_mm2: float) -> Design:
 
 def _size_of(design: Design, limits: Limits) -> task.GearSize | None:
     """The size of an external pair; raises WrongInput where the force between its teeth is limited and not known."""
-    key, gears = "optimize.limits.tooth_force_n", design.gears
-    if limits.tooth_force_n is not None or _prices(design.optimize or Optimize()).tooth_force_n:
-        if limits.tooth_force_n is None:
-            key = "optimize.goal"
+    gears = design.gears
+    prices, names = _prices(design.optimize or Optimize()), ("tooth_force_n", "flank_load_n_mm")
+    limited = [name for name in names if getattr(limits, name) is not None]
+    if limited or any(getattr(prices, name) for name in names):
+        key = f"optimize.limits.{limited[0]}" if limited else "optimize.goal"
         if gears is None:
             problem = "given, but a force between teeth needs the gears' size: give gears.teeth and gears.module_mm"
             raise WrongInput(problem, key=key)

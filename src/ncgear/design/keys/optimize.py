@@ -33,6 +33,10 @@ class Limits(Model):
     tooth_force_n: Positive | None = optional(
         "greatest force between the teeth along their normal in N; needs gears of a given size"
     )
+    flank_load_n_mm: Positive | None = optional(
+        "greatest force between the teeth times the pitch curves' relative curvature times centre distance squared, "
+        "in N mm: face width times centre distance squared against pitting is in proportion to it; needs gears"
+    )
     peak_speed_mm_s: Positive | None = optional("greatest slider speed in mm/s, over the whole cycle")
     peak_acceleration_mm_s2: Positive | None = optional("greatest slider acceleration in mm/s2, over the whole cycle")
     peak_jerk_mm_s3: Positive | None = optional("greatest slider jerk in mm/s3")
@@ -103,6 +107,7 @@ GOALS = Literal[
     "least_bearing_force",
     "least_shaking_force",
     "least_tooth_force",
+    "least_flank_load",
     "least_speed",
     "least_jerk",
     "least_pressure_angle",
@@ -116,7 +121,8 @@ class Optimize(Model):
     goal: GOALS = optional(
         "what shall be least: the slider's peak speed, acceleration or jerk; the driving shaft's peak power (and with "
         "it its peak torque), its braking power, its r.m.s. torque, or the flywheel that it needs; the force on the "
-        "crank's bearings, on the frame or between the teeth; the pressure angle; or a weighted sum",
+        "crank's bearings, on the frame or between the teeth; the load of the flanks, which makes gears large against "
+        "pitting; the pressure angle; or a weighted sum",
         "least_acceleration",
     )
     weights: Weights | None = optional("the figures that count alike; only for goal weighted, two or more")

@@ -78,7 +78,7 @@ def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
     told: dict[str, Callable[[Figures], str]] = {
         name_of("peak_power_w"): lambda one: figure("peak_power_w", one.peak_power_w),
         name_of(accelerated): lambda one: figure(accelerated, one.peak_acceleration_mm_s2),
-        **_asked_of_motion(best),
+        **_where_asked(best),
         "ratio": lambda one: f"{fixed(one.ratio_min, 3)} to {fixed(one.ratio_max, 3)}",
         name_of("max_pressure_angle_deg"): lambda one: figure(
             "max_pressure_angle_deg", degrees(one.tangent_rad + rack)
@@ -107,14 +107,16 @@ def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
     return [*rows, *_without_masses(best)]
 
 
-def _asked_of_motion(best: BestLaw) -> dict[str, Callable[[Figures], str]]:
-    """Peak speed and peak jerk where they are limited or have a price."""
+def _where_asked(best: BestLaw) -> dict[str, Callable[[Figures], str]]:
+    """Peak speed, peak jerk and flank load where they are limited or have a price."""
     wishes, unit = best.wishes, best.task.linkage.OUTPUT.speed.ending
     told: dict[str, Callable[[Figures], str]] = {}
     if wishes.limits.peak_speed_mm_s is not None or wishes.prices.peak_speed_mm_s:
         told[name_of(f"peak_speed_{unit}")] = lambda one: figure(f"peak_speed_{unit}", one.peak_speed_mm_s)
     if wishes.peak_jerk_mm_s3 is not None or wishes.prices.peak_jerk_mm_s3:
         told[name_of(f"peak_jerk_{unit}3")] = lambda one: figure(f"peak_jerk_{unit}3", one.peak_jerk_mm_s3)
+    if wishes.limits.flank_load_n_mm is not None or wishes.prices.flank_load_n_mm:
+        told[name_of("flank_load_n_mm")] = lambda one: figure("flank_load_n_mm", one.flank_load_n_mm)
     return told
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from heapq import heappop, heappush
-from math import atan, inf, log, pi
+from math import atan, cos, inf, log, pi, sin
 
 from ncgear.errors import NoSuchMechanism, Unanswered
 from ncgear.kinematics.crank_stretches import CrankStretch
@@ -138,7 +138,7 @@ def certified_limit(task: Task, wishes: Wishes) -> Bound | None:
 
 def _limit(task: Task, wishes: Wishes, asked: Demands) -> Bound | None:
     prices, priced = wishes.prices, _known_prices(task, wishes)
-    alone = [_of_stroke(name, price, task) for name, price in vars(prices).items() if price and name in OF_STROKE]
+    alone = [bound for name, price in vars(prices).items() if price and (bound := _of_stroke(name, price, task, asked))]
     if set(priced) == {"peak_acceleration_mm_s2", "peak_power_w"}:
         _refuse_together(task, asked)
         weights = PeakWeights(prices.peak_acceleration_mm_s2, prices.peak_power_w)
@@ -163,9 +163,10 @@ def _known_prices(task: Task, wishes: Wishes) -> dict[str, float]:
     return {name: price for name, price in vars(wishes.prices).items() if price and name in known}
 
 
-OF_STROKE: dict[str, Callable[[Task], float]] = {
-    "peak_jerk_mm_s3": lambda task: 96.0 * task.linkage.stroke_mm / task.cycle_s**3 * (1.0 - ROUNDING),
-    "tooth_force_n": lambda task: _least_tooth_force_n(task) * (1.0 - ROUNDING),
+OF_STROKE: dict[str, Callable[[Task, Demands], float]] = {
+    "peak_jerk_mm_s3": lambda task, asked: 96.0 * task.linkage.stroke_mm / task.cycle_s**3,
+    "tooth_force_n": lambda task, asked: _least_tooth_force_n(task),
+    "flank_load_n_mm": lambda task, asked: _least_flank_load_n_mm(task, asked.steepness),
 }
 """Least values of figures in closed form, whatever the other limits are.
 
@@ -180,9 +181,23 @@ def _least_tooth_force_n(task: Task) -> float:
     return 0.0 if task.gears is None else max(task.work_n_mm, 0.0) / task.gears.rolled_mm(task.lobes)
 
 
-def _of_stroke(name: str, price: float, task: Task) -> Bound:
-    """The limit in closed form of one figure times its price; no motion comes with it."""
-    return Bound(price * OF_STROKE[name](task), 0, None)
+def _least_flank_load_n_mm(task: Task, steepness: float) -> float:
+    """The least peak of the flank load in N mm under a limit of the pitch curves' tangent t; zero without one.
+
+    The driven torque is the load times (cos alpha +- t sin alpha) i^2/(1 + i)^3, and 16 i^2 is at most (1 + i)^4.  So
+    over a turn of the crank, in which i has a known mean, the work is at most the load's peak times a known number.
+    """
+    if task.gears is None or steepness == inf:
+        return 0.0
+    angles = task.gears.rack_angle_rad, task.gears.idle_angle_rad or 0.0
+    lever = max(cos(angle) + steepness * sin(angle) for angle in angles)
+    return 16.0 * max(task.work_n_mm, 0.0) / ((2.0 * pi + task.cycle_rad) * lever)
+
+
+def _of_stroke(name: str, price: float, task: Task, asked: Demands) -> Bound | None:
+    """The limit in closed form of one figure times its price, without a motion; None where none is known."""
+    value = OF_STROKE[name](task, asked) if name in OF_STROKE else 0.0
+    return Bound(price * value * (1.0 - ROUNDING), 0, None) if value > 0.0 else None
 
 
 def _least_tangent(task: Task, asked: Demands, price: float) -> Bound | None:
@@ -312,6 +327,7 @@ def not_covered(task: Task, wishes: Wishes) -> list[str]:
     found = [said for name, said in NOT_COVERED.items() if getattr(wishes, name) is not None]
     limits = wishes.limits
     loads = {"bearing_force_n": "bearing force", "shaking_force_n": "shaking force", "tooth_force_n": "tooth force"}
+    loads["flank_load_n_mm"] = "flank load"
     found += [said for name, said in loads.items() if getattr(limits, name) is not None]
     if wishes.two_stages is not None:
         found.append("curves and pressure angles of the two pairs")

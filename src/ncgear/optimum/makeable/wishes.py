@@ -33,6 +33,7 @@ class Goal(Enum):
     BEARING_FORCE = "least_bearing_force"
     SHAKING_FORCE = "least_shaking_force"
     TOOTH_FORCE = "least_tooth_force"
+    FLANK_LOAD = "least_flank_load"
     SPEED = "least_speed"
     JERK = "least_jerk"
     PRESSURE_ANGLE = "least_pressure_angle"
@@ -48,6 +49,7 @@ ALONE = {
     Goal.BEARING_FORCE: Prices(bearing_force_n=1.0),
     Goal.SHAKING_FORCE: Prices(shaking_force_n=1.0),
     Goal.TOOTH_FORCE: Prices(tooth_force_n=1.0),
+    Goal.FLANK_LOAD: Prices(flank_load_n_mm=1.0),
     Goal.SPEED: Prices(peak_speed_mm_s=1.0),
     Goal.JERK: Prices(peak_jerk_mm_s3=1.0),
     Goal.PRESSURE_ANGLE: Prices(tangent_rad=degrees(1.0)),
@@ -126,8 +128,8 @@ EVENLY = 1e-3
 
 
 NEXT_TO_LOCKED = radians(89.0)
-"""Limit of the pressure angle where the force between teeth is limited and no angle is: at 90 degrees no force would
-turn the driven gear, and beyond it the force changes its sign."""
+"""Limit of the pressure angle where the force between teeth counts and no angle is limited: at 90 degrees no force
+would turn the driven gear, and beyond it the force changes its sign."""
 
 
 @dataclass(frozen=True)
@@ -236,7 +238,7 @@ def _of_curves(wishes: Wishes) -> Iterator[Level]:
         yield _pressure_angle(STEEPEST, EASE, rack) if given is None else _pressure_angle(tan(given), EVENLY, rack)
     elif limited_rad is not None:
         yield _pressure_angle(tan(limited_rad), 0.0, rack)
-    elif limits.tooth_force_n is not None or prices.tooth_force_n:
+    elif any(getattr(of, name) for of in (limits, prices) for name in ("tooth_force_n", "flank_load_n_mm")):
         yield _pressure_angle(tan(NEXT_TO_LOCKED - rack), 0.0, rack)
     if wishes.curvature_turns is not None:
         yield _curvature(wishes, wishes.curvature_turns)
