@@ -15,7 +15,7 @@ from ncgear.design.keys.gears import SIZES, Gears
 from ncgear.design.keys.linkages import Fit, Linkage, NoLinkage
 from ncgear.design.keys.machine import Comparison, Operation, Output, Resistance
 from ncgear.design.keys.masses import Masses, Simulation
-from ncgear.design.keys.optimize import Optimize
+from ncgear.design.keys.optimize import FlywheelRange, Optimize
 from ncgear.design.keys.strength import StrengthKeys
 from ncgear.design.keys.tolerances import AssemblyTolerances
 from ncgear.design.keys.types import FILE_FORMAT, FileFormat
@@ -137,13 +137,30 @@ class Design(Model, Shown):
         if self.optimize is None:
             return self
         ways = ("mm", "rad") if entry_of(self.linkage).turns else ("rad", "mm")
-        groups = {"limits": ("peak_acceleration_{}_s2", "peak_jerk_{}_s3"), "weights": ("acceleration_{}_s2",)}
+        groups = {
+            "limits": ("peak_speed_{}_s", "peak_acceleration_{}_s2", "peak_jerk_{}_s3"),
+            "weights": ("acceleration_{}_s2", "jerk_{}_s3"),
+        }
         for group, names in groups.items():
             for name in names:
                 wrong, right = (name.format(way) for way in ways)
                 if getattr(getattr(self.optimize, group), wrong, None) is not None:
                     does = "turns" if ways[1] == "rad" else "slides"
                     raise fault(f"optimize.{group}.{wrong}", f"given, but the output {does}; {right} is right")
+        return self
+
+    @property
+    def free_flywheel(self) -> FlywheelRange | None:
+        """The sizes among which a flywheel on the driven shaft is sought; None where it is as the masses say."""
+        return None if self.optimize is None else self.optimize.driven_flywheel_kg_mm2
+
+    @model_validator(mode="after")
+    def _a_free_flywheel_has_masses(self) -> Self:
+        if self.free_flywheel is not None and self.masses is None:
+            raise fault(
+                "optimize.driven_flywheel_kg_mm2",
+                "given, but without masses there is nothing that a flywheel could take up; give masses",
+            )
         return self
 
     @model_validator(mode="after")
