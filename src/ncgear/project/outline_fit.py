@@ -193,8 +193,7 @@ def control_points(curve: Rolled) -> Array:
     phi = 2.0 * pi * np.arange(count) / count
     radius = curve.basis.at(phi) @ curve.coefficients
     points = curve.axis_mm + radius[:, None] * rays(phi)[0]
-    found: Array = np.linalg.solve(Basis(count).at(phi), points)
-    return found
+    return Basis(count).through(points)
 
 
 def _made(design: Design, curve: Rolled) -> _Made:
@@ -271,14 +270,10 @@ def _next_sizes(outline: Outline, curve: Rolled, limits: Limits, wanted: Wanted)
     for times in NEXT_TEETH:
         teeth = round(times * curve.teeth)
         basis = Basis(min(max(curve.basis.count, teeth), MOST_COEFFICIENTS))
-        phi = 2.0 * pi * np.arange(4 * basis.count) / (4 * basis.count)
-        start = Rolled(
-            basis,
-            basis.coefficients(curve.basis.at(phi) @ curve.coefficients),
-            curve.axis_mm,
-            curve.center_distance_mm,
-            teeth,
-        )
+        phi = 2.0 * pi * np.arange(basis.count) / basis.count
+        radius = basis.through(curve.basis.at(phi) @ curve.coefficients)
+        start = Rolled(basis, radius, curve.axis_mm, curve.center_distance_mm, teeth)
+        phi = basis.phi_rad[:: basis.phi_rad.size // start.arc_mm.size]
         kept = np.interp(phi, 2.0 * pi * np.arange(share.size) / share.size, share, period=2.0 * pi)
         free = replace(wanted, module_mm=None)
         try:

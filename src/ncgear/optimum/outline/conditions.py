@@ -13,15 +13,17 @@ mean over a pitch to either side.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from enum import StrEnum
+from functools import partial
 from math import radians, tan
 
 import numpy as np
+from scipy import sparse
 
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.outline.rolled import Rolled
+from ncgear.optimum.outline.rolled import Rolled, scaled
 
 APART_TEETH = 4.5
 """By how many teeth a ring and its pinion differ at least where conditions begin."""
@@ -52,21 +54,6 @@ class Limits:
         return (root - together) / 2.0, ((together + 4.0 / self.apart_teeth) / root - 1.0) / 2.0
 
 
-@dataclass(frozen=True, eq=False)
-class Condition:
-    """A condition at all places: ``value`` is not over 0, shape (m,).
-
-    ``rows`` (shape (m, n)) is its slope by the radius's coefficients, ``by_distance`` and ``by_module`` (shape (m,)) are
-    those by the centre distance and the module.  Values are of the order of 1.
-    """
-
-    kind: Kind
-    value: Array
-    rows: Array
-    by_distance: Array
-    by_module: Array
-
-
 class Kind(StrEnum):
     """What a condition is about, of the given gear (own) or of its mate."""
 
@@ -80,47 +67,63 @@ class Kind(StrEnum):
     ROOM = "room"
 
 
+@dataclass(frozen=True, eq=False)
+class Condition:
+    """A condition at all places: ``value`` is not over 0, shape (m,), and of the order of 1.
+
+    ``slopes`` makes its slopes by the radius's coefficients, shape (m, n), by the centre distance and by the module,
+    shape (m,) each.
+    """
+
+    kind: Kind
+    value: Array
+    slopes: Callable[[], tuple[sparse.csr_array, Array, Array]]
+
+
 def conditions(curve: Rolled, limits: Limits) -> Iterator[Condition]:
     """All conditions of a curve."""
     module, share = curve.module_mm, np.broadcast_to(limits.share, curve.speed_mm.shape)
-    together_rows, together_by_distance = curve.together_rows
-    own_rows, none = curve.curvature_rows, np.zeros_like(curve.speed_mm)
-    mate_rows = together_rows - own_rows
-    both = module * curve.together
-    bound, slope = limits.hollow(both)
-    mean = _mean_over_window(curve)
-    curvatures = zip(curve.curvature, (own_rows, mate_rows), (none, together_by_distance), strict=True)
-    own = Kind.HOLLOW_OWN, Kind.HOLLOW_CORNER_OWN, Kind.CORNER_OWN
-    mates = Kind.HOLLOW_MATE, Kind.HOLLOW_CORNER_MATE, Kind.CORNER_MATE
-    for (curvature, rows, by_distance), (stretch, hollow, sharp) in zip(curvatures, (own, mates), strict=True):
-        slack = -module * curvature - share * bound
-        use = (share * slope * module)[:, None]
-        yield Condition(
-            stretch,
-            mean @ slack,
-            mean @ (-module * rows - use * together_rows),
-            mean @ (-module * by_distance - use[:, 0] * together_by_distance),
-            mean @ (-curvature - share * slope * curve.together),
+    bound, slope = limits.hollow(module * curve.together)
+    mean, none = _mean_over_window(curve), np.zeros_like(curve.speed_mm)
+
+    def of_curvature(curvature: Array, mate: bool, sign: float) -> tuple[sparse.csr_array, Array, Array]:
+        rows = curve.together_rows - curve.curvature_rows if mate else curve.curvature_rows
+        by_distance = curve.together_by_distance if mate else none
+        return sign * module * rows, sign * module * by_distance, sign * curvature
+
+    def of_stretch(curvature: Array, mate: bool) -> tuple[sparse.csr_array, Array, Array]:
+        rows, by_distance, by_module = of_curvature(curvature, mate, -1.0)
+        use = share * slope
+        return (
+            mean @ (rows - scaled(use * module, curve.together_rows)),
+            mean @ (by_distance - use * module * curve.together_by_distance),
+            mean @ (by_module - use * curve.together),
         )
-        yield Condition(hollow, -module * curvature - share * HOLLOW, -module * rows, -module * by_distance, -curvature)
-        yield Condition(sharp, module * curvature - share * ROUND, module * rows, module * by_distance, curvature)
+
+    kinds = (
+        (Kind.HOLLOW_OWN, Kind.HOLLOW_CORNER_OWN, Kind.CORNER_OWN),
+        (Kind.HOLLOW_MATE, Kind.HOLLOW_CORNER_MATE, Kind.CORNER_MATE),
+    )
+    for mate, (curvature, (stretch, hollow, corner)) in enumerate(zip(curve.curvature, kinds, strict=True)):
+        by = curvature, bool(mate)
+        yield Condition(stretch, mean @ (-module * curvature - share * bound), partial(of_stretch, *by))
+        yield Condition(hollow, -module * curvature - share * HOLLOW, partial(of_curvature, *by, -1.0))
+        yield Condition(corner, module * curvature - share * ROUND, partial(of_curvature, *by, 1.0))
     b0, b1, _ = curve.basis.places
     r, r1, _ = curve.radius
-    mean_mm, steepest = float(np.mean(r)), tan(STEEPEST_RAD)
+    mean_mm, steepest, distance = float(np.mean(r)), tan(STEEPEST_RAD), curve.center_distance_mm
     for sign in (1.0, -1.0):
         rows = (sign * b1 - steepest * b0) / mean_mm
-        yield Condition(Kind.STEEP, (sign * r1 - steepest * r) / mean_mm, rows, none, none)
+        yield Condition(Kind.STEEP, (sign * r1 - steepest * r) / mean_mm, lambda rows=rows: (rows, none, none))
     room = (1.0 - NEAREST) / mean_mm
-    distance = curve.center_distance_mm
-    yield Condition(Kind.ROOM, r / mean_mm - room * distance, b0 / mean_mm, none - room, none)
+    yield Condition(Kind.ROOM, r / mean_mm - room * distance, lambda: (b0 / mean_mm, none - room, none))
 
 
-def _mean_over_window(curve: Rolled) -> Array:
+def _mean_over_window(curve: Rolled) -> sparse.csr_array:
     """Weights of all places in the mean about each, shape (m, m)."""
     pitch = curve.length_mm / curve.teeth
     near = np.maximum(1.0 - curve.apart_mm(curve.arc_mm) / (WINDOW_PITCHES * pitch), 0.0) * curve.speed_mm
-    weights: Array = near / near.sum(axis=1, keepdims=True)
-    return weights
+    return sparse.csr_array(near / near.sum(axis=1, keepdims=True))
 
 
 def excess(curve: Rolled, limits: Limits) -> float:

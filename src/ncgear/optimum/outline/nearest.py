@@ -145,15 +145,13 @@ def _first(outline: Outline, basis: Basis, axis_mm: Array, teeth: int, limits: L
     hits = outline.farthest_hits(axis_mm, RAYS)
     if not np.min(hits) > 0.0:
         return None
-    spectrum = np.fft.rfft(hits)
-    order = np.arange(spectrum.size)
-    spectrum *= np.where(order <= HARMONICS, np.exp(-((order / TAPER) ** 2) / 2.0), 0.0)
+    order = np.arange(HARMONICS + 1)
+    spectrum = np.fft.rfft(hits)[: HARMONICS + 1] / RAYS * np.exp(-((order / TAPER) ** 2) / 2.0)
     for shrunk in np.linspace(1.0, 0.0, SHRINKS + 1):
-        radius = np.fft.irfft(np.where(order > 0, shrunk, 1.0) * spectrum, RAYS)
+        radius = basis.count * np.fft.irfft(np.where(order > 0, shrunk, 1.0) * spectrum, basis.count)
         if np.min(radius) <= 0.0:
             continue
-        coefficients = basis.coefficients(radius)
-        curve = Rolled(basis, coefficients, np.asarray(axis_mm), 1.0, teeth)
+        curve = Rolled(basis, basis.through(radius), np.asarray(axis_mm), 1.0, teeth)
         curve = replace(curve, center_distance_mm=closing_distance_mm(curve.radius[0]))
         if excess(curve, limits) <= KEPT:
             break

@@ -17,7 +17,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.outline.conditions import Limits, conditions
 from ncgear.optimum.outline.outline import Outline
-from ncgear.optimum.outline.rolled import Rolled, rays
+from ncgear.optimum.outline.rolled import Rolled, rays, scaled
 
 POINTS = 600
 """Points of the outline and of the curve whose distances count."""
@@ -32,6 +32,10 @@ TOUCHING = 1e-3
 """Share of the size within which points touch: there the curve's normal is the way to the outline."""
 
 
+WIDTHS = {"radius": 0, "axis": 2, "distance": 1, "module": 1, "slack": 1, "greatest": 1}
+"""The unknowns in order, with their numbers; the radius has as many as coefficients."""
+
+
 @dataclass(frozen=True)
 class Wanted:
     """What is sought: ``greatest`` the least greatest distance instead of the least mean square, with the axis held
@@ -42,7 +46,7 @@ class Wanted:
     module_mm: float | None = None
 
 
-def distances(outline: Outline, curve: Rolled) -> tuple[Array, Array]:
+def distances(outline: Outline, curve: Rolled) -> tuple[sparse.csr_array, Array]:
     """Distances to be made small as rows of coefficients and axis, shape (2 * POINTS, n + 2), and their values there.
 
     ``rows @ (coefficients, axis) - values`` are the distances, first of the outline's points, then of the curve's.
@@ -59,7 +63,7 @@ def distances(outline: Outline, curve: Rolled) -> tuple[Array, Array]:
     aims = np.concatenate([given, nearest])
     outwards, _ = rays(curve.basis.phi_rad[index])
     along = np.sum(way * outwards, axis=1)
-    rows = np.column_stack([along[:, None] * curve.basis.fine[0][index], way])
+    rows = sparse.hstack([scaled(along, curve.basis.fine[0][index]), sparse.csr_array(way)], format="csr")
     return rows, np.sum(way * aims, axis=1)
 
 
@@ -73,62 +77,61 @@ def step(outline: Outline, curve: Rolled, limits: Limits, wanted: Wanted, most_m
     count = curve.basis.count
     # The unknowns: coefficients, axis (2), centre distance, module, slack, and the greatest distance.
     size = count + 6
-    distance_at, module_at, slack_at, greatest_at = count + 2, count + 3, count + 4, count + 5
-    known = np.concatenate([curve.coefficients, curve.axis_mm, [curve.center_distance_mm, curve.module_mm, 0.0, 0.0]])
+    distance_at, slack_at, greatest_at = count + 2, count + 4, count + 5
     square, linear = np.zeros((size, size)), np.zeros(size)
     rows, aims = distances(outline, curve)
+    # Of the greatest distance, the mean square only decides among curves that have it alike.
     share = 1e-2 if wanted.greatest else 1.0
-    square[: count + 2, : count + 2] = share * (rows.T @ rows) / POINTS
-    linear[: count + 2] = -share * (rows.T @ aims) / POINTS
+    square[: count + 2, : count + 2] = (rows.T @ rows).toarray() * (share / POINTS)
+    linear[: count + 2] = (rows.T @ aims) * (-share / POINTS)
     square[np.arange(count), np.arange(count)] += SMOOTHING
     linear[:count] -= SMOOTHING * curve.coefficients
     linear[slack_at] = SLACK_WEIGHT * outline.size_mm**2 / 64.0
-    blocks, bounds = list[Array](), list[Array]()
+    blocks, bounds = list[sparse.csr_array](), list[Array]()
 
-    def below(block: Array, bound: Array) -> None:
-        blocks.append(block)
+    def below(bound: Array, **columns: sparse.csr_array | Array) -> None:
+        """Rows of unknowns, by the names of their columns, that are at most ``bound``."""
+        parts = [sparse.csr_array((bound.size, width)) for width in WIDTHS.values()]
+        parts[0] = sparse.csr_array((bound.size, count))
+        for name, rows in columns.items():
+            wide = rows if sparse.issparse(rows) else np.reshape(rows, (bound.size, -1))
+            parts[list(WIDTHS).index(name)] = sparse.csr_array(wide)
+        blocks.append(sparse.hstack(parts, format="csr"))
         bounds.append(bound)
 
-    def row(at: int, sign: float, bound: float) -> None:
-        block = np.zeros((1, size))
-        block[0, at] = sign
-        below(block, np.array([bound]))
-
     b0 = curve.basis.places[0]
-    places = len(b0)
-    closing, length = np.zeros((1, size)), np.zeros((1, size))
+    places = b0.shape[0]
     r, distance = curve.radius[0], curve.center_distance_mm
-    closing[0, :count] = (distance / (distance - r) ** 2) @ b0 / places
-    closing[0, distance_at] = -np.mean(r / (distance - r) ** 2)
-    below(closing, np.array([1.0 - np.mean(curve.turned)]) + closing @ known)
-    length[0, :count] = curve.speed_rows.mean(axis=0) * (tau / (pi * curve.teeth))
-    length[0, module_at] = -1.0
-    below(length, length @ known)
+    # What is linear in the step: its value at the curve so far moves to the other side.
+    so_far = curve.coefficients
+    closing = ((distance / (distance - r) ** 2) @ b0)[None, :] / places
+    by_distance = -np.mean(r / (distance - r) ** 2)
+    below(
+        np.array([1.0 - np.mean(curve.turned) + closing[0] @ so_far + by_distance * distance]),
+        radius=closing,
+        distance=np.array([by_distance]),
+    )
+    length = (np.ones(places) @ curve.speed_rows)[None, :] * (tau / places / (pi * curve.teeth))
+    below(np.array([length[0] @ so_far - curve.module_mm]), radius=length, module=np.array([-1.0]))
     equal = 2
     if wanted.module_mm is not None:
-        row(module_at, 1.0, wanted.module_mm)
+        below(np.array([wanted.module_mm]), module=np.array([1.0]))
         equal = 3
     for one in conditions(curve, limits):
-        block = np.zeros((places, size))
-        block[:, :count], block[:, distance_at], block[:, module_at] = one.rows, one.by_distance, one.by_module
-        bound = block @ known - one.value
-        block[:, slack_at] = -1.0
-        below(block, bound)
+        rows_of, by_distance_of, by_module = one.slopes()
+        bound = rows_of @ so_far + by_distance_of * distance + by_module * curve.module_mm - one.value
+        below(bound, radius=rows_of, distance=by_distance_of, module=by_module, slack=np.full(places, -1.0))
+    most_axis = 0.0 if wanted.fixed_axis else most_mm
     for sign in (1.0, -1.0):
-        block = np.zeros((places, size))
-        block[:, :count] = sign * b0
-        below(block, sign * r + most_mm)
-        for axis in (0, 1):
-            row(count + axis, sign, sign * curve.axis_mm[axis] + (0.0 if wanted.fixed_axis else most_mm))
-    row(slack_at, -1.0, 0.0)
+        below(sign * r + most_mm, radius=sign * b0)
+        below(sign * curve.axis_mm + most_axis, axis=sign * np.eye(2))
+    below(np.zeros(1), slack=np.array([-1.0]))
     if wanted.greatest:
         linear[greatest_at] = outline.size_mm / 64.0
         for sign in (1.0, -1.0):
-            block = np.zeros((len(rows), size))
-            block[:, : count + 2], block[:, greatest_at] = sign * rows, -1.0
-            below(block, sign * aims)
-    matrix = sparse.csc_matrix(np.concatenate(blocks))
-    bound = np.concatenate(bounds)
+            part = sign * rows
+            below(sign * aims, radius=part[:, :count], axis=part[:, count:], greatest=np.full(aims.size, -1.0))
+    matrix, bound = sparse.csc_matrix(sparse.vstack(blocks)), np.concatenate(bounds)
     settings = clarabel.DefaultSettings()
     settings.verbose, settings.max_threads = False, 1
     cones = [clarabel.ZeroConeT(equal), clarabel.NonnegativeConeT(bound.size - equal)]

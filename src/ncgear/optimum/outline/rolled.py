@@ -12,9 +12,10 @@ perpendicular of the radii, it is cos(mu) a / (r1 r2)).  The mate closes where t
 from __future__ import annotations
 
 from functools import cached_property
-from math import pi, tau
+from math import comb, pi, tau
 
 import numpy as np
+from scipy import sparse
 from scipy.interpolate import BSpline
 
 from ncgear.frozen import dataclass
@@ -40,29 +41,37 @@ class Basis:
         angles: Array = tau * np.arange(total) / total
         return angles
 
-    def at(self, phi_rad: Array, order: int = 0) -> Array:
+    def at(self, phi_rad: Array, order: int = 0) -> sparse.csr_array:
         """The basis, or a derivative of it, at angles of shape (n,): shape (n, count)."""
-        step = tau / self.count
-        knots = step * np.arange(-DEGREE, self.count + DEGREE + 1)
-        every = np.eye(self.count)[np.arange(self.count + DEGREE) % self.count]
-        found: Array = BSpline(knots, every, DEGREE)(np.mod(phi_rad, tau), nu=order)
-        return found
+        step, degree = tau / self.count, DEGREE - order
+        knots = step * np.arange(-degree, self.count + degree + 1)
+        rows = sparse.csr_array(BSpline.design_matrix(np.mod(phi_rad, tau), knots, degree))
+        columns = np.arange(self.count + degree)
+        # Of a uniform spline the derivative is one of a degree less, whose coefficients are differences.
+        shape = columns.size, self.count
+        differences = sum(
+            (-1.0) ** (order - k)
+            * comb(order, k)
+            * sparse.csr_array((np.ones(columns.size), (columns, (columns + k) % self.count)), shape=shape)
+            for k in range(order + 1)
+        )
+        return sparse.csr_array(rows @ differences) / step**order
 
     @cached_property
-    def fine(self) -> tuple[Array, Array]:
+    def fine(self) -> tuple[sparse.csr_array, sparse.csr_array]:
         """The basis and its first derivative at all points."""
         return self.at(self.phi_rad), self.at(self.phi_rad, 1)
 
     @cached_property
-    def places(self) -> tuple[Array, Array, Array]:
+    def places(self) -> tuple[sparse.csr_array, sparse.csr_array, sparse.csr_array]:
         """The basis and two derivatives where conditions are held."""
         return self.fine[0][::FINER], self.fine[1][::FINER], self.at(self.phi_rad[::FINER], 2)
 
-    def coefficients(self, radius_mm: Array) -> Array:
-        """Those of the spline nearest to radii at even angles, shape (n,), n at least ``count``."""
-        angles = tau * np.arange(len(radius_mm)) / len(radius_mm)
-        found: Array = np.linalg.lstsq(self.at(angles), radius_mm, rcond=None)[0]
-        return found
+    def through(self, values: Array) -> Array:
+        """Coefficients of the spline through values at the ``count`` even angles from 0 on, shape (count,) or more."""
+        first = self.at(np.zeros(1)).toarray()[0]
+        # The values at even angles are a circular convolution of the coefficients.
+        return _deconvolved(values, first)
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,31 +132,33 @@ class Rolled:
         return found
 
     @cached_property
-    def speed_rows(self) -> Array:
+    def speed_rows(self) -> sparse.csr_array:
         """Jacobian of the arc length per rad."""
         b0, b1, _ = self.basis.places
         r, r1, _ = self.radius
-        rows: Array = (r / self.speed_mm)[:, None] * b0 + (r1 / self.speed_mm)[:, None] * b1
-        return rows
+        return scaled(r / self.speed_mm, b0) + scaled(r1 / self.speed_mm, b1)
 
     @cached_property
-    def curvature_rows(self) -> Array:
+    def curvature_rows(self) -> sparse.csr_array:
         """Jacobian of the curve's own curvature."""
         b0, b1, b2 = self.basis.places
         r, r1, r2 = self.radius
-        cube = self.speed_mm**3
-        own = self.curvature[0]
-        rows: Array = ((2.0 * r - r2) / cube)[:, None] * b0 + (4.0 * r1 / cube)[:, None] * b1 - (r / cube)[:, None] * b2
-        rows -= (3.0 * own / self.speed_mm)[:, None] * self.speed_rows
-        return rows
+        cube, own = self.speed_mm**3, self.curvature[0]
+        rows = scaled((2.0 * r - r2) / cube, b0) + scaled(4.0 * r1 / cube, b1) - scaled(r / cube, b2)
+        return rows - scaled(3.0 * own / self.speed_mm, self.speed_rows)
 
     @cached_property
-    def together_rows(self) -> tuple[Array, Array]:
-        """Jacobian of the sum of both curvatures, and its slope by the centre distance, shape (m,)."""
-        r, distance = self.radius[0], self.center_distance_mm
-        rows = (self.together / (distance - r))[:, None] * self.basis.places[0]
-        rows -= (self.together / self.speed_mm)[:, None] * self.speed_rows
-        return rows, self.together * (1.0 / distance - 1.0 / (distance - r))
+    def together_rows(self) -> sparse.csr_array:
+        """Jacobian of the sum of both curvatures."""
+        own = scaled(self.together / (self.center_distance_mm - self.radius[0]), self.basis.places[0])
+        return own - scaled(self.together / self.speed_mm, self.speed_rows)
+
+    @property
+    def together_by_distance(self) -> Array:
+        """Slope of the sum of both curvatures by the centre distance, shape (m,)."""
+        distance = self.center_distance_mm
+        found: Array = self.together * (1.0 / distance - 1.0 / (distance - self.radius[0]))
+        return found
 
     def points(self) -> tuple[Array, Array]:
         """Points of the curve in the drawing and outward normals there, shape (p, 2) each."""
@@ -178,6 +189,19 @@ class Rolled:
         away = np.abs(self.arc_mm[:, None] - at_mm[None, :])
         found: Array = np.minimum(away, self.length_mm - away)
         return found
+
+
+def scaled(by: Array, rows: sparse.csr_array) -> sparse.csr_array:
+    """Rows multiplied by a number each."""
+    return sparse.csr_array(sparse.dia_array((by[None, :], [0]), shape=(by.size, by.size)) @ rows)
+
+
+def _deconvolved(values: Array, first: Array) -> Array:
+    """Coefficients c with values[k] = sum over j of first[j] c[k + j], around the ring."""
+    kernel = np.conj(np.fft.fft(first))
+    kernel = kernel if values.ndim == 1 else kernel[:, None]
+    found: Array = np.fft.ifft(np.fft.fft(values, axis=0) / kernel, axis=0).real
+    return found
 
 
 def rays(phi_rad: Array) -> tuple[Array, Array]:
