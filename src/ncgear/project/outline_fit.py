@@ -20,15 +20,12 @@ from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.outline.conditions import Kind, Limits, conditions
-from ncgear.optimum.outline.nearest import Deviation, deviation, nearest_curve, polar_angle
+from ncgear.optimum.outline.nearest import Deviation, coefficients_for, deviation, nearest_curve, polar_angle
 from ncgear.optimum.outline.outline import Outline, outline_of
 from ncgear.optimum.outline.programme import Wanted
 from ncgear.optimum.outline.rolled import Basis, Rolled, rays
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-
-MOST_COEFFICIENTS = 250
-"""Greatest number of coefficients of a curve: twice as many control points are written."""
 
 TRIALS, AFTER_MADE = 7, 3
 """Curves whose teeth are made at most, and from how many on the first pair that can be made ends the search."""
@@ -138,18 +135,21 @@ def fitted(design: Design, on_trial: Callable[[int, int], None] = lambda done, m
             key=key,
         )
     wanted = Wanted(asked is not None and asked.criterion == "greatest", fixed)
+    start, curve = (axis if fixed else None), None
     teeth = gears.teeth
     if teeth is None:
         if gears.module_mm is None or not design.motion.gives_center_distance:
             raise WrongInput("missing; a fit needs the number of teeth", key="gears.teeth")
-        length = deviationless_length(outline)
-        teeth = max(round(length / (pi * gears.module_mm)), FEWEST_TEETH)
+        about = max(round(outline.hull_length_mm / (pi * gears.module_mm)), FEWEST_TEETH)
+        free = nearest_curve(outline, about, Limits(), wanted, start)
+        teeth = max(round(free.length_mm / (pi * gears.module_mm)), FEWEST_TEETH)
+        curve = _with_teeth(free, teeth)
     if gears.module_mm is not None and design.motion.gives_center_distance:
         wanted = replace(wanted, module_mm=gears.module_mm)
-    limits, curve, best, failed = Limits(), None, None, 0
+    limits, best, failed = Limits(), None, 0
     for trial in range(TRIALS):
         on_trial(trial, TRIALS)
-        curve = nearest_curve(outline, teeth, limits, wanted, axis if fixed else None, curve)
+        curve = nearest_curve(outline, teeth, limits, wanted, start, curve)
         made = _made(design, curve)
         if made.refusal is None:
             found = deviation(outline, curve)
@@ -177,14 +177,6 @@ def fitted(design: Design, on_trial: Callable[[int, int], None] = lambda done, m
 
 FEWEST_TEETH = 12
 """Fewest teeth that a module is turned into."""
-
-
-def deviationless_length(outline: Outline) -> float:
-    """Length of the outline's convex hull in mm, about that of a pitch curve: clefts and limbs are lost."""
-    from scipy.spatial import ConvexHull
-
-    hull = ConvexHull(outline.corners)
-    return float(hull.area)
 
 
 def control_points(curve: Rolled) -> Array:
@@ -226,9 +218,7 @@ def _made(design: Design, curve: Rolled) -> _Made:
     crossing = [flanks.crossing_mm[getattr(side.meetings, gear.value)] for side in sides]
     at = flanks.curve.at_length(np.concatenate(crossing)).position
     polar = np.mod(np.arctan2(at[:, 1], at[:, 0]), 2.0 * pi)
-    places = np.interp(
-        polar, curve.basis.phi_rad[:: len(curve.basis.phi_rad) // len(curve.arc_mm)], curve.arc_mm, period=2.0 * pi
-    )
+    places = np.interp(polar, curve.phi_rad, curve.arc_mm, period=2.0 * pi)
     arcs = np.concatenate([side.pairs.arcs for side in sides])
     try:
         drive.designed_contact
@@ -253,14 +243,20 @@ def _limits_after(curve: Rolled, limits: Limits, made: _Made, enough: float) -> 
 def _binding(curve: Rolled, limits: Limits, found: Deviation) -> tuple[Kind, ...]:
     """The conditions that bind within a pitch of where the deviation is greatest, the most binding first."""
     there = polar_angle(curve, found.toward_mm if found.of_outline else found.at_mm)
-    at = np.interp(
-        there, curve.basis.phi_rad[:: len(curve.basis.phi_rad) // len(curve.arc_mm)], curve.arc_mm, period=2.0 * pi
-    )
+    at = np.interp(there, curve.phi_rad, curve.arc_mm, period=2.0 * pi)
     near = curve.apart_mm(np.array([at]))[:, 0] < 1.5 * curve.length_mm / curve.teeth
     values: dict[Kind, float] = {}
     for one in conditions(curve, limits):
         values[one.kind] = max(values.get(one.kind, -np.inf), float(np.max(one.value[near])))
     return tuple(sorted((kind for kind, value in values.items() if value > -BINDS), key=lambda kind: -values[kind]))
+
+
+def _with_teeth(curve: Rolled, teeth: int) -> Rolled:
+    """The same curve for another number of teeth."""
+    basis = Basis(coefficients_for(teeth))
+    phi = 2.0 * pi * np.arange(basis.count) / basis.count
+    radius = basis.through(curve.basis.at(phi) @ curve.coefficients)
+    return Rolled(basis, radius, curve.axis_mm, curve.center_distance_mm, teeth)
 
 
 def _next_sizes(outline: Outline, curve: Rolled, limits: Limits, wanted: Wanted) -> tuple[NextSize, ...]:
@@ -269,11 +265,8 @@ def _next_sizes(outline: Outline, curve: Rolled, limits: Limits, wanted: Wanted)
     share = np.broadcast_to(limits.share, curve.arc_mm.shape)
     for times in NEXT_TEETH:
         teeth = round(times * curve.teeth)
-        basis = Basis(min(max(curve.basis.count, teeth), MOST_COEFFICIENTS))
-        phi = 2.0 * pi * np.arange(basis.count) / basis.count
-        radius = basis.through(curve.basis.at(phi) @ curve.coefficients)
-        start = Rolled(basis, radius, curve.axis_mm, curve.center_distance_mm, teeth)
-        phi = basis.phi_rad[:: basis.phi_rad.size // start.arc_mm.size]
+        start = _with_teeth(curve, teeth)
+        phi = start.phi_rad
         kept = np.interp(phi, 2.0 * pi * np.arange(share.size) / share.size, share, period=2.0 * pi)
         free = replace(wanted, module_mm=None)
         try:

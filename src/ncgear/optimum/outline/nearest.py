@@ -13,11 +13,11 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.outline.conditions import Limits, excess
 from ncgear.optimum.outline.outline import Outline, axes_to_try
-from ncgear.optimum.outline.programme import Wanted, step
+from ncgear.optimum.outline.programme import Wanted, missed, step
 from ncgear.optimum.outline.rolled import Basis, Rolled, closing_distance_mm
 
-FEWEST_COEFFICIENTS = 48
-"""Coefficients of a curve with few teeth; with more it has one for each tooth."""
+FEWEST_COEFFICIENTS, MOST_COEFFICIENTS = 48, 250
+"""Coefficients of a curve with few teeth, and with many; between them it has one for each tooth."""
 
 HEATS = ((8, 3), (3, 4), (1, 20))
 """How many of the best curves go on, from so many axes at first, and with how many programmes each."""
@@ -75,6 +75,11 @@ def deviation(outline: Outline, curve: Rolled, count: int = MEASURED) -> Deviati
     return Deviation(sqrt(square), float(away[worst[side]]), tuple(at), tuple(toward), side == 0)
 
 
+def coefficients_for(teeth: int) -> int:
+    """Coefficients of a curve for so many teeth."""
+    return min(max(FEWEST_COEFFICIENTS, teeth), MOST_COEFFICIENTS)
+
+
 def nearest_curve(
     outline: Outline,
     teeth: int,
@@ -92,7 +97,7 @@ def nearest_curve(
     if start is not None:
         return _better(outline, start, limits, wanted, MORE_ROUNDS, FIRST_STEP / 2.0)
     axes = [axis_mm] if axis_mm is not None else axes_to_try(outline, HEATS[0][0])
-    basis = Basis(max(FEWEST_COEFFICIENTS, teeth))
+    basis = Basis(coefficients_for(teeth))
     begun = [_first(outline, basis, axis, teeth, limits) for axis in axes]
     curves = [one for one in begun if one is not None]
     if not curves:
@@ -101,10 +106,10 @@ def nearest_curve(
         curves = sorted(curves, key=lambda one: _cost(outline, one, limits, wanted))[:count]
         curves = [_better(outline, one, limits, wanted, rounds, FIRST_STEP) for one in curves]
     found = curves[0]
-    missed = excess(found, limits)
-    if missed > 5.0 * KEPT:
+    off = missed(found, limits, wanted)
+    if off > 5.0 * KEPT:
         raise NoSuchMechanism(
-            f"no pitch curve near the outline keeps the conditions of {teeth} teeth (missed by {missed:.2g}); more "
+            f"no pitch curve near the outline keeps the conditions of {teeth} teeth (missed by {off:.2g}); more "
             "teeth of a smaller module are needed",
             key="gears.teeth",
         )
@@ -115,7 +120,7 @@ def _cost(outline: Outline, curve: Rolled, limits: Limits, wanted: Wanted) -> fl
     """The deviation in mm, and what missed conditions count."""
     found = deviation(outline, curve, ROUGHLY)
     distance = found.greatest_mm if wanted.greatest else found.root_mean_square_mm
-    return distance + MISSED * outline.size_mm / 64.0 * max(excess(curve, limits), 0.0)
+    return distance + MISSED * outline.size_mm / 64.0 * max(missed(curve, limits, wanted), 0.0)
 
 
 def _better(outline: Outline, curve: Rolled, limits: Limits, wanted: Wanted, rounds: int, first: float) -> Rolled:
@@ -126,9 +131,9 @@ def _better(outline: Outline, curve: Rolled, limits: Limits, wanted: Wanted, rou
         found = step(outline, curve, limits, wanted, most)
         after = _cost(outline, found, limits, wanted)
         moved = float(np.max(np.abs(found.radius[0] - curve.radius[0]))) / outline.size_mm
-        if after < cost or excess(curve, limits) > KEPT:
+        if after < cost or missed(curve, limits, wanted) > KEPT:
             gained, curve, cost = cost - after, found, after
-            if abs(gained) < 1e-3 * cost and excess(curve, limits) <= KEPT:
+            if abs(gained) < 1e-3 * cost and missed(curve, limits, wanted) <= KEPT:
                 break
         else:
             most /= 3.0

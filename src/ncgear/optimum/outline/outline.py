@@ -6,7 +6,7 @@ from functools import cached_property
 from math import tau
 
 import numpy as np
-from scipy.spatial import cKDTree
+from scipy.spatial import ConvexHull, cKDTree
 
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
@@ -47,6 +47,11 @@ class Outline:
         """Arc length at each corner and at the end, shape (n + 1,)."""
         steps = np.hypot(*(np.roll(self.corners, -1, axis=0) - self.corners).T)
         return np.concatenate([[0.0], np.cumsum(steps)])
+
+    @property
+    def hull_length_mm(self) -> float:
+        """Length of the convex hull, about that of a pitch curve: clefts and limbs are lost."""
+        return float(ConvexHull(self.corners).area)
 
     def even(self, count: int) -> Array:
         """Points in the middle of so many parts of equal arc length, shape (count, 2)."""

@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.outline.conditions import Limits, conditions
+from ncgear.optimum.outline.conditions import ROUNDING, Limits, conditions, excess
 from ncgear.optimum.outline.outline import Outline
 from ncgear.optimum.outline.rolled import Rolled, rays, scaled
 
@@ -36,6 +36,10 @@ WIDTHS = {"radius": 0, "axis": 2, "distance": 1, "module": 1, "slack": 1, "great
 """The unknowns in order, with their numbers; the radius has as many as coefficients."""
 
 
+EQUATIONS = 2
+"""The rows that come first are equations: the mate closes, and length and module fit each other."""
+
+
 @dataclass(frozen=True)
 class Wanted:
     """What is sought: ``greatest`` the least greatest distance instead of the least mean square, with the axis held
@@ -44,6 +48,12 @@ class Wanted:
     greatest: bool = False
     fixed_axis: bool = False
     module_mm: float | None = None
+
+
+def missed(curve: Rolled, limits: Limits, wanted: Wanted) -> float:
+    """By how much the conditions, the mate's closing and the wanted module are missed at most; below 0 where none is."""
+    off = abs(curve.module_mm / wanted.module_mm - 1.0) if wanted.module_mm else 0.0
+    return max(excess(curve, limits), off - ROUNDING)
 
 
 def distances(outline: Outline, curve: Rolled) -> tuple[sparse.csr_array, Array]:
@@ -113,10 +123,10 @@ def step(outline: Outline, curve: Rolled, limits: Limits, wanted: Wanted, most_m
     )
     length = (np.ones(places) @ curve.speed_rows)[None, :] * (tau / places / (pi * curve.teeth))
     below(np.array([length[0] @ so_far - curve.module_mm]), radius=length, module=np.array([-1.0]))
-    equal = 2
     if wanted.module_mm is not None:
-        below(np.array([wanted.module_mm]), module=np.array([1.0]))
-        equal = 3
+        for sign in (1.0, -1.0):
+            miss = np.array([sign / wanted.module_mm])
+            below(np.array([sign]), module=miss, slack=np.array([-1.0]))
     for one in conditions(curve, limits):
         rows_of, by_distance_of, by_module = one.slopes()
         bound = rows_of @ so_far + by_distance_of * distance + by_module * curve.module_mm - one.value
@@ -134,7 +144,7 @@ def step(outline: Outline, curve: Rolled, limits: Limits, wanted: Wanted, most_m
     matrix, bound = sparse.csc_matrix(sparse.vstack(blocks)), np.concatenate(bounds)
     settings = clarabel.DefaultSettings()
     settings.verbose, settings.max_threads = False, 1
-    cones = [clarabel.ZeroConeT(equal), clarabel.NonnegativeConeT(bound.size - equal)]
+    cones = [clarabel.ZeroConeT(EQUATIONS), clarabel.NonnegativeConeT(bound.size - EQUATIONS)]
     form = sparse.csc_matrix(np.triu(square))
     solved = clarabel.DefaultSolver(form, linear, matrix, bound, cones, settings).solve()
     found = np.array(solved.x)

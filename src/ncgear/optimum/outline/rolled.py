@@ -87,6 +87,11 @@ class Rolled:
     center_distance_mm: float
     teeth: int
 
+    @property
+    def phi_rad(self) -> Array:
+        """Polar angles of the places."""
+        return self.basis.phi_rad[::FINER]
+
     @cached_property
     def radius(self) -> tuple[Array, Array, Array]:
         """Radius with two derivatives by the angle, mm."""
