@@ -27,18 +27,18 @@ from ncgear.optimum.outline.rolled import Basis, Rolled, rays
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 
-TRIALS, AFTER_MADE = 7, 3
-"""Curves whose teeth are made at most, and from how many on the first pair that can be made ends the search."""
+TRIALS, NEARER = 8, 2
+"""Curves whose teeth are made at most until a pair is made, and how many more are tried between it and the last refusal."""
 
-ENOUGH, MORE, ROOMY = 1.12, 0.04, 1.2
-"""Arc of contact in pitches under which limits are drawn in, by how much it rises with each pair that cannot be made,
-and arc over which limits are eased."""
+DRAWN_IN, MORE, MOST_DRAWN_IN = 0.06, 0.04, 0.3
+"""By what share limits are drawn in where no flanks touch for a moment, beside the length of that in pitches; how much
+more after each refusal; and the most of it."""
 
-DRAWN_IN, EASED, MOST_EASED = 0.8, 0.3, 1.06
-"""Share of the missing arc by which limits are drawn in, of the free one by which they are eased, and the most of it."""
+ROOMY, EASED = 1.25, 1.05
+"""Arc of contact in pitches of all flanks about a place over which its limits are eased, and by what factor."""
 
 BESIDE_PITCHES = 2.0
-"""How far from a pair of flanks its arc of contact sets the limits, in pitches."""
+"""How far from a pair of flanks its contact sets the limits, in pitches."""
 
 NO_TEETH = 0.9
 """By what limits are drawn in everywhere where teeth cannot be made at all."""
@@ -104,13 +104,18 @@ class OutlineFit:
 
 @dataclass(frozen=True, eq=False)
 class _Made:
-    """The drive of a curve; ``places_mm`` are arc lengths of the curve, with the arcs of contact of flanks there."""
+    """The drive of a curve, with its refusal.
+
+    ``meetings_mm`` are arc lengths of the curve at which flanks meet, with their arcs of contact in pitches; ``lacking``
+    has rows of arc length and by how many pitches contact is too short there.
+    """
 
     drive: Drive
     motion: Mapping[str, Any]
     refusal: NoSuchMechanism | None
-    places_mm: Array
+    meetings_mm: Array
     arcs: Array
+    lacking: Array
 
 
 def fitted(design: Design, on_trial: Callable[[int, int], None] = lambda done, most: None) -> OutlineFit:
@@ -146,23 +151,25 @@ def fitted(design: Design, on_trial: Callable[[int, int], None] = lambda done, m
         curve = _with_teeth(free, teeth)
     if gears.module_mm is not None and design.motion.gives_center_distance:
         wanted = replace(wanted, module_mm=gears.module_mm)
-    limits, best, failed = Limits(), None, 0
-    for trial in range(TRIALS):
-        on_trial(trial, TRIALS)
+    limits, best, refused, more = Limits(), None, None, NEARER
+    for trial in range(TRIALS + NEARER):
+        on_trial(trial, TRIALS + NEARER)
         curve = nearest_curve(outline, teeth, limits, wanted, start, curve)
         made = _made(design, curve)
         if made.refusal is None:
             found = deviation(outline, curve)
             value = found.greatest_mm if wanted.greatest else found.root_mean_square_mm
-            if best is None or value < best[0]:
-                best = value, curve, found, made, limits
-            if trial + 1 >= AFTER_MADE:
-                break
+            best = (value, curve, found, made, limits) if best is None or value < best[0] else best
         else:
-            last, failed = made.refusal, failed + 1
-            if best is not None and trial + 1 >= AFTER_MADE + 1:
+            last, refused = made.refusal, limits
+        if best is None:
+            if trial + 1 >= TRIALS:
                 break
-        limits = _limits_after(curve, limits, made, ENOUGH + MORE * failed)
+            limits = _drawn_in(curve, limits, made, trial)
+        elif more == 0:
+            break
+        else:
+            more, limits = more - 1, _between(best[-1], refused)
     if best is None:
         raise NoSuchMechanism(
             f"no pair near the outline can be made with {teeth} teeth; at last: {last.problem}", key=last.key
@@ -214,30 +221,47 @@ def _made(design: Design, curve: Rolled) -> _Made:
         flanks = drive.teeth.of(gear).flanks
         sides = drive.free_contact.pushing, drive.free_contact.back
     except NoSuchMechanism as refusal:
-        return _Made(drive, motion, refusal, np.empty(0), np.empty(0))
-    crossing = [flanks.crossing_mm[getattr(side.meetings, gear.value)] for side in sides]
-    at = flanks.curve.at_length(np.concatenate(crossing)).position
+        return _Made(drive, motion, refusal, np.empty(0), np.empty(0), np.empty((0, 2)))
+    crossing = np.concatenate([flanks.crossing_mm[getattr(side.meetings, gear.value)] for side in sides])
+    at = flanks.curve.at_length(crossing).position
     polar = np.mod(np.arctan2(at[:, 1], at[:, 0]), 2.0 * pi)
     places = np.interp(polar, curve.phi_rad, curve.arc_mm, period=2.0 * pi)
     arcs = np.concatenate([side.pairs.arcs for side in sides])
+    judged = sides if gears.drives == "both_ways" else sides[:1]
+    phi1, placement = flanks.curve.driving_angle(crossing), drive.free_contact.placement
+    least = max(gears.least_contact_ratio, 1.0)
+    lacking = [(place, least - arc) for place, arc in zip(places, arcs, strict=True) if arc < least]
+    for low, high in np.concatenate([side.pairs.gaps for side in judged]):
+        middle = placement.phi1_rad[round((low + high) / 2.0) % placement.count]
+        # Flanks that cross nearest to where none touch.
+        lacking.append((places[np.argmax(np.cos(phi1 - middle))], (high - low) / placement.per_tooth))
+    refusal = None
     try:
-        drive.designed_contact
-    except NoSuchMechanism as refusal:
-        return _Made(drive, motion, refusal, places, arcs)
-    return _Made(drive, motion, None, places, arcs)
+        _ = drive.designed_contact
+    except NoSuchMechanism as short:
+        refusal = short
+    return _Made(drive, motion, refusal, places, arcs, np.array(lacking).reshape(-1, 2))
 
 
-def _limits_after(curve: Rolled, limits: Limits, made: _Made, enough: float) -> Limits:
-    """Limits drawn in where flanks touch too shortly, and eased where they have room."""
+def _drawn_in(curve: Rolled, limits: Limits, made: _Made, refusals: int) -> Limits:
+    """Limits drawn in where contact is too short and, the first time, eased where all flanks nearby touch for long."""
     share = np.broadcast_to(limits.share, curve.arc_mm.shape)
-    if not made.arcs.size:
+    if not made.lacking.size:
         return replace(limits, share=np.maximum(share * NO_TEETH, LEAST_SHARE))
-    apart = curve.apart_mm(made.places_mm) / (curve.length_mm / curve.teeth)
-    near = np.maximum(1.0 - apart / BESIDE_PITCHES, 0.0)
-    missing = np.max(near * np.clip(enough - made.arcs, 0.0, 0.3), axis=1)
-    least = np.min(np.where(apart < BESIDE_PITCHES, made.arcs, np.inf), axis=1)
-    eased = np.where(least > enough + ROOMY - ENOUGH, np.minimum(1.0 + EASED * (least - ROOMY), MOST_EASED), 1.0)
-    return replace(limits, share=np.clip(share * (1.0 - DRAWN_IN * missing) * eased, LEAST_SHARE, MOST_SHARE))
+    pitch = curve.length_mm / curve.teeth
+    near = np.maximum(1.0 - curve.apart_mm(made.lacking[:, 0]) / (BESIDE_PITCHES * pitch), 0.0)
+    less = np.max(near * np.minimum(DRAWN_IN + MORE * refusals + made.lacking[:, 1], MOST_DRAWN_IN), axis=1)
+    beside = curve.apart_mm(made.meetings_mm) < BESIDE_PITCHES * pitch
+    roomy = np.min(np.where(beside, made.arcs, np.inf), axis=1) > ROOMY
+    eased = np.where(roomy & (less == 0.0) & (refusals == 0), EASED, 1.0)
+    return replace(limits, share=np.clip(share * (1.0 - less) * eased, LEAST_SHARE, MOST_SHARE))
+
+
+def _between(kept: Limits, refused: Limits | None) -> Limits:
+    """Limits half-way from those of a pair that was made to those of one that was refused, or a little eased."""
+    if refused is None:
+        return replace(kept, share=np.minimum(np.asarray(kept.share) * EASED**2, MOST_SHARE))
+    return replace(kept, share=(np.asarray(kept.share) + np.asarray(refused.share)) / 2.0)
 
 
 def _binding(curve: Rolled, limits: Limits, found: Deviation) -> tuple[Kind, ...]:

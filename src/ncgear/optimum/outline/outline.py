@@ -17,6 +17,9 @@ FINE = 6000
 
 FEWEST_POINTS = 3
 
+ROUNDING = 1e-9
+"""Share of the angle between two rays within which a ray meets the end of a chord."""
+
 
 @dataclass(frozen=True, eq=False)
 class Outline:
@@ -94,8 +97,8 @@ class Outline:
         turned = np.arctan2(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0], np.sum(before * after, axis=1))
         # A chord is met by the rays between the polar angles of its ends.
         low, high = np.minimum(start, start + turned), np.maximum(start, start + turned)
-        first = np.ceil(low / tau * count).astype(int)
-        rays = np.maximum(np.floor(high / tau * count).astype(int) - first + 1, 0)
+        first = np.ceil(low / tau * count - ROUNDING).astype(int)
+        rays = np.maximum(np.floor(high / tau * count + ROUNDING).astype(int) - first + 1, 0)
         chord = np.repeat(np.arange(len(before)), rays)
         ray = np.arange(rays.sum()) - np.repeat(np.cumsum(rays) - rays, rays) + np.repeat(first, rays)
         ray = ray % count
