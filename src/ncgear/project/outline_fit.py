@@ -30,7 +30,10 @@ from ncgear.project.drive import Drive
 TRIALS, NEARER = 8, 2
 """Curves whose teeth are made at most until a pair is made, and how many more are tried between it and the last refusal."""
 
-DRAWN_IN, MORE, MOST_DRAWN_IN = 0.06, 0.04, 0.3
+WORTH = 0.005
+"""Share of the deviation that another pair must be able to save to be tried."""
+
+DRAWN_IN, MORE, MOST_DRAWN_IN = 0.05, 0.03, 0.3
 """By what share limits are drawn in where no flanks touch for a moment, beside the length of that in pitches; how much
 more after each refusal; and the most of it."""
 
@@ -157,11 +160,11 @@ def fitted(design: Design, on_trial: Callable[[int, int], None] = lambda done, m
         curve = nearest_curve(outline, teeth, limits, wanted, start, curve)
         made = _made(design, curve)
         if made.refusal is None:
-            found = deviation(outline, curve)
-            value = found.greatest_mm if wanted.greatest else found.root_mean_square_mm
-            best = (value, curve, found, made, limits) if best is None or value < best[0] else best
+            value = _deviation_of(outline, curve, wanted)
+            best = (value, curve, made, limits) if best is None or value < best[0] else best
         else:
             last, refused = made.refusal, limits
+            nearest_refused = _deviation_of(outline, curve, wanted)
         if best is None:
             if trial + 1 >= TRIALS:
                 break
@@ -170,11 +173,14 @@ def fitted(design: Design, on_trial: Callable[[int, int], None] = lambda done, m
             break
         else:
             more, limits = more - 1, _between(best[-1], refused)
+            if refused is not None and best[0] < (1.0 + WORTH) * nearest_refused:
+                break
     if best is None:
         raise NoSuchMechanism(
             f"no pair near the outline can be made with {teeth} teeth; at last: {last.problem}", key=last.key
         )
-    _, curve, found, made, limits = best
+    _, curve, made, limits = best
+    found = deviation(outline, curve)
     contact = made.drive.designed_contact.contact_ratio
     bound = _binding(curve, limits, found)
     return OutlineFit(
@@ -184,6 +190,12 @@ def fitted(design: Design, on_trial: Callable[[int, int], None] = lambda done, m
 
 FEWEST_TEETH = 12
 """Fewest teeth that a module is turned into."""
+
+
+def _deviation_of(outline: Outline, curve: Rolled, wanted: Wanted) -> float:
+    """What is to be least, in mm."""
+    found = deviation(outline, curve)
+    return found.greatest_mm if wanted.greatest else found.root_mean_square_mm
 
 
 def control_points(curve: Rolled) -> Array:
