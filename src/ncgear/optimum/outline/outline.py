@@ -151,14 +151,14 @@ GRID = 25
 """Places along each side of the outline's box among which axes are chosen."""
 
 DEEP, NEAR = 0.25, 0.28
-"""Least distance of an axis from the outline, as a share of the greatest distance inside, and its greatest distance from
-the centroid as a share of the size."""
+"""Least distance of an axis from the outline, as a share of the greatest distance inside, and its greatest distance
+from the centroid as a share of the size."""
 
 
 def axes_to_try(outline: Outline, count: int) -> list[Array]:
     """Where the search for an axis begins: the centroid, if it is inside, and places spread over the inside.
 
-    Each further place is that of a grid which is farthest from those before, among those that are deep inside and near the centroid.
+    Each further place is the place of a grid, deep inside and near the centroid, which is farthest from those before.
     """
     low, high = outline.corners.min(axis=0), outline.corners.max(axis=0)
     step = (np.arange(GRID) + 0.5) / GRID
