@@ -85,9 +85,9 @@ class PitchCurve(LawKeys):
         return self.dxf or self.svg or self.picture
 
     @property
-    def gives_pitch_curve(self) -> bool:
-        """The mate is found beside the curve, not about it."""
-        return True
+    def solves_shape(self) -> bool:
+        """Unless the centre distance or the scale is found."""
+        return bool(self._found_key)
 
     @property
     def gives_center_distance(self) -> bool:
@@ -122,7 +122,7 @@ class PitchCurve(LawKeys):
                 raise fault(shape, f"{key} is missing; only solve_for: {name} can do without it")
         return self
 
-    def law_on(self, linkage: Mechanism, lobes: Lobes) -> Law:
+    def law_on(self, linkage: Mechanism, lobes: Lobes, *, ring: bool = False) -> Law:
         """The law with its centre distance, and what was found as facts."""
         from ncgear.ratio.laws.pitch_curve import GivenCurve, closed_law
         from ncgear.ratio.transmission import Law, single
@@ -135,7 +135,8 @@ class PitchCurve(LawKeys):
             and self.modified_ellipse is None
             and not (self.points and not self.points.in_plane)
         )
-        asked = GivenCurve(curve_of, range_, drawn=drawn, driven=self.gear == "driven", phase_rad=self.phase, key=key)
+        driven = self.gear == "driven"
+        asked = GivenCurve(curve_of, range_, drawn, driven, self.phase, key, internal=ring)
         closed = closed_law(asked, lobes, self.center_distance_mm)
         if not self.gives_center_distance:
             return Law(linkage, single(closed.transmission), facts=facts)
