@@ -13,7 +13,7 @@ closes, and it lies between.  Where a is given, curves that lie inside each othe
 shape parameter that is sought, so that again at most one closes.
 
 In an internal pair the mate's radius is r + a where the mate is the ring, and r - a where the curve is the ring's (the
-same sources).  The integral of r / (r + a) falls strictly with a, and the one of r / (r - a) grows.  Jensen's inequality
+same sources).  The integral of r / (r + a) falls strictly with a, of r / (r - a) it grows, and Jensen's inequality
 puts the one distance that closes between |m / n - 1| times the least radius and as many times the mean one.
 """
 
