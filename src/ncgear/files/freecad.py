@@ -69,8 +69,7 @@ def answered(lines: TextIO, out: TextIO) -> None:
             found = answer(Path(line.rstrip("\r\n")))
         except DesignError as error:
             found = {"refused": str(error)}
-        out.write(f"{json.dumps(found)}\n")
-        out.flush()
+        print(json.dumps(found), file=out, flush=True)
 
 
 if __name__ == "__main__":

@@ -265,6 +265,9 @@ class _Trials:
             for mend in sorted(sound, key=lambda one: -one.contact_ratio):
                 with self._in_time(share):
                     require_made(mend.drive)
+                    if Kind.STEEPEST in mend.way.kinds:
+                        # Its roots are the deepest, and may come too near to a bore.
+                        _ = [pair.solids for pair in mend.drive.by_stage]
                     return mend
                 self.failed.append(mend.way)
         except TimeIsOver:
