@@ -1,8 +1,9 @@
 """ncgear: non-circular gears from the motion of a slider.
 
 ``ncgear.load("design.yaml")`` gives the drive of a design file or of a mapping, with its law, motion, teeth and more as
-attributes; ``ncgear.compare`` sets designs side by side, ``ncgear.plots`` draws them, ``ncgear.cad`` makes parts of
-build123d.  Everything is imported when it is first used, so that ``import ncgear`` costs nothing.
+attributes; ``ncgear.compare`` sets designs side by side, ``ncgear.plots`` draws them, ``ncgear.fit`` finds the nearest
+pair to an outline, ``ncgear.cad`` makes parts of build123d.  Everything is imported when it is first used, so that
+``import ncgear`` costs nothing.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from ncgear.project.drive import Drive
     from ncgear.project.mending import mending
     from ncgear.project.opened import load, loads
+    from ncgear.project.outline_fit import fit
 
 __version__ = "1.0.0"
 
@@ -31,6 +33,7 @@ __all__ = [
     "cad",
     "compare",
     "examples",
+    "fit",
     "load",
     "loads",
     "mending",
@@ -44,6 +47,7 @@ _MODULES = {
     "WrongInput": "ncgear.errors",
     "compare": "ncgear.figures.side_by_side",
     "examples": "ncgear.design.examples",
+    "fit": "ncgear.project.outline_fit",
     "load": "ncgear.project.opened",
     "loads": "ncgear.project.opened",
     "mending": "ncgear.project.mending",

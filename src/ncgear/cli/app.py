@@ -17,7 +17,7 @@ from ncgear.cli.lookup import examples, explain, freecad, reproduce, schema
 from ncgear.cli.machine import animate, balance, build, check, report, simulate, strength
 from ncgear.cli.measured import measured
 from ncgear.cli.new import new
-from ncgear.cli.search import frontier, optimize, size
+from ncgear.cli.search import fit, frontier, optimize, size
 from ncgear.cli.studio import studio
 from ncgear.cli.sweep import sweep
 from ncgear.cli.tolerance import tolerance
@@ -46,6 +46,7 @@ COMMANDS = (
     size,
     optimize,
     frontier,
+    fit,
     sweep,
     measured,
     bench,

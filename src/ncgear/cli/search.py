@@ -1,4 +1,4 @@
-"""Commands that look among many laws or gears: optimize, frontier, size."""
+"""Commands that look among many laws, curves or gears: optimize, frontier, fit, size."""
 
 from __future__ import annotations
 
@@ -115,6 +115,42 @@ def frontier(
         run = publish_run(folder, frontier_files(found, beside), "frontier")
         answer = frontier_answer(found, beside, "give a cap as optimize.limits.peak_power_w, then ncgear optimize")
         figures = frontier_figures(found, beside)
+        tell(answer, figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)
+
+
+def fit(
+    design_file: DesignFile,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-fitted")
+    ] = None,
+    as_json: AsJson = False,
+    verbose: Verbose = False,
+) -> None:
+    """Find the pitch curve nearest to a drawn outline whose pair of gears can be made, and say how far it strays."""
+    from ncgear.files.manifest import publish_run
+    from ncgear.files.publish import prepare
+
+    with opened(design_file) as loaded:
+        from ncgear.design.words import ending_in
+        from ncgear.figures.answers.outline_fit import fitted_answer
+        from ncgear.figures.numbers import json_text
+        from ncgear.figures.outline_fit import SUFFIX, fit_figures, fitted_design
+        from ncgear.files.outline_fit import PICTURE, outline_picture
+        from ncgear.project.outline_fit import fitted
+
+        name = ending_in(SUFFIX, loaded.design.name)
+        folder = out or EXPORT / name
+        prepare(folder)
+        with counted("pairs of gears made") as on_trial:
+            found = fitted(loaded.design, on_trial)
+        figures = fit_figures(found)
+        files = {
+            f"{name}.yaml": fitted_design(loaded, found).encode(),
+            "fit.json": json_text(figures).encode(),
+            PICTURE: outline_picture(found, loaded.design.name),
+        }
+        run = publish_run(folder, files, f"fit {name}")
+        answer = fitted_answer(loaded.design.name, found, f"ncgear build {pasted(folder / f'{name}.yaml')}")
         tell(answer, figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)
 
 

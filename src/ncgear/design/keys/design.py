@@ -16,6 +16,7 @@ from ncgear.design.keys.linkages import Fit, Linkage, NoLinkage
 from ncgear.design.keys.machine import Comparison, Operation, Output, Resistance
 from ncgear.design.keys.masses import Masses, Simulation
 from ncgear.design.keys.optimize import Optimize
+from ncgear.design.keys.outline import FollowedOutline
 from ncgear.design.keys.strength import StrengthKeys
 from ncgear.design.keys.tolerances import AssemblyTolerances
 from ncgear.design.keys.types import FILE_FORMAT, FileFormat
@@ -86,6 +87,7 @@ class Design(Model, Shown):
     )
     comparison: Comparison | None = optional("published mechanisms to compare with")
     optimize: Optimize | None = optional("what ncgear optimize looks for; check and build take no notice")
+    outline: FollowedOutline | None = optional("how ncgear fit follows a drawn outline; check and build take no notice")
     output: Output = optional("how finely the results are written", Output)
 
     def __reduce_ex__(self, protocol: Any) -> Any:
@@ -130,6 +132,12 @@ class Design(Model, Shown):
                 raise fault(
                     key, "given, but the driven shaft turns no crank here; leave it out, or give a linkage with a crank"
                 )
+        return self
+
+    @model_validator(mode="after")
+    def _an_outline_is_drawn(self) -> Self:
+        if self.outline is not None and not self.motion.gives_outline:
+            raise fault("outline", f"given, but the law {self.motion.law} draws no pitch curve; leave it out")
         return self
 
     @model_validator(mode="after")

@@ -20,6 +20,7 @@ from ncgear.frozen import dataclass
 if TYPE_CHECKING:
     from ncgear.design.keys.pitch_shapes import DrawnContour
     from ncgear.mechanisms.mechanism import Mechanism
+    from ncgear.numerics.arrays import Array
     from ncgear.ratio.laws.over_driven_angle import StagedLaw
     from ncgear.ratio.transmission import Law, Lobes, Transmission
 
@@ -110,6 +111,25 @@ class LawKeys(Model):
     def contour(self) -> DrawnContour | None:
         """The contour of a file that the pitch curve is drawn by; most laws have none."""
         return None
+
+    @property
+    def gives_outline(self) -> bool:
+        """Whether the law draws a pitch curve, to which ``ncgear fit`` finds the nearest one that can be made."""
+        return False
+
+    def outline_mm(self) -> tuple[Array, Array, str]:
+        """Points of the drawn outline, shape (n, 2), the axis in it, shape (2,), and the key that draws it.
+
+        Of a law that ``gives_outline``; raises WrongInput where there is no such outline.
+        """
+        raise NotImplementedError(self.law)
+
+    def along(self, control_mm: Array, axis_mm: Array) -> dict[str, Any]:
+        """The keys of the same law with a closed uniform quintic B-spline in place of its outline.
+
+        ``control_mm`` are its control points in the drawing, shape (n, 2), ``axis_mm`` is the gear's axis there.
+        """
+        raise NotImplementedError(self.law)
 
     @property
     def is_open(self) -> bool:
