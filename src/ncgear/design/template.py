@@ -1,4 +1,4 @@
-"""The commented design files of ``ncgear new``: of a law on the same machine and gears, or of a whole machine.
+"""The commented design files of ``ncgear new``: of a law on the same machine and gears, a whole machine, a plain pair.
 
 Their texts are ``templates/*.yaml``, apart from the models of the keys, so that a file is written without loading
 pydantic.  The laws of the machines are simple ones whose gears build at once; ``ncgear optimize`` looks for the best
@@ -7,6 +7,7 @@ law for the same wishes.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from enum import StrEnum
 from pathlib import Path
@@ -15,6 +16,7 @@ from typing import Any
 
 from ncgear.design.laws.registry import DEFAULT_LAW, LawName
 from ncgear.design.reading.text import plain_value
+from ncgear.errors import WrongInput
 
 TEXTS = Path(__file__).with_name("templates")
 
@@ -39,6 +41,20 @@ CHOICES = {
 """What each machine is, in a few words."""
 
 
+SHAPES = ("heart", "square", "star")
+"""Drawings that come with the program."""
+
+_PICTURE = "picture: {file: $file, width_mm: 80, tolerance_mm: 0.2}  # as wide as the silhouette shall be"
+_TABLE = "points: {file: $file, tolerance_mm: 0.1}"
+DRAWN = {
+    ".svg": "svg: {file: $file}",
+    ".dxf": "dxf: {file: $file, unit: mm}",
+    **dict.fromkeys((".png", ".jpg", ".jpeg"), _PICTURE),
+    **dict.fromkeys((".csv", ".xlsx", ".ods"), _TABLE),
+}
+"""How a design names a drawing, by the ending of its file."""
+
+
 def template(name: str, law: LawName = DEFAULT_LAW, wishes: Mapping[str, Any] | None = None) -> str:
     """A complete design file called ``name``, with a comment on every value.
 
@@ -52,6 +68,21 @@ def template(name: str, law: LawName = DEFAULT_LAW, wishes: Mapping[str, Any] | 
 def machine_template(name: str, machine: MachineName) -> str:
     """A complete design file called ``name`` of a machine, with comments: sizes, loads, masses, gears, wishes."""
     return f"{_head(name)}\n{_text(f'machines/{machine}')}"
+
+
+def shape_template(name: str, shape: str) -> str:
+    """A complete design file called ``name`` of a pair of gears to print, by a shape or by the file of a drawing.
+
+    Raises WrongInput for what is neither.
+    """
+    if shape in SHAPES:
+        return f"{_head(name)}{_text('shape', drawn=_text(f'shapes/{shape}'), backlash='0.15')}"
+    form = DRAWN.get(Path(shape).suffix.lower())
+    if form is None:
+        right = f"{', '.join(SHAPES)} or a file that ends in {', '.join(DRAWN)}"
+        raise WrongInput(f"{shape!r} given; {right} is right", key="--shape")
+    drawn = Template(f"  {form}\n").substitute(file=json.dumps(Path(shape).as_posix(), ensure_ascii=False))
+    return f"{_head(name)}{_text('shape', drawn=drawn, backlash='0.05')}"
 
 
 def motion_of(law: LawName) -> str:
