@@ -129,34 +129,24 @@ def _write_example(example: str, name: str | None) -> None:
             _create(path, content.decode())
 
 
-MANY_CURVES = 100
-"""Curves of a contour from which on it is smoothed: so many are chords of a traced outline."""
-
-
 def _write_shape(shape: str, path: Path) -> None:
     """Write the design of a pair of gears with a shape; say what helps where no teeth can be made as it is drawn."""
-    from ncgear.cli.arguments import pasted
-    from ncgear.design.reading.design_file import parsed
-    from ncgear.design.rewritten import rewritten
     from ncgear.design.template import SHAPES, shape_template
-    from ncgear.project.drive import Drive
-    from ncgear.project.mending import refusal_of_teeth
 
     text = shape_template(path.stem, shape)
-    loaded = parsed(text, path)
-    contour, changes = loaded.design.motion.contour, dict[str, object]()
-    if contour is not None and len(contour.curves or ()) > MANY_CURVES and contour.tolerance_mm is None:
-        changes[f"motion.{Path(shape).suffix[1:].lower()}.tolerance_mm"] = 0.1
-    if (unit := getattr(contour, "drawn_in", None)) is not None:
-        changes["motion.dxf.unit"] = unit
-    if changes:
-        text = rewritten(text, changes)
-        loaded = parsed(text, path)
+    if shape not in SHAPES:
+        from ncgear.design.drawn import as_read
+
+        text = as_read(text, path)
     _create(path, text)
     if shape in SHAPES:
         return
+    from ncgear.cli.arguments import pasted
+    from ncgear.project.mending import refusal_of_teeth
+    from ncgear.project.opened import loads
+
     try:
-        refusal = refusal_of_teeth(Drive(loaded.design, loaded=loaded))
+        refusal = refusal_of_teeth(loads(text, str(path)))
     except DesignError as error:
         refusal = error
     if refusal is not None:

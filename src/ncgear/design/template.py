@@ -7,7 +7,6 @@ law for the same wishes.
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from enum import StrEnum
 from pathlib import Path
@@ -16,7 +15,6 @@ from typing import Any
 
 from ncgear.design.laws.registry import DEFAULT_LAW, LawName
 from ncgear.design.reading.text import plain_value
-from ncgear.errors import WrongInput
 
 TEXTS = Path(__file__).with_name("templates")
 
@@ -44,16 +42,6 @@ CHOICES = {
 SHAPES = ("heart", "square", "star")
 """Drawings that come with the program."""
 
-_PICTURE = "picture: {file: $file, width_mm: 80, tolerance_mm: 0.2}  # as wide as the silhouette shall be"
-_TABLE = "points: {file: $file, tolerance_mm: 0.1}"
-DRAWN = {
-    ".svg": "svg: {file: $file}",
-    ".dxf": "dxf: {file: $file, unit: mm}",
-    **dict.fromkeys((".png", ".jpg", ".jpeg"), _PICTURE),
-    **dict.fromkeys((".csv", ".xlsx", ".ods"), _TABLE),
-}
-"""How a design names a drawing, by the ending of its file."""
-
 
 def template(name: str, law: LawName = DEFAULT_LAW, wishes: Mapping[str, Any] | None = None) -> str:
     """A complete design file called ``name``, with a comment on every value.
@@ -77,11 +65,12 @@ def shape_template(name: str, shape: str) -> str:
     """
     if shape in SHAPES:
         return f"{_head(name)}{_text('shape', drawn=_text(f'shapes/{shape}'), backlash='0.15')}"
-    form = DRAWN.get(Path(shape).suffix.lower())
-    if form is None:
-        right = f"{', '.join(SHAPES)} or a file that ends in {', '.join(DRAWN)}"
-        raise WrongInput(f"{shape!r} given; {right} is right", key="--shape")
-    drawn = Template(f"  {form}\n").substitute(file=json.dumps(Path(shape).as_posix(), ensure_ascii=False))
+    # Reads as keys are written, which takes the library of YAML.
+    from ncgear.design.drawn import shape_of_file
+    from ncgear.design.rewritten import flow_text
+
+    kind, keys = shape_of_file(shape, "--shape")
+    drawn = f"  {kind}: {flow_text(keys)}\n"
     return f"{_head(name)}{_text('shape', drawn=drawn, backlash='0.05')}"
 
 

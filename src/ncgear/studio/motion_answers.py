@@ -20,6 +20,7 @@ from ncgear.drawings.scene.scene import scene_without_gears
 from ncgear.numerics.arrays import Array, IndexArray, distinct
 from ncgear.project.drive import Drive
 from ncgear.studio.answers import Answer
+from ncgear.studio.drawing import drawing_of
 from ncgear.studio.handles import handles
 
 FIRST = (Quantity.VELOCITY, Quantity.ACCELERATION, Quantity.POWER, Quantity.RATIO)
@@ -30,7 +31,8 @@ LIVE_POINTS = 400
 
 
 def motion_answers(drive: Drive) -> Iterator[Answer]:
-    """Law, motion and power: ``motion``, ``figures``, each ``chart``, ``verdict``, ``best`` of all laws."""
+    """Law, motion, power: ``drawing``, ``motion``, ``figures``, each ``chart``, ``verdict``, ``best`` of all laws."""
+    yield from drawing_of(drive)
     scene = scene_without_gears(drive)
     asked = [one for one in quantities_of(drive) if one is not Quantity.POWER or not power_needs_gears(drive)]
     followed = motion_charts(drive, scene.loop_rad, asked, cycle_angles_rad(drive))
