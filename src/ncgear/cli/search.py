@@ -130,7 +130,7 @@ def fit(
     from ncgear.files.manifest import publish_run
     from ncgear.files.publish import prepare
 
-    with opened(design_file) as loaded:
+    with opened(design_file, offers_fit=False) as loaded:
         from ncgear.design.words import ending_in
         from ncgear.figures.answers.outline_fit import fitted_answer
         from ncgear.figures.numbers import json_text

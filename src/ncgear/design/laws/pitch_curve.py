@@ -101,7 +101,7 @@ class PitchCurve(LawKeys):
         return True
 
     def outline_mm(self) -> tuple[Array, Array, str]:
-        """Points of the shape as it is drawn, its axis, and its key; raises WrongInput for a shape that is not known."""
+        """Points of the shape as drawn, its axis, and its key; raises WrongInput for a shape that is to be found."""
         import numpy as np
 
         from ncgear.numerics.rational import closed_uniform

@@ -1,8 +1,8 @@
 """What a pitch curve and its mate must keep so that teeth of their module roll on them, with slopes by the curve.
 
-A concave stretch and the convex stretch that rolls in it are, for some pitches, a ring and its pinion.  Their numbers of
-teeth are 2 / (m |k|) and 2 / (m k') with the curvatures k and k' of both; where these differ by too few teeth, tips run
-into each other as those of a ring and too large a pinion do, though each flank by itself is regular down to m k = -0.3.
+A concave stretch and the convex stretch that rolls in it are, for some pitches, a ring and its pinion.  Their numbers
+of teeth are 2 / (m |k|) and 2 / (m k') with the curvatures k and k' of both; where these differ by too few teeth, tips
+run into each other as those of a ring and too large a pinion do, though each flank by itself would be regular.
 With e = m (k + k') the concave curve may have m |k| up to
 
     g(e) = (sqrt(e^2 + 8 e / N) - e) / 2,
@@ -29,7 +29,7 @@ APART_TEETH = 4.5
 """By how many teeth a ring and its pinion differ at least where conditions begin."""
 
 HOLLOW, ROUND = 0.3, 0.45
-"""Greatest curvature times module of concave and of convex places: beyond them no flank is regular, no tip has a land."""
+"""Greatest curvature times module of concave and of convex places: beyond, no flank is regular, no tip has a land."""
 
 STEEPEST_RAD = radians(55.0)
 """Greatest angle between the pitch curve and the common perpendicular of the radii; the rack's 20 degrees add to it."""
@@ -114,9 +114,14 @@ def conditions(curve: Rolled, limits: Limits) -> Iterator[Condition]:
     mean_mm, steepest, distance = float(np.mean(r)), tan(STEEPEST_RAD), curve.center_distance_mm
     for sign in (1.0, -1.0):
         rows = (sign * b1 - steepest * b0) / mean_mm
-        yield Condition(Kind.STEEP, (sign * r1 - steepest * r) / mean_mm, lambda rows=rows: (rows, none, none))
+        yield Condition(Kind.STEEP, (sign * r1 - steepest * r) / mean_mm, partial(_alone, rows, none))
     room = (1.0 - NEAREST) / mean_mm
     yield Condition(Kind.ROOM, r / mean_mm - room * distance, lambda: (b0 / mean_mm, none - room, none))
+
+
+def _alone(rows: sparse.csr_array, none: Array) -> tuple[sparse.csr_array, Array, Array]:
+    """Slopes of what changes neither with the centre distance nor with the module."""
+    return rows, none, none
 
 
 def _mean_over_window(curve: Rolled) -> sparse.csr_array:

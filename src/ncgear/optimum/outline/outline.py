@@ -17,6 +17,9 @@ FINE = 6000
 
 FEWEST_POINTS = 3
 
+ROUNDING = 1e-9
+"""Share of the angle between two rays within which a ray meets the end of a chord."""
+
 
 @dataclass(frozen=True, eq=False)
 class Outline:
@@ -94,8 +97,8 @@ class Outline:
         turned = np.arctan2(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0], np.sum(before * after, axis=1))
         # A chord is met by the rays between the polar angles of its ends.
         low, high = np.minimum(start, start + turned), np.maximum(start, start + turned)
-        first = np.ceil(low / tau * count).astype(int)
-        rays = np.maximum(np.floor(high / tau * count).astype(int) - first + 1, 0)
+        first = np.ceil(low / tau * count - ROUNDING).astype(int)
+        rays = np.maximum(np.floor(high / tau * count + ROUNDING).astype(int) - first + 1, 0)
         chord = np.repeat(np.arange(len(before)), rays)
         ray = np.arange(rays.sum()) - np.repeat(np.cumsum(rays) - rays, rays) + np.repeat(first, rays)
         ray = ray % count
@@ -148,14 +151,14 @@ GRID = 25
 """Places along each side of the outline's box among which axes are chosen."""
 
 DEEP, NEAR = 0.25, 0.28
-"""Least distance of an axis from the outline, as a share of the greatest distance inside, and its greatest distance from
-the centroid as a share of the size."""
+"""Least distance of an axis from the outline, as a share of the greatest distance inside, and its greatest distance
+from the centroid as a share of the size."""
 
 
 def axes_to_try(outline: Outline, count: int) -> list[Array]:
     """Where the search for an axis begins: the centroid, if it is inside, and places spread over the inside.
 
-    Each further place is that of a grid which is farthest from those before, among those that are deep inside and near the centroid.
+    Each further place is the place of a grid, deep inside and near the centroid, which is farthest from those before.
     """
     low, high = outline.corners.min(axis=0), outline.corners.max(axis=0)
     step = (np.arange(GRID) + 0.5) / GRID

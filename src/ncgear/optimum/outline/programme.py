@@ -51,7 +51,7 @@ class Wanted:
 
 
 def missed(curve: Rolled, limits: Limits, wanted: Wanted) -> float:
-    """By how much the conditions, the mate's closing and the wanted module are missed at most; below 0 where none is."""
+    """By how much conditions, the mate's closing and the wanted module are missed at most; below 0 where none is."""
     off = abs(curve.module_mm / wanted.module_mm - 1.0) if wanted.module_mm else 0.0
     return max(excess(curve, limits), off - ROUNDING)
 

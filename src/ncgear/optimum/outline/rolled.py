@@ -1,7 +1,7 @@
 """A pitch curve by a spline of its radius, its mate, and how their figures change with the spline.
 
-With r(phi) the radius, a the centre distance and w = r^2 + r'^2, the curvatures k1 and k2 of both curves, positive where
-they are convex, are
+With r(phi) the radius, a the centre distance and w = r^2 + r'^2, the curvatures k1 and k2 of both curves, positive
+where they are convex, are
 
     k1 = (r^2 + 2 r'^2 - r r'') / w^(3/2),    k1 + k2 = a / ((a - r) sqrt(w)),
 
