@@ -21,8 +21,11 @@ from scenes import in_a_browser
 from studios import running
 
 ROUND = b'<svg xmlns="http://www.w3.org/2000/svg" width="80mm" height="80mm"><circle cx="100" cy="-100" r="90"/></svg>'
-STAR = "\n".join(["x_mm,y_mm", *(f"{x},{y}" for x, y in ((40, 0), (12, 12), (0, 40), (-12, 12), (-40, 0), (-12, -12),
-                                                           (0, -40), (12, -12)))]).encode()  # fmt: skip
+CLEFT = (
+    b'<svg xmlns="http://www.w3.org/2000/svg" width="80mm" height="80mm" viewBox="0 0 100 100"><path d="M50 30 '
+    b'C50 10 10 10 10 40 C10 60 40 75 50 92 C60 75 90 60 90 40 C90 10 50 10 50 30 Z"/></svg>'
+)
+"""A heart with a cleft and a tip."""
 
 
 def test_the_points_of_a_design_are_those_that_can_be_dragged() -> None:
@@ -62,8 +65,9 @@ def test_a_dropped_file_stands_beside_the_design_and_nothing_is_written_over(tmp
 
 @pytest.mark.slow
 def test_a_drawing_without_teeth_has_its_nearest_pair_which_can_be_made(tmp_path: Path) -> None:
+    pytest.importorskip("svgelements")
     design = tmp_path / "mine.yaml"
-    changed, _ = with_dropped(shape_template("mine", "heart"), design, "star.csv", STAR)
+    changed, _ = with_dropped(shape_template("mine", "heart"), design, "cleft.svg", CLEFT)
     drive = Drive(parsed(changed, design).design)
     answers = require_or_fit(drive)
     name, content = next(answers)
@@ -76,6 +80,7 @@ def test_a_drawing_without_teeth_has_its_nearest_pair_which_can_be_made(tmp_path
 
 
 HEART = 48
+"""Points of our heart."""
 
 
 @pytest.mark.slow
@@ -114,11 +119,11 @@ def test_a_point_is_dragged_and_a_file_is_dropped_in_the_browser(browser: Any, t
           data.items.add(new File([text], name));
           document.dispatchEvent(new DragEvent("drop", { dataTransfer: data, bubbles: true, cancelable: true }));
         }"""
-        page.evaluate(drop, ["round.svg", ROUND.decode()])
-        page.wait_for_function("() => document.getElementById('said').textContent.includes('round.svg stands')")
-        assert "round.svg" in page.locator("#text").input_value()
-        assert (tmp_path / "round.svg").read_bytes() == ROUND
-        # Its middle is elsewhere than the axis, so that no teeth can be made: the nearest pair is offered, and taken.
+        page.evaluate(drop, ["cleft.svg", CLEFT.decode()])
+        page.wait_for_function("() => document.getElementById('said').textContent.includes('cleft.svg stands')")
+        assert "cleft.svg" in page.locator("#text").input_value()
+        assert (tmp_path / "cleft.svg").read_bytes() == CLEFT
+        # No tooth rolls in a cleft: the nearest pair is offered, and taken.
         page.locator("#nearest button").click()
         page.wait_for_function("() => document.getElementById('text').value.includes('b_spline')")
         page.evaluate(drop, ["moon.exe", "x"])
