@@ -34,12 +34,12 @@ NAMES = range(1, 100)
 
 
 def drawing_of(drive: Drive) -> Iterator[Answer]:
-    """``drawing``: the outline, its axis, and its points where they stand in the design; nothing without an outline."""
+    """``drawing``: the outline, its axis, its points where they stand in the design; nothing without a known one."""
     motion = drive.design.motion
-    if not motion.gives_outline:
+    if not motion.gives_outline or motion.solves_shape:
         return
     outline, axis, key = motion.outline_mm()
-    given = drive.design.motion.model_dump(exclude_unset=True).get("points") or {}
+    given = motion.model_dump(exclude_unset=True).get("points") or {}
     # Points of a file are not the design's to change.
     own = "x_mm" in given and given.get("file") is None and len(outline) <= MOST_DRAGGED
     yield (
