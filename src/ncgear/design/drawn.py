@@ -39,10 +39,11 @@ def as_read(text: str, path: Path) -> str:
 
     Raises WrongInput where the design or its drawing cannot be read.
     """
-    contour = parsed(text, path).design.motion.contour
+    motion = parsed(text, path).design.motion
+    contour, changes = motion.contour, dict[str, Any]()
     if contour is None:
         return text
-    kind, changes = KINDS[Path(contour.file or "").suffix.lower()][0], dict[str, Any]()
+    kind = next(kind for kind, _ in KINDS.values() if getattr(motion, kind, None) is contour)
     if (unit := getattr(contour, "drawn_in", None)) is not None:
         changes[f"motion.{kind}.unit"] = unit
     if contour.tolerance_mm is None and len(contour.curves or ()) > MANY_CURVES:
