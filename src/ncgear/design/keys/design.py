@@ -182,8 +182,12 @@ class Design(Model, Shown):
             needed = f"{needed} of {listed(names, 'and')} {'is' if needed == 'one' else 'are'} needed"
             follows = ", since the centre distance follows from the law" if self.motion.gives_center_distance else ""
             raise fault("gears", f"{said}; {needed}{follows}")
-        if self.motion.gives_pitch_curve and self.gears.mesh == "internal":
-            raise fault("gears.mesh", "internal given, but the mate of a pitch curve is found beside it; leave it out")
+        if self.motion.solves_shape and self.gears.mesh == "internal":
+            raise fault(
+                "gears.mesh",
+                "internal given, but a quantity of a shape is found for a mate beside it only; leave mesh out, or give "
+                "motion.solve_for: center_distance or scale",
+            )
         return self
 
     @model_validator(mode="after")
