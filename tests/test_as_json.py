@@ -41,6 +41,8 @@ QUICKER = {
     # Without gears only the motion is measured.
     "bench": MACHINE,
     "optimize": MACHINE + LOAD + KNOTS,
+    "fit": "name: tile\noperation: {speed_rpm: 30}\nmotion: {law: pitch_curve, ellipse: {semi_major_mm: 30, semi_minor_mm: "
+    "20}}\ngears: {teeth: 48, face_width_mm: 8}\noutline: {axis: fixed}\n",
     # The published family, whose search is long, is left out where masses are given.
     "frontier": MACHINE + LOAD + MASSES + KNOTS,
 }
@@ -61,6 +63,7 @@ CASES = {
     "tolerance": ("tolerance d.yaml --samples 64 --out out", "tolerance.json"),
     "size": ("size d.yaml --out out/sized.yaml", ""),
     "optimize": ("optimize d.yaml --out out", "certificate.json"),
+    "fit": ("fit d.yaml --out out", "fit.json"),
     "frontier": ("frontier d.yaml --points 2 --out out", "frontier.json"),
     "sweep": ("sweep d.yaml --vary linkage.rod_mm=40,160,180 --processes 1 --out out", "sweep.json"),
     "measured": ("measured d.yaml --driving points.csv --out out", "measured.json"),
@@ -101,7 +104,7 @@ def test_every_command_that_tells_figures_has_the_same_option() -> None:
     assert set(CASES) == set(asked) - WITHOUT
 
 
-@pytest.mark.tiers(quick=["check"], long=["frontier", "size", "optimize", "tolerance", "simulate"], rest="slow")
+@pytest.mark.tiers(quick=["check"], long=["fit", "frontier", "size", "optimize", "tolerance", "simulate"], rest="slow")
 @pytest.mark.parametrize("name", CASES)
 def test_json_is_what_the_file_holds_and_all_that_is_printed(name: str, run: Run) -> None:
     """A file of others in the place of the JSON file is told of on stderr."""
