@@ -111,6 +111,8 @@ def _contacts(driving: int, driven: int) -> LoadedContacts:
         2 * (-tooth % driven),
         some + 0j,
         -some + 0j,
+        np.zeros(count, dtype=np.intp),
+        some,
     )
 
 

@@ -252,7 +252,8 @@ class _DrivenSide:
         """How fast the driven side swings on two pairs of teeth at driving angles, shape (n,), in rad/s."""
         near = self.meshing.gaps.at(phi1_rad)
         inertia = self.load.table.at(self.meshing.law.at(phi1_rad)[0])[0][..., 0]
-        return np.asarray(np.sqrt(2.0 * (near.stiffness * near.lever_mm**2).max(axis=-1) / inertia))
+        pair = self.meshing.gaps.of_sections(near.stiffness * near.lever_mm**2)
+        return np.asarray(np.sqrt(2.0 * pair / inertia))
 
     def _along(self, phi1_rad: Array) -> tuple[list[list[list[float]]], Array, Array, Array]:
         """The pairs at driving angles, shape (n,), each by arm, touching angle and stiffness, and their largest lever.

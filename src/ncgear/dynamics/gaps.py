@@ -201,13 +201,39 @@ class Gaps:
     ``urge`` has shape (intervals, slots), ``table`` the five quantities of each slot.  ``pair`` tells the driving and
     the driven tooth of each slot, from 1; 0 where it is empty; shape (intervals, slots, 2).  ``reach_rad`` is how far,
     in each interval, the driven gear may be pressed beyond the first contact before a pair touches that the tables do
-    not follow; inf where there is no such pair.
+    not follow; inf where there is no such pair.  ``section`` (slots,) numbers the section of the face width in which a
+    slot's pair is: all pairs of straight teeth are in section 0.
     """
 
     table: PeriodicTable
     urge: Array
     pair: IndexArray
     reach_rad: Array
+    section: IndexArray
+
+    @classmethod
+    def beside(cls, parts: Sequence[Gaps]) -> Gaps:
+        """The pairs of several sections, whose positions are the same, side by side in the slots."""
+        if len(parts) == 1:
+            return parts[0]
+        breaks, tables = parts[0].table.breaks, [one.table.coefficients for one in parts]
+        return cls(
+            PeriodicTable(breaks, np.concatenate(tables, axis=2)),
+            np.concatenate([one.urge for one in parts], axis=1),
+            np.concatenate([one.pair for one in parts], axis=1),
+            np.min([one.reach_rad for one in parts], axis=0),
+            np.repeat(np.arange(len(parts)), [one.section.size for one in parts]),
+        )
+
+    @property
+    def sections(self) -> int:
+        """How many sections there are."""
+        return int(self.section[-1]) + 1
+
+    def of_sections(self, turning: Array) -> Array:
+        """Values of slots, shape (n, slots), as the sum over sections of the largest in each, shape (n,)."""
+        begins = np.searchsorted(self.section, np.arange(self.sections))
+        return np.asarray(np.maximum.reduceat(turning, begins, axis=-1).sum(axis=-1))
 
     def at(self, phi1_rad: Array | float) -> Near:
         """The pairs near contact at driving angles in rad, of any shape."""
@@ -308,4 +334,5 @@ def _slotted(rows: Rows, placement: Placement) -> Gaps:
     urge, pair = np.zeros(shape), np.zeros((*shape, 2), dtype=int)
     urge[place], pair[place] = rows.urge[found.row], rows.teeth[found.row]
     breaks = np.append(placement.phi1_rad, placement.cycle_rad)
-    return Gaps(PeriodicTable(breaks, coefficients), urge, pair, reach_rad(rows, placement))
+    every = np.zeros(shape[1], dtype=int)
+    return Gaps(PeriodicTable(breaks, coefficients), urge, pair, reach_rad(rows, placement), every)

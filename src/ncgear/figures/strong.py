@@ -53,7 +53,7 @@ def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rat
     it is part of, ``beside`` that on the teeth by another method, to compare with.
     """
     strength, size = rating.strength, drive.pitch.size
-    contacts = strength.contacts
+    contacts = strength.contacts.of_pairs()
     most = int(np.argmax(contacts.force_n))
     return {
         "design": {"name": drive.design.name, "description": drive.design.description},
@@ -103,7 +103,7 @@ def _jam_figures(drive: Drive, rating: Rating) -> dict[str, Any]:
         "jam": {
             "driving_torque_n_m": N_M_PER_N_MM * jam.driving_n_mm,
             "times": jam.times,
-            "peak_tooth_force_n": float(jammed.contacts.force_n.max()),
+            "peak_tooth_force_n": jammed.peak_pair_n,
             **{
                 gear.value: {f"{damage.value}_safety_min": life.safety_min for damage, life in of.items()}
                 for gear, of in lives.items()
@@ -124,7 +124,7 @@ def jam_words(drive: Drive, rating: Rating) -> str:
     safeties = ", ".join(f"{to_digits(safety, 3)} against {damage.words}" for damage, safety in least.items())
     return (
         f"{figure('torque_n_m', N_M_PER_N_MM * jam.driving_n_mm)} at the driving shaft, {jam.times:g} times: up to "
-        f"{figure('force_n', float(jammed.contacts.force_n.max()))} on one pair of teeth, safety {safeties}; the table "
+        f"{figure('force_n', jammed.peak_pair_n)} on one pair of teeth, safety {safeties}; the table "
         "has what is worse"
     )
 

@@ -216,7 +216,7 @@ def _field(drive: Drive) -> bytes:
     judged = drive.judged_teeth("elements")
     contacts, roots = judged.strength.contacts, judged.strength.stresses.tension_mpa
     fields = {}
-    for place, (gear, method) in enumerate(zip(Gear, judged.methods, strict=True)):
+    for place, (gear, method) in enumerate(zip(Gear, (one.each[0] for one in judged.methods), strict=True)):
         assert isinstance(method, Elements)
         places = contacts.on(gear)
         worst_of_tooth = largest_rows(roots[place], places.tooth - 1, drive.teeth.of(gear).teeth)

@@ -39,7 +39,7 @@ if TYPE_CHECKING:
     from ncgear.strength.conditions import Conditions
     from ncgear.strength.loading import Loading
     from ncgear.strength.material import Material
-    from ncgear.strength.method import ToothMethod
+    from ncgear.strength.sections import InSections
     from ncgear.strength.stiffness import LinearTeeth
     from ncgear.strength.surfaces import Surfaces
 
@@ -264,14 +264,13 @@ class Drive(Geared):
 
         with located(self.places):
             require_possible_stiffness(self.design.simulation, self.gears.face_width_mm)
-        self.require_straight_sound_teeth()
-        return self._any_meshing
-
-    def require_straight_sound_teeth(self) -> None:
-        """Raise WrongInput where teeth are helical, and as ``require_sound_teeth`` does."""
         if self.helix is not None:
-            raise WrongInput("helical teeth are not followed under load; leave it out", key="gears.helix")
+            raise WrongInput(
+                "helical teeth are rated by ncgear strength, but not followed in motion; leave it out",
+                key="gears.helix",
+            )
         self.require_sound_teeth()
+        return self._any_meshing
 
     @computed
     def tooth_load(self) -> ToothLoad:
@@ -287,48 +286,44 @@ class Drive(Geared):
     @computed
     def pair_stiffness(self) -> LinearTeeth:
         """The stiffness of each pair of teeth in N/mm, from its form, face width and material by the estimate."""
-        from ncgear.project.tooth_strength import estimated
+        from ncgear.project.tooth_strength import estimated, stiffnesses
+        from ncgear.strength.sections import FaceSections, InSections
 
-        driving, driven = self.materials
-        methods = estimated(self.teeth.driving, driving), estimated(self.teeth.driven, driven)
-        return self.linear_teeth(methods, self.materials)
+        teeth, (driving, driven) = self.teeth, self.materials
+        methods = InSections((estimated(teeth.driving, driving),)), InSections((estimated(teeth.driven, driven),))
+        section, width_mm = FaceSections.straight(teeth), self.gears.face_width_mm
+        return stiffnesses(self.tooth_load, section, width_mm, methods, self.materials)[0]
 
-    def linear_teeth(
-        self, methods: tuple[ToothMethod, ToothMethod], materials: tuple[Material, Material]
-    ) -> LinearTeeth:
-        """The stiffness of each pair of teeth, by methods and materials of the driving and of the driven gear."""
-        from ncgear.project.tooth_strength import linear_teeth
-
-        return linear_teeth(self.tooth_load, self.teeth, self.gears.face_width_mm, methods, materials)
-
-    def loading(self, methods: tuple[ToothMethod, ToothMethod], materials: tuple[Material, Material]) -> Loading:
+    def loading(self, methods: tuple[InSections, InSections], materials: tuple[Material, Material]) -> Loading:
         """The load of every tooth over a cycle of meetings, shared by the stiffness of the given methods.
 
-        A stiffness that ``simulation`` gives does not count.  Raises WrongInput for helical teeth, NoSuchMechanism
-        where teeth are pressed too deep into each other, and as ``tooth_load`` does.
+        A stiffness that ``simulation`` gives does not count.  Raises NoSuchMechanism where teeth are pressed too deep
+        into each other, and as ``require_sound_teeth`` and ``tooth_load`` do.
         """
         from ncgear.contact.placement import BOTH_SIDES
         from ncgear.design.keys.masses import Simulation
         from ncgear.project.forces import borne_by, meshing_of
+        from ncgear.project.tooth_strength import stiffnesses
         from ncgear.strength.loading import AskedTorque, loading_of
 
         with located(self.places):
-            self.require_straight_sound_teeth()
-            stiffness, load = self.linear_teeth(methods, materials), self.tooth_load
-            pitch, teeth = self.pitch, self.teeth
+            self.require_sound_teeth()
+            pitch, sections, load, width_mm = self.pitch, self.face_sections, self.tooth_load, self.gears.face_width_mm
+            stiff = stiffnesses(load, sections, width_mm, methods, materials)
             with self.stopwatch("load of every tooth"):
                 asked = AskedTorque.of(pitch, load.torque_n_mm)
                 sides = BOTH_SIDES if load.knocks_are_judged else asked.sides
-                meshing = meshing_of(Simulation(), pitch, teeth, stiffness, sides)
+                each = [(one.teeth, own) for one, own in zip(sections.each, stiff, strict=True)]
+                meshing = meshing_of(Simulation(), pitch, each, sides)
                 borne, speed = borne_by(load, meshing), self.pair_speed_rad_s
-                found = loading_of(meshing, teeth, pitch, asked, speed, borne)
+                found = loading_of(meshing, sections, pitch, asked, speed, borne)
                 if borne.knocks:
                     knocking = AskedTorque.of(pitch, borne.at)
-                    found = replace(loading_of(meshing, teeth, pitch, knocking, speed, borne), still=found)
+                    found = replace(loading_of(meshing, sections, pitch, knocking, speed, borne), still=found)
                 if (jam := self.conditions.overload) is None:
                     return found
                 jamming = AskedTorque.of(pitch, partial(load.passed_on_n_mm, jam.driving_n_mm))
-                return replace(found, jammed=loading_of(meshing, teeth, pitch, jamming, speed))
+                return replace(found, jammed=loading_of(meshing, sections, pitch, jamming, speed))
 
     @computed
     def _any_meshing(self) -> Meshing:
@@ -337,7 +332,7 @@ class Drive(Geared):
 
         pitch, teeth, stiffness = self.pitch, self.teeth, self.pair_stiffness
         with self.stopwatch("gaps"):
-            return meshing_of(self.design.simulation, pitch, teeth, stiffness)
+            return meshing_of(self.design.simulation, pitch, [(teeth, stiffness)])
 
     @computed
     def stiffness_range(self) -> Range:
@@ -504,16 +499,16 @@ class Drive(Geared):
         from ncgear.project.tooth_strength import judged_teeth, methods_of
 
         require_whole_turns(self.design, "the strength of the teeth")
-        load, teeth, known = self.tooth_load.load, self.teeth, self._known_loadings
+        load, sections, known = self.tooth_load.load, self.face_sections, self._known_loadings
         with self.stopwatch("strength"), located(self.places):
             if method not in known:
-                methods = methods_of(method, teeth, self.materials)
+                methods = methods_of(method, sections, self.materials)
                 known[method] = methods, self.loading(methods, self.materials)
             running, uneven = self.running, self.face_loading
             return judged_teeth(method, self.gears, *known[method], conditions, running, load, uneven)
 
     @computed
-    def _known_loadings(self) -> dict[str, tuple[tuple[ToothMethod, ToothMethod], Loading]]:
+    def _known_loadings(self) -> dict[str, tuple[tuple[InSections, InSections], Loading]]:
         """Loads by method: they are the same under any conditions."""
         return {}
 

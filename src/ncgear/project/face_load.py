@@ -235,7 +235,7 @@ def told_face_load(loading: FaceLoading, contacts: LoadedContacts, over: float) 
     model = loading.model
     if model is None or not contacts.force_n.size:
         return None
-    loads, place, force = loading.loads_of(contacts, over), contacts.position, contacts.force_n
+    loads, place, force = loading.loads_of(contacts, over), contacts.position, contacts.over_width_n
     factors = model.factors(loads)[place]
     tooth = contacts.on(Gear.DRIVING).tooth
     line = factors * force

@@ -12,7 +12,7 @@ from ncgear.contact.placement import BOTH_SIDES
 from ncgear.design.keys.masses import Simulation
 from ncgear.dynamics.crank_load import CrankLoad, crank_load
 from ncgear.dynamics.flank_changes import BorneTorque, borne_torque
-from ncgear.dynamics.gaps import gaps_of
+from ncgear.dynamics.gaps import PER_TOOTH, Gaps, gaps_of
 from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.dynamics.meshing import Friction, Impact, Meshing
 from ncgear.dynamics.motion_in_time import DriveLine, EvenDrive, Motor, law_table
@@ -70,16 +70,22 @@ def require_possible_stiffness(given: Simulation, face_width_mm: float) -> None:
 
 
 def meshing_of(
-    given: Simulation, pitch: PitchPair, teeth: ToothedPair, own: PairStiffness, sides: Sequence[int] = BOTH_SIDES
+    given: Simulation,
+    pitch: PitchPair,
+    sections: Sequence[tuple[ToothedPair, PairStiffness]],
+    sides: Sequence[int] = BOTH_SIDES,
 ) -> Meshing:
-    """The pair of gears under load: with the stiffness given, or where none is, with the teeth's ``own``.
+    """The pair of gears under load: with the stiffness given, or where none is, with the teeth's own.
 
+    ``sections`` are the teeth beside each other along the face width, one of straight ones, each with its stiffness.
     Only ``sides`` of the teeth can touch.
     """
     depth_mm = given.full_damping_depth_mm or pitch.size.module_mm / FULLY_DAMPED
     impact = Impact(given.exponent, given.damping_n_s_mm or 0.0, depth_mm)
-    gaps, key = gaps_of(teeth, pitch, stiffness_of(given, own), sides=sides), given.stiffness_n_mm and STIFFNESS
-    return Meshing(law_table(pitch.transmission), gaps, impact, friction_of(given), key or None)
+    per_tooth = PER_TOOTH if len(sections) == 1 else PER_TOOTH // 2
+    parts = [gaps_of(teeth, pitch, stiffness_of(given, own), per_tooth, sides) for teeth, own in sections]
+    key = given.stiffness_n_mm and STIFFNESS
+    return Meshing(law_table(pitch.transmission), Gaps.beside(parts), impact, friction_of(given), key or None)
 
 
 def friction_of(given: Simulation) -> Friction:
@@ -99,7 +105,7 @@ def damped(given: Simulation, meshing: Meshing, drive: DriveLine, load: CrankLoa
 
     It is 2 sqrt(k m) of one pair of teeth with the mean stiffness k, between the shafts' mean inertias, each as a mass
     at the end of the normal force's arm, 1/m = r1^2/J1 + r2^2/J2; for exponents other than 1, k is the slope of the
-    force at the depth of full damping.
+    force at the depth of full damping.  Each section of helical teeth has its part.
     """
     if given.damping_n_s_mm is not None:
         return meshing
@@ -109,8 +115,9 @@ def damped(given: Simulation, meshing: Meshing, drive: DriveLine, load: CrankLoa
     inertia = drive.inertia_n_mm_s2
     driving = float(np.mean(lever**2)) * float(np.mean(ratio)) ** 2 / inertia if inertia else 0.0
     exponent, depth = meshing.impact.exponent, meshing.impact.full_damping_depth_mm
-    stiffness = float(np.mean(meshing.gaps.touching_stiffness)) * exponent * depth ** (exponent - 1.0)
-    critical = 2.0 * sqrt(stiffness / (driven + driving))
+    sections = meshing.gaps.sections
+    stiffness = sections * float(np.mean(meshing.gaps.touching_stiffness)) * exponent * depth ** (exponent - 1.0)
+    critical = 2.0 * sqrt(stiffness / (driven + driving)) / sections
     return replace(meshing, impact=replace(meshing.impact, damping_n_s_mm=given.damping_ratio * critical))
 
 

@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from ncgear.solids.plan.body import BodyPlan
     from ncgear.strength.conditions import Conditions, Running
     from ncgear.strength.material import Material
+    from ncgear.strength.sections import FaceSections
     from ncgear.teeth.arcs import ArcOutline
     from ncgear.teeth.backlash import Play
     from ncgear.teeth.form import ToothForm
@@ -175,6 +176,22 @@ class Geared(Moving):
         pitch, form = self.pitch, self.tooth_form
         with self.stopwatch("teeth"), self.telling_the_finest():
             return toothed_pair(pitch, form, self.chord_tolerance_mm)
+
+    @computed
+    def face_sections(self) -> FaceSections:
+        """The teeth as they are over the face width: straight ones, or the sections of one rise of helical ones."""
+        from ncgear.solids.helical.sections import Sections
+        from ncgear.strength.sections import FaceSection, FaceSections, count_of
+
+        teeth, helix = self.teeth, self.helix
+        if helix is None:
+            return FaceSections.straight(teeth)
+        count, tolerance = count_of(helix.largest_advance_mm, self.rack.pitch_mm), self.chord_tolerance_mm
+        heights = helix.rise_mm * (np.arange(count) + 0.5) / count
+        with self.stopwatch("teeth"), self.telling_the_finest():
+            made = Sections(self.pitch, self.tooth_form, helix, tolerance)
+            sections = tuple(FaceSection(made.at(float(height)).teeth, 1.0 / count) for height in heights)
+        return FaceSections(sections, helix.angle_rad)
 
     @computed
     def pumped(self) -> Pumped | None:
@@ -463,7 +480,8 @@ class Geared(Moving):
         from ncgear.strength.conditions import Running
 
         size, teeth = self.pitch.size, (self.pitch.size.driving_teeth, self.pitch.size.driven_teeth)
-        return Running(size.module_mm, teeth, self.gears.face_width_mm, self.machine.speed_rad_s)
+        speed = self.machine.speed_rad_s
+        return Running(size.module_mm, teeth, self.gears.face_width_mm, speed, self.overlap_ratio)
 
     @computed
     def conditions(self) -> Conditions:

@@ -147,9 +147,7 @@ def rough_damage(found: RoughStrength, one: RoughSafety) -> str:
 def _no_life(drive: Drive) -> str:
     """Why no life of these teeth is told under any load."""
     if drive.helix is not None:
-        return (
-            "helical teeth are not followed under load, and only roots are judged, as of straight teeth of one section"
-        )
+        return "it needs the teeth to tell of helical ones, whose roots a check judges as straight ones"
     if drive.design.motion.is_open:
         return "gears that turn to and fro, less than once, are not followed under load"
     return ""

@@ -69,7 +69,7 @@ def rating_of(drive: Drive, method: Literal["estimate", "elements"] | None = Non
     method = method or drive.design.strength.method
     strength, loading = drive.strength_by(method), drive.loading_by(method)
     area_mm2 = drive.gears.face_width_mm * drive.pitch.size.module_mm
-    if strength.contacts.force_n.max(initial=0.0) < NOTHING_MPA * area_mm2:
+    if strength.peak_pair_n < NOTHING_MPA * area_mm2:
         raise WrongInput("the teeth bear no load at any angle, so that nothing can be said of them", key="resistance")
     wanted = {gear: _wanted(drive, strength, gear) for gear in Gear}
     return Rating(strength, loading, tuple(weakest_teeth(strength, wanted)))
@@ -108,8 +108,6 @@ def unknown(drive: Drive) -> WrongInput | None:
         return WrongInput(
             "two pairs of gears, each with a strength of its own; one pair is right here", key="motion.second_stage"
         )
-    if drive.helix is not None:
-        return WrongInput("helical teeth are not followed under load; leave it out", key="gears.helix")
     return None
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
 from math import pi
 from typing import TYPE_CHECKING, Literal
 
 from ncgear.design.keys.gears import Gears
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
@@ -21,9 +23,10 @@ from ncgear.strength.life import strength_of, stresses_of, worse_of
 from ncgear.strength.material import Material
 from ncgear.strength.materials import Choice, Plastic
 from ncgear.strength.plastics import ToothTemperature, friction, lost_w, temperatures_of
+from ncgear.strength.sections import FaceSections, InSections
 from ncgear.strength.stiffness import EvenTeeth, LinearTeeth
 from ncgear.strength.surfaces import Surfaces, surfaces_of
-from ncgear.teeth.gear import ToothedGear, ToothedPair
+from ncgear.teeth.gear import ToothedGear
 
 if TYPE_CHECKING:
     from ncgear.project.face_load import FaceLoading
@@ -44,7 +47,7 @@ class JudgedTeeth:
 
     loading: Loading
     strength: Strength
-    methods: tuple[ToothMethod, ToothMethod]
+    methods: tuple[InSections, InSections]
     warm: tuple[ToothTemperature, ToothTemperature]
     jammed: Strength | None = None
 
@@ -52,7 +55,7 @@ class JudgedTeeth:
 def judged_teeth(
     method: Method,
     gears: Gears,
-    methods: tuple[ToothMethod, ToothMethod],
+    methods: tuple[InSections, InSections],
     loading: Loading,
     conditions: Conditions,
     running: Running,
@@ -99,17 +102,27 @@ def surfaces_of_teeth(
 
 
 def methods_of(
-    method: Method, teeth: ToothedPair, materials: tuple[Material, Material]
-) -> tuple[ToothMethod, ToothMethod]:
-    """What a method knows of the teeth of both gears."""
+    method: Method, sections: FaceSections, materials: tuple[Material, Material]
+) -> tuple[InSections, InSections]:
+    """What a method knows of the teeth of both gears; raises WrongInput for elements of helical teeth."""
+    pairs, helix_rad = [one.teeth for one in sections.each], sections.helix_rad
     if method == "elements":
         # Loads slowly, and only where it is asked for.
         from ncgear.strength.elements.teeth import elements_of
 
-        driving, driven = (elements_of(teeth.of(gear), one) for gear, one in zip(Gear, materials, strict=True))
-        return driving, driven
-    beams = tuple(estimate_of(teeth.of(gear), one) for gear, one in zip(Gear, materials, strict=True))
-    return beams[0], beams[1]
+        if helix_rad:
+            raise WrongInput(
+                "elements given, but they are plane, and helical teeth bend across the plane; estimate is right",
+                key="strength.method",
+            )
+        made: Callable[[ToothedGear, Material], ToothMethod] = elements_of
+    else:
+        made = partial(estimate_of, helix_rad=helix_rad)
+    driving, driven = (
+        InSections(tuple(made(pair.of(gear), material) for pair in pairs))
+        for gear, material in zip(Gear, materials, strict=True)
+    )
+    return driving, driven
 
 
 def _lost_w(choices: tuple[Choice, Choice], conditions: Conditions, loading: Loading) -> float:
@@ -124,16 +137,20 @@ LIGHTEST_N_MM = 1.0
 """Load per mm of face width at which contacts are taken to be flattened where the teeth bear less: next to nothing."""
 
 
-def linear_teeth(
+def stiffnesses(
     load: ToothLoad,
-    teeth: ToothedPair,
+    sections: FaceSections,
     face_width_mm: float,
-    methods: tuple[ToothMethod, ToothMethod],
+    methods: tuple[InSections, InSections],
     materials: tuple[Material, Material],
-) -> LinearTeeth:
-    """The stiffness of pairs of teeth by methods for the driving and the driven gear, at their largest load."""
+) -> list[LinearTeeth]:
+    """The stiffness of pairs of teeth in each section of the face width, at their largest load."""
     line_load = max(load.peak_n / face_width_mm, LIGHTEST_N_MM)
-    return LinearTeeth(teeth, methods, materials, face_width_mm, line_load)
+    each = zip(sections.each, methods[0].each, methods[1].each, strict=True)
+    return [
+        LinearTeeth(one.teeth, (driving, driven), materials, one.share * face_width_mm, line_load)
+        for one, driving, driven in each
+    ]
 
 
 def estimated(gear: ToothedGear, material: Material) -> ToothMethod:

@@ -49,7 +49,7 @@ STAGES: dict[str, dict[str, Callable[[Drive], float]]] = {
         "contact.sliding_velocity_max_mm_s": lambda drive: drive.contact_extremes.sliding_mm_s.value,
     },
     "strength": {
-        "strength.peak_tooth_force_n": lambda drive: float(drive.strength.contacts.force_n.max()),
+        "strength.peak_tooth_force_n": lambda drive: drive.strength.peak_pair_n,
         **_strength_of(Gear.DRIVING),
         **_strength_of(Gear.DRIVEN),
     },

@@ -30,7 +30,7 @@ class ContactStresses:
 
     def decisive_face_load(self, contacts: LoadedContacts) -> float:
         """K_Hbeta of the contact that bears most for each mm of width; 1 where none bears load."""
-        load = self.face_load_factor * contacts.force_n
+        load = self.face_load_factor * contacts.over_width_n
         return float(self.face_load_factor[load.argmax()]) if load.size else 1.0
 
 
@@ -91,6 +91,11 @@ class Strength(Shown):
     stresses: ContactStresses
     driving: GearStrength
     driven: GearStrength
+
+    @property
+    def peak_pair_n(self) -> float:
+        """Largest normal force on a pair of teeth, in all sections of its width; 0 where none bears load."""
+        return float(self.contacts.of_pairs().force_n.max(initial=0.0))
 
     @property
     def wears(self) -> bool:

@@ -18,12 +18,14 @@ class Running:
     """Size and speed of a pair, as the factors of ISO 6336 need them.
 
     ``teeth`` are those of the driving and the driven gear, ``speed_rad_s`` is the mean speed of the driving gear.
+    ``overlap_ratio`` is how many pitches helical teeth advance over the face width, 0 of straight ones.
     """
 
     module_mm: float
     teeth: tuple[int, int]
     face_width_mm: float
     speed_rad_s: float
+    overlap_ratio: float = 0.0
 
     @property
     def pitch_speed_m_s(self) -> float:
@@ -89,7 +91,9 @@ GRADE = 8
 """Accuracy grade for which factors are estimated where none is given."""
 
 GRADE_8 = 39.1, 0.0193
-"""K1 in N/mm and K2 of spur gears of accuracy grade 8: ISO 6336-1, method C (secondary source)."""
+HELICAL_GRADE_8 = 34.8, 0.0087
+"""K1 in N/mm and K2 of spur gears of accuracy grade 8, and of helical ones whose overlap is a pitch or more: ISO
+6336-1, method C (secondary source).  With less overlap K_V is between both, in a line."""
 
 LEAST_LINE_LOAD_N_MM = 100.0
 
@@ -115,7 +119,10 @@ def dynamic_factor(running: Running, line_load_n_mm: float) -> float:
     for others, with the mean speed along the pitch curves and the mean load per mm of width, times K_A.  Raises
     VibrationUnknown for faster ones.
     """
-    (first, second), (z1, z2) = GRADE_8, running.teeth
+    overlap, (z1, z2) = min(running.overlap_ratio, 1.0), running.teeth
+    first, second = (
+        spur + overlap * (all_over - spur) for spur, all_over in zip(GRADE_8, HELICAL_GRADE_8, strict=True)
+    )
     ratio = z2 / z1
     s = running.pitch_speed_m_s * z1 / 100.0 * (ratio**2 / (1.0 + ratio**2)) ** 0.5
     if s > FASTEST_M_S:

@@ -55,16 +55,16 @@ def stresses_of(
 
 def shaken_n_mm(contacts: LoadedContacts, conditions: Conditions, running: Running, dynamic: float) -> Array:
     """The mean load for each mm of width, shape (n,), with K_A and the K_V that is given."""
-    return contacts.force_n * (conditions.application_factor * dynamic / running.face_width_mm)
+    return contacts.over_width_n * (conditions.application_factor * dynamic / running.face_width_mm)
 
 
 def dynamic_factor_of(contacts: LoadedContacts, conditions: Conditions, running: Running) -> float:
     """K_V as given or by the mean load of the contacts, each weighed by its load: that which does most damage."""
-    line_load = contacts.force_n * conditions.application_factor / running.face_width_mm
-    total = float(line_load.sum())
+    line_load = contacts.over_width_n * conditions.application_factor / running.face_width_mm
+    total = float(contacts.force_n.sum())
     if conditions.dynamic_factor is not None or total == 0.0:
         return conditions.dynamic_factor or 1.0
-    return dynamic_factor(running, float((line_load**2).sum()) / total)
+    return dynamic_factor(running, float((line_load * contacts.force_n).sum()) / total)
 
 
 def strength_of(
@@ -147,12 +147,15 @@ def rated_for_pitting(contacts: LoadedContacts) -> Mask:
     ISO 6336-2 compares the pressure at the pitch point, or where a pair begins to bear the load alone, with stresses
     that test gears endured at these places.  Where teeth begin and cease to touch, flanks near their base circles have
     small radii and high pressures over little width, in test gears as well, and are not compared; there another pair
-    bears more.  Flanks that meet without ever bearing the most count wherever they touch.
+    bears more.  Flanks that meet without ever bearing the most count wherever they touch.  Each section of helical
+    teeth is looked at by itself.
     """
-    most = np.zeros(int(contacts.position.max(initial=-1)) + 1)
-    np.maximum.at(most, contacts.position, contacts.force_n)
-    leading = contacts.flanks & (contacts.force_n >= most[contacts.position])
-    flanks = np.stack([contacts.driving_flank, contacts.driven_flank], axis=1)
+    sections = int(contacts.section.max(initial=0)) + 1
+    place = contacts.position * sections + contacts.section
+    most = np.zeros(int(place.max(initial=-1)) + 1)
+    np.maximum.at(most, place, contacts.force_n)
+    leading = contacts.flanks & (contacts.force_n >= most[place])
+    flanks = np.stack([contacts.driving_flank, contacts.driven_flank, contacts.section], axis=1)
     _, pair = np.unique(flanks, axis=0, return_inverse=True)
     pair = pair.ravel()  # NumPy 2.0.0 gives it another axis.
     ever_leading = np.bincount(pair, weights=leading) > 0.0

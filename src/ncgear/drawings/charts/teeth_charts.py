@@ -90,7 +90,7 @@ def strength_charts(strength: Strength, found: Sequence[Weakest]) -> list[Chart]
 
 
 def _forces(strength: Strength) -> Chart:
-    contacts = strength.contacts
+    contacts = strength.contacts.of_pairs()
     angle = _position_deg(strength)
     # By position, and there the greatest force first: the place in its run is the rank of a pair.
     order = np.lexsort((-contacts.force_n, contacts.position))
