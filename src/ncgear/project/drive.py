@@ -12,7 +12,6 @@ from ncgear.errors import DesignError, NoSuchMechanism, WrongInput, located
 from ncgear.numerics.arrays import Array
 from ncgear.project.computed import computed
 from ncgear.project.geared import Geared
-from ncgear.project.law import require_whole_turns
 
 if TYPE_CHECKING:
     from ncgear.contact.designed.as_designed import AsDesigned
@@ -304,7 +303,7 @@ class Drive(Geared):
         from ncgear.design.keys.masses import Simulation
         from ncgear.project.forces import borne_by, meshing_of
         from ncgear.project.tooth_strength import stiffnesses
-        from ncgear.strength.loading import AskedTorque, loading_of
+        from ncgear.strength.loading import AskedTorque, loading_of, out_and_back
 
         with located(self.places):
             self.require_sound_teeth()
@@ -312,11 +311,14 @@ class Drive(Geared):
             stiff = stiffnesses(load, sections, width_mm, methods, materials)
             with self.stopwatch("load of every tooth"):
                 asked = AskedTorque.of(pitch, load.torque_n_mm)
-                sides = BOTH_SIDES if load.knocks_are_judged else asked.sides
+                sides = BOTH_SIDES if load.knocks_are_judged or load.loads_return else asked.sides
                 each = [(one.teeth, own) for one, own in zip(sections.each, stiff, strict=True)]
                 meshing = meshing_of(Simulation(), pitch, each, sides)
                 borne, speed = borne_by(load, meshing), self.pair_speed_rad_s
                 found = loading_of(meshing, sections, pitch, asked, speed, borne)
+                if load.loads_return:
+                    coming = AskedTorque.of(pitch, load.returning_n_mm)
+                    found = out_and_back(found, loading_of(meshing, sections, pitch, coming, speed))
                 if borne.knocks:
                     knocking = AskedTorque.of(pitch, borne.at)
                     found = replace(loading_of(meshing, sections, pitch, knocking, speed, borne), still=found)
@@ -498,7 +500,6 @@ class Drive(Geared):
     def _judged(self, method: Literal["estimate", "elements"], conditions: Conditions) -> JudgedTeeth:
         from ncgear.project.tooth_strength import judged_teeth, methods_of
 
-        require_whole_turns(self.design, "the strength of the teeth")
         load, sections, known = self.tooth_load.load, self.face_sections, self._known_loadings
         with self.stopwatch("strength"), located(self.places):
             if method not in known:

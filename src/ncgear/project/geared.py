@@ -480,15 +480,21 @@ class Geared(Moving):
         from ncgear.strength.conditions import Running
 
         size, teeth = self.pitch.size, (self.pitch.size.driving_teeth, self.pitch.size.driven_teeth)
-        speed = self.machine.speed_rad_s
-        return Running(size.module_mm, teeth, self.gears.face_width_mm, speed, self.overlap_ratio)
+        width, speed, toothed = self.gears.face_width_mm, self.machine.speed_rad_s, self.pitch.toothed
+        found = Running(size.module_mm, teeth, width, speed, self.overlap_ratio)
+        if toothed is None:
+            return found
+        ends = toothed.covered_rad, float(self.transmission.driven_angle(np.array([toothed.covered_rad])).value[0])
+        driving, driven = (2.0 * toothed.covered_mm / (size.module_mm * abs(end)) for end in ends)
+        return replace(found, around=(driving, driven), stroke_rad=2.0 * toothed.covered_rad)
 
     @computed
     def conditions(self) -> Conditions:
         """What the teeth run under, and how safe they shall be."""
         from ncgear.project.service import conditions_of
 
-        return conditions_of(self.design.strength, self.transmission.cycle_rad, self.machine.speed_rad_s)
+        ways = 2.0 if self.design.motion.is_open else 1.0
+        return conditions_of(self.design.strength, ways * self.transmission.cycle_rad, self.machine.speed_rad_s)
 
     @computed
     def materials(self) -> tuple[Material, Material]:

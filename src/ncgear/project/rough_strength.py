@@ -92,6 +92,8 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
 
         load = rolled_load(drive, borne_by(asked, rough_meshing(drive, asked, sides)).at)
         sides = shared_loads(load, plan, running, drive.materials)
+    if asked.loads_return:
+        sides = [*sides, *shared_loads(rolled_load(drive, asked.returning_n_mm), plan, running, drive.materials)]
     needs_teeth = _needs_teeth(drive, plan, load, sides)
     warm, uneven = _warm(drive, sides, load.phi1_rad.size), _uneven(drive, sides, conditions)
     jammed = list[RoughSafety]()
@@ -148,8 +150,6 @@ def _no_life(drive: Drive) -> str:
     """Why no life of these teeth is told under any load."""
     if drive.helix is not None:
         return "it needs the teeth to tell of helical ones, whose roots a check judges as straight ones"
-    if drive.design.motion.is_open:
-        return "gears that turn to and fro, less than once, are not followed under load"
     return ""
 
 

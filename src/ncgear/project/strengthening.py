@@ -102,8 +102,6 @@ def unknown(drive: Drive) -> WrongInput | None:
         return WrongInput("missing; gears need teeth, module_mm, face_width_mm and more", key="gears")
     if design.masses is None and design.resistance is None:
         return WrongInput("missing; the load of the teeth needs it, or masses", key="resistance")
-    if design.motion.is_open:
-        return WrongInput("open, but strength is computed of gears that turn on and on", key="motion.law")
     if design.stages > 1 and drive.stage is None:
         return WrongInput(
             "two pairs of gears, each with a strength of its own; one pair is right here", key="motion.second_stage"

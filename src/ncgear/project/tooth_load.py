@@ -48,6 +48,16 @@ class ToothLoad:
             return loads.driven_torque.value
         return self.passed_on_n_mm(loads.driving_torque.value, angle_rad)
 
+    @property
+    def loads_return(self) -> bool:
+        """Whether the gears turn to and fro, less than once, and bear load on their way back."""
+        open_range = self.pair.transmission.lobes.range is not None
+        return open_range and self.machine.machine.load.loads_return
+
+    def returning_n_mm(self, angle_rad: Array) -> Array:
+        """Torque asked of the driven gear on the way back, in the sense of the way out, shape (n,)."""
+        return self.machine.coming_back(angle_rad).driven_torque.value
+
     def passed_on_n_mm(self, driving_n_mm: Array | float, angle_rad: Array) -> Array:
         """The torque of the driven gear that the machine's driving shaft asks or gives with its own, shape (n,)."""
         driven_speed = self.pair.transmission.driven_angle(angle_rad, 1).derivative(1) * self.pair.speed(angle_rad)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from math import pi
 from typing import TYPE_CHECKING, Literal
 
 from ncgear.design.keys.gears import Gears
@@ -70,7 +69,7 @@ def judged_teeth(
     choices = choices_of(gears)
     warm = temperatures_of(choices, conditions, running, _lost_w(choices, conditions, loading))
     materials = materials_of(choices, conditions, running, warm)
-    cycle_rad = 2.0 * pi * loading.cycle_turns
+    cycle_rad = loading.cycle_rad
 
     def found(loads: Loading, under: Conditions) -> Strength:
         uneven = face_loading.of_contacts(loads.contacts, under.application_factor)

@@ -82,7 +82,8 @@ class GearStrength:
 class Strength(Shown):
     """Both gears by one method.
 
-    ``load`` says what the load follows from: the machine with its masses, or the resistance alone.
+    ``load`` says what the load follows from: the machine with its masses, or the resistance alone.  ``end_rad`` is the
+    driving angle at which the same teeth meet again, or of gears that turn less than once the end of their range.
     """
 
     method: Literal["estimate", "elements"]
@@ -91,6 +92,7 @@ class Strength(Shown):
     stresses: ContactStresses
     driving: GearStrength
     driven: GearStrength
+    end_rad: float
 
     @property
     def peak_pair_n(self) -> float:

@@ -77,7 +77,7 @@ class LoadedContacts(Columns):
         _, pair = np.unique(key, axis=0, return_inverse=True)
         pair = pair.ravel()  # NumPy 2.0.0 gives it another axis.
         rows = np.sort(largest_rows(self.over_width_n, pair, int(pair.max(initial=-1)) + 1))
-        return replace(self.kept(rows), force_n=np.bincount(pair, self.force_n)[pair[rows]])
+        return replace(self.kept(rows), force_n=np.bincount(pair, self.force_n).astype(float)[pair[rows]])
 
     @property
     def sliding_mm_s(self) -> Array:

@@ -87,7 +87,8 @@ def strength_of(
         _gear_strength(gear, contacts, stresses, materials[place], conditions.life_h, cycle_rad, hours, z)
         for place, (gear, z) in enumerate(zip(Gear, running.teeth, strict=True))
     )
-    return Strength(method, load, contacts, stresses, driving, driven)
+    end_rad = cycle_rad / 2.0 if running.around else cycle_rad
+    return Strength(method, load, contacts, stresses, driving, driven, end_rad)
 
 
 def _gear_strength(

@@ -63,10 +63,12 @@ class Loading:
     the largest of all among them.  ``phi1_rad``, ``torque_n_mm`` (asked of the driven gear) and ``error_rad`` (its
     angle beyond the law's) have shape (n,); ``even`` tells the even positions.  ``transmission_error_rad`` is the peak
     to peak variation of the error.  ``contact_ratio`` is the mean number of pairs that bear load, where there is load.
-    ``cycle_turns`` is how often the driving gear turns in the cycle. ``borne`` is the torque with the knocks of a turn
+    ``cycle_rad`` is by how much the driving gear turns in the cycle. ``borne`` is the torque with the knocks of a turn
     of the driven gear; None where nothing is known of them. Of teeth that knock, ``still`` is their loading by what the
     law asks alone; ``jammed`` is that of a jam, if there is one. Rolled lengths, ``rolled_mm`` of the positions (shape
     (n,)), go over ``cycle_mm``; ``between`` gives the contacts at any, shape (m,).
+
+    Gears that turn less than once are not ``closed``: their cycle goes out and, where they bear load then, back.
     """
 
     contacts: LoadedContacts
@@ -79,7 +81,8 @@ class Loading:
     even: Mask
     transmission_error_rad: float
     contact_ratio: float
-    cycle_turns: int
+    cycle_rad: float
+    closed: bool = True
     borne: BorneTorque | None = None
     still: Loading | None = None
     jammed: Loading | None = None
@@ -143,6 +146,8 @@ def loading_of(
     if len(sections.each) == 1:
         # In many sections pairs come and go all the time, each with a small part of the load.
         jumps |= np.roll(bearing, -1) != bearing
+    if solved.toothed is not None:
+        jumps[-1] = False
     # Where forces never change, as without a torque, one step is looked at all the same.
     jumps[0] |= not jumps.any()
     inside = solved.rolled_mm[jumps][:, None] + solved.step_mm * np.arange(1, BETWEEN) / BETWEEN
@@ -174,15 +179,52 @@ def loading_of(
         contacts=_contacts(sections, touching, (row, phi1[row], found.force_n[chosen[row], slot]), speed_rad_s),
         between=between,
         rolled_mm=every.rolled_mm[chosen],
-        cycle_mm=solved.cycle_mm,
+        cycle_mm=solved.cycle_mm if solved.toothed is None else solved.toothed.covered_mm,
         phi1_rad=phi1,
         torque_n_mm=torque[chosen],
         error_rad=found.error_rad[chosen],
         even=even[chosen],
         transmission_error_rad=float(np.ptp(found.error_rad)),
         contact_ratio=float(pairs.mean()) if pairs.size else 0.0,
-        cycle_turns=solved.meetings // solved.driving_teeth,
+        cycle_rad=solved.cycle_rad if solved.toothed is None else 2.0 * solved.cycle_rad,
+        closed=solved.toothed is None,
         borne=borne,
+    )
+
+
+def out_and_back(out: Loading, back: Loading) -> Loading:
+    """The loads of gears that turn less than once on their way out and on their way back.
+
+    Rolled lengths go on after the way out, a step beyond its end, and then from the end of the range to its beginning.
+    """
+    end, count = out.cycle_mm, out.rolled_mm.size
+    turned, last = 2.0 * end + float(out.rolled_mm[1] - out.rolled_mm[0]), back.rolled_mm.size - 1
+
+    def between(rolled_mm: Array) -> LoadedContacts:
+        returning = rolled_mm > turned / 2.0
+        parts = []
+        for rows, way, place in (
+            (np.flatnonzero(~returning), out, np.minimum(rolled_mm, end)),
+            (np.flatnonzero(returning), back, np.minimum(turned - rolled_mm, end)),
+        ):
+            if rows.size:
+                found = way.between(place[rows])
+                parts.append(replace(found, position=rows[found.position]))
+        both = LoadedContacts.joined(parts)
+        return both.kept(np.argsort(both.position, kind="stable"))
+
+    coming = back.contacts.kept(slice(None, None, -1))
+    return replace(
+        out,
+        contacts=LoadedContacts.joined([out.contacts, replace(coming, position=count + last - coming.position)]),
+        between=between,
+        rolled_mm=np.concatenate([out.rolled_mm, turned - back.rolled_mm[::-1]]),
+        cycle_mm=turned,
+        phi1_rad=np.concatenate([out.phi1_rad, back.phi1_rad[::-1]]),
+        torque_n_mm=np.concatenate([out.torque_n_mm, back.torque_n_mm[::-1]]),
+        error_rad=np.concatenate([out.error_rad, back.error_rad[::-1]]),
+        even=np.concatenate([out.even, back.even[::-1]]),
+        transmission_error_rad=max(out.transmission_error_rad, back.transmission_error_rad),
     )
 
 

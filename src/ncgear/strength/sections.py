@@ -22,7 +22,7 @@ from math import atan, ceil, cos, tan
 import numpy as np
 
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.strength.contacts import FlankPlaces
 from ncgear.strength.method import RootStress, ToothMethod
 from ncgear.teeth.gear import ToothedPair
@@ -90,6 +90,6 @@ class InSections:
             tension[rows], compression[rows] = one.tension_mpa, one.compression_mpa
         return RootStress(tension, compression)
 
-    def _rows(self, places: FlankPlaces) -> list[tuple[ToothMethod, Array]]:
+    def _rows(self, places: FlankPlaces) -> list[tuple[ToothMethod, IndexArray]]:
         assert places.section is not None
         return [(method, np.flatnonzero(places.section == number)) for number, method in enumerate(self.each)]

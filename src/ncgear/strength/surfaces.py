@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from math import inf, pi
+from math import inf
 
 import numpy as np
 
@@ -175,18 +175,11 @@ class _Pair:
             film = film_um(pressed, flash, self.bulk_c, self.oil, self.materials)
             thickness = np.maximum(film / roughness_um(self.conditions), LEAST_FILM)
             thin, unparted = 1.0 / thickness, share_unparted(thickness)
-        depth = self.meetings[:, None] * depth_mm(pressed, unparted, self.coefficients_mm3_n_m)
+        # Each meeting counts as the worst, which it is where teeth always meet the same mates.
+        met = self.running.meetings(self.conditions.life_h)
+        depth = met[:, None] * depth_mm(pressed, unparted, self.coefficients_mm3_n_m)
         play = depth.sum(axis=0)
         return np.vstack([thin, flash, depth, *(np.where(side == one, play, 0.0) for one in BOTH_SIDES)])
-
-    @property
-    def meetings(self) -> Array:
-        """How often a flank of the driving and of the driven gear meets a mate in the wanted life, shape (2,).
-
-        Each meeting counts as the worst, which it is where teeth always meet the same mates.
-        """
-        turns = self.conditions.life_h * 3600.0 * self.running.speed_rad_s / (2.0 * pi)
-        return turns * np.array([1.0, self.running.teeth[0] / self.running.teeth[1]])
 
 
 LEAST_FILM = 1e-6
@@ -251,8 +244,10 @@ def _largest(pair: _Pair, loading: Loading) -> list[Place]:
         return over(loading.between(rolled_mm), rolled_mm.size)[2]
 
     known = over(loading.contacts, loading.rolled_mm.size)[2]
-    places = np.append(loading.rolled_mm, loading.rolled_mm[0] + loading.cycle_mm)
-    extremes = largest_from(at, places, np.hstack([known, known[:, :1]]), KNOWN * known.max(axis=1))
+    places, values = loading.rolled_mm, known
+    if loading.closed:
+        places, values = np.append(places, places[0] + loading.cycle_mm), np.hstack([known, known[:, :1]])
+    extremes = largest_from(at, places, values, KNOWN * known.max(axis=1))
     rolled = np.array([one.at for one in extremes])
     touching, found, _ = over(loading.between(rolled), rolled.size)
     return [_place(touching, np.where(touching.position == row, found[row], -1.0)) for row in range(rolled.size)]

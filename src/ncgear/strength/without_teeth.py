@@ -246,9 +246,8 @@ def rough_safeties(
     shaken = conditions.dynamic_factor or dynamic_factor(running, float(np.sum(lines**2) / np.sum(lines)))
     found = []
     for gear, material in zip(Gear, materials, strict=True):
-        teeth = running.teeth[list(Gear).index(gear)]
-        turns = conditions.life_h * 3600.0 * running.speed_rad_s / (2.0 * pi) * running.teeth[0] / teeth
-        cycles, wanted = np.array(max(turns, 1.0)), conditions.wanted_bending_safety(material)
+        met = running.meetings(conditions.life_h)[list(Gear).index(gear)]
+        cycles, wanted = np.array(max(met, 1.0)), conditions.wanted_bending_safety(material)
         over = [_factors_of_roots(running, conditions, one) for one in uneven]
         root = [shaken * k * _root_stress(one, gear, plan, running) for one, k in zip(sides, over, strict=True)]
         found.append(_least(gear, Damage.BENDING, sides, root, float(material.bending.at(cycles)), wanted))
