@@ -345,7 +345,7 @@ def test_a_build_tells_a_safety_where_its_strength_is_refused() -> None:
     rows = build_answer(made, [made.designed_contact], Verdict(()), "").rows
     safety = next(row.texts[0] for row in rows if row.name == "safety")
     assert safety.startswith("about ")
-        assert safety.endswith(" against breaking at once (1.4 wanted)")
+    assert safety.endswith(" against breaking at once (1.4 wanted)")
 
 
 def test_twice_the_load_leaves_half_the_safety_or_a_little_more() -> None:
