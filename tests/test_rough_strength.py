@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import pi, radians
+from math import cos, pi, radians
 
 import numpy as np
 import pytest

@@ -73,7 +73,10 @@ def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rat
         **surfaces_figures(drive.surfaces_by(strength.method)),
         "face_load": _face_load_figures(drive, rating),
         **({} if beside is None else {"strength_beside": strength_summary(beside, drive)}),
-        **{gear.value: _gear_figures(rating, gear) for gear in Gear},
+        **{
+            gear.value: _gear_figures(rating, gear, float(rim.counted.max()))
+            for gear, rim in zip(Gear, drive.rims, strict=True)
+        },
         **verdict_summary(verdict),
     }
 
@@ -127,6 +130,18 @@ def jam_words(drive: Drive, rating: Rating) -> str:
         f"{figure('force_n', jammed.peak_pair_n)} on one pair of teeth, safety {safeties}; the table "
         "has what is worse"
     )
+
+
+def rim_words(drive: Drive, rating: Rating) -> str:
+    """By how much thin walls raise the stresses at the weakest roots; empty where these have thick ones."""
+    found = []
+    rims = dict(zip(Gear, drive.rims, strict=True))
+    for one in rating.weakest:
+        rim, row = rims[one.gear], one.tooth - 1
+        if one.damage is Damage.BENDING and rim.counted[row] > 1.0:
+            wall, raised = to_digits(float(rim.wall_mm[row]), 2), to_digits(float(rim.counted[row]), 3)
+            found.append(f"{wall} mm under tooth {one.tooth} of the {one.gear.value} gear, stress times {raised}")
+    return f"thin wall of {'; '.join(found)}" if found else ""
 
 
 def knock_words(knocks: Sequence[Knock] | None) -> str:
@@ -202,9 +217,9 @@ def strength_summary(rating: Rating, drive: Drive) -> dict[str, Any]:
     }
 
 
-def _gear_figures(rating: Rating, gear: Gear) -> dict[str, Any]:
+def _gear_figures(rating: Rating, gear: Gear, rim: float) -> dict[str, Any]:
     material = rating.strength.of(gear).material
-    figures: dict[str, Any] = {"material": material.name, "source": material.source}
+    figures: dict[str, Any] = {"material": material.name, "source": material.source, "rim_factor_max": rim}
     for one in rating.weakest:
         if one.gear is gear:
             name = one.damage.value

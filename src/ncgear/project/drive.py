@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Literal
 
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput, located
 from ncgear.numerics.arrays import Array
+from ncgear.pitch.shape import Gear
 from ncgear.project.computed import computed
 from ncgear.project.geared import Geared
 
@@ -32,7 +33,7 @@ if TYPE_CHECKING:
     from ncgear.project.passing import Passing
     from ncgear.project.thickness import AtThickness
     from ncgear.project.tooth_load import ToothLoad
-    from ncgear.project.tooth_strength import JudgedTeeth
+    from ncgear.project.tooth_strength import JudgedTeeth, Rim
     from ncgear.project.workshop_measures import CutGear, GearMeasures
     from ncgear.strength.answer import Strength
     from ncgear.strength.conditions import Conditions
@@ -493,6 +494,18 @@ class Drive(Geared):
         return face_loading_of(self)
 
     @computed
+    def rims(self) -> tuple[Rim, Rim]:
+        """The walls under the teeth of the driving and the driven gear; raises where a body cannot be made."""
+        from ncgear.project.tooth_strength import rim_of
+
+        helical = self.helix is not None
+        driving, driven = (
+            rim_of(self.teeth.of(gear), plan, helical=helical)
+            for gear, plan in zip(Gear, self.finished_plans, strict=True)
+        )
+        return driving, driven
+
+    @computed
     def still_teeth(self) -> JudgedTeeth:
         """As ``judged_teeth`` by the design's method, with a dynamic factor of 1: the least load on the teeth."""
         return self._judged(self.design.strength.method, replace(self.conditions, dynamic_factor=1.0))
@@ -503,7 +516,7 @@ class Drive(Geared):
         load, sections, known = self.tooth_load.load, self.face_sections, self._known_loadings
         with self.stopwatch("strength"), located(self.places):
             if method not in known:
-                methods = methods_of(method, sections, self.materials)
+                methods = methods_of(method, sections, self.materials, self.rims)
                 known[method] = methods, self.loading(methods, self.materials)
             running, uneven = self.running, self.face_loading
             return judged_teeth(method, self.gears, *known[method], conditions, running, load, uneven)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
-from math import ceil, lcm, pi, radians, sin
+from math import ceil, inf, lcm, pi, radians, sin
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from ncgear.project.tooth_load import asked_of
 from ncgear.strength.conditions import Conditions, VibrationUnknown
 from ncgear.strength.endurance import materials_of
 from ncgear.strength.holding import Damage
-from ncgear.strength.iso6336 import RackTip
+from ncgear.strength.iso6336 import RackTip, rim_factor, thinnest_rim_factor
 from ncgear.strength.material import Material
 from ncgear.strength.materials import Plastic
 from ncgear.strength.plastics import friction, temperatures_of
@@ -205,7 +205,20 @@ def tooth_plan(drive: Drive) -> ToothPlan:
     module, (pushing, idle) = form.rack.module_mm, rack.angles_deg
     shifts = form.driving_shift_mm / module, form.driven_shift_mm / module
     tip = RackTip(rack.dedendum, rack.root_radius)
-    return ToothPlan(tip, rack.addendum, shifts, (radians(pushing), radians(idle)), form.rack.relief)
+    rims = _even_rim(drive, Gear.DRIVING), _even_rim(drive, Gear.DRIVEN)
+    return ToothPlan(tip, rack.addendum, shifts, (radians(pushing), radians(idle)), form.rack.relief, rims)
+
+
+def _even_rim(drive: Drive, gear: Gear) -> float:
+    """Y_B of a gear by the walls that its keys give: of a web, a ring and lightening holes, not of a bore."""
+    body, module, internal = getattr(drive.gears, gear.value), drive.running.module_mm, drive.pitch.of(gear).is_ring
+    # A rim that the file leaves out is thick enough.
+    walls = [body.rim_mm] if internal and body.rim_mm is not None else []
+    walls += [body.web.rim_mm] if body.web else []
+    walls += [body.lightening_holes.least_wall_mm] if body.lightening_holes else []
+    height_mm = module * (drive.gears.rack.addendum + drive.gears.rack.dedendum)
+    raised = rim_factor(min(walls, default=inf), height_mm, module, internal=internal)
+    return min(float(raised), thinnest_rim_factor(internal=internal))
 
 
 def rolled_load(drive: Drive, torque_n_mm: Callable[[Array], Array] | None = None) -> RolledLoad:

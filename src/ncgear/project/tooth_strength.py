@@ -7,6 +7,8 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Literal
 
+import numpy as np
+
 from ncgear.design.keys.gears import Gears
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.frozen import dataclass
@@ -18,6 +20,7 @@ from ncgear.strength.conditions import Conditions, Running
 from ncgear.strength.contacts import LoadedContacts
 from ncgear.strength.endurance import materials_of
 from ncgear.strength.estimate import estimate_of
+from ncgear.strength.iso6336 import rim_factor, thinnest_rim_factor
 from ncgear.strength.life import strength_of, stresses_of, worse_of
 from ncgear.strength.material import Material
 from ncgear.strength.materials import Choice, Plastic
@@ -29,6 +32,7 @@ from ncgear.teeth.gear import ToothedGear
 
 if TYPE_CHECKING:
     from ncgear.project.face_load import FaceLoading
+    from ncgear.solids.plan.body import BodyPlan
     from ncgear.strength.answer import Strength
     from ncgear.strength.loading import Loading
     from ncgear.strength.method import ToothMethod
@@ -101,7 +105,7 @@ def surfaces_of_teeth(
 
 
 def methods_of(
-    method: Method, sections: FaceSections, materials: tuple[Material, Material]
+    method: Method, sections: FaceSections, materials: tuple[Material, Material], rims: tuple[Rim, Rim]
 ) -> tuple[InSections, InSections]:
     """What a method knows of the teeth of both gears; raises WrongInput for elements of helical teeth."""
     pairs, helix_rad = [one.teeth for one in sections.each], sections.helix_rad
@@ -118,8 +122,8 @@ def methods_of(
     else:
         made = partial(estimate_of, helix_rad=helix_rad)
     driving, driven = (
-        InSections(tuple(made(pair.of(gear), material) for pair in pairs))
-        for gear, material in zip(Gear, materials, strict=True)
+        InSections(tuple(made(pair.of(gear), material) for pair in pairs), rim.counted)
+        for gear, material, rim in zip(Gear, materials, rims, strict=True)
     )
     return driving, driven
 
@@ -134,6 +138,36 @@ def _lost_w(choices: tuple[Choice, Choice], conditions: Conditions, loading: Loa
 
 LIGHTEST_N_MM = 1.0
 """Load per mm of face width at which contacts are taken to be flattened where the teeth bear less: next to nothing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Rim:
+    """The walls under the roots of a gear's teeth in mm and Y_B by them, shape (z,) each; infinite where not known."""
+
+    wall_mm: Array
+    factor: Array
+    internal: bool
+
+    @property
+    def counted(self) -> Array:
+        """Y_B as it counts, shape (z,): where it is not known, that of the thinnest wall for which it is."""
+        return np.minimum(self.factor, thinnest_rim_factor(internal=self.internal))
+
+    @property
+    def worst(self) -> int:
+        """The row of the tooth with the thinnest wall."""
+        return int(self.wall_mm.argmin())
+
+
+def rim_of(gear: ToothedGear, plan: BodyPlan, *, helical: bool) -> Rim:
+    """The walls under the teeth of a gear in its body; all helical teeth count as the one with the thinnest wall."""
+    from ncgear.solids.plan.walls import walls_mm
+
+    walls, rack = walls_mm(gear, plan), gear.flanks.rack
+    if helical:
+        walls = np.full_like(walls, walls.min())
+    height_mm = rack.addendum_mm + rack.dedendum_mm
+    return Rim(walls, rim_factor(walls, height_mm, rack.module_mm, internal=plan.is_ring), plan.is_ring)
 
 
 def stiffnesses(

@@ -66,9 +66,13 @@ def count_of(advance_mm: float, pitch_mm: float) -> int:
 
 @dataclass(frozen=True, eq=False)
 class InSections:
-    """The teeth of one gear by a method for each section (a ``ToothMethod``); of places that know their section."""
+    """The teeth of one gear by a method for each section (a ``ToothMethod``); of places that know their section.
+
+    ``rim_factor`` is Y_B of each tooth, shape (z,): by how much a thin wall under it raises the stress at its root.
+    """
 
     each: tuple[ToothMethod, ...]
+    rim_factor: Array | None = None
 
     @property
     def name(self) -> str:
@@ -88,7 +92,8 @@ class InSections:
         for method, rows in self._rows(places):
             one = method.root_stress(places.kept(rows))
             tension[rows], compression[rows] = one.tension_mpa, one.compression_mpa
-        return RootStress(tension, compression)
+        over = 1.0 if self.rim_factor is None else self.rim_factor[places.flank // 2]
+        return RootStress(over * tension, over * compression)
 
     def _rows(self, places: FlankPlaces) -> list[tuple[ToothMethod, IndexArray]]:
         assert places.section is not None

@@ -23,6 +23,7 @@ from ncgear.figures.strong import (
     jolts_words,
     knock_words,
     materials_words,
+    rim_words,
     teeth_words,
     weakest_cells,
 )
@@ -99,6 +100,7 @@ def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
         Row(f"{of}force", (f"up to {figure('force_n', force_n)} on one pair of teeth, times {jolts_words(drive)}",)),
         *([Row(f"{of}jam", (words,))] if (words := jam_words(drive, rating)) else []),
         *([Row(f"{of}knocks", (words,))] if (words := knock_words(loading.knocks)) else []),
+        *([Row(f"{of}rim", (words,))] if (words := rim_words(drive, rating)) else []),
         Row(f"{of}face load", (face_load_words(drive, rating),)),
         *(
             Row(f"{of}{name}", (words,))
