@@ -9,11 +9,13 @@ import pytest
 
 from commands import Run, on_text
 from drives import drive_of_text
+from ncgear.errors import WrongInput
 from ncgear.figures.advice.drivetrain_advice import around
 from ncgear.figures.advice.strength_advice import rough, strength
 from ncgear.figures.advice.values import Advice, NotJudged
 from ncgear.pitch.shape import Gear
 from ncgear.project.rough_strength import rough_strength
+from ncgear.project.strengthening import rating_of
 from ncgear.strength.conditions import face_load_factor_of_roots
 from ncgear.strength.holding import Damage
 
@@ -106,3 +108,23 @@ def test_shafts_are_not_judged_for_a_jam() -> None:
 
     assert unjudged(1.0)
     assert not unjudged(None)
+
+
+@pytest.mark.slow
+@pytest.mark.judges("strength")
+def test_a_jam_alone_is_rated_as_beside_a_resistance() -> None:
+    """Safeties of the jam are those that it has beside a small load, and nothing else ends the teeth's life."""
+    both, resistance = drive_of_text(text_of(1.0)), "resistance: {polynomial_n: [50]}\n"
+    alone = drive_of_text(text_of(1.0).replace(resistance, ""))
+    rated, beside = rating_of(alone), both.judged_teeth("estimate").jammed
+    assert beside is not None
+    assert rated.strength.load == "jam"
+    for gear in Gear:
+        one, other = rated.strength.of(gear).bending, beside.of(gear).bending
+        assert one.safety == pytest.approx(other.safety, rel=1e-2)
+        assert np.all(np.isinf(one.life_h))
+    assert rated.strength.peak_pair_n == pytest.approx(beside.peak_pair_n, rel=1e-2)
+    assert rough(alone) is None
+    # Without the jam nothing loads the teeth.
+    with pytest.raises(WrongInput, match="missing"):
+        rating_of(drive_of_text(text_of(None).replace(resistance, "")))

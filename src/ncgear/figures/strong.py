@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ncgear.design.keys.base import listed
 from ncgear.dynamics.flank_changes import Knock
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.csv_text import rows_text
@@ -20,6 +21,7 @@ from ncgear.figures.tables import Column, Table
 from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.project.face_load import FaceLoading
 from ncgear.project.strengthening import Rating
 from ncgear.strength.answer import Strength
 from ncgear.strength.conditions import GRADE
@@ -28,6 +30,7 @@ from ncgear.strength.holding import Damage, Weakest, lives_of
 LOADS = {
     "masses": "the machine with its masses, at constant driving speed",
     "resistance": "the resistance alone: no masses are given, so forces of inertia are not counted",
+    "jam": "a jam alone: no resistance and no masses are given, so that nothing else loads the teeth",
 }
 """The words for what a load follows from."""
 
@@ -172,6 +175,7 @@ def _face_load_figures(drive: Drive, rating: Rating) -> dict[str, Any]:
         "crowning_um": told.crowning_um,
         "best_crowning_um": told.best_um,
         "best_crowning_factor": told.best,
+        "rigid_bearings": drive.face_loading.rigid_bearings,
     }
 
 
@@ -194,8 +198,17 @@ def face_load_words(drive: Drive, rating: Rating) -> str:
     better = "no other crowning is better" if is_best else f"{at_best}: {best}"
     return (
         f"factor {least} to {greatest} by shafts, bearings and lead{grade}; {decisive} at tooth "
-        f"{told.decisive.tooth}, which bears most, {by_shafts} if no flank were askew; {better}"
+        f"{told.decisive.tooth}, which bears most, {by_shafts} if no flank were askew; {better}{_rigid_words(loading)}"
     )
+
+
+def _rigid_words(loading: FaceLoading) -> str:
+    """Which bearings count as rigid, for want of a rating."""
+    names = loading.rigid_bearings
+    if not names:
+        return ""
+    count = "counts" if len(names) == 1 else "count"
+    return f"; without static_rating_n, {listed(names, 'and')} {count} as rigid"
 
 
 def strength_summary(rating: Rating, drive: Drive) -> dict[str, Any]:

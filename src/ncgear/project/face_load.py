@@ -14,7 +14,7 @@ mean of what it takes off both materials.  Not counted: play in the bearings, an
 from __future__ import annotations
 
 from dataclasses import replace
-from math import hypot, radians, tan
+from math import hypot, isinf, radians, tan
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -57,6 +57,18 @@ class FaceLoading:
     why: str = ""
     model: FaceModel | None = None
     asked: ToothLoad | None = None
+
+    @property
+    def rigid_bearings(self) -> list[str]:
+        """The bearings that count as rigid, since neither their stiffness nor their static rating is given."""
+        if self.model is None:
+            return []
+        return [
+            f"{name} of the {gear.value} shaft"
+            for gear, shaft in zip(Gear, self.model.shafts, strict=True)
+            for name, one in zip(("bearing_a", "bearing_b"), shaft.supports, strict=True)
+            if isinf(one.stiffness_n_mm)
+        ]
 
     def of_contacts(self, contacts: LoadedContacts, application_factor: float) -> Array:
         """K_Hbeta of contacts that bear load, shape (n,); raises as ``FaceModel.factors`` does."""

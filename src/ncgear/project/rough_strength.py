@@ -69,7 +69,7 @@ class RoughStrength:
 def rough_strength(drive: Drive) -> RoughStrength | None:
     """The rough strength of a pair; None where there are no gears, no load, or two pairs of which none is meant."""
     design = drive.design
-    if design.gears is None or (design.masses is None and design.resistance is None):
+    if design.gears is None or not design.loads_teeth:
         return None
     if design.stages > 1 and drive.stage is None:
         return None
@@ -78,7 +78,7 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
     except DesignError as error:
         # Pitch curves and forces may be refused; a check does not ask for them.
         return RoughStrength((), error.problem)
-    if not load.force_n.any():
+    if not load.force_n.any() and design.strength.overload is None:
         return RoughStrength((), "nothing that is given presses the teeth at any angle")
     if np.any(load.force_n < 0.0):
         return RoughStrength((), "the teeth cannot push the driven gear at every angle")
@@ -94,7 +94,7 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
         sides = shared_loads(load, plan, running, drive.materials)
     if asked.loads_return:
         sides = [*sides, *shared_loads(rolled_load(drive, asked.returning_n_mm), plan, running, drive.materials)]
-    needs_teeth = _needs_teeth(drive, plan, load, sides)
+    needs_teeth = _needs_teeth(drive, plan, load, sides) if sides else ""
     warm, uneven = _warm(drive, sides, load.phi1_rad.size), _uneven(drive, sides, conditions)
     jammed = list[RoughSafety]()
     try:
@@ -103,6 +103,8 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
             once = replace(conditions, application_factor=1.0, dynamic_factor=1.0)
             borne = shared_loads(pressed, plan, running, drive.materials)
             jammed = static_safeties(borne, plan, running, warm, once, _uneven(drive, borne, once))
+            if not sides:
+                return RoughStrength(tuple(jammed), "", _needs_teeth(drive, plan, pressed, borne), True)
         why = _no_life(drive)
         if not why:
             try:

@@ -100,7 +100,7 @@ def unknown(drive: Drive) -> WrongInput | None:
     design = drive.design
     if design.gears is None:
         return WrongInput("missing; gears need teeth, module_mm, face_width_mm and more", key="gears")
-    if design.masses is None and design.resistance is None:
+    if not design.loads_teeth:
         return WrongInput("missing; the load of the teeth needs it, or masses", key="resistance")
     if design.stages > 1 and drive.stage is None:
         return WrongInput(

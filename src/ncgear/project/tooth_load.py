@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,13 +21,15 @@ from ncgear.ratio.transmission import Pair
 
 if TYPE_CHECKING:
     from ncgear.project.geared import Geared
+    from ncgear.strength.answer import LoadBy
 
 
 @dataclass(frozen=True, eq=False)
 class ToothLoad:
     """The torque that a machine at constant driving speed asks of the driven gear of one of its pairs.
 
-    ``load`` says what counts: the machine's masses with the resistance, or the resistance alone.  ``place`` is how the
+    ``load`` says what counts: the machine's masses with the resistance, the resistance alone, or nothing but a jam,
+    without which the teeth bear nothing.  ``place`` is how the
     pair's gears lie.  Angles are of the pair's own driving gear.
 
     A pair passes on the power that its driven gear's shaft takes in; friction between the teeth is not counted.  The
@@ -35,7 +37,7 @@ class ToothLoad:
     crank alone.
     """
 
-    load: Literal["masses", "resistance"]
+    load: LoadBy
     machine: RigidMachine
     pair: Pair
     place: MeshPlace
@@ -88,19 +90,20 @@ class ToothLoad:
 def asked_of(drive: Geared) -> ToothLoad:
     """What a drive asks of the teeth of its pair: with masses, or where there are none, of the resistance alone.
 
-    Raises WrongInput where there is neither, and where there are two pairs and the drive has no stage.
+    Raises WrongInput where there is neither, nor a jam, and where there are two pairs and the drive has no stage.
     """
     pair, place, design = drive.pair, mesh_place(drive.gears, drive.pitch.center_distance_mm), drive.design
     last = drive.stage in (None, design.stages)
     if design.masses is not None:
         return ToothLoad("masses", drive.loaded_machine(drive.machine), pair, place, last)
-    if design.resistance is None:
+    if design.resistance is None and design.strength.overload is None:
         raise WrongInput(
             "missing, and so are masses; the load of the teeth follows from the force against the slider, from the "
             "moving masses, or from both: give one of them",
             key="resistance",
         )
-    return ToothLoad("resistance", RigidMachine(drive.machine, drive.linkage.MASSES()), pair, place, last)
+    load: LoadBy = "jam" if design.resistance is None else "resistance"
+    return ToothLoad(load, RigidMachine(drive.machine, drive.linkage.MASSES()), pair, place, last)
 
 
 def tooth_load(drive: Geared) -> ToothLoad:

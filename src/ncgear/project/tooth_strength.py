@@ -33,7 +33,7 @@ from ncgear.teeth.gear import ToothedGear
 if TYPE_CHECKING:
     from ncgear.project.face_load import FaceLoading
     from ncgear.solids.plan.body import BodyPlan
-    from ncgear.strength.answer import Strength
+    from ncgear.strength.answer import LoadBy, Strength
     from ncgear.strength.loading import Loading
     from ncgear.strength.method import ToothMethod
 
@@ -62,7 +62,7 @@ def judged_teeth(
     loading: Loading,
     conditions: Conditions,
     running: Running,
-    load: Literal["masses", "resistance"],
+    load: LoadBy,
     face_loading: FaceLoading,
 ) -> JudgedTeeth:
     """The stresses of teeth under their loads.
@@ -89,7 +89,10 @@ def judged_teeth(
     jams_h = conditions.overload.times * cycle_rad / running.speed_rad_s / 3600.0
     few = replace(conditions, application_factor=1.0, dynamic_factor=1.0, life_h=jams_h)
     jammed = found(loading.jammed, few)
-    return JudgedTeeth(loading, worse_of(strength, jammed, lives=False), methods, warm, jammed)
+    strength = worse_of(strength, jammed, lives=False)
+    if load == "jam":
+        strength = replace(strength, contacts=jammed.contacts, stresses=jammed.stresses)
+    return JudgedTeeth(loading, strength, methods, warm, jammed)
 
 
 def surfaces_of_teeth(

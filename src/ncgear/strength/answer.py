@@ -13,6 +13,9 @@ from ncgear.shown import Shown
 from ncgear.strength.contacts import LoadedContacts
 from ncgear.strength.material import Material
 
+LoadBy = Literal["masses", "resistance", "jam"]
+"""What a load follows from: the machine with its masses, the resistance alone, or a jam and nothing else."""
+
 
 @dataclass(frozen=True, eq=False)
 class ContactStresses:
@@ -82,12 +85,12 @@ class GearStrength:
 class Strength(Shown):
     """Both gears by one method.
 
-    ``load`` says what the load follows from: the machine with its masses, or the resistance alone.  ``end_rad`` is the
+    ``load`` says what the load follows from.  ``end_rad`` is the
     driving angle at which the same teeth meet again, or of gears that turn less than once the end of their range.
     """
 
     method: Literal["estimate", "elements"]
-    load: Literal["masses", "resistance"]
+    load: LoadBy
     contacts: LoadedContacts
     stresses: ContactStresses
     driving: GearStrength

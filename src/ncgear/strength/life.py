@@ -18,7 +18,7 @@ import numpy as np
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask, distinct
 from ncgear.pitch.shape import Gear
-from ncgear.strength.answer import ContactStresses, GearStrength, Strength, ToothLife
+from ncgear.strength.answer import ContactStresses, GearStrength, LoadBy, Strength, ToothLife
 from ncgear.strength.conditions import Conditions, Running, dynamic_factor, face_load_factor_of_roots
 from ncgear.strength.contacts import LoadedContacts
 from ncgear.strength.hertz import hertz_pressure_mpa
@@ -75,7 +75,7 @@ def strength_of(
     cycle_rad: float,
     running: Running,
     method: Literal["estimate", "elements"],
-    load: Literal["masses", "resistance"],
+    load: LoadBy,
 ) -> Strength:
     """Safety and life of every tooth of both gears.
 

@@ -116,9 +116,9 @@ class Wear:
 class Surfaces:
     """The state of a pair's flanks.
 
-    ``film`` is None of dry and of plastic flanks, ``scuffing_c`` (the temperature at which the oil fails) of these and
-    of bronze too.  ``pitting_factor`` is Z_L Z_v Z_R of the driving and the driven gear.  ``warm`` are the temperatures
-    of both gears' teeth, None of metal.
+    ``film`` is None of dry and of plastic flanks, and where only a jam presses them; ``scuffing_c`` (the temperature at
+    which the oil fails) of bronze too.  ``pitting_factor`` is Z_L Z_v Z_R of the driving and the driven gear.  ``warm``
+    are the temperatures of both gears' teeth, None of metal.
     """
 
     film: Film | None
@@ -211,7 +211,7 @@ def surfaces_of(
     limit = LIMIT_MODULES * running.module_mm
     wear = Wear((first, second), (worn[0], worn[1]), worn[2].value + worn[3].value, limit, conditions.life_h)
     film, scuffs_c = None, None
-    if oil is not None:
+    if oil is not None and loading.contacts.force_n.size:
         thickness = replace(thin, value=1.0 / thin.value if thin.value > 0.0 else inf)
         film = Film(thickness, roughness_um(conditions), conditions.oil_temperature_c, pair.bulk_c, hot)
         steels = [one.entry.group.scuffing_structure for one in choices if isinstance(one.entry, Ferrous)]

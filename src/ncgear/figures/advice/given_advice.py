@@ -103,7 +103,7 @@ def _idle_sections(drive: Drive) -> Iterator[Idle]:
     toleranced = ["tolerances"] if design.tolerances is not None else []
     if design.gears is None:
         found = [([*given, *toleranced], "without gears", "give gears")]
-    elif design.resistance is None and design.masses is None:
+    elif not design.loads_teeth:
         helps = "give resistance" if design.motion.is_open else "give resistance or masses"
         found = [(given, "without resistance and masses, so that no tooth bears a load", helps)]
     else:

@@ -26,6 +26,9 @@ from ncgear.strength.iso6336 import THINNEST_WEB
 
 SIZE = "ncgear size"
 
+LOADS = {"masses": "the machine with its masses", "resistance": "the resistance alone", "jam": "a jam"}
+"""The words for what teeth do not hold."""
+
 
 def strength(drive: Drive) -> Advice | NotJudged | None:
     """Teeth whose safety against breakage or pitting is under the wanted one; names the weakest of all.
@@ -44,7 +47,7 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
     first = worst(weak)
     at = degrees(first.phi1_rad)
     also = [_least(one) for one in weak if one is not first]
-    load = "the machine with its masses" if rating.strength.load == "masses" else "the resistance alone"
+    load = LOADS[rating.strength.load]
     return Advice(
         Kind.STRENGTH,
         (Where(first.gear.value, (first.tooth,), ((at, at),)),),
@@ -102,7 +105,8 @@ def _roughly(drive: Drive, found: RoughStrength | None) -> Advice | NotJudged | 
     weak = found.weak
     if not weak:
         return _not_judged(drive, found)
-    first, load = weak[0], "the resistance" if drive.design.masses is None else "the masses"
+    design, first = drive.design, weak[0]
+    load = "the masses" if design.masses else "the resistance" if design.resistance else "a jam"
     at, damage = degrees(first.phi1_rad), rough_damage(found, first)
     teeth = "the teeth" if drive.stage is None else f"the teeth of stage {drive.stage}"
     if found.needs_teeth:

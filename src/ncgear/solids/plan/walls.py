@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from math import pi
+
 import numpy as np
 import shapely
 
@@ -15,9 +18,16 @@ from ncgear.teeth.reach import FILLET_CURVE, PROBES, ROOT_LAND
 def walls_mm(gear: ToothedGear, plan: BodyPlan) -> Array:
     """The least wall in mm under both roots of each tooth, shape (z,); infinite where the body has no other edge.
 
-    Edges are the bore with its keyway, holes, slots and the sides of pockets, and of a ring its rim.
+    Edges are the bore with its keyway, holes, slots and the sides of pockets, and of a ring its rim.  A hole narrower
+    than a pitch, as the index hole, is no edge: beside it the root stands on the body.
     """
-    section = plan.section
+    pitch_mm = pi * gear.flanks.rack.module_mm
+    kept = {
+        name: hole if hole and hole.diameter_mm >= pitch_mm else None
+        for name, hole in (("index_hole", plan.index_hole), ("crank_pin", plan.crank_pin))
+    }
+    wide = tuple(hole for hole in plan.lightening_holes if hole.diameter_mm >= pitch_mm)
+    section = replace(plan, lightening_holes=wide, **kept).section
     edges = [section.exterior] if plan.is_ring else list(section.interiors)
     edges += [] if plan.web is None else [pocket.exterior for pocket in plan.web.pockets]
     flanks, curves = gear.flanks, exact_curves(gear.tips, gear.sides)
