@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ncgear.contact.pair import PairContact, SidesInContact
     from ncgear.contact.written.as_written import Outlines
     from ncgear.drivetrain.stall import Stall
-    from ncgear.dynamics.flank_changes import Knock
+    from ncgear.dynamics.flank_changes import BorneTorque, Knock
     from ncgear.dynamics.knocking import KnockingMachine
     from ncgear.dynamics.meshing import Meshing
     from ncgear.dynamics.motion_in_time import Course
@@ -229,10 +229,14 @@ class Drive(Geared):
 
     @computed
     def knocking(self) -> KnockingMachine | None:
-        """The loaded machine with the knocks of its teeth; None where it has none."""
+        """The loaded machine with the knocks of its teeth; None where it has none, and of two pairs in series."""
         from ncgear.dynamics.knocking import KnockingMachine
 
-        if not self.knocks or (borne := self.loading_by(self.design.strength.method).borne) is None:
+        if (
+            self.design.stages > 1
+            or not self.knocks
+            or (borne := self.loading_by(self.design.strength.method).borne) is None
+        ):
             return None
         return KnockingMachine(self.rigid.machine, borne)
 
@@ -312,10 +316,11 @@ class Drive(Geared):
             stiff = stiffnesses(load, sections, width_mm, methods, materials)
             with self.stopwatch("load of every tooth"):
                 asked = AskedTorque.of(pitch, load.torque_n_mm)
-                sides = BOTH_SIDES if load.knocks_are_judged or load.loads_return else asked.sides
+                sides = BOTH_SIDES if load.load == "masses" or load.loads_return else asked.sides
                 each = [(one.teeth, own) for one, own in zip(sections.each, stiff, strict=True)]
                 meshing = meshing_of(Simulation(), pitch, each, sides)
-                borne, speed = borne_by(load, meshing), self.pair_speed_rad_s
+                speed = self.pair_speed_rad_s
+                borne = borne_by(load, meshing) if self.stage is None else self.whole.train_borne[self.stage - 1]
                 found = loading_of(meshing, sections, pitch, asked, speed, borne)
                 if load.loads_return:
                     coming = AskedTorque.of(pitch, load.returning_n_mm)
@@ -327,6 +332,28 @@ class Drive(Geared):
                     return found
                 jamming = AskedTorque.of(pitch, partial(load.passed_on_n_mm, jam.driving_n_mm))
                 return replace(found, jammed=loading_of(meshing, sections, pitch, jamming, speed))
+
+    @computed
+    def train_borne(self) -> tuple[BorneTorque, BorneTorque]:
+        """The torques that the teeth of two pairs in series bear, with the stiffness of the estimate."""
+        from ncgear.design.keys.masses import Simulation
+        from ncgear.dynamics.flank_changes import BorneTorque
+        from ncgear.project.forces import meshing_of, train_borne_by
+        from ncgear.project.tooth_strength import methods_of, stiffnesses
+
+        first, second = self.by_stage
+        if first.tooth_load.load != "masses":
+            cycle = self.transmission.cycle_rad
+            return BorneTorque(first.tooth_load.torque_n_mm, cycle), BorneTorque(second.tooth_load.torque_n_mm, cycle)
+        meshings = []
+        for one in (first, second):
+            sections, width = one.face_sections, one.gears.face_width_mm
+            methods = methods_of("estimate", sections, one.materials, one.rims)
+            stiff = stiffnesses(one.tooth_load, sections, width, methods, one.materials)
+            each = [(part.teeth, own) for part, own in zip(sections.each, stiff, strict=True)]
+            meshings.append(meshing_of(Simulation(), one.pitch, each))
+        with self.stopwatch("knocks"):
+            return train_borne_by((first.tooth_load, second.tooth_load), meshings)
 
     @computed
     def _any_meshing(self) -> Meshing:
@@ -396,7 +423,7 @@ class Drive(Geared):
         """
         from ncgear.dynamics.crank_load import crank_load
         from ncgear.dynamics.motion_in_time import Start, ToothedMachine, course, started
-        from ncgear.project.forces import damped, drive_line_of
+        from ncgear.project.forces import damped, drive_line_of, mean_inertia, swinging_inertia
         from ncgear.project.motor import fitting_simulated, told_words
 
         if self.motor_stall is not None:
@@ -405,7 +432,8 @@ class Drive(Geared):
         driving, meshing = drive_line_of(given, masses, speed), self.meshing.stiffened(stiffness_factor)
         with self.stopwatch("motion in time" if stiffness_factor == 1.0 else "band of stiffness"):
             load = crank_load(self.linkage, masses, self.machine.load)
-            toothed = ToothedMachine(driving, damped(given, meshing, driving, load), load)
+            inertia = swinging_inertia(meshing, driving.inertia_n_mm_s2, mean_inertia(load))
+            toothed = ToothedMachine(driving, damped(given, meshing, inertia), load)
             state = started(toothed, self.transmission, Start(given.start), speed)
             said = "" if stiffness_factor == 1.0 else f" at {stiffness_factor:g} times the stiffness"
 

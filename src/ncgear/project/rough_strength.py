@@ -92,9 +92,12 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
 
         load = rolled_load(drive, borne_by(asked, rough_meshing(drive, asked, sides)).at)
         sides = shared_loads(load, plan, running, drive.materials)
+    in_series = asked.load == "masses" and not asked.knocks_are_judged and len(sides) > 1
     if asked.loads_return:
         sides = [*sides, *shared_loads(rolled_load(drive, asked.returning_n_mm), plan, running, drive.materials)]
     needs_teeth = _needs_teeth(drive, plan, load, sides) if sides else ""
+    if in_series:
+        needs_teeth = needs_teeth or "it needs the teeth to tell how hard two pairs in series knock"
     warm, uneven = _warm(drive, sides, load.phi1_rad.size), _uneven(drive, sides, conditions)
     jammed = list[RoughSafety]()
     try:

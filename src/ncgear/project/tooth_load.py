@@ -67,7 +67,10 @@ class ToothLoad:
 
     @property
     def knocks_are_judged(self) -> bool:
-        """Whether what the teeth bear where the load changes flanks is followed: of a single pair, with masses."""
+        """Whether what the teeth bear where the load changes flanks is followed for this pair alone, which has masses.
+
+        Two pairs in series are followed together (``ncgear.project.forces.train_borne_by``).
+        """
         return self.load == "masses" and self.machine.between is None
 
     def mesh_force(self, angle_rad: Array, torque_n_mm: Array | None = None) -> MeshForce:

@@ -68,7 +68,7 @@ def unfollowed_knocks(rating: Rating) -> str:
     loading = rating.loading
     if loading.knocks is not None or rating.strength.load != "masses" or loading.torque_n_mm.min() >= 0.0:
         return ""
-    return "the load changes flanks, where the teeth knock, which is followed of a single pair with inertia only"
+    return "the load changes flanks, where the teeth knock, which is followed only where every shaft has inertia"
 
 
 def _thin_body(drive: Drive) -> str:

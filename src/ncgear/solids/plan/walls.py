@@ -22,12 +22,12 @@ def walls_mm(gear: ToothedGear, plan: BodyPlan) -> Array:
     than a pitch, as the index hole, is no edge: beside it the root stands on the body.
     """
     pitch_mm = pi * gear.flanks.rack.module_mm
-    kept = {
-        name: hole if hole and hole.diameter_mm >= pitch_mm else None
-        for name, hole in (("index_hole", plan.index_hole), ("crank_pin", plan.crank_pin))
-    }
+    mark, pin = (
+        hole if hole is not None and hole.diameter_mm >= pitch_mm else None
+        for hole in (plan.index_hole, plan.crank_pin)
+    )
     wide = tuple(hole for hole in plan.lightening_holes if hole.diameter_mm >= pitch_mm)
-    section = replace(plan, lightening_holes=wide, **kept).section
+    section = replace(plan, lightening_holes=wide, index_hole=mark, crank_pin=pin).section
     edges = [section.exterior] if plan.is_ring else list(section.interiors)
     edges += [] if plan.web is None else [pocket.exterior for pocket in plan.web.pockets]
     flanks, curves = gear.flanks, exact_curves(gear.tips, gear.sides)
