@@ -121,9 +121,9 @@ def test_a_jam_alone_is_rated_as_beside_a_resistance() -> None:
     assert rated.strength.load == "jam"
     for gear in Gear:
         one, other = rated.strength.of(gear).bending, beside.of(gear).bending
-        assert one.safety == pytest.approx(other.safety, rel=1e-2)
+        assert one.safety == pytest.approx(other.safety, rel=0.05)
         assert np.all(np.isinf(one.life_h))
-    assert rated.strength.peak_pair_n == pytest.approx(beside.peak_pair_n, rel=1e-2)
+    assert rated.strength.peak_pair_n == pytest.approx(beside.peak_pair_n, rel=0.05)
     assert rough(alone) is None
     # Without the jam nothing loads the teeth.
     with pytest.raises(WrongInput, match="missing"):

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,7 +30,7 @@ class ToothLoad:
     """The torque that a machine at constant driving speed asks of the driven gear of one of its pairs.
 
     ``load`` says what counts: the machine's masses with the resistance, the resistance alone, or nothing but a jam,
-    without which the teeth bear nothing.  ``place`` is how the
+    without which the teeth bear nothing: ``jam_n_mm`` is its torque at the driving shaft.  ``place`` is how the
     pair's gears lie.  Angles are of the pair's own driving gear.
 
     A pair passes on the power that its driven gear's shaft takes in; friction between the teeth is not counted.  The
@@ -42,6 +43,7 @@ class ToothLoad:
     pair: Pair
     place: MeshPlace
     turns_crank: bool
+    jam_n_mm: float | None = None
 
     def torque_n_mm(self, angle_rad: Array) -> Array:
         """Torque asked of the driven gear, shape (n,)."""
@@ -81,10 +83,11 @@ class ToothLoad:
 
     @property
     def peak_n(self) -> float:
-        """Largest normal force of all pairs of teeth together."""
+        """Largest normal force of all pairs of teeth together; that of the jam where nothing else loads them."""
 
         def size_n(angle_rad: Array) -> Array:
-            return np.abs(self.mesh_force(angle_rad).size_n.value).reshape(1, -1)
+            torque = self.torque_n_mm if self.jam_n_mm is None else partial(self.passed_on_n_mm, self.jam_n_mm)
+            return np.abs(self.mesh_force(angle_rad, torque(angle_rad)).size_n.value).reshape(1, -1)
 
         (peak,) = largest_of_each(size_n, sample_angles(self.pair.transmission))
         return peak.value
@@ -105,8 +108,11 @@ def asked_of(drive: Geared) -> ToothLoad:
             "moving masses, or from both: give one of them",
             key="resistance",
         )
-    load: LoadBy = "jam" if design.resistance is None else "resistance"
-    return ToothLoad(load, RigidMachine(drive.machine, drive.linkage.MASSES()), pair, place, last)
+    machine = RigidMachine(drive.machine, drive.linkage.MASSES())
+    if design.resistance is not None:
+        return ToothLoad("resistance", machine, pair, place, last)
+    jam = drive.conditions.overload
+    return ToothLoad("jam", machine, pair, place, last, None if jam is None else jam.driving_n_mm)
 
 
 def tooth_load(drive: Geared) -> ToothLoad:
