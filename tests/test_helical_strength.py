@@ -25,10 +25,11 @@ from ncgear.dynamics.meshing import Meshing
 from ncgear.dynamics.motion_in_time import law_table
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear, Mesh
+from ncgear.project import vibration
 from ncgear.solids.helical.even_tips import with_even_tips
 from ncgear.solids.helical.helix import Hand, Helix
 from ncgear.solids.helical.sections import Sections
-from ncgear.strength.conditions import Conditions, Running, dynamic_factor
+from ncgear.strength.conditions import Conditions, Running
 from ncgear.strength.estimate import estimate_of
 from ncgear.strength.iso6336 import RackTip, root_factors, root_section, single_stiffness_theoretical
 from ncgear.strength.life import rated_for_pitting, stresses_of
@@ -83,7 +84,7 @@ def stresses(law: str, teeth: int, helix: Helix, count: int) -> tuple[float, flo
     loading, methods = loaded(law, teeth, helix, count)
     contacts, plain = loading.contacts, Conditions(dynamic_factor=1.0)
     running = Running(MODULE, (teeth, teeth), WIDTH, 3.0)
-    found = stresses_of(contacts, methods, (STEEL, STEEL), plain, running, np.ones_like(contacts.force_n))
+    found = stresses_of(contacts, methods, (STEEL, STEEL), plain, running, *np.ones((2, contacts.force_n.size)))
     rated = rated_for_pitting(contacts)
     return (float(found.pressure_mpa[rated].max()), *(float(one.max()) for one in found.tension_mpa))
 
@@ -204,15 +205,13 @@ def test_forces_of_all_sections_balance_the_torque() -> None:
     assert np.all(contacts.share == pytest.approx(1.0 / 3.0))
 
 
-def test_the_dynamic_factor_of_helical_teeth() -> None:
-    """K1 34.8 and K2 0.0087 (DIN 3990-11, table 3.1) from an overlap of a pitch on, a line to those of spur gears."""
-    spur = Running(4.0, (25, 50), 40.0, 40.0)
-    s = spur.pitch_speed_m_s * 25 / 100.0 * (4.0 / 5.0) ** 0.5
-
-    def by_hand(k1: float, k2: float) -> float:
-        return 1.0 + (k1 / 150.0 + k2) * s * min(2.0, 2.071 - 0.357 * s)
-
-    found = [dynamic_factor(replace(spur, overlap_ratio=overlap), 150.0) for overlap in (0.0, 0.5, 1.0, 2.0)]
-    ends = by_hand(39.1, 0.0193), by_hand(34.8, 0.0087)
-    assert found == pytest.approx([ends[0], sum(ends) / 2.0, ends[1], ends[1]], rel=1e-12)
-    assert found[0] - found[2] > 0.01
+def test_the_contact_ratio_of_the_mesh_counts_the_overlap() -> None:
+    """epsilon_alpha + epsilon_beta, which K_V of method B asks for; sections alone would have the first."""
+    loading, _ = loaded("uniform", 24, helix_of(20.0), 3)
+    running = Running(MODULE, (24, 24), WIDTH, 3.0, iso_pair((24, 24), 20.0).overlap_ratio)
+    bare_running = replace(running, overlap_ratio=0.0)
+    mesh, bare = (vibration.mesh_stiffness(loading, one) for one in (running, bare_running))
+    assert mesh is not None
+    assert bare is not None
+    assert mesh.contact_ratio.mean() - bare.contact_ratio.mean() == pytest.approx(running.overlap_ratio)
+    assert bare.contact_ratio.mean() == pytest.approx(loading.contact_ratio, rel=0.03)

@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     from ncgear.project.tooth_strength import JudgedTeeth, Rim
     from ncgear.project.workshop_measures import CutGear, GearMeasures
     from ncgear.strength.answer import Strength
-    from ncgear.strength.conditions import Conditions
     from ncgear.strength.loading import Loading
     from ncgear.strength.material import Material
     from ncgear.strength.sections import InSections
@@ -92,7 +91,7 @@ class Drive(Geared):
             return formulas_of(self.design.name, str(self.design.motion.law), law, sizes)
 
     @computed
-    def _free_contact(self) -> AsDesigned:
+    def free_contact(self) -> AsDesigned:
         """Contact of the exact teeth, however short; raises where they overlap."""
         from ncgear.contact.designed.as_designed import as_designed
         from ncgear.contact.pair import refuse_clashing_bodies, refuse_cut_arcs, refuse_overlap
@@ -115,7 +114,7 @@ class Drive(Geared):
         """
         from ncgear.contact.designed.as_designed import pairs_under_load
 
-        contact = self._free_contact
+        contact = self.free_contact
         if not contact.held_apart or self.design.masses is None or self.helix is not None or self.design.stages > 1:
             return None
         error = self._loaded_at(contact.placement.phi1_rad).error_rad
@@ -131,14 +130,14 @@ class Drive(Geared):
         from ncgear.contact.pair import refuse_short_contact
 
         refuse_short_contact(self.short_contacts, both_ways=self.gears.drives == "both_ways")
-        return self._free_contact
+        return self.free_contact
 
     @computed
     def short_contacts(self) -> tuple[str | None, str | None]:
         """What pushing flanks, and their backs, lack of the contact ratio that is asked for; None where nothing."""
         from ncgear.contact.pair import short_contacts
 
-        contact, least = self._free_contact, self.gears.least_contact_ratio
+        contact, least = self.free_contact, self.gears.least_contact_ratio
         return short_contacts(contact, self.teeth, least, self.overlap_ratio, self.pairs_under_load)
 
     @computed
@@ -152,7 +151,7 @@ class Drive(Geared):
         """The same of teeth whose contact may be too short."""
         from ncgear.contact.pair import sound_extremes
 
-        designed, tolerance = self._free_contact, self.chord_tolerance_mm
+        designed, tolerance = self.free_contact, self.chord_tolerance_mm
         with self.stopwatch("contact"):
             return sound_extremes(self.pitch, self.teeth, designed, self.pair_speed_rad_s, tolerance)
 
@@ -216,7 +215,7 @@ class Drive(Geared):
         rigid, knocking = self.rigid, self.knocking
         touching = None if self.helix else TouchingTeeth(self.teeth, self.pitch, self.designed_contact)
         with self.stopwatch("drivetrain"):
-            return drivetrain_of(self.design, rigid, touching, knocking)
+            return drivetrain_of(self.design, rigid, touching, knocking, self.conditions.overload)
 
     @computed
     def knocks(self) -> tuple[Knock, ...] | None:
@@ -487,7 +486,8 @@ class Drive(Geared):
         if method not in self._known_surfaces:
             judged = self.judged_teeth(method)
             with self.stopwatch("film and wear"), located(self.places):
-                found = surfaces_of_teeth(judged, self.gears, self.conditions, self.running, self.face_loading)
+                with_all = self.gears, self.conditions, self.running, self.face_loading, self.vibration
+                found = surfaces_of_teeth(judged, *with_all)
             self._known_surfaces[method] = found
         return self._known_surfaces[method]
 
@@ -497,8 +497,9 @@ class Drive(Geared):
 
         known = self._known_face_loads
         if method not in known:
-            contacts, over = self.strength_by(method).contacts, self.conditions.application_factor
-            known[method] = told_face_load(self.face_loading, contacts, over)
+            found, over = self.strength_by(method), self.conditions.application_factor
+            shaken = found.stresses.dynamic_factor
+            known[method] = told_face_load(self.face_loading, found.contacts, over, shaken)
         return known[method]
 
     def judged_teeth(self, method: Literal["estimate", "elements"]) -> JudgedTeeth:
@@ -506,7 +507,7 @@ class Drive(Geared):
         known = self._known_strengths
         if method not in known:
             try:
-                known[method] = self._judged(method, self.conditions)
+                known[method] = self._judged(method)
             except DesignError as refusal:
                 known[method] = refusal
         found = known[method]
@@ -533,26 +534,15 @@ class Drive(Geared):
         )
         return driving, driven
 
-    @computed
-    def still_teeth(self) -> JudgedTeeth:
-        """As ``judged_teeth`` by the design's method, with a dynamic factor of 1: the least load on the teeth."""
-        return self._judged(self.design.strength.method, replace(self.conditions, dynamic_factor=1.0))
-
-    def _judged(self, method: Literal["estimate", "elements"], conditions: Conditions) -> JudgedTeeth:
+    def _judged(self, method: Literal["estimate", "elements"]) -> JudgedTeeth:
         from ncgear.project.tooth_strength import judged_teeth, methods_of
 
-        load, sections, known = self.tooth_load.load, self.face_sections, self._known_loadings
+        load, sections = self.tooth_load.load, self.face_sections
         with self.stopwatch("strength"), located(self.places):
-            if method not in known:
-                methods = methods_of(method, sections, self.materials, self.rims)
-                known[method] = methods, self.loading(methods, self.materials)
-            running, uneven = self.running, self.face_loading
-            return judged_teeth(method, self.gears, *known[method], conditions, running, load, uneven)
-
-    @computed
-    def _known_loadings(self) -> dict[str, tuple[tuple[InSections, InSections], Loading]]:
-        """Loads by method: they are the same under any conditions."""
-        return {}
+            methods = methods_of(method, sections, self.materials, self.rims)
+            loading = self.loading(methods, self.materials)
+            running, uneven, shaken = self.running, self.face_loading, self.vibration
+            return judged_teeth(method, self.gears, methods, loading, self.conditions, running, load, uneven, shaken)
 
     @computed
     def _known_surfaces(self) -> dict[str, Surfaces]:

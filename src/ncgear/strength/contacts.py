@@ -71,13 +71,23 @@ class LoadedContacts(Columns):
         """The force of a pair that bears as much for each mm over the whole face width, shape (n,)."""
         return self.force_n / self.share
 
+    @property
+    def pair_force_n(self) -> Array:
+        """The force of the whole pair that each contact belongs to, in all its sections, shape (n,)."""
+        pair = self._pairs
+        return np.asarray(np.bincount(pair, self.force_n).astype(float)[pair])
+
     def of_pairs(self) -> LoadedContacts:
         """The same with one contact for each position and pair: its most loaded section, with the force of all."""
-        key = np.stack([self.position, self.driving_flank, self.driven_flank], axis=1)
-        _, pair = np.unique(key, axis=0, return_inverse=True)
-        pair = pair.ravel()  # NumPy 2.0.0 gives it another axis.
+        pair = self._pairs
         rows = np.sort(largest_rows(self.over_width_n, pair, int(pair.max(initial=-1)) + 1))
-        return replace(self.kept(rows), force_n=np.bincount(pair, self.force_n).astype(float)[pair[rows]])
+        return replace(self, force_n=self.pair_force_n).kept(rows)
+
+    @property
+    def _pairs(self) -> IndexArray:
+        """A number for each position and pair of flanks, shape (n,)."""
+        key = np.stack([self.position, self.driving_flank, self.driven_flank], axis=1)
+        return np.asarray(np.unique(key, axis=0, return_inverse=True)[1].ravel())  # NumPy 2.0.0 gives it another axis.
 
     @property
     def sliding_mm_s(self) -> Array:
