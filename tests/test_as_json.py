@@ -18,7 +18,7 @@ from ncgear.errors import Unanswered
 from ncgear.figures.csv_text import outline_csv
 from ncgear.figures.terminal import kept_lines
 
-WITHOUT = {"studio", "animate", "new", "examples", "explain", "schema"}
+WITHOUT = {"studio", "animate", "new", "examples", "explain", "schema", "freecad"}
 """Commands that tell no figure of a machine: they open, draw, begin, explain, or print JSON anyway."""
 
 MACHINE = """\

@@ -222,3 +222,12 @@ def test_values_of_close_natural_frequencies_stand_apart() -> None:
     assert np.diff(apart).min() >= 0.03 - 1e-12
     assert apart[[0, -1]].tolist() == [0.1, 0.8]
     assert np.abs(apart - heights).max() < 0.03
+
+
+@pytest.mark.parametrize(("turns", "step"), [(1, 60.0), (3, 180.0)])
+def test_angles_are_marked_every_sixth_of_a_turn_or_of_all_turns(turns: int, step: float) -> None:
+    axes = Figure().subplots()
+    lines = (Line(Role.OWN, "own", np.array([0.0, 360.0 * turns]), np.array([0.0, 1.0])),)
+    draw(axes, Chart("force", "N", lines, 360.0 * turns, None, JOINTS, names_extreme=True), PAGE_LOOK)
+    ticks = np.array(axes.get_xticks())
+    assert ticks[(ticks >= 0.0) & (ticks <= 360.0 * turns)] == pytest.approx(np.arange(7) * step)

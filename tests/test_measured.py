@@ -27,6 +27,7 @@ from ncgear.figures.answers.compared import compared_answer
 from ncgear.figures.compared import alone_points, gear_figures
 from ncgear.metrology import best_fit as best_fit_module
 from ncgear.metrology.alone import alone_mm, are_judged
+from ncgear.metrology.as_measured import outline_as_measured
 from ncgear.metrology.best_fit import best_fit
 from ncgear.metrology.deviations import deviations
 from ncgear.metrology.exact_outline import TIP_LAND_CURVE, ExactOutline, exact_outline
@@ -144,6 +145,10 @@ def test_what_was_done_to_a_gear_is_found(rigid: bool) -> None:
     assert np.abs(told.mean_mm - left).max() < 4.5 * SIGMA_MM / np.sqrt(OF_FLANK) + 1e-6
     # Negative control: without what was given, the flanks would be told wrong.
     assert np.abs(told.mean_mm).max() > 0.01
+    own = shapely.points(as_points((points - fit.pose.shift_mm) * np.exp(-1j * fit.pose.angle_rad)))
+    measured = shapely.LinearRing(outline_as_measured(outline, fit))
+    assert measured.distance(own).max() < 1e-5
+    assert shapely.LinearRing(outline.gear.outline_mm).distance(own).max() > 0.01
 
 
 SPIKES, SPIKE_MM = 9, 0.22

@@ -114,7 +114,16 @@ name: seed-{seed}
 RANDOM = range(30)
 
 LOADED = ["baler-66", "baler-86", "baler-drivetrain", "baler-half-dynamics", "baler-half", "baler-holds", "baler-real"]
-LOADED += ["baler-smooth", "baler-dynamics", "baler", "printed-pump", "pump-1-2", "pump-both-ways", "pusher"]
+LOADED += [
+    "baler-flywheel",
+    "baler-smooth",
+    "baler-dynamics",
+    "baler",
+    "printed-pump",
+    "pump-1-2",
+    "pump-both-ways",
+    "pusher",
+]
 LOADED += ["quick-return-shaper", "rocker-drive", "scotch-yoke-pump", "uniform-crank", "baler-66-two-stage"]
 """Every design whose strength is computed."""
 

@@ -13,11 +13,11 @@ from ncgear.cli.as_given import PlainCommand, PlainGroup
 from ncgear.cli.bench import bench
 from ncgear.cli.compare import compare
 from ncgear.cli.formulas import formulas
-from ncgear.cli.lookup import examples, explain, reproduce, schema
+from ncgear.cli.lookup import examples, explain, freecad, reproduce, schema
 from ncgear.cli.machine import animate, balance, build, check, report, simulate, strength
 from ncgear.cli.measured import measured
 from ncgear.cli.new import new
-from ncgear.cli.search import frontier, optimize, size
+from ncgear.cli.search import fit, frontier, optimize, size
 from ncgear.cli.studio import studio
 from ncgear.cli.sweep import sweep
 from ncgear.cli.tolerance import tolerance
@@ -46,6 +46,7 @@ COMMANDS = (
     size,
     optimize,
     frontier,
+    fit,
     sweep,
     measured,
     bench,
@@ -55,6 +56,7 @@ COMMANDS = (
     explain,
     reproduce,
     schema,
+    freecad,
 )
 """All commands, in the order in which the help lists them."""
 

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ncgear.errors import located
+from ncgear.errors import NoSuchMechanism, Unanswered, located
 from ncgear.extras import require
 from ncgear.memory import keep_freed_memory
 
@@ -113,8 +113,11 @@ Timing = Annotated[bool, typer.Option("--timing", help="Also print, to stderr, h
 
 
 @contextmanager
-def opened(path: Path) -> Iterator[LoadedDesign]:
-    """A context with the design of a file; errors raised in it get the place of their key in that file."""
+def opened(path: Path, *, offers_fit: bool = True) -> Iterator[LoadedDesign]:
+    """A context with the design of a file; errors raised in it get the place of their key in that file.
+
+    A refusal of a drawn pitch curve or of its teeth names the command that finds the nearest one, unless that one runs.
+    """
     from ncgear.design.reading.design_file import load
 
     if path.is_symlink():
@@ -126,4 +129,18 @@ def opened(path: Path) -> Iterator[LoadedDesign]:
     keep_freed_memory()
     loaded = load(path)
     with located(loaded.source):
-        yield loaded
+        try:
+            yield loaded
+        except NoSuchMechanism as refusal:
+            if not (offers_fit and loaded.design.motion.gives_outline and _is_of_curve(refusal)):
+                raise
+            offer = f"ncgear fit {pasted(path)} finds the nearest pitch curve whose gears can be made"
+            raise NoSuchMechanism(
+                f"{refusal.problem}; {offer}", key=refusal.key, location=refusal.location
+            ) from refusal
+
+
+def _is_of_curve(refusal: NoSuchMechanism) -> bool:
+    """Whether a pitch curve, or the teeth on it, are refused."""
+    of_teeth = refusal.key in ("gears.teeth", "gears.least_contact_ratio")
+    return not isinstance(refusal, Unanswered) and (of_teeth or refusal.key.split(".")[0] == "motion")

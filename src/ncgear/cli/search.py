@@ -1,4 +1,4 @@
-"""Commands that look among many laws or gears: optimize, frontier, size."""
+"""Commands that look among many laws, curves or gears: optimize, frontier, fit, size."""
 
 from __future__ import annotations
 
@@ -54,14 +54,19 @@ def optimize(
         name = ending_in(SUFFIX, loaded.design.name)
         folder = out or EXPORT / name
         prepare(folder)
-        with steps_shown(5) as on_step:
+        free = loaded.design.free_flywheel
+        with steps_shown(6 if free else 5) as on_step:
             best = BestLaw(
                 loaded.design,
                 starts,
                 scheduler,
                 processes,
                 lambda solved, most: on_step.within(f"{solved} of at most {most} steps"),
+                lambda laws: on_step.within(f"{laws} laws"),
             )
+            if free:
+                on_step("flywheel")
+                best.flywheel  # noqa: B018
             on_step("certified limit")
             best.bound  # noqa: B018
             on_step("makeable law")
@@ -85,6 +90,14 @@ def optimize(
 def frontier(
     design_file: DesignFile,
     points: Annotated[int, typer.Option(min=2, max=200, help="Points from least power to least acceleration.")] = 20,
+    flywheel: Annotated[
+        bool,
+        typer.Option(
+            "--flywheel",
+            help="Set least power against the size of a flywheel on the driven shaft, "
+            "within optimize.driven_flywheel_kg_mm2.",
+        ),
+    ] = False,
     scheduler: Scheduler = None,
     processes: Processes = None,
     out: Annotated[
@@ -100,21 +113,72 @@ def frontier(
     from ncgear.files.publish import prepare
 
     with opened(design_file) as loaded:
-        from ncgear.figures.answers.best_law import frontier_answer
-        from ncgear.figures.best_law import frontier_figures
-        from ncgear.files.frontier import frontier_files
+        from ncgear.figures.answers.best_law import flywheel_answer, frontier_answer
+        from ncgear.figures.best_law import flywheel_figures, frontier_figures
+        from ncgear.files.frontier import flywheel_files, frontier_files
         from ncgear.files.manifest import publish_run
         from ncgear.project.frontier_run import frontier as frontier_of
+        from ncgear.project.frontier_run import over_flywheels
         from ncgear.project.sought_machine import GearsAsGiven
 
         folder = out or EXPORT / f"{loaded.design.name}-frontier"
         prepare(folder)
+        if flywheel:
+            with counted("laws") as on_law:
+                over = over_flywheels(loaded.design, points, on_law)
+            run = publish_run(folder, flywheel_files(over, loaded.design), "frontier")
+            told = flywheel_answer(over, loaded.design)
+            tell(
+                told,
+                flywheel_figures(over, loaded.design),
+                as_json=as_json,
+                verbose=verbose,
+                paths=run.paths,
+                kept=run.kept,
+            )
+            return
         with counted("points") as on_point:
             found = frontier_of(loaded.design, points, folder, on_point, scheduler, processes)
         beside = GearsAsGiven(loaded.design)
         run = publish_run(folder, frontier_files(found, beside), "frontier")
         answer = frontier_answer(found, beside, "give a cap as optimize.limits.peak_power_w, then ncgear optimize")
         figures = frontier_figures(found, beside)
+        tell(answer, figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)
+
+
+def fit(
+    design_file: DesignFile,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-fitted")
+    ] = None,
+    as_json: AsJson = False,
+    verbose: Verbose = False,
+) -> None:
+    """Find the pitch curve nearest to a drawn outline whose pair of gears can be made, and say how far it strays."""
+    from ncgear.files.manifest import publish_run
+    from ncgear.files.publish import prepare
+
+    with opened(design_file, offers_fit=False) as loaded:
+        from ncgear.design.words import ending_in
+        from ncgear.figures.answers.outline_fit import fitted_answer
+        from ncgear.figures.numbers import json_text
+        from ncgear.figures.outline_fit import SUFFIX, fit_figures, fitted_design
+        from ncgear.files.outline_fit import PICTURE, outline_picture
+        from ncgear.project.outline_fit import fitted
+
+        name = ending_in(SUFFIX, loaded.design.name)
+        folder = out or EXPORT / name
+        prepare(folder)
+        with counted("pairs of gears made") as on_trial:
+            found = fitted(loaded.design, on_trial)
+        figures = fit_figures(found)
+        files = {
+            f"{name}.yaml": fitted_design(loaded, found).encode(),
+            "fit.json": json_text(figures).encode(),
+            PICTURE: outline_picture(found, loaded.design.name),
+        }
+        run = publish_run(folder, files, f"fit {name}")
+        answer = fitted_answer(loaded.design.name, found, f"ncgear build {pasted(folder / f'{name}.yaml')}")
         tell(answer, figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)
 
 

@@ -313,7 +313,19 @@ def _limits(judged: _Judged) -> str:
     met, shortest = judged.side.meetings, judged.shortest
     driving = _limit(judged.teeth.driving, int(met.driving[shortest]))
     driven = _limit(judged.teeth.driven, int(met.driven[shortest]))
-    return f"the driving tip ends {driving}, the driven one {driven}"
+    return f"the driving tip ends {driving}, the driven one {driven}{_hollow(judged)}"
+
+
+def _hollow(judged: _Judged) -> str:
+    """Which gear is concave where the flanks meet, and how much; empty where none is."""
+    met, shortest = judged.side.meetings, judged.shortest
+    told = ""
+    for gear, number in ((judged.teeth.driving, met.driving[shortest]), (judged.teeth.driven, met.driven[shortest])):
+        curve, module = gear.flanks.curve, gear.flanks.rack.module_mm
+        hollow = module * float(curve.at_length(gear.flanks.crossing_mm[[int(number)]]).curvature[0])
+        if hollow < 0.0:
+            told += f"; there the {curve.gear.value} gear is concave, {hollow:.3g} per module"
+    return told
 
 
 def _limit(gear: ToothedGear, flank: int) -> str:

@@ -91,7 +91,7 @@ class Drive(Geared):
             return formulas_of(self.design.name, str(self.design.motion.law), law, sizes)
 
     @computed
-    def _free_contact(self) -> AsDesigned:
+    def free_contact(self) -> AsDesigned:
         """Contact of the exact teeth, however short; raises where they overlap."""
         from ncgear.contact.designed.as_designed import as_designed
         from ncgear.contact.pair import refuse_clashing_bodies, refuse_cut_arcs, refuse_overlap
@@ -114,7 +114,7 @@ class Drive(Geared):
         """
         from ncgear.contact.designed.as_designed import pairs_under_load
 
-        contact = self._free_contact
+        contact = self.free_contact
         if not contact.held_apart or self.design.masses is None or self.helix is not None or self.design.stages > 1:
             return None
         error = self._loaded_at(contact.placement.phi1_rad).error_rad
@@ -130,14 +130,14 @@ class Drive(Geared):
         from ncgear.contact.pair import refuse_short_contact
 
         refuse_short_contact(self.short_contacts, both_ways=self.gears.drives == "both_ways")
-        return self._free_contact
+        return self.free_contact
 
     @computed
     def short_contacts(self) -> tuple[str | None, str | None]:
         """What pushing flanks, and their backs, lack of the contact ratio that is asked for; None where nothing."""
         from ncgear.contact.pair import short_contacts
 
-        contact, least = self._free_contact, self.gears.least_contact_ratio
+        contact, least = self.free_contact, self.gears.least_contact_ratio
         return short_contacts(contact, self.teeth, least, self.overlap_ratio, self.pairs_under_load)
 
     @computed
@@ -151,7 +151,7 @@ class Drive(Geared):
         """The same of teeth whose contact may be too short."""
         from ncgear.contact.pair import sound_extremes
 
-        designed, tolerance = self._free_contact, self.chord_tolerance_mm
+        designed, tolerance = self.free_contact, self.chord_tolerance_mm
         with self.stopwatch("contact"):
             return sound_extremes(self.pitch, self.teeth, designed, self.pair_speed_rad_s, tolerance)
 

@@ -13,7 +13,7 @@ from ncgear.project.tooth_form import reach_in_pitches
 BODY = ("face_width_mm", "material")
 """Keys that change nothing of straight teeth in the plane across the axes."""
 
-SAME_TEETH = ("pitch", "rack", "play", "tooth_form", "teeth", "_free_contact")
+SAME_TEETH = ("pitch", "rack", "play", "tooth_form", "teeth", "free_contact")
 """Attributes of a drive that such keys leave as they are, and the lengths of a mechanism that the law does not ask."""
 
 

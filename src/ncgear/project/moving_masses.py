@@ -58,7 +58,7 @@ def masses_of(given: ShaftMasses | DrivenShaftMasses, mechanism: Mechanism, gear
         **{f"{name}_inertia_kg_mm2": rod.inertia_kg_mm2 for name, rod in rods.items()},
         crank_kg=given.crank.mass_kg,
         crank_center_mm=given.crank.center_mm,
-        crank_inertia_kg_mm2=given.crank.inertia_kg_mm2,
+        crank_inertia_kg_mm2=given.crank.inertia_kg_mm2 + given.driven_flywheel_kg_mm2,
         driven_inertia_kg_mm2=gears.driven_kg_mm2,
         driving_inertia_kg_mm2=gears.driving_kg_mm2,
         between_inertia_kg_mm2=gears.between_kg_mm2,

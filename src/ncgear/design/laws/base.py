@@ -10,20 +10,36 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import field
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from ncgear.design.keys.base import Model
+from pydantic import BeforeValidator, Field
+
+from ncgear.design.keys.base import Model, fault
 from ncgear.frozen import dataclass
 
 if TYPE_CHECKING:
     from ncgear.design.keys.pitch_shapes import DrawnContour
     from ncgear.mechanisms.mechanism import Mechanism
+    from ncgear.numerics.arrays import Array
     from ncgear.ratio.laws.over_driven_angle import StagedLaw
     from ncgear.ratio.transmission import Law, Lobes, Transmission
 
 
 SHORTEST_RANGE_DEG, LONGEST_RANGE_DEG = 5.0, 355.0
 """What gears that turn less than once turn from end to end, in degrees: less is no gear, and more leaves no body."""
+
+
+def _less_than_a_turn(value: object) -> object:
+    if isinstance(value, int | float) and value > LONGEST_RANGE_DEG:
+        raise fault(
+            "",
+            f"{value:g} deg given, but over a whole turn the teeth of a gear lie over each other, and spiral gears in "
+            f"two planes are not made; {LONGEST_RANGE_DEG:g} or under is right",
+        )
+    return value
+
+
+RangeDeg = Annotated[float, Field(ge=SHORTEST_RANGE_DEG, le=LONGEST_RANGE_DEG), BeforeValidator(_less_than_a_turn)]
 
 
 @dataclass(frozen=True)
@@ -82,8 +98,8 @@ class LawKeys(Model):
         return False
 
     @property
-    def gives_pitch_curve(self) -> bool:
-        """Whether the law is that of a pitch curve and its mate beside it; most laws suit a ring too."""
+    def solves_shape(self) -> bool:
+        """Whether the law finds a quantity of a shape at a given centre distance, which suits no ring."""
         return False
 
     @property
@@ -95,6 +111,25 @@ class LawKeys(Model):
     def contour(self) -> DrawnContour | None:
         """The contour of a file that the pitch curve is drawn by; most laws have none."""
         return None
+
+    @property
+    def gives_outline(self) -> bool:
+        """Whether the law draws a pitch curve, to which ``ncgear fit`` finds the nearest one that can be made."""
+        return False
+
+    def outline_mm(self) -> tuple[Array, Array, str]:
+        """Points of the drawn outline, shape (n, 2), the axis in it, shape (2,), and the key that draws it.
+
+        Of a law that ``gives_outline``; raises WrongInput where there is no such outline.
+        """
+        raise NotImplementedError(self.law)
+
+    def along(self, control_mm: Array, axis_mm: Array) -> dict[str, Any]:
+        """The keys of the same law with a closed uniform quintic B-spline in place of its outline.
+
+        ``control_mm`` are its control points in the drawing, shape (n, 2), ``axis_mm`` is the gear's axis there.
+        """
+        raise NotImplementedError(self.law)
 
     @property
     def is_open(self) -> bool:
@@ -130,8 +165,8 @@ class LawKeys(Model):
         """
         raise NotImplementedError(self.law)
 
-    def law_on(self, linkage: Mechanism, lobes: Lobes) -> Law:
-        """The closed law on its mechanism; raises the errors of ``transmission``.
+    def law_on(self, linkage: Mechanism, lobes: Lobes, *, ring: bool = False) -> Law:
+        """The closed law on its mechanism, of a driven gear that may be a ring; raises the errors of ``transmission``.
 
         A law that prescribes a stroke overrides this method, one that can have two pairs of gears has ``staged``.
         """

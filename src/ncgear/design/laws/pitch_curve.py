@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 from pydantic import model_validator
 
 from ncgear.design.keys.base import angle, fault, given, optional, required
 from ncgear.design.keys.pitch_shapes import (
+    HIGHEST_DEGREE,
     KEY,
     BSpline,
     CurvePoints,
@@ -24,12 +25,17 @@ from ncgear.design.keys.pitch_shapes import (
 from ncgear.design.keys.types import FORMULA, Expression, Length
 from ncgear.design.laws.base import Begins, DesignLaw, LawKeys
 from ncgear.design.words import listed
+from ncgear.errors import WrongInput
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
+    from ncgear.numerics.arrays import Array
     from ncgear.ratio.laws.closed_curve import ClosedCurve
     from ncgear.ratio.laws.pitch_curve import Search
     from ncgear.ratio.transmission import Law, Lobes
+
+PER_STRETCH, DIGITS = 720, 7
+"""Points of each stretch of a curve as an outline, and decimals of a millimetre to which a fitted curve is written."""
 
 SHAPES = (
     "expression_mm",
@@ -85,9 +91,60 @@ class PitchCurve(LawKeys):
         return self.dxf or self.svg or self.picture
 
     @property
-    def gives_pitch_curve(self) -> bool:
-        """The mate is found beside the curve, not about it."""
+    def solves_shape(self) -> bool:
+        """Unless the centre distance or the scale is found."""
+        return bool(self._found_key)
+
+    @property
+    def gives_outline(self) -> bool:
+        """Every shape is an outline."""
         return True
+
+    def outline_mm(self) -> tuple[Array, Array, str]:
+        """Points of the shape as drawn, its axis, and its key; raises WrongInput for a shape that is to be found."""
+        import numpy as np
+
+        from ncgear.numerics.rational import closed_uniform
+        from ncgear.ratio.laws.curve_shapes import points_along
+
+        key = f"{KEY}.{given(self, SHAPES)[0]}"
+        if self._found_key:
+            raise WrongInput(
+                f"{self.solve_for} given; a fit needs a shape that is known: center_distance or scale is right",
+                key=f"{KEY}.solve_for",
+            )
+        if (contour := self.contour) is not None:
+            return points_along(contour.chain(f"{key}.file")[0]), np.array(contour.axis_mm), key
+        if self.points is not None and self.points.in_plane:
+            drawn = np.column_stack([np.array(self.points.x_mm), np.array(self.points.y_mm)])
+            return drawn, np.array(self.points.axis_mm), key
+        if self.b_spline is not None:
+            control = np.column_stack([np.array(self.b_spline.x_mm), np.array(self.b_spline.y_mm)])
+            spline = closed_uniform(control, self.b_spline.degree).clamped()
+            return points_along([spline]), np.array(self.b_spline.axis_mm), key
+        if self.points is not None:
+            angle, radius = self.points.polar()
+        else:
+            curve_of, _, _ = self._curves(key, 1)
+            shares = np.linspace(0.0, 1.0, PER_STRETCH, endpoint=False)
+            polar = [part.polar(part.start + shares * (part.end - part.start), 0) for part in curve_of(1.0).stretches]
+            angle, radius = (np.concatenate([one[k].value for one in polar]) for k in (0, 1))
+        # The angle of a formula is that by which the gear has turned: a driving gear is drawn by its negative.
+        turned = -angle if not self._is_drawn and self.gear == "driving" else angle
+        return np.column_stack([radius * np.cos(turned), radius * np.sin(turned)]), np.zeros(2), key
+
+    def along(self, control_mm: Array, axis_mm: Array) -> dict[str, Any]:
+        """The law of a B-spline in place of the shape, with every other key as given."""
+        kept = self.model_dump(by_alias=True, exclude_unset=True, exclude=set(SHAPES))
+        x, y = (column.round(DIGITS).tolist() for column in control_mm.T)
+        axis = {"axis_x_mm": float(axis_mm[0].round(DIGITS)), "axis_y_mm": float(axis_mm[1].round(DIGITS))}
+        return {**kept, "b_spline": {"x_mm": x, "y_mm": y, "degree": HIGHEST_DEGREE, **axis}}
+
+    @property
+    def _is_drawn(self) -> bool:
+        """Whether the shape is drawn in the plane, rather than given by the angle that its gear has turned."""
+        by_angle = self.expression_mm is not None or self.modified_ellipse is not None
+        return not by_angle and not (self.points is not None and not self.points.in_plane)
 
     @property
     def gives_center_distance(self) -> bool:
@@ -122,7 +179,7 @@ class PitchCurve(LawKeys):
                 raise fault(shape, f"{key} is missing; only solve_for: {name} can do without it")
         return self
 
-    def law_on(self, linkage: Mechanism, lobes: Lobes) -> Law:
+    def law_on(self, linkage: Mechanism, lobes: Lobes, *, ring: bool = False) -> Law:
         """The law with its centre distance, and what was found as facts."""
         from ncgear.ratio.laws.pitch_curve import GivenCurve, closed_law
         from ncgear.ratio.transmission import Law, single
@@ -130,12 +187,7 @@ class PitchCurve(LawKeys):
         key = f"{KEY}.{given(self, SHAPES)[0]}"
         repeats = (lobes.driving, lobes.driven) if self.gear == "driving" else (lobes.driven, lobes.driving)
         curve_of, range_, facts = self._curves(key, repeats[0])
-        drawn = (
-            self.expression_mm is None
-            and self.modified_ellipse is None
-            and not (self.points and not self.points.in_plane)
-        )
-        asked = GivenCurve(curve_of, range_, drawn=drawn, driven=self.gear == "driven", phase_rad=self.phase, key=key)
+        asked = GivenCurve(curve_of, range_, self._is_drawn, self.gear == "driven", self.phase, key, internal=ring)
         closed = closed_law(asked, lobes, self.center_distance_mm)
         if not self.gives_center_distance:
             return Law(linkage, single(closed.transmission), facts=facts)

@@ -16,12 +16,12 @@ def made(drive: Drive) -> Advice | NotJudged:
         _ = drive.chord_tolerance_mm
     except DesignError as refusal:
         # A build would try no other teeth, and has no more to say
-        return _refused(refusal, ())
+        return _refused(refusal, _nearest(drive))
     if drive.design.masses is not None and not drive.design.motion.is_open:
         # The masses of the machine ask for bodies where they leave out the inertia of the gears
         _ = drive.masses
     refused = drive.gear_refusal
-    return NotJudged(ONLY_TEETH) if refused is None else _refused(refused, (BUILD,))
+    return NotJudged(ONLY_TEETH) if refused is None else _refused(refused, (*_nearest(drive), BUILD))
 
 
 def bodies(drive: Drive) -> Advice | None:
@@ -34,6 +34,14 @@ def bodies(drive: Drive) -> Advice | None:
 
 
 BUILD = Remedy("let ncgear build say what would help", short="ncgear build")
+
+
+FIT = Remedy("let ncgear fit find the nearest pitch curve whose gears can be made", short="ncgear fit")
+
+
+def _nearest(drive: Drive) -> tuple[Remedy, ...]:
+    """The command that follows a drawn outline, where there is one."""
+    return (FIT,) if drive.design.motion.gives_outline else ()
 
 
 WITHOUT_THEM = "what is told here is the motion without them"

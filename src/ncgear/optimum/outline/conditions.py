@@ -1,0 +1,141 @@
+"""What a pitch curve and its mate must keep so that teeth of their module roll on them, with slopes by the curve.
+
+A concave stretch and the convex stretch that rolls in it are, for some pitches, a ring and its pinion.  Their numbers
+of teeth are 2 / (m |k|) and 2 / (m k') with the curvatures k and k' of both; where these differ by too few teeth, tips
+run into each other as those of a ring and too large a pinion do, though each flank by itself would be regular.
+With e = m (k + k') the concave curve may have m |k| up to
+
+    g(e) = (sqrt(e^2 + 8 e / N) - e) / 2,
+
+at which the numbers differ by N.  A tip needs a pitch or so to run into another one, so the condition is held in the
+mean over a pitch to either side.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from enum import StrEnum
+from functools import partial
+from math import radians, tan
+
+import numpy as np
+from scipy import sparse
+
+from ncgear.frozen import dataclass
+from ncgear.numerics.arrays import Array
+from ncgear.optimum.outline.rolled import Rolled, scaled
+
+APART_TEETH = 4.5
+"""By how many teeth a ring and its pinion differ at least where conditions begin."""
+
+HOLLOW, ROUND = 0.3, 0.45
+"""Greatest curvature times module of concave and of convex places: beyond, no flank is regular, no tip has a land."""
+
+STEEPEST_RAD = radians(55.0)
+"""Greatest angle between the pitch curve and the common perpendicular of the radii; the rack's 20 degrees add to it."""
+
+NEAREST = 0.12
+"""Least radius of the mate as a share of the centre distance."""
+
+WINDOW_PITCHES = 1.0
+"""Over how many pitches to either side a concave stretch is taken in the mean, with weights that fall to the ends."""
+
+
+@dataclass(frozen=True, eq=False)
+class Limits:
+    """How much of the usual limits each place may use: ``share`` has shape (m,), or is the same everywhere."""
+
+    apart_teeth: float = APART_TEETH
+    share: Array | float = 1.0
+
+    def hollow(self, together: Array) -> tuple[Array, Array]:
+        """Greatest m |k| of a concave place by e = m (k + k'), and its slope."""
+        root = np.sqrt(together * together + 8.0 * together / self.apart_teeth)
+        return (root - together) / 2.0, ((together + 4.0 / self.apart_teeth) / root - 1.0) / 2.0
+
+
+class Kind(StrEnum):
+    """What a condition is about, of the given gear (own) or of its mate."""
+
+    HOLLOW_OWN = "hollow_own"
+    HOLLOW_MATE = "hollow_mate"
+    HOLLOW_CORNER_OWN = "hollow_corner_own"
+    HOLLOW_CORNER_MATE = "hollow_corner_mate"
+    CORNER_OWN = "corner_own"
+    CORNER_MATE = "corner_mate"
+    STEEP = "pressure_angle"
+    ROOM = "room"
+
+
+@dataclass(frozen=True, eq=False)
+class Condition:
+    """A condition at all places: ``value`` is not over 0, shape (m,), and of the order of 1.
+
+    ``slopes`` makes its slopes by the radius's coefficients, shape (m, n), by the centre distance and by the module,
+    shape (m,) each.
+    """
+
+    kind: Kind
+    value: Array
+    slopes: Callable[[], tuple[sparse.csr_array, Array, Array]]
+
+
+def conditions(curve: Rolled, limits: Limits) -> Iterator[Condition]:
+    """All conditions of a curve."""
+    module, share = curve.module_mm, np.broadcast_to(limits.share, curve.speed_mm.shape)
+    bound, slope = limits.hollow(module * curve.together)
+    mean, none = _mean_over_window(curve), np.zeros_like(curve.speed_mm)
+
+    def of_curvature(curvature: Array, mate: bool, sign: float) -> tuple[sparse.csr_array, Array, Array]:
+        rows = curve.together_rows - curve.curvature_rows if mate else curve.curvature_rows
+        by_distance = curve.together_by_distance if mate else none
+        return sign * module * rows, sign * module * by_distance, sign * curvature
+
+    def of_stretch(curvature: Array, mate: bool) -> tuple[sparse.csr_array, Array, Array]:
+        rows, by_distance, by_module = of_curvature(curvature, mate, -1.0)
+        use = share * slope
+        return (
+            mean @ (rows - scaled(use * module, curve.together_rows)),
+            mean @ (by_distance - use * module * curve.together_by_distance),
+            mean @ (by_module - use * curve.together),
+        )
+
+    kinds = (
+        (Kind.HOLLOW_OWN, Kind.HOLLOW_CORNER_OWN, Kind.CORNER_OWN),
+        (Kind.HOLLOW_MATE, Kind.HOLLOW_CORNER_MATE, Kind.CORNER_MATE),
+    )
+    for mate, (curvature, (stretch, hollow, corner)) in enumerate(zip(curve.curvature, kinds, strict=True)):
+        by = curvature, bool(mate)
+        yield Condition(stretch, mean @ (-module * curvature - share * bound), partial(of_stretch, *by))
+        yield Condition(hollow, -module * curvature - share * HOLLOW, partial(of_curvature, *by, -1.0))
+        yield Condition(corner, module * curvature - share * ROUND, partial(of_curvature, *by, 1.0))
+    b0, b1, _ = curve.basis.places
+    r, r1, _ = curve.radius
+    mean_mm, steepest, distance = float(np.mean(r)), tan(STEEPEST_RAD), curve.center_distance_mm
+    for sign in (1.0, -1.0):
+        rows = (sign * b1 - steepest * b0) / mean_mm
+        yield Condition(Kind.STEEP, (sign * r1 - steepest * r) / mean_mm, partial(_alone, rows, none))
+    room = (1.0 - NEAREST) / mean_mm
+    yield Condition(Kind.ROOM, r / mean_mm - room * distance, lambda: (b0 / mean_mm, none - room, none))
+
+
+def _alone(rows: sparse.csr_array, none: Array) -> tuple[sparse.csr_array, Array, Array]:
+    """Slopes of what changes neither with the centre distance nor with the module."""
+    return rows, none, none
+
+
+def _mean_over_window(curve: Rolled) -> sparse.csr_array:
+    """Weights of all places in the mean about each, shape (m, m)."""
+    pitch = curve.length_mm / curve.teeth
+    near = np.maximum(1.0 - curve.apart_mm(curve.arc_mm) / (WINDOW_PITCHES * pitch), 0.0) * curve.speed_mm
+    return sparse.csr_array(near / near.sum(axis=1, keepdims=True))
+
+
+def excess(curve: Rolled, limits: Limits) -> float:
+    """By how much the conditions are missed at most, and the mate's closing; below 0 where none is."""
+    worst = max(float(np.max(one.value)) for one in conditions(curve, limits))
+    return max(worst, abs(float(np.mean(curve.turned)) - 1.0) - ROUNDING)
+
+
+ROUNDING = 1e-9
+"""Error of the mate's closing that is rounding."""

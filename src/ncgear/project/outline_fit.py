@@ -1,0 +1,375 @@
+"""The nearest pair that can be made: a pitch curve near an outline, its teeth made, and limits set by them in turn.
+
+Conditions on curvature only tell about where teeth can stand.  So the teeth of each curve are made.  Where contact is
+too short, the limits of places nearby are drawn in; between a pair that was made and one that was refused others are
+tried.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import field, replace
+from math import pi
+from typing import Any, Literal
+
+import numpy as np
+
+from ncgear.design.keys.design import Design
+from ncgear.design.keys.gears import Gears
+from ncgear.design.keys.pitch_shapes import FEWEST_POINTS, MOST_POINTS
+from ncgear.design.reading.design_file import parsed_mapping
+from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.frozen import dataclass
+from ncgear.numerics.arrays import Array
+from ncgear.optimum.outline.conditions import Kind, Limits, conditions
+from ncgear.optimum.outline.nearest import Deviation, coefficients_for, deviation, nearest_curve, polar_angle
+from ncgear.optimum.outline.outline import Outline, outline_of
+from ncgear.optimum.outline.programme import Wanted
+from ncgear.optimum.outline.rolled import Basis, Rolled, rays
+from ncgear.pitch.shape import Gear
+from ncgear.project.drive import Drive
+from ncgear.teeth.gear import ToothedGear
+
+TRIALS, NEARER = 8, 2
+"""Pairs made at most until one is not refused, and how many more are tried between it and the last refusal."""
+
+WORTH = 0.002
+"""Share of the deviation that another pair must be able to save to be tried."""
+
+DRAWN_IN, MORE, MOST_DRAWN_IN = 0.05, 0.03, 0.3
+"""By what share limits are drawn in where no flanks touch for a moment, beside the length of that in pitches; how much
+more after each refusal; and the most of it."""
+
+ROOMY, EASED = 1.25, 1.05
+"""Arc of contact in pitches of all flanks about a place over which its limits are eased, and by what factor."""
+
+BESIDE_PITCHES = 2.0
+"""How far from a pair of flanks its contact sets the limits, in pitches."""
+
+NO_TEETH = 0.9
+"""By what limits are drawn in everywhere where teeth cannot be made at all."""
+
+LEAST_SHARE, MOST_SHARE = 0.25, 1.3
+"""Range of the shares of the limits."""
+
+NEXT_TEETH = (1.5, 2.0)
+"""Numbers of teeth that are tried beside the wanted one, by it."""
+
+FEWEST_TEETH = 12
+"""Fewest teeth that a module is turned into."""
+
+BINDS, BINDS_WITHIN_PITCHES = 0.02, 1.5
+"""How near to its limit a condition binds, and how far from a place along the curve."""
+
+OnTrial = Callable[[int, int], None]
+"""Called with the numbers of pairs made and at most to be made."""
+
+
+@dataclass(frozen=True)
+class NextSize:
+    """What another number of teeth would bring; its teeth are not made."""
+
+    teeth: int
+    module_mm: float
+    root_mean_square_mm: float
+    greatest_mm: float
+
+
+@dataclass(frozen=True, eq=False)
+class OutlineFit:
+    """The nearest pair that can be made: the outline, the curve, and the drive of the fitted design.
+
+    ``motion`` has the keys of the fitted law.  ``bound_by`` are the kinds of conditions that bind where the deviation
+    is greatest, the most binding first; ``next_sizes`` are those with more teeth.
+    """
+
+    outline: Outline
+    curve: Rolled
+    deviation: Deviation
+    drive: Drive
+    motion: Mapping[str, Any]
+    bound_by: tuple[Kind, ...]
+    next_sizes: tuple[NextSize, ...]
+
+    @property
+    def points_mm(self) -> Array:
+        """Points of the pitch curve in the drawing, counter-clockwise, shape (n, 2)."""
+        return self.curve.points()[0]
+
+    @property
+    def mate_points_mm(self) -> Array:
+        """Points of the mate's pitch curve about its axis, shape (n, 2), as its first faces the curve's first."""
+        return self.curve.mate_points()
+
+    @property
+    def given_gear(self) -> Gear:
+        """The gear whose pitch curve is drawn."""
+        return _given_gear(self.motion)
+
+    @property
+    def contact_ratio(self) -> float:
+        """Contact ratio of the exact teeth, of the side where it is less."""
+        return self.drive.designed_contact.contact_ratio
+
+    @property
+    def greatest_at_rad(self) -> float:
+        """Polar angle of the greatest deviation about the axis."""
+        return polar_angle(self.curve, self.deviation.at_mm)
+
+
+def fit(
+    outline_mm: Array,
+    *,
+    teeth: int | None = None,
+    module_mm: float | None = None,
+    axis_mm: tuple[float, float] | None = None,
+    criterion: Literal["root_mean_square", "greatest"] = "root_mean_square",
+    gears: Mapping[str, Any] | None = None,
+    name: str = "outline",
+) -> OutlineFit:
+    """The nearest pair of gears that can be made to a closed outline, points of shape (n, 2) in mm in either sense.
+
+    The size of its teeth is given by ``teeth`` or ``module_mm``.  The axis is held at ``axis_mm`` where it is given.
+    ``criterion`` tells whether the root of the mean square of distances or their greatest is least; ``gears`` has
+    further keys of the section ``gears`` of a design file.
+
+    Raises WrongInput for what is wrong, and NoSuchMechanism where no pair near the outline can be made.
+    """
+    outline = outline_of(outline_mm, "outline_mm")
+    corners = outline.corners if len(outline.corners) >= FEWEST_POINTS else outline.with_middles
+    x, y = (corners if len(corners) <= MOST_POINTS else outline.even(MOST_POINTS)).T.tolist()
+    axis = {} if axis_mm is None else {"axis_x_mm": axis_mm[0], "axis_y_mm": axis_mm[1]}
+    sizes = {key: value for key, value in (("teeth", teeth), ("module_mm", module_mm)) if value is not None}
+    data = {
+        "name": name,
+        "operation": {"speed_rpm": 60.0},
+        "motion": {"law": "pitch_curve", "points": {"x_mm": x, "y_mm": y, "tolerance_mm": 1.0, **axis}},
+        "outline": {"axis": "free" if axis_mm is None else "fixed", "criterion": criterion},
+        "gears": {"face_width_mm": max(outline.size_mm / 8.0, 1.0), **sizes, **(gears or {})},
+    }
+    return fitted(parsed_mapping(data).design)
+
+
+def fitted(design: Design, on_trial: OnTrial = lambda done, most: None) -> OutlineFit:
+    """The nearest pair that can be made for a design whose law draws a pitch curve.
+
+    Raises WrongInput for a design that has no outline, no size, or several lobes, and for a fixed axis outside;
+    NoSuchMechanism where no pair near the outline can be made.
+    """
+    gears = _gears_of(design)
+    points, axis, key = design.motion.outline_mm()
+    outline, asked = outline_of(points, key), design.outline
+    fixed = asked is not None and asked.axis == "fixed"
+    if fixed and not outline.holds(axis):
+        raise WrongInput(
+            f"the axis at ({axis[0]:g}, {axis[1]:g}) mm is outside the outline; a place inside is right, or "
+            "outline.axis: free",
+            key=key,
+        )
+    wanted = Wanted(asked is not None and asked.criterion == "greatest", fixed)
+    search = _Search(design, outline, wanted, axis if fixed else None)
+    start = None
+    teeth = gears.teeth
+    if teeth is None:
+        start = search.with_module()
+        teeth = start.teeth
+    if gears.module_mm is not None and design.motion.gives_center_distance:
+        search = replace(search, wanted=replace(wanted, module_mm=gears.module_mm))
+    best = search.best(teeth, start, on_trial)
+    curve, away = best.curve, deviation(outline, best.curve)
+    sizes = _next_sizes(outline, best, replace(wanted, module_mm=None))
+    return OutlineFit(outline, curve, away, best.drive, best.motion, _binding(best, away), sizes)
+
+
+def _gears_of(design: Design) -> Gears:
+    """The design's gears; raises WrongInput for a design of which there is no fit."""
+    gears = design.gears
+    if not design.motion.gives_outline:
+        raise WrongInput(f"{design.motion.law} given; pitch_curve, which draws an outline, is right", key="motion.law")
+    if gears is None:
+        raise WrongInput("missing; a fit needs gears.teeth or gears.module_mm", key="gears")
+    if (gears.lobes.driving, gears.lobes.driven) != (1, 1):
+        raise WrongInput("several lobes given; a fit is offered for one lobe each: leave it out", key="gears.lobes")
+    if gears.teeth is None and (gears.module_mm is None or not design.motion.gives_center_distance):
+        raise WrongInput("missing; a fit needs the number of teeth", key="gears.teeth")
+    return gears
+
+
+def _given_gear(motion: Mapping[str, Any]) -> Gear:
+    return Gear(motion.get("gear", Gear.DRIVING.value))
+
+
+@dataclass(frozen=True, eq=False)
+class _Made:
+    """A curve with the drive of its teeth, and their refusal if any.
+
+    ``meetings_mm`` are arc lengths of the curve at which flanks meet, with their arcs of contact in pitches.
+    ``lacking`` has rows of an arc length and of the pitches by which contact is too short there.
+    """
+
+    curve: Rolled
+    limits: Limits
+    drive: Drive
+    motion: Mapping[str, Any]
+    refusal: NoSuchMechanism | None = None
+    meetings_mm: Array = field(default_factory=lambda: np.empty(0))
+    arcs: Array = field(default_factory=lambda: np.empty(0))
+    lacking: Array = field(default_factory=lambda: np.empty((0, 2)))
+
+
+@dataclass(frozen=True, eq=False)
+class _Search:
+    """What is sought: the design, its outline, and the axis where it is held."""
+
+    design: Design
+    outline: Outline
+    wanted: Wanted
+    axis_mm: Array | None
+
+    def with_module(self) -> Rolled:
+        """A near curve for the whole number of teeth whose module is nearest to the design's."""
+        gears = _gears_of(self.design)
+        assert gears.module_mm is not None
+        pitch = pi * gears.module_mm
+        about = max(round(self.outline.hull_length_mm / pitch), FEWEST_TEETH)
+        free = nearest_curve(self.outline, about, Limits(), self.wanted, self.axis_mm)
+        return _with_teeth(free, max(round(free.length_mm / pitch), FEWEST_TEETH))
+
+    def best(self, teeth: int, start: Rolled | None, on_trial: OnTrial) -> _Made:
+        """The nearest of the pairs that were made; raises NoSuchMechanism where all are refused."""
+        limits, curve = Limits(), start
+        kept: _Made | None = None
+        refused: _Made | None = None
+        left = TRIALS
+        for trial in range(TRIALS + NEARER):
+            on_trial(trial, TRIALS + NEARER)
+            curve = nearest_curve(self.outline, teeth, limits, self.wanted, self.axis_mm, curve)
+            made = _made(self.design, curve, limits)
+            left -= 1
+            if made.refusal is not None:
+                refused = made
+            elif kept is None:
+                kept, left = made, NEARER
+            elif self._away_mm(made) < self._away_mm(kept):
+                kept = made
+            if kept is not None and refused is not None and self._away_mm(kept) < (1 + WORTH) * self._away_mm(refused):
+                break
+            if left == 0:
+                break
+            limits = _between(kept, refused) if kept is not None else _drawn_in(made, trial)
+        if kept is None:
+            assert refused is not None
+            assert refused.refusal is not None
+            raise NoSuchMechanism(
+                f"no pair near the outline can be made with {teeth} teeth; at last: {refused.refusal.problem}",
+                key=refused.refusal.key,
+            )
+        return kept
+
+    def _away_mm(self, made: _Made) -> float:
+        """What is to be least."""
+        found = deviation(self.outline, made.curve)
+        return found.greatest_mm if self.wanted.greatest else found.root_mean_square_mm
+
+
+def control_points(curve: Rolled) -> Array:
+    """Control points, shape (n, 2), of a closed uniform quintic B-spline in the plane that is the curve to 0.1 um."""
+    count = 2 * curve.basis.count
+    phi = 2.0 * pi * np.arange(count) / count
+    radius = curve.basis.at(phi) @ curve.coefficients
+    return Basis(count).through(curve.axis_mm + radius[:, None] * rays(phi)[0])
+
+
+def _made(design: Design, curve: Rolled, limits: Limits) -> _Made:
+    """The teeth of a curve, and how long their flanks touch."""
+    gears, motion = _gears_of(design), design.motion.along(control_points(curve), curve.axis_mm)
+    # The curve has a size, and its teeth are counted; a phase would only turn it.
+    size = {"teeth": curve.teeth} | ({"module_mm": None} if design.motion.gives_center_distance else {})
+    keys = type(design.motion).model_validate({key: value for key, value in motion.items() if key[:5] != "phase"})
+    changes = {"motion": keys, "masses": None, "gears": gears.model_copy(update=size)}
+    drive = Drive(design.model_copy(update=changes))
+    made = _Made(curve, limits, drive, motion)
+    try:
+        made = _with_contact(made, drive.teeth.of(_given_gear(motion)), gears)
+        _ = drive.designed_contact
+    except NoSuchMechanism as refusal:
+        return replace(made, refusal=refusal)
+    return made
+
+
+def _with_contact(made: _Made, gear: ToothedGear, gears: Gears) -> _Made:
+    """The same with how long flanks touch; ``gear`` is the one whose curve is given."""
+    flanks, curve, contact = gear.flanks, made.curve, made.drive.free_contact
+    sides = contact.pushing, contact.back
+    crossing = np.concatenate([flanks.crossing_mm[getattr(side.meetings, flanks.curve.gear.value)] for side in sides])
+    at = flanks.curve.at_length(crossing).position
+    polar = np.mod(np.arctan2(at[:, 1], at[:, 0]), 2.0 * pi)
+    places = np.interp(polar, curve.phi_rad, curve.arc_mm, period=2.0 * pi)
+    arcs = np.concatenate([side.pairs.arcs for side in sides])
+    least = max(gears.least_contact_ratio, 1.0)
+    lacking = [(place, least - arc) for place, arc in zip(places, arcs, strict=True) if arc < least]
+    phi1, placement = flanks.curve.driving_angle(crossing), contact.placement
+    judged = sides if gears.drives == "both_ways" else sides[:1]
+    for low, high in np.concatenate([side.pairs.gaps for side in judged]):
+        middle = placement.phi1_rad[round((low + high) / 2.0) % placement.count]
+        # The flanks that cross nearest to where none touch.
+        lacking.append((places[np.argmax(np.cos(phi1 - middle))], (high - low) / placement.per_tooth))
+    return replace(made, meetings_mm=places, arcs=arcs, lacking=np.array(lacking).reshape(-1, 2))
+
+
+def _drawn_in(made: _Made, refusals: int) -> Limits:
+    """Limits drawn in where contact is too short and, the first time, eased where all flanks nearby touch for long."""
+    curve, limits = made.curve, made.limits
+    share = np.broadcast_to(limits.share, curve.arc_mm.shape)
+    if not made.lacking.size:
+        return replace(limits, share=np.maximum(share * NO_TEETH, LEAST_SHARE))
+    reach = BESIDE_PITCHES * curve.length_mm / curve.teeth
+    near = np.maximum(1.0 - curve.apart_mm(made.lacking[:, 0]) / reach, 0.0)
+    less = np.max(near * np.minimum(DRAWN_IN + MORE * refusals + made.lacking[:, 1], MOST_DRAWN_IN), axis=1)
+    shortest = np.min(np.where(curve.apart_mm(made.meetings_mm) < reach, made.arcs, np.inf), axis=1)
+    eased = np.where((refusals == 0) & (less == 0.0) & (shortest > ROOMY), EASED, 1.0)
+    return replace(limits, share=np.clip(share * (1.0 - less) * eased, LEAST_SHARE, MOST_SHARE))
+
+
+def _between(kept: _Made, refused: _Made | None) -> Limits:
+    """Limits half-way from those of a pair that was made to those of a refused one, or a little eased without one."""
+    share = np.asarray(kept.limits.share)
+    if refused is None:
+        return replace(kept.limits, share=np.minimum(share * EASED**2, MOST_SHARE))
+    return replace(kept.limits, share=(share + np.asarray(refused.limits.share)) / 2.0)
+
+
+def _binding(made: _Made, away: Deviation) -> tuple[Kind, ...]:
+    """The conditions that bind beside the greatest deviation, the most binding first."""
+    curve = made.curve
+    there = polar_angle(curve, away.toward_mm if away.of_outline else away.at_mm)
+    at = np.interp([there], curve.phi_rad, curve.arc_mm, period=2.0 * pi)
+    near = curve.apart_mm(at)[:, 0] < BINDS_WITHIN_PITCHES * curve.length_mm / curve.teeth
+    values: dict[Kind, float] = {}
+    for one in conditions(curve, made.limits):
+        values[one.kind] = max(values.get(one.kind, -np.inf), float(np.max(one.value[near])))
+    return tuple(sorted((kind for kind, value in values.items() if value > -BINDS), key=lambda kind: -values[kind]))
+
+
+def _with_teeth(curve: Rolled, teeth: int) -> Rolled:
+    """The same curve for another number of teeth."""
+    basis = Basis(coefficients_for(teeth))
+    phi = 2.0 * pi * np.arange(basis.count) / basis.count
+    radius = basis.through(curve.basis.at(phi) @ curve.coefficients)
+    return Rolled(basis, radius, curve.axis_mm, curve.center_distance_mm, teeth)
+
+
+def _next_sizes(outline: Outline, made: _Made, wanted: Wanted) -> tuple[NextSize, ...]:
+    """The same with more teeth of a smaller module, from the curve that was found."""
+    sizes = list[NextSize]()
+    share = np.broadcast_to(made.limits.share, made.curve.arc_mm.shape)
+    for times in NEXT_TEETH:
+        start = _with_teeth(made.curve, round(times * made.curve.teeth))
+        kept = np.interp(start.phi_rad, made.curve.phi_rad, share, period=2.0 * pi)
+        try:
+            found = nearest_curve(outline, start.teeth, replace(made.limits, share=kept), wanted, start=start)
+        except NoSuchMechanism:
+            continue
+        away = deviation(outline, found)
+        sizes.append(NextSize(found.teeth, found.module_mm, away.root_mean_square_mm, away.greatest_mm))
+    return tuple(sizes)
