@@ -17,7 +17,7 @@ BALANCES = {path.stem: path for path in sorted((ROOT / "designs" / "balance").gl
 CASES = {path.stem: path for path in sorted((ROOT / "tests" / "cases").glob("*.yaml"))}
 
 COMMANDS = (
-    "build report animate check compare formulas simulate strength tolerance size optimize frontier sweep measured "
+    "build report animate check compare formulas simulate strength tolerance size optimize frontier fit sweep measured "
     "bench balance new explain reproduce schema"
 )
 LAWS = (

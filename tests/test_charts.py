@@ -101,7 +101,7 @@ resistance: {expression_n: "20 + 500*exp(-(x - 41.237)**2/1e-3)"}
 """A ratio and a force that are high over less than a step of 2000."""
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["baler-a1-at-law-speed", "narrow"])
 def test_headings_tell_the_extremes_that_the_figures_tell(name: str) -> None:
     made = drives.drive_of_text(NARROW) if name == "narrow" else drives.drive(name)
@@ -194,6 +194,7 @@ def note_and_curves(own: np.ndarray, other: np.ndarray) -> tuple[Bbox, Bbox, lis
     return axes.texts[0].get_window_extent(), axes.get_window_extent(), curves
 
 
+@pytest.mark.tiers(quick=["120.0-75.0-1.0"], rest="slow")
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize(
     ("peak", "higher"), [(120.0, 75.0), (120.0, 150.0), (203.0, 178.0), (203.0, 258.0), (15.0, 135.0), (345.0, 230.0)]

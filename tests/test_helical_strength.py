@@ -25,7 +25,6 @@ from ncgear.dynamics.meshing import Meshing
 from ncgear.dynamics.motion_in_time import law_table
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear, Mesh
-from ncgear.project import vibration
 from ncgear.solids.helical.even_tips import with_even_tips
 from ncgear.solids.helical.helix import Hand, Helix
 from ncgear.solids.helical.sections import Sections
@@ -203,15 +202,3 @@ def test_forces_of_all_sections_balance_the_torque() -> None:
     assert pairs.force_n.size < contacts.force_n.size
     assert np.bincount(pairs.position, pairs.force_n) == pytest.approx(np.bincount(contacts.position, contacts.force_n))
     assert np.all(contacts.share == pytest.approx(1.0 / 3.0))
-
-
-def test_the_contact_ratio_of_the_mesh_counts_the_overlap() -> None:
-    """epsilon_alpha + epsilon_beta, which K_V of method B asks for; sections alone would have the first."""
-    loading, _ = loaded("uniform", 24, helix_of(20.0), 3)
-    running = Running(MODULE, (24, 24), WIDTH, 3.0, iso_pair((24, 24), 20.0).overlap_ratio)
-    bare_running = replace(running, overlap_ratio=0.0)
-    mesh, bare = (vibration.mesh_stiffness(loading, one) for one in (running, bare_running))
-    assert mesh is not None
-    assert bare is not None
-    assert mesh.contact_ratio.mean() - bare.contact_ratio.mean() == pytest.approx(running.overlap_ratio)
-    assert bare.contact_ratio.mean() == pytest.approx(loading.contact_ratio, rel=0.03)

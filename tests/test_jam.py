@@ -169,6 +169,7 @@ def test_a_jam_alone_is_rated_as_beside_a_resistance() -> None:
     rated, beside = rating_of(alone), both.judged_teeth("estimate").jammed
     assert beside is not None
     assert rated.strength.load == "jam"
+    assert np.all(rated.strength.stresses.dynamic_factor == 1.0)
     for gear in Gear:
         one, other = rated.strength.of(gear).bending, beside.of(gear).bending
         assert one.safety == pytest.approx(other.safety, rel=0.05)

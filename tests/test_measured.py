@@ -72,8 +72,9 @@ class TestFiles:
             "# of the machine\n1.5 -2\n\n3 4\n",
             "1,5;-2\n3;4,0;\n",
             "Z\tY\tX\n9\t-2\t1,5\n9\t4\t3\n",
+            "1.5,-2,9.01\n3,4,8.99\n",
         ],
-        ids=["commas", "spaces", "decimal-commas", "named"],
+        ids=["commas", "spaces", "decimal-commas", "named", "heights"],
     )
     def test_a_point_a_line(self, text: str, tmp_path: Path) -> None:
         path = tmp_path / "p.csv"
@@ -88,6 +89,7 @@ class TestFiles:
             ("x_in,y_in\n1,2\n", "p.csv:1:1: the header names inches"),
             ("a,b\n1,2\n", "must name one column x"),
             ("1,5,2,5\n", "separated by semicolons"),
+            ("1,10,0\n2,0,10\n3,-10,0\n4,0,-10\n", "the third is no height z"),
             ("x,y\n", "holds no point"),
         ],
     )
@@ -180,8 +182,8 @@ def astray(points: np.ndarray, flank: np.ndarray, given: np.ndarray) -> float:
     return float(np.abs(found.mean_mm - left).max() / (SIGMA_MM / np.sqrt(10)))
 
 
-@pytest.mark.slow
 class TestPointsThatStandAlone:
+    @pytest.mark.slow
     def test_they_are_named_and_the_gear_is_as_without_them(self) -> None:
         points, flank, given, rows = spiked()
         outlines = {gear: outline_of("asymmetric-ellipse", gear) for gear in Gear}
@@ -202,12 +204,14 @@ class TestPointsThatStandAlone:
         away = outline_of("asymmetric-ellipse").feet(as_complex(one.outline_mm)).distance_mm
         assert np.abs(away).max() < 0.05
 
+    @pytest.mark.slow
     def test_without_that_the_figures_are_off(self, monkeypatch: pytest.MonkeyPatch) -> None:
         """Negative control."""
         points, flank, given, _ = spiked()
         monkeypatch.setattr(best_fit_module, "alone_mm", lambda outline, feet: np.zeros(feet.row.size))
         assert astray(points, flank, given) > 20.0
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(("depth_mm", "length"), [(0.15, 3), (-0.12, 4), (0.03, 6)])
     def test_a_burr_or_wear_goes_on_from_point_to_point_and_is_of_the_gear(self, depth_mm: float, length: int) -> None:
         outline = outline_of("asymmetric-ellipse")
@@ -223,6 +227,7 @@ class TestPointsThatStandAlone:
         assert set(np.argsort(worst)[-4:]) == {6, 13, 15, 17}
         assert worst[[6, 13, 15, 17]] == pytest.approx(abs(depth_mm), abs=6.0 * SIGMA_MM)
 
+    @pytest.mark.slow
     def test_a_rough_gear_is_measured_as_it_is(self) -> None:
         """One point of seven stands off: no dust lies so thick, and none is left out."""
         outline = outline_of("asymmetric-ellipse")
@@ -231,6 +236,7 @@ class TestPointsThatStandAlone:
         fit = best_fit(outline, at + off * normal, 0.0, rigid=False)
         assert not fit.alone.any()
 
+    @pytest.mark.slow
     def test_flanks_that_lean_do_not_stand_alone_at_their_ends(self) -> None:
         outline = outline_of("asymmetric-ellipse")
         at, flank, normal = flank_points(outline.gear, 14)
@@ -240,6 +246,7 @@ class TestPointsThatStandAlone:
         )
         assert not best_fit(outline, at + off * normal, 0.0, rigid=False).alone.any()
 
+    @pytest.mark.slow
     def test_two_with_one_between_are_found_wherever_they_are(self) -> None:
         """On a flank of eight points each, at all places from its lower end to its upper one; and two at each end."""
         outline, count = outline_of("asymmetric-ellipse"), 8
@@ -255,6 +262,7 @@ class TestPointsThatStandAlone:
         off[np.array(rows[::2]) + 1] = off[rows[::2]]
         assert not alone_mm(outline, outline.feet(at + off * normal)).any()
 
+    @pytest.mark.slow
     def test_noise_of_normal_distribution_does_not_stand_alone(self) -> None:
         """However few points a flank has, none is named below eight standard deviations."""
         outline = outline_of("asymmetric-ellipse")
@@ -267,6 +275,7 @@ class TestPointsThatStandAlone:
                 noise[7] = 48.0 * SIGMA_MM
                 assert np.flatnonzero(alone_mm(outline, outline.feet(at + noise * normal))).tolist() == [7]
 
+    @pytest.mark.slow
     def test_a_point_that_is_written_often_is_one(self) -> None:
         outline, count = outline_of("asymmetric-ellipse"), 9
         at, _, normal = flank_points(outline.gear, count)
@@ -290,6 +299,7 @@ class TestPointsThatStandAlone:
         one = compared_gear(outlines, Gear.DRIVING, file_of(points), Fit.ROTATION, 0.0)
         assert gear_figures(one)["points_not_judged"] == 3
 
+    @pytest.mark.slow
     def test_a_spike_in_few_points_is_said_to_be_not_judged(self) -> None:
         own = drive("ellipse")
         for count, said in ((2, True), (3, False)):
@@ -299,6 +309,7 @@ class TestPointsThatStandAlone:
             assert not_judged(pair) == (f"{FEW}: {at.size} of the driving gear" if said else "")
             assert pair.gears[0].fit.alone.any() != said
 
+    @pytest.mark.slow
     def test_a_spike_on_a_tip_of_two_points_is_said_to_be_not_judged(self) -> None:
         """It jams the pair as metal would; with a third point beside them it is left out."""
         own = drive("ellipse")
@@ -313,6 +324,7 @@ class TestPointsThatStandAlone:
             assert not_judged(pair) == (f"{FEW}: 2 of the driving gear" if said else "")
             assert pair.gears[0].fit.alone.any() != said
 
+    @pytest.mark.slow
     def test_one_spike_of_few_points_is_found(self) -> None:
         """Of fifteen points a single one is more than one in twenty, and no roughness."""
         outline = outline_of("asymmetric-ellipse")
@@ -322,6 +334,7 @@ class TestPointsThatStandAlone:
         assert points.size == 15
         assert np.flatnonzero(best_fit(outline, points, 0.0, rigid=False).alone).tolist() == [4]
 
+    @pytest.mark.slow
     def test_how_many_points_are_rough_is_told(self) -> None:
         own = drive("ellipse")
         at, _, normal = flank_points(own.teeth.driving, 14)

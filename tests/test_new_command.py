@@ -351,6 +351,7 @@ def test_names_that_yaml_takes_for_something_else(name: str) -> None:
     assert loads(template(name)).design.name == name
 
 
+@pytest.mark.tiers(quick=["ellipse", "table"], rest="slow")
 @pytest.mark.parametrize("law", LawName)
 def test_only_lines_of_other_values_differ_from_the_template(law: LawName) -> None:
     """Comments stay, also those of lines that change."""

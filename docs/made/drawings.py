@@ -26,10 +26,12 @@ from ncgear.drawings.plots.canvas import (
     figure,
     png,
 )
+from ncgear.files.outline_fit import outline_picture
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import turned
 from ncgear.numerics.units import RAD_S_PER_RPM
+from ncgear.project.outline_fit import OutlineFit, fitted
 
 DESIGNS = Path(__file__).parents[2] / "designs"
 
@@ -266,3 +268,40 @@ def contact() -> bytes:
 
 def _closed(points: Array) -> Array:
     return np.vstack([points, points[:1]])
+
+
+HEART = {
+    "name": "heart",
+    "operation": {"speed_rpm": 30},
+    "motion": {"law": "pitch_curve", "svg": {"file": str(DESIGNS / "heart.svg")}},
+    "gears": {"teeth": 64, "face_width_mm": 8, "drives": "both_ways", "backlash_mm": 0.05},
+    "outline": {"pressure_angle_deg": 65},
+}
+"""The design of the page about drawings."""
+
+
+@cache
+def _heart() -> OutlineFit:
+    return fitted(ncgear.load(HEART).design)
+
+
+def heart_drawing() -> bytes:
+    """The outline alone."""
+    made = figure(4.0, 3.9, "designs/heart.svg", Margins(left=0.6, right=0.2, top=0.5))
+    axes = made.add_subplot()
+    axes.fill(*_heart().outline.corners.T, color=HIGHLIGHT, alpha=0.6)
+    axes.set_aspect("equal")
+    dress(axes, "x in mm", "y in mm")
+    return png(made)
+
+
+def heart_fit() -> bytes:
+    """The outline, the fitted curve and its mate."""
+    return outline_picture(_heart(), "heart")
+
+
+def heart_gears() -> bytes:
+    """Both gears in mesh."""
+    made = figure(8.2, 5.2, "heart-fitted: both gears", Margins(left=0.6, right=0.2, top=0.5))
+    ncgear.plots.pair_at(_heart().drive, 0.0, made.add_subplot())
+    return png(made)

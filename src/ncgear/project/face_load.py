@@ -195,7 +195,7 @@ def _askew_mm(design: Design, running: Running) -> float:
     """By how much flanks lie askew over the face width, in either sense."""
     given, width = design.tolerances, running.face_width_mm
     slopes = []
-    for gear, teeth, grade in zip(Gear, running.teeth, grades_of(design), strict=True):
+    for gear, teeth, grade in zip(Gear, running.whole, grades_of(design), strict=True):
         own = None if given is None else getattr(given, gear.value)
         slopes.append(0.0 if grade is None else helix_slope_mm(grade, running.module_mm * teeth, width))
         slopes.append(0.0 if own is None else width * tan(radians(own.tilt_deg)))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import field, replace
-from math import pi
+from math import pi, radians
 from typing import Any, Literal
 
 import numpy as np
@@ -124,12 +124,14 @@ def fit(
     module_mm: float | None = None,
     axis_mm: tuple[float, float] | None = None,
     criterion: Literal["root_mean_square", "greatest"] = "root_mean_square",
+    pressure_angle_deg: float = 75.0,
     gears: Mapping[str, Any] | None = None,
     name: str = "outline",
 ) -> OutlineFit:
     """The nearest pair of gears that can be made to a closed outline, points of shape (n, 2) in mm in either sense.
 
     The size of its teeth is given by ``teeth`` or ``module_mm``.  The axis is held at ``axis_mm`` where it is given.
+    ``pressure_angle_deg`` is the greatest one, that of the rack included.
     ``criterion`` tells whether the root of the mean square of distances or their greatest is least; ``gears`` has
     further keys of the section ``gears`` of a design file.
 
@@ -144,7 +146,11 @@ def fit(
         "name": name,
         "operation": {"speed_rpm": 60.0},
         "motion": {"law": "pitch_curve", "points": {"x_mm": x, "y_mm": y, "tolerance_mm": 1.0, **axis}},
-        "outline": {"axis": "free" if axis_mm is None else "fixed", "criterion": criterion},
+        "outline": {
+            "axis": "free" if axis_mm is None else "fixed",
+            "criterion": criterion,
+            "pressure_angle_deg": pressure_angle_deg,
+        },
         "gears": {"face_width_mm": max(outline.size_mm / 8.0, 1.0), **sizes, **(gears or {})},
     }
     return fitted(parsed_mapping(data).design)
@@ -167,7 +173,8 @@ def fitted(design: Design, on_trial: OnTrial = lambda done, most: None) -> Outli
             key=key,
         )
     wanted = Wanted(asked is not None and asked.criterion == "greatest", fixed)
-    search = _Search(design, outline, wanted, axis if fixed else None)
+    limits = Limits() if asked is None else Limits(steepest_rad=_steepest_rad(asked.pressure_angle_deg, gears))
+    search = _Search(design, outline, wanted, axis if fixed else None, limits)
     start = None
     teeth = gears.teeth
     if teeth is None:
@@ -193,6 +200,17 @@ def _gears_of(design: Design) -> Gears:
     if gears.teeth is None and (gears.module_mm is None or not design.motion.gives_center_distance):
         raise WrongInput("missing; a fit needs the number of teeth", key="gears.teeth")
     return gears
+
+
+def _steepest_rad(pressure_angle_deg: float, gears: Gears) -> float:
+    """The greatest angle of the pitch curve; raises WrongInput where the rack's own leaves none."""
+    left = pressure_angle_deg - gears.carrying_angle_deg
+    if left <= 0.0:
+        raise WrongInput(
+            f"{pressure_angle_deg:g} deg given, of which the rack has {gears.carrying_angle_deg:g}; more is right",
+            key="outline.pressure_angle_deg",
+        )
+    return radians(left)
 
 
 def _given_gear(motion: Mapping[str, Any]) -> Gear:
@@ -225,6 +243,7 @@ class _Search:
     outline: Outline
     wanted: Wanted
     axis_mm: Array | None
+    limits: Limits
 
     def with_module(self) -> Rolled:
         """A near curve for the whole number of teeth whose module is nearest to the design's."""
@@ -232,12 +251,12 @@ class _Search:
         assert gears.module_mm is not None
         pitch = pi * gears.module_mm
         about = max(round(self.outline.hull_length_mm / pitch), FEWEST_TEETH)
-        free = nearest_curve(self.outline, about, Limits(), self.wanted, self.axis_mm)
+        free = nearest_curve(self.outline, about, self.limits, self.wanted, self.axis_mm)
         return _with_teeth(free, max(round(free.length_mm / pitch), FEWEST_TEETH))
 
     def best(self, teeth: int, start: Rolled | None, on_trial: OnTrial) -> _Made:
         """The nearest of the pairs that were made; raises NoSuchMechanism where all are refused."""
-        limits, curve = Limits(), start
+        limits, curve = self.limits, start
         kept: _Made | None = None
         refused: _Made | None = None
         left = TRIALS

@@ -158,9 +158,9 @@ def rough_mesh(drive: Drive, sides: list[SharedLoad], load: RolledLoad) -> MeshS
             strict=True,
         )
     )
-    order = np.argsort(phi1)
-    cycle = 2.0 * pi * round(load.phi1_rad.size / PER_TOOTH / drive.running.teeth[0])
-    return MeshStiffness.of(phi1[order], stiffness[order], pairs[order], cycle, PER_TOOTH)
+    cycle = 2.0 * pi * round(load.phi1_rad.size / PER_TOOTH / drive.running.teeth[0]) if load.closed else None
+    per_pitch = PER_TOOTH * (2 if asked_of(drive).loads_return else 1)
+    return MeshStiffness.of(phi1, stiffness, pairs, cycle, per_pitch)
 
 
 def rough_damage(found: RoughStrength, one: RoughSafety) -> str:

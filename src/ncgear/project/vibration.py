@@ -2,8 +2,9 @@
 
 The inertias are those of both shafts of the pair: all that turns with the driving gear, and all that the driven gear
 moves, reduced to its shaft, so that a slider counts most where it is fastest.  Of two pairs in series the shaft between
-ends the vibration of either.  Without masses both gears are discs within their pitch curves.  Not counted: that shafts
-twist, which keeps heavy masses behind them out of the vibration and raises its frequency.
+ends the vibration of either.  Without masses both gears are discs within their pitch curves.  Gears that turn less than
+once are as stiff at an angle as the mean of the way out and the way back.  Not counted: that shafts twist, which keeps
+heavy masses behind them out of the vibration and raises its frequency.
 """
 
 from __future__ import annotations
@@ -100,21 +101,16 @@ def _deviations_mm(drive: Geared, asked: ToothLoad) -> tuple[float, float]:
 
 
 def mesh_stiffness(loading: Loading, running: Running) -> MeshStiffness | None:
-    """How stiff the teeth of a loading are as a mean over a pitch; None where nothing bears.
-
-    The contact ratio is that of the sections and the overlap of helical teeth.  Of gears that turn less than once the
-    way out counts, as if it were a cycle.
-    """
-    contacts, even = loading.contacts, loading.even.copy()
-    end_rad = loading.cycle_rad if loading.closed else loading.cycle_rad / 2.0
-    even[int(loading.phi1_rad.argmax()) + 1 :] = False
+    """How stiff the teeth of a loading are as a mean over a pitch; None where nothing bears."""
+    contacts, even = loading.contacts, loading.even
     stiffness, pairs = (
         np.bincount(contacts.position, one, even.size)[even].astype(float)
         for one in (contacts.stiffness_n_mm, contacts.share)
     )
-    pairs[pairs > 0.0] += running.overlap_ratio
-    per_pitch = max(round(int(even.sum()) / (end_rad / (2.0 * pi) * running.whole[0])), 1)
-    return MeshStiffness.of(loading.phi1_rad[even], stiffness, pairs, end_rad, per_pitch)
+    cycle_rad = loading.cycle_rad if loading.closed else None
+    pitches = running.whole[0] * (cycle_rad or running.stroke_rad / 2.0) / (2.0 * pi)
+    per_pitch = max(round(int(even.sum()) / pitches), 1)
+    return MeshStiffness.of(loading.phi1_rad[even], stiffness, pairs, cycle_rad, per_pitch)
 
 
 @dataclass(frozen=True)

@@ -33,9 +33,8 @@ LOADS = {"masses": "the machine with its masses", "resistance": "the resistance 
 def strength(drive: Drive) -> Advice | NotJudged | None:
     """Teeth whose safety against breakage or pitting is under the wanted one; names the weakest of all.
 
-    None where the teeth hold, and where no load is known.  Where the strength is refused or not computed, as of open
-    gears, at speeds beyond what is known of vibration, or of loads that press teeth too deep to be followed, they are
-    judged roughly, if only whether they break at once.
+    None where the teeth hold, and where no load is known.  Where the strength is refused, as of loads that press teeth
+    too deep to be followed, they are judged roughly, if only whether they break at once.
     """
     rating = known_rating(drive)
     if not isinstance(rating, Rating):

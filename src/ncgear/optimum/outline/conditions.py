@@ -32,7 +32,7 @@ HOLLOW, ROUND = 0.3, 0.45
 """Greatest curvature times module of concave and of convex places: beyond, no flank is regular, no tip has a land."""
 
 STEEPEST_RAD = radians(55.0)
-"""Greatest angle between the pitch curve and the common perpendicular of the radii; the rack's 20 degrees add to it."""
+"""Usual greatest angle between the pitch curve and the common perpendicular; the rack's 20 degrees add to it."""
 
 NEAREST = 0.12
 """Least radius of the mate as a share of the centre distance."""
@@ -43,9 +43,13 @@ WINDOW_PITCHES = 1.0
 
 @dataclass(frozen=True, eq=False)
 class Limits:
-    """How much of the usual limits each place may use: ``share`` has shape (m,), or is the same everywhere."""
+    """How much of the usual limits of curvature each place may use, ``share``, of shape (m,) or the same everywhere.
+
+    ``steepest_rad`` is the greatest angle between the pitch curve and the common perpendicular of the radii.
+    """
 
     apart_teeth: float = APART_TEETH
+    steepest_rad: float = STEEPEST_RAD
     share: Array | float = 1.0
 
     def hollow(self, together: Array) -> tuple[Array, Array]:
@@ -111,7 +115,7 @@ def conditions(curve: Rolled, limits: Limits) -> Iterator[Condition]:
         yield Condition(corner, module * curvature - share * ROUND, partial(of_curvature, *by, 1.0))
     b0, b1, _ = curve.basis.places
     r, r1, _ = curve.radius
-    mean_mm, steepest, distance = float(np.mean(r)), tan(STEEPEST_RAD), curve.center_distance_mm
+    mean_mm, steepest, distance = float(np.mean(r)), tan(limits.steepest_rad), curve.center_distance_mm
     for sign in (1.0, -1.0):
         rows = (sign * b1 - steepest * b0) / mean_mm
         yield Condition(Kind.STEEP, (sign * r1 - steepest * r) / mean_mm, partial(_alone, rows, none))

@@ -62,17 +62,21 @@ class Deviation:
 def deviation(outline: Outline, curve: Rolled, count: int = MEASURED) -> Deviation:
     """The deviation of a curve from an outline, by so many points of each."""
     own = Outline(curve.points()[0])
-    sides = [(outline, own), (own, outline)]
-    found = []
-    for one, other in sides:
-        points = one.even(count)
-        found.append((points, *other.nearest(points)))
-    square = sum(float(np.mean(away**2)) for _, _, away in found) / 2.0
-    worst = [int(np.argmax(away)) for _, _, away in found]
-    side = 0 if found[0][2][worst[0]] >= found[1][2][worst[1]] else 1
-    points, nearest, away = found[side]
-    at, toward = points[worst[side]].tolist(), nearest[worst[side]].tolist()
-    return Deviation(sqrt(square), float(away[worst[side]]), tuple(at), tuple(toward), side == 0)
+    square, worst = 0.0, list[tuple[float, Array, Array]]()
+    for one, other in ((outline, own), (own, outline)):
+        # The greatest distance is mostly at a corner, which even points miss.
+        points = np.concatenate([one.even(count), one.corners])
+        nearest, away = other.nearest(points)
+        square += float(np.mean(away[:count] ** 2)) / 2.0
+        at = int(np.argmax(away))
+        worst.append((float(away[at]), points[at], nearest[at]))
+    side = 0 if worst[0][0] >= worst[1][0] else 1
+    greatest, at_mm, toward = worst[side]
+    return Deviation(sqrt(square), greatest, _place(at_mm), _place(toward), side == 0)
+
+
+def _place(point: Array) -> tuple[float, float]:
+    return float(point[0]), float(point[1])
 
 
 def coefficients_for(teeth: int) -> int:

@@ -1,0 +1,246 @@
+"""The nearest pair to an outline, judged by shapely, closed forms and differences, and what is refused."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from math import pi, tau
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import shapely
+
+import ncgear
+from commands import Run
+from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.numerics.arrays import Array
+from ncgear.optimum.outline.conditions import Limits, conditions
+from ncgear.optimum.outline.nearest import deviation
+from ncgear.optimum.outline.outline import axes_to_try, outline_of
+from ncgear.optimum.outline.rolled import Basis, Rolled, closing_distance_mm
+from ncgear.project.outline_fit import OutlineFit
+
+TURN = np.linspace(0.0, tau, 400, endpoint=False)
+
+
+def ellipse(semi_major: float, semi_minor: float) -> Array:
+    return np.column_stack([semi_major * np.cos(TURN), semi_minor * np.sin(TURN)])
+
+
+def heart() -> Array:
+    """The usual heart of sines and cosines, 64 mm wide."""
+    x, y = 16.0 * np.sin(TURN) ** 3, sum(c * np.cos((k + 1) * TURN) for k, c in enumerate((13.0, -5.0, -2.0, -1.0)))
+    return 2.0 * np.column_stack([x, y])
+
+
+def square(side: float = 64.0) -> Array:
+    half = side / 2.0
+    return np.array([[-half, -half], [half, -half], [half, half], [-half, half]])
+
+
+def rolled(radius_of: Any, count: int = 96, teeth: int = 48) -> Rolled:
+    """The curve through radii of a function of the polar angle."""
+    basis = Basis(count)
+    coefficients = basis.through(radius_of(tau * np.arange(count) / count))
+    curve = Rolled(basis, coefficients, np.zeros(2), 1.0, teeth)
+    return replace(curve, center_distance_mm=closing_distance_mm(curve.radius[0]))
+
+
+def by_shapely(outline: Array, curve: Array, count: int = 2000) -> tuple[float, float]:
+    """Root of the mean square over both, and the greatest distance, between outline and curve."""
+    rings = shapely.LinearRing(outline), shapely.LinearRing(curve)
+    square, greatest = 0.0, 0.0
+    for one, other in (rings, rings[::-1]):
+        points = shapely.line_interpolate_point(one, (np.arange(count) + 0.5) / count, normalized=True)
+        away = shapely.distance(points, other)
+        corners = shapely.distance(shapely.points(shapely.get_coordinates(one)), other)
+        square, greatest = square + float(np.mean(away**2)) / 2.0, max(greatest, float(max(away.max(), corners.max())))
+    return float(np.sqrt(square)), greatest
+
+
+@pytest.mark.judges("optimum")
+def test_an_ellipse_about_its_focus_rolls_on_its_equal() -> None:
+    """The mate of an ellipse about its focus is that ellipse, at a distance of its major axis (Litvin, chapter 4)."""
+    semi, eccentricity = 30.0, 0.4
+    latus = semi * (1.0 - eccentricity**2)
+    curve = rolled(lambda phi: latus / (1.0 + eccentricity * np.cos(phi)))
+    assert curve.center_distance_mm == pytest.approx(2.0 * semi, rel=1e-9)
+    # Curvature of an ellipse by the distances from its foci: a b / (r1 r2)^(3/2).
+    r1 = curve.radius[0]
+    r2 = 2.0 * semi - r1
+    expected = semi * semi * np.sqrt(1.0 - eccentricity**2) / (r1 * r2) ** 1.5
+    for curvature in curve.curvature:
+        assert curvature == pytest.approx(expected, rel=1e-5)
+
+
+def test_slopes_of_the_conditions_are_those_of_differences() -> None:
+    curve = rolled(lambda phi: 30.0 + 4.0 * np.cos(phi) + 1.5 * np.sin(3.0 * phi), 48)
+    limits = Limits(share=np.linspace(0.8, 1.1, curve.arc_mm.size))
+    way, step = np.cos(np.arange(48) ** 2), 1e-5
+    ends = [
+        replace(
+            curve,
+            coefficients=curve.coefficients + sign * step * way,
+            center_distance_mm=curve.center_distance_mm + sign * step * 0.7,
+        )
+        for sign in (1.0, -1.0)
+    ]
+    by_module = (ends[0].module_mm - ends[1].module_mm) / (2.0 * step)
+    for one, after, before in zip(*(list(conditions(each, limits)) for each in (curve, *ends)), strict=True):
+        if one.kind.value.startswith(("hollow_corner", "corner")):
+            rows, by_distance, slope = one.slopes()
+            told = rows @ way + 0.7 * by_distance + by_module * slope
+            assert told == pytest.approx((after.value - before.value) / (2.0 * step), abs=1e-8)
+
+
+def test_distances_are_those_of_shapely() -> None:
+    """Of a square and a circle about its middle, by another program."""
+    curve = rolled(lambda phi: 33.0 + 2.0 * np.cos(4.0 * phi))
+    found = deviation(outline_of(square(), ""), curve)
+    root, greatest = by_shapely(square(), curve.points()[0])
+    assert found.root_mean_square_mm == pytest.approx(root, rel=1e-3)
+    assert found.greatest_mm == pytest.approx(greatest, rel=1e-3)
+    assert shapely.LinearRing(square()).distance(shapely.Point(found.at_mm)) < 1e-9
+    ring = shapely.LinearRing(curve.points()[0])
+    assert ring.distance(shapely.Point(found.at_mm)) == pytest.approx(found.greatest_mm, rel=1e-6)
+
+
+HOOK = np.array([[0, 0], [60, 0], [60, 40], [20, 40], [20, 30], [50, 30], [50, 10], [0, 10]], dtype=float)
+"""An outline with an inlet: rays from its left end meet it more than once."""
+
+
+def test_rays_go_to_the_farthest_hit_behind_an_inlet() -> None:
+    outline, axis = outline_of(HOOK, ""), np.array([5.0, 5.0])
+    hits = outline.farthest_hits(axis, 90)
+    ring = shapely.LinearRing(HOOK)
+    for number, hit in enumerate(hits):
+        way = np.array([np.cos(tau * number / 90), np.sin(tau * number / 90)])
+        met = shapely.LineString([axis, axis + 200.0 * way]).intersection(ring)
+        far = max(np.hypot(*(np.array(place) - axis)) for place in shapely.get_coordinates(met))
+        assert hit == pytest.approx(far, abs=1e-6)
+
+
+def test_axes_to_try_are_inside() -> None:
+    polygon = shapely.Polygon(HOOK)
+    assert all(polygon.contains(shapely.Point(axis)) for axis in axes_to_try(outline_of(HOOK[::-1], ""), 8))
+
+
+@pytest.mark.parametrize("points", [np.zeros((5, 2)), np.array([[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]]), np.zeros(4)])
+def test_no_outline_is_refused(points: Array) -> None:
+    with pytest.raises(WrongInput, match=r"outline|shape"):
+        ncgear.fit(points, teeth=40)
+
+
+@pytest.mark.parametrize(
+    ("options", "key"),
+    [
+        ({"teeth": 48, "axis_mm": (40.0, 0.0)}, "motion.points"),
+        ({}, "gears"),
+        ({"teeth": 48, "gears": {"lobes": {"driving": 2, "driven": 2}}}, "gears.lobes"),
+    ],
+    ids=["axis outside", "no size", "lobes"],
+)
+def test_what_is_wrong_is_refused(options: dict[str, Any], key: str) -> None:
+    with pytest.raises(WrongInput) as refused:
+        ncgear.fit(ellipse(25.0, 22.0), **options)
+    assert refused.value.key == key
+
+
+def judged(found: OutlineFit, outline: Array) -> float:
+    """The r.m.s. deviation, which another program finds too; the gears are made and close."""
+    root, greatest = by_shapely(outline, found.points_mm)
+    assert found.deviation.root_mean_square_mm == pytest.approx(root, rel=2e-3, abs=1e-4)
+    assert found.deviation.greatest_mm == pytest.approx(greatest, rel=2e-3, abs=1e-3)
+    assert found.drive.pitch.center_distance_mm == pytest.approx(found.curve.center_distance_mm, rel=1e-4)
+    assert found.drive.designed_contact.longest_gap_pitches == 0.0
+    # The drive's pitch curve is that of the fit.
+    given = found.drive.pitch.driving.drawn(2000).position + found.curve.axis_mm
+    assert by_shapely(given, found.points_mm, 500)[1] < 2e-3
+    return root
+
+
+@pytest.mark.slow
+def test_an_ellipse_that_can_be_made_stays() -> None:
+    found = ncgear.fit(ellipse(30.0, 20.0), teeth=48)
+    assert judged(found, ellipse(30.0, 20.0)) < 1e-3
+    assert found.bound_by == ()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("outline", "most_mm"), [(heart(), 0.80), (square(), 0.29)], ids=["heart", "square"])
+def test_outlines_with_corners_are_followed(outline: Array, most_mm: float) -> None:
+    both = {"drives": "both_ways"}
+    found = ncgear.fit(outline, teeth=64, gears=both)
+    assert judged(found, outline) < most_mm
+    assert np.array_equal(found.points_mm, ncgear.fit(outline, teeth=64, gears=both).points_mm)
+    assert [size.root_mean_square_mm for size in found.next_sizes] == sorted(
+        (size.root_mean_square_mm for size in found.next_sizes), reverse=True
+    )
+
+
+@pytest.mark.slow
+def test_the_greatest_deviation_is_less_when_it_is_asked_for() -> None:
+    usual, least = (ncgear.fit(square(), teeth=48, criterion=name) for name in ("root_mean_square", "greatest"))
+    assert least.deviation.greatest_mm < usual.deviation.greatest_mm
+    assert least.deviation.root_mean_square_mm > usual.deviation.root_mean_square_mm
+
+
+@pytest.mark.slow
+def test_the_axis_stays_and_the_module_is_kept() -> None:
+    found = ncgear.fit(ellipse(30.0, 20.0), module_mm=1.0, axis_mm=(4.0, 0.0))
+    assert found.curve.axis_mm.tolist() == pytest.approx([4.0, 0.0], abs=1e-6)
+    assert found.curve.module_mm == pytest.approx(1.0, rel=1e-3)
+    assert found.curve.length_mm == pytest.approx(pi * found.curve.teeth, rel=1e-3)
+
+
+@pytest.mark.slow
+def test_an_inlet_is_lost_and_told() -> None:
+    """No ray may meet a pitch curve twice, so the inlet is filled; the greatest deviation is in it."""
+    found = ncgear.fit(HOOK, teeth=72)
+    assert found.deviation.greatest_mm > 5.0
+    assert judged(found, HOOK) < 8.0
+
+
+@pytest.mark.slow
+def test_too_few_teeth_are_refused_by_name() -> None:
+    """Seven teeth stand on no heart; what is refused is not a fault of ncgear."""
+    with pytest.raises(NoSuchMechanism):
+        ncgear.fit(heart(), teeth=7)
+
+
+CORNERED = """\
+name: tile
+operation: {speed_rpm: 30}
+motion:
+  law: pitch_curve
+  # as drawn
+  rounded_polygon: {sides: 4, side_mm: 60, corner_radius_mm: 0}
+gears: {teeth: 48, face_width_mm: 8}
+outline: {axis: fixed}
+"""
+
+
+@pytest.mark.slow
+def test_the_command_writes_a_design_that_builds(run: Run) -> None:
+    Path("tile.yaml").write_text(CORNERED)
+    assert "ncgear fit" in run("check", "tile.yaml")[1]
+    status, _, refused = run("build", "tile.yaml")
+    assert (status, "ncgear fit tile.yaml" in refused) == (3, True)
+    told = json.loads(run("fit", "tile.yaml", "--out", "out", "--json")[1])
+    drive = ncgear.load("out/tile-fitted.yaml")
+    assert drive.pitch.center_distance_mm == pytest.approx(told["pair"]["center_distance_mm"], rel=1e-4)
+    assert drive.designed_contact.contact_ratio == pytest.approx(told["pair"]["contact_ratio"], rel=1e-3)
+    points = drive.pitch.driving.drawn(2000).position
+    root, greatest = by_shapely(square(60.0), points)
+    assert told["deviation"]["root_mean_square_mm"] == pytest.approx(root, rel=5e-3)
+    assert told["deviation"]["greatest_mm"] == pytest.approx(greatest, rel=5e-3)
+    assert Path("out/outline.png").read_bytes()[:4] == b"\x89PNG"
+
+
+def test_an_outline_needs_a_pitch_curve() -> None:
+    with pytest.raises(WrongInput, match="draws no pitch curve"):
+        ncgear.loads(
+            "{name: x, operation: {speed_rpm: 30}, motion: {law: harmonic_ratio, cosine: [0.1]}, outline: {axis: free}}"
+        )
