@@ -34,6 +34,7 @@ bench: .venv  ## measure speed against error, how long builds take, and more; wr
 	$(PYTHON) benchmarks/limit.py
 	$(PYTHON) benchmarks/makeable.py
 	$(PYTHON) benchmarks/knocks.py
+	$(PYTHON) benchmarks/loads_as_they_are.py
 	$(PYTHON) benchmarks/law_to_limit.py
 	$(PYTHON) benchmarks/baler_real.py
 	$(PYTHON) benchmarks/screening.py

@@ -1,8 +1,9 @@
-"""Every command of an installed ncgear, from a foreign folder: .ci/installed.py PROGRAM --extras NAMES [--turn N].
+"""Every command of an installed ncgear, from a foreign folder: .ci/installed.py PROGRAM --extras NAMES [--turn N ...].
 
 Each has to end with the status that it should have: 0, or 2 where a design lacks what it needs or an extra is missing.
-All commands on all designs take minutes of processor time, which no cell has. So quick commands get all five designs,
-and the others one of those that fit them: another in each ``--turn``; ``--turn all``, for a person, gives them all.
+All commands on all designs take seven minutes of processor time, which no cell has. So quick commands get all five
+designs, and the others one of those that fit them in each ``--turn``: the cells of .ci/run have all five turns between
+them, and ``--turn 0 1 2 3 4``, for a person, gives a cell all.
 Without ``--turn`` only the commands that need the given extras are run.
 
 What is printed goes out in cp1252, the folder's name has letters that cp1252 has not, there is no HOME; and once the
@@ -88,29 +89,29 @@ class Run:
     said: str = ""
 
 
-def runs_of(turn: int | None) -> Iterator[Run]:
-    """The commands that need no extra; one design in its turn, or all."""
+def runs_of(turns: list[int]) -> Iterator[Run]:
+    """The commands that need no extra; the design of each turn."""
     yield from (Run(each.format(name)) for name in DESIGNS for each in EACH)
     for each, names in IN_TURN.items():
-        yield from (Run(each.format(name)) for name in turns(names, turn))
+        yield from (Run(each.format(name)) for name in in_turn(names, turns))
     yield from (Run(one.strip()) for one in re.split(r"[|\n]", ONCE.strip()))
     yield from (Run(one, 2, said) for one, said in REFUSED.items())
 
 
-def runs_of_extras(turn: int | None, extras: set[str]) -> Iterator[Run]:
+def runs_of_extras(turns: list[int], extras: set[str]) -> Iterator[Run]:
     """The commands that need an extra: done where it is there, and refused by its name where it is not."""
     for each, (extra, names) in OF_EXTRAS.items():
         if extra not in extras:
             yield Run(each.format(STROKES[0]), 2, f"ncgear[{extra}]")
         elif isinstance(names, tuple):
-            yield from (Run(each.format(name)) for name in turns(names, turn))
+            yield from (Run(each.format(name)) for name in in_turn(names, turns))
         else:
             yield Run(each, 2, names)
 
 
-def turns(names: tuple[str, ...], turn: int | None) -> tuple[str, ...]:
-    """The design whose turn it is, or all."""
-    return names if turn is None else (names[turn % len(names)],)
+def in_turn(names: tuple[str, ...], turns: list[int]) -> list[str]:
+    """The designs whose turn it is, each once."""
+    return list(dict.fromkeys(names[turn % len(names)] for turn in turns))
 
 
 class Installed:
@@ -171,7 +172,7 @@ def main() -> None:
     parser = argparse.ArgumentParser()
     parser.add_argument("program")
     parser.add_argument("--extras", default="")
-    parser.add_argument("--turn", type=lambda words: None if words == "all" else int(words), default=-1)
+    parser.add_argument("--turn", type=int, nargs="*", default=[])
     given = parser.parse_args()
     program = shlex.split(given.program)
     program[0] = os.path.abspath(program[0])
@@ -179,11 +180,11 @@ def main() -> None:
         folder = Path(place)
         installed = Installed(program, folder)
         extras = set(given.extras.split(","))
-        alone = given.turn == -1
+        alone = not given.turn
         for name in STROKES if alone else (*DESIGNS, *OTHERS):
             installed.run(Run(f"new --example {name}"), folder)
         if alone:
-            runs = [run for run in runs_of_extras(0, extras) if not run.said.startswith("ncgear[")]
+            runs = [run for run in runs_of_extras([0], extras) if not run.said.startswith("ncgear[")]
         else:
             runs = [*runs_of(given.turn), *runs_of_extras(given.turn, extras)]
         for run in runs:

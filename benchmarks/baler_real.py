@@ -1,9 +1,10 @@
 """The baler with all its masses: what known laws need, and power and flywheel against acceleration.
 
 Run as ``make bench`` or ``python benchmarks/baler_real.py``; writes benchmarks/baler-real.md and its picture in a
-minute.  Machine, limits and goal are those of designs/baler-real.yaml.  At each cap on the acceleration two
+minute and a half.  Machine, limits and goal are those of designs/baler-real.yaml.  At each cap on the acceleration two
 laws are looked for: the design's own goal, for a driving shaft that turns evenly by its motor alone, and the least
-flywheel, for a shaft whose flywheel gives and takes what the load changes.
+flywheel, for a shaft whose flywheel gives and takes what the load changes.  Then the least power of
+designs/baler-flywheel.yaml is looked for, with flywheels of several sizes on the driven shaft.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import os
 import platform
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from math import degrees
 from pathlib import Path
 from time import perf_counter
 from typing import Any
@@ -47,7 +49,20 @@ braking power, each watt counting alike. With a flywheel on the driving shaft th
 the mean), and the law decides how large it is: the second law needs the smallest. Flywheels are computed as if the
 driving shaft turned evenly and the motor's torque were constant; the driving gear's 5.5 kg m² are part of them."""
 
+ON_DRIVEN = """\
+A flywheel beside the crank is another machine: its speed varies with the crank's, so it stores what the plunger gives
+back and gives it where the plunger presses, and a law that varies the ratio little is enough. Limits of
+`designs/baler-flywheel.yaml`: the acceleration stays under that of the uniform crank, {cap:.0f} mm/s². The limit is
+certified for a flywheel of that size; whether another size needs less is not part of the proof. Braking is not
+limited here. The uniform crank needs {uniform_w:.0f} W with each of them, since an even speed stores nothing. With a
+motor of even torque its speed would vary as the last column says (largest less smallest over the mean, computed as if
+it were small)."""
+
+DRIVEN_KG_M2 = 0.0, 30.0, 60.0, 100.0, 150.0
+"""Flywheels on the driven shaft."""
+
 DESIGN = load(DESIGNS / "baler-real.yaml").design
+FLYWHEEL = load(DESIGNS / "baler-flywheel.yaml").design
 
 KG_M2 = 1e-6
 """One kg mm^2 in kg m^2."""
@@ -137,6 +152,40 @@ def row(point: Found, mean_w: float) -> list[str]:
     return [f"{point.cap_mm_s2:.0f}", powers[0], *flywheels, f"{mean_w:.0f}", powers[1]]
 
 
+def on_driven_shaft() -> tuple[list[str], float]:
+    """A table of the least power with flywheels on the driven shaft, and the power of the uniform crank in W."""
+    heads = [
+        "flywheel on the driven shaft, kg m²",
+        "least power: motor / brake, W",
+        "no law has less (certified), W",
+        "acceleration, mm/s²",
+        "ratio",
+        "pressure angle, deg",
+        "uniform crank with even torque: speed varies by, %",
+    ]
+    assert FLYWHEEL.masses is not None
+    rows = []
+    for inertia in DRIVEN_KG_M2:
+        masses = FLYWHEEL.masses.model_copy(update={"driven_flywheel_kg_mm2": inertia / KG_M2})
+        best = BestLaw(FLYWHEEL.model_copy(update={"masses": masses}))
+        own, uniform, limit = best.figures, best.uniform_figures, best.limit
+        assert limit is not None
+        shaft_kg_m2 = inertia + KG_M2 * best.task.moving.driving_shaft_kg_mm2
+        varies = best.task.speed_fluctuation * flywheel_kg_m2(uniform) / shaft_kg_m2
+        rows.append(
+            [
+                f"{inertia:.0f}",
+                f"{own.peak_power_w:.0f} / {braking_w(own):.0f}",
+                f"{limit.value:.0f}",
+                f"{own.peak_acceleration_mm_s2:.0f}",
+                f"{own.ratio_min:.3f} to {own.ratio_max:.3f}",
+                f"{degrees(own.tangent_rad + best.wishes.limits.rack_angle_rad):.1f}",
+                f"{100.0 * varies:.0f}" if inertia else "-",
+            ]
+        )
+    return table(heads, rows), uniform.peak_power_w
+
+
 def table(heads: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
     """Lines of a table in Markdown."""
     return [f"| {' | '.join(line)} |" for line in [heads, ["---"] * len(heads), *rows]]
@@ -171,6 +220,9 @@ def page(start: float) -> str:
     mean_w = task.work_n_mm / task.cycle_s / 1000.0
     points = [found(cap) for cap in CAPS_MM_S2]
     PICTURE.write_bytes(picture(points, mean_w))
+    driven, uniform_w = on_driven_shaft()
+    assert FLYWHEEL.optimize is not None
+    cap = FLYWHEEL.optimize.limits.peak_acceleration_mm_s2
     lines = [
         "# The baler with all its masses",
         "",
@@ -192,6 +244,12 @@ def page(start: float) -> str:
         *frontier(points, mean_w),
         "",
         f"![Power and flywheel against acceleration]({PICTURE.name})",
+        "",
+        "## A flywheel on the driven shaft",
+        "",
+        ON_DRIVEN.format(cap=cap, uniform_w=uniform_w),
+        "",
+        *driven,
         "",
     ]
     return "\n".join(lines)

@@ -51,7 +51,7 @@ def made_up(drive: Drive, bending: float = 2.0, contact: float | None = 1.5) -> 
     load = 1.0 + np.cos(contacts.phi1_rad - 2.0 * pi / size.driving_teeth)
     pressure = np.where(contacts.flanks, 500.0 * np.sqrt(load), np.nan)
     roots = np.stack([100.0 * load, 90.0 * load]), np.stack([110.0 * load, 99.0 * load])
-    stresses = ContactStresses(pressure, *roots, np.full(load.shape, 1.3))
+    stresses = ContactStresses(pressure, *roots, np.full(load.shape, 1.3), np.full(load.shape, 1.1))
     gears = {
         gear: _gear(count, gear, bending * factor, None if contact is None else contact * factor)
         for gear, count, factor in ((Gear.DRIVING, size.driving_teeth, 1.0), (Gear.DRIVEN, size.driven_teeth, 1.1))

@@ -236,6 +236,7 @@ def test_the_command_writes_where_it_is_told(run: Run, gearless: str) -> None:
     assert Path("export/gearless/mechanism.gif").read_bytes() == Path("deep/er/one.GIF").read_bytes()
 
 
+@pytest.mark.slow
 def test_a_foreign_folder_gets_the_picture_alone(run: Run, gearless: str, tmp_path: Path) -> None:
     """And in one that ncgear has made, the picture gets its entry."""
     (tmp_path / "mine").mkdir()

@@ -26,6 +26,7 @@ from ncgear.figures.answers.answer import (
 )
 from ncgear.figures.answers.machine import build_answer, check_answer, head_of
 from ncgear.figures.data_sheet.sheet import data_sheet
+from ncgear.figures.every_figure import _table
 from ncgear.figures.quantities import NAMES, SIZES, name_of
 from ncgear.figures.summary.build_summary import build_summary
 from ncgear.figures.terminal import summary_text
@@ -333,3 +334,13 @@ def test_the_names_are_in_no_other_list() -> None:
 @pytest.mark.parametrize("name", ["baler-66", "baler-66-two-stage"])
 def test_the_head_says_whether_gears_stand_in_two_stages(name: str) -> None:
     assert ("in two stages" in head_of(drive(name))) is name.endswith("two-stage")
+
+
+def test_groups_that_stand_below_one_another_are_a_table_unless_they_hold_one() -> None:
+    """Of two rows that differ in what they hold, none of it is lost."""
+    plain = {"teeth": 20, "module_mm": 2.0}
+    table = _table([plain, {"teeth": 30, "module_mm": 3.0}])
+    assert [line.split() for line in table[1:]] == [["20", "2"], ["30", "3"]]
+    assert _table([plain]) == []
+    holds = {"teeth": 20, "gears": [{"teeth": 1}, {"teeth": 2}]}
+    assert _table([plain, holds]) == []

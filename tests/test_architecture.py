@@ -40,7 +40,7 @@ LAYERS = [
     {"drawings"},
     {"files"},
     {"studio"},
-    {"cli", "plots"},
+    {"cli", "plots", "cad"},
     {"__main__"},
 ]
 """From the bottom up; a room may import from its own layer and from those below."""

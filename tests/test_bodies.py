@@ -122,7 +122,6 @@ def test_a_set_screw_over_the_keyway_is_as_long_as_the_wall_there() -> None:
     assert taken == pytest.approx(hole_volume(1.5, 12.0, None, 6.8), rel=2e-3)
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize("tolerance", [0.05, 0.005])
 @pytest.mark.parametrize("diameter", [1.0, 9.0])
 def test_the_quadrature_that_judges_a_screw_hole_has_digits_to_spare(tolerance: float, diameter: float) -> None:
@@ -165,7 +164,6 @@ def test_pockets_follow_the_outline_and_keep_the_rim(name: str, gear: str) -> No
     assert all((pockets & side).distance(outline & side) <= 3.0 + 3.0 * TOLERANCE for side in sides)
 
 
-@pytest.mark.thorough
 def test_few_holes_fill_the_way_from_bore_to_outline() -> None:
     holes = made(Blank(WIDTH, Bore(10.0), holes=HoleSet(3, 4.0))).plan.lightening_holes
     assert [hole.diameter_mm for hole in holes] == pytest.approx([RADIUS - 5.0 - 2.0 * 4.0] * 3, abs=0.011)

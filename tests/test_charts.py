@@ -101,7 +101,7 @@ resistance: {expression_n: "20 + 500*exp(-(x - 41.237)**2/1e-3)"}
 """A ratio and a force that are high over less than a step of 2000."""
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["baler-a1-at-law-speed", "narrow"])
 def test_headings_tell_the_extremes_that_the_figures_tell(name: str) -> None:
     made = drives.drive_of_text(NARROW) if name == "narrow" else drives.drive(name)
@@ -194,6 +194,7 @@ def note_and_curves(own: np.ndarray, other: np.ndarray) -> tuple[Bbox, Bbox, lis
     return axes.texts[0].get_window_extent(), axes.get_window_extent(), curves
 
 
+@pytest.mark.tiers(quick=["120.0-75.0-1.0"], rest="slow")
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize(
     ("peak", "higher"), [(120.0, 75.0), (120.0, 150.0), (203.0, 178.0), (203.0, 258.0), (15.0, 135.0), (345.0, 230.0)]
@@ -222,3 +223,12 @@ def test_values_of_close_natural_frequencies_stand_apart() -> None:
     assert np.diff(apart).min() >= 0.03 - 1e-12
     assert apart[[0, -1]].tolist() == [0.1, 0.8]
     assert np.abs(apart - heights).max() < 0.03
+
+
+@pytest.mark.parametrize(("turns", "step"), [(1, 60.0), (3, 180.0)])
+def test_angles_are_marked_every_sixth_of_a_turn_or_of_all_turns(turns: int, step: float) -> None:
+    axes = Figure().subplots()
+    lines = (Line(Role.OWN, "own", np.array([0.0, 360.0 * turns]), np.array([0.0, 1.0])),)
+    draw(axes, Chart("force", "N", lines, 360.0 * turns, None, JOINTS, names_extreme=True), PAGE_LOOK)
+    ticks = np.array(axes.get_xticks())
+    assert ticks[(ticks >= 0.0) & (ticks <= 360.0 * turns)] == pytest.approx(np.arange(7) * step)

@@ -365,8 +365,9 @@ BAD: dict[str, tuple[str, str, str, str]] = {
 
 
 @pytest.mark.tiers(
-    thorough=["check-*"],
+    thorough=["check-u*", "check-t*", "check-a*"],
     slow=[
+        "check-*",
         "build-deep*",
         "build-colon without a space",
         "build-no space in brackets",

@@ -116,6 +116,12 @@ PINNED = {
         ("teeth.undercut_driving", [], 0),
         ("teeth.undercut_driven", [], 0),
     ],
+    # Its power is by energies in tests/test_baler_real.py; braking is none.
+    "baler-flywheel": [
+        ("check.peak_power_w", 3143.9, 0.1),
+        ("check.braking_power_w", 0.0, 1e-6),
+        ("teeth.undercut_driving", [], 0),
+    ],
     # What docs/tutorial.md asks of it: braking at 800 mm/s^2 is the most of the working stroke; no tooth is undercut.
     "pusher": [
         ("check.peak_acceleration_working_mm_s2", 800.0, 1e-9),

@@ -302,3 +302,15 @@ def test_parts_of_no_length_and_a_mark_of_utf_8_are_passed_over(tmp_path: Path) 
     file = tmp_path / "contour.dxf"
     file.write_bytes(b"\xef\xbb\xbf" + file.read_bytes())
     assert distance_mm(tmp_path) == expected
+
+
+@pytest.mark.parametrize(("heights", "flat"), [((5.0, 5.0), True), ((-5.0, -5.0), True), ((-1.0, 1.0), False)])
+def test_a_flat_contour_may_lie_at_any_height(tmp_path: Path, heights: tuple[float, float], flat: bool) -> None:
+    corners = [(30, 2), (22, 22), (0, 27), (-20, 20), (-27, 0), (-19, -21), (2, -26), (23, -19)]
+    places = [(x, y, heights[number % 2]) for number, (x, y) in enumerate(corners)]
+    add = made(lambda space: space.add_spline().set_closed(places))
+    if flat:
+        assert distance_mm(tmp_path, add) == pytest.approx(51.334759, abs=2e-5)
+    else:
+        with pytest.raises(WrongInput, match="leaves the plane"):
+            distance_mm(tmp_path, add)

@@ -26,6 +26,7 @@ def test_every_design_is_listed_with_what_it_is(run: Run) -> None:
     assert list(examples()) == NAMES
 
 
+@pytest.mark.tiers(quick=["pusher", "traced-egg"], rest="slow")
 @pytest.mark.parametrize("name", NAMES)
 def test_an_example_is_read_where_it_is_written(run: Run, name: str, tmp_path: Path) -> None:
     """All that it names is written with it, byte for byte, and nothing else."""

@@ -64,6 +64,7 @@ def faults(root: type[BaseModel], key: Key) -> set[str]:
     return set()
 
 
+@pytest.mark.slow
 def test_every_example_is_right() -> None:
     assert {key.path: found for root, key in ALL if (found := faults(root, key))} == {}
 

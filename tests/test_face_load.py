@@ -23,7 +23,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import changed_drive
 from ncgear.project.drive import Drive
-from ncgear.project.face_load import FaceLoading, told_face_load
+from ncgear.project.face_load import FaceLoading
 from ncgear.project.rough_strength import rolled_load, tooth_plan
 from ncgear.project.strengthening import crowned_enough, rating_of
 from ncgear.strength.conditions import Running
@@ -445,8 +445,9 @@ class TestBalerDrivetrain:
         asked = drive.face_loading.asked
         assert asked is not None
         urge = np.where(loads.driven.torque_n_mm < 0.0, -1.0, 1.0)
-        force = 1.5 * np.abs(loads.driven.gear_n)
-        found = drive.face_loading.pressing(loads.phi1_rad, urge, force, urge, 1.5)
+        force = np.abs(loads.driven.gear_n)
+        found = drive.face_loading.pressing(loads.phi1_rad, urge, force, urge, 1.5, np.full(force.shape, 2.0))
+        assert found.force_n == pytest.approx(3.0 * force)
         towards = loads.driven.gear_n / np.abs(loads.driven.gear_n)
         expected = 1.5 * np.real(loads.driven.crank_n * np.conj(towards))
         assert found.crank_n == pytest.approx(expected, rel=1e-9, abs=1e-6 * np.abs(expected).max())
@@ -457,8 +458,7 @@ class TestBalerDrivetrain:
     def test_the_load_along_the_width(self) -> None:
         """The leaning of the crank's overhang alone makes little, flanks askew by grade 8 more, crowning cures most."""
         drive = drives.drive("baler-drivetrain")
-        strength = drive.strength_by("estimate")
-        told = told_face_load(drive.face_loading, strength.contacts, drive.conditions.application_factor)
+        told = drive.told_face_load_by("estimate")
         assert told is not None
         assert 1.0 < told.by_shafts < 1.2
         assert 1.6 < told.decisive.factor < 1.8
@@ -485,7 +485,8 @@ class TestBalerDrivetrain:
         drive = drives.drive("baler-drivetrain")
         loading: FaceLoading = drive.face_loading
         assert loading.model is not None
-        loads = loading.loads_of(drive.strength_by("estimate").contacts, 1.0)
+        strength = drive.strength_by("estimate")
+        loads = loading.loads_of(strength.contacts, 1.0, strength.stresses.dynamic_factor)
         heavy = np.flatnonzero(loads.force_n > 0.3 * loads.force_n.max())[::25]
         assert heavy.size > 5
         loads = replace(loads, arms_mm=np.full(loads.arms_mm.shape, 1e6))
@@ -516,8 +517,8 @@ class TestBalerDrivetrain:
         contacts, factors = strength.contacts, strength.stresses.face_load_factor
         for one in sides:
             row = int(one.load.force_n.argmax())
-            rough = float(drive.face_loading.of_side(one, 1.0)[row])
-            loads = drive.face_loading.loads_of(contacts, 1.0)
+            rough = float(drive.face_loading.of_side(one, 1.0, np.full(one.load.force_n.shape, 1.1))[row])
+            loads = drive.face_loading.loads_of(contacts, 1.0, np.ones(contacts.force_n.size))
             near = np.abs(contacts.phi1_rad - one.load.phi1_rad[row])
             same = (contacts.side == (0 if one.load.urge[0] > 0.0 else 1)) & (near < 0.05)
             similar = np.abs(loads.force_n[contacts.position] / one.load.force_n[row] - 1.0) < 0.05

@@ -178,7 +178,6 @@ def test_the_exact_peak_is_that_of_the_energy(name: str) -> None:
             assert samples == pytest.approx(exact, rel=0.01)
 
 
-@pytest.mark.thorough
 def test_an_inertia_left_out_is_seen() -> None:
     """Negative control of the tests above: the gear's alone is a tenth of all that turns."""
     family = family_of("in line", inverse=True)

@@ -306,7 +306,6 @@ def test_a_quantity_without_closed_form_says_so_where_it_is_asked_for() -> None:
         call("driven_angle", 5.0)
 
 
-@pytest.mark.thorough
 def test_latex_is_balanced_and_names_every_number() -> None:
     text = printed(drive("pusher").formulas, "latex")
     assert text.count("{") == text.count("}")

@@ -313,7 +313,6 @@ def test_the_picture_and_the_text() -> None:
     assert "not kept of the design as given: the constant speed v2" in text
 
 
-@pytest.mark.slow
 def test_small_powers_keep_their_digits_in_the_text() -> None:
     """A packaging machine's 8.7023 W is not 9 W, and its limit of 635.52 mm/s2 not 636."""
     small = Frontier([LawPoint(8.7023, 635.52, figures(8.7, 656.51))], [FamilyPoint(8.7023, 8.69, 702.18)])
@@ -321,7 +320,6 @@ def test_small_powers_keep_their_digits_in_the_text() -> None:
     assert row.split() == ["under", "8.7023", "W", "635.52", "mm/s2", "656.51", "mm/s2", "3.3", "%", "702.18", "mm/s2"]
 
 
-@pytest.mark.slow
 def test_nothing_is_called_impossible_that_the_points_do_not_prove(monkeypatch: pytest.MonkeyPatch) -> None:
     """Of a limit that falls and is hollow, each point holds for smaller powers; chords between points lie above it."""
     drawn: list[Axes] = []

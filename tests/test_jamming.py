@@ -235,7 +235,6 @@ def test_teeth_that_no_grade_knows_are_not_judged() -> None:
     assert "module" in found.why
 
 
-@pytest.mark.thorough
 def test_teeth_too_small_for_the_backlash_are_told_another_way() -> None:
     found = jams(small(module_mm=0.1, teeth=60, first_layer_chamfer_mm=0.01))
     assert isinstance(found, Advice)

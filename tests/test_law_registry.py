@@ -68,7 +68,7 @@ def test_nothing_else_tells_laws_apart() -> None:
 class Pressing(UniformCrank):
     """A law of the slider's stroke as anyone may add it: an even crank, called a stroke."""
 
-    def law_on(self, linkage: CrankSlider, lobes: Lobes) -> Law:
+    def law_on(self, linkage: CrankSlider, lobes: Lobes, *, ring: bool = False) -> Law:
         """With facts that no other law has."""
         facts = {"pressed_mm": 12.5, "return_form": "even"}
         return Law(linkage, single(self.transmission(linkage, lobes)), PrescribedStroke(10.0, -1e-13, facts))

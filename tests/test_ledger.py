@@ -45,7 +45,7 @@ def name(entry: Entry) -> str:
     return f"{entry.places[0]} {entry.what}"
 
 
-@pytest.mark.tiers(slow=["Threshing drum with a side chain drive"], rest="long")
+@pytest.mark.tiers(quick=["Threshing drum with a side chain drive"], rest="long")
 @pytest.mark.parametrize("paper", PAPERS, ids=lambda paper: paper.title)
 def test_every_verdict_is_borne_out(paper: Paper) -> None:
     assert len(judgement(paper).entries) == len(paper.entries) > 0

@@ -309,7 +309,7 @@ def test_a_convex_law_with_mass_keeps_what_its_own_figures_demand(seed: int) -> 
     assert broken_with_mass(seed, FIGURES) < SAMPLED
 
 
-@pytest.mark.tiers(thorough=["0"], rest="slow")
+@pytest.mark.tiers(quick=["0"], rest="slow")
 @pytest.mark.parametrize("seed", range(12))
 def test_a_dented_law_with_mass_keeps_what_its_own_figures_and_tangent_demand(seed: int) -> None:
     assert broken_with_mass(seed, FIGURES, steeper=1.0) < SAMPLED

@@ -127,7 +127,6 @@ def test_the_same_limit_comes_out_again() -> None:
     assert about(law, {"power_w": 1.0}, 1.0, 150) == about(law, {"power_w": 1.0}, 1.0, 150)
 
 
-@pytest.mark.tiers(quick=["0.003"], rest="thorough")
 @pytest.mark.parametrize("width", [0.003, 0.02])
 def test_ratios_that_leave_next_to_nothing_have_a_known_optimum(width: float) -> None:
     """Within such ratios no figure is further from the uniform crank's than powers of q and its rate allow."""

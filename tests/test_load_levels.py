@@ -77,6 +77,9 @@ GOALS = {
     Goal.FLYWHEEL: "flywheel_kg_mm2",
     Goal.BEARING_FORCE: "bearing_force_n",
     Goal.SHAKING_FORCE: "shaking_force_n",
+    Goal.TOOTH_FORCE: "tooth_force_n",
+    Goal.SPEED: "peak_speed_mm_s",
+    Goal.JERK: "peak_jerk_mm_s3",
     Goal.POWER: "peak_power_w",
 }
 
@@ -88,12 +91,11 @@ def test_each_goal_is_least_at_its_own_law() -> None:
     uniform = figures(HEAVY, single(uniform_law(Lobes())))
     for goal, name in GOALS.items():
         own = getattr(laws[goal], name)
-        # 1e-4 of it, or 1 W of braking, where a law that never brakes is found by several goals
-        assert all(own <= getattr(other, name) * (1.0 + 1e-4) + 1.0 for other in laws.values()), goal
+        # 3e-4 of it, as forces rise between the places; 1 W, since a law that never brakes is found by several goals
+        assert all(own <= getattr(other, name) * (1.0 + 3e-4) + 1.0 for other in laws.values()), goal
         assert own < 0.98 * getattr(uniform, name), goal
 
 
-@pytest.mark.slow
 def test_the_levels_of_the_search_are_the_exact_figures() -> None:
     """At the judge's places, with parabolas between them, every level is the figure of the rigid level to 1e-4."""
     every = {name: 1e3 * value for name, value in LIMITS.items()}

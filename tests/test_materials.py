@@ -30,7 +30,7 @@ from ncgear.strength.classes import (
     Quality,
     StrengthClass,
 )
-from ncgear.strength.conditions import Conditions, Running, dynamic_factor, hours_of_strokes
+from ncgear.strength.conditions import Conditions, Running, hours_of_strokes
 from ncgear.strength.contacts import LoadedContacts
 from ncgear.strength.endurance import (
     contact_size_factor,
@@ -310,22 +310,6 @@ def test_strokes_and_hours() -> None:
     """A stroke a second for 3600 strokes is an hour; two turns of the driving gear for each take twice as long."""
     assert hours_of_strokes(3600.0, 2.0 * pi, 2.0 * pi) == pytest.approx(1.0)
     assert hours_of_strokes(3600.0, 4.0 * pi, 2.0 * pi) == pytest.approx(2.0)
-
-
-def test_dynamic_factor_by_hand() -> None:
-    """s = 10 * 20 / 100 * sqrt(1/2) = 1.41421, K3 = 1.56613: K_V = 1 + (0.391 + 0.0193) 1.41421 * 1.56613 = 1.90876."""
-    fast = Running(1.0, (20, 20), 10.0, 1000.0)
-    assert fast.pitch_speed_m_s == pytest.approx(10.0)
-    assert dynamic_factor(fast, 100.0) == pytest.approx(1.90876, abs=1e-4)
-    assert dynamic_factor(fast, 10.0) == dynamic_factor(fast, 100.0) > dynamic_factor(fast, 1000.0)
-
-
-def test_gears_faster_than_the_dynamic_factor_is_estimated_for_are_refused() -> None:
-    """s = 2.9 m/s at v = 20.5 m/s; there it grows still, and at many times the speed it would be negative."""
-    at = Running(1.0, (20, 20), 10.0, 2050.0)
-    assert dynamic_factor(at, 100.0) > dynamic_factor(replace(at, speed_rad_s=2000.0), 100.0)
-    with pytest.raises(WrongInput, match=r"only up to 20\.5 m/s .* run at 100 m/s; give the dynamic factor"):
-        dynamic_factor(replace(at, speed_rad_s=10000.0), 100.0)
 
 
 HEAD = """name: a

@@ -27,6 +27,7 @@ from ncgear.figures.answers.compared import compared_answer
 from ncgear.figures.compared import alone_points, gear_figures
 from ncgear.metrology import best_fit as best_fit_module
 from ncgear.metrology.alone import alone_mm, are_judged
+from ncgear.metrology.as_measured import outline_as_measured
 from ncgear.metrology.best_fit import best_fit
 from ncgear.metrology.deviations import deviations
 from ncgear.metrology.exact_outline import TIP_LAND_CURVE, ExactOutline, exact_outline
@@ -144,6 +145,10 @@ def test_what_was_done_to_a_gear_is_found(rigid: bool) -> None:
     assert np.abs(told.mean_mm - left).max() < 4.5 * SIGMA_MM / np.sqrt(OF_FLANK) + 1e-6
     # Negative control: without what was given, the flanks would be told wrong.
     assert np.abs(told.mean_mm).max() > 0.01
+    own = shapely.points(as_points((points - fit.pose.shift_mm) * np.exp(-1j * fit.pose.angle_rad)))
+    measured = shapely.LinearRing(outline_as_measured(outline, fit))
+    assert measured.distance(own).max() < 1e-5
+    assert shapely.LinearRing(outline.gear.outline_mm).distance(own).max() > 0.01
 
 
 SPIKES, SPIKE_MM = 9, 0.22
@@ -175,8 +180,8 @@ def astray(points: np.ndarray, flank: np.ndarray, given: np.ndarray) -> float:
     return float(np.abs(found.mean_mm - left).max() / (SIGMA_MM / np.sqrt(10)))
 
 
-@pytest.mark.slow
 class TestPointsThatStandAlone:
+    @pytest.mark.slow
     def test_they_are_named_and_the_gear_is_as_without_them(self) -> None:
         points, flank, given, rows = spiked()
         outlines = {gear: outline_of("asymmetric-ellipse", gear) for gear in Gear}
@@ -197,12 +202,14 @@ class TestPointsThatStandAlone:
         away = outline_of("asymmetric-ellipse").feet(as_complex(one.outline_mm)).distance_mm
         assert np.abs(away).max() < 0.05
 
+    @pytest.mark.slow
     def test_without_that_the_figures_are_off(self, monkeypatch: pytest.MonkeyPatch) -> None:
         """Negative control."""
         points, flank, given, _ = spiked()
         monkeypatch.setattr(best_fit_module, "alone_mm", lambda outline, feet: np.zeros(feet.row.size))
         assert astray(points, flank, given) > 20.0
 
+    @pytest.mark.slow
     @pytest.mark.parametrize(("depth_mm", "length"), [(0.15, 3), (-0.12, 4), (0.03, 6)])
     def test_a_burr_or_wear_goes_on_from_point_to_point_and_is_of_the_gear(self, depth_mm: float, length: int) -> None:
         outline = outline_of("asymmetric-ellipse")
@@ -218,6 +225,7 @@ class TestPointsThatStandAlone:
         assert set(np.argsort(worst)[-4:]) == {6, 13, 15, 17}
         assert worst[[6, 13, 15, 17]] == pytest.approx(abs(depth_mm), abs=6.0 * SIGMA_MM)
 
+    @pytest.mark.slow
     def test_a_rough_gear_is_measured_as_it_is(self) -> None:
         """One point of seven stands off: no dust lies so thick, and none is left out."""
         outline = outline_of("asymmetric-ellipse")
@@ -226,6 +234,7 @@ class TestPointsThatStandAlone:
         fit = best_fit(outline, at + off * normal, 0.0, rigid=False)
         assert not fit.alone.any()
 
+    @pytest.mark.slow
     def test_flanks_that_lean_do_not_stand_alone_at_their_ends(self) -> None:
         outline = outline_of("asymmetric-ellipse")
         at, flank, normal = flank_points(outline.gear, 14)
@@ -235,6 +244,7 @@ class TestPointsThatStandAlone:
         )
         assert not best_fit(outline, at + off * normal, 0.0, rigid=False).alone.any()
 
+    @pytest.mark.slow
     def test_two_with_one_between_are_found_wherever_they_are(self) -> None:
         """On a flank of eight points each, at all places from its lower end to its upper one; and two at each end."""
         outline, count = outline_of("asymmetric-ellipse"), 8
@@ -250,6 +260,7 @@ class TestPointsThatStandAlone:
         off[np.array(rows[::2]) + 1] = off[rows[::2]]
         assert not alone_mm(outline, outline.feet(at + off * normal)).any()
 
+    @pytest.mark.slow
     def test_noise_of_normal_distribution_does_not_stand_alone(self) -> None:
         """However few points a flank has, none is named below eight standard deviations."""
         outline = outline_of("asymmetric-ellipse")
@@ -262,6 +273,7 @@ class TestPointsThatStandAlone:
                 noise[7] = 48.0 * SIGMA_MM
                 assert np.flatnonzero(alone_mm(outline, outline.feet(at + noise * normal))).tolist() == [7]
 
+    @pytest.mark.slow
     def test_a_point_that_is_written_often_is_one(self) -> None:
         outline, count = outline_of("asymmetric-ellipse"), 9
         at, _, normal = flank_points(outline.gear, count)
@@ -285,6 +297,7 @@ class TestPointsThatStandAlone:
         one = compared_gear(outlines, Gear.DRIVING, file_of(points), Fit.ROTATION, 0.0)
         assert gear_figures(one)["points_not_judged"] == 3
 
+    @pytest.mark.slow
     def test_a_spike_in_few_points_is_said_to_be_not_judged(self) -> None:
         own = drive("ellipse")
         for count, said in ((2, True), (3, False)):
@@ -294,6 +307,7 @@ class TestPointsThatStandAlone:
             assert not_judged(pair) == (f"{FEW}: {at.size} of the driving gear" if said else "")
             assert pair.gears[0].fit.alone.any() != said
 
+    @pytest.mark.slow
     def test_a_spike_on_a_tip_of_two_points_is_said_to_be_not_judged(self) -> None:
         """It jams the pair as metal would; with a third point beside them it is left out."""
         own = drive("ellipse")
@@ -308,6 +322,7 @@ class TestPointsThatStandAlone:
             assert not_judged(pair) == (f"{FEW}: 2 of the driving gear" if said else "")
             assert pair.gears[0].fit.alone.any() != said
 
+    @pytest.mark.slow
     def test_one_spike_of_few_points_is_found(self) -> None:
         """Of fifteen points a single one is more than one in twenty, and no roughness."""
         outline = outline_of("asymmetric-ellipse")
@@ -317,6 +332,7 @@ class TestPointsThatStandAlone:
         assert points.size == 15
         assert np.flatnonzero(best_fit(outline, points, 0.0, rigid=False).alone).tolist() == [4]
 
+    @pytest.mark.slow
     def test_how_many_points_are_rough_is_told(self) -> None:
         own = drive("ellipse")
         at, _, normal = flank_points(own.teeth.driving, 14)

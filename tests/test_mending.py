@@ -123,6 +123,18 @@ def test_8_teeth_are_mended_by_25_degrees_and_the_mate_as_tool() -> None:
 
 
 @pytest.mark.slow
+def test_6_teeth_are_mended_by_30_degrees_and_the_mate_as_tool() -> None:
+    """At 25 degrees the line of action, base circle to base circle, is shorter than a base pitch."""
+    assert 6.0 * tan(radians(25.0)) / pi < 1.0
+    search = mending(drive_of(data_of(EVEN, 6)), seconds=np.inf)
+    assert search is not None
+    assert search.found is not None
+    assert search.found.way.changes == {"gears.rack.pressure_angle_deg": 30.0, "gears.cutter.kind": "mate"}
+    longest = 6.0 * tan(radians(30.0)) / pi
+    assert 0.97 * longest < search.found.contact_ratio <= longest
+
+
+@pytest.mark.slow
 def test_8_teeth_at_20_degrees_cannot_hold_contact_whatever_cuts_them() -> None:
     """From base circle to base circle there is less than a base pitch: z tan(alpha) / pi = 0.927."""
     assert 8.0 * tan(radians(20.0)) / pi < 1.0

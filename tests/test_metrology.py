@@ -25,7 +25,7 @@ from ncgear.metrology.pins import (
     pins_in_spaces,
     pins_to_try,
 )
-from ncgear.metrology.span import STEPS, MeasuringChords, measuring_chords, spans
+from ncgear.metrology.span import STEPS, MeasuringChords, _middles, measuring_chords, spans
 from ncgear.metrology.working import WorkingFlanks, working_flanks
 from ncgear.pitch.pair import sized_pair
 from ncgear.project.drive import Drive
@@ -349,3 +349,24 @@ def test_pins_follow_the_module_where_none_are_sold(module: float) -> None:
     assert len(tried) >= len(at_two)
     assert tried[0] / nominal < 1.1
     assert all(0.0 <= size / (share * nominal) - 1.0 < 0.1 for size, share in zip(tried, SHARES, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("even", "apart_after", "middles"),
+    [
+        ("-----", (), []),
+        ("-xxx-", (), [2]),
+        ("-xxx-x", (), [2, 5]),
+        ("-xxxx-", (2,), [2, 4]),
+        ("xx-xx", (), [0]),
+        ("xxx--xxx", (), [0]),
+        ("xxxxx", (), [2]),
+    ],
+)
+def test_a_stretch_of_even_chords_has_one_in_its_middle(
+    even: str, apart_after: tuple[int, ...], middles: list[int]
+) -> None:
+    """The last start of a turn is its first: a stretch may go on from the end of the turn to its beginning."""
+    follow = np.ones(len(even) - 1, dtype=bool)
+    follow[list(apart_after)] = False
+    assert _middles(np.array([letter == "x" for letter in even]), follow).tolist() == middles

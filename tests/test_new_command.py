@@ -18,7 +18,7 @@ from commands import Run, fresh
 from ncgear.design.beginning import ANSWERS, begun, fault_of, proportioned, usual_answers
 from ncgear.design.laws.registry import LawName
 from ncgear.design.rewritten import rewritten
-from ncgear.design.template import MachineName, machine_template, template
+from ncgear.design.template import SHAPES, MachineName, machine_template, shape_template, template
 from ncgear.design.wishes.dwell import Dwell
 from ncgear.design.wishes.group import Wishes
 from ncgear.design.wishes.time_ratio import TimeRatio
@@ -51,6 +51,46 @@ def at_terminal(arguments: Sequence[str], answers: Sequence[str], folder: Path) 
     else:
         os.kill(pid, 9)
     return os.waitstatus_to_exitcode(os.waitpid(pid, 0)[1]), shown + since
+
+
+SVG = '<svg xmlns="http://www.w3.org/2000/svg" width="80mm" height="80mm" viewBox="-40 -40 80 80">{}</svg>'
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("shape", SHAPES)
+def test_a_shape_gives_a_plain_pair_that_can_be_made(shape: str) -> None:
+    """No machine is around the gears; teeth, contact and bodies are sound, and the mate closes."""
+    drive = loads(shape_template("mine", shape))
+    assert {"linkage", "resistance", "masses", "drivetrain"} & set(drive.design.model_fields_set) == set()
+    assert drive.gears.driving.keyway is None
+    drive.require_sound_teeth()
+    assert drive.solids.driving.mesh.is_watertight
+    assert drive.designed_contact.contact_ratio > 1.4
+    assert 1.8 < drive.pitch.size.module_mm < 2.1
+    assert 6.0 <= drive.gears.face_width_mm <= 8.0
+    # Symmetric about the y axis: the points mirrored are the same points.
+    points = [tuple(one) for one in np.column_stack([drive.design.motion.points.x_mm, drive.design.motion.points.y_mm])]
+    assert {(-x + 0.0, y) for x, y in points} == set(points)
+
+
+@pytest.mark.thorough
+def test_a_drawing_is_named_and_a_refused_one_leads_to_the_fit(run: Run) -> None:
+    """By its file's name; what is neither a shape nor a file leaves no design."""
+    pytest.importorskip("svgelements")
+    Path("round.svg").write_text(SVG.format('<ellipse cx="40" cy="-40" rx="30" ry="28"/>'), encoding="utf-8")
+    Path("square.svg").write_text(SVG.format('<rect x="-30" y="-30" width="60" height="60"/>'), encoding="utf-8")
+    assert run("new", "two", "--shape", "square.svg")[:2] == (0, "two.yaml\n")
+    status, out, err = run("new", "one", "--shape", "round.svg")
+    assert (status, out) == (0, "one.yaml\n")
+    assert err.startswith("As it is drawn, no teeth can be made: ")
+    assert err.endswith("ncgear fit one.yaml\n")
+    assert load("one.yaml").design.motion.svg.file == "round.svg"
+    for wrong, said in {"moon": "heart, square, star or a file that ends in", "none.svg": "cannot be read"}.items():
+        status, out, err = run("new", "three", "--shape", wrong)
+        assert (status, out) == (2, "")
+        assert said in err
+        assert not Path("three.yaml").exists()
+    assert "--teeth: given with --shape heart" in run("new", "three", "--shape", "heart", "--teeth", "30")[2]
 
 
 @pytest.mark.slow
@@ -311,6 +351,7 @@ def test_names_that_yaml_takes_for_something_else(name: str) -> None:
     assert loads(template(name)).design.name == name
 
 
+@pytest.mark.tiers(quick=["ellipse", "table"], rest="slow")
 @pytest.mark.parametrize("law", LawName)
 def test_only_lines_of_other_values_differ_from_the_template(law: LawName) -> None:
     """Comments stay, also those of lines that change."""

@@ -190,7 +190,6 @@ def test_a_fault_is_told_and_ends_nothing() -> None:
 EVIL = "</style><script>alert(1)</script><img src=x onerror=alert(1)>"
 
 
-@pytest.mark.slow
 def test_nothing_that_a_design_says_becomes_html() -> None:
     named = {"name": EVIL, "description": f'"{EVIL}'}
     design = ncgear.loads(f"name: even\n{MACHINE}").design.model_copy(update=named)

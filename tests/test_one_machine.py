@@ -11,12 +11,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from functools import cache
+from math import pi
 from typing import Any
 
 import numpy as np
 import pytest
 
-from drives import DESIGNS, loaded
+from drives import DESIGNS, drive_of_text, loaded
 from made.sources import SOURCES, LoadedMachine
 from ncgear.design.keys.design import Design
 from ncgear.design.space import Listed, Space
@@ -267,3 +268,15 @@ def test_a_sweep_without_pitch_curves_has_the_same_machine(name: str, key: str) 
     assert found.figures["check.peak_power_w"] == pytest.approx(
         machine_of(name, 1.0).check.peak_power_w.value, rel=1e-9
     )
+
+
+def test_a_disc_has_the_bore_and_the_hub_of_its_gear() -> None:
+    """A circle of 20 mm radius with a bore of 10 and a hub of 24 by 6 mm, in closed form."""
+    own = drive_of_text(
+        "name: round\nlinkage: {crank_mm: 30, rod_mm: 120}\noperation: {speed_rpm: 60}\nmotion: {law: uniform_crank}\n"
+        "gears: {teeth: 20, module_mm: 2, face_width_mm: 10,"
+        " driven: {bore_mm: 10, hub: {diameter_mm: 24, height_mm: 6}}}"
+    )
+    disc = disc_kg_mm2(own.gears, own.pitch.driven, 2.0, 7850.0)
+    expected = 7.85e-6 * pi / 2.0 * ((20.0**4 - 5.0**4) * 10.0 + (12.0**4 - 5.0**4) * 6.0)
+    assert disc == pytest.approx(expected, rel=1e-4)

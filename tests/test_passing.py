@@ -342,3 +342,16 @@ def test_a_slot_has_room_for_the_crank_pin(linkage: str, width: float, told: int
     )
     found = [one for one in crank_pin(made) if isinstance(one, Advice) and "slot of a part" in one.what]
     assert len(found) == told
+
+
+@pytest.mark.parametrize("kind", ["in front", "short rod"])
+def test_the_data_sheet_tells_how_wide_a_part_may_be(kind: str) -> None:
+    """Twice the distance of its middle from what stands there, less that body's diameter; none where there is none."""
+    found = made(kind, 90.0)
+    told = {row.label: row.pair for row in passed_rows(found)}
+    widest = {name: value for name, value in told.items() if "widest" in name}
+    assert widest
+    for name, value in widest.items():
+        passed = next(one for one in found.passings if name.startswith(f"{one.part} to {one.standing.name}"))
+        assert passed.room_mm is not None
+        assert value == (passed.room_mm if passed.room_mm > 0.0 else "none")

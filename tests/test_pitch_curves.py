@@ -321,6 +321,61 @@ def test_a_driven_curve_has_the_inverse_of_the_driving_law() -> None:
     assert abs(back.closure_error_rad) <= CLOSED
 
 
+ELLIPSE = {"modified_ellipse": {"semi_latus_rectum_mm": 30.0, "eccentricity": 0.2}}
+RINGS = {
+    "driving": (sqrt(0.04 * 1.0 + 2.0**2 * (1.0 - 0.04)) - 1.0) * 30.0 / (1.0 - 0.04),
+    "driven": (1.0 - sqrt(1.0 - (1.0 - 0.04) * (1.0 - 0.5**2))) * 30.0 / (1.0 - 0.04),
+}
+"""Centre distances a at which a ring with twice the lobes closes on r = p/(1 + e cos(n phi)), whose own gear is given.
+
+With q = p + a the integral of p / (q + a e cos) over a turn is 2 pi p / sqrt(q^2 - a^2 e^2); of a ring q = p - a."""
+
+
+@pytest.mark.parametrize("gear", RINGS)
+def test_a_ring_closes_about_a_curve_or_with_the_gear_within_by_a_closed_form(gear: str) -> None:
+    lobes = {"driving": 1, "driven": 2}
+    shape = {**ELLIPSE["modified_ellipse"], "lobes": lobes[gear]}
+    law = made({"gear": gear, "modified_ellipse": shape}, lobes=lobes, mesh="internal").law
+    assert law.center_distance_mm == pytest.approx(RINGS[gear], rel=1e-13)
+    assert abs(law.transmission.closure_error_rad) <= CLOSED
+    even = {"driving": lambda r, a: (r + a) / r, "driven": lambda r, a: r / (r - a)}[gear]
+    ends = sorted(even(30.0 / (1.0 + e), RINGS[gear]) for e in (-0.2, 0.2))
+    assert [end.value for end in law.transmission.ratio_range] == pytest.approx(ends, rel=1e-13)
+
+
+@pytest.mark.parametrize("gear", list(Gear))
+def test_a_drawn_curve_of_an_internal_pair_touches_at_its_plus_x(gear: Gear) -> None:
+    """The pitch point is at -x of both axes, and both gears turn counter-clockwise; a ring needs two lobes for one."""
+    half = np.array([[60.0, 0.0], [57.0, 40.0], [5.0, 75.0], [-45.0, 50.0]])
+    x, y = (LOPSIDED if gear is Gear.DRIVING else np.concatenate([half, -half])).T
+    lobes = {"driving": 1, "driven": 2}
+    motion = {"gear": gear.value, "b_spline": {"x_mm": x.tolist(), "y_mm": y.tolist()}}
+    law = made(motion, lobes=lobes, mesh="internal").law
+    points = BSpline(np.arange(-3.0, x.size + 4.0), np.column_stack([np.append(x, x[:3]), np.append(y, y[:3])]), 3)
+    drawn = points(np.linspace(0.0, x.size, 20_000, endpoint=False))
+    distance = law.center_distance_mm or 0.0
+    for phi1 in (0.0, 0.7, 2.0, 4.4):
+        jet = law.transmission.driven_angle(np.array([phi1]), 1)
+        slope, phi2 = float(jet.derivative(1)[0]), float(jet.value[0])
+        turned = phi1 if gear is Gear.DRIVING else phi2
+        found = distance * slope / (1.0 - slope) if gear is Gear.DRIVING else distance / (1.0 - slope)
+        assert found == pytest.approx(crossing_mm(drawn, turned, 0.0), abs=1e-5)
+        assert phi1 == 0.0 or abs(found - crossing_mm(drawn, -turned, 0.0)) > 0.01
+
+
+@pytest.mark.parametrize("lobes", [{"driving": 1, "driven": 1}, {"driving": 2, "driven": 1}])
+def test_a_ring_has_more_lobes_than_the_gear_within(lobes: dict[str, int]) -> None:
+    shape = {**ELLIPSE["modified_ellipse"], "lobes": lobes["driving"]}
+    with pytest.raises(NoSuchMechanism, match="the ring would be no larger than the gear within; more lobes"):
+        made({"modified_ellipse": shape}, lobes=lobes, mesh="internal").law  # noqa: B018
+
+
+def test_a_ring_of_too_varied_a_radius_has_no_gear_within() -> None:
+    motion = {"gear": "driven", "expression_mm": "30 - 29*exp(-1000*sin(phi)**2)"}
+    with pytest.raises(NoSuchMechanism, match="next to the curve's least radius"):
+        made(motion, lobes={"driving": 1, "driven": 2}, mesh="internal").law  # noqa: B018
+
+
 @pytest.mark.thorough
 @pytest.mark.parametrize("solve_for", ["scale", "center_distance"])
 def test_a_curve_and_its_mate_grow_alike(solve_for: str) -> None:
@@ -635,7 +690,7 @@ def test_teeth_and_module_must_fit_the_curve() -> None:
         made(OFFSET, module_mm=1.1).pitch  # noqa: B018
     with pytest.raises(ValueError, match=r"no size is given; one of teeth and module_mm is needed"):
         made(OFFSET, teeth=None)
-    with pytest.raises(ValueError, match="found beside it"):
+    with pytest.raises(ValueError, match="for a mate beside it only"):
         made(OFFSET, mesh="internal")
 
 
@@ -770,3 +825,11 @@ def test_a_thousand_random_splines_close_or_say_where_they_do_not(
     polar: list[tuple[float, float]], degree: int
 ) -> None:
     one_spline(polar, degree)
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1e6])
+def test_a_polygon_of_any_size_has_its_sides(scale: float) -> None:
+    """Sides that are short beside the corners' arcs are left out by their share, not by their length in mm."""
+    curve = rounded_polygon(4, 40.0 * scale, 19.999 * scale, (0.0, 0.0), KEY)
+    whole = rounded_polygon(4, 40.0, 19.999, (0.0, 0.0), KEY)
+    assert len(curve.stretches) == len(whole.stretches) == 8

@@ -111,7 +111,6 @@ def test_a_search_without_an_answer_names_what_it_was_about() -> None:
         raise Unanswered("no zero")
 
 
-@pytest.mark.thorough
 def test_a_command_ends_with_tooth_and_angle(monkeypatch: pytest.MonkeyPatch, run: Run) -> None:
     """The search for the height of a land, made to find nothing: a refusal with its place, and no fault."""
     text = str(POINTED).replace("'", "").replace("True", "true")

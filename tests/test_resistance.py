@@ -322,7 +322,6 @@ def test_turns_between_powers_over_one_are_found() -> None:
     assert resistance.work_n_mm(np.array([80.0]), 80.0) == pytest.approx([float(work)], rel=1e-12)
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize("text", ["2*x**1.5", "max(0, x - 130.5)**1.5", "(760 - x)**1.2"])
 def test_peak_of_power_of_powers_over_one(text: str) -> None:
     machine = Machine(uniform_law(Lobes()), BALER_LINKAGE, SliderLoad(FormulaResistance(text)), 2.0 * pi)

@@ -292,7 +292,7 @@ def test_the_command_tells_sizes_of_any_gear(module: float, run: Run, tmp_path: 
     if module < 0.01:
         status, _, err = run("build", "own.yaml", "--format", "step")
         assert status == 2
-        assert "gears.module_mm: the module of 0.00012 mm is too small for STEP files" in err
+        assert "gears.module_mm: the module of 0.00012 mm is too small for exact faces" in err
 
 
 def test_a_slot_about_whose_axis_no_pin_has_room_is_refused() -> None:

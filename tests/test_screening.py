@@ -370,7 +370,6 @@ def test_too_few_points_would_not_agree(monkeypatch: pytest.MonkeyPatch, alone: 
     assert disagreement(found, data, keys, values) > 1e-6
 
 
-@pytest.mark.slow
 def test_rows_and_their_neighbours_do_not_matter() -> None:
     """Neither their order nor the sizes of batches change a digit beyond rounding."""
     data, values = data_of("baler"), in_box(BORDER, 300, 8)

@@ -93,7 +93,6 @@ def test_a_least_ratio_over_one_names_the_shortest_contact() -> None:
         refuse("baler", 25, float(shortest) + 0.1)
 
 
-@pytest.mark.thorough
 def test_flanks_that_a_relief_holds_apart_do_not_count_unless_a_load_closes_it() -> None:
     relief = TipRelief(0.05, 0.4, 2.0)
     contact, (_, pair) = designed("ellipse", 25, relief=relief), made("ellipse", 25, relief=relief)

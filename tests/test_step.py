@@ -224,7 +224,10 @@ def test_the_same_design_gives_the_same_bytes(capfd: pytest.CaptureFixture[str])
 )
 def test_what_only_meshes_have_is_refused(key: str, line: str) -> None:
     own = drive_of_text(f"{CONCAVE}  {line}\n")
-    with pytest.raises(WrongInput, match=rf"gears\.{key}: given, but STEP files have no .*; leave it out"):
+    with pytest.raises(
+        WrongInput,
+        match=rf"gears\.{key}: given, but solids with exact faces, as in STEP files, have no .*; leave it out",
+    ):
         step_files(own)
 
 

@@ -17,11 +17,12 @@ from drives import built, drive_of_text
 from ncgear.design.reading.design_file import load
 from ncgear.drawings.charts.teeth_charts import strength_charts
 from ncgear.dynamics.level import Level
+from ncgear.figures.vibration import vibration_of_rating
 from ncgear.files.simulation import simulate
 from ncgear.files.strength import tooth_rows
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.strength import life
+from ncgear.project.strengthening import rating_of
 from ncgear.strength.answer import Strength
 from ncgear.strength.holding import Damage, WantedSafety, weakest_teeth
 from ncgear.strength.loading import Loading
@@ -36,7 +37,9 @@ motion: {law: ellipse, eccentricity: 0.3}
 GEARS = "gears: {teeth: 19, module_mm: 1.5, face_width_mm: 10}\n"
 LOAD = "resistance: {polynomial_n: [400]}\n"
 
-FILES = {"strength.json", "strength.csv", "strength.png", "strength-cycle.png", "manifest.json"}
+FILES = {"manifest.json", "strength.json", "strength.csv", "strength-speeds.csv"} | {
+    f"strength{name}.png" for name in ("", "-cycle", "-speeds")
+}
 
 WANTED = dict.fromkeys(Gear, WantedSafety(1.4, 1.0))
 
@@ -129,7 +132,6 @@ def test_teeth_that_do_not_hold_are_named_with_what_would_do(run: Run, pretend: 
     assert found["driven"]["contact_too_weak_teeth"] == [1, 2, 3]
 
 
-@pytest.mark.slow
 def test_a_material_without_figures_for_pitting(run: Run, pretend: Callable[..., None]) -> None:
     """Plastics also want more against breakage."""
     pretend(1.9, None)
@@ -277,22 +279,15 @@ def test_the_weakest_are_found_by_looking_at_every_tooth() -> None:
 
 
 @pytest.mark.slow
-def test_the_dynamic_factors_of_the_page_are_those_of_the_designs(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_dynamic_factors_of_the_page_are_those_of_the_designs() -> None:
     page = (ROOT / "docs" / "method.md").read_text(encoding="utf-8")
-    named = re.findall(r"(\d\.\d\d) of `([a-z-]+)`", page[page.index("`K_V` is ISO") : page.index("**Life.**")])
-    assert len(named) == 4
-    seen: list[float] = []
-    estimated = life.dynamic_factor_of
-
-    def told(*given: Any) -> float:
-        seen.append(estimated(*given))
-        return seen[-1]
-
-    monkeypatch.setattr(life, "dynamic_factor_of", told)
+    named = re.findall(r"(\d\.\d\d) of `([a-z-]+)`", page[page.index("**Vibration**") : page.index("**Knocks**")])
+    assert len(named) == 5
     for value, name in named:
-        seen.clear()
-        _ = Drive(load(ROOT / "designs" / f"{name}.yaml").design).strength
-        assert f"{seen[0]:.2f}" == value, name
+        drive = Drive(load(ROOT / "designs" / f"{name}.yaml").design)
+        told = vibration_of_rating(drive, rating_of(drive))
+        assert told is not None
+        assert f"{told.factor:.2f}" == value, name
 
 
 @pytest.mark.thorough

@@ -226,6 +226,7 @@ def test_a_group_that_is_left_out_begins_with_values_that_are_right() -> None:
 # --- keys that were emptied
 
 
+@pytest.mark.slow
 def test_a_key_is_lacking_where_the_design_has_a_fault_without_it() -> None:
     text, path = text_of("pusher"), DESIGNS / "pusher.yaml"
     for key, _ in leaves(data_of(text)):

@@ -638,7 +638,6 @@ def test_teeth_with_errors_touch_where_their_outlines_do() -> None:
     assert found.error_mm < 3e-3
 
 
-@pytest.mark.thorough
 def test_flanks_that_deviate_the_wrong_way_fail() -> None:
     """Negative control of the check: the mesh of one assembly beside the outlines of the opposite one."""
     one = drive("ellipse")

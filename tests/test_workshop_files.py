@@ -33,6 +33,7 @@ from ncgear.files.read_back import exact_outlines, outline_errors_mm, outline_of
 from ncgear.files.workshop.drawing import Layer, Use
 from ncgear.files.workshop.formats import USUAL, WRITERS, Format, all_made, begun_workshop_files
 from ncgear.files.workshop.gear_drawing import pitch_points
+from ncgear.files.workshop.turning import _after
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -592,3 +593,11 @@ def test_an_unknown_kind_is_a_usage_error(run: Run) -> None:
     status, _, err = run("build", "wheel.yaml", "--format", "dwg")
     assert status == 2
     assert "dxf" in err
+
+
+def test_turns_of_nodes_follow_one_another_as_their_matrices_do() -> None:
+    """Against the rotations of scipy, whose quaternions are in the same order; the other order is another turn."""
+    first, second = Rotation.random(rng=1), Rotation.random(5, rng=2)
+    both = Rotation.from_quat(_after(first.as_quat(), second.as_quat())).as_matrix()
+    assert both == pytest.approx(first.as_matrix() @ second.as_matrix(), abs=1e-12)
+    assert both != pytest.approx(second.as_matrix() @ first.as_matrix(), abs=1e-2)

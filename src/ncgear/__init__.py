@@ -1,9 +1,9 @@
 """ncgear: non-circular gears from the motion of a slider.
 
 ``ncgear.load("design.yaml")`` gives the drive of a design file or of a mapping, with its law, motion, teeth and more as
-attributes; ``ncgear.compare`` sets designs side by side, ``ncgear.plots`` draws them, ``ncgear.fit``
-finds the nearest pair to an outline.  Everything is imported when it
-is first used, so that ``import ncgear`` costs nothing.
+attributes; ``ncgear.compare`` sets designs side by side, ``ncgear.plots`` draws them, ``ncgear.fit`` finds the nearest
+pair to an outline, ``ncgear.cad`` makes parts of build123d.  Everything is imported when it is first used, so that
+``import ncgear`` costs nothing.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    import ncgear.cad as cad
     import ncgear.plots as plots
     from ncgear.design.examples import examples
     from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
@@ -29,6 +30,7 @@ __all__ = [
     "NoSuchMechanism",
     "WrongInput",
     "__version__",
+    "cad",
     "compare",
     "examples",
     "fit",
@@ -54,8 +56,8 @@ _MODULES = {
 
 
 def __getattr__(name: str) -> Any:
-    if name == "plots":
-        return import_module("ncgear.plots")
+    if name in ("cad", "plots"):
+        return import_module(f"ncgear.{name}")
     if name not in _MODULES:
         raise AttributeError(f"module 'ncgear' has no attribute {name!r}")
     return getattr(import_module(_MODULES[name]), name)

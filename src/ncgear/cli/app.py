@@ -13,7 +13,7 @@ from ncgear.cli.as_given import PlainCommand, PlainGroup
 from ncgear.cli.bench import bench
 from ncgear.cli.compare import compare
 from ncgear.cli.formulas import formulas
-from ncgear.cli.lookup import examples, explain, reproduce, schema
+from ncgear.cli.lookup import examples, explain, freecad, reproduce, schema
 from ncgear.cli.machine import animate, balance, build, check, report, simulate, strength
 from ncgear.cli.measured import measured
 from ncgear.cli.new import new
@@ -56,6 +56,7 @@ COMMANDS = (
     explain,
     reproduce,
     schema,
+    freecad,
 )
 """All commands, in the order in which the help lists them."""
 

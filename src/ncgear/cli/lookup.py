@@ -1,4 +1,4 @@
-"""Commands that look things up: keys of files, examples that come with the program, the papers' figures."""
+"""Commands that look things up: keys of files, examples and macros that come with the program, the papers' figures."""
 
 from __future__ import annotations
 
@@ -90,6 +90,19 @@ def _into_settings(folder: Path) -> None:
     typer.echo(
         f"{'' if found.files else 'nothing to change: '}the extension YAML of Red Hat completes and checks {files}"
     )
+
+
+def freecad(
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the macro.")] = Path(),
+) -> None:
+    """Write the macro for FreeCAD, which shows both gears of a design file and their pitch curves, and follows it."""
+    from ncgear.files.freecad import MACRO, macro
+    from ncgear.files.one_file import put_in_place
+    from ncgear.files.publish import opened
+
+    with opened(out):
+        put_in_place(out / MACRO, macro().encode())
+    typer.echo(str(out / MACRO))
 
 
 def reproduce(

@@ -49,6 +49,13 @@ def new(
             autocompletion=examples_to_complete,
         ),
     ] = None,
+    shape: Annotated[
+        str | None,
+        typer.Option(
+            metavar="heart|square|star|FILE",
+            help="Begin with a pair of gears to print, of a shape or a drawing: SVG, DXF, PNG, JPEG, CSV of points.",
+        ),
+    ] = None,
     wish: Annotated[
         list[str] | None,
         typer.Option(metavar="KEY: VALUE", help="A wish of the motion, as under `wishes` in the file; again for more."),
@@ -78,8 +85,12 @@ def new(
         "face_width_mm": face_width_mm,
     }
     if example is not None:
-        _require_alone(example, {"law": law, "machine": machine, "wish": wish, **sizes})
+        _require_alone("example", example, {"law": law, "machine": machine, "shape": shape, "wish": wish, **sizes})
         _write_example(example, name)
+        return
+    if shape is not None:
+        _require_alone("shape", shape, {"law": law, "machine": machine, "wish": wish, **sizes})
+        _write_shape(shape, _free(name))
         return
     if machine is not None and law is not None:
         raise WrongInput("a machine begins with its own law; give --machine or --law", key="--machine")
@@ -93,11 +104,11 @@ def new(
         _write(_free(name), beginning or DEFAULT_LAW, given, wishes)
 
 
-def _require_alone(example: str, given: Mapping[str, object]) -> None:
-    """Raise WrongInput for anything that would change an example: it has all of it."""
+def _require_alone(alone: str, chosen: str, given: Mapping[str, object]) -> None:
+    """Raise WrongInput for anything that would change an example or the pair of a shape: it has all of it."""
     for option, value in given.items():
         if value is not None and value != []:
-            problem = f"given with --example {example}, which has its own; leave it out, and change it in the file"
+            problem = f"given with --{alone} {chosen}, which has its own; leave it out, and change it in the file"
             raise WrongInput(problem, key=f"--{option.replace('_', '-')}")
 
 
@@ -116,6 +127,31 @@ def _write_example(example: str, name: str | None) -> None:
     for path, content in files.items():
         if not path.exists():
             _create(path, content.decode())
+
+
+def _write_shape(shape: str, path: Path) -> None:
+    """Write the design of a pair of gears with a shape; say what helps where no teeth can be made as it is drawn."""
+    from ncgear.design.template import SHAPES, shape_template
+
+    text = shape_template(path.stem, shape)
+    if shape not in SHAPES:
+        from ncgear.design.drawn import as_read
+
+        text = as_read(text, path)
+    _create(path, text)
+    if shape in SHAPES:
+        return
+    from ncgear.cli.arguments import pasted
+    from ncgear.project.mending import refusal_of_teeth
+    from ncgear.project.opened import loads
+
+    try:
+        refusal = refusal_of_teeth(loads(text, str(path)))
+    except DesignError as error:
+        refusal = error
+    if refusal is not None:
+        typer.echo(f"As it is drawn, no teeth can be made: {refusal.problem}.", err=True)
+        typer.echo(f"The nearest pair that can be made: ncgear fit {pasted(path)}", err=True)
 
 
 def _require_name(name: str) -> None:

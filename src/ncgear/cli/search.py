@@ -54,14 +54,19 @@ def optimize(
         name = ending_in(SUFFIX, loaded.design.name)
         folder = out or EXPORT / name
         prepare(folder)
-        with steps_shown(5) as on_step:
+        free = loaded.design.free_flywheel
+        with steps_shown(6 if free else 5) as on_step:
             best = BestLaw(
                 loaded.design,
                 starts,
                 scheduler,
                 processes,
                 lambda solved, most: on_step.within(f"{solved} of at most {most} steps"),
+                lambda laws: on_step.within(f"{laws} laws"),
             )
+            if free:
+                on_step("flywheel")
+                best.flywheel  # noqa: B018
             on_step("certified limit")
             best.bound  # noqa: B018
             on_step("makeable law")
@@ -85,6 +90,14 @@ def optimize(
 def frontier(
     design_file: DesignFile,
     points: Annotated[int, typer.Option(min=2, max=200, help="Points from least power to least acceleration.")] = 20,
+    flywheel: Annotated[
+        bool,
+        typer.Option(
+            "--flywheel",
+            help="Set least power against the size of a flywheel on the driven shaft, "
+            "within optimize.driven_flywheel_kg_mm2.",
+        ),
+    ] = False,
     scheduler: Scheduler = None,
     processes: Processes = None,
     out: Annotated[
@@ -100,15 +113,30 @@ def frontier(
     from ncgear.files.publish import prepare
 
     with opened(design_file) as loaded:
-        from ncgear.figures.answers.best_law import frontier_answer
-        from ncgear.figures.best_law import frontier_figures
-        from ncgear.files.frontier import frontier_files
+        from ncgear.figures.answers.best_law import flywheel_answer, frontier_answer
+        from ncgear.figures.best_law import flywheel_figures, frontier_figures
+        from ncgear.files.frontier import flywheel_files, frontier_files
         from ncgear.files.manifest import publish_run
         from ncgear.project.frontier_run import frontier as frontier_of
+        from ncgear.project.frontier_run import over_flywheels
         from ncgear.project.sought_machine import GearsAsGiven
 
         folder = out or EXPORT / f"{loaded.design.name}-frontier"
         prepare(folder)
+        if flywheel:
+            with counted("laws") as on_law:
+                over = over_flywheels(loaded.design, points, on_law)
+            run = publish_run(folder, flywheel_files(over, loaded.design), "frontier")
+            told = flywheel_answer(over, loaded.design)
+            tell(
+                told,
+                flywheel_figures(over, loaded.design),
+                as_json=as_json,
+                verbose=verbose,
+                paths=run.paths,
+                kept=run.kept,
+            )
+            return
         with counted("points") as on_point:
             found = frontier_of(loaded.design, points, folder, on_point, scheduler, processes)
         beside = GearsAsGiven(loaded.design)

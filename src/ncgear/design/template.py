@@ -1,4 +1,4 @@
-"""The commented design files of ``ncgear new``: of a law on the same machine and gears, or of a whole machine.
+"""The commented design files of ``ncgear new``: of a law on the same machine and gears, a whole machine, a plain pair.
 
 Their texts are ``templates/*.yaml``, apart from the models of the keys, so that a file is written without loading
 pydantic.  The laws of the machines are simple ones whose gears build at once; ``ncgear optimize`` looks for the best
@@ -39,6 +39,10 @@ CHOICES = {
 """What each machine is, in a few words."""
 
 
+SHAPES = ("heart", "square", "star")
+"""Drawings that come with the program."""
+
+
 def template(name: str, law: LawName = DEFAULT_LAW, wishes: Mapping[str, Any] | None = None) -> str:
     """A complete design file called ``name``, with a comment on every value.
 
@@ -52,6 +56,22 @@ def template(name: str, law: LawName = DEFAULT_LAW, wishes: Mapping[str, Any] | 
 def machine_template(name: str, machine: MachineName) -> str:
     """A complete design file called ``name`` of a machine, with comments: sizes, loads, masses, gears, wishes."""
     return f"{_head(name)}\n{_text(f'machines/{machine}')}"
+
+
+def shape_template(name: str, shape: str) -> str:
+    """A complete design file called ``name`` of a pair of gears to print, by a shape or by the file of a drawing.
+
+    Raises WrongInput for what is neither.
+    """
+    if shape in SHAPES:
+        return f"{_head(name)}{_text('shape', drawn=_text(f'shapes/{shape}'), backlash='0.15')}"
+    # Reads as keys are written, which takes the library of YAML.
+    from ncgear.design.drawn import shape_of_file
+    from ncgear.design.rewritten import flow_text
+
+    kind, keys = shape_of_file(shape, "--shape")
+    drawn = f"  {kind}: {flow_text(keys)}\n"
+    return f"{_head(name)}{_text('shape', drawn=drawn, backlash='0.05')}"
 
 
 def motion_of(law: LawName) -> str:

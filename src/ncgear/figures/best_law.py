@@ -6,11 +6,13 @@ Both are compared with the limit that no law goes below, and with other mechanis
 from __future__ import annotations
 
 import platform
+from collections.abc import Sequence
 from dataclasses import asdict
 from math import degrees
 from typing import Any
 
 from ncgear import __version__
+from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import SIZES
 from ncgear.design.laws.registry import found_values
 from ncgear.design.reading.design_file import LoadedDesign
@@ -21,6 +23,7 @@ from ncgear.figures.numbers import shown
 from ncgear.figures.quantities import told
 from ncgear.frozen import dataclass
 from ncgear.numerics.units import KG_M2
+from ncgear.optimum.flywheels import KNOTS, FlywheelPoint
 from ncgear.optimum.frontier import FamilyPoint, LawPoint
 from ncgear.optimum.makeable.demanded import CLOSE
 from ncgear.optimum.makeable.wishes import Goal
@@ -37,6 +40,9 @@ UNITS = {
     Goal.FLYWHEEL: "kg mm2",
     Goal.BEARING_FORCE: "N",
     Goal.SHAKING_FORCE: "N",
+    Goal.TOOTH_FORCE: "N",
+    Goal.FLANK_LOAD: "N mm",
+    Goal.PRESSURE_ANGLE: "deg beside the rack's",
     Goal.WEIGHTED: "1",
 }
 
@@ -53,8 +59,13 @@ SUFFIX = "-optimized"
 
 def unit_of_goal(best: BestLaw) -> str:
     """The unit of what is least."""
-    goal = best.wishes.goal
-    return best.task.linkage.OUTPUT.acceleration.text if goal is Goal.ACCELERATION else UNITS[goal]
+    output = best.task.linkage.OUTPUT
+    of_motion = {
+        Goal.SPEED: output.speed.text,
+        Goal.ACCELERATION: output.acceleration.text,
+        Goal.JERK: f"{output.speed.text}3",
+    }
+    return {**UNITS, **of_motion}[best.wishes.goal]
 
 
 def _named(values: dict[str, Any], beside: SoughtMachine) -> dict[str, Any]:
@@ -69,6 +80,8 @@ def optimized_design(loaded: LoadedDesign, best: BestLaw) -> str:
     ratio, second = best.law.ratio.tolist(), best.law.second
     motion = found_values(ratio, None if second is None else second.tolist())
     values: dict[str, Any] = {"name": ending_in(SUFFIX, best.design.name), "motion": motion}
+    if best.flywheel is not None:
+        values["masses.driven_flywheel_kg_mm2"] = best.flywheel.inertia_kg_mm2
     if best.design.motion.gives_center_distance and best.design.gears is not None:
         values |= {f"gears.{key}": size for key, size in zip(SIZES, kept_size(best.design), strict=True)}
     return design_copy(loaded, values)
@@ -93,6 +106,13 @@ def certificate(best: BestLaw) -> dict[str, Any]:
             "parts": effort.parts if effort else None,
             "argument": ARGUMENT,
         },
+        "driven_flywheel": None
+        if best.flywheel is None
+        else {
+            "inertia_kg_mm2": best.flywheel.inertia_kg_mm2,
+            "limit_with_any": best.flywheel.least_with_any,
+            "outside_the_proof": FREE_FLYWHEEL,
+        },
         "starts": asdict(best.starts),
         "masses": None if best.task.masses is None else asdict(best.task.masses),
         "speed_fluctuation": best.task.speed_fluctuation,
@@ -110,6 +130,10 @@ def certificate(best: BestLaw) -> dict[str, Any]:
     }
 
 
+FREE_FLYWHEEL = (
+    "goal.limit holds for the flywheel that was chosen; with every flywheel of the range only limit_with_any is certain"
+)
+
 REACHED = 0.99
 """Share of a limit from which a law counts as near to it: laws of few knots stay a little under what binds them."""
 
@@ -121,7 +145,9 @@ def limits_not_reached(best: BestLaw) -> dict[str, tuple[float, float]]:
         return {}
     found, rack = best.figures, best.wishes.limits.rack_angle_rad
     has = {
-        **{f"peak_acceleration_{unit}": found.peak_acceleration_mm_s2 for unit in ("mm_s2", "rad_s2")},
+        **{f"peak_speed_{unit}_s": found.peak_speed_mm_s for unit in ("mm", "rad")},
+        **{f"peak_acceleration_{unit}_s2": found.peak_acceleration_mm_s2 for unit in ("mm", "rad")},
+        **{f"peak_jerk_{unit}_s3": found.peak_jerk_mm_s3 for unit in ("mm", "rad")},
         "pressure_angle_deg": degrees(found.tangent_rad + rack),
         "ratio_max": found.ratio_max,
         "peak_power_w": found.peak_power_w,
@@ -168,6 +194,13 @@ def not_closed(best: BestLaw) -> str | None:
     bound = best.limit
     if bound is None or min(best.goal, bound.reach) <= CLOSE * bound.value:
         return None
+    if bound.effort is None and bound.places == 0:
+        return "knows the stroke, the time and the work of a cycle alone, in closed form"
+    prices = best.wishes.prices
+    if bound.effort is None and (
+        prices.tangent_rad or prices.peak_jerk_mm_s3 or prices.tooth_force_n or prices.flank_load_n_mm
+    ):
+        return "not closed further"
     if bound.effort is None:
         return "not closed further: that needs one pair with convex pitch curves or a limit of the pressure angle"
     effort = bound.effort
@@ -276,4 +309,43 @@ def frontier_figures(found: Frontier, beside: SoughtMachine) -> dict[str, Any]:
             for point, family in points_of(found)
         ],
         "mechanisms": [_named(vars(mechanism), beside) for mechanism in other_mechanisms(beside)],
+    }
+
+
+FLYWHEEL_COLUMNS = (
+    "flywheel_kg_mm2",
+    "limit_power_w",
+    "law_power_w",
+    "law_braking_power_w",
+    "law_acceleration_mm_s2",
+    "law_tangent_deg",
+)
+
+
+def flywheel_csv(found: Sequence[FlywheelPoint]) -> str:
+    """One line for each size of the flywheel on the driven shaft."""
+    rows = []
+    for one in found:
+        law = one.law
+        figures = law.peak_power_w, law.braking_power_w, law.peak_acceleration_mm_s2, degrees(law.tangent_rad)
+        rows.append([one.flywheel_kg_mm2, one.limit_w, *figures])
+    return rows_text(FLYWHEEL_COLUMNS, rows)
+
+
+def flywheel_figures(found: Sequence[FlywheelPoint], design: Design) -> dict[str, Any]:
+    """The points with all figures of the laws."""
+    return {
+        "design": design.name,
+        "speed_rpm": design.operation.speed_rpm,
+        "knots": KNOTS,
+        "argument_of_limit": ARGUMENT,
+        "points": [
+            {
+                "driven_flywheel_kg_mm2": one.flywheel_kg_mm2,
+                "limit_power_w": one.limit_w,
+                "law": figures_summary(one.law),
+                "gap": one.law.peak_power_w / one.limit_w - 1.0 if one.limit_w > 0.0 else None,
+            }
+            for one in found
+        ],
     }

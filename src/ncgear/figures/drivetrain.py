@@ -79,6 +79,15 @@ def _shaft(found: ShaftResult) -> dict[str, Any]:
             "safety": known(found.key.safety),
             "torque_changes_sense": found.key.both_senses,
         }
+    if found.jammed is not None:
+        jam: dict[str, Any] = {"torque_n_m": N_M_PER_N_MM * found.jammed.most_n_mm}
+        for letter, most, safety in zip("ab", found.jammed.largest_n, found.jammed.static_safety, strict=True):
+            jam |= {**extreme(f"bearing_{letter}_force", "n", most), f"bearing_{letter}_static_safety": safety}
+        if found.jammed.yielding is not None:
+            jam["yield_safety"] = known(found.jammed.yielding)
+        if found.jammed_key is not None:
+            jam["key_safety"] = known(found.jammed_key.safety)
+        told["jam"] = jam
     return told
 
 

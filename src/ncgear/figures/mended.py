@@ -90,7 +90,7 @@ def _words(kind: Kind, alike: Sequence[Way]) -> str:
             return f"a backlash of {values(BACKLASH[0]) or values(BACKLASH[1])}"
         case Kind.MATE:
             return "the mate as tool"
-        case Kind.STEEPER:
+        case Kind.STEEPER | Kind.STEEPEST:
             return f"a rack of {values('gears.rack.pressure_angle_deg')} deg"
         case Kind.SHIFTED:
             return f"profile shift {_shifts(alike)}"

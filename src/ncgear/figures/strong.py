@@ -17,6 +17,7 @@ from ncgear.figures.quantities import figure
 from ncgear.figures.simulated import force_figures
 from ncgear.figures.summary.check_summary import stages_summary, verdict_summary
 from ncgear.figures.tables import Column, Table
+from ncgear.figures.vibration import vibration_figures, vibration_of_rating
 from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -72,6 +73,7 @@ def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rat
         "strength": strength_summary(rating, drive),
         **surfaces_figures(drive.surfaces_by(strength.method)),
         "face_load": _face_load_figures(drive, rating),
+        "vibration": vibration_figures(vibration_of_rating(drive, rating)),
         **({} if beside is None else {"strength_beside": strength_summary(beside, drive)}),
         **{gear.value: _gear_figures(rating, gear) for gear in Gear},
         **verdict_summary(verdict),

@@ -5,10 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from itertools import accumulate
 
+from ncgear.design.keys.design import Design
+from ncgear.drawings.plots.frontier_plot import flywheels as flywheel_plot
 from ncgear.drawings.plots.frontier_plot import frontier as frontier_plot
 from ncgear.drawings.plots.frontier_plot import rows
-from ncgear.figures.best_law import frontier_csv, frontier_figures, other_mechanisms
+from ncgear.figures.best_law import flywheel_csv, flywheel_figures, frontier_csv, frontier_figures, other_mechanisms
 from ncgear.figures.numbers import json_text
+from ncgear.numerics.units import KG_M2
+from ncgear.optimum.flywheels import FlywheelPoint
 from ncgear.optimum.frontier import limit_points
 from ncgear.project.best_law import BestLaw
 from ncgear.project.frontier_run import Frontier
@@ -34,6 +38,18 @@ def frontier_files(found: Frontier, beside: SoughtMachine) -> dict[str, bytes]:
         "frontier.csv": frontier_csv(found, beside).encode(),
         "frontier.json": json_text(frontier_figures(found, beside)).encode(),
         PICTURE: _picture(beside, limit, laws, family, "power against acceleration"),
+    }
+
+
+def flywheel_files(found: Sequence[FlywheelPoint], design: Design) -> dict[str, bytes]:
+    """CSV, JSON and picture of power against the size of the flywheel on the driven shaft."""
+    limit = rows([(KG_M2 * one.flywheel_kg_mm2, one.limit_w) for one in found])
+    laws = rows([(KG_M2 * one.flywheel_kg_mm2, one.law.peak_power_w) for one in found])
+    title = f"{design.name}: least power at {design.operation.speed_rpm:.4g} r/min"
+    return {
+        "flywheel.csv": flywheel_csv(found).encode(),
+        "flywheel.json": json_text(flywheel_figures(found, design)).encode(),
+        "flywheel.png": flywheel_plot(limit, laws, title),
     }
 
 

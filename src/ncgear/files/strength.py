@@ -21,13 +21,14 @@ from matplotlib.figure import Figure
 from ncgear.drawings.assembled import Assembled, Position
 from ncgear.drawings.charts.chart import joints_up_to
 from ncgear.drawings.charts.drawer import STRENGTH_COLUMN, STRENGTH_LOOK, column_png
-from ncgear.drawings.charts.teeth_charts import strength_charts
+from ncgear.drawings.charts.teeth_charts import speed_charts, strength_charts
 from ncgear.drawings.palette import HOLDING, STRESS
 from ncgear.drawings.pictures import assembled_teeth, positions_at, titled
 from ncgear.drawings.plots import canvas
 from ncgear.drawings.plots.assembled_pair import draw_body
 from ncgear.figures.numbers import json_text, to_digits
 from ncgear.figures.strong import strength_csv
+from ncgear.figures.vibration import speeds_csv
 from ncgear.files.build import folder_of
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, largest_rows
@@ -35,6 +36,7 @@ from ncgear.numerics.plane import as_points, signed_area
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.strengthening import Rating
+from ncgear.project.vibration import speed_sweep
 from ncgear.strength.holding import lives_of, worst
 from ncgear.teeth.gear import ToothedGear
 
@@ -206,6 +208,9 @@ def strength_pictures(drive: Drive, rating: Rating) -> dict[str, bytes]:
         "strength.png": _gears(drive, rating),
         "strength-cycle.png": column_png(charts, _titled(drive, "loads of the teeth"), STRENGTH_LOOK, STRENGTH_COLUMN),
     }
+    if (sweep := speed_sweep(drive, rating.loading)) is not None:
+        what = _titled(drive, "dynamic load over the driving speed")
+        pictures["strength-speeds.png"] = column_png(speed_charts(sweep), what, STRENGTH_LOOK, STRENGTH_COLUMN)
     return pictures if rating.strength.method == "estimate" else {**pictures, "strength-stress.png": _field(drive)}
 
 
@@ -255,4 +260,6 @@ def strength_files(drive: Drive, rating: Rating, figures: Mapping[str, Any]) -> 
         "strength.csv": strength_csv(rating.strength).encode(),
         "strength.json": json_text(figures).encode(),
     }
+    if (sweep := speed_sweep(drive, rating.loading)) is not None:
+        files["strength-speeds.csv"] = speeds_csv(sweep).encode()
     return {folder_of(drive.stage) + name: content for name, content in files.items()}

@@ -95,6 +95,30 @@ def kinematic_check(machine: Machine) -> KinematicCheck:
     )
 
 
+JUMP = 1e-7
+"""Share of the peak acceleration by which it may differ on both sides of a joint: more is a jump."""
+
+
+def peak_jerk(machine: Machine) -> Extremum | None:
+    """The output's greatest jerk over a cycle, in mm/s^3 or rad/s^3, as a magnitude.
+
+    None where the acceleration jumps at a joint of the law: jerk has no bound there.
+    """
+    cycle, cubed = stretches(machine), machine.speed_rad_s**3
+    ends = [of.displacement(np.array([of.start_rad, of.end_rad]), 2).derivative(2) for of in cycle]
+    jumps = [abs(after[0] - before[1]) for before, after in zip(ends, [*ends[1:], ends[0]], strict=True)]
+    if max(jumps) > JUMP * max(float(np.abs(end).max()) for end in ends):
+        return None
+
+    def jerk(stretch: Stretch) -> Extremum:
+        def third(phi1: Array) -> list[Jet]:
+            return [stretch.displacement(phi1, 4).differentiated().differentiated().differentiated()]
+
+        return _size(extremes_on(third, _grid(machine, stretch))[0])
+
+    return _scaled(_largest(map(jerk, cycle)), cubed)
+
+
 SIDE_RAD = 1e-9
 """Distance in rad between a jump and the samples before and after it.
 

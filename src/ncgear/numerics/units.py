@@ -62,6 +62,7 @@ UNITS = {
     "rad": "rad",
     "rad_s": "rad/s",
     "rad_s2": "rad/s2",
+    "rad_s3": "rad/s3",
     "rpm": "r/min",
     "s": "s",
     "um": "\u00b5m",

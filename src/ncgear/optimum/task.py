@@ -7,8 +7,8 @@ the motor drives, negative where it brakes.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import asdict, field, replace
+from functools import partial
 from math import degrees, inf, pi, tan
 
 from ncgear.dynamics.driving_shaft import DrivingShaft
@@ -16,14 +16,18 @@ from ncgear.dynamics.loaded_machine import IDLE, Loads, RigidMachine, broken_cyc
 from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
-from ncgear.kinematics.check import kinematic_check
-from ncgear.kinematics.motion import Machine
+from ncgear.kinematics.check import kinematic_check, peak_jerk
+from ncgear.kinematics.motion import Machine, Stretch
 from ncgear.mechanisms.masses import Masses
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.slider_load import SliderLoad
+from ncgear.numerics import jet
+from ncgear.numerics.arrays import Array
+from ncgear.numerics.extrema import extremes
+from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import Vector
 from ncgear.pitch.pair import PitchPair, sized_pair, solved_size
-from ncgear.pitch.shape import Gear
+from ncgear.pitch.shape import Gear, tangent_slope
 from ncgear.ratio.transmission import Lobes, Pair, Train, Transmission
 
 
@@ -40,6 +44,18 @@ class GearSize:
     center_distance_mm: float | None
     rack_angle_rad: float
     idle_angle_rad: float | None = None
+
+    def rolled_mm(self, lobes: Lobes) -> float:
+        """The greatest length that a pair of this size rolls across the line of centres in one cycle.
+
+        The pitch curves' own length bounds it where teeth and module are given.  With a centre distance a the driven
+        gear's radius a i/(1 + i) is concave in i, so its mean over the crank's turn is at most that at the mean ratio.
+        """
+        if self.teeth is not None and self.module_mm is not None:
+            return self.teeth * pi * self.module_mm / lobes.driving
+        assert self.center_distance_mm is not None
+        mean = lobes.driving_period_rad / (2.0 * pi)
+        return 2.0 * pi * self.center_distance_mm * mean / (1.0 + mean)
 
 
 FLUCTUATION = 0.05
@@ -106,6 +122,7 @@ LOAD_LIMITS = (
     "bearing_force_n",
     "shaking_force_n",
     "tooth_force_n",
+    "flank_load_n_mm",
 )
 """What the machine feels besides its peak power, by its names in ``Limits``, in ``Figures`` and in design files."""
 
@@ -116,7 +133,7 @@ class Limits:
 
     ``ratio_min`` and ``ratio_max`` bound i12 = dphi1/dphi2; ``pressure_angle_rad`` bounds the tangent angle of the
     pitch curves, |atan(r1'/r1)|, not counting the rack's own; ``rack_angle_rad`` is the rack's own, which the limit in
-    a design file and messages include; The limits from ``braking_power_w`` on are for figures of
+    a design file and messages include.  The limits from ``braking_power_w`` on are for figures of
     ``ncgear.optimum.task``; the flywheel is for the task's speed fluctuation.  Raises WrongInput for a value that
     bounds nothing, with its key in the design file.
     """
@@ -125,6 +142,7 @@ class Limits:
     ratio_max: float
     peak_power_w: float | None = None
     peak_acceleration_mm_s2: float | None = None
+    peak_speed_mm_s: float | None = None
     pressure_angle_rad: float | None = None
     rack_angle_rad: float = 0.0
     braking_power_w: float | None = None
@@ -133,6 +151,7 @@ class Limits:
     bearing_force_n: float | None = None
     shaking_force_n: float | None = None
     tooth_force_n: float | None = None
+    flank_load_n_mm: float | None = None
 
     def __post_init__(self) -> None:
         if not 0.0 < self.ratio_min < inf:
@@ -142,6 +161,7 @@ class Limits:
         positive = {
             "limits.peak_power_w": self.peak_power_w,
             "limits.peak_acceleration_mm_s2": self.peak_acceleration_mm_s2,
+            "limits.peak_speed_mm_s": self.peak_speed_mm_s,
             **{f"limits.{name}": getattr(self, name) for name in LOAD_LIMITS},
         }
         for key, value in positive.items():
@@ -170,9 +190,10 @@ class Figures:
     """Peaks at the operating speed, ratio range, and the shape of the pitch curves.
 
     ``curvature_turns`` is the largest curvature of any curve, bulge or dent, times the length its pair rolls in one
-    cycle.  With several pairs the ratios are the whole train's, and ``convex`` means that all curves are.  The figures
-    from ``braking_power_w`` on are computed here, None where no masses are given; ``tooth_force_n`` is None as well
-    where the size of the gears is not known or there are several pairs.
+    cycle.  ``peak_jerk_mm_s3`` is None where the acceleration jumps.  With several pairs the ratios are the whole
+    train's, and ``convex`` means that all curves are.  The figures from ``braking_power_w`` on are computed here, None
+    where no masses are given; ``tooth_force_n`` and ``flank_load_n_mm`` are None as well where the size of the gears is
+    not known or there are several pairs.
     """
 
     peak_power_w: float
@@ -184,12 +205,14 @@ class Figures:
     tangent_rad: float
     convex: bool
     curvature_turns: float
+    peak_jerk_mm_s3: float | None = None
     braking_power_w: float | None = None
     rms_torque_n_m: float | None = None
     flywheel_kg_mm2: float | None = None
     bearing_force_n: float | None = None
     shaking_force_n: float | None = None
     tooth_force_n: float | None = None
+    flank_load_n_mm: float | None = None
 
 
 @dataclass(frozen=True)
@@ -201,11 +224,16 @@ class Prices:
 
     peak_acceleration_mm_s2: float = 0.0
     peak_power_w: float = 0.0
+    peak_speed_mm_s: float = 0.0
+    peak_jerk_mm_s3: float = 0.0
+    tangent_rad: float = 0.0
     braking_power_w: float = 0.0
     rms_torque_n_m: float = 0.0
     flywheel_kg_mm2: float = 0.0
     bearing_force_n: float = 0.0
     shaking_force_n: float = 0.0
+    tooth_force_n: float = 0.0
+    flank_load_n_mm: float = 0.0
 
     def __post_init__(self) -> None:
         for name, price in vars(self).items():
@@ -231,7 +259,7 @@ def figures(task: Task, train: Train, as_large_as: Train | None = None) -> Figur
     gears at their own centre distance, or at the centre distance of another law's gears (``as_large_as``).
     """
     machine = Machine(train.whole, task.linkage, task.load, task.speed_rad_s)
-    check = kinematic_check(machine)
+    check, jerk = kinematic_check(machine), peak_jerk(machine)
     pairs = [_pair(task, one) for one in train.pairs]
     lowest, highest = train.whole.ratio_range
     of_motion = Figures(
@@ -246,6 +274,7 @@ def figures(task: Task, train: Train, as_large_as: Train | None = None) -> Figur
         curvature_turns=max(abs(end.value) for pair in pairs for gear in Gear for end in pair.curvature_range[gear])
         * TEETH
         * pi,
+        peak_jerk_mm_s3=None if jerk is None else jerk.value,
     )
     if task.masses is None:
         return of_motion
@@ -253,24 +282,23 @@ def figures(task: Task, train: Train, as_large_as: Train | None = None) -> Figur
     rigid = task.loaded(machine, between)
     loads = asdict(felt(rigid, task.speed_fluctuation))
     sized = pairs if as_large_as is None else [_pair(task, one) for one in as_large_as.pairs]
-    return replace(of_motion, **loads, tooth_force_n=_tooth_force_n(task, rigid, sized))
+    if task.gears is None or len(pairs) > 1:
+        return replace(of_motion, **loads)
+    in_mesh = replace(rigid, place=_place_of(task, task.gears, sized[0]))
+    force, flanks = tooth_force_n(in_mesh), flank_load_n_mm(in_mesh)
+    return replace(of_motion, **loads, tooth_force_n=force, flank_load_n_mm=flanks)
 
 
 def _pair(task: Task, pair: Pair) -> PitchPair:
     return sized_pair(pair.transmission, TEETH * task.lobes.driving, 1.0, None)
 
 
-def _tooth_force_n(task: Task, rigid: RigidMachine, pairs: Sequence[PitchPair]) -> float | None:
-    """The largest force between the teeth at the gears' own size; None where that is not known, and of two pairs."""
-    size = task.gears
-    if size is None or len(pairs) > 1:
-        return None
-    pair = pairs[0]
+def _place_of(task: Task, size: GearSize, pair: PitchPair) -> MeshPlace:
+    """How the gears lie at their own size."""
     lobes, length = task.lobes, pair.arc.period * task.lobes.driving
     own = solved_size(length, lobes, size.teeth, size.module_mm, size.center_distance_mm)
     # The direction of the centre line turns the force and leaves its size
-    place = MeshPlace(own.center_distance_mm, size.rack_angle_rad, pair.mesh, 0.0, size.idle_angle_rad)
-    return tooth_force_n(replace(rigid, place=place))
+    return MeshPlace(own.center_distance_mm, size.rack_angle_rad, pair.mesh, 0.0, size.idle_angle_rad)
 
 
 def _wrong(key: str, value: float, needed: str) -> WrongInput:
@@ -325,3 +353,29 @@ def tooth_force_n(rigid: RigidMachine) -> float:
     least, most = (end.value for end in range_over(rigid, cycle, lambda loads: loads.mesh_force.size_n))
     # Beyond 90 degrees the size is negative
     return inf if least < -IDLE * most else most
+
+
+def flank_load_n_mm(rigid: RigidMachine) -> float:
+    """Largest force between the teeth times relative curvature of the pitch curves times the centre distance squared.
+
+    It does not depend on the gears' size: the contact stress at the pitch point, p^2 = E* F (k1 + k2)/(pi b sin alpha),
+    asks for a face width times centre distance squared in proportion to it.  With the tangent t = r1'/r1 the curvatures
+    are k1 + k2 = (1 + s)^2/(a s sqrt(1 + t^2)).  Infinite where flanks carry at 90 degrees or more.
+    """
+    if tooth_force_n(rigid) == inf:
+        return inf
+    place = rigid.place
+    assert place is not None
+    distance_mm = place.center_distance_mm
+
+    def load(stretch: Stretch, phi1: Array) -> Jet:
+        force = rigid.on(stretch, phi1).mesh_force.size_n
+        slope = stretch.driven_angle(phi1, force.order + 2).differentiated()
+        tangent, ratio = tangent_slope(slope, place.mesh), slope.truncated(force.order)
+        curved = (1.0 + ratio) * (1.0 + ratio) / (ratio * jet.sqrt(1.0 + tangent * tangent))
+        return force * curved * distance_mm
+
+    return max(
+        extremes(partial(load, stretch), stretch.start_rad, stretch.end_rad, breaks)[1].value
+        for stretch, breaks in broken_cycle(rigid)
+    )

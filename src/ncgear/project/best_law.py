@@ -8,20 +8,17 @@ from dataclasses import replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-
 from ncgear.design.keys.design import Design
 from ncgear.design.laws.base import LawKeys
 from ncgear.design.laws.registry import found_motion
-from ncgear.dynamics.crank_load import reduced_inertia
 from ncgear.errors import DesignError, NoSuchMechanism
 from ncgear.extras import installed, require
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.jet import Jet
+from ncgear.optimum.flywheels import FlywheelSearch, least_with_any, mean_inertia_kg_mm2
 from ncgear.optimum.offers import Refused
 from ncgear.optimum.task import Figures, Task, figures
-from ncgear.project.law_task import inertia_as_given, inertia_with, task_of, wishes_of
+from ncgear.project.law_task import inertia_as_given, inertia_with, task_of, wishes_of, with_driven_flywheel
 from ncgear.project.moving_masses import TrainInertia
 from ncgear.project.sought_machine import SoughtMachine
 from ncgear.ratio.transmission import Train
@@ -46,6 +43,18 @@ class Starts:
     apart: float
 
 
+@dataclass(frozen=True, eq=False)
+class BestFlywheel:
+    """A flywheel on the driven shaft, the motion of the law found with it, and the limit of the goal with any flywheel.
+
+    Both are None where no law was found with any flywheel of the range.
+    """
+
+    inertia_kg_mm2: float
+    motion: Motion | None = None
+    least_with_any: float | None = None
+
+
 class BestLaw(SoughtMachine, Shown):
     """A design's machine with the best law that its wishes allow.
 
@@ -53,7 +62,8 @@ class BestLaw(SoughtMachine, Shown):
     no law keeps the limits.  The law is the best of all laws found from ``starts`` starts, of which the first is the
     motion of the certified limit; ``scheduler`` and ``processes`` say where the other laws are computed, as in
     ``ncgear.workers``.  ``on_programme`` is called with the numbers of programmes solved and at most to be solved while
-    the limit is raised towards the law.
+    the limit is raised towards the law, and ``on_flywheel_law`` with the number of laws searched for while
+    the flywheel is free.
     """
 
     def __init__(
@@ -63,10 +73,35 @@ class BestLaw(SoughtMachine, Shown):
         scheduler: str | None = None,
         processes: int | None = None,
         on_programme: Callable[[int, int], None] = lambda solved, most: None,
+        on_flywheel_law: Callable[[int], None] = lambda laws: None,
     ) -> None:
         super().__init__(design)
         self._starts, self._where = starts, (scheduler, processes)
-        self._on_programme = on_programme
+        self._on_programme, self._on_flywheel_law = on_programme, on_flywheel_law
+
+    @cached_property
+    def flywheel(self) -> BestFlywheel | None:
+        """The best flywheel on the driven shaft, with the gears as given; None where the design asks for none.
+
+        Where no law is found with any, it is the greatest, with which the limits are refused.
+        """
+        asked = self.given.free_flywheel
+        if asked is None:
+            return None
+        require("casadi", "optimize", "ncgear optimize")
+        bare = with_driven_flywheel(self.given, 0.0)
+        task = task_of(bare, inertia_as_given(bare))
+        search = FlywheelSearch(task, self.wishes, self._on_flywheel_law)
+        try:
+            best = search.best(asked.least, asked.most)
+        except NoSuchMechanism:
+            return BestFlywheel(asked.most)
+        return BestFlywheel(best.flywheel_kg_mm2, best.law.motion, least_with_any(task, self.wishes))
+
+    @cached_property
+    def design(self) -> Design:
+        """The design with the best flywheel, where it asks for one."""
+        return self.given if self.flywheel is None else with_driven_flywheel(self.given, self.flywheel.inertia_kg_mm2)
 
     @cached_property
     def begun(self) -> Begun:
@@ -91,8 +126,9 @@ class BestLaw(SoughtMachine, Shown):
 
         task = task_of(self.design, inertia)
         bound = self._bound_of(task)
+        known = self.flywheel and self.flywheel.motion
         with self._offering(task):
-            return Begun(inertia, task, bound, start_motion(task, self.wishes, bound))
+            return Begun(inertia, task, bound, known or start_motion(task, self.wishes, bound))
 
     def _inertia_of_nearest(self, used: TrainInertia) -> TrainInertia | None:
         """That of the gears of the law that comes nearest to keeping the limits.
@@ -300,18 +336,12 @@ def motion_keys(law: MakeableLaw) -> LawKeys:
     return found_motion(law.ratio.tolist(), None if law.second is None else law.second.tolist())
 
 
-TURN_PLACES = 360
-"""Places of the crank by which the mean inertia is taken; it only says what is small."""
-
-
 def _change(task: Task, used: TrainInertia, made: TrainInertia) -> float:
     """Difference of the gears from the gears in use, over the mean inertia of the crank and all that turns with it."""
     apart = max(abs(used.between_kg_mm2 - made.between_kg_mm2), abs(used.driven_kg_mm2 - made.driven_kg_mm2))
     if not apart:
         return 0.0
-    angle = Jet.variable(np.linspace(0.0, 2.0 * np.pi, TURN_PLACES, endpoint=False), 2)
-    whole, _ = reduced_inertia(task.linkage.moving_masses(angle, task.moving), task.moving)
-    return apart / float(np.mean(whole))
+    return apart / mean_inertia_kg_mm2(task)
 
 
 class _Found(NamedTuple):

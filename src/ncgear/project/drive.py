@@ -36,7 +36,6 @@ if TYPE_CHECKING:
     from ncgear.project.tooth_strength import JudgedTeeth
     from ncgear.project.workshop_measures import CutGear, GearMeasures
     from ncgear.strength.answer import Strength
-    from ncgear.strength.conditions import Conditions
     from ncgear.strength.loading import Loading
     from ncgear.strength.material import Material
     from ncgear.strength.method import ToothMethod
@@ -216,7 +215,7 @@ class Drive(Geared):
         rigid, knocking = self.rigid, self.knocking
         touching = None if self.helix else TouchingTeeth(self.teeth, self.pitch, self.designed_contact)
         with self.stopwatch("drivetrain"):
-            return drivetrain_of(self.design, rigid, touching, knocking)
+            return drivetrain_of(self.design, rigid, touching, knocking, self.conditions.overload)
 
     @computed
     def knocks(self) -> tuple[Knock, ...] | None:
@@ -461,7 +460,8 @@ class Drive(Geared):
         if method not in self._known_surfaces:
             judged = self.judged_teeth(method)
             with self.stopwatch("film and wear"), located(self.places):
-                found = surfaces_of_teeth(judged, self.gears, self.conditions, self.running, self.face_loading)
+                with_all = self.gears, self.conditions, self.running, self.face_loading, self.vibration
+                found = surfaces_of_teeth(judged, *with_all)
             self._known_surfaces[method] = found
         return self._known_surfaces[method]
 
@@ -471,8 +471,9 @@ class Drive(Geared):
 
         known = self._known_face_loads
         if method not in known:
-            contacts, over = self.strength_by(method).contacts, self.conditions.application_factor
-            known[method] = told_face_load(self.face_loading, contacts, over)
+            found, over = self.strength_by(method), self.conditions.application_factor
+            shaken = found.stresses.dynamic_factor
+            known[method] = told_face_load(self.face_loading, found.contacts, over, shaken)
         return known[method]
 
     def judged_teeth(self, method: Literal["estimate", "elements"]) -> JudgedTeeth:
@@ -480,7 +481,7 @@ class Drive(Geared):
         known = self._known_strengths
         if method not in known:
             try:
-                known[method] = self._judged(method, self.conditions)
+                known[method] = self._judged(method)
             except DesignError as refusal:
                 known[method] = refusal
         found = known[method]
@@ -495,27 +496,16 @@ class Drive(Geared):
 
         return face_loading_of(self)
 
-    @computed
-    def still_teeth(self) -> JudgedTeeth:
-        """As ``judged_teeth`` by the design's method, with a dynamic factor of 1: the least load on the teeth."""
-        return self._judged(self.design.strength.method, replace(self.conditions, dynamic_factor=1.0))
-
-    def _judged(self, method: Literal["estimate", "elements"], conditions: Conditions) -> JudgedTeeth:
+    def _judged(self, method: Literal["estimate", "elements"]) -> JudgedTeeth:
         from ncgear.project.tooth_strength import judged_teeth, methods_of
 
         require_whole_turns(self.design, "the strength of the teeth")
-        load, teeth, known = self.tooth_load.load, self.teeth, self._known_loadings
+        load, teeth = self.tooth_load.load, self.teeth
         with self.stopwatch("strength"), located(self.places):
-            if method not in known:
-                methods = methods_of(method, teeth, self.materials)
-                known[method] = methods, self.loading(methods, self.materials)
-            running, uneven = self.running, self.face_loading
-            return judged_teeth(method, self.gears, *known[method], conditions, running, load, uneven)
-
-    @computed
-    def _known_loadings(self) -> dict[str, tuple[tuple[ToothMethod, ToothMethod], Loading]]:
-        """Loads by method: they are the same under any conditions."""
-        return {}
+            methods = methods_of(method, teeth, self.materials)
+            loading = self.loading(methods, self.materials)
+            running, uneven, shaken = self.running, self.face_loading, self.vibration
+            return judged_teeth(method, self.gears, methods, loading, self.conditions, running, load, uneven, shaken)
 
     @computed
     def _known_surfaces(self) -> dict[str, Surfaces]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
@@ -20,6 +21,7 @@ from ncgear.drivetrain.bearings import (
 )
 from ncgear.drivetrain.cycle import Cycle, cycle_of, with_knocks
 from ncgear.drivetrain.demand import Demand
+from ncgear.drivetrain.jam import Jam, JammedShaft, jammed_shaft
 from ncgear.drivetrain.losses import TouchingTeeth, mesh_loss_factor
 from ncgear.drivetrain.pto import Excursion, running_ahead, slipping
 from ncgear.drivetrain.shafts import (
@@ -43,6 +45,7 @@ from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.pitch.shape import Gear
 from ncgear.project.face_load import bearing_of
 from ncgear.project.motor import MotorResult, demand_of, motor_of
+from ncgear.strength.conditions import Overload
 
 N_MM_PER_N_M = 1000.0
 
@@ -52,6 +55,7 @@ class ShaftResult:
     """The bearings, the shaft with its largest moment, and the key of one gear; each None where it is not given.
 
     ``enough_mm`` is the diameter with which a shaft holds that does not; None where it holds, and where none does.
+    ``jammed`` and ``jammed_key`` are shaft, bearings and key in a jam; None where none is counted.
     """
 
     bearings: tuple[BearingLife, BearingLife] | None
@@ -59,6 +63,8 @@ class ShaftResult:
     shaft: ShaftSafety | None
     key: KeySafety | None
     enough_mm: float | None = None
+    jammed: JammedShaft | None = None
+    jammed_key: KeySafety | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,12 +96,17 @@ class DrivetrainResult:
 
 
 def drivetrain_of(
-    design: Design, rigid: Rigid, touching: TouchingTeeth | None, knocking: KnockingMachine | None
+    design: Design,
+    rigid: Rigid,
+    touching: TouchingTeeth | None,
+    knocking: KnockingMachine | None,
+    overload: Overload | None,
 ) -> DrivetrainResult:
     """The drivetrain of a design that has the section; ``touching`` is None where the teeth are helical.
 
-    Shafts, keys and bearings bear the loads of ``knocking``, or where that is None of the law.  The motor does not feel
-    the knocks: its shaft goes on evenly.  Raises WrongInput where a part lacks what it needs of the gears.
+    Shafts, keys and bearings bear the loads of ``knocking``, or where that is None of the law, and beside them a jam,
+    the ``overload``.  The motor does not feel the knocks: its shaft goes on evenly.  Raises WrongInput where a part
+    lacks what it needs of the gears.
     """
     given, masses = design.drivetrain, design.masses
     assert given is not None
@@ -103,14 +114,15 @@ def drivetrain_of(
     wanted = WantedLife(given.life_h, given.reliability_percent)
     demand = demand_of(design, rigid, None if touching is None else _loss_factor(touching, cycle_of(rigid)))
     cycle = with_knocks(demand.cycle, knocking) if knocking else demand.cycle
+    jam = Jam.of(cycle.rigid, overload.driving_n_mm, demand.cycle.places_rad) if overload else None
     needed = demand.fluctuation.flywheel_kg_mm2(masses.flywheel.speed_fluctuation)
     missing = needed - rigid.machine.masses.driving_shaft_kg_mm2 - demand.added_kg_mm2
     diameter = given.flywheel_diameter_mm
     return DrivetrainResult(
         wanted=wanted,
         demand=demand,
-        driving_shaft=_shaft(design, Gear.DRIVING, given.driving_shaft, 0.0, cycle, wanted),
-        driven_shaft=_driven_shaft(design, given.driven_shaft, cycle, wanted),
+        driving_shaft=_shaft(design, Gear.DRIVING, given.driving_shaft, 0.0, cycle, wanted, jam),
+        driven_shaft=_driven_shaft(design, given.driven_shaft, cycle, wanted, jam),
         wanted_fluctuation=masses.flywheel.speed_fluctuation,
         flywheel_kg_mm2=needed,
         disc=disc(missing, diameter, demand.speed_rad_s) if diameter and missing > 0.0 else None,
@@ -127,12 +139,20 @@ def _loss_factor(touching: TouchingTeeth, cycle: Cycle) -> float:
     return mesh_loss_factor(touching, torques, cycle.breaks_rad)
 
 
-def _driven_shaft(design: Design, given: DrivenShaft | None, cycle: Cycle, wanted: WantedLife) -> ShaftResult | None:
-    return _shaft(design, Gear.DRIVEN, given, given.crank_at_mm if given else 0.0, cycle, wanted)
+def _driven_shaft(
+    design: Design, given: DrivenShaft | None, cycle: Cycle, wanted: WantedLife, jam: Jam | None
+) -> ShaftResult | None:
+    return _shaft(design, Gear.DRIVEN, given, given.crank_at_mm if given else 0.0, cycle, wanted, jam)
 
 
 def _shaft(
-    design: Design, gear: Gear, given: DrivingShaft | None, crank_at_mm: float, cycle: Cycle, wanted: WantedLife
+    design: Design,
+    gear: Gear,
+    given: DrivingShaft | None,
+    crank_at_mm: float,
+    cycle: Cycle,
+    wanted: WantedLife,
+    jam: Jam | None,
 ) -> ShaftResult | None:
     """The shaft of a gear; raises WrongInput where its diameter or its keyway is missing."""
     if given is None:
@@ -147,7 +167,8 @@ def _shaft(
     lives = bearing_lives(cycle, gear, bearings, crank_at_mm, wanted)
     bent = most_bent(loads, bearings, crank_at_mm)
     if not given.has_strength:
-        return ShaftResult(lives, bent, None, None)
+        jammed = jammed_shaft(jam, gear, bearings, crank_at_mm, None) if jam else None
+        return ShaftResult(lives, bent, None, None, jammed=jammed)
     body = gears.driving if gear is Gear.DRIVING else gears.driven
     diameter = given.diameter_mm or body.bore_mm
     if diameter is None:
@@ -164,7 +185,11 @@ def _shaft(
         return shaft_safety(thick, borne, places, _cycles_rad(gear, cycle))
 
     safety, key = of_diameter(diameter), _key(design, gear, given, section, loads.torque_n_mm)
-    return ShaftResult(lives, bent, safety, key, _thick_enough_mm(of_diameter, diameter, safety))
+    found = ShaftResult(lives, bent, safety, key, _thick_enough_mm(of_diameter, diameter, safety))
+    if jam is None:
+        return found
+    jammed = jammed_shaft(jam, gear, bearings, crank_at_mm, section)
+    return replace(found, jammed=jammed, jammed_key=_key(design, gear, given, section, np.array([jammed.most_n_mm])))
 
 
 MOST_TIMES, GROWN = 10.0, 1.002

@@ -3,7 +3,8 @@
 Where the file gives the bearings and diameters of both shafts, K_Hbeta is computed at every position; else it is the
 person's own or ASSUMED.  A bearing is as stiff as its key says, or as its static rating tells at its largest force of
 the cycle; where neither is given it is rigid.  Where teeth bear more than the law asks, as in knocks, the crank presses
-with what that hurries (``ncgear.dynamics.knocking``).  The application factor counts for all forces.
+with what that hurries (``ncgear.dynamics.knocking``).  The application factor
+counts for all forces, K_V for those of the teeth.
 
 Flanks lie askew by the helix slope that the grade allows either gear (ISO 1328-1) and by the tilt of its bore, all
 independent of each other: the root of the sum of squares, as ISO 6336-1 combines both gears' (secondary source).  Where
@@ -58,53 +59,54 @@ class FaceLoading:
     model: FaceModel | None = None
     asked: ToothLoad | None = None
 
-    def of_contacts(self, contacts: LoadedContacts, application_factor: float) -> Array:
-        """K_Hbeta of contacts that bear load, shape (n,); raises as ``FaceModel.factors`` does."""
+    def of_contacts(self, contacts: LoadedContacts, application_factor: float, shaken: Array) -> Array:
+        """K_Hbeta of contacts with K_V ``shaken``, shape (n,) each; raises as ``FaceModel.factors`` does."""
         if self.model is None:
             return np.full(contacts.force_n.shape, self.constant)
-        return self.model.factors(self.loads_of(contacts, application_factor))[contacts.position]
+        return self.model.factors(self.loads_of(contacts, application_factor, shaken))[contacts.position]
 
-    def loads_of(self, contacts: LoadedContacts, application_factor: float) -> FaceLoads:
-        """What presses the flanks together at every position of loaded contacts."""
+    def loads_of(self, contacts: LoadedContacts, application_factor: float, shaken: Array) -> FaceLoads:
+        """What presses the flanks together at every position of loaded contacts with K_V ``shaken``, shape (n,)."""
         each = contacts.force_n, contacts.stiffness_n_mm
         force, stiffness = (np.bincount(contacts.position, one).astype(float) for one in each)
-        phi1, urge = np.zeros(force.size), np.ones(force.size)
+        phi1, urge, factor = np.zeros(force.size), np.ones(force.size), np.ones(force.size)
         phi1[contacts.position], urge[contacts.position] = contacts.phi1_rad, 1.0 - 2.0 * contacts.side
+        factor[contacts.position] = shaken
         assert self.model is not None
-        return self.pressing(
-            phi1, urge, application_factor * force, stiffness / self.model.width_mm, application_factor
-        )
+        return self.pressing(phi1, urge, force, stiffness / self.model.width_mm, application_factor, factor)
 
-    def of_side(self, one: SharedLoad, application_factor: float) -> Array:
-        """K_Hbeta of a load that is known without teeth, shape (n,)."""
+    def of_side(self, one: SharedLoad, application_factor: float, shaken: Array) -> Array:
+        """K_Hbeta of a load that is known without teeth, with K_V ``shaken``, shape (n,) each."""
         if self.model is None:
             return np.full(one.load.force_n.shape, self.constant)
         load = one.load
-        force = application_factor * load.force_n
-        pressing = self.pressing(load.phi1_rad, load.urge, force, one.stiffness_n_mm2, application_factor)
+        pressing = self.pressing(
+            load.phi1_rad, load.urge, load.force_n, one.stiffness_n_mm2, application_factor, shaken
+        )
         return self.model.factors(pressing)
 
     def pressing(
-        self, phi1_rad: Array, urge: Array, force_n: Array, stiffness_n_mm2: Array, application_factor: float
+        self,
+        phi1_rad: Array,
+        urge: Array,
+        force_n: Array,
+        stiffness_n_mm2: Array,
+        application_factor: float,
+        shaken: Array,
     ) -> FaceLoads:
         """What presses the flanks together at driving angles, shape (n,).
 
-        ``urge`` is +1 where pushing flanks bear, -1 where backs do; ``force_n`` is the normal force of all pairs, the
-        application factor in it, and ``stiffness_n_mm2`` theirs.
+        ``urge`` is +1 where pushing flanks bear, -1 where backs do; ``force_n`` is the normal force of all pairs
+        without factors, and ``stiffness_n_mm2`` theirs.  K_V, ``shaken``, is of the teeth alone: the crank does not
+        feel it.
         """
         assert self.asked is not None
         asked, mesh = self.asked, self.asked.mesh_force(phi1_rad, urge)
         towards = (mesh.force.x.value + 1j * mesh.force.y.value) / mesh.size_n.value
-        arms = _arms_mm(asked, phi1_rad, urge)
-        torque = urge * force_n / application_factor * arms[:, 1]
+        arms = asked.arms_mm(phi1_rad, urge)
+        torque = urge * force_n * arms[:, 1]
         crank = np.real(_crank_n(asked, phi1_rad, torque - asked.torque_n_mm(phi1_rad)) * np.conj(towards))
-        return FaceLoads(force_n, stiffness_n_mm2, application_factor * crank, arms)
-
-
-def _arms_mm(asked: ToothLoad, phi1_rad: Array, urge: Array) -> Array:
-    """The arms of the mesh force about both axes, shape (n, 2)."""
-    slope = asked.pair.transmission.driven_angle(phi1_rad, 1).derivative(1)
-    return np.stack([slope, np.ones(slope.shape)], axis=1) / asked.mesh_force(phi1_rad, urge).size_n.value[:, None]
+        return FaceLoads(application_factor * shaken * force_n, stiffness_n_mm2, application_factor * crank, arms)
 
 
 def _crank_n(asked: ToothLoad, phi1_rad: Array, beyond_n_mm: Array) -> ComplexArray:
@@ -133,7 +135,7 @@ def face_loading_of(drive: Geared) -> FaceLoading:
     mesh, crank = asked.mesh_force(phi1).force, _crank_n(asked, phi1, np.zeros(phi1.size))
     on_driven = mesh.x.value + 1j * mesh.y.value
     # The arm of the force is about the radius of the roots.
-    arms = _arms_mm(asked, phi1, np.ones(phi1.size)).min(axis=0)
+    arms = asked.arms_mm(phi1, np.ones(phi1.size)).min(axis=0)
     first, second = (one.youngs_modulus_mpa for one in drive.materials)
     shafts = driving.shaft((arms[0], first), -on_driven, 0.0 * crank), driven.shaft((arms[1], second), on_driven, crank)
     askew, running = _askew_mm(design, drive.running), drive.running
@@ -181,12 +183,19 @@ def _askew_mm(design: Design, running: Running) -> float:
     """By how much flanks lie askew over the face width, in either sense."""
     given, width = design.tolerances, running.face_width_mm
     slopes = []
-    for gear, teeth in zip(Gear, running.teeth, strict=True):
+    for gear, teeth, grade in zip(Gear, running.teeth, grades_of(design), strict=True):
         own = None if given is None else getattr(given, gear.value)
-        grade = GRADE if given is None or own is None else own.grade or given.grade
         slopes.append(0.0 if grade is None else helix_slope_mm(grade, running.module_mm * teeth, width))
         slopes.append(0.0 if own is None else width * tan(radians(own.tilt_deg)))
     return hypot(*slopes)
+
+
+def grades_of(design: Design) -> tuple[int | None, int | None]:
+    """The accuracy grades of both gears: GRADE without the section ``tolerances``, None where that gives none."""
+    given = design.tolerances
+    if given is None:
+        return GRADE, GRADE
+    return given.driving.grade or given.grade, given.driven.grade or given.grade
 
 
 def lead_form(gears: Gears) -> LeadForm:
@@ -230,12 +239,12 @@ LEADING = 0.5
 teeth bear little, few of their flanks touch, and factors are high without harm."""
 
 
-def told_face_load(loading: FaceLoading, contacts: LoadedContacts, over: float) -> ToldFaceLoad | None:
-    """What is told of contacts that bear load, ``over`` times it; None where K_Hbeta is not computed."""
+def told_face_load(loading: FaceLoading, contacts: LoadedContacts, over: float, shaken: Array) -> ToldFaceLoad | None:
+    """What is told of contacts that bear load, ``over`` and K_V times it; None where K_Hbeta is not computed."""
     model = loading.model
     if model is None or not contacts.force_n.size:
         return None
-    loads, place, force = loading.loads_of(contacts, over), contacts.position, contacts.force_n
+    loads, place, force = loading.loads_of(contacts, over, shaken), contacts.position, shaken * contacts.force_n
     factors = model.factors(loads)[place]
     tooth = contacts.on(Gear.DRIVING).tooth
     line = factors * force

@@ -21,10 +21,11 @@ from ncgear.errors import NoSuchMechanism, WrongInput, going_on
 from ncgear.extras import require
 from ncgear.frozen import dataclass
 from ncgear.interrupts import uninterrupted
+from ncgear.optimum.flywheels import FOLLOWED, FlywheelPoint, flywheel_points
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, family_point, law_point
 from ncgear.optimum.offers import Refused
 from ncgear.optimum.task import Figures
-from ncgear.project.law_task import refuse_guide_friction
+from ncgear.project.law_task import refuse_guide_friction, with_driven_flywheel
 from ncgear.project.offered import may_be_asked
 from ncgear.project.sought_machine import GearsAsGiven
 from ncgear.shown import Shown
@@ -130,6 +131,25 @@ def frontier(
         found[kind, cap] = result
         on_point(done, len(jobs))
     return _assembled(caps, found)
+
+
+def over_flywheels(design: Design, count: int, on_law: Callable[[int, int], None]) -> list[FlywheelPoint]:
+    """Least power with ``count`` sizes of the flywheel on the driven shaft, from the least to the greatest.
+
+    ``on_law`` is called with the numbers of laws searched for and of all laws.  Raises WrongInput where the design has
+    no range of sizes, where the guide rubs, or where the optimiser is not installed, and NoSuchMechanism where no law
+    is found with any size.
+    """
+    require("casadi", "optimize", "ncgear frontier")
+    asked = design.free_flywheel
+    if asked is None:
+        problem = "missing; give the range of sizes, as {most: 150e6}, to set power against the flywheel"
+        raise WrongInput(problem, key="optimize.driven_flywheel_kg_mm2")
+    refuse_guide_friction(design, "the power that is set against the flywheel")
+    machine = GearsAsGiven(with_driven_flywheel(design, 0.0))
+    return flywheel_points(
+        machine.task, machine.wishes, asked.least, asked.most, count, lambda laws: on_law(laws, FOLLOWED * count)
+    )
 
 
 def _caps(design: Design, count: int, kept: FinishedPoints) -> list[float]:

@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from ncgear.solids.plan.body import BodyPlan
     from ncgear.strength.conditions import Conditions, Running
     from ncgear.strength.material import Material
+    from ncgear.strength.vibration import Vibration
     from ncgear.teeth.arcs import ArcOutline
     from ncgear.teeth.backlash import Play
     from ncgear.teeth.form import ToothForm
@@ -464,6 +465,13 @@ class Geared(Moving):
 
         size, teeth = self.pitch.size, (self.pitch.size.driving_teeth, self.pitch.size.driven_teeth)
         return Running(size.module_mm, teeth, self.gears.face_width_mm, self.machine.speed_rad_s)
+
+    @computed
+    def vibration(self) -> Vibration:
+        """What the vibration of the pair's mesh depends on besides its loads."""
+        from ncgear.project.vibration import vibration_of
+
+        return vibration_of(self)
 
     @computed
     def conditions(self) -> Conditions:

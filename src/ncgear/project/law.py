@@ -24,7 +24,7 @@ def law_of(design: Design) -> Law:
     motion, lobes = design.motion, lobes_of(design)
     if motion.gives_stroke:
         return motion.law_on(mechanism_of_stroke(design.linkage, motion.solved_stroke_mm), lobes)
-    law = motion.law_on(mechanism_of(design.linkage), lobes)
+    law = motion.law_on(mechanism_of(design.linkage), lobes, ring=_has_ring(design))
     covered, linkage = law.transmission.lobes.range, law.linkage
     if covered is None and not linkage.RETURNS and not linkage.OUTPUT.angular:
         raise WrongInput(
@@ -42,6 +42,10 @@ def law_of(design: Design) -> Law:
             key="motion",
         )
     return law
+
+
+def _has_ring(design: Design) -> bool:
+    return design.gears is not None and design.gears.mesh == "internal"
 
 
 def require_whole_turns(design: Design, what: str) -> None:
@@ -86,9 +90,10 @@ def kept_size(design: Design) -> tuple[int | None, float | None, float | None]:
     if not design.motion.gives_center_distance:
         return gears.teeth, gears.module_mm, gears.center_distance_mm
     from ncgear.pitch.pair import sized_pair
+    from ncgear.pitch.shape import Mesh
 
     law = law_of(design)
-    size = sized_pair(law.transmission, *size_of(gears, law)).size
+    size = sized_pair(law.transmission, *size_of(gears, law), Mesh(gears.mesh)).size
     return size.driving_teeth, gears.module_mm, size.center_distance_mm if gears.module_mm is None else None
 
 

@@ -110,10 +110,20 @@ def inertia_as_given(design: Design) -> TrainInertia:
         return inertia_with(design, even)
 
 
+def with_driven_flywheel(design: Design, inertia_kg_mm2: float) -> Design:
+    """The design with a flywheel in kg mm2 on its driven shaft; the design must give masses."""
+    assert design.masses is not None
+    masses = design.masses.model_copy(update={"driven_flywheel_kg_mm2": inertia_kg_mm2})
+    return design.model_copy(update={"masses": masses})
+
+
 def _size_of(design: Design, limits: Limits) -> task.GearSize | None:
     """The size of an external pair; raises WrongInput where the force between its teeth is limited and not known."""
-    key, gears = "optimize.limits.tooth_force_n", design.gears
-    if limits.tooth_force_n is not None:
+    gears = design.gears
+    prices, names = _prices(design.optimize or Optimize()), ("tooth_force_n", "flank_load_n_mm")
+    limited = [name for name in names if getattr(limits, name) is not None]
+    if limited or any(getattr(prices, name) for name in names):
+        key = f"optimize.limits.{limited[0]}" if limited else "optimize.goal"
         if gears is None:
             problem = "given, but a force between teeth needs the gears' size: give gears.teeth and gears.module_mm"
             raise WrongInput(problem, key=key)
@@ -142,6 +152,8 @@ def _prices(asked: Optimize) -> task.Prices:
         flywheel_kg_mm2=price(weights.flywheel_kg_mm2),
         bearing_force_n=price(weights.bearing_force_n),
         shaking_force_n=price(weights.shaking_force_n),
+        tooth_force_n=price(weights.tooth_force_n),
+        peak_jerk_mm_s3=price(weights.jerk_mm_s3 or weights.jerk_rad_s3),
     )
 
 
@@ -164,6 +176,7 @@ def wishes_of(design: Design) -> Wishes:
             ratio_max=limits.ratio_max,
             peak_power_w=limits.peak_power_w,
             peak_acceleration_mm_s2=limits.peak_acceleration_mm_s2 or limits.peak_acceleration_rad_s2,
+            peak_speed_mm_s=limits.peak_speed_mm_s or limits.peak_speed_rad_s,
             pressure_angle_rad=None if shared else tangent_rad,
             rack_angle_rad=radians(_rack_angle_deg(design.gears)),
             **{name: getattr(limits, name) for name in task.LOAD_LIMITS},

@@ -62,6 +62,7 @@ class Kind(StrEnum):
     BACKLASH = "backlash"
     MATE = "mate"
     STEEPER = "steeper"
+    STEEPEST = "steepest"
     SHIFTED = "shifted"
     UNDERCUT = "undercut"
     FINER = "finer"
@@ -79,6 +80,7 @@ ORDER = (
     (Kind.SHIFTED, Kind.MATE),
     (Kind.SHIFTED, Kind.UNDERCUT),
     (Kind.STEEPER, Kind.SHIFTED),
+    (Kind.STEEPEST, Kind.MATE),
     (Kind.STEEPER, Kind.MATE, Kind.UNDERCUT),
     (Kind.FINER, Kind.MATE),
     (Kind.FINER, Kind.STEEPER),
@@ -97,6 +99,10 @@ TENTHS = 10
 
 STEEPER_DEG = (22.5, 25.0)
 """Pressure angles of racks that are sold, over the usual 20 degrees."""
+
+STEEPEST_DEG = 30.0
+"""The pressure angle of splines.  From base circle to base circle of z : z teeth are z tan(alpha) / pi base pitches, so
+that 6 : 6 teeth hold contact from 27.7 degrees on."""
 
 SHIFTED_MODULES = (0.3, -0.3)
 """Profile shifts of the driving gear that are tried where the one chosen against undercut would change nothing."""
@@ -259,6 +265,9 @@ class _Trials:
             for mend in sorted(sound, key=lambda one: -one.contact_ratio):
                 with self._in_time(share):
                     require_made(mend.drive)
+                    if Kind.STEEPEST in mend.way.kinds:
+                        # Its roots are the deepest, and may come too near to a bore.
+                        _ = [pair.solids for pair in mend.drive.by_stage]
                     return mend
                 self.failed.append(mend.way)
         except TimeIsOver:
@@ -365,6 +374,8 @@ def _options(drive: Drive, kind: Kind, *, alone: bool) -> list[Changes]:
         case Kind.STEEPER:
             steeper = [rack_at(gears, angle) for angle in STEEPER_DEG if angle > gears.rack.pressure_angle_deg]
             return steeper if alone else steeper[-1:]
+        case Kind.STEEPEST:
+            return [rack_at(gears, STEEPEST_DEG)] if gears.rack.pressure_angle_deg < STEEPEST_DEG else []
         case Kind.SHIFTED:
             shifted = _shifted(drive)
             return shifted if alone else shifted[:1]

@@ -21,6 +21,7 @@ from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.masses import Masses
 from ncgear.mechanisms.mechanism import Mechanism
+from ncgear.numerics.arrays import Array
 
 if TYPE_CHECKING:
     from ncgear.pitch.curve import PitchCurve
@@ -57,7 +58,7 @@ def masses_of(given: ShaftMasses | DrivenShaftMasses, mechanism: Mechanism, gear
         **{f"{name}_inertia_kg_mm2": rod.inertia_kg_mm2 for name, rod in rods.items()},
         crank_kg=given.crank.mass_kg,
         crank_center_mm=given.crank.center_mm,
-        crank_inertia_kg_mm2=given.crank.inertia_kg_mm2,
+        crank_inertia_kg_mm2=given.crank.inertia_kg_mm2 + given.driven_flywheel_kg_mm2,
         driven_inertia_kg_mm2=gears.driven_kg_mm2,
         driving_inertia_kg_mm2=gears.driving_kg_mm2,
         between_inertia_kg_mm2=gears.between_kg_mm2,
@@ -110,21 +111,26 @@ DISC_POINTS = 721
 
 def disc_kg_mm2(gears: Gears, curve: PitchCurve, module_mm: float, density_kg_m3: float) -> float:
     """Moment of inertia of the disc within a pitch curve, or of the ring about it, with its bore and hub."""
-    from shapely import Polygon
-
     from ncgear.pitch.shape import Gear
-    from ncgear.project.gear_solids import rim_mm_of
-    from ncgear.solids.plan.areas import area_moments
 
     points = curve.drawn(DISC_POINTS).position
     body = gears.driving if curve.gear is Gear.DRIVING else gears.driven
-    width, within = gears.face_width_mm, area_moments(Polygon(points)).polar_mm4
+    width, within = gears.face_width_mm, _polygon_mm4(points)
     if curve.is_ring:
+        from ncgear.project.gear_solids import rim_mm_of
+
         whole = _circle_mm4(float(np.linalg.norm(points, axis=1).max()) + rim_mm_of(gears, module_mm))
         return KG_MM3 * density_kg_m3 * width * (whole - within)
     bore = 0.0 if body.bore_mm is None else min(_circle_mm4(body.bore_mm / 2.0), within)
     hub = (_circle_mm4(body.hub.diameter_mm / 2.0) - bore) * body.hub.height_mm if body.hub else 0.0
     return KG_MM3 * density_kg_m3 * (width * (within - bore) + max(hub, 0.0))
+
+
+def _polygon_mm4(points: Array) -> float:
+    """Polar moment of area of a closed polygon about the origin, its points of shape (n, 2)."""
+    after = np.roll(points, -1, axis=0)
+    across = points[:, 0] * after[:, 1] - points[:, 1] * after[:, 0]
+    return abs(float(np.sum(across * np.sum(points**2 + points * after + after**2, axis=1)))) / 12.0
 
 
 def _circle_mm4(radius_mm: float) -> float:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 from math import ceil, lcm, pi, radians, sin
 
 import numpy as np
@@ -17,13 +17,14 @@ from ncgear.project.drive import Drive
 from ncgear.project.service import choices_of
 from ncgear.project.tooth_form import tooth_form_of
 from ncgear.project.tooth_load import asked_of
-from ncgear.strength.conditions import Conditions, VibrationUnknown
+from ncgear.project.vibration import ToldVibration, told_vibration
+from ncgear.strength.conditions import Conditions
 from ncgear.strength.endurance import materials_of
-from ncgear.strength.holding import Damage
 from ncgear.strength.iso6336 import RackTip
 from ncgear.strength.material import Material
 from ncgear.strength.materials import Plastic
 from ncgear.strength.plastics import friction, temperatures_of
+from ncgear.strength.vibration import MeshStiffness
 from ncgear.strength.without_teeth import (
     MOST_LEAP,
     MOST_WAY,
@@ -46,13 +47,15 @@ class RoughStrength:
     ``unjudged`` says why the teeth are not judged for the wanted life.  ``at_once`` says that the safeties are against
     breaking at once instead; there are no safeties where even these are not known.  ``needs_teeth`` says why the
     safeties are right within a factor of two and a half only.  Both are words that follow "because", and empty where
-    there is no such reason.
+    there is no such reason.  ``vibration`` is what is told of the mesh where the life of its teeth
+    is judged.
     """
 
     safeties: tuple[RoughSafety, ...]
     unjudged: str = ""
     needs_teeth: str = ""
     at_once: bool = False
+    vibration: ToldVibration | None = None
 
     @property
     def sure(self) -> float:
@@ -66,8 +69,12 @@ class RoughStrength:
         return sorted(found, key=lambda one: one.safety / one.wanted)
 
 
+@lru_cache(maxsize=2)
 def rough_strength(drive: Drive) -> RoughStrength | None:
-    """The rough strength of a pair; None where there are no gears, no load, or two pairs of which none is meant."""
+    """The rough strength of a pair; None where there are no gears, no load, or two pairs of which none is meant.
+
+    The results of the last two pairs are kept, since several conditions ask for them.
+    """
     design = drive.design
     if design.gears is None or (design.masses is None and design.resistance is None):
         return None
@@ -93,21 +100,27 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
         load = rolled_load(drive, borne_by(asked, rough_meshing(drive, asked, sides)).at)
         sides = shared_loads(load, plan, running, drive.materials)
     needs_teeth = _needs_teeth(drive, plan, load, sides)
-    warm, uneven = _warm(drive, sides, load.phi1_rad.size), _uneven(drive, sides, conditions)
+    warm, still = _warm(drive, sides, load.phi1_rad.size), conditions.dynamic_factor or 1.0
     jammed = list[RoughSafety]()
     try:
         if (jam := conditions.overload) is not None:
             pressed = rolled_load(drive, partial(asked.passed_on_n_mm, jam.driving_n_mm))
             once = replace(conditions, application_factor=1.0, dynamic_factor=1.0)
             borne = shared_loads(pressed, plan, running, drive.materials)
-            jammed = static_safeties(borne, plan, running, warm, once, _uneven(drive, borne, once))
+            jammed = static_safeties(borne, plan, running, warm, once, _uneven(drive, borne, once, _even(borne, 1.0)))
         why = _no_life(drive)
         if not why:
-            try:
-                found = rough_safeties(sides, plan, running, warm, conditions, uneven)
-                return RoughStrength((*found, *jammed), needs_teeth=needs_teeth)
-            except VibrationUnknown as error:
-                why = error.why
+            mesh = rough_mesh(drive, sides, load)
+            shaken = [drive.vibration.factors(one.load.phi1_rad, one.load.force_n, mesh, conditions) for one in sides]
+            uneven = _uneven(drive, sides, conditions, shaken)
+            found = rough_safeties(sides, plan, running, warm, conditions, uneven, shaken)
+            phi1, force = (
+                np.concatenate(parts)
+                for parts in zip(*((one.load.phi1_rad, one.load.force_n) for one in sides), strict=True)
+            )
+            told = None if mesh is None else told_vibration(drive, mesh, phi1, np.concatenate(shaken), force)
+            return RoughStrength((*found, *jammed), needs_teeth=needs_teeth, vibration=told)
+        uneven = _uneven(drive, sides, conditions, _even(sides, still))
         found = static_safeties(sides, plan, running, warm, conditions, uneven)
         return RoughStrength((*found, *jammed), why, needs_teeth, True)
     except Unanswered as error:
@@ -115,28 +128,32 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
 
 
 def beside_refusal(drive: Drive, refusal: DesignError | None) -> RoughStrength | None:
-    """The rough strength of a pair whose strength is refused, or of which none is computed (None).
-
-    With a K_V that is not known the teeth themselves tell whether they break at once.
-    """
+    """The rough strength of a pair whose strength is refused, or of which none is computed (None)."""
     if refusal is None:
         return rough_strength(drive)
-    if isinstance(refusal, VibrationUnknown):
-        return _without_vibration(drive, refusal)
     found = rough_strength(drive)
     return found and replace(found, unjudged=refusal.problem)
 
 
-def _without_vibration(drive: Drive, refusal: VibrationUnknown) -> RoughStrength:
-    """Both gears' safeties against breaking at once, by the teeth under load without K_V."""
-    still = drive.still_teeth.strength
-    found = []
-    for gear, tension in zip(Gear, still.stresses.tension_mpa, strict=True):
-        row, material = int(tension.argmax()), still.of(gear).material
-        wanted, stress = drive.conditions.wanted_bending_safety(material), float(tension[row])
-        safety = float(material.bending.stress_mpa[0]) / stress
-        found.append(RoughSafety(gear, Damage.BENDING, safety, wanted, stress, float(still.contacts.phi1_rad[row])))
-    return RoughStrength(tuple(found), refusal.why, at_once=True)
+def rough_mesh(drive: Drive, sides: list[SharedLoad], load: RolledLoad) -> MeshStiffness | None:
+    """How stiff the teeth of a pair are, roughly, as a mean over a pitch."""
+    phi1, stiffness, pairs = (
+        np.concatenate(parts)
+        for parts in zip(
+            *(
+                (
+                    one.load.phi1_rad,
+                    drive.running.face_width_mm * one.stiffness_n_mm2,
+                    np.sum(one.line_n_mm > 0.0, axis=0),
+                )
+                for one in sides
+            ),
+            strict=True,
+        )
+    )
+    order = np.argsort(phi1)
+    cycle = 2.0 * pi * round(load.phi1_rad.size / PER_TOOTH / drive.running.teeth[0])
+    return MeshStiffness.of(phi1[order], stiffness[order], pairs[order], cycle, PER_TOOTH)
 
 
 def rough_damage(found: RoughStrength, one: RoughSafety) -> str:
@@ -173,9 +190,15 @@ def _needs_teeth(drive: Drive, plan: ToothPlan, load: RolledLoad, sides: list[Sh
     return ""
 
 
-def _uneven(drive: Drive, sides: list[SharedLoad], conditions: Conditions) -> list[Array]:
-    """K_Hbeta at the positions of each side, shape (n,) each."""
-    return [drive.face_loading.of_side(one, conditions.application_factor) for one in sides]
+def _even(sides: list[SharedLoad], factor: float) -> list[Array]:
+    """A factor that is the same at all positions of each side, shape (n,) each."""
+    return [np.full(one.load.force_n.shape, factor) for one in sides]
+
+
+def _uneven(drive: Drive, sides: list[SharedLoad], conditions: Conditions, shaken: list[Array]) -> list[Array]:
+    """K_Hbeta at the positions of each side with K_V ``shaken`` there, shape (n,) each."""
+    over = conditions.application_factor
+    return [drive.face_loading.of_side(one, over, factor) for one, factor in zip(sides, shaken, strict=True)]
 
 
 def _would_be_undercut(drive: Drive) -> bool:

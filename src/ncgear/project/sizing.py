@@ -1,5 +1,9 @@
 """The search for the smallest gears that hold: module of series I, number of teeth and face width within a space.
 
+They hold where no tooth has less than the wanted safety against breakage and pitting, and where flanks neither scuff
+nor wear away.  Where K_Hbeta follows from the shafts and no crowning is given, flanks have the lead crowning that is
+best for the nearest gears.
+
 The law stays as it is, so a number of teeth and a module give gears of the same shape in another size.  How the safety
 depends on the size is guessed from the nearest gears that are computed already (``ncgear.strength.holding``).  For each
 module the numbers of teeth are tried in the order of the volume that they are guessed to need, and the face width is
@@ -21,9 +25,9 @@ from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
 from ncgear.dynamics.meshing import TOO_WEAK
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
-from ncgear.project.alternatives import Changes, changed_drive, changed_gears
+from ncgear.project.alternatives import Changes, changed_drive, changed_gears, is_given
 from ncgear.project.drive import Drive
-from ncgear.project.strengthening import MOST_TEETH, SERIES_I_MM, WIDEST_MODULES, Rating, rating_of, sized
+from ncgear.project.strengthening import CROWNING, MOST_TEETH, SERIES_I_MM, WIDEST_MODULES, Rating, rating_of, sized
 from ncgear.strength.holding import Damage, Weakest
 from ncgear.strength.materials import TABLE
 
@@ -39,10 +43,11 @@ def stated_inertias(design: Design) -> list[str]:
 OnTrial = Callable[[int, int], None]
 """Called with the numbers of computed gears so far and at most."""
 
-MOST_COMPUTED = 24
-"""Gears that are computed at most.  They take half a second to a second each: a person waits this long."""
+MOST_COMPUTED = {"resistance": 24, "masses": 12}
+"""Gears that are computed at most, by what their load follows from.  With masses, whose knocks are followed and which
+gears' bodies belong to, they take a second each, else a fifth of it: a person waits ten seconds."""
 
-BEST = 6
+BEST = 4
 """Answers that are given."""
 
 DOUBLED = tuple(2.0**power for power in range(1, 9))
@@ -83,6 +88,21 @@ class Sized:
     changes: Changes
     drive: Drive
     rating: Rating
+
+    @property
+    def flank_share(self) -> float:
+        """The least share of what is wanted that flanks have against scuffing and wear."""
+        return self.drive.surfaces_by(self.rating.strength.method).share
+
+    @property
+    def share(self) -> float:
+        """The least share of what is wanted that any tooth has."""
+        return min(self.flank_share, *(one.share for one in self.rating.weakest))
+
+    @property
+    def holds(self) -> bool:
+        """Whether teeth and flanks have what is wanted."""
+        return self.rating.holds and self.flank_share >= 1.0
 
     @property
     def teeth(self) -> int:
@@ -184,14 +204,23 @@ def _begun(drive: Drive) -> Sized:
 
 @dataclass(eq=False)
 class _Search:
-    """The knowledge so far: all gears that were computed, the initial gears first, and the refused numbers of teeth."""
+    """The knowledge so far: all gears that were computed, the initial gears first, and the refused numbers of teeth.
+
+    ``weak`` are the numbers of teeth and the modules of teeth too weak to be rated.
+    """
 
     drive: Drive
     space: GearRoom
     on_trial: OnTrial
     computed: list[Sized]
     refused: set[int] = field(default_factory=set)
+    weak: set[tuple[int, float]] = field(default_factory=set)
     trials: int = 0
+
+    @property
+    def most_computed(self) -> int:
+        """Gears that are computed at most."""
+        return MOST_COMPUTED[self.computed[0].rating.strength.load]
 
     def modules(self) -> list[tuple[float, float]]:
         """Modules and the volumes that their gears are guessed to need, the least first; none without room."""
@@ -210,6 +239,7 @@ class _Search:
         for _ in range(TRIES):
             guessed = {z: self.volume(z, module_mm) for z in self.teeth()}
             tried = {one.teeth for one in self.computed if one.module_mm == module_mm and one is not self.computed[0]}
+            tried |= {teeth for teeth, module in self.weak if module == module_mm}
             open_ = [z for z, volume in guessed.items() if volume < inf and z not in tried]
             if not open_:
                 return None
@@ -223,35 +253,46 @@ class _Search:
         best: Sized | None = None
         for _ in range(TRIES):
             width = self.width(teeth, module_mm)
-            if width > self.space.width_modules * module_mm or self.trials >= MOST_COMPUTED:
+            if width > self.space.width_modules * module_mm or self.trials >= self.most_computed:
                 break
             if best is not None and width >= best.face_width_mm:
                 break
             made = self.made(teeth, module_mm, width)
             if made is None:
                 return best
-            if made.rating.holds:
+            if made.holds:
                 best = made
         return best
 
     def made(self, teeth: int, module_mm: float, width_mm: float) -> Sized | None:
         """The gears of a size, computed; None where they are refused or do not go into the space."""
-        changes = {**sized(self.drive, teeth, module_mm), "gears.face_width_mm": width_mm}
+        crowned = self.crowning(self.nearest(teeth, module_mm))
+        changes: Changes = {**sized(self.drive, teeth, module_mm), "gears.face_width_mm": width_mm, **crowned}
         self.trials += 1
-        self.on_trial(self.trials, MOST_COMPUTED)
+        self.on_trial(self.trials, self.most_computed)
         # Teeth that are the same as the teeth of earlier gears are not made again.
         same = [one for one in self.computed if (one.teeth, one.module_mm) == (teeth, module_mm)]
         try:
             changed = changed_drive(same[-1].drive if same else self.drive, changes)
             made = Sized(changes, changed, rating_of(changed, "estimate"))
-        except (DesignError, ValidationError):
-            self.refused.add(teeth)
+        except (DesignError, ValidationError) as error:
+            if isinstance(error, NoSuchMechanism) and error.key == TOO_WEAK:
+                self.weak.add((teeth, module_mm))
+            else:
+                self.refused.add(teeth)
             return None
         self.computed.append(made)
         inside = changed.pitch.center_distance_mm <= self.space.center_distance_mm
         return made if inside and made.diameter_mm <= self.space.diameter_mm else None
 
     # Guesses from the nearest gears that are computed.
+
+    def crowning(self, near: Sized) -> Changes:
+        """The lead crowning that is best for gears; empty where nothing tells it, or the design gives its own."""
+        if is_given(self.drive.design, CROWNING):
+            return {}
+        told = near.drive.told_face_load_by("estimate")
+        return {CROWNING: told.best_um} if told is not None and told.best_um > 0.0 else {}
 
     def volume(self, teeth: int, module_mm: float) -> float:
         """Square of the centre distance times the guessed face width; infinite where the gears have no room."""
@@ -266,19 +307,14 @@ class _Search:
     def width(self, teeth: int, module_mm: float) -> float:
         """The guessed face width in whole mm, not under NARROWEST_MODULES."""
         near = self.nearest(teeth, module_mm)
-        wider = [self.wider(one, near, teeth, module_mm) for one in near.rating.weakest]
+        scale, larger = (
+            self.scale(teeth, module_mm) / self.scale(near.teeth, near.module_mm),
+            module_mm / near.module_mm,
+        )
+        wider = [_wider(one, scale, larger) for one in near.rating.weakest]
+        # What is worn off goes as force over width, and may be a share of the module; heat is taken to go as that.
+        wider.append(1.0 / (near.flank_share * scale * larger))
         return float(ceil(max(near.face_width_mm * max(wider), NARROWEST_MODULES * module_mm) - 1e-9))
-
-    def wider(self, one: Weakest, near: Sized, teeth: int, module_mm: float) -> float:
-        """The factor of the nearest gears' face width with which a tooth would just have the safety wanted.
-
-        The force goes as 1 over the scale; a root's stress as force over width and module; the square of the pressure
-        as force over width and scale.
-        """
-        scale = self.scale(teeth, module_mm) / self.scale(near.teeth, near.module_mm)
-        if one.damage is Damage.BENDING:
-            return 1.0 / (one.share * scale * module_mm / near.module_mm)
-        return 1.0 / (one.share * scale) ** 2
 
     def scale(self, teeth: int, module_mm: float) -> float:
         """The size of the pitch curves over their size in the design as given."""
@@ -293,13 +329,23 @@ class _Search:
         )
 
 
+def _wider(one: Weakest, scale: float, larger: float) -> float:
+    """The factor of a face width with which a tooth, so many times in scale and module, would just be safe enough.
+
+    The force goes as 1 over the scale; a root's stress as force over width and module; the square of the pressure as
+    force over width and scale.
+    """
+    if one.damage is Damage.BENDING:
+        return 1.0 / (one.share * scale * larger)
+    return 1.0 / (one.share * scale) ** 2
+
+
 def _nothing(search: _Search) -> str:
     """The words where no gears are found: the nearest gears."""
-    near = max(search.computed, key=lambda one: min(weak.share for weak in one.rating.weakest))
-    share = min(weak.share for weak in near.rating.weakest)
+    near = max(search.computed, key=lambda one: one.share)
     return (
         f"no gears of series I up to {search.space.width_modules:g} modules wide were found that hold in this space; "
         f"nearest of {len(search.computed)} come {near.teeth} teeth of module {near.module_mm:g} mm, "
-        f"{near.face_width_mm:g} mm wide, with {share:.2g} of a wanted safety; more space, a stronger material or less "
-        "load is needed"
+        f"{near.face_width_mm:g} mm wide, with {near.share:.2g} of what is wanted; more space, a stronger material or "
+        "less load is needed"
     )

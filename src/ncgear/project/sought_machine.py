@@ -22,7 +22,12 @@ class SoughtMachine(ABC):
     """
 
     def __init__(self, design: Design) -> None:
-        self.design = design
+        self.given = design
+
+    @property
+    def design(self) -> Design:
+        """The design whose machine it is: as given, where nothing of the machine is free."""
+        return self.given
 
     @property
     @abstractmethod
@@ -32,7 +37,7 @@ class SoughtMachine(ABC):
     @cached_property
     def wishes(self) -> Wishes:
         """Goal and limits."""
-        return wishes_of(self.design)
+        return wishes_of(self.given)
 
     @property
     def not_kept(self) -> str:
@@ -58,7 +63,7 @@ class SoughtMachine(ABC):
     def given_figures(self) -> Figures | None:
         """Exact figures of the design's own law and gears at the same speed; None where that law cannot be made."""
         try:
-            return figures(task_of(self.design, inertia_as_given(self.design)), law_of(self.design).train)
+            return figures(task_of(self.given, inertia_as_given(self.given)), law_of(self.given).train)
         except DesignError:
             return None
 

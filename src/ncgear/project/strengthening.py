@@ -30,6 +30,9 @@ SERIES_I_MM = (1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16
 MOST_TEETH = 240
 """Driving teeth that sizes are looked for with: more are finer than strength needs."""
 
+CROWNING = "gears.lead.crowning_um"
+"""The key of the lead crowning."""
+
 WIDEST_MODULES = 12.0
 """Face width in modules beyond which straight teeth do not bear over their whole width, as shafts bend and lie askew:
 makers of machines keep to 10 or 12."""
@@ -118,7 +121,7 @@ def crowned_enough(drive: Drive, rating: Rating) -> Changes:
     told = drive.told_face_load_by(rating.strength.method)
     if told is None or told.best_um == told.crowning_um:
         return {}
-    changes: Changes = {"gears.lead.crowning_um": told.best_um}
+    changes: Changes = {CROWNING: told.best_um}
     return changes if _holds(drive, rating, changes) else {}
 
 

@@ -64,6 +64,14 @@ class ToothLoad:
         slope = self.pair.transmission.driven_angle(angle_rad, 2).differentiated()
         return mesh_force(self.place, slope, Jet(torque[None, :]))
 
+    def arms_mm(self, angle_rad: Array, urge: Array) -> Array:
+        """The arms of the mesh force about both axes, shape (n, 2).
+
+        ``urge`` is +1 where pushing flanks bear, -1 where backs do.
+        """
+        slope = self.pair.transmission.driven_angle(angle_rad, 1).derivative(1)
+        return np.stack([slope, np.ones(slope.shape)], axis=1) / self.mesh_force(angle_rad, urge).size_n.value[:, None]
+
     @property
     def peak_n(self) -> float:
         """Largest normal force of all pairs of teeth together."""

@@ -13,6 +13,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.service import choices_of
 from ncgear.project.tooth_load import ToothLoad
+from ncgear.project.vibration import mesh_stiffness
 from ncgear.strength.conditions import Conditions, Running
 from ncgear.strength.contacts import LoadedContacts
 from ncgear.strength.endurance import materials_of
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from ncgear.strength.answer import Strength
     from ncgear.strength.loading import Loading
     from ncgear.strength.method import ToothMethod
+    from ncgear.strength.vibration import Vibration
 
 Method = Literal["estimate", "elements"]
 
@@ -58,6 +60,7 @@ def judged_teeth(
     running: Running,
     load: Literal["masses", "resistance"],
     face_loading: FaceLoading,
+    vibration: Vibration,
 ) -> JudgedTeeth:
     """The stresses of teeth under their loads.
 
@@ -70,8 +73,9 @@ def judged_teeth(
     cycle_rad = 2.0 * pi * loading.cycle_turns
 
     def found(loads: Loading, under: Conditions) -> Strength:
-        uneven = face_loading.of_contacts(loads.contacts, under.application_factor)
-        stresses = stresses_of(loads.contacts, methods, materials, under, running, uneven)
+        shaken = vibration.of_contacts(loads.contacts, mesh_stiffness(loads, running), under)
+        uneven = face_loading.of_contacts(loads.contacts, under.application_factor, shaken)
+        stresses = stresses_of(loads.contacts, methods, materials, under, running, uneven, shaken)
         return strength_of(loads.contacts, stresses, materials, under, cycle_rad, running, method, load)
 
     strength = found(loading, conditions)
@@ -87,15 +91,25 @@ def judged_teeth(
 
 
 def surfaces_of_teeth(
-    judged: JudgedTeeth, gears: Gears, conditions: Conditions, running: Running, face_loading: FaceLoading
+    judged: JudgedTeeth,
+    gears: Gears,
+    conditions: Conditions,
+    running: Running,
+    face_loading: FaceLoading,
+    vibration: Vibration,
 ) -> Surfaces:
     """Film, heat and wear of the flanks of judged teeth, without jams, which are few."""
     materials = judged.strength.driving.material, judged.strength.driven.material
+    mesh = mesh_stiffness(judged.loading, running)
 
     def uneven(contacts: LoadedContacts) -> Array:
-        return face_loading.of_contacts(contacts, conditions.application_factor)
+        return face_loading.of_contacts(contacts, conditions.application_factor, shaken(contacts))
 
-    return surfaces_of(judged.loading, choices_of(gears), materials, judged.warm, conditions, running, uneven)
+    def shaken(contacts: LoadedContacts) -> Array:
+        return vibration.of_contacts(contacts, mesh, conditions)
+
+    choices, warm = choices_of(gears), judged.warm
+    return surfaces_of(judged.loading, choices, materials, warm, conditions, running, uneven, shaken)
 
 
 def methods_of(

@@ -20,17 +20,18 @@ class ContactStresses:
 
     ``pressure_mpa`` (shape (n,)) is the pressure between the flanks, NaN at edges.  ``tension_mpa`` and
     ``compression_mpa`` (shape (2, n)) are those at the roots of the driving and the driven tooth.
-    ``face_load_factor`` (shape (n,)) is K_Hbeta.
+    ``face_load_factor`` (shape (n,)) is K_Hbeta, ``dynamic_factor`` K_V.
     """
 
     pressure_mpa: Array
     tension_mpa: Array
     compression_mpa: Array
     face_load_factor: Array
+    dynamic_factor: Array
 
     def decisive_face_load(self, contacts: LoadedContacts) -> float:
         """K_Hbeta of the contact that bears most for each mm of width; 1 where none bears load."""
-        load = self.face_load_factor * contacts.force_n
+        load = self.face_load_factor * self.dynamic_factor * contacts.force_n
         return float(self.face_load_factor[load.argmax()]) if load.size else 1.0
 
 

@@ -6,10 +6,8 @@ from typing import Literal
 
 import numpy as np
 
-from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.bounds import shown_below
 from ncgear.strength.material import Family, Material
 
 
@@ -87,47 +85,6 @@ def hours_of_strokes(strokes: float, stroke_rad: float, speed_rad_s: float) -> f
 
 GRADE = 8
 """Accuracy grade for which factors are estimated where none is given."""
-
-GRADE_8 = 39.1, 0.0193
-"""K1 in N/mm and K2 of spur gears of accuracy grade 8: ISO 6336-1, method C (secondary source)."""
-
-LEAST_LINE_LOAD_N_MM = 100.0
-
-
-class VibrationUnknown(WrongInput):
-    """Gears so fast that no dynamic factor is estimated, and none is given."""
-
-    @property
-    def why(self) -> str:
-        """Why, in words that follow "because"."""
-        return f"{self.key} is {self.problem}"
-
-
-FASTEST_M_S = 2.9
-"""The s of ``dynamic_factor`` up to which it grows; beyond, its parabola falls again and says nothing."""
-
-
-def dynamic_factor(running: Running, line_load_n_mm: float) -> float:
-    """The dynamic factor K_V that follows for gears of accuracy grade 8.
-
-    K_V = 1 + (K1 / (F_t K_A / b) + K2) s K3 with s = v z1 / 100 sqrt(u^2 / (1 + u^2)), K3 = 2.071 - 0.357 s and at
-    most 2 (ISO 6336-1, method C, secondary source).  It is for circular gears up to s = FASTEST_M_S; a local estimate
-    for others, with the mean speed along the pitch curves and the mean load per mm of width, times K_A.  Raises
-    VibrationUnknown for faster ones.
-    """
-    (first, second), (z1, z2) = GRADE_8, running.teeth
-    ratio = z2 / z1
-    s = running.pitch_speed_m_s * z1 / 100.0 * (ratio**2 / (1.0 + ratio**2)) ** 0.5
-    if s > FASTEST_M_S:
-        fastest = shown_below(running.pitch_speed_m_s * FASTEST_M_S / s, 3)
-        raise VibrationUnknown(
-            f"left out, but it is estimated only up to {fastest} m/s of these pitch curves, which run at "
-            f"{running.pitch_speed_m_s:.3g} m/s; give the dynamic factor of such gears",
-            key="strength.dynamic_factor",
-        )
-    term: float = (first / max(line_load_n_mm, LEAST_LINE_LOAD_N_MM) + second) * s * min(2.0, 2.071 - 0.357 * s)
-    return 1.0 + term
-
 
 HEIGHT_MODULES = 2.25
 

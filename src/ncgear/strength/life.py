@@ -19,7 +19,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask, distinct
 from ncgear.pitch.shape import Gear
 from ncgear.strength.answer import ContactStresses, GearStrength, Strength, ToothLife
-from ncgear.strength.conditions import Conditions, Running, dynamic_factor, face_load_factor_of_roots
+from ncgear.strength.conditions import Conditions, Running, face_load_factor_of_roots
 from ncgear.strength.contacts import LoadedContacts
 from ncgear.strength.hertz import hertz_pressure_mpa
 from ncgear.strength.material import EnduredStress, Material
@@ -33,13 +33,15 @@ def stresses_of(
     conditions: Conditions,
     running: Running,
     face_load_factor: Array,
+    dynamic_factor: Array,
 ) -> ContactStresses:
     """The stresses of all contacts, with the factors K_A, K_V and K_Hbeta or K_Fbeta.
 
     ``methods`` and ``materials`` are those of the driving and the driven gear.  Shares of load between pairs of teeth
-    are those of ``contacts``, so that K_Halpha is 1; ``face_load_factor`` is K_Hbeta of each, shape (n,).
+    are those of ``contacts``, so that K_Halpha is 1; ``face_load_factor`` is K_Hbeta of each, and ``dynamic_factor``
+    K_V, shape (n,).
     """
-    shaken = shaken_n_mm(contacts, conditions, running, dynamic_factor_of(contacts, conditions, running))
+    shaken = shaken_n_mm(contacts, conditions, running, dynamic_factor)
     roots = face_load_factor_of_roots(running, face_load_factor)
     pressure = np.full_like(shaken, np.nan)
     on = contacts.flanks
@@ -50,21 +52,13 @@ def stresses_of(
         tension_mpa=np.array([roots * shaken * one.tension_mpa for one in of_unit]),
         compression_mpa=np.array([roots * shaken * one.compression_mpa for one in of_unit]),
         face_load_factor=face_load_factor,
+        dynamic_factor=dynamic_factor,
     )
 
 
-def shaken_n_mm(contacts: LoadedContacts, conditions: Conditions, running: Running, dynamic: float) -> Array:
-    """The mean load for each mm of width, shape (n,), with K_A and the K_V that is given."""
-    return contacts.force_n * (conditions.application_factor * dynamic / running.face_width_mm)
-
-
-def dynamic_factor_of(contacts: LoadedContacts, conditions: Conditions, running: Running) -> float:
-    """K_V as given or by the mean load of the contacts, each weighed by its load: that which does most damage."""
-    line_load = contacts.force_n * conditions.application_factor / running.face_width_mm
-    total = float(line_load.sum())
-    if conditions.dynamic_factor is not None or total == 0.0:
-        return conditions.dynamic_factor or 1.0
-    return dynamic_factor(running, float((line_load**2).sum()) / total)
+def shaken_n_mm(contacts: LoadedContacts, conditions: Conditions, running: Running, dynamic_factor: Array) -> Array:
+    """The mean load for each mm of width, shape (n,), with K_A and the K_V of each contact."""
+    return contacts.force_n * dynamic_factor * (conditions.application_factor / running.face_width_mm)
 
 
 def strength_of(

@@ -31,12 +31,16 @@ from ncgear.strength.film import (
     roughness_um,
     scuffing_c,
 )
-from ncgear.strength.life import dynamic_factor_of, shaken_n_mm
+from ncgear.strength.life import shaken_n_mm
 from ncgear.strength.loading import Loading
 from ncgear.strength.material import Material
 from ncgear.strength.materials import Choice, Ferrous, Plastic
 from ncgear.strength.plastics import ToothTemperature
 from ncgear.strength.wear import LIMIT_MODULES, coefficient_mm3_n_m, depth_mm, share_unparted
+
+LEAST_SCUFFING = 1.0
+"""Safety under which flanks scuff: the formula's temperature is that at which test gears did.  ISO/TS 6336-20 calls the
+risk high below 1, moderate up to 2."""
 
 KNOWN = 1e-3
 """Share of itself to which an extreme is known: its formulas are known to a tenth at best."""
@@ -135,38 +139,47 @@ class Surfaces:
         heated = self.film.hottest_c - self.film.oil_c
         return (self.scuffing_c - self.film.oil_c) / heated if heated > 0.0 else inf
 
+    @property
+    def share(self) -> float:
+        """The least share of what is wanted that flanks have, of their safety against scuffing and of their life."""
+        scuffing = self.scuffing_safety
+        lasting = self.wear.limit_mm / self.wear.deepest_mm if self.wear.deepest_mm > 0.0 else inf
+        return lasting if scuffing is None else min(lasting, scuffing / LEAST_SCUFFING)
+
 
 @dataclass(frozen=True, eq=False)
 class _Pair:
     """What all places of contact of a pair have in common.
 
-    ``uneven`` gives K_Hbeta of all contacts of some positions; ``bulk_c`` is the temperature of the teeth.
+    ``uneven`` gives K_Hbeta of all contacts of some positions, ``shaken`` their K_V; ``bulk_c`` is the temperature of
+    the teeth.
     """
 
     materials: tuple[Material, Material]
     conditions: Conditions
     running: Running
-    dynamic_factor: float
     coefficients_mm3_n_m: tuple[float, float]
     uneven: Callable[[LoadedContacts], Array]
+    shaken: Callable[[LoadedContacts], Array]
     oil: Oil | None
     bulk_c: float = 0.0
 
-    def touching(self, contacts: LoadedContacts) -> tuple[LoadedContacts, Pressed]:
-        """The contacts of flanks among all contacts of some positions, and as film, heat and wear need them."""
-        shaken = shaken_n_mm(contacts, self.conditions, self.running, self.dynamic_factor)
-        kept, load = contacts.kept(contacts.flanks), (self.uneven(contacts) * shaken)[contacts.flanks]
-        return kept, Pressed(load, kept.relative_curvature, kept.rolling_mm_s / 1000.0)
+    def touching(self, contacts: LoadedContacts) -> tuple[LoadedContacts, Array, Pressed]:
+        """The contacts of flanks among all contacts of some positions, their K_V, and as film and heat need them."""
+        shaken = self.shaken(contacts)
+        load = self.uneven(contacts) * shaken_n_mm(contacts, self.conditions, self.running, shaken)
+        kept, load = contacts.kept(contacts.flanks), load[contacts.flanks]
+        return kept, shaken[contacts.flanks], Pressed(load, kept.relative_curvature, kept.rolling_mm_s / 1000.0)
 
     def flash(self, pressed: Pressed, oil: Oil) -> Array:
         """How much hotter than the teeth each contact is, in K."""
         return flash_k(pressed, friction(pressed, oil, self.conditions), self.materials)
 
-    def quantities(self, side: IndexArray, pressed: Pressed) -> Array:
+    def quantities(self, side: IndexArray, shaken: Array, pressed: Pressed) -> Array:
         """What is searched for the largest of, at n contacts of flanks of a side, shape (6, n).
 
         Roughness over film, heat in K, depths in mm that both flanks lose in the wanted life, and the sum of these on
-        pushing flanks and on backs.
+        pushing flanks and on backs.  Wear follows the mean load, which vibration does not change.
         """
         thin = flash = np.zeros(pressed.line_n_mm.size)
         unparted = np.ones_like(thin)
@@ -175,7 +188,7 @@ class _Pair:
             film = film_um(pressed, flash, self.bulk_c, self.oil, self.materials)
             thickness = np.maximum(film / roughness_um(self.conditions), LEAST_FILM)
             thin, unparted = 1.0 / thickness, share_unparted(thickness)
-        depth = self.meetings[:, None] * depth_mm(pressed, unparted, self.coefficients_mm3_n_m)
+        depth = self.meetings[:, None] * depth_mm(pressed, unparted / shaken, self.coefficients_mm3_n_m)
         play = depth.sum(axis=0)
         return np.vstack([thin, flash, depth, *(np.where(side == one, play, 0.0) for one in BOTH_SIDES)])
 
@@ -201,17 +214,17 @@ def surfaces_of(
     conditions: Conditions,
     running: Running,
     uneven: Callable[[LoadedContacts], Array],
+    shaken: Callable[[LoadedContacts], Array],
 ) -> Surfaces:
     """The state of the flanks under their loads, with all factors of load that the pressure has.
 
-    ``uneven`` gives K_Hbeta of contacts, shape (n,), from all contacts of their positions.
+    ``uneven`` gives K_Hbeta and ``shaken`` K_V of contacts, shape (n,), from all contacts of their positions.
     """
     mates = (choices, choices[::-1])
     plastic = [isinstance(choice.entry, Plastic) for choice in choices]
     oil = None if any(plastic) or conditions.lubrication == "dry" else Oil.of(conditions)
-    factor = dynamic_factor_of(loading.contacts, conditions, running)
     first, second = (coefficient_mm3_n_m(*both, conditions) for both in mates)
-    pair = _Pair(materials, conditions, running, factor, (first, second), uneven, oil)
+    pair = _Pair(materials, conditions, running, (first, second), uneven, shaken, oil)
     if oil is not None:
         pair = replace(pair, bulk_c=_bulk_c(pair, oil, loading))
     thin, hot, *worn = _largest(pair, loading)
@@ -230,7 +243,7 @@ def surfaces_of(
 
 def _bulk_c(pair: _Pair, oil: Oil, loading: Loading) -> float:
     """The temperature of the teeth: that of the oil, and a share of the mean flash temperature over the cycle."""
-    touching, pressed = pair.touching(loading.contacts)
+    touching, _, pressed = pair.touching(loading.contacts)
     flash = pair.flash(pressed, oil)[loading.even[touching.position]]
     share = BULK_SHARE[pair.conditions.lubrication]
     return pair.conditions.oil_temperature_c + share * float(flash.mean() if flash.size else 0.0)
@@ -240,8 +253,8 @@ def _largest(pair: _Pair, loading: Loading) -> list[Place]:
     """The largest value of each quantity over the cycle, with its place."""
 
     def over(contacts: LoadedContacts, count: int) -> tuple[LoadedContacts, Array, Array]:
-        touching, pressed = pair.touching(contacts)
-        found = pair.quantities(touching.side, pressed)
+        touching, shaken, pressed = pair.touching(contacts)
+        found = pair.quantities(touching.side, shaken, pressed)
         largest = np.zeros((len(found), count))
         for row, values in zip(largest, found, strict=True):
             np.maximum.at(row, touching.position, values)

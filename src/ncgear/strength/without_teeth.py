@@ -21,7 +21,7 @@ import numpy as np
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.pitch.shape import Gear
-from ncgear.strength.conditions import Conditions, Running, dynamic_factor, face_load_factor_of_roots
+from ncgear.strength.conditions import Conditions, Running, face_load_factor_of_roots
 from ncgear.strength.hertz import hertz_pressure_mpa
 from ncgear.strength.holding import Damage
 from ncgear.strength.iso6336 import RackTip, root_factors, root_section, single_stiffness_theoretical
@@ -235,26 +235,25 @@ def rough_safeties(
     materials: tuple[Material, Material],
     conditions: Conditions,
     uneven: list[Array],
+    shaken: list[Array],
 ) -> list[RoughSafety]:
     """Both gears' safeties against breakage and, where the material has figures, against pitting, for the life wanted.
 
-    ``uneven`` is K_Hbeta at the positions of each side, shape (n,) each.
+    ``uneven`` is K_Hbeta and ``shaken`` K_V at the positions of each side, shape (n,) each.
 
-    Raises VibrationUnknown as ``dynamic_factor`` does, Unanswered for racks that the formulas do not cover.
+    Raises Unanswered for racks that the formulas do not cover.
     """
-    lines = np.concatenate([one.line_n_mm.ravel() for one in sides]) * conditions.application_factor
-    shaken = conditions.dynamic_factor or dynamic_factor(running, float(np.sum(lines**2) / np.sum(lines)))
     found = []
     for gear, material in zip(Gear, materials, strict=True):
         teeth = running.teeth[list(Gear).index(gear)]
         turns = conditions.life_h * 3600.0 * running.speed_rad_s / (2.0 * pi) * running.teeth[0] / teeth
         cycles, wanted = np.array(max(turns, 1.0)), conditions.wanted_bending_safety(material)
-        over = [_factors_of_roots(running, conditions, one) for one in uneven]
-        root = [shaken * k * _root_stress(one, gear, plan, running) for one, k in zip(sides, over, strict=True)]
+        over = [v * _factors_of_roots(running, conditions, one) for one, v in zip(uneven, shaken, strict=True)]
+        root = [k * _root_stress(one, gear, plan, running) for one, k in zip(sides, over, strict=True)]
         found.append(_least(gear, Damage.BENDING, sides, root, float(material.bending.at(cycles)), wanted))
         if material.contact is not None:
             wanted = conditions.wanted_contact_safety(material)
-            over = [(shaken * conditions.application_factor * one) ** 0.5 for one in uneven]
+            over = [(v * conditions.application_factor * one) ** 0.5 for one, v in zip(uneven, shaken, strict=True)]
             pressed = [k * _pressure(one, materials) for one, k in zip(sides, over, strict=True)]
             found.append(_least(gear, Damage.CONTACT, sides, pressed, float(material.contact.at(cycles)), wanted))
     return found

@@ -16,7 +16,7 @@ from ncgear.design.laws.registry import SOUGHT_LAW, LawName, design_law
 from ncgear.design.mechanisms import NO_LINKAGE
 from ncgear.design.reading.design_file import parsed
 from ncgear.design.rewritten import design_copy
-from ncgear.design.template import CHOICES, MachineName
+from ncgear.design.template import CHOICES, SHAPES, MachineName, shape_template
 from ncgear.errors import WrongInput
 from ncgear.files.one_file import put_at_free_place
 from ncgear.frozen import dataclass
@@ -68,6 +68,7 @@ def beginnings() -> list[Beginning]:
             for one in MachineName
         ),
         *(_by_law(law, *by_law[design_law(law).begins]) for law in LawName),
+        *(Beginning(shape, one, f"a {one} to print, and its mate", partial(_of_shape, one)) for one in SHAPES),
         *(Beginning(wish, name, words, partial(_of_wish, wishes)) for name, (words, wishes) in WISHES.items()),
         *(Beginning(worked, path.stem, words, partial(_copied, path)) for path, words in _worked()),
     ]
@@ -106,6 +107,10 @@ def _of_law(law: LawName, name: str) -> str:
 def _of_gears(law: LawName, name: str) -> str:
     """Gears by themselves, whose shaft moves nothing yet."""
     return edited(begun(name, law, {}), {"linkage.kind": NO_LINKAGE})
+
+
+def _of_shape(shape: str, name: str) -> str:
+    return shape_template(name, shape)
 
 
 def _of_wish(wishes: dict[str, Any], name: str) -> str:

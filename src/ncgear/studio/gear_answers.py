@@ -13,6 +13,7 @@ from ncgear.drawings.scene.scene import Scene, scene_of, scene_of_teeth, scene_w
 from ncgear.errors import DesignError
 from ncgear.project.drive import Drive
 from ncgear.studio.answers import Answer
+from ncgear.studio.drawing import require_or_fit
 from ncgear.studio.motion_answers import live, power_needs_gears
 
 
@@ -36,7 +37,7 @@ def gear_answers(drive: Drive) -> Iterator[Answer]:
 
 
 def contact_answers(drive: Drive) -> Iterator[Answer]:
-    """What the teeth do: ``teeth``, ``strength``, ``chart`` for each chart of teeth, ``verdict``."""
+    """What the teeth do: ``teeth``, ``strength``, ``chart`` for each chart, ``verdict``; of refused ones ``fitted``."""
     from ncgear.drawings.page.page import stage_name
     from ncgear.drawings.page.page_charts import charts_of_pair
     from ncgear.drawings.page.tables import strength_tables, typeset
@@ -48,7 +49,7 @@ def contact_answers(drive: Drive) -> Iterator[Answer]:
     if drive.design.gears is None:
         return
     pairs = [(stage_name(pair), pair) for pair in drive.by_stage]
-    drive.require_sound_pairs()
+    yield from require_or_fit(drive)
     yield (
         "teeth",
         {

@@ -17,9 +17,11 @@ from ncgear.drawings.page.chart_figure import PageChart
 from ncgear.drawings.page.data import MORE_DECIMALS, paces, shaft_tables
 from ncgear.drawings.page.motion_charts import cycle_angles_rad, motion_charts, quantities_of
 from ncgear.drawings.scene.scene import scene_without_gears
+from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray, distinct
 from ncgear.project.drive import Drive
 from ncgear.studio.answers import Answer
+from ncgear.studio.drawing import drawing_of
 from ncgear.studio.handles import handles
 
 FIRST = (Quantity.VELOCITY, Quantity.ACCELERATION, Quantity.POWER, Quantity.RATIO)
@@ -30,8 +32,13 @@ LIVE_POINTS = 400
 
 
 def motion_answers(drive: Drive) -> Iterator[Answer]:
-    """Law, motion and power: ``motion``, ``figures``, each ``chart``, ``verdict``, ``best`` of all laws."""
-    scene = scene_without_gears(drive)
+    """Law, motion, power: ``motion``, ``drawing``, ``figures``, each ``chart``, ``verdict``, ``best`` of all laws."""
+    try:
+        scene = scene_without_gears(drive)
+    except NoSuchMechanism:
+        # Whoever draws a curve that is no gear goes on drawing.
+        yield from drawing_of(drive)
+        raise
     asked = [one for one in quantities_of(drive) if one is not Quantity.POWER or not power_needs_gears(drive)]
     followed = motion_charts(drive, scene.loop_rad, asked, cycle_angles_rad(drive))
     yield (
@@ -45,6 +52,7 @@ def motion_answers(drive: Drive) -> Iterator[Answer]:
             "handles": handles(drive),
         },
     )
+    yield from drawing_of(drive)
     from ncgear.drawings.page.tables import comparison_tables
     from ncgear.figures.advice.verdict import Known, judged
     from ncgear.figures.summary.check_summary import comparison_rows

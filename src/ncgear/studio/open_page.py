@@ -21,6 +21,7 @@ from ncgear.design.rewritten import document_of
 from ncgear.errors import WrongInput
 from ncgear.studio.chains import Chains
 from ncgear.studio.drafts import Draft, draft_left
+from ncgear.studio.drawing import with_dropped
 from ncgear.studio.editing import History, difference, edited, in_line_ends_of
 from ncgear.studio.emptied import lacking
 from ncgear.studio.faults import words_of
@@ -181,6 +182,12 @@ class OpenPage:
             raise WrongInput(f"a text of at most {LARGEST_MB} MB is right", key="text")
         before = self.history.now
         await self._step(self.history.kept(await asyncio.to_thread(in_line_ends_of, before, text)))
+
+    async def dropped(self, name: str, content: bytes) -> None:
+        """Make the pitch curve that of a drawing that was dropped onto the page, as one step of the history."""
+        found = await asyncio.to_thread(with_dropped, self.history.now, self.file.path, name, content)
+        await self._step(self.history.kept(found[0]))
+        await self._say(f"{found[1]} stands beside the design, and is its pitch curve; Undo takes the former one.")
 
     async def undo(self, _: Mapping[str, Any]) -> None:
         """One step back."""

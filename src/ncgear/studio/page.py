@@ -14,7 +14,7 @@ from ncgear.studio.jobs import COMMANDS
 
 WEB = "ncgear.studio.web"
 
-SCRIPTS = ("link", "machine", "lines", "handles", "board", "form", "told", "making", "saving", "studio")
+SCRIPTS = ("link", "machine", "lines", "handles", "drawing", "board", "form", "told", "making", "saving", "studio")
 """Files of web/script/; each may use those before it."""
 
 VIEWS = ("machine", "gears", "mesh")

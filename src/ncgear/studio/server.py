@@ -3,7 +3,7 @@
 Every request must name the server's own host, which a page of another site that was led here by its name server does
 not; a web socket must come from the studio's own page; and every request has the token.  An address has it once, and
 gives it to the browser as a cookie, which no script can read and no page of another site can use.  The server reads and
-writes the opened design file, hidden files beside it, and the export folder, nothing else.
+writes the opened design file, hidden files and dropped drawings beside it, and the export folder, nothing else.
 """
 
 from __future__ import annotations
@@ -55,6 +55,9 @@ TAKEN_OVER = 4001
 
 LARGEST_MESSAGE = 2 << 20
 """Bytes of a message from a page: a text of a megabyte, escaped."""
+
+LARGEST_DRAWING = 20 << 20
+"""Bytes of a drawing that is dropped: a picture of many pixels."""
 
 LONGEST_CHOICE = 1000
 """Bytes of the answer to what to begin with."""
@@ -176,6 +179,22 @@ class Studio:
         headers = {"content-security-policy": SANDBOX, "x-content-type-options": "nosniff", "cache-control": "no-store"}
         return FileResponse(place, headers=headers)
 
+    async def drop(self, request: Request) -> Response:
+        """A drawing that was dropped onto a page becomes its pitch curve; what is wrong with it is told."""
+        page, name = (request.query_params.get(key, "") for key in ("page", "name"))
+        if page not in self.open:
+            return PlainTextResponse("no such page", status_code=404)
+        content = bytearray()
+        async for part in request.stream():
+            content += part
+            if len(content) > LARGEST_DRAWING:
+                return PlainTextResponse(f"{name} is larger than {LARGEST_DRAWING >> 20} MB", status_code=413)
+        try:
+            await self.pages[page].dropped(name, bytes(content))
+        except DesignError as error:
+            return PlainTextResponse(words_of(error), status_code=400)
+        return PlainTextResponse("")
+
     async def zip(self, request: Request) -> Response:
         """A folder of the export folder as one zip."""
         place = await self._made(request.path_params["name"])
@@ -267,6 +286,7 @@ def application(studio: Studio, hosts: frozenset[str], token: str) -> Guard:
     routes = [
         Route("/", studio.index),
         Route("/begin", studio.begin, methods=["POST"]),
+        Route("/drop", studio.drop, methods=["POST"]),
         Route("/export/{name:path}", studio.file),
         Route("/zip/{name}", studio.zip),
         WebSocketRoute("/talk", studio.talk),

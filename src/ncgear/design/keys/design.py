@@ -15,7 +15,7 @@ from ncgear.design.keys.gears import SIZES, Gears
 from ncgear.design.keys.linkages import Fit, Linkage, NoLinkage
 from ncgear.design.keys.machine import Comparison, Operation, Output, Resistance
 from ncgear.design.keys.masses import Masses, Simulation
-from ncgear.design.keys.optimize import Optimize
+from ncgear.design.keys.optimize import FlywheelRange, Optimize
 from ncgear.design.keys.outline import FollowedOutline
 from ncgear.design.keys.strength import StrengthKeys
 from ncgear.design.keys.tolerances import AssemblyTolerances
@@ -145,13 +145,30 @@ class Design(Model, Shown):
         if self.optimize is None:
             return self
         ways = ("mm", "rad") if entry_of(self.linkage).turns else ("rad", "mm")
-        groups = {"limits": ("peak_acceleration_{}_s2", "peak_jerk_{}_s3"), "weights": ("acceleration_{}_s2",)}
+        groups = {
+            "limits": ("peak_speed_{}_s", "peak_acceleration_{}_s2", "peak_jerk_{}_s3"),
+            "weights": ("acceleration_{}_s2", "jerk_{}_s3"),
+        }
         for group, names in groups.items():
             for name in names:
                 wrong, right = (name.format(way) for way in ways)
                 if getattr(getattr(self.optimize, group), wrong, None) is not None:
                     does = "turns" if ways[1] == "rad" else "slides"
                     raise fault(f"optimize.{group}.{wrong}", f"given, but the output {does}; {right} is right")
+        return self
+
+    @property
+    def free_flywheel(self) -> FlywheelRange | None:
+        """The sizes among which a flywheel on the driven shaft is sought; None where it is as the masses say."""
+        return None if self.optimize is None else self.optimize.driven_flywheel_kg_mm2
+
+    @model_validator(mode="after")
+    def _a_free_flywheel_has_masses(self) -> Self:
+        if self.free_flywheel is not None and self.masses is None:
+            raise fault(
+                "optimize.driven_flywheel_kg_mm2",
+                "given, but without masses there is nothing that a flywheel could take up; give masses",
+            )
         return self
 
     @model_validator(mode="after")
@@ -165,8 +182,12 @@ class Design(Model, Shown):
             needed = f"{needed} of {listed(names, 'and')} {'is' if needed == 'one' else 'are'} needed"
             follows = ", since the centre distance follows from the law" if self.motion.gives_center_distance else ""
             raise fault("gears", f"{said}; {needed}{follows}")
-        if self.motion.gives_pitch_curve and self.gears.mesh == "internal":
-            raise fault("gears.mesh", "internal given, but the mate of a pitch curve is found beside it; leave it out")
+        if self.motion.solves_shape and self.gears.mesh == "internal":
+            raise fault(
+                "gears.mesh",
+                "internal given, but a quantity of a shape is found for a mate beside it only; leave mesh out, or give "
+                "motion.solve_for: center_distance or scale",
+            )
         return self
 
     @model_validator(mode="after")

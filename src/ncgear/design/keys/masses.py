@@ -113,6 +113,9 @@ class GearMasses(Model):
         "density of all gears in kg/m3; left out: those of gears.material, 7850 where none is named", gt=0.0, le=30000.0
     )
     flywheel: Flywheel = optional("flywheel on the driving shaft; left out: none", Flywheel)
+    driven_flywheel_kg_mm2: Inertia = optional(
+        "moment of inertia in kg mm2 of a flywheel on the driven shaft; left out: none", 0.0
+    )
 
 
 class DrivenShaftMasses(GearMasses, first=True):

@@ -6,7 +6,8 @@ from typing import Annotated, Literal, Self
 
 from pydantic import Field, model_validator
 
-from ncgear.design.keys.base import Model, fault, given, optional
+from ncgear.design.keys.base import Model, fault, given, optional, required
+from ncgear.design.keys.masses import Inertia
 from ncgear.design.keys.types import Length, Positive, Speed
 from ncgear.design.words import listed
 
@@ -32,8 +33,14 @@ class Limits(Model):
     tooth_force_n: Positive | None = optional(
         "greatest force between the teeth along their normal in N; needs gears of a given size"
     )
+    flank_load_n_mm: Positive | None = optional(
+        "greatest force between the teeth times the pitch curves' relative curvature times centre distance squared, "
+        "in N mm: face width times centre distance squared against pitting is in proportion to it; needs gears"
+    )
+    peak_speed_mm_s: Positive | None = optional("greatest slider speed in mm/s, over the whole cycle")
     peak_acceleration_mm_s2: Positive | None = optional("greatest slider acceleration in mm/s2, over the whole cycle")
     peak_jerk_mm_s3: Positive | None = optional("greatest slider jerk in mm/s3")
+    peak_speed_rad_s: Positive | None = optional("greatest speed in rad/s of an output that turns")
     peak_acceleration_rad_s2: Positive | None = optional(
         "greatest acceleration in rad/s2 of an output that turns, over the whole cycle"
     )
@@ -66,12 +73,28 @@ class Weights(Model):
     flywheel_kg_mm2: Positive | None = optional("flywheel in kg mm2 that counts as 1")
     bearing_force_n: Positive | None = optional("bearing force in N that counts as 1")
     shaking_force_n: Positive | None = optional("shaking force in N that counts as 1")
+    tooth_force_n: Positive | None = optional("force between the teeth in N that counts as 1")
+    jerk_mm_s3: Positive | None = optional("peak jerk in mm/s3 that counts as 1")
+    jerk_rad_s3: Positive | None = optional("peak jerk in rad/s3 of an output that turns that counts as 1")
 
     @model_validator(mode="after")
     def _two_or_more(self) -> Self:
         names = tuple(type(self).model_fields)
         if len(given(self, names)) < 2:
             raise fault("", f"a weighted goal weighs two or more figures; give two of {listed(names)}")
+        return self
+
+
+class FlywheelRange(Model):
+    """The sizes of a flywheel on the driven shaft among which the best is sought."""
+
+    least: Inertia = optional("least moment of inertia in kg mm2", 0.0)
+    most: Inertia = required("greatest moment of inertia in kg mm2")
+
+    @model_validator(mode="after")
+    def _a_range(self) -> Self:
+        if not self.most > self.least:
+            raise fault("most", f"{self.most:g} given; over least, {self.least:g}, is right")
         return self
 
 
@@ -83,6 +106,11 @@ GOALS = Literal[
     "least_flywheel",
     "least_bearing_force",
     "least_shaking_force",
+    "least_tooth_force",
+    "least_flank_load",
+    "least_speed",
+    "least_jerk",
+    "least_pressure_angle",
     "weighted",
 ]
 
@@ -91,13 +119,18 @@ class Optimize(Model):
     """What `ncgear optimize` looks for."""
 
     goal: GOALS = optional(
-        "what shall be least: the slider's peak acceleration; the driving shaft's peak power (and with it its peak "
-        "torque), its braking power, its r.m.s. torque, or the flywheel that it needs; the force on the crank's "
-        "bearings or on the frame; or a weighted sum",
+        "what shall be least: the slider's peak speed, acceleration or jerk; the driving shaft's peak power (and with "
+        "it its peak torque), its braking power, its r.m.s. torque, or the flywheel that it needs; the force on the "
+        "crank's bearings, on the frame or between the teeth; the load of the flanks, which makes gears large against "
+        "pitting; the pressure angle; or a weighted sum",
         "least_acceleration",
     )
     weights: Weights | None = optional("the figures that count alike; only for goal weighted, two or more")
     limits: Limits = optional("what the law may nowhere exceed", Limits)
+    driven_flywheel_kg_mm2: FlywheelRange | None = optional(
+        "sizes of a flywheel on the driven shaft, in kg mm2, among which the best is sought together with the law; "
+        "left out: the flywheel is masses.driven_flywheel_kg_mm2"
+    )
     knots: Annotated[int, Field(ge=FEWEST_KNOTS, le=MOST_KNOTS)] = optional(
         "knots of the spline of ln i12 around the turn: more come closer to the limit", 180
     )

@@ -162,8 +162,8 @@ class StrengthKeys(Model):
     )
     overload: Overload | None = optional("torque of a jam, which the teeth shall bear a few times; left out: none")
     dynamic_factor: Annotated[float, Field(ge=1.0, le=5.0)] | None = optional(
-        "dynamic factor K_V: what the teeth's own vibration adds; left out: estimated by ISO 6336-1, method C, for "
-        "accuracy grade 8, near 1 at the speeds of cranks; gears too fast for that need it"
+        "dynamic factor K_V: what the teeth's own vibration adds; left out: computed for every place of the turn by "
+        "ISO 6336-1, method B, from the inertias of both shafts and the grade of tolerances, 8 without"
     )
     face_load_factor: Annotated[float, Field(ge=1.0, le=5.0)] | None = optional(
         "face load factor K_Hbeta: the greatest load along the width over the mean one; 1.0 for the ideal pair. Left "

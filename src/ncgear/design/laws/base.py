@@ -10,9 +10,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import field
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from ncgear.design.keys.base import Model
+from pydantic import BeforeValidator, Field
+
+from ncgear.design.keys.base import Model, fault
 from ncgear.frozen import dataclass
 
 if TYPE_CHECKING:
@@ -25,6 +27,19 @@ if TYPE_CHECKING:
 
 SHORTEST_RANGE_DEG, LONGEST_RANGE_DEG = 5.0, 355.0
 """What gears that turn less than once turn from end to end, in degrees: less is no gear, and more leaves no body."""
+
+
+def _less_than_a_turn(value: object) -> object:
+    if isinstance(value, int | float) and value > LONGEST_RANGE_DEG:
+        raise fault(
+            "",
+            f"{value:g} deg given, but over a whole turn the teeth of a gear lie over each other, and spiral gears in "
+            f"two planes are not made; {LONGEST_RANGE_DEG:g} or under is right",
+        )
+    return value
+
+
+RangeDeg = Annotated[float, Field(ge=SHORTEST_RANGE_DEG, le=LONGEST_RANGE_DEG), BeforeValidator(_less_than_a_turn)]
 
 
 @dataclass(frozen=True)
@@ -83,8 +98,8 @@ class LawKeys(Model):
         return False
 
     @property
-    def gives_pitch_curve(self) -> bool:
-        """Whether the law is that of a pitch curve and its mate beside it; most laws suit a ring too."""
+    def solves_shape(self) -> bool:
+        """Whether the law finds a quantity of a shape at a given centre distance, which suits no ring."""
         return False
 
     @property
@@ -150,8 +165,8 @@ class LawKeys(Model):
         """
         raise NotImplementedError(self.law)
 
-    def law_on(self, linkage: Mechanism, lobes: Lobes) -> Law:
-        """The closed law on its mechanism; raises the errors of ``transmission``.
+    def law_on(self, linkage: Mechanism, lobes: Lobes, *, ring: bool = False) -> Law:
+        """The closed law on its mechanism, of a driven gear that may be a ring; raises the errors of ``transmission``.
 
         A law that prescribes a stroke overrides this method, one that can have two pairs of gears has ``staged``.
         """

@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from math import radians
-from typing import TYPE_CHECKING, Annotated, Literal
-
-from pydantic import Field
+from typing import TYPE_CHECKING, Literal
 
 from ncgear.design.keys.base import required
 from ncgear.design.keys.types import FORMULA, Expression
-from ncgear.design.laws.base import LONGEST_RANGE_DEG, SHORTEST_RANGE_DEG, Begins, DesignLaw, LawKeys
+from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, RangeDeg
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -27,10 +25,8 @@ class FunctionGenerator(LawKeys):
     )
     x_from: float = required("x at phi1 = 0")
     x_to: float = required("x at the other end of the range, greater than x_from")
-    driving_range_deg: Annotated[float, Field(ge=SHORTEST_RANGE_DEG, le=LONGEST_RANGE_DEG)] = required(
-        "what the driving gear turns while x goes from x_from to x_to, in degrees"
-    )
-    driven_range_deg: Annotated[float, Field(ge=SHORTEST_RANGE_DEG, le=LONGEST_RANGE_DEG)] = required(
+    driving_range_deg: RangeDeg = required("what the driving gear turns while x goes from x_from to x_to, in degrees")
+    driven_range_deg: RangeDeg = required(
         "what the driven gear turns meanwhile, in degrees; where y falls, its scale runs backwards"
     )
 

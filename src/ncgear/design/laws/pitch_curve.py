@@ -91,9 +91,9 @@ class PitchCurve(LawKeys):
         return self.dxf or self.svg or self.picture
 
     @property
-    def gives_pitch_curve(self) -> bool:
-        """The mate is found beside the curve, not about it."""
-        return True
+    def solves_shape(self) -> bool:
+        """Unless the centre distance or the scale is found."""
+        return bool(self._found_key)
 
     @property
     def gives_outline(self) -> bool:
@@ -179,7 +179,7 @@ class PitchCurve(LawKeys):
                 raise fault(shape, f"{key} is missing; only solve_for: {name} can do without it")
         return self
 
-    def law_on(self, linkage: Mechanism, lobes: Lobes) -> Law:
+    def law_on(self, linkage: Mechanism, lobes: Lobes, *, ring: bool = False) -> Law:
         """The law with its centre distance, and what was found as facts."""
         from ncgear.ratio.laws.pitch_curve import GivenCurve, closed_law
         from ncgear.ratio.transmission import Law, single
@@ -187,9 +187,7 @@ class PitchCurve(LawKeys):
         key = f"{KEY}.{given(self, SHAPES)[0]}"
         repeats = (lobes.driving, lobes.driven) if self.gear == "driving" else (lobes.driven, lobes.driving)
         curve_of, range_, facts = self._curves(key, repeats[0])
-        asked = GivenCurve(
-            curve_of, range_, drawn=self._is_drawn, driven=self.gear == "driven", phase_rad=self.phase, key=key
-        )
+        asked = GivenCurve(curve_of, range_, self._is_drawn, self.gear == "driven", self.phase, key, internal=ring)
         closed = closed_law(asked, lobes, self.center_distance_mm)
         if not self.gives_center_distance:
             return Law(linkage, single(closed.transmission), facts=facts)

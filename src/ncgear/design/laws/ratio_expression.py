@@ -5,13 +5,13 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 from math import radians
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from ncgear.design.keys.base import fault, optional, required
 from ncgear.design.keys.types import FORMULA, SMOOTH_LAW, Expression
-from ncgear.design.laws.base import LONGEST_RANGE_DEG, SHORTEST_RANGE_DEG, Begins, DesignLaw, LawKeys, LawNumber
+from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawNumber, RangeDeg
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -69,7 +69,7 @@ class RatioExpression(LawKeys):
         "true: multiply the ratio by the constant that makes the driven gear come round", False
     )
 
-    range_deg: Annotated[float, Field(ge=SHORTEST_RANGE_DEG, le=LONGEST_RANGE_DEG)] | None = optional(
+    range_deg: RangeDeg | None = optional(
         "for gears that turn to and fro, less than once: what the driving gear turns from end to end, in degrees; left "
         "out: gears that turn on and on"
     )

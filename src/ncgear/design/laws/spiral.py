@@ -3,12 +3,10 @@
 from __future__ import annotations
 
 from math import radians
-from typing import TYPE_CHECKING, Annotated, Any, Literal
-
-from pydantic import Field
+from typing import TYPE_CHECKING, Any, Literal
 
 from ncgear.design.keys.base import required
-from ncgear.design.laws.base import LONGEST_RANGE_DEG, SHORTEST_RANGE_DEG, Begins, DesignLaw, LawKeys
+from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, RangeDeg
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -19,7 +17,7 @@ class Spiral(LawKeys):
     """Logarithmic spirals over a range of the driving angle; the pressure angle is the same everywhere."""
 
     law: Literal["spiral"] = required("the name of this law: spiral")
-    range_deg: Annotated[float, Field(ge=SHORTEST_RANGE_DEG, le=LONGEST_RANGE_DEG)] = required(
+    range_deg: RangeDeg = required(
         "what the driving gear turns from end to end, in degrees; the driven gear's angle follows"
     )
     ratio_start: float = required("transmission ratio i12 = dphi1/dphi2 at phi1 = 0", gt=0.0)

@@ -170,7 +170,7 @@ class ThreeSegmentStroke(LawKeys):
         self._refuse_other_units(mechanism)
         return self._stroke(None, mechanism.OUTPUT).stroke_mm
 
-    def law_on(self, linkage: Mechanism, lobes: Lobes) -> Law:
+    def law_on(self, linkage: Mechanism, lobes: Lobes, *, ring: bool = False) -> Law:
         """The closed law, with the figures of its stroke and its return.
 
         Raises WrongInput where the stroke in the file is not that of the mechanism.

@@ -172,9 +172,14 @@ def angle_scale(column: Sequence[Axes], end_deg: float) -> None:
     """The scale in degrees below the lowest axes, and the legend above the highest."""
     # A cycle of n turns of the driving gear has marks n times as far apart.
     step = 45 * max(round(end_deg / 360.0), 1)
-    column[-1].set_xlim(0.0, end_deg)
     column[-1].set_xticks(np.arange(0.0, end_deg + 1.0, step))
-    column[-1].set_xlabel(DRIVING_ANGLE, size=canvas.NORMAL, color=canvas.INK)
+    across_scale(column, end_deg, DRIVING_ANGLE)
+
+
+def across_scale(column: Sequence[Axes], end: float, label: str) -> None:
+    """The scale below the lowest axes, and the legend above the highest."""
+    column[-1].set_xlim(0.0, end)
+    column[-1].set_xlabel(label, size=canvas.NORMAL, color=canvas.INK)
     canvas.legend_above(column[0])
 
 
@@ -207,14 +212,17 @@ STRENGTH_COLUMN = ColumnSizes(row_in=2.2, rest_in=1.4, left_in=1.0, gap=0.22)
 
 
 def column_png(charts: Sequence[Chart], title: str, look: Look, sizes: ColumnSizes) -> bytes:
-    """PNG of charts below one another over the same driving angle, with one legend above them."""
+    """PNG of charts below one another over the same driving angle or speed, with one legend above them."""
     size = COLUMN_IN, sizes.row_in * len(charts) + sizes.rest_in
     made = canvas.figure(*size, title)
     spaces = {**canvas.Margins(left=sizes.left_in).shares(*size), "hspace": sizes.gap}
     column = list(made.subplots(len(charts), 1, sharex=True, squeeze=False, gridspec_kw=spaces)[:, 0])
     for axes, chart in zip(column, charts, strict=True):
         draw(axes, chart, look)
-    angle_scale(column, charts[0].end)
+    if charts[0].across == DRIVING_ANGLE:
+        angle_scale(column, charts[0].end)
+    else:
+        across_scale(column, charts[0].end, charts[0].across)
     align(column, COLUMN_IN)
     return canvas.png(made)
 

@@ -14,9 +14,11 @@ from ncgear.drawings.charts.chart import Chart, Line, Role
 from ncgear.figures.numbers import MICRORAD, to_digits
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
+from ncgear.project.vibration import SpeedSweep
 from ncgear.strength.answer import Strength
 from ncgear.strength.holding import Damage, Weakest
 from ncgear.strength.life import rated_for_pitting
+from ncgear.strength.vibration import RESONANCE
 
 PUSHING, BACKS = "pushing flanks as designed", "backs as designed"
 
@@ -87,6 +89,26 @@ def strength_charts(strength: Strength, found: Sequence[Weakest]) -> list[Chart]
     """
     charts = [_forces(strength), _root_stress(strength, found)]
     return charts if strength.driving.contact is None else [*charts, _pressure(strength, found)]
+
+
+def speed_charts(sweep: SpeedSweep) -> list[Chart]:
+    """What vibration makes of the teeth's load over the driving speed, and the resonance ratios of a turn."""
+    speed = sweep.speed_rpm
+    end, across = float(speed[-1]), "driving speed in r/min"
+    factors = [Line(Role.OWN, "K_V, greatest of a turn", speed, sweep.factor)]
+    if sweep.load_factor is not None:
+        finite = np.isfinite(sweep.load_factor)
+        factors.append(Line(Role.OTHER, "mesh as a spring that swings", speed[finite], sweep.load_factor[finite]))
+    ends = np.array([0.0, end])
+    ratios = [
+        Line(Role.OWN, "greatest of a turn", speed, sweep.greatest),
+        Line(Role.OTHER, "least of a turn", speed, sweep.least),
+        *(Line(Role.LIMIT, f"resonance, {ratio:g}", ends, np.full(2, ratio)) for ratio in RESONANCE),
+    ]
+    return [
+        Chart("dynamic factor", "", tuple(factors), end, axis_label="load over\nload at rest", across=across),
+        Chart("resonance ratio", "", tuple(ratios), end, axis_label="resonance\nratio N", across=across),
+    ]
 
 
 def _forces(strength: Strength) -> Chart:

@@ -1,4 +1,4 @@
-"""A picture of power against acceleration: the limit of all laws, the laws found, and other mechanisms."""
+"""Pictures of power against acceleration, and against a flywheel: the limit of all laws, and the laws found."""
 
 from __future__ import annotations
 
@@ -40,6 +40,19 @@ def frontier(
     for (name, *_), (power, acceleration) in zip(mechanisms, standing, strict=True):
         _draw_mechanism(axes, name, power, acceleration, curves)
     canvas.dress(axes, "peak power in W", f"peak acceleration in {unit[:-1]}\u00b2")
+    canvas.legend_above(axes)
+    return canvas.png(made)
+
+
+def flywheels(limit: Array, laws: Array, title: str) -> bytes:
+    """PNG of least power against the flywheel; rows of moment of inertia in kg m2 and power in W."""
+    made = canvas.figure(WIDTH_IN, HEIGHT_IN, title, canvas.Margins(left=0.8, right=0.25, top=0.8))
+    axes = made.add_subplot()
+    # A limit is certain for its own flywheel, not between two
+    axes.plot(*limit.T, color=canvas.INK, linestyle="none", marker="_", markersize=14.0, label="certified limit")
+    axes.plot(*laws.T, color=canvas.DRIVING, linewidth=1.8, marker="o", markersize=3.5, label="laws that can be made")
+    axes.set_ylim(bottom=0.0)
+    canvas.dress(axes, "flywheel on the driven shaft in kg m\u00b2", "peak power in W")
     canvas.legend_above(axes)
     return canvas.png(made)
 

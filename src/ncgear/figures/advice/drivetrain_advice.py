@@ -33,17 +33,11 @@ def around(drive: Drive) -> Iterator[Advice | NotJudged]:
         if shaft is not None:
             yield from _of_bearings(name, shaft, found.wanted.hours)
             yield from _of_shaft(name, shaft)
+            yield from _of_jam(name, shaft)
     yield from _of_crank(drive)
     if found.pto:
         yield from _of_pto(found.pto, N_M_PER_N_MM * found.demand.torque_range_n_mm[1].value)
     yield from _of_knocks(drive)
-    yield from _of_jam(drive)
-
-
-def _of_jam(drive: Drive) -> Iterator[NotJudged]:
-    """That shafts and keys bear a jam as well, of which the strength of the teeth tells."""
-    if drive.conditions.overload is not None:
-        yield NotJudged("shafts, keys and bearings are not judged for the torque of strength.overload")
 
 
 def _of_knocks(drive: Drive) -> Iterator[NotJudged]:
@@ -200,6 +194,35 @@ def _of_shaft(name: str, found: ShaftResult) -> Iterator[Advice]:
         yield _advice(
             f"the torque of the {name} shaft changes its sense, for which the pressure on its key is no proof",
             "the gear needs a fit without play",
+        )
+
+
+def _of_jam(name: str, found: ShaftResult) -> Iterator[Advice]:
+    """What a jam dents, bends or shears."""
+    jammed, key = found.jammed, found.jammed_key
+    if jammed is None:
+        return
+    shaft = f"drivetrain.{name}_shaft"
+    for letter, most, safety in zip("ab", jammed.largest_n, jammed.static_safety, strict=True):
+        if safety is not None and safety < 1.0:
+            yield _advice(
+                f"in a jam bearing {letter} of the {name} shaft bears {fixed(most.value, 0)} N, more than its static "
+                "load rating: it would be dented",
+                _at_least(f"{shaft}.bearing_{letter}.static_rating_n", most.value),
+            )
+    if jammed.yielding is not None and jammed.yielding < LEAST_SAFETY:
+        assert found.shaft is not None
+        thick = found.shaft.section.diameter_mm * (LEAST_SAFETY / jammed.yielding) ** (1.0 / 3.0)
+        yield _advice(
+            f"in a jam the {name} shaft has a safety of {to_digits(jammed.yielding, 3)} against yielding at its "
+            f"keyway; {LEAST_SAFETY:g} or over is right",
+            f"{_at_least(f'{shaft}.diameter_mm', thick)}, in a bore as wide, or a stronger steel",
+        )
+    if key is not None and key.safety < 1.0:
+        yield _advice(
+            f"in a jam the key of the {name} shaft bears {fixed(key.pressure_mpa, 0)} MPa, and "
+            f"{fixed(key.pressure_mpa * key.safety, 0)} MPa are allowed",
+            _at_least(f"{shaft}.key.length_mm", key.key.length_mm / key.safety) + ", or a thicker shaft",
         )
 
 

@@ -23,10 +23,6 @@ if TYPE_CHECKING:
 LOADS_UNKNOWN = "the loads of the flanks are not followed"
 """Why flanks are not judged whose strength is not computed, where no other reason is known."""
 
-LEAST_SCUFFING = 1.0
-"""Safety under which flanks are said to scuff: the formula's temperature is that at which test gears did.  ISO/TS
-6336-20 calls the risk high below 1, moderate up to 2."""
-
 
 def flanks(drive: Drive) -> Iterator[Advice | NotJudged]:
     """Flanks that scuff or wear away; that oil hardly parts them is a remark, since it is usual of slow gears.
@@ -40,9 +36,11 @@ def flanks(drive: Drive) -> Iterator[Advice | NotJudged]:
         if rough is not None:
             yield NotJudged(rough.unjudged or rough.needs_teeth or LOADS_UNKNOWN)
         return
+    from ncgear.strength.surfaces import LEAST_SCUFFING
+
     found = drive.surfaces_by(rating.strength.method)
     if found.film is not None and found.scuffing_safety is not None and found.scuffing_safety < LEAST_SCUFFING:
-        yield _scuffing(found.film, found, found.scuffing_safety)
+        yield _scuffing(found.film, found, found.scuffing_safety, LEAST_SCUFFING)
     if not found.wear.holds:
         yield _wear(found.wear, drive.conditions.lubrication)
     if found.film is not None and found.film.regime is Regime.BOUNDARY:
@@ -56,19 +54,19 @@ def _where(place: Place, gear: Gear) -> Where:
     return Where(gear.value, (place.tooth(gear),), ((at, at),))
 
 
-def _scuffing(film: Film, found: Surfaces, safety: float) -> Advice:
+def _scuffing(film: Film, found: Surfaces, safety: float, wanted: float) -> Advice:
     told = shown_below(safety, 2)
     return Advice(
         Kind.FLANKS,
         (_where(film.flash_k, Gear.DRIVING),),
         f"the flanks scuff: contacts reach {fixed(film.hottest_c, 0)} deg C at {place_words(film.flash_k)}, and the "
-        f"oil fails at {fixed(found.scuffing_c or 0.0, 0)} deg C, a safety of {told} and {LEAST_SCUFFING:g} wanted",
+        f"oil fails at {fixed(found.scuffing_c or 0.0, 0)} deg C, a safety of {told} and {wanted:g} wanted",
         "flanks weld and tear where they slide under load, at once",
         (
             Remedy("take an oil of a higher FZG load stage", short="an oil of a higher FZG load stage"),
             Remedy("take larger gears, which press their flanks less", short="larger gears"),
         ),
-        brief=f"the flanks scuff: safety {told}, {LEAST_SCUFFING:g} wanted",
+        brief=f"the flanks scuff: safety {told}, {wanted:g} wanted",
     )
 
 

@@ -21,6 +21,7 @@ class Kind(StrEnum):
     MADE = "made"
     STRENGTH = "strength"
     FLANKS = "flanks"
+    VIBRATION = "vibration"
     JAMS = "jams"
     CONTACT_RATIO = "contact_ratio"
     PRESSURE_ANGLE = "pressure_angle"

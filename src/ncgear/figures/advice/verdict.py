@@ -26,6 +26,7 @@ from ncgear.figures.advice import (
     made_advice,
     strength_advice,
     tried_advice,
+    vibration_advice,
     wish_advice,
 )
 from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy
@@ -142,6 +143,14 @@ CONDITIONS: dict[Kind, Condition] = {
         lambda drive: _gears(drive) and _load(drive),
         flank_advice.flanks,
         Known.TEETH,
+    ),
+    Kind.VIBRATION: Condition(
+        "vibration",
+        "the mesh resonates at no place of the turn",
+        lambda drive: _gears(drive) and _load(drive),
+        vibration_advice.vibration,
+        Known.TEETH,
+        vibration_advice.rough,
     ),
     Kind.JAMS: Condition(
         "assembly", "the gears can be put together and turn", _gears, _of_teeth(Kind.JAMS), Known.TEETH

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import degrees
 
 from ncgear.design.keys.base import listed
+from ncgear.design.keys.design import Design
 from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.best_law import (
     felt_keys,
@@ -19,7 +20,8 @@ from ncgear.figures.best_law import (
 )
 from ncgear.figures.numbers import finite, fixed, shown, to_digits
 from ncgear.figures.quantities import figure, name_of
-from ncgear.numerics.units import label_and_unit
+from ncgear.numerics.units import KG_M2, label_and_unit
+from ncgear.optimum.flywheels import KNOTS, FlywheelPoint
 from ncgear.optimum.makeable.wishes import Goal
 from ncgear.optimum.task import Figures
 from ncgear.project.best_law import BestLaw
@@ -54,16 +56,20 @@ def optimized_answer(best: BestLaw, then: str) -> Answer:
 
 def _limit(best: BestLaw) -> str:
     """What the law comes to, and how far that is from the limit that no law goes below."""
-    bound, unit = best.limit, "" if best.wishes.goal is Goal.WEIGHTED else f" {unit_of_goal(best)}"
-    law = f"{shown(finite(best.goal, 'the law'))}{unit}"
+    bound, law = best.limit, _in_unit(best, finite(best.goal, "the law"))
     if bound is None:
         return f"{law}; no limit is certified of this goal"
-    limit = f"{shown(finite(bound.value, 'the limit'))}{unit}"
+    limit = _in_unit(best, finite(bound.value, "the limit"))
     if best.soft:
         return f"{law}, bent by soft wishes; the limit of hard wishes and limits alone is {limit} (certified)"
     over = "beside " if best.gap is None else f"{fixed(100.0 * best.gap, 1)} % above "
     holds = ": no law of such gears has less" if best.task.masses else ", which no law goes below"
     return f"{law}, {over}the limit of {limit}{holds} (certified)"
+
+
+def _in_unit(best: BestLaw, goal: float) -> str:
+    """A value of the goal with its unit."""
+    return f"{shown(goal)} {'' if best.wishes.goal is Goal.WEIGHTED else unit_of_goal(best)}".rstrip()
 
 
 def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
@@ -72,6 +78,7 @@ def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
     told: dict[str, Callable[[Figures], str]] = {
         name_of("peak_power_w"): lambda one: figure("peak_power_w", one.peak_power_w),
         name_of(accelerated): lambda one: figure(accelerated, one.peak_acceleration_mm_s2),
+        **_where_asked(best),
         "ratio": lambda one: f"{fixed(one.ratio_min, 3)} to {fixed(one.ratio_max, 3)}",
         name_of("max_pressure_angle_deg"): lambda one: figure(
             "max_pressure_angle_deg", degrees(one.tangent_rad + rack)
@@ -82,6 +89,7 @@ def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
     for key in felt_keys(best.figures):
         unit = label_and_unit(key)[1]
         rows.append(Row(name_of(key), tuple(f"{felt_text(key, one)} {unit}" for one in found)))
+    rows += _of_flywheel(best)
     if best.starts.count > 1:
         rows.append(Row("starts", (starts_text(best),)))
     distance = not_closed(best)
@@ -97,6 +105,35 @@ def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
         relaxed = "" if distance is None else ", and may lie higher"
         rows.append(Row("masses", (f"count; the limit holds for a driven gear of {gear}{relaxed}",)))
     return [*rows, *_without_masses(best)]
+
+
+def _where_asked(best: BestLaw) -> dict[str, Callable[[Figures], str]]:
+    """Peak speed, peak jerk and flank load where they are limited or have a price."""
+    wishes, unit = best.wishes, best.task.linkage.OUTPUT.speed.ending
+    told: dict[str, Callable[[Figures], str]] = {}
+    if wishes.limits.peak_speed_mm_s is not None or wishes.prices.peak_speed_mm_s:
+        told[name_of(f"peak_speed_{unit}")] = lambda one: figure(f"peak_speed_{unit}", one.peak_speed_mm_s)
+    if wishes.peak_jerk_mm_s3 is not None or wishes.prices.peak_jerk_mm_s3:
+        told[name_of(f"peak_jerk_{unit}3")] = lambda one: figure(f"peak_jerk_{unit}3", one.peak_jerk_mm_s3)
+    if wishes.limits.flank_load_n_mm is not None or wishes.prices.flank_load_n_mm:
+        told[name_of("flank_load_n_mm")] = lambda one: figure("flank_load_n_mm", one.flank_load_n_mm)
+    return told
+
+
+def _of_flywheel(best: BestLaw) -> list[Row]:
+    """The flywheel on the driven shaft that was chosen, and the limit with any flywheel of its range."""
+    chosen, asked = best.flywheel, best.given.free_flywheel
+    if chosen is None or asked is None:
+        return []
+    size = figure("driven_flywheel_kg_m2", KG_M2 * chosen.inertia_kg_mm2)
+    among = f"{shown(KG_M2 * asked.least)} to {shown(KG_M2 * asked.most)}"
+    least = (
+        ""
+        if chosen.least_with_any is None
+        else f"; with any of them none has less than {_in_unit(best, chosen.least_with_any)}"
+    )
+    said = f"on the driven shaft, the best of {among}; the limit above holds for this flywheel{least}"
+    return [Row("chosen", (f"a flywheel of {size} {said}",))]
 
 
 def _without_masses(best: SoughtMachine) -> list[Row]:
@@ -139,4 +176,25 @@ def frontier_answer(found: Frontier, beside: SoughtMachine, then: str) -> Answer
         f"{len(points)} points in all; {certified} (certified)",
         heads=("limit", "best law", "above it", "published family"),
         then=then,
+    )
+
+
+def flywheel_answer(found: Sequence[FlywheelPoint], design: Design) -> Answer:
+    """Least power with every size of the flywheel on the driven shaft."""
+    rows = []
+    for one in found:
+        gap = f"{fixed(100.0 * (one.law.peak_power_w / one.limit_w - 1.0), 1)} %" if one.limit_w > 0.0 else "-"
+        powers = [
+            figure(key, power) for key, power in (("peak_power_w", one.limit_w), ("peak_power_w", one.law.peak_power_w))
+        ]
+        braking, ratio = one.law.braking_power_w, f"{fixed(one.law.ratio_min, 3)} to {fixed(one.law.ratio_max, 3)}"
+        texts = (*powers, gap, figure("braking_power_w", braking), ratio)
+        rows.append(Row(figure("driven_flywheel_kg_m2", KG_M2 * one.flywheel_kg_mm2), texts))
+    return Answer(
+        f"{design.name}: least power with a flywheel on the driven shaft, at {design.operation.speed_rpm:g} r/min",
+        tuple(rows),
+        (),
+        f"laws of {KNOTS} knots; with the flywheel of its row no law goes below a limit (certified)",
+        heads=("limit", "best law", "above it", "it brakes", "ratio"),
+        then="ncgear optimize finds the best size, with a law of all its knots",
     )

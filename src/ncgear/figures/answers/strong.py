@@ -28,6 +28,7 @@ from ncgear.figures.strong import (
     teeth_words,
     weakest_cells,
 )
+from ncgear.figures.vibration import vibration_of_rating, vibration_words
 from ncgear.project.drive import Drive
 from ncgear.project.sizing import Sized
 from ncgear.project.strengthening import Rating
@@ -94,7 +95,7 @@ def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
         f"{size.driving_teeth} : {size.driven_teeth}, module {figure('module_mm', size.module_mm)}, "
         f"{name_of('face_width_mm')} {figure('face_width_mm', drive.gears.face_width_mm)}"
     )
-    error = "transmission_error_rad"
+    error, told = "transmission_error_rad", vibration_of_rating(drive, rating)
     return [
         Row(f"{of}teeth", (gears,)),
         Row(f"{of}material", (materials_words(drive, rating.strength),)),
@@ -102,6 +103,7 @@ def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
         *([Row(f"{of}jam", (words,))] if (words := jam_words(drive, rating)) else []),
         *([Row(f"{of}knocks", (words,))] if (words := knock_words(loading.knocks)) else []),
         Row(f"{of}face load", (face_load_words(drive, rating),)),
+        *([Row(f"{of}vibration", (vibration_words(told),))] if told else []),
         *(
             Row(f"{of}{name}", (words,))
             for name, words in surfaces_rows(drive, drive.surfaces_by(rating.strength.method))

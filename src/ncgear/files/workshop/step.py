@@ -26,42 +26,19 @@ from OCP.TDocStd import TDocStd_Document
 from OCP.TopoDS import TopoDS_Shape
 from OCP.XCAFDoc import XCAFDoc_DocumentTool, XCAFDoc_ShapeTool
 
-from ncgear.errors import Unanswered, WrongInput
+from ncgear.errors import Unanswered
+from ncgear.files.workshop.exact import exact_solids
 from ncgear.frozen import dataclass
-from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.project.gear_solids import rim_mm_of
-from ncgear.solids.brep.gear import gear_shape, helical_gear_shape, ring_shape
 from ncgear.solids.brep.shapes import faces_of, moved_by, solids_of, volume_mm3
-from ncgear.solids.helical.helix import Helix
-from ncgear.solids.helical.patches import patches_of
-from ncgear.solids.helical.sections import Sections
-from ncgear.solids.plan.plan import outer_radius_mm
-from ncgear.teeth.contour import CURVES_SHARE, contour_of
-
-ONLY_MESHES = "given, but STEP files have no bevel and no clearance for a process; leave it out for --format step"
-
-LEAST_MODULE_MM = 0.01
-"""Least module of teeth in STEP files: the kernel and whoever reads such files take points within 1e-7 mm as one."""
 
 
 def step_files(drive: Drive) -> dict[str, bytes]:
     """``driving.step``, ``driven.step`` and ``pair.step`` by their names; each was read back and found the same.
 
-    Raises WrongInput for shapes that only meshes have: a chamfer, a clearance, helical teeth that do not change
-    smoothly with height, teeth of less than ``LEAST_MODULE_MM``.
+    Raises the errors of ``exact_solids``.
     """
-    if drive.pitch.size.module_mm < LEAST_MODULE_MM:
-        raise WrongInput(
-            f"the module of {drive.pitch.size.module_mm:.4g} mm is too small for STEP files, in which points within "
-            f"1e-07 mm are one; {LEAST_MODULE_MM:g} mm or more, or other formats than step, are right",
-            key="gears.module_mm",
-        )
-    if drive.gears.first_layer_chamfer_mm > 0.0:
-        raise WrongInput(ONLY_MESHES, key="gears.first_layer_chamfer_mm")
-    if drive.gears.process_clearance_mm != 0.0:
-        raise WrongInput(ONLY_MESHES, key="gears.process_clearance_mm")
-    solids = solids_of_drive(drive)
+    solids = exact_solids(drive)
     title = drive.design.name if drive.stage is None else f"{drive.design.name}-stage-{drive.stage}"
     words = f"{title}: tooth faces within {max(error for _, error in solids.values()):.1e} mm of the exact ones"
     files = {f"{gear.value}.step": part_bytes(Part(gear.value, shape), words) for gear, (shape, _) in solids.items()}
@@ -81,38 +58,6 @@ them with sections).
 
 TIMESTAMP = "1970-01-01T00:00:00"
 """Time in the header of every file, so that the same design gives the same bytes at any time."""
-
-
-ExactSolid = tuple[TopoDS_Shape, float]
-"""A gear's solid in its own frame, and the largest distance found between its tooth faces and the exact ones."""
-
-
-def solids_of_drive(drive: Drive) -> dict[Gear, ExactSolid]:
-    """The solids of both gears.
-
-    Raises the errors of the teeth's contact, and WrongInput for helical teeth that do not change smoothly with height.
-    """
-    drive.require_sound_teeth()
-    if drive.helix is None:
-        return {gear: _straight(drive, gear) for gear in Gear}
-    sections = Sections(drive.pitch, drive.tooth_form, drive.helix, drive.chord_tolerance_mm)
-    return {gear: _helical(drive, sections, drive.helix, gear) for gear in Gear}
-
-
-def _straight(drive: Drive, gear: Gear) -> ExactSolid:
-    own = drive.teeth.of(gear)
-    contour = contour_of(own, CURVES_SHARE * drive.chord_tolerance_mm)
-    plan = drive.solids.of(gear).plan
-    if gear is Gear.DRIVING or not drive.pitch.driven.is_ring:
-        return gear_shape(contour, plan), contour.deviation_mm
-    radius = outer_radius_mm(own.outline_mm, rim_mm_of(drive.gears, drive.pitch.size.module_mm))
-    return ring_shape(contour, plan, radius), contour.deviation_mm
-
-
-def _helical(drive: Drive, sections: Sections, helix: Helix, gear: Gear) -> ExactSolid:
-    patches = patches_of(sections, gear, CURVES_SHARE * drive.chord_tolerance_mm)
-    shape = helical_gear_shape(patches, drive.solids.of(gear).plan, herringbone=helix.herringbone)
-    return shape, patches.deviation_mm
 
 
 @dataclass(frozen=True, eq=False)

@@ -62,6 +62,7 @@ class Demands:
     rack_angle_rad: float = 0.0
     convex: bool = False
     acceleration_mm_s2: float = inf
+    speed_mm_s: float = inf
     power_w: float = inf
     braking_w: float = inf
     fluctuation_n_mm: float = inf

@@ -115,13 +115,18 @@ def least_acceleration_roughly(problem: LimitProblem) -> float:
     return min(value, MOST_ACCELERATION) * made.acceleration_unit_mm_s2
 
 
+def least_mean_power_w(task: Task) -> float:
+    """The mean power over a cycle in W, less what rounding may add: no peak power is under it."""
+    return task.work_n_mm / 1000.0 / task.cycle_s * (1.0 - ROUNDING)
+
+
 def least_power(task: Task, asked: Demands, places: int | None = None, *, proven: bool = True) -> Bound:
     """Least peak power of the motor in W; a demand on it is not looked at.
 
     Where not ``proven``, the driving curve is left free.
     With masses the limit is a relaxation, see ``motion``.  Raises NoSuchMechanism as ``least_acceleration`` does.
     """
-    mean_w = task.work_n_mm / 1000.0 / task.cycle_s * (1.0 - ROUNDING)
+    mean_w = least_mean_power_w(task)
     if task.masses is not None:
         found = least_of(task, asked, "power_w", places)
         return replace(found, value=max(found.value, mean_w))
@@ -134,14 +139,15 @@ def least_power(task: Task, asked: Demands, places: int | None = None, *, proven
     return replace(found, value=max(found.value, mean_w))
 
 
-def least_of(task: Task, asked: Demands, name: str, places: int | None = None) -> Bound:
+def least_of(task: Task, asked: Demands, name: str, places: int | None = None, guess: float | None = None) -> Bound:
     """Least value of a demand, by its name in ``Demands``, with which the other demands can be kept.
 
     The driving curve is left free, and with masses the limit is a relaxation; ``raised`` gives a higher limit from a
-    known law.  Raises NoSuchMechanism as ``least_acceleration`` does.
+    known law.  The search begins at a guess, else at about the mean power.  Raises NoSuchMechanism as
+    ``least_acceleration`` does.
     """
     problem = problem_of(task, asked, places).under(**{name: inf})
-    found = turning_point(lambda value: problem.under(**{name: value}).excess, _mean_power_w(task), BISECTED)
+    found = turning_point(lambda value: problem.under(**{name: value}).excess, guess or _mean_power_w(task), BISECTED)
     if found is None:
         raise refusal(problem)
     certain, enough = found

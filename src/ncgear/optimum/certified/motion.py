@@ -192,9 +192,17 @@ class MotionProgramme:
         self.programme.product(self.time[worked], root.repeated(worked.size), least_product)
 
     def limit_speeds(self) -> None:
-        """Even speeds over stretches, and ranges of the speed; squared, over crank w."""
+        """The peak speed, even speeds over stretches, and ranges of the speed; squared, over crank w."""
         on, per_q = self.on, (self.on.slope_mm_rad / self.crank) ** 2
         unit = self.crank * self.speed
+        if (peak := self._limit("speed_mm_s")) is not None:
+            # The square of its share lies below its chord
+            all_round = peak.share.repeated(on.count)
+            square = (all_round * (1.0 + peak.least) - peak.least) * (peak.most / unit) ** 2
+            self.programme.positive(square - self.q * per_q)
+            # A cell's way takes its time at full speed: time * share >= shortest
+            shortest = on.length_mm * self.speed / (peak.most * self.after_h)
+            self.programme.product(self.time, all_round, self.constant(np.sqrt(shortest)))
         for even in self.asked.requirements(EvenSpeed):
             places = on.within(*even.stretch)
             places = places[per_q[places] > 0.0]

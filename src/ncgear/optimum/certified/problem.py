@@ -109,7 +109,15 @@ class LimitProblem:
 
     def eased(self, factor: float) -> LimitProblem:
         """The problem with higher peaks and steepness."""
-        names = ("acceleration_mm_s2", "power_w", "braking_w", "fluctuation_n_mm", "torque_n_mm", "steepness")
+        names = (
+            "acceleration_mm_s2",
+            "speed_mm_s",
+            "power_w",
+            "braking_w",
+            "fluctuation_n_mm",
+            "torque_n_mm",
+            "steepness",
+        )
         return self.under(**{name: factor * getattr(self.asked, name) for name in names})
 
     def under(self, **demands: Any) -> LimitProblem:

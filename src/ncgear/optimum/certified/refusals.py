@@ -129,6 +129,7 @@ def _at_one_ratio(ratio: str, crank_rad: float, driving_rad: float) -> str:
 PEAKS = {
     "power_w": ("peak_power_w", "W"),
     "acceleration_mm_s2": ("peak_acceleration_mm_s2", "mm/s^2"),
+    "speed_mm_s": ("peak_speed_mm_s", "mm/s"),
     "braking_w": ("braking_power_w", "W of braking power"),
     "torque_n_mm": ("rms_torque_n_m", "N m of r.m.s. torque"),
     "fluctuation_n_mm": ("flywheel_kg_mm2", "kg mm^2 of flywheel"),
@@ -142,6 +143,8 @@ def _key_and_unit(task: Task, name: str) -> tuple[str, str]:
     if name == "acceleration_mm_s2":
         told = task.linkage.OUTPUT.acceleration
         key, unit = f"peak_acceleration_{told.ending}", f"{told.text[:-1]}^2"
+    if name == "speed_mm_s":
+        key, unit = f"peak_speed_{task.linkage.OUTPUT.speed.ending}", task.linkage.OUTPUT.speed.text
     return f"optimize.limits.{key}", unit
 
 

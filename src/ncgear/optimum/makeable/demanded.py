@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import replace
 from heapq import heappop, heappush
-from math import inf, log, pi
+from math import atan, cos, inf, log, pi, sin
 
 from ncgear.errors import NoSuchMechanism, Unanswered
 from ncgear.kinematics.crank_stretches import CrankStretch
@@ -14,6 +14,7 @@ from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.certified.demands import Demands, WishDemand
 from ncgear.optimum.certified.limit import Bound, Motion, least_acceleration, least_of, least_power, problem_of
+from ncgear.optimum.certified.motion import ROUNDING
 from ncgear.optimum.certified.refusals import LEAST_ROOM, PEAKS, in_demand, refusal, too_little
 from ncgear.optimum.certified.sums import PeakWeights, least_weighted_sum, raised
 from ncgear.optimum.certified.tree import Budget
@@ -67,6 +68,7 @@ def demands_of(task: Task, wishes: Wishes, case: Case = NO_CASE) -> Demands:
         rack_angle_rad=limits.rack_angle_rad,
         convex=wishes.convex and one_pair,
         acceleration_mm_s2=limits.peak_acceleration_mm_s2 or inf,
+        speed_mm_s=limits.peak_speed_mm_s or inf,
         power_w=(limits.peak_power_w if loads_known else None) or inf,
         **{name: inf if value is None else value * in_demand(task, name) for name, value in of_loads.items()},
         wishes=tuple(asked),
@@ -136,13 +138,18 @@ def certified_limit(task: Task, wishes: Wishes) -> Bound | None:
 
 def _limit(task: Task, wishes: Wishes, asked: Demands) -> Bound | None:
     prices, priced = wishes.prices, _known_prices(task, wishes)
+    alone = [bound for name, price in vars(prices).items() if price and (bound := _of_stroke(name, price, task, asked))]
     if set(priced) == {"peak_acceleration_mm_s2", "peak_power_w"}:
         _refuse_together(task, asked)
         weights = PeakWeights(prices.peak_acceleration_mm_s2, prices.peak_power_w)
-        return least_weighted_sum(task, asked, weights)
-    found = [_alone(task, asked, name, price) for name, price in priced.items()]
+        found = [least_weighted_sum(task, asked, weights), *alone]
+    else:
+        if not priced:
+            _refuse_together(task, asked)
+        found = [*(_alone(task, asked, name, price) for name, price in priced.items()), *alone]
+    if prices.tangent_rad and wishes.two_stages is None:
+        found += filter(None, [_least_tangent(task, asked, prices.tangent_rad)])
     if not found:
-        _refuse_together(task, asked)
         return None
     if len(found) == 1:
         return found[0]
@@ -152,8 +159,56 @@ def _limit(task: Task, wishes: Wishes, asked: Demands) -> Bound | None:
 
 def _known_prices(task: Task, wishes: Wishes) -> dict[str, float]:
     """The prices of the figures that the limit knows."""
-    known = DEMANDS if knows_loads(task, wishes) else ("peak_acceleration_mm_s2",)
+    known = DEMANDS if knows_loads(task, wishes) else ("peak_acceleration_mm_s2", "peak_speed_mm_s")
     return {name: price for name, price in vars(wishes.prices).items() if price and name in known}
+
+
+OF_STROKE: dict[str, Callable[[Task, Demands], float]] = {
+    "peak_jerk_mm_s3": lambda task, asked: 96.0 * task.linkage.stroke_mm / task.cycle_s**3,
+    "tooth_force_n": lambda task, asked: _least_tooth_force_n(task),
+    "flank_load_n_mm": lambda task, asked: _least_flank_load_n_mm(task, asked.steepness),
+}
+"""Least values of figures in closed form, whatever the other limits are.
+
+A periodic motion whose third derivative is at most j swings by at most 2 pi^3/24 j/w^3 with w = 2 pi/T (J. Favard,
+1937), so a stroke h in the time T of a cycle needs a jerk of 96 h/T^3.  The force between teeth does the work of the
+cycle along the way that the teeth go across the line of centres, and never more than its size times this way.
+"""
+
+
+def _least_tooth_force_n(task: Task) -> float:
+    """The least peak of the force between teeth in N: zero where a load drives the machine."""
+    return 0.0 if task.gears is None else max(task.work_n_mm, 0.0) / task.gears.rolled_mm(task.lobes)
+
+
+def _least_flank_load_n_mm(task: Task, steepness: float) -> float:
+    """The least peak of the flank load in N mm under a limit of the pitch curves' tangent t; zero without one.
+
+    The driven torque is the load times (cos alpha +- t sin alpha) i^2/(1 + i)^3, and 16 i^2 is at most (1 + i)^4.  So
+    over a turn of the crank, in which i has a known mean, the work is at most the load's peak times a known number.
+    """
+    if task.gears is None or steepness == inf:
+        return 0.0
+    angles = task.gears.rack_angle_rad, task.gears.idle_angle_rad or 0.0
+    lever = max(cos(angle) + steepness * sin(angle) for angle in angles)
+    return 16.0 * max(task.work_n_mm, 0.0) / ((2.0 * pi + task.cycle_rad) * lever)
+
+
+def _of_stroke(name: str, price: float, task: Task, asked: Demands) -> Bound | None:
+    """The limit in closed form of one figure times its price, without a motion; None where none is known."""
+    value = OF_STROKE[name](task, asked) if name in OF_STROKE else 0.0
+    return Bound(price * value * (1.0 - ROUNDING), 0, None) if value > 0.0 else None
+
+
+def _least_tangent(task: Task, asked: Demands, price: float) -> Bound | None:
+    """The limit of the pitch curves' angle times its price: the least steepness with which no other demand is missed.
+
+    The driving curve is left free.  None where the programme knows no angle that is too small: it knows no upper bounds
+    of times, which a time ratio needs.
+    """
+    _refuse_together(task, asked)
+    found = least_of(task, asked, "steepness", guess=1.0)
+    return replace(found, value=price * atan(found.value)) if found.value > 0.0 else None
 
 
 CLOSE = 1.01
@@ -272,6 +327,7 @@ def not_covered(task: Task, wishes: Wishes) -> list[str]:
     found = [said for name, said in NOT_COVERED.items() if getattr(wishes, name) is not None]
     limits = wishes.limits
     loads = {"bearing_force_n": "bearing force", "shaking_force_n": "shaking force", "tooth_force_n": "tooth force"}
+    loads["flank_load_n_mm"] = "flank load"
     found += [said for name, said in loads.items() if getattr(limits, name) is not None]
     if wishes.two_stages is not None:
         found.append("curves and pressure angles of the two pairs")

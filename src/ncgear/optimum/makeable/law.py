@@ -108,7 +108,7 @@ def makeable_law(task: Task, wishes: Wishes, start: Motion) -> MakeableLaw:
         return _held_law(task, wishes, start)
     begun = held_as(wishes, start, task.cycle_rad)
     first = _held_law(task, begun, start)
-    return best_held(begun, first, partial(_kept_law, task))
+    return best_held(begun, first, partial(kept_law, task))
 
 
 def _held_law(task: Task, wishes: Wishes, start: Motion) -> MakeableLaw:
@@ -138,10 +138,10 @@ def law_from(task: Task, wishes: Wishes, start: Motion, number: int) -> Makeable
 
     See ``LawSearch.elsewhere``.
     """
-    return _kept_law(task, held_as(wishes, start, task.cycle_rad), start, number)
+    return kept_law(task, held_as(wishes, start, task.cycle_rad), start, number)
 
 
-def _kept_law(task: Task, wishes: Wishes, start: Motion, number: int | None = None) -> MakeableLaw | None:
+def kept_law(task: Task, wishes: Wishes, start: Motion, number: int | None = None) -> MakeableLaw | None:
     """The best law found from a motion, or from another start with a number; None where none is."""
     search = searched(task, wishes)
     begun = search.begun(start)

@@ -202,16 +202,18 @@ def of_loads(task: Task, units: MachineScales, limits: Limits, prices: Prices) -
     yield from level("bearing_force_n", words, bearing, size(quantities.bearing_force, bearing))
     words = "a force of {} N on the frame"
     yield from level("shaking_force_n", words, shaking, size(quantities.shaking_force, shaking))
-    if limits.tooth_force_n is not None:
-        yield _tooth_force(task, limits.tooth_force_n)
+    if limits.tooth_force_n is not None or prices.tooth_force_n:
+        yield _tooth_force(task, units, limits.tooth_force_n, prices.tooth_force_n)
+    if limits.flank_load_n_mm is not None or prices.flank_load_n_mm:
+        yield _flank_load(task, units, limits.flank_load_n_mm, prices.flank_load_n_mm)
 
 
-def _tooth_force(task: Task, limit: float) -> Level:
+def _tooth_force(task: Task, units: MachineScales, limit: float | None, price: float) -> Level:
     """The force of the flanks that carry; the other sign, of flanks that do not, is far under the limit."""
-    size = task.gears
+    size, angles = task.gears, _rack_angles_rad(task)
     assert size is not None
-    lobes, idle = task.lobes.driving, size.idle_angle_rad
-    angles = size.rack_angle_rad, size.rack_angle_rad if idle is None else idle
+    unit = limit or units.torque_n_mm * task.cycle_rad / size.rolled_mm(task.lobes)
+    lobes = task.lobes.driving
 
     def sides(at: Place, slider: Slider, length: Term) -> tuple[Term, ...]:
         distance = size.center_distance_mm
@@ -220,7 +222,32 @@ def _tooth_force(task: Task, limit: float) -> Level:
         # Of the driven gear
         torque = quantities.driving_torque(at, slider, task.speed_rad_s) * at.ratio
         pushing, back = quantities.inverse_levers(at, angles)
-        return torque * pushing / distance / limit, -torque * back / distance / limit
+        return torque * pushing / distance / unit, -torque * back / distance / unit
 
-    words = "a force of {} N between the teeth"
-    return limited("tooth_force_n", words, lambda level: shown_above(level * limit), 1.0, 0.0, sides)
+    words, cap = "a force of {} N between the teeth", None if limit is None else 1.0
+    return limited("tooth_force_n", words, lambda level: shown_above(level * unit), cap, price * unit, sides)
+
+
+ROUND_GEARS = 8.0
+"""(1 + s)^3/s of round gears of one size."""
+
+
+def _flank_load(task: Task, units: MachineScales, limit: float | None, price: float) -> Level:
+    """The load of the flanks that carry, which decides face width times centre distance squared against pitting."""
+    angles, unit = _rack_angles_rad(task), limit or ROUND_GEARS * units.torque_n_mm
+
+    def sides(at: Place, slider: Slider, _: Term) -> tuple[Term, ...]:
+        torque = quantities.driving_torque(at, slider, task.speed_rad_s) * at.ratio
+        pushing, back = quantities.inverse_levers(at, angles)
+        per = quantities.relative_curvature(at) / unit
+        return torque * pushing * per, -torque * back * per
+
+    words, cap = "a flank load of {} N mm", None if limit is None else 1.0
+    return limited("flank_load_n_mm", words, lambda level: shown_above(level * unit), cap, price * unit, sides)
+
+
+def _rack_angles_rad(task: Task) -> tuple[float, float]:
+    """Pressure angles of the rack on the pushing flanks and on the back flanks."""
+    size = task.gears
+    assert size is not None
+    return size.rack_angle_rad, size.rack_angle_rad if size.idle_angle_rad is None else size.idle_angle_rad

@@ -127,6 +127,11 @@ def inverse_levers(at: Place, angles_rad: tuple[float, float]) -> tuple[Term, Te
     return (per_radius / (cos(pushing) - steep * sin(pushing)), per_radius / (cos(back) + steep * sin(back)))
 
 
+def relative_curvature(at: Place) -> Term:
+    """Sum of both pitch curves' curvatures times the centre distance: (1 + s)^2/(s sqrt(1 + t^2)), t the tangent."""
+    return (1.0 + at.slope) ** 2 * at.ratio / (1.0 + tangent(at) ** 2) ** 0.5
+
+
 def tangent(at: Place) -> Term:
     """Tangent of the angle between the pitch curves and the normal to the centre line: -r1'/r1 = f'/(1 + i)."""
     return at.first / (1.0 + at.ratio)

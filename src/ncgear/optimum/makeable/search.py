@@ -60,6 +60,10 @@ MARGIN = 1e-6
 TOLD = 1e-4
 """Share of a soft wish by which it may be missed more than the places say: four digits are told."""
 
+RISEN = 5e-3
+"""Share of a goal by which it may rise between the places: forces and accelerations rise by a hundredth of this, a jerk
+beside a dead centre by a fifteenth of itself."""
+
 DECIMALS = 10
 """Decimals of the ratios at the knots, so that the judged law is the law in the design file."""
 
@@ -180,13 +184,15 @@ def kept(search: LawSearch, start: Array | Solution) -> Kept | None:
 
     Every term is kept back at each place by its rise beside the place.  Each round leaves less excess; in the last
     rounds, the rest is also taken off the caps.  Soft wishes are told exactly, too: a law that misses a soft wish by
-    more than its places say is solved again, and the law that costs least is taken.
+    more than its places say is solved again, as is a law whose goal rises between them, and the law that costs least is
+    taken.
     """
     programme = search.programme
     blocks, coarse, levels = programme.rows.blocks, programme.rows.at, programme.levels
     exact = np.concatenate([np.full(b.places.size, levels[b.level].kind is LevelKind.DEVIATION) for b in blocks])
     room = np.array([0.0 if level.kind is LevelKind.DEVIATION else ROOM for level in levels])
-    soft = np.array([level.share_of_goal > 0.0 for level in levels]) & (search.weights > 0.0)
+    priced = search.weights > 0.0
+    soft = np.array([level.share_of_goal > 0.0 for level in levels]) & priced
     caps, kept_back, laws = search.caps.copy(), np.zeros(exact.size), []
     found = programme.solved(caps, search.weights, start, kept_back)
     for tried in range(ROUNDS):
@@ -197,7 +203,8 @@ def kept(search: LawSearch, start: Array | Solution) -> Kept | None:
         over = np.maximum(judged.reached - search.caps + room, 0.0)
         if not np.any(over):
             laws.append(Kept(ratio, judged.reached))
-            if not np.any((judged.reached - found.levels)[soft] > TOLD):
+            risen = judged.reached - found.levels
+            if not np.any(risen[soft] > TOLD) and not np.any(risen[priced] > RISEN * np.abs(found.levels[priced])):
                 break
         beyond = judged.beyond(blocks, coarse)
         kept_back = np.where(exact, beyond, np.maximum(kept_back, beyond + MARGIN))

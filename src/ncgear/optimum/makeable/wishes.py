@@ -32,6 +32,11 @@ class Goal(Enum):
     FLYWHEEL = "least_flywheel"
     BEARING_FORCE = "least_bearing_force"
     SHAKING_FORCE = "least_shaking_force"
+    TOOTH_FORCE = "least_tooth_force"
+    FLANK_LOAD = "least_flank_load"
+    SPEED = "least_speed"
+    JERK = "least_jerk"
+    PRESSURE_ANGLE = "least_pressure_angle"
     WEIGHTED = "weighted"
 
 
@@ -43,6 +48,11 @@ ALONE = {
     Goal.FLYWHEEL: Prices(flywheel_kg_mm2=1.0),
     Goal.BEARING_FORCE: Prices(bearing_force_n=1.0),
     Goal.SHAKING_FORCE: Prices(shaking_force_n=1.0),
+    Goal.TOOTH_FORCE: Prices(tooth_force_n=1.0),
+    Goal.FLANK_LOAD: Prices(flank_load_n_mm=1.0),
+    Goal.SPEED: Prices(peak_speed_mm_s=1.0),
+    Goal.JERK: Prices(peak_jerk_mm_s3=1.0),
+    Goal.PRESSURE_ANGLE: Prices(tangent_rad=degrees(1.0)),
 }
 """The figure that is least under each goal, without the weighted goal."""
 
@@ -118,8 +128,8 @@ EVENLY = 1e-3
 
 
 NEXT_TO_LOCKED = radians(89.0)
-"""Limit of the pressure angle where the force between teeth is limited and no angle is: at 90 degrees no force would
-turn the driven gear, and beyond it the force changes its sign."""
+"""Limit of the pressure angle where the force between teeth counts and no angle is limited: at 90 degrees no force
+would turn the driven gear, and beyond it the force changes its sign."""
 
 
 @dataclass(frozen=True)
@@ -170,14 +180,25 @@ def _of_peaks(wishes: Wishes, scales: Scales) -> Iterator[Level]:
             watt * prices.peak_power_w,
             lambda at, slider, _: (quantities.power(at, slider, speed) / watt,),
         )
-    if (jerk := wishes.peak_jerk_mm_s3) is not None:
+    if wishes.peak_jerk_mm_s3 is not None or prices.peak_jerk_mm_s3:
+        jerk = wishes.peak_jerk_mm_s3 or unit * speed
         yield limited(
             f"peak_jerk_{output.speed.ending}3",
             f"a peak jerk of {{}} {output.speed.text}^3",
             lambda level: shown_above(level * jerk),
-            1.0,
-            0.0,
+            None if wishes.peak_jerk_mm_s3 is None else 1.0,
+            jerk * prices.peak_jerk_mm_s3,
             lambda at, slider, _: _both(quantities.jerk(at, slider, speed) / jerk),
+        )
+    if limits.peak_speed_mm_s is not None or prices.peak_speed_mm_s:
+        most_mm_s = limits.peak_speed_mm_s or scales.task.linkage.half_way * speed
+        yield limited(
+            f"peak_speed_{output.speed.ending}",
+            f"a peak speed of {{}} {output.speed.text}",
+            lambda level: shown_above(level * most_mm_s),
+            None if limits.peak_speed_mm_s is None else 1.0,
+            most_mm_s * prices.peak_speed_mm_s,
+            lambda at, slider, _: _both(quantities.velocity(at, slider, speed) / most_mm_s),
         )
 
 
@@ -207,13 +228,17 @@ def _of_ratio(wishes: Wishes, scales: Scales) -> Iterator[Level]:
 
 
 def _of_curves(wishes: Wishes) -> Iterator[Level]:
-    shared, rack = wishes.two_stages, wishes.limits.rack_angle_rad
-    if shared is not None:
+    shared, limits, prices = wishes.two_stages, wishes.limits, wishes.prices
+    rack, limited_rad = limits.rack_angle_rad, limits.pressure_angle_rad
+    if prices.tangent_rad:
+        given = limited_rad if shared is None else shared.pressure_angle_rad
+        yield _pressure_angle(None if given is None else tan(given), 1.0, rack)
+    elif shared is not None:
         given = shared.pressure_angle_rad
         yield _pressure_angle(STEEPEST, EASE, rack) if given is None else _pressure_angle(tan(given), EVENLY, rack)
-    elif wishes.limits.pressure_angle_rad is not None:
-        yield _pressure_angle(tan(wishes.limits.pressure_angle_rad), 0.0, rack)
-    elif wishes.limits.tooth_force_n is not None:
+    elif limited_rad is not None:
+        yield _pressure_angle(tan(limited_rad), 0.0, rack)
+    elif any(getattr(of, name) for of in (limits, prices) for name in ("tooth_force_n", "flank_load_n_mm")):
         yield _pressure_angle(tan(NEXT_TO_LOCKED - rack), 0.0, rack)
     if wishes.curvature_turns is not None:
         yield _curvature(wishes, wishes.curvature_turns)
@@ -222,7 +247,7 @@ def _of_curves(wishes: Wishes) -> Iterator[Level]:
             yield _convex(bulge)
 
 
-def _pressure_angle(most: float, weight: float, rack_rad: float) -> Level:
+def _pressure_angle(most: float | None, weight: float, rack_rad: float) -> Level:
     return limited(
         "pressure_angle_deg",
         "a pressure angle of {} deg",

@@ -11,13 +11,19 @@ The integral falls strictly with a, from infinity where a is the greatest radius
 too large at a = (1 + m / n) times the mean radius, and too small at (1 + m / n) times the greatest one: one distance
 closes, and it lies between.  Where a is given, curves that lie inside each other make the integral grow with the one
 shape parameter that is sought, so that again at most one closes.
+
+In an internal pair the mate's radius is r + a where the mate is the ring, and r - a where the curve is the ring's (the
+same sources).  The integral of r / (r + a) falls strictly with a, of r / (r - a) it grows, and Jensen's inequality
+puts the one distance that closes between |m / n - 1| times the least radius and as many times the mean one.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from enum import Enum
 from functools import partial
-from math import tau
+from math import inf, tau
+from typing import TypeVar
 
 import numpy as np
 
@@ -41,6 +47,22 @@ ROUNDING = 1e-12
 
 ALIKE = 200
 """Angles of a lobe at which it is compared with the others."""
+
+
+Radii = TypeVar("Radii", Array, Jet)
+
+
+class Mate(Enum):
+    """Where the mate of a gear lies, and the signs of its radius by the centre distance and the gear's radius."""
+
+    BESIDE = (1.0, -1.0)
+    ABOUT = (1.0, 1.0)
+    WITHIN = (-1.0, 1.0)
+
+    def turned_per(self, radius: Radii, center_distance_mm: float) -> Radii:
+        """How fast the mate turns by the gear's angle, of radii in mm."""
+        distance, own = self.value
+        return radius / (distance * center_distance_mm + own * radius)
 
 
 @dataclass(frozen=True)
@@ -67,16 +89,22 @@ class GivenCurve:
     driven: bool
     phase_rad: float
     key: str
+    internal: bool = False
+
+    @property
+    def mate(self) -> Mate:
+        """Where the mate lies."""
+        return (Mate.WITHIN if self.driven else Mate.ABOUT) if self.internal else Mate.BESIDE
 
     def facing(self, value: float) -> ClosedCurve:
         """The curve by the angle that its gear has turned.
 
-        A place at a polar angle faces the mate of a driving gear when the gear has turned back by it, and that of a
-        driven one, which turns the other way, when it has turned on by it.
+        A place at a polar angle faces the mate of a driving gear, or of a ring, when the gear has turned back by it,
+        and the mate of another driven gear, which turns the other way, when the gear has turned on by it.
         """
         curve = self.curve_of(value)
         curve.require_gear(self.key)
-        mirrored = self.drawn and not self.driven
+        mirrored = self.drawn and (self.internal or not self.driven)
         return (curve.mirrored() if mirrored else curve).turned(self.phase_rad)
 
 
@@ -96,13 +124,13 @@ def closed_law(given: GivenCurve, lobes: Lobes, center_distance_mm: float | None
     search for does.  Raises NoSuchMechanism for a curve that is no gear, and where nothing closes the mate.
     """
     own = (lobes.driven, lobes.driving) if given.driven else (lobes.driving, lobes.driven)
-    make = driven_curve_law if given.driven else driving_curve_law
+    make = partial(driven_curve_law if given.driven else driving_curve_law, lobes=lobes, key=given.key, mate=given.mate)
     if given.search is not None and center_distance_mm is not None:
         value = closing_value(given.curve_of, given.search, center_distance_mm, own)
-        return ClosedLaw(make(given.facing(value), center_distance_mm, lobes, given.key), center_distance_mm, value)
+        return ClosedLaw(make(given.facing(value), center_distance_mm), center_distance_mm, value)
     curve = given.facing(1.0)
-    closing = closing_distance_mm(curve, *own, given.key)
-    transmission = make(curve, closing, lobes, given.key)
+    closing = closing_distance_mm(curve, *own, given.key, given.mate)
+    transmission = make(curve, closing)
     if center_distance_mm is None:
         return ClosedLaw(transmission, closing, 1.0)
     # The law is that of the curve and its mate at any size.
@@ -117,16 +145,30 @@ class TurnedBy:
     """
 
     weighted: PiecewiseChebyshev
+    least_mm: float
     greatest_mm: float
+    mate: Mate = Mate.BESIDE
+
+    @property
+    def limits_mm(self) -> tuple[float, float]:
+        """The centre distances between which the mate has a radius everywhere."""
+        match self.mate:
+            case Mate.BESIDE:
+                return NEAREST * self.greatest_mm, inf
+            case Mate.ABOUT:
+                return 0.0, inf
+            case Mate.WITHIN:
+                return 0.0, self.least_mm / NEAREST
 
     def at(self, center_distance_mm: float) -> float:
-        """The mate's turn in rad; infinite where the centre distance is not over the greatest radius."""
-        if center_distance_mm < NEAREST * self.greatest_mm:
-            return np.inf
+        """The mate's turn in rad; infinite beyond the limits of the centre distance."""
+        least, most = self.limits_mm
+        if not least <= center_distance_mm <= most:
+            return inf
 
         def slope(at: Array) -> Array:
             radius, angle = self.weighted(at).T
-            values: Array = radius / (center_distance_mm - radius) * angle
+            values: Array = self.mate.turned_per(radius, center_distance_mm) * angle
             return values
 
         return chebyshev.fitted(slope, self.weighted.breaks).integrated().final
@@ -139,7 +181,7 @@ class TurnedBy:
         return product.integrated().final / tau
 
 
-def turned_by(curve: ClosedCurve, key: str) -> TurnedBy:
+def turned_by(curve: ClosedCurve, key: str, mate: Mate = Mate.BESIDE) -> TurnedBy:
     """The mate's turn of a curve; raises NoSuchMechanism for one that cannot be resolved."""
     forms, start = [], 0.0
     for stretch in curve.stretches:
@@ -152,7 +194,7 @@ def turned_by(curve: ClosedCurve, key: str) -> TurnedBy:
                 f"the pitch curve is not smooth near the polar angle {in_words(at % tau)}", key=key
             ) from fault
         start += stretch.end - stretch.start
-    return TurnedBy(chebyshev.joined(forms), curve.radius_range_mm[1])
+    return TurnedBy(chebyshev.joined(forms), *curve.radius_range_mm, mate)
 
 
 def _columns(stretch: SmoothPart, shift: float) -> Callable[[Array], Array]:
@@ -163,24 +205,44 @@ def _columns(stretch: SmoothPart, shift: float) -> Callable[[Array], Array]:
     return columns
 
 
-def closing_distance_mm(curve: ClosedCurve, repeats: int, mate_repeats: int, key: str) -> float:
+def closing_distance_mm(
+    curve: ClosedCurve, repeats: int, mate_repeats: int, key: str, mate: Mate = Mate.BESIDE
+) -> float:
     """The centre distance at which the mate of a curve with so many lobes closes with its own number of lobes.
 
-    Raises NoSuchMechanism where the mate would have to come within a millionth of standing still.
+    Raises NoSuchMechanism where the mate would have to come within a millionth of standing still, and for a ring that
+    has no more lobes than the gear within.
     """
-    mate, wanted = turned_by(curve, key), tau * repeats / mate_repeats
-    share = 1.0 + mate_repeats / repeats
-    # The mean and the greatest radius of a circle are the same but for rounding errors.
-    low = max(NEAREST * mate.greatest_mm, share * mate.mean_mm * (1.0 - ROUNDING))
-    high = share * mate.greatest_mm * (1.0 + ROUNDING)
-    if not mate.at(low) >= wanted * (1.0 - ROUNDING):
+    turned, wanted = turned_by(curve, key, mate), tau * repeats / mate_repeats
+    share = _share(repeats, mate_repeats, mate)
+    least, most = turned.limits_mm
+    radii = (turned.mean_mm, turned.greatest_mm) if mate is Mate.BESIDE else (turned.least_mm, turned.mean_mm)
+    # The mean, the least and the greatest radius of a circle are the same but for rounding errors.
+    low, high = max(least, share * radii[0] * (1.0 - ROUNDING)), min(most, share * radii[1] * (1.0 + ROUNDING))
+    # The mate turns furthest where its least radius is smallest: beside or within the curve at the limit.
+    furthest, place = (high, "least") if mate is Mate.WITHIN else (low, "greatest")
+    if not turned.at(furthest) >= wanted * (1.0 - ROUNDING):
         raise NoSuchMechanism(
-            f"the mate does not close: even at a centre distance of {low:.6g} mm, next to the curve's greatest radius, "
-            f"it turns by {mate.at(low):.4g} rad where it must turn by {wanted:.4g}; a curve of less varying radius is "
-            "needed",
+            f"the mate does not close: even at a centre distance of {furthest:.6g} mm, next to the curve's {place} "
+            f"radius, it turns by {turned.at(furthest):.4g} rad where it must turn by {wanted:.4g}; a curve of less "
+            "varying radius is needed",
             key=key,
         )
-    return _zero(lambda distance: wanted / mate.at(distance) - 1.0, low, high)
+    return _zero(lambda distance: wanted / turned.at(distance) - 1.0, low, high)
+
+
+def _share(repeats: int, mate_repeats: int, mate: Mate) -> float:
+    """The centre distance of circles by the radius of the given one; raises NoSuchMechanism for a ring without one."""
+    if mate is Mate.BESIDE:
+        return 1.0 + mate_repeats / repeats
+    inner, ring = (repeats, mate_repeats) if mate is Mate.ABOUT else (mate_repeats, repeats)
+    if ring <= inner:
+        raise NoSuchMechanism(
+            f"internal, but with {inner}:{ring} lobes the ring would be no larger than the gear within; more lobes of "
+            "the driven gear than of the driving one are needed",
+            key="gears.mesh",
+        )
+    return abs(mate_repeats / repeats - 1.0)
 
 
 def closing_value(
@@ -212,28 +274,32 @@ def _zero(function: Callable[[float], float], low: float, high: float) -> float:
     return float(zeros_between(lambda at: np.array([function(float(at[0]))]), *ends)[0])
 
 
-def driving_curve_law(curve: ClosedCurve, center_distance_mm: float, lobes: Lobes, key: str) -> Transmission:
+def driving_curve_law(
+    curve: ClosedCurve, center_distance_mm: float, lobes: Lobes, key: str, mate: Mate = Mate.BESIDE
+) -> Transmission:
     """The law of a driving gear whose curve's angle is the driving angle at which that place faces the mate.
 
     Raises NoSuchMechanism for a curve with fewer lobes than the gear, or a mate that does not close.
     """
     radii = _one_lobe(curve, lobes.driving, key)
-    slopes = [_slope(radius, center_distance_mm, key) for radius in radii]
+    slopes = [_slope(radius, center_distance_mm, key, mate) for radius in radii]
     return integrated_law(slopes, lobes, scale_to_close=False, key=key)
 
 
-def driven_curve_law(curve: ClosedCurve, center_distance_mm: float, lobes: Lobes, key: str) -> Transmission:
+def driven_curve_law(
+    curve: ClosedCurve, center_distance_mm: float, lobes: Lobes, key: str, mate: Mate = Mate.BESIDE
+) -> Transmission:
     """The law of a driven gear whose curve's angle is the driven angle; the inverse of the mate's law.
 
     Raises NoSuchMechanism for a curve with fewer lobes than the gear, or a mate that does not close.
     """
     radii = _one_lobe(curve, lobes.driven, key)
     swapped = Lobes(lobes.driven, lobes.driving)
-    slopes = [_slope(radius, center_distance_mm, key) for radius in radii]
-    mate = integrated_law(slopes, swapped, scale_to_close=False, key=key)
+    slopes = [_slope(radius, center_distance_mm, key, mate) for radius in radii]
+    by_driven = integrated_law(slopes, swapped, scale_to_close=False, key=key)
     with smooth_or_refused(key):
         return Transmission(
-            tuple(_inverse(piece, slope) for piece, slope in zip(mate.pieces, slopes, strict=True)), lobes
+            tuple(_inverse(piece, slope) for piece, slope in zip(by_driven.pieces, slopes, strict=True)), lobes
         )
 
 
@@ -271,16 +337,15 @@ def _values(radii: Sequence[Radius], angles: Array) -> Array:
     return values
 
 
-def _slope(radius: Radius, center_distance_mm: float, key: str) -> Slope:
-    jets = partial(rolled, radius, center_distance_mm)
+def _slope(radius: Radius, center_distance_mm: float, key: str, mate: Mate) -> Slope:
+    jets = partial(rolled, radius, center_distance_mm, mate)
     with smooth_or_refused(key):
         return Slope(jets, chebyshev.fitted(lambda phi: jets(phi, 0).value, radius.breaks_rad).integrated())
 
 
-def rolled(radius: Radius, center_distance_mm: float, phi: Array, order: int) -> Jet:
+def rolled(radius: Radius, center_distance_mm: float, mate: Mate, phi: Array, order: int) -> Jet:
     """How fast the mate turns, with derivatives by the angle of the gear whose radius is given."""
-    there = radius.at(phi, order)
-    return there / (center_distance_mm - there)
+    return mate.turned_per(radius.at(phi, order), center_distance_mm)
 
 
 def _inverse(piece: Piece, slope: Slope) -> Piece:

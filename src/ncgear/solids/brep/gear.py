@@ -11,7 +11,6 @@ from math import cos, sin
 import numpy as np
 import shapely
 from OCP.BRepBuilderAPI import BRepBuilderAPI_MakeFace, BRepBuilderAPI_MakeSolid, BRepBuilderAPI_Sewing
-from OCP.BRepCheck import BRepCheck_Analyzer
 from OCP.BRepLib import BRepLib
 from OCP.collections import Array2_gp_Pnt
 from OCP.Geom import Geom_BSplineSurface
@@ -32,6 +31,7 @@ from ncgear.solids.brep.shapes import (
     parts_of,
     prism,
     slot_wire,
+    sound,
     wire_of,
 )
 from ncgear.solids.helical.patches import Patches
@@ -58,38 +58,32 @@ SEWN_MM = 10.0 * SAME_MM
 def gear_shape(contour: Contour, plan: BodyPlan) -> TopoDS_Shape:
     """A gear from z = 0 up to its upper face or its hub's, as its plan says, but for chamfer and clearance.
 
-    Raises Unanswered unless the kernel finds one valid solid.
+    Raises Unanswered unless the kernel finds one valid solid; a prism is one where its face is valid.
     """
     outer, holes = wire_of(contour.curves), _holes(plan)
     if plan.hub is not None or plan.web is not None:
-        return _sound(_cut_and_bored(prism(outer, holes, 0.0, plan.face_width_mm), plan))
+        return sound(_cut_and_bored(prism(outer, holes, 0.0, plan.face_width_mm), plan))
     bore = [] if plan.bore is None else [bore_wire(plan.bore)]
-    return _sound(prism(outer, [*holes, *bore], 0.0, plan.face_width_mm))
+    return prism(outer, [*holes, *bore], 0.0, plan.face_width_mm)
 
 
 def helical_gear_shape(patches: Patches, plan: BodyPlan, *, herringbone: bool) -> TopoDS_Shape:
     """A gear with helical teeth, as ``gear_shape``."""
     beyond = BEYOND * plan.face_width_mm
     drills = [prism(hole, [], -beyond, plan.face_width_mm + beyond) for hole in _holes(plan)]
-    return _sound(_cut_and_bored(cut(_helical_shape(patches, herringbone=herringbone), drills), plan))
+    return sound(_cut_and_bored(cut(_helical_shape(patches, herringbone=herringbone), drills), plan))
 
 
 def ring_shape(contour: Contour, plan: BodyPlan, radius_mm: float) -> TopoDS_Shape:
     """A ring between its tooth outline and a cylinder about its axis; raises as ``gear_shape``."""
     holes = [wire_of(contour.curves), *_holes(plan)]
-    return _sound(prism(circle_wire(0.0, 0.0, radius_mm), holes, 0.0, plan.face_width_mm))
+    return prism(circle_wire(0.0, 0.0, radius_mm), holes, 0.0, plan.face_width_mm)
 
 
 def _holes(plan: BodyPlan) -> list[TopoDS_Wire]:
     """The round through holes beside the axis, and the slot."""
     slot = [slot_wire(plan.slot)] if plan.slot else []
     return slot + [circle_wire(hole.x_mm, hole.y_mm, hole.diameter_mm / 2.0) for hole in plan.round_holes]
-
-
-def _sound(shape: TopoDS_Shape) -> TopoDS_Shape:
-    if not BRepCheck_Analyzer(shape).IsValid():
-        raise Unanswered("a gear's solid is not valid")
-    return shape
 
 
 def _cut_and_bored(shape: TopoDS_Shape, plan: BodyPlan) -> TopoDS_Shape:

@@ -17,6 +17,7 @@ from OCP.BRepBuilderAPI import (
     BRepBuilderAPI_MakeVertex,
     BRepBuilderAPI_MakeWire,
 )
+from OCP.BRepCheck import BRepCheck_Analyzer
 from OCP.BRepGProp import BRepGProp
 from OCP.BRepPrimAPI import BRepPrimAPI_MakeCylinder, BRepPrimAPI_MakePrism
 from OCP.collections import Array1_double, Array1_gp_Pnt, Array1_int
@@ -48,7 +49,7 @@ def wire_of(curves: Sequence[Curve], height_mm: float = 0.0) -> TopoDS_Wire:
     vertices = [BRepBuilderAPI_MakeVertex(_point(curve.start, height_mm)).Vertex() for curve in curves]
     maker = BRepBuilderAPI_MakeWire()
     for curve, start, end in zip(curves, vertices, [*vertices[1:], vertices[0]], strict=True):
-        geometry = _geometry(curve, height_mm)
+        geometry = geometry_of(curve, height_mm)
         edge = BRepBuilderAPI_MakeEdge(geometry, start, end, geometry.FirstParameter(), geometry.LastParameter())
         maker.Add(edge.Edge())
         if not maker.IsDone():
@@ -56,7 +57,8 @@ def wire_of(curves: Sequence[Curve], height_mm: float = 0.0) -> TopoDS_Wire:
     return maker.Wire()
 
 
-def _geometry(curve: Curve, height: float) -> Geom_Curve:
+def geometry_of(curve: Curve, height: float) -> Geom_Curve:
+    """The kernel's curve, level at a height in mm."""
     match curve:
         case Line():
             return GC_MakeSegment(_point(curve.start, height), _point(curve.end, height)).Value()
@@ -110,14 +112,24 @@ def slot_wire(slot: ArcSlot) -> TopoDS_Wire:
 
 
 def prism(outer: TopoDS_Wire, holes: Sequence[TopoDS_Wire], low_mm: float, high_mm: float) -> TopoDS_Shape:
-    """The solid between an outer wire and holes in z = 0, whatever their senses, from one height to another."""
+    """The solid between an outer wire and holes in z = 0, whatever their senses, from one height to another.
+
+    Raises Unanswered where the face between them is not valid, as where a wire crosses itself or another one.
+    """
     maker = BRepBuilderAPI_MakeFace(gp_Pln(), outer, True)
     for hole in holes:
         maker.Add(hole)
     fix = ShapeFix_Face(maker.Face())
     fix.FixOrientation()
-    made = BRepPrimAPI_MakePrism(fix.Face(), gp_Vec(0.0, 0.0, high_mm - low_mm)).Shape()
+    made = BRepPrimAPI_MakePrism(sound(fix.Face()), gp_Vec(0.0, 0.0, high_mm - low_mm)).Shape()
     return made if low_mm == 0.0 else made.Moved(moved_by(gp_Vec(0.0, 0.0, low_mm)))
+
+
+def sound(shape: TopoDS_Shape) -> TopoDS_Shape:
+    """The shape; raises Unanswered unless the kernel finds it valid."""
+    if not BRepCheck_Analyzer(shape).IsValid():
+        raise Unanswered("a gear's solid is not valid")
+    return shape
 
 
 def moved_by(step: gp_Vec) -> TopLoc_Location:

@@ -5,13 +5,13 @@ const AGAIN_MS = 1000;
 // The server ends a connection so when the page, duplicated with its name, goes on in another tab.
 const TAKEN_OVER = 4001;
 
+function pageName() {
+  if (!sessionStorage.getItem("ncgear-page")) sessionStorage.setItem("ncgear-page", crypto.randomUUID());
+  return sessionStorage.getItem("ncgear-page");
+}
+
 function createLink(onMessage, onState) {
   const state = { socket: null };
-
-  function pageName() {
-    if (!sessionStorage.getItem("ncgear-page")) sessionStorage.setItem("ncgear-page", crypto.randomUUID());
-    return sessionStorage.getItem("ncgear-page");
-  }
 
   function connect() {
     const address = new URL(`talk?page=${pageName()}`, location.href);

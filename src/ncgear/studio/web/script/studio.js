@@ -32,6 +32,7 @@ function start() {
     reveal: (key) => form.reveal(key),
   };
   const handles = createHandles(acts);
+  const drawing = createDrawing(at("drawing"), at("nearest"), acts);
   const board = createBoard(at("charts"), handles, pick);
   const form = createForm(at("form"), at("find"), acts);
   const told = createTold(acts);
@@ -64,6 +65,7 @@ function start() {
     }
     const answers = { state: takeState, motion: takeMotion, power: takePower, scene: takeScene, bare: takeBare, figures: told.take, teeth: told.take };
     Object.assign(answers, { verdict: told.verdict, strength: told.take, best: told.best, chart: board.draw });
+    Object.assign(answers, { drawing: drawing.take, fitted: drawing.fit });
     Object.assign(answers, { job: making.show, said: say, question: saving.ask, lacking: takeLacking });
     if (is === "refused") takeRefusal(message);
     else if (answers[is]) answers[is](content, message);
@@ -163,6 +165,7 @@ function start() {
   function ended({ from, n }) {
     board.drop(from, n);
     told.drop(from, n);
+    drawing.drop(from, n);
   }
 
   function hold() {
@@ -192,6 +195,14 @@ function start() {
     else if (key === "y" && !typing) send({ do: "redo" });
     else return;
     event.preventDefault();
+  });
+  listenToDrops((file, page) => {
+    const asked = `drop?page=${encodeURIComponent(page)}&name=${encodeURIComponent(file.name)}`;
+    say(`${file.name} is being read ...`);
+    fetch(asked, { method: "POST", body: file }).then(
+      async (answer) => answer.ok || say(await answer.text()),
+      () => say(`${file.name} cannot be read.`),
+    );
   });
   listenToViews(() => machine.scene() ?? { view() {}, zoom() {}, reset() {} });
 
