@@ -195,6 +195,8 @@ def _gears_of(design: Design) -> Gears:
         raise WrongInput(f"{design.motion.law} given; pitch_curve, which draws an outline, is right", key="motion.law")
     if gears is None:
         raise WrongInput("missing; a fit needs gears.teeth or gears.module_mm", key="gears")
+    if gears.mesh == "internal":
+        raise WrongInput("internal given; a fit is offered for gears side by side: leave it out", key="gears.mesh")
     if (gears.lobes.driving, gears.lobes.driven) != (1, 1):
         raise WrongInput("several lobes given; a fit is offered for one lobe each: leave it out", key="gears.lobes")
     if gears.teeth is None and (gears.module_mm is None or not design.motion.gives_center_distance):
