@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import inf, pi
+from math import inf, lcm, pi
 
 import numpy as np
 
@@ -49,6 +49,7 @@ def made_up(drive: Drive, bending: float = 2.0, contact: float | None = 1.5) -> 
     size = drive.pitch.size
     contacts = _contacts(size.driving_teeth, size.driven_teeth)
     load = 1.0 + np.cos(contacts.phi1_rad - 2.0 * pi / size.driving_teeth)
+    end = 2.0 * pi * lcm(size.driving_teeth, size.driven_teeth) / size.driving_teeth
     pressure = np.where(contacts.flanks, 500.0 * np.sqrt(load), np.nan)
     roots = np.stack([100.0 * load, 90.0 * load]), np.stack([110.0 * load, 99.0 * load])
     stresses = ContactStresses(pressure, *roots, np.full(load.shape, 1.3), np.full(load.shape, 1.1))
@@ -56,7 +57,7 @@ def made_up(drive: Drive, bending: float = 2.0, contact: float | None = 1.5) -> 
         gear: _gear(count, gear, bending * factor, None if contact is None else contact * factor)
         for gear, count, factor in ((Gear.DRIVING, size.driving_teeth, 1.0), (Gear.DRIVEN, size.driven_teeth, 1.1))
     }
-    return Strength("estimate", "masses", contacts, stresses, gears[Gear.DRIVING], gears[Gear.DRIVEN])
+    return Strength("estimate", "masses", contacts, stresses, gears[Gear.DRIVING], gears[Gear.DRIVEN], end)
 
 
 def made_up_loading(drive: Drive, strength: Strength) -> Loading:
@@ -74,7 +75,7 @@ def made_up_loading(drive: Drive, strength: Strength) -> Loading:
         even=np.ones(count, dtype=bool),
         transmission_error_rad=120e-6,
         contact_ratio=1.5,
-        cycle_turns=1,
+        cycle_rad=2.0 * pi,
         borne=None,
     )
 
@@ -111,6 +112,8 @@ def _contacts(driving: int, driven: int) -> LoadedContacts:
         2 * (-tooth % driven),
         some + 0j,
         -some + 0j,
+        np.zeros(count, dtype=np.intp),
+        some,
     )
 
 

@@ -17,7 +17,20 @@ from documented.shell import WIDTH
 from ncgear.errors import WrongInput
 from tiers import long_but
 
-LONG = ("fit", "from-a-drawing-to-gears", "tutorial", "build", "tolerance", "frontier", "optimize", "simulate", "new", "size", "strength", "baler")
+LONG = (
+    "fit",
+    "from-a-drawing-to-gears",
+    "tutorial",
+    "build",
+    "tolerance",
+    "frontier",
+    "optimize",
+    "simulate",
+    "new",
+    "size",
+    "strength",
+    "baler",
+)
 THOROUGH = ["docs/commands/balance.md"]
 
 

@@ -269,6 +269,18 @@ def bomb(space: Any) -> None:
     space.add_blockref("5", (0.0, 0.0))
 
 
+def test_a_block_that_holds_itself_is_named(tmp_path: Path) -> None:
+    """At once, and by another block; blocks beside each other may be the same."""
+
+    def ring(space: Any) -> None:
+        space.doc.blocks.new("INNER").add_blockref("outer", (1.0, 0.0))
+        space.doc.blocks.new("OUTER").add_blockref("inner", (0.0, 0.0))
+        space.add_blockref("OUTER", (0.0, 0.0))
+
+    with pytest.raises(WrongInput, match="block 'outer' holds itself; explode it in the drawing"):
+        distance_mm(tmp_path, made(ring))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("add", "said"), [(rows, "1 further part beside a closed contour"), (bomb, "holds over 20000")]

@@ -71,7 +71,7 @@ def beam(width_mm: float, length_mm: float, material: Material) -> tuple[Estimat
     key = np.array([0.0, length_mm, 10.0 * length_mm, 11.0 * length_mm])
     ends = np.zeros(2), np.full(2, length_mm)
     halves = Halves(key, np.full(4, half), 10.0 * length_mm, *ends)
-    sections = RootSections(np.array([-half + 0j, half + 0j]), np.full(2, half))
+    sections = RootSections(np.array([-half + 0j, half + 0j]), np.full(2, half), np.array([width_mm]))
     at = FlankPlaces(np.array([1]), np.array([half + 1j * length_mm]), np.array([-1.0 + 0j]))
     return Estimate(material, frames, halves, sections), at
 

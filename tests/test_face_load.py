@@ -18,7 +18,7 @@ from ncgear.drivetrain.cycle import cycle_of
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.advice.given_advice import without_effect
 from ncgear.figures.data_sheet.accuracy import tolerances
-from ncgear.figures.strong import strength_summary
+from ncgear.figures.strong import _rigid_words, strength_summary
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import changed_drive
@@ -524,3 +524,14 @@ class TestBalerDrivetrain:
             similar = np.abs(loads.force_n[contacts.position] / one.load.force_n[row] - 1.0) < 0.05
             assert np.any(same & similar)
             assert rough == pytest.approx(float(np.median(factors[same & similar])), rel=0.1)
+
+
+def test_bearings_without_a_rating_are_told() -> None:
+    """They count as rigid, each by its key; none where nothing is computed."""
+    stiff, soft = Support(-50.0), Support(60.0, 2e5)
+    shafts = Shaft(40.0, 80.0, (stiff, soft)), Shaft(40.0, 80.0, (soft, stiff))
+    found = FaceLoading("computed", model=FaceModel(shafts, 90.0, 30.0, 0.0, LeadForm()))
+    assert found.rigid_bearings == ["bearing_a of the driving shaft", "bearing_b of the driven shaft"]
+    assert _rigid_words(found).endswith("bearing_b of the driven shaft count as rigid")
+    assert FaceLoading("assumed").rigid_bearings == []
+    assert _rigid_words(FaceLoading("assumed")) == ""

@@ -32,7 +32,9 @@ def teeth(play_rad: float = PLAY_RAD, damping: float = 0.0) -> Meshing:
     law = PeriodicTable(np.array([0.0, TURN]), np.array([[1.0], [0.0]]), TURN)
     sides = np.array([[0.0, LEVER_MM, 0.0, 0.0, STIFFNESS], [play_rad, LEVER_MM, 0.0, 0.0, STIFFNESS]])
     table = PeriodicTable(np.array([0.0, TURN]), sides[None, None])
-    gaps = Gaps(table, np.array([[1.0, -1.0]]), np.zeros((1, 2, 2), dtype=int), np.array([np.inf]))
+    gaps = Gaps(
+        table, np.array([[1.0, -1.0]]), np.zeros((1, 2, 2), dtype=int), np.array([np.inf]), np.zeros(2, dtype=int)
+    )
     return Meshing(law, gaps, Impact(1.0, damping, 1e-6), Friction(0.0, 0.0, 1.0, 2.0))
 
 

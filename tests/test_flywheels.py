@@ -96,6 +96,10 @@ def test_no_machine_needs_less_than_the_mean_power_with_any_flywheel() -> None:
     torque = least_with_any(machine(), replace(wishes, goal=Goal.RMS_TORQUE))
     assert torque == pytest.approx(watts / (2.0 * np.pi), rel=1e-6)
     assert least_with_any(machine(), replace(wishes, goal=Goal.BRAKING_POWER)) == 0.0
+    # 65 teeth of 2 mm roll the work of the stroke, and 0.76 m in a second need a jerk
+    force = least_with_any(machine(), replace(wishes, goal=Goal.TOOTH_FORCE))
+    assert force == pytest.approx(1000.0 * watts / (65.0 * np.pi * 2.0), rel=1e-6)
+    assert least_with_any(machine(), replace(wishes, goal=Goal.JERK)) == pytest.approx(96.0 * 760.0, rel=1e-9)
 
 
 def test_the_flywheel_adds_to_all_that_turns_with_the_crank() -> None:

@@ -10,11 +10,13 @@ import pytest
 from commands import Run, on_text
 from drives import drive_of_text
 from ncgear.drivetrain.jam import Jam
+from ncgear.errors import WrongInput
 from ncgear.figures.advice.drivetrain_advice import around
 from ncgear.figures.advice.strength_advice import rough, strength
 from ncgear.figures.advice.values import Advice
 from ncgear.pitch.shape import Gear
 from ncgear.project.rough_strength import rough_strength
+from ncgear.project.strengthening import rating_of
 from ncgear.strength.conditions import face_load_factor_of_roots
 from ncgear.strength.holding import Damage
 
@@ -156,3 +158,24 @@ def test_a_check_and_a_build_tell_of_teeth_that_a_jam_breaks(run: Run) -> None:
     assert roots / min(one.strength.of(gear).bending.safety_min for gear in Gear) == pytest.approx(1.0, abs=0.2)
     _, told, _ = on_text(run, "strength", "--json")(breaking)
     assert json.loads(told)["load"]["jam"]["driving_torque_n_m"] == pytest.approx(1000.0)
+
+
+@pytest.mark.slow
+@pytest.mark.judges("strength")
+def test_a_jam_alone_is_rated_as_beside_a_resistance() -> None:
+    """Safeties of the jam are those that it has beside a small load, and nothing else ends the teeth's life."""
+    both, resistance = drive_of_text(text_of(1.0)), "resistance: {polynomial_n: [50]}\n"
+    alone = drive_of_text(text_of(1.0).replace(resistance, ""))
+    rated, beside = rating_of(alone), both.judged_teeth("estimate").jammed
+    assert beside is not None
+    assert rated.strength.load == "jam"
+    assert np.all(rated.strength.stresses.dynamic_factor == 1.0)
+    for gear in Gear:
+        one, other = rated.strength.of(gear).bending, beside.of(gear).bending
+        assert one.safety == pytest.approx(other.safety, rel=0.05)
+        assert np.all(np.isinf(one.life_h))
+    assert rated.strength.peak_pair_n == pytest.approx(beside.peak_pair_n, rel=0.05)
+    assert rough(alone) is None
+    # Without the jam nothing loads the teeth.
+    with pytest.raises(WrongInput, match="missing"):
+        rating_of(drive_of_text(text_of(None).replace(resistance, "")))

@@ -78,9 +78,19 @@ def test_knocks_are_told_by_every_form(run: Run) -> None:
 SHAFTS = "drivetrain: {driving_shaft: {bearing_a: {at_mm: -40}, bearing_b: {at_mm: 40}}}\n"
 
 
-def test_knocks_that_are_not_followed_are_told_as_not_judged() -> None:
-    turning = drive_of_text(SHARED + SLIDER + DRIVEN + "strength: {bending_safety: 0.01, contact_safety: 0.01}\n")
-    found = strength(turning.by_stage[1])
+@pytest.mark.slow
+def test_knocks_of_two_pairs_and_of_herringbone_teeth_are_followed_with_inertia() -> None:
+    lasting = "strength: {bending_safety: 0.01, contact_safety: 0.01}\n"
+    loose = SHARED.replace("gears: {", "gears: {backlash_mm: 0.1, ")
+    turning = drive_of_text(loose + SLIDER + "  shaft_between_kg_mm2: 4000\n" + lasting)
+    for pair in turning.by_stage:
+        loading = pair.loading_by("estimate")
+        assert loading.knocks
+        assert loading.still is not None
+        assert pair.strength.peak_pair_n > 1.05 * loading.still.contacts.of_pairs().force_n.max()
+        assert not isinstance(strength(pair), NotJudged)
+    bare = drive_of_text(SHARED + SLIDER + DRIVEN + lasting)
+    found = strength(bare.by_stage[1])
     assert isinstance(found, NotJudged)
     assert "knock" in found.why
     helical = drive_of_text(
@@ -89,8 +99,9 @@ def test_knocks_that_are_not_followed_are_told_as_not_judged() -> None:
         )
         + SHAFTS
     )
-    assert any(isinstance(one, NotJudged) and "knocks" in one.why for one in around(helical))
-    assert not any(isinstance(one, NotJudged) for one in around(shaken(0.1, SHAFTS)))
+    assert helical.knocks
+    for one in (helical, shaken(0.1, SHAFTS)):
+        assert not any(isinstance(found, NotJudged) for found in around(one))
 
 
 def test_a_knock_hurries_the_slider_as_newton_says() -> None:

@@ -164,6 +164,8 @@ def contacts() -> LoadedContacts:
         driven_flank=2 * (meeting % TEETH[1]) + 1,
         driven_point=nowhere,
         driven_inwards=nowhere,
+        section=np.zeros(count, dtype=int),
+        share=np.ones(count),
     )
 
 

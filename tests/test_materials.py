@@ -280,6 +280,8 @@ def test_power_that_friction_takes() -> None:
         driven_flank=flank,
         driven_point=nowhere,
         driven_inwards=nowhere,
+        section=flank,
+        share=np.ones(2),
     )
     assert lost_w(contacts, 4, 0.2) == pytest.approx(5.0, rel=1e-14)
 

@@ -72,8 +72,9 @@ class TestFiles:
             "# of the machine\n1.5 -2\n\n3 4\n",
             "1,5;-2\n3;4,0;\n",
             "Z\tY\tX\n9\t-2\t1,5\n9\t4\t3\n",
+            "1.5,-2,9.01\n3,4,8.99\n",
         ],
-        ids=["commas", "spaces", "decimal-commas", "named"],
+        ids=["commas", "spaces", "decimal-commas", "named", "heights"],
     )
     def test_a_point_a_line(self, text: str, tmp_path: Path) -> None:
         path = tmp_path / "p.csv"
@@ -88,6 +89,7 @@ class TestFiles:
             ("x_in,y_in\n1,2\n", "p.csv:1:1: the header names inches"),
             ("a,b\n1,2\n", "must name one column x"),
             ("1,5,2,5\n", "separated by semicolons"),
+            ("1,10,0\n2,0,10\n3,-10,0\n4,0,-10\n", "the third is no height z"),
             ("x,y\n", "holds no point"),
         ],
     )

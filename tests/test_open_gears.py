@@ -492,18 +492,12 @@ def test_what_is_not_offered_is_refused_by_its_key(old: str, new: str, key: str)
     assert refusal.value.key == key
 
 
-@pytest.mark.parametrize("what", ["rigid", "masses", "best law", "strength"])
+@pytest.mark.parametrize("what", ["rigid", "masses", "best law"])
 def test_what_needs_whole_turns_says_so(what: str) -> None:
     from ncgear.project.law_task import task_of
     from ncgear.project.moving_masses import TrainInertia
-    from ncgear.project.strengthening import unknown
 
     found = drive_of_text(OPEN)
-    if what == "strength":
-        why = unknown(drive_of_text(OPEN + 'resistance: {expression_n: "100"}\n'))
-        assert why is not None
-        assert why.key == "motion.law"
-        return
     with pytest.raises(WrongInput, match="turn to and fro, less than once") as refusal:
         _ = task_of(found.design, TrainInertia()) if what == "best law" else getattr(found, what)
     assert refusal.value.key == "motion.law"

@@ -29,6 +29,8 @@ FORMS: dict[str, bytes] = {
     "lines of Windows": PLAIN.replace("\n", "\r\n").encode(),
     "mark of UTF-8": b"\xef\xbb\xbf" + PLAIN.encode(),
     "UTF-16": PLAIN.encode("utf-16"),
+    "UTF-16 without its mark": PLAIN.encode("utf-16-le"),
+    "UTF-16 of large ends without its mark": PLAIN.encode("utf-16-be"),
     "separators at ends": PLAIN.replace("\n", ",\n").encode(),
     "separators after ends": PLAIN.replace("\n", ",,\n").replace("n,,", "n").encode(),
     "quotes": b'"x_mm","force_n"\n"0","1.5"\n10.25,-2e-3\n20,3\n',
@@ -39,6 +41,13 @@ FORMS: dict[str, bytes] = {
 }
 
 
+CODINGS = {
+    "UTF-16": "utf-16",
+    "UTF-16 without its mark": "utf-16-le",
+    "UTF-16 of large ends without its mark": "utf-16-be",
+}
+
+
 @pytest.mark.parametrize("form", FORMS)
 def test_every_form_is_the_plain_table(tmp_path: Path, form: str) -> None:
     file = tmp_path / "t.csv"
@@ -46,7 +55,7 @@ def test_every_form_is_the_plain_table(tmp_path: Path, form: str) -> None:
     found = read_points(file, WANTED)
     assert found.values == VALUES
     # The line of each row: faults have their place.
-    lines = FORMS[form].decode("utf-16" if form == "UTF-16" else "utf-8").splitlines()
+    lines = FORMS[form].decode(CODINGS.get(form, "utf-8")).splitlines()
     assert all(
         str(value).rstrip("0").rstrip(".")[:2] in lines[line - 1].replace(",", ".") or value == 20.0
         for line, value in zip(found.lines[1:], VALUES["x_mm"][1:], strict=True)
@@ -56,7 +65,7 @@ def test_every_form_is_the_plain_table(tmp_path: Path, form: str) -> None:
 @pytest.mark.parametrize("form", [name for name in FORMS if name not in ("further columns", "an index")])
 def test_measured_points_are_read_by_the_same_reader(tmp_path: Path, form: str) -> None:
     file = tmp_path / "t.csv"
-    content = FORMS[form].decode("utf-16" if form == "UTF-16" else "utf-8")
+    content = FORMS[form].decode(CODINGS.get(form, "utf-8"))
     for name in ("force_n", "Force [N]"):
         content = content.replace(name, "y_mm")
     file.write_text(content, encoding="utf-16" if form == "UTF-16" else "utf-8", newline="")
@@ -168,6 +177,25 @@ def test_spreadsheets_are_read_and_damaged_ones_refused(tmp_path: Path, ending: 
     file.write_bytes(file.read_bytes()[:200])
     with pytest.raises(WrongInput, match="is no spreadsheet that can be read"):
         read_points(file, WANTED)
+
+
+def test_a_hidden_sheet_is_passed_over(tmp_path: Path) -> None:
+    """The same workbook, its sheets in the other order, the empty one first and hidden."""
+    pytest.importorskip("python_calamine")
+    workbook(tmp_path / "t.xlsx")
+    with zipfile.ZipFile(tmp_path / "t.xlsx") as archive:
+        parts = {name: archive.read(name).decode() for name in archive.namelist()}
+    one, two = '<sheet name="one" sheetId="1" r:id="a"/>', '<sheet name="two" sheetId="2" r:id="b"/>'
+    for attribute, found in (('state="hidden" ', VALUES), ("", None)):
+        swapped = two.replace("sheetId", f"{attribute}sheetId") + one
+        with zipfile.ZipFile(tmp_path / "u.xlsx", "w") as archive:
+            for name, content in parts.items():
+                archive.writestr(name, content.replace(one + two, swapped))
+        if found:
+            assert read_points(tmp_path / "u.xlsx", WANTED).values == found
+        else:
+            with pytest.raises(WrongInput):
+                read_points(tmp_path / "u.xlsx", WANTED)
 
 
 def test_a_spreadsheet_names_the_extra_that_reads_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -151,13 +151,19 @@ def test_as_json(run: Run, pretend: Callable[..., None]) -> None:
     assert json.loads(out) == figures("here")
 
 
-@pytest.mark.tiers(slow=["text2-d.yaml:5:"], rest="long")
+@pytest.mark.tiers(slow=["text2-*"], rest="long")
 @pytest.mark.parametrize(
     ("text", "place"),
     [
         (HEAD + LOAD, "d.yaml:1:1: gears: missing"),
         (HEAD + GEARS, "d.yaml:1:1: resistance: missing"),
-        (HEAD + GEARS.replace("}", ", helix: {angle_deg: 9, kind: helical, hand: left}}") + LOAD, "d.yaml:5:"),
+        (
+            HEAD
+            + GEARS.replace("}", ", helix: {angle_deg: 9, kind: helical, hand: left}}")
+            + LOAD
+            + "strength: {method: elements}\n",
+            "strength.method: elements given, but they are plane",
+        ),
         (HEAD + GEARS + "resistance: {polynomial_n: [0]}\n", "bear no load"),
     ],
 )

@@ -136,6 +136,9 @@ CAPABILITIES: dict[str, Callable[[str], object]] = {
     "load on the output": lambda kind: kinematic_check(tried(kind, "resistance").machine),
     "load on its way back": lambda kind: kinematic_check(tried(kind, "returning").machine),
     "strength of the teeth": lambda kind: tried(kind, "resistance").strength,
+    "strength of helical teeth": lambda kind: (
+        tried(kind, "resistance", gears={"helix": {"angle_deg": 10, "kind": "helical", "hand": "right"}}).strength
+    ),
     "forces with masses": lambda kind: tried(kind, "resistance", "masses").rigid,
     "teeth under load": lambda kind: tried(kind, "resistance", "masses").loaded_contact,
     "motion in time": lambda kind: tried(kind, "resistance", "masses").course,

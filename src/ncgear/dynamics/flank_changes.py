@@ -25,7 +25,7 @@ from math import pi
 import numpy as np
 
 from ncgear.dynamics.crank_load import CrankLoad
-from ncgear.dynamics.meshing import Meshing
+from ncgear.dynamics.meshing import Impact, Meshing
 from ncgear.dynamics.quasi_static import loaded_contact
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
@@ -109,7 +109,7 @@ def borne_torque(
     torque = asked(phi1)
     most = float(np.abs(torque).max())
     driven = _DrivenSide(meshing, load, asked, speed_rad_s, most)
-    flank, jump = _flanks(torque, IDLE * most), np.roll(torque, -1) - torque
+    flank, jump = flanks_of(torque, IDLE * most), np.roll(torque, -1) - torque
     # With swings of w rad/s the driven side misses T by T'' / w^2, and swings by dT' / w after a kink.
     steps = cycle_rad / SAMPLES / speed_rad_s * driven.swings_rad_s(phi1)
     hurried = np.abs(np.roll(jump, -1) - jump) > SETTLED * most * np.minimum(steps, steps**2)
@@ -119,14 +119,14 @@ def borne_torque(
     # The longest stretch without a turn or a jump comes last: there the teeth have most time to settle.
     rows = np.roll(rows, -int(np.argmax(np.diff(rows, prepend=rows[-1] - SAMPLES))))
     starts, width_rad = driven.closer(phi1[rows] + cycle_rad * (rows < rows[0]), cycle_rad / SAMPLES)
-    found, end_rad = list[_Stretch](), starts[0] + 2.0 * cycle_rad
+    found, end_rad = list[Stretch](), starts[0] + 2.0 * cycle_rad
     for start_rad, on in zip(starts, flank[rows], strict=True):
         if not found or start_rad > found[-1].phi1_rad[-1]:
             found.append(driven.followed(float(start_rad), float(on), (start_rad + 2.0 * width_rad, end_rad)))
-    return _joined(found, asked, cycle_rad)
+    return joined(found, asked, cycle_rad)
 
 
-def _flanks(torque: Array, idle: float) -> Array:
+def flanks_of(torque: Array, idle: float) -> Array:
     """+1 where pushing flanks bear a torque, -1 where their backs do, shape (n,); idle teeth stay where they were."""
     pressed = np.flatnonzero(np.abs(torque) > idle)
     if not pressed.size:
@@ -136,7 +136,7 @@ def _flanks(torque: Array, idle: float) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class _Stretch:
+class Stretch:
     """What is followed from a turn or a jump on: driving angles and torques, shape (n,), and the knocks."""
 
     phi1_rad: Array
@@ -144,7 +144,7 @@ class _Stretch:
     knocks: list[Knock]
 
 
-def _joined(found: list[_Stretch], asked: Callable[[Array], Array], cycle_rad: float) -> BorneTorque:
+def joined(found: list[Stretch], asked: Callable[[Array], Array], cycle_rad: float) -> BorneTorque:
     """Stretches one after the other; the knocks are those of the last cycle."""
     end_rad, phi1, torque = float(found[-1].phi1_rad[-1]), list[Array](), list[Array]()
     for one in found:
@@ -179,13 +179,14 @@ class _DrivenSide:
             width_rad /= PER_SWING
         return starts_rad, width_rad
 
-    def followed(self, start_rad: float, flank: float, ends_rad: tuple[float, float]) -> _Stretch:
+    def followed(self, start_rad: float, flank: float, ends_rad: tuple[float, float]) -> Stretch:
         """What the teeth bear from a place on, at which those on one flank are settled, until they have settled again.
 
         They are followed from the first to the second of ``ends_rad`` at least and at most.
         """
-        state = self._settled_at(start_rad, flank), 0.0
-        phi1, torque, knocks = [np.array([start_rad])], [self.asked(np.array([start_rad]))], list[Knock]()
+        torque = [self.asked(np.array([start_rad]))]
+        settled_at = settled_rad(self.meshing, start_rad, float(torque[0][0]), flank, IDLE * self.most_n_mm)
+        state, phi1, knocks = (settled_at, 0.0), [np.array([start_rad])], list[Knock]()
         settled = False
         while not settled and phi1[-1][-1] < ends_rad[1]:
             step_s, swing = self._step(float(phi1[-1][-1]))
@@ -210,7 +211,7 @@ class _DrivenSide:
                 settled = touching and swinging <= SETTLED * self.most_n_mm and phi1[-1][-1] >= ends_rad[0]
                 if settled:
                     break
-        return _Stretch(np.concatenate(phi1), np.concatenate(torque), knocks)
+        return Stretch(np.concatenate(phi1), np.concatenate(torque), knocks)
 
     def _stepped(
         self, state: tuple[float, float], pairs: list[list[list[float]]], inertia: Array, asked: Array, step_s: float
@@ -220,27 +221,18 @@ class _DrivenSide:
         A state is the driven angle beyond the law's and its momentum.  Then the row and the speed of flanks that meet.
         """
         (ahead_rad, momentum), met, every = state, list[tuple[int, float]](), list[float]()
-        borne = self._moment(pairs[0], ahead_rad, momentum / float(inertia[0]))
+        borne = moment_n_mm(self.meshing.impact, pairs[0], ahead_rad, momentum / float(inertia[0]))
         for row, (near, mass, load) in enumerate(zip(pairs, inertia.tolist(), asked.tolist(), strict=True)):
             for _ in range(HELD):
                 momentum += 0.5 * step_s * (borne - load)
                 speed_rad_s = momentum / mass
                 ahead_rad += step_s * speed_rad_s
-                before, borne = borne, self._moment(near, ahead_rad, speed_rad_s)
+                before, borne = borne, moment_n_mm(self.meshing.impact, near, ahead_rad, speed_rad_s)
                 momentum += 0.5 * step_s * (borne - load)
                 if borne and not before:
                     met.append((row, abs(speed_rad_s)))
                 every.append(borne)
         return np.array(every), (ahead_rad, momentum), met
-
-    def _settled_at(self, phi1_rad: float, flank: float) -> float:
-        """The driven angle beyond the law's of settled teeth that bear what is asked on their flank."""
-        here = np.array([phi1_rad])
-        torque = self.asked(here)
-        if torque[0] * flank <= IDLE * self.most_n_mm:
-            pushing, back = self.meshing.gaps.play_rad(here)
-            return float(pushing[0] if flank > 0.0 else back[0])
-        return float(loaded_contact(self.meshing, here, torque, 0.0).error_rad[0])
 
     def _step(self, phi1_rad: float) -> tuple[float, float]:
         """The time between two steps of the swings from a place on, and how fast these are in rad/s."""
@@ -252,30 +244,49 @@ class _DrivenSide:
         """How fast the driven side swings on two pairs of teeth at driving angles, shape (n,), in rad/s."""
         near = self.meshing.gaps.at(phi1_rad)
         inertia = self.load.table.at(self.meshing.law.at(phi1_rad)[0])[0][..., 0]
-        return np.asarray(np.sqrt(2.0 * (near.stiffness * near.lever_mm**2).max(axis=-1) / inertia))
+        pair = self.meshing.gaps.of_sections(near.stiffness * near.lever_mm**2)
+        return np.asarray(np.sqrt(2.0 * pair / inertia))
 
     def _along(self, phi1_rad: Array) -> tuple[list[list[list[float]]], Array, Array, Array]:
-        """The pairs at driving angles, shape (n,), each by arm, touching angle and stiffness, and their largest lever.
+        """The pairs near contact at driving angles, shape (n,), and their largest lever.
 
         Then the inertia of the driven side and the torque that is asked, shape (n,) each.
         """
-        near = self.meshing.gaps.at(phi1_rad)
         inertia: Array = self.load.table.at(self.meshing.law.at(phi1_rad)[0])[0][..., 0]
-        arm, ahead = near.urge * near.lever_mm, near.urge * near.error_rad
-        turning = np.where(arm, near.stiffness * arm**2, np.inf)
-        first = np.stack([np.where(near.urge == side, ahead, -np.inf).max(axis=-1) for side in (1.0, -1.0)])
-        behind = np.where(near.urge > 0.0, first[0][:, None], first[1][:, None]) - ahead
-        reached = np.any((arm != 0.0) & (behind <= HARDEST * self.most_n_mm / turning.min()), axis=0)
-        pairs = np.stack([arm, near.error_rad, near.stiffness], axis=-1)[:, reached].tolist()
-        levers: Array = near.lever_mm.max(axis=-1)
-        return pairs, levers, inertia, self.asked(phi1_rad)
+        return *near_pairs(self.meshing, phi1_rad, self.most_n_mm), inertia, self.asked(phi1_rad)
 
-    def _moment(self, pairs: list[list[float]], ahead_rad: float, speed_rad_s: float) -> float:
-        """The moment of the pairs that touch on the driven side, this far beyond the law and this much faster."""
-        impact, total = self.meshing.impact, 0.0
-        for arm, error_rad, stiffness in pairs:
-            depth = arm * (error_rad - ahead_rad)
-            if depth > 0.0:
-                elastic = impact.elastic_n(depth, stiffness)
-                total += arm * impact.force_n(elastic, -impact.damping(depth) * arm * speed_rad_s)
-        return total
+
+def near_pairs(meshing: Meshing, phi1_rad: Array, most_n_mm: float) -> tuple[list[list[list[float]]], Array]:
+    """The pairs at driving angles, shape (n,), each by arm, touching angle and stiffness, and their largest lever.
+
+    Those count that a torque of HARDEST times the largest one presses together.
+    """
+    near = meshing.gaps.at(phi1_rad)
+    arm, ahead = near.urge * near.lever_mm, near.urge * near.error_rad
+    turning = np.where(arm, near.stiffness * arm**2, np.inf)
+    first = np.stack([np.where(near.urge == side, ahead, -np.inf).max(axis=-1) for side in (1.0, -1.0)])
+    behind = np.where(near.urge > 0.0, first[0][:, None], first[1][:, None]) - ahead
+    reached = np.any((arm != 0.0) & (behind <= HARDEST * most_n_mm / turning.min()), axis=0)
+    pairs = np.stack([arm, near.error_rad, near.stiffness], axis=-1)[:, reached].tolist()
+    levers: Array = near.lever_mm.max(axis=-1)
+    return pairs, levers
+
+
+def moment_n_mm(impact: Impact, pairs: list[list[float]], ahead_rad: float, speed_rad_s: float) -> float:
+    """The moment of the pairs that touch on the driven side, this far beyond the law and this much faster."""
+    total = 0.0
+    for arm, error_rad, stiffness in pairs:
+        depth = arm * (error_rad - ahead_rad)
+        if depth > 0.0:
+            elastic = impact.elastic_n(depth, stiffness)
+            total += arm * impact.force_n(elastic, -impact.damping(depth) * arm * speed_rad_s)
+    return total
+
+
+def settled_rad(meshing: Meshing, phi1_rad: float, torque_n_mm: float, flank: float, idle: float) -> float:
+    """The driven angle beyond the law's of settled teeth that bear a torque on their flank, or next to none."""
+    here = np.array([phi1_rad])
+    if torque_n_mm * flank <= idle:
+        pushing, back = meshing.gaps.play_rad(here)
+        return float(pushing[0] if flank > 0.0 else back[0])
+    return float(loaded_contact(meshing, here, np.array([torque_n_mm]), 0.0).error_rad[0])

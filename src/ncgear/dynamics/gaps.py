@@ -100,7 +100,8 @@ def row_cubics(rows: Rows, placement: Placement) -> RowCubics:
     count = placement.count
     following, preceding = rows.neighbours(1, count), rows.neighbours(-1, count)
     slopes = _slopes(rows, placement, preceding, following)
-    begins = np.nonzero(preceding < 0)[0]
+    # Before the first position of gears that turn less than once there is no interval.
+    begins = np.nonzero((preceding < 0) & ((placement.toothed is None) | (rows.position > 0)))[0]
     start = np.concatenate([np.arange(rows.position.size), np.full(begins.size, -1)])
     end = np.concatenate([following, begins])
     interval = np.concatenate([rows.position, (rows.position[begins] - 1) % count])
@@ -135,8 +136,15 @@ def _slopes(rows: Rows, placement: Placement, preceding: IndexArray, following: 
 
 
 def _widths(placement: Placement) -> Array:
-    """Driving angle of each interval, the last one to the end of the cycle, shape (count,)."""
-    return np.diff(placement.phi1_rad, append=placement.cycle_rad)
+    """Driving angle of each interval, the last one to the end of the table, shape (count,)."""
+    return np.diff(_breaks(placement))
+
+
+def _breaks(placement: Placement) -> Array:
+    """Ends of all intervals; gears that turn less than once have one more, beyond their range."""
+    phi1 = placement.phi1_rad
+    end = placement.cycle_rad if placement.toothed is None else phi1[-1] + (phi1[-1] - phi1[-2])
+    return np.append(phi1, end)
 
 
 def reach_rad(rows: Rows, placement: Placement) -> Array:
@@ -146,7 +154,11 @@ def reach_rad(rows: Rows, placement: Placement) -> Array:
     """
     count = placement.count
     behind = np.full(count, np.inf)
-    ends = (rows.neighbours(1, count) < 0) | (rows.neighbours(-1, count) < 0)
+    after, before = rows.neighbours(1, count) < 0, rows.neighbours(-1, count) < 0
+    if placement.toothed is not None:
+        # Where the range ends the pairs do not.
+        after, before = after & (rows.position < count - 1), before & (rows.position > 0)
+    ends = after | before
     for urge in (1.0, -1.0):
         ahead = urge * rows.values[:, 0]
         first = np.full(count, -np.inf)
@@ -201,13 +213,39 @@ class Gaps:
     ``urge`` has shape (intervals, slots), ``table`` the five quantities of each slot.  ``pair`` tells the driving and
     the driven tooth of each slot, from 1; 0 where it is empty; shape (intervals, slots, 2).  ``reach_rad`` is how far,
     in each interval, the driven gear may be pressed beyond the first contact before a pair touches that the tables do
-    not follow; inf where there is no such pair.
+    not follow; inf where there is no such pair.  ``section`` (slots,) numbers the section of the face width in which a
+    slot's pair is: all pairs of straight teeth are in section 0.
     """
 
     table: PeriodicTable
     urge: Array
     pair: IndexArray
     reach_rad: Array
+    section: IndexArray
+
+    @classmethod
+    def beside(cls, parts: Sequence[Gaps]) -> Gaps:
+        """The pairs of several sections, whose positions are the same, side by side in the slots."""
+        if len(parts) == 1:
+            return parts[0]
+        breaks, tables = parts[0].table.breaks, [one.table.coefficients for one in parts]
+        return cls(
+            PeriodicTable(breaks, np.concatenate(tables, axis=2)),
+            np.concatenate([one.urge for one in parts], axis=1),
+            np.concatenate([one.pair for one in parts], axis=1),
+            np.min([one.reach_rad for one in parts], axis=0),
+            np.repeat(np.arange(len(parts)), [one.section.size for one in parts]),
+        )
+
+    @property
+    def sections(self) -> int:
+        """How many sections there are."""
+        return int(self.section[-1]) + 1
+
+    def of_sections(self, turning: Array) -> Array:
+        """Values of slots, shape (n, slots), as the sum over sections of the largest in each, shape (n,)."""
+        begins = np.searchsorted(self.section, np.arange(self.sections))
+        return np.asarray(np.maximum.reduceat(turning, begins, axis=-1).sum(axis=-1))
 
     def at(self, phi1_rad: Array | float) -> Near:
         """The pairs near contact at driving angles in rad, of any shape."""
@@ -307,5 +345,5 @@ def _slotted(rows: Rows, placement: Placement) -> Gaps:
         in_line[:, number[chosen]] = found.coefficients(chosen)
     urge, pair = np.zeros(shape), np.zeros((*shape, 2), dtype=int)
     urge[place], pair[place] = rows.urge[found.row], rows.teeth[found.row]
-    breaks = np.append(placement.phi1_rad, placement.cycle_rad)
-    return Gaps(PeriodicTable(breaks, coefficients), urge, pair, reach_rad(rows, placement))
+    every = np.zeros(shape[1], dtype=int)
+    return Gaps(PeriodicTable(_breaks(placement), coefficients), urge, pair, reach_rad(rows, placement), every)

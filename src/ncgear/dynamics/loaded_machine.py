@@ -107,6 +107,11 @@ class RigidMachine:
         returning = ~self.machine.working(driven.value)
         return self.loads(phi1, driven, self._resistance_n(driven.truncated(0), returning), returning)
 
+    def coming_back(self, phi1: Array) -> Loads:
+        """The loads at driving angles in rad, shape (n,), where gears that turn less than once turn back to them."""
+        driven, returning = self.machine.transmission.driven_angle(phi1, 2), np.ones(phi1.shape, dtype=bool)
+        return self.loads(phi1, driven, self._resistance_n(driven.truncated(0), returning), returning)
+
     def joints(self, crank_angle_rad: Array, pace: CrankPace) -> JointForces:
         """Forces in the joints for any motion of the crank, at crank angles in rad, shape (n,), by a smooth guide."""
         angle = Jet.variable(crank_angle_rad, 2)

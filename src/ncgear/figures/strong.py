@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from ncgear.design.keys.base import listed
 from ncgear.dynamics.flank_changes import Knock
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.csv_text import rows_text
@@ -21,6 +22,7 @@ from ncgear.figures.vibration import vibration_figures, vibration_of_rating
 from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.project.face_load import FaceLoading
 from ncgear.project.strengthening import Rating
 from ncgear.strength.answer import Strength
 from ncgear.strength.conditions import GRADE
@@ -29,6 +31,7 @@ from ncgear.strength.holding import Damage, Weakest, lives_of
 LOADS = {
     "masses": "the machine with its masses, at constant driving speed",
     "resistance": "the resistance alone: no masses are given, so forces of inertia are not counted",
+    "jam": "a jam alone: no resistance and no masses are given, so that nothing else loads the teeth",
 }
 """The words for what a load follows from."""
 
@@ -54,7 +57,7 @@ def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rat
     it is part of, ``beside`` that on the teeth by another method, to compare with.
     """
     strength, size = rating.strength, drive.pitch.size
-    contacts = strength.contacts
+    contacts = strength.contacts.of_pairs()
     most = int(np.argmax(contacts.force_n))
     return {
         "design": {"name": drive.design.name, "description": drive.design.description},
@@ -75,7 +78,10 @@ def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rat
         "face_load": _face_load_figures(drive, rating),
         "vibration": vibration_figures(vibration_of_rating(drive, rating)),
         **({} if beside is None else {"strength_beside": strength_summary(beside, drive)}),
-        **{gear.value: _gear_figures(rating, gear) for gear in Gear},
+        **{
+            gear.value: _gear_figures(rating, gear, float(rim.counted.max()))
+            for gear, rim in zip(Gear, drive.rims, strict=True)
+        },
         **verdict_summary(verdict),
     }
 
@@ -105,7 +111,7 @@ def _jam_figures(drive: Drive, rating: Rating) -> dict[str, Any]:
         "jam": {
             "driving_torque_n_m": N_M_PER_N_MM * jam.driving_n_mm,
             "times": jam.times,
-            "peak_tooth_force_n": float(jammed.contacts.force_n.max()),
+            "peak_tooth_force_n": jammed.peak_pair_n,
             **{
                 gear.value: {f"{damage.value}_safety_min": life.safety_min for damage, life in of.items()}
                 for gear, of in lives.items()
@@ -126,9 +132,21 @@ def jam_words(drive: Drive, rating: Rating) -> str:
     safeties = ", ".join(f"{to_digits(safety, 3)} against {damage.words}" for damage, safety in least.items())
     return (
         f"{figure('torque_n_m', N_M_PER_N_MM * jam.driving_n_mm)} at the driving shaft, {jam.times:g} times: up to "
-        f"{figure('force_n', float(jammed.contacts.force_n.max()))} on one pair of teeth, safety {safeties}; the table "
+        f"{figure('force_n', jammed.peak_pair_n)} on one pair of teeth, safety {safeties}; the table "
         "has what is worse"
     )
+
+
+def rim_words(drive: Drive, rating: Rating) -> str:
+    """By how much thin walls raise the stresses at the weakest roots; empty where these have thick ones."""
+    found = []
+    rims = dict(zip(Gear, drive.rims, strict=True))
+    for one in rating.weakest:
+        rim, row = rims[one.gear], one.tooth - 1
+        if one.damage is Damage.BENDING and rim.counted[row] > 1.0:
+            wall, raised = to_digits(float(rim.wall_mm[row]), 2), to_digits(float(rim.counted[row]), 3)
+            found.append(f"{wall} mm under tooth {one.tooth} of the {one.gear.value} gear, stress times {raised}")
+    return f"thin wall of {'; '.join(found)}" if found else ""
 
 
 def knock_words(knocks: Sequence[Knock] | None) -> str:
@@ -159,6 +177,7 @@ def _face_load_figures(drive: Drive, rating: Rating) -> dict[str, Any]:
         "crowning_um": told.crowning_um,
         "best_crowning_um": told.best_um,
         "best_crowning_factor": told.best,
+        "rigid_bearings": drive.face_loading.rigid_bearings,
     }
 
 
@@ -181,8 +200,17 @@ def face_load_words(drive: Drive, rating: Rating) -> str:
     better = "no other crowning is better" if is_best else f"{at_best}: {best}"
     return (
         f"factor {least} to {greatest} by shafts, bearings and lead{grade}; {decisive} at tooth "
-        f"{told.decisive.tooth}, which bears most, {by_shafts} if no flank were askew; {better}"
+        f"{told.decisive.tooth}, which bears most, {by_shafts} if no flank were askew; {better}{_rigid_words(loading)}"
     )
+
+
+def _rigid_words(loading: FaceLoading) -> str:
+    """Which bearings count as rigid, for want of a rating."""
+    names = loading.rigid_bearings
+    if not names:
+        return ""
+    count = "counts" if len(names) == 1 else "count"
+    return f"; without static_rating_n, {listed(names, 'and')} {count} as rigid"
 
 
 def strength_summary(rating: Rating, drive: Drive) -> dict[str, Any]:
@@ -204,9 +232,9 @@ def strength_summary(rating: Rating, drive: Drive) -> dict[str, Any]:
     }
 
 
-def _gear_figures(rating: Rating, gear: Gear) -> dict[str, Any]:
+def _gear_figures(rating: Rating, gear: Gear, rim: float) -> dict[str, Any]:
     material = rating.strength.of(gear).material
-    figures: dict[str, Any] = {"material": material.name, "source": material.source}
+    figures: dict[str, Any] = {"material": material.name, "source": material.source, "rim_factor_max": rim}
     for one in rating.weakest:
         if one.gear is gear:
             name = one.damage.value

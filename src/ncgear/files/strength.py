@@ -180,22 +180,31 @@ def _draw(
             )
 
 
+NEAR_MODULES = 3.0
+"""How far from the pitch curve, in modules, the roots of teeth are looked for."""
+
+
 def tooth_rows(gear: ToothedGear) -> list[IndexArray]:
     """The rows of the outline that belong to each tooth, from the middle of one space to that of the next.
 
-    The middle of a space is halfway along the pitch curve between the flanks that bound it.
+    The middle of a space is halfway along the pitch curve between the flanks that bound it.  Gears that turn less than
+    once have teeth on a part of their curve only.
     """
     flanks, outline = gear.flanks, gear.outline_mm
     back, front = flanks.crossing_mm[0::2], flanks.crossing_mm[1::2]
     before = (back + np.roll(front, 1)) / 2.0
     before[0] = (back[0] + front[-1] - flanks.curve.length_mm) / 2.0
-    middles = flanks.curve.at_length(before).position @ np.array([1.0, 1.0j])
+    middles = flanks.curve.at_length(before[: gear.teeth + 1]).position @ np.array([1.0, 1.0j])
     points = outline @ np.array([1.0, 1.0j])
-    rows = np.argmin(np.abs(np.angle(points[None, :] / middles[:, None])), axis=1)
+    off = np.abs(np.angle(points[None, :] / middles[:, None]))
+    if gear.teeth < back.size:
+        # The heel may lie at the same angle.
+        off[np.abs(points[None, :] - middles[:, None]) > NEAR_MODULES * flanks.rack.module_mm] = np.inf
+    rows = np.argmin(off, axis=1)
     ends = np.roll(rows, -1)
     # Arc length grows against the outline's sense on one of the two gears.
     along = np.sum(np.angle(np.roll(middles, -1) / middles)) > 0.0
-    pairs = zip(rows, ends, strict=True) if along else zip(ends, rows, strict=True)
+    pairs = list(zip(rows, ends, strict=True) if along else zip(ends, rows, strict=True))[: gear.teeth]
     return [(start + np.arange((end - start) % len(outline) + 1)) % len(outline) for start, end in pairs]
 
 
@@ -221,7 +230,7 @@ def _field(drive: Drive) -> bytes:
     judged = drive.judged_teeth("elements")
     contacts, roots = judged.strength.contacts, judged.strength.stresses.tension_mpa
     fields = {}
-    for place, (gear, method) in enumerate(zip(Gear, judged.methods, strict=True)):
+    for place, (gear, method) in enumerate(zip(Gear, (one.each[0] for one in judged.methods), strict=True)):
         assert isinstance(method, Elements)
         places = contacts.on(gear)
         worst_of_tooth = largest_rows(roots[place], places.tooth - 1, drive.teeth.of(gear).teeth)

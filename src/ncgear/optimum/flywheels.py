@@ -20,8 +20,8 @@ from ncgear.dynamics.crank_load import reduced_inertia
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.jet import Jet
-from ncgear.optimum.certified.limit import Motion, least_acceleration, least_mean_power_w, least_power
-from ncgear.optimum.makeable.demanded import demands_of, start_motion
+from ncgear.optimum.certified.limit import Motion, least_acceleration, least_mean_power_w, least_of, least_power
+from ncgear.optimum.makeable.demanded import bound_of_stroke, demands_of, start_motion
 from ncgear.optimum.makeable.wishes import Goal, Wishes
 from ncgear.optimum.task import Figures, Task, figures
 
@@ -176,17 +176,21 @@ class FlywheelSearch:
 def least_with_any(task: Task, wishes: Wishes) -> float:
     """A value of the goal that no law has less of with any flywheel on the driven shaft, in the goal's unit.
 
-    The work of a cycle does not depend on the flywheel, so no peak power is under the mean power and no r.m.s. torque
-    under the mean torque.  The motion does not know the flywheel where nothing of the loads is limited, so a limit of
-    the acceleration without such limits holds for all.  Of all other figures only zero is known.
+    The work of a cycle does not depend on the flywheel, so no peak power is under the mean power, no r.m.s. torque
+    under the mean torque, and limits in closed form hold for all.  The motion does not know the flywheel where nothing
+    of the loads is limited, so limits of acceleration and speed without such limits hold for all, too.  Of all other
+    figures only zero is known.
     """
-    prices = wishes.prices
-    power_w = least_mean_power_w(task)
-    torque_n_m = abs(power_w) / task.speed_rad_s
-    least = prices.peak_power_w * power_w + prices.rms_torque_n_m * torque_n_m
+    prices, power_w = wishes.prices, least_mean_power_w(task)
+    free = replace(demands_of(task, wishes), power_w=inf, braking_w=inf, fluctuation_n_mm=inf, torque_n_mm=inf)
+    least = prices.peak_power_w * power_w + prices.rms_torque_n_m * abs(power_w) / task.speed_rad_s
+    least += sum(
+        bound.value for name, price in vars(prices).items() if (bound := bound_of_stroke(name, price, task, free))
+    )
     if prices.peak_acceleration_mm_s2:
-        free = replace(demands_of(task, wishes), power_w=inf, braking_w=inf, fluctuation_n_mm=inf, torque_n_mm=inf)
         least += prices.peak_acceleration_mm_s2 * least_acceleration(task, free).value
+    if prices.peak_speed_mm_s:
+        least += prices.peak_speed_mm_s * least_of(task, free, "speed_mm_s").value
     return least
 
 

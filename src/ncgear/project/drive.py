@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Literal
 
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput, located
 from ncgear.numerics.arrays import Array
+from ncgear.pitch.shape import Gear
 from ncgear.project.computed import computed
 from ncgear.project.geared import Geared
-from ncgear.project.law import require_whole_turns
 
 if TYPE_CHECKING:
     from ncgear.contact.designed.as_designed import AsDesigned
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from ncgear.contact.pair import PairContact, SidesInContact
     from ncgear.contact.written.as_written import Outlines
     from ncgear.drivetrain.stall import Stall
-    from ncgear.dynamics.flank_changes import Knock
+    from ncgear.dynamics.flank_changes import BorneTorque, Knock
     from ncgear.dynamics.knocking import KnockingMachine
     from ncgear.dynamics.meshing import Meshing
     from ncgear.dynamics.motion_in_time import Course
@@ -33,12 +33,12 @@ if TYPE_CHECKING:
     from ncgear.project.passing import Passing
     from ncgear.project.thickness import AtThickness
     from ncgear.project.tooth_load import ToothLoad
-    from ncgear.project.tooth_strength import JudgedTeeth
+    from ncgear.project.tooth_strength import JudgedTeeth, Rim
     from ncgear.project.workshop_measures import CutGear, GearMeasures
     from ncgear.strength.answer import Strength
     from ncgear.strength.loading import Loading
     from ncgear.strength.material import Material
-    from ncgear.strength.method import ToothMethod
+    from ncgear.strength.sections import InSections
     from ncgear.strength.stiffness import LinearTeeth
     from ncgear.strength.surfaces import Surfaces
 
@@ -228,10 +228,14 @@ class Drive(Geared):
 
     @computed
     def knocking(self) -> KnockingMachine | None:
-        """The loaded machine with the knocks of its teeth; None where it has none."""
+        """The loaded machine with the knocks of its teeth; None where it has none, and of two pairs in series."""
         from ncgear.dynamics.knocking import KnockingMachine
 
-        if not self.knocks or (borne := self.loading_by(self.design.strength.method).borne) is None:
+        if (
+            self.design.stages > 1
+            or not self.knocks
+            or (borne := self.loading_by(self.design.strength.method).borne) is None
+        ):
             return None
         return KnockingMachine(self.rigid.machine, borne)
 
@@ -263,14 +267,13 @@ class Drive(Geared):
 
         with located(self.places):
             require_possible_stiffness(self.design.simulation, self.gears.face_width_mm)
-        self.require_straight_sound_teeth()
-        return self._any_meshing
-
-    def require_straight_sound_teeth(self) -> None:
-        """Raise WrongInput where teeth are helical, and as ``require_sound_teeth`` does."""
         if self.helix is not None:
-            raise WrongInput("helical teeth are not followed under load; leave it out", key="gears.helix")
+            raise WrongInput(
+                "helical teeth are rated by ncgear strength, but not followed in motion; leave it out",
+                key="gears.helix",
+            )
         self.require_sound_teeth()
+        return self._any_meshing
 
     @computed
     def tooth_load(self) -> ToothLoad:
@@ -286,48 +289,70 @@ class Drive(Geared):
     @computed
     def pair_stiffness(self) -> LinearTeeth:
         """The stiffness of each pair of teeth in N/mm, from its form, face width and material by the estimate."""
-        from ncgear.project.tooth_strength import estimated
+        from ncgear.project.tooth_strength import estimated, stiffnesses
+        from ncgear.strength.sections import FaceSections, InSections
 
-        driving, driven = self.materials
-        methods = estimated(self.teeth.driving, driving), estimated(self.teeth.driven, driven)
-        return self.linear_teeth(methods, self.materials)
+        teeth, (driving, driven) = self.teeth, self.materials
+        methods = InSections((estimated(teeth.driving, driving),)), InSections((estimated(teeth.driven, driven),))
+        section, width_mm = FaceSections.straight(teeth), self.gears.face_width_mm
+        return stiffnesses(self.tooth_load, section, width_mm, methods, self.materials)[0]
 
-    def linear_teeth(
-        self, methods: tuple[ToothMethod, ToothMethod], materials: tuple[Material, Material]
-    ) -> LinearTeeth:
-        """The stiffness of each pair of teeth, by methods and materials of the driving and of the driven gear."""
-        from ncgear.project.tooth_strength import linear_teeth
-
-        return linear_teeth(self.tooth_load, self.teeth, self.gears.face_width_mm, methods, materials)
-
-    def loading(self, methods: tuple[ToothMethod, ToothMethod], materials: tuple[Material, Material]) -> Loading:
+    def loading(self, methods: tuple[InSections, InSections], materials: tuple[Material, Material]) -> Loading:
         """The load of every tooth over a cycle of meetings, shared by the stiffness of the given methods.
 
-        A stiffness that ``simulation`` gives does not count.  Raises WrongInput for helical teeth, NoSuchMechanism
-        where teeth are pressed too deep into each other, and as ``tooth_load`` does.
+        A stiffness that ``simulation`` gives does not count.  Raises NoSuchMechanism where teeth are pressed too deep
+        into each other, and as ``require_sound_teeth`` and ``tooth_load`` do.
         """
         from ncgear.contact.placement import BOTH_SIDES
         from ncgear.design.keys.masses import Simulation
         from ncgear.project.forces import borne_by, meshing_of
-        from ncgear.strength.loading import AskedTorque, loading_of
+        from ncgear.project.tooth_strength import stiffnesses
+        from ncgear.strength.loading import AskedTorque, loading_of, out_and_back
 
         with located(self.places):
-            self.require_straight_sound_teeth()
-            stiffness, load = self.linear_teeth(methods, materials), self.tooth_load
-            pitch, teeth = self.pitch, self.teeth
+            self.require_sound_teeth()
+            pitch, sections, load, width_mm = self.pitch, self.face_sections, self.tooth_load, self.gears.face_width_mm
+            stiff = stiffnesses(load, sections, width_mm, methods, materials)
             with self.stopwatch("load of every tooth"):
                 asked = AskedTorque.of(pitch, load.torque_n_mm)
-                sides = BOTH_SIDES if load.knocks_are_judged else asked.sides
-                meshing = meshing_of(Simulation(), pitch, teeth, stiffness, sides)
-                borne, speed = borne_by(load, meshing), self.pair_speed_rad_s
-                found = loading_of(meshing, teeth, pitch, asked, speed, borne)
+                sides = BOTH_SIDES if load.load == "masses" or load.loads_return else asked.sides
+                each = [(one.teeth, own) for one, own in zip(sections.each, stiff, strict=True)]
+                meshing = meshing_of(Simulation(), pitch, each, sides)
+                speed = self.pair_speed_rad_s
+                borne = borne_by(load, meshing) if self.stage is None else self.whole.train_borne[self.stage - 1]
+                found = loading_of(meshing, sections, pitch, asked, speed, borne)
+                if load.loads_return:
+                    coming = AskedTorque.of(pitch, load.returning_n_mm)
+                    found = out_and_back(found, loading_of(meshing, sections, pitch, coming, speed))
                 if borne.knocks:
                     knocking = AskedTorque.of(pitch, borne.at)
-                    found = replace(loading_of(meshing, teeth, pitch, knocking, speed, borne), still=found)
+                    found = replace(loading_of(meshing, sections, pitch, knocking, speed, borne), still=found)
                 if (jam := self.conditions.overload) is None:
                     return found
                 jamming = AskedTorque.of(pitch, partial(load.passed_on_n_mm, jam.driving_n_mm))
-                return replace(found, jammed=loading_of(meshing, teeth, pitch, jamming, speed))
+                return replace(found, jammed=loading_of(meshing, sections, pitch, jamming, speed))
+
+    @computed
+    def train_borne(self) -> tuple[BorneTorque, BorneTorque]:
+        """The torques that the teeth of two pairs in series bear, with the stiffness of the estimate."""
+        from ncgear.design.keys.masses import Simulation
+        from ncgear.dynamics.flank_changes import BorneTorque
+        from ncgear.project.forces import meshing_of, train_borne_by
+        from ncgear.project.tooth_strength import methods_of, stiffnesses
+
+        first, second = self.by_stage
+        if first.tooth_load.load != "masses":
+            cycle = self.transmission.cycle_rad
+            return BorneTorque(first.tooth_load.torque_n_mm, cycle), BorneTorque(second.tooth_load.torque_n_mm, cycle)
+        meshings = []
+        for one in (first, second):
+            sections, width = one.face_sections, one.gears.face_width_mm
+            methods = methods_of("estimate", sections, one.materials, one.rims)
+            stiff = stiffnesses(one.tooth_load, sections, width, methods, one.materials)
+            each = [(part.teeth, own) for part, own in zip(sections.each, stiff, strict=True)]
+            meshings.append(meshing_of(Simulation(), one.pitch, each))
+        with self.stopwatch("knocks"):
+            return train_borne_by((first.tooth_load, second.tooth_load), meshings)
 
     @computed
     def _any_meshing(self) -> Meshing:
@@ -336,7 +361,7 @@ class Drive(Geared):
 
         pitch, teeth, stiffness = self.pitch, self.teeth, self.pair_stiffness
         with self.stopwatch("gaps"):
-            return meshing_of(self.design.simulation, pitch, teeth, stiffness)
+            return meshing_of(self.design.simulation, pitch, [(teeth, stiffness)])
 
     @computed
     def stiffness_range(self) -> Range:
@@ -397,7 +422,7 @@ class Drive(Geared):
         """
         from ncgear.dynamics.crank_load import crank_load
         from ncgear.dynamics.motion_in_time import Start, ToothedMachine, course, started
-        from ncgear.project.forces import damped, drive_line_of
+        from ncgear.project.forces import damped, drive_line_of, mean_inertia, swinging_inertia
         from ncgear.project.motor import fitting_simulated, told_words
 
         if self.motor_stall is not None:
@@ -406,7 +431,8 @@ class Drive(Geared):
         driving, meshing = drive_line_of(given, masses, speed), self.meshing.stiffened(stiffness_factor)
         with self.stopwatch("motion in time" if stiffness_factor == 1.0 else "band of stiffness"):
             load = crank_load(self.linkage, masses, self.machine.load)
-            toothed = ToothedMachine(driving, damped(given, meshing, driving, load), load)
+            inertia = swinging_inertia(meshing, driving.inertia_n_mm_s2, mean_inertia(load))
+            toothed = ToothedMachine(driving, damped(given, meshing, inertia), load)
             state = started(toothed, self.transmission, Start(given.start), speed)
             said = "" if stiffness_factor == 1.0 else f" at {stiffness_factor:g} times the stiffness"
 
@@ -496,13 +522,24 @@ class Drive(Geared):
 
         return face_loading_of(self)
 
+    @computed
+    def rims(self) -> tuple[Rim, Rim]:
+        """The walls under the teeth of the driving and the driven gear; raises where a body cannot be made."""
+        from ncgear.project.tooth_strength import rim_of
+
+        helical = self.helix is not None
+        driving, driven = (
+            rim_of(self.teeth.of(gear), plan, helical=helical)
+            for gear, plan in zip(Gear, self.finished_plans, strict=True)
+        )
+        return driving, driven
+
     def _judged(self, method: Literal["estimate", "elements"]) -> JudgedTeeth:
         from ncgear.project.tooth_strength import judged_teeth, methods_of
 
-        require_whole_turns(self.design, "the strength of the teeth")
-        load, teeth = self.tooth_load.load, self.teeth
+        load, sections = self.tooth_load.load, self.face_sections
         with self.stopwatch("strength"), located(self.places):
-            methods = methods_of(method, teeth, self.materials)
+            methods = methods_of(method, sections, self.materials, self.rims)
             loading = self.loading(methods, self.materials)
             running, uneven, shaken = self.running, self.face_loading, self.vibration
             return judged_teeth(method, self.gears, methods, loading, self.conditions, running, load, uneven, shaken)

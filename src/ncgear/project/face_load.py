@@ -15,7 +15,7 @@ mean of what it takes off both materials.  Not counted: play in the bearings, an
 from __future__ import annotations
 
 from dataclasses import replace
-from math import hypot, radians, tan
+from math import hypot, isinf, radians, tan
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -58,6 +58,18 @@ class FaceLoading:
     why: str = ""
     model: FaceModel | None = None
     asked: ToothLoad | None = None
+
+    @property
+    def rigid_bearings(self) -> list[str]:
+        """The bearings that count as rigid, since neither their stiffness nor their static rating is given."""
+        if self.model is None:
+            return []
+        return [
+            f"{name} of the {gear.value} shaft"
+            for gear, shaft in zip(Gear, self.model.shafts, strict=True)
+            for name, one in zip(("bearing_a", "bearing_b"), shaft.supports, strict=True)
+            if isinf(one.stiffness_n_mm)
+        ]
 
     def of_contacts(self, contacts: LoadedContacts, application_factor: float, shaken: Array) -> Array:
         """K_Hbeta of contacts with K_V ``shaken``, shape (n,) each; raises as ``FaceModel.factors`` does."""
@@ -183,7 +195,7 @@ def _askew_mm(design: Design, running: Running) -> float:
     """By how much flanks lie askew over the face width, in either sense."""
     given, width = design.tolerances, running.face_width_mm
     slopes = []
-    for gear, teeth, grade in zip(Gear, running.teeth, grades_of(design), strict=True):
+    for gear, teeth, grade in zip(Gear, running.whole, grades_of(design), strict=True):
         own = None if given is None else getattr(given, gear.value)
         slopes.append(0.0 if grade is None else helix_slope_mm(grade, running.module_mm * teeth, width))
         slopes.append(0.0 if own is None else width * tan(radians(own.tilt_deg)))
@@ -244,7 +256,7 @@ def told_face_load(loading: FaceLoading, contacts: LoadedContacts, over: float, 
     model = loading.model
     if model is None or not contacts.force_n.size:
         return None
-    loads, place, force = loading.loads_of(contacts, over, shaken), contacts.position, shaken * contacts.force_n
+    loads, place, force = loading.loads_of(contacts, over, shaken), contacts.position, shaken * contacts.over_width_n
     factors = model.factors(loads)[place]
     tooth = contacts.on(Gear.DRIVING).tooth
     line = factors * force

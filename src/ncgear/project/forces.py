@@ -12,11 +12,12 @@ from ncgear.contact.placement import BOTH_SIDES
 from ncgear.design.keys.masses import Simulation
 from ncgear.dynamics.crank_load import CrankLoad, crank_load
 from ncgear.dynamics.flank_changes import BorneTorque, borne_torque
-from ncgear.dynamics.gaps import gaps_of
+from ncgear.dynamics.gaps import PER_TOOTH, Gaps, gaps_of
 from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.dynamics.meshing import Friction, Impact, Meshing
 from ncgear.dynamics.motion_in_time import DriveLine, EvenDrive, Motor, law_table
 from ncgear.dynamics.pair_places import PairStiffness
+from ncgear.dynamics.train_knocks import KnockingTrain, TrainPair
 from ncgear.errors import WrongInput
 from ncgear.kinematics.motion import stretches
 from ncgear.mechanisms.masses import Masses
@@ -70,16 +71,22 @@ def require_possible_stiffness(given: Simulation, face_width_mm: float) -> None:
 
 
 def meshing_of(
-    given: Simulation, pitch: PitchPair, teeth: ToothedPair, own: PairStiffness, sides: Sequence[int] = BOTH_SIDES
+    given: Simulation,
+    pitch: PitchPair,
+    sections: Sequence[tuple[ToothedPair, PairStiffness]],
+    sides: Sequence[int] = BOTH_SIDES,
 ) -> Meshing:
-    """The pair of gears under load: with the stiffness given, or where none is, with the teeth's ``own``.
+    """The pair of gears under load: with the stiffness given, or where none is, with the teeth's own.
 
+    ``sections`` are the teeth beside each other along the face width, one of straight ones, each with its stiffness.
     Only ``sides`` of the teeth can touch.
     """
     depth_mm = given.full_damping_depth_mm or pitch.size.module_mm / FULLY_DAMPED
     impact = Impact(given.exponent, given.damping_n_s_mm or 0.0, depth_mm)
-    gaps, key = gaps_of(teeth, pitch, stiffness_of(given, own), sides=sides), given.stiffness_n_mm and STIFFNESS
-    return Meshing(law_table(pitch.transmission), gaps, impact, friction_of(given), key or None)
+    per_tooth = PER_TOOTH if len(sections) == 1 else PER_TOOTH // 2
+    parts = [gaps_of(teeth, pitch, stiffness_of(given, own), per_tooth, sides) for teeth, own in sections]
+    key = given.stiffness_n_mm and STIFFNESS
+    return Meshing(law_table(pitch.transmission), Gaps.beside(parts), impact, friction_of(given), key or None)
 
 
 def friction_of(given: Simulation) -> Friction:
@@ -94,24 +101,41 @@ def stiffness_of(given: Simulation, own: PairStiffness) -> PairStiffness:
     return own if constant is None else lambda places: np.full(places.flanks.shape, constant)
 
 
-def damped(given: Simulation, meshing: Meshing, drive: DriveLine, load: CrankLoad) -> Meshing:
+def damped(given: Simulation, meshing: Meshing, inertia_n_mm_s2: float) -> Meshing:
     """The pair of gears with the damping given, or where none is, with the ratio given to the critical damping.
 
-    It is 2 sqrt(k m) of one pair of teeth with the mean stiffness k, between the shafts' mean inertias, each as a mass
-    at the end of the normal force's arm, 1/m = r1^2/J1 + r2^2/J2; for exponents other than 1, k is the slope of the
-    force at the depth of full damping.
+    It is 2 sqrt(k m) of one pair of teeth with the mean stiffness k and the inertia that swings on it, about the driven
+    axis, as a mass at the end of the normal force's arm; for exponents other than 1, k is the slope of the force at the
+    depth of full damping.  Each section of helical teeth has its part.
     """
     if given.damping_n_s_mm is not None:
         return meshing
-    crank_rad = np.linspace(0.0, 2.0 * pi, SAMPLES, endpoint=False)
-    lever, ratio = meshing.gaps.touching_levers_mm, meshing.law.at(crank_rad)[1]
-    driven = float(np.mean(lever**2)) / float(np.mean(load.table.at(crank_rad)[0][..., 0]))
-    inertia = drive.inertia_n_mm_s2
-    driving = float(np.mean(lever**2)) * float(np.mean(ratio)) ** 2 / inertia if inertia else 0.0
-    exponent, depth = meshing.impact.exponent, meshing.impact.full_damping_depth_mm
-    stiffness = float(np.mean(meshing.gaps.touching_stiffness)) * exponent * depth ** (exponent - 1.0)
-    critical = 2.0 * sqrt(stiffness / (driven + driving))
+    lever, exponent, depth = (
+        meshing.gaps.touching_levers_mm,
+        meshing.impact.exponent,
+        meshing.impact.full_damping_depth_mm,
+    )
+    mass, sections = inertia_n_mm_s2 / float(np.mean(lever**2)), meshing.gaps.sections
+    stiffness = sections * float(np.mean(meshing.gaps.touching_stiffness)) * exponent * depth ** (exponent - 1.0)
+    critical = 2.0 * sqrt(stiffness * mass) / sections
     return replace(meshing, impact=replace(meshing.impact, damping_n_s_mm=given.damping_ratio * critical))
+
+
+def swinging_inertia(meshing: Meshing, driving_n_mm_s2: float, driven_n_mm_s2: float) -> float:
+    """What swings on the teeth between two shafts, about the driven axis: 1/J = 1/J2 + i^2/J1, i the mean slope.
+
+    A driving shaft that turns evenly has an inertia of 0 here, which stands for one without end.
+    """
+    crank_rad = np.linspace(0.0, 2.0 * pi, SAMPLES, endpoint=False)
+    ratio = float(np.mean(meshing.law.at(crank_rad)[1]))
+    driving = ratio**2 / driving_n_mm_s2 if driving_n_mm_s2 else 0.0
+    return 1.0 / (1.0 / driven_n_mm_s2 + driving)
+
+
+def mean_inertia(load: CrankLoad) -> float:
+    """The mean inertia of what the crank turns over a turn of it, in N mm s^2."""
+    crank_rad = np.linspace(0.0, 2.0 * pi, SAMPLES, endpoint=False)
+    return float(np.mean(load.table.at(crank_rad)[0][..., 0]))
 
 
 def borne_by(load: ToothLoad, meshing: Meshing) -> BorneTorque:
@@ -128,8 +152,29 @@ def borne_by(load: ToothLoad, meshing: Meshing) -> BorneTorque:
         driven = crank_load(machine.linkage, load.machine.masses, machine.load)
     except WrongInput:
         return still
-    knocking = damped(Simulation(), meshing, EvenDrive(machine.speed_rad_s), driven)
+    knocking = damped(Simulation(), meshing, mean_inertia(driven))
     return borne_torque(knocking, driven, load.torque_n_mm, machine.speed_rad_s, still.cycle_rad)
+
+
+def train_borne_by(loads: Sequence[ToothLoad], meshings: Sequence[Meshing]) -> tuple[BorneTorque, BorneTorque]:
+    """The torques that two pairs in series bear, as ``borne_by``; they need inertia of the shaft between."""
+    first, second = loads
+    rigid, machine = first.machine, first.machine.machine
+    cycle = machine.transmission.cycle_rad
+    still = BorneTorque(first.torque_n_mm, cycle), BorneTorque(second.torque_n_mm, cycle)
+    between = N_PER_KG_MM_S2 * rigid.masses.between_inertia_kg_mm2
+    if not between:
+        return still
+    try:
+        load = crank_load(machine.linkage, rigid.masses, machine.load)
+    except WrongInput:
+        return still
+    own = between, swinging_inertia(meshings[1], between, mean_inertia(load))
+    pairs = [
+        TrainPair(damped(Simulation(), meshing, inertia), one.torque_n_mm)
+        for meshing, inertia, one in zip(meshings, own, loads, strict=True)
+    ]
+    return KnockingTrain((pairs[0], pairs[1]), between, load, machine.speed_rad_s).borne(cycle)
 
 
 def loaded_places_rad(phi1_rad: Array, meshing: Meshing, rigid: RigidMachine) -> Array:

@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from ncgear.solids.plan.body import BodyPlan
     from ncgear.strength.conditions import Conditions, Running
     from ncgear.strength.material import Material
+    from ncgear.strength.sections import FaceSections
     from ncgear.strength.vibration import Vibration
     from ncgear.teeth.arcs import ArcOutline
     from ncgear.teeth.backlash import Play
@@ -176,6 +177,22 @@ class Geared(Moving):
         pitch, form = self.pitch, self.tooth_form
         with self.stopwatch("teeth"), self.telling_the_finest():
             return toothed_pair(pitch, form, self.chord_tolerance_mm)
+
+    @computed
+    def face_sections(self) -> FaceSections:
+        """The teeth as they are over the face width: straight ones, or the sections of one rise of helical ones."""
+        from ncgear.solids.helical.sections import Sections
+        from ncgear.strength.sections import FaceSection, FaceSections, count_of
+
+        teeth, helix = self.teeth, self.helix
+        if helix is None:
+            return FaceSections.straight(teeth)
+        count, tolerance = count_of(helix.largest_advance_mm, self.rack.pitch_mm), self.chord_tolerance_mm
+        heights = helix.rise_mm * (np.arange(count) + 0.5) / count
+        with self.stopwatch("teeth"), self.telling_the_finest():
+            made = Sections(self.pitch, self.tooth_form, helix, tolerance)
+            sections = tuple(FaceSection(made.at(float(height)).teeth, 1.0 / count) for height in heights)
+        return FaceSections(sections, helix.angle_rad)
 
     @computed
     def pumped(self) -> Pumped | None:
@@ -464,7 +481,13 @@ class Geared(Moving):
         from ncgear.strength.conditions import Running
 
         size, teeth = self.pitch.size, (self.pitch.size.driving_teeth, self.pitch.size.driven_teeth)
-        return Running(size.module_mm, teeth, self.gears.face_width_mm, self.machine.speed_rad_s)
+        width, speed, toothed = self.gears.face_width_mm, self.machine.speed_rad_s, self.pitch.toothed
+        found = Running(size.module_mm, teeth, width, speed, self.overlap_ratio)
+        if toothed is None:
+            return found
+        ends = toothed.covered_rad, float(self.transmission.driven_angle(np.array([toothed.covered_rad])).value[0])
+        driving, driven = (2.0 * toothed.covered_mm / (size.module_mm * abs(end)) for end in ends)
+        return replace(found, around=(driving, driven), stroke_rad=2.0 * toothed.covered_rad)
 
     @computed
     def vibration(self) -> Vibration:
@@ -478,7 +501,8 @@ class Geared(Moving):
         """What the teeth run under, and how safe they shall be."""
         from ncgear.project.service import conditions_of
 
-        return conditions_of(self.design.strength, self.transmission.cycle_rad, self.machine.speed_rad_s)
+        ways = 2.0 if self.design.motion.is_open else 1.0
+        return conditions_of(self.design.strength, ways * self.transmission.cycle_rad, self.machine.speed_rad_s)
 
     @computed
     def materials(self) -> tuple[Material, Material]:

@@ -36,7 +36,13 @@ def rough_meshing(drive: Drive, load: ToothLoad, sides: Sequence[SharedLoad]) ->
     rising = np.diff(values, axis=0) / np.diff(phi1)[:, None, None]
     urge = np.broadcast_to(PUSHING_AND_BACK, (PLACES, 2))
     none = np.zeros((PLACES, 2, 2), dtype=int)
-    gaps = Gaps(PeriodicTable(phi1, np.stack([rising, values[:-1]])), urge, none, np.full(PLACES, np.inf))
+    gaps = Gaps(
+        PeriodicTable(phi1, np.stack([rising, values[:-1]])),
+        urge,
+        none,
+        np.full(PLACES, np.inf),
+        np.zeros(urge.shape[1], dtype=int),
+    )
     given = Simulation()
     impact = Impact(given.exponent, 0.0, gears.module_mm / FULLY_DAMPED)
     return Meshing(law_table(transmission), gaps, impact, friction_of(given))

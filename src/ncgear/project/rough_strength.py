@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache, partial
-from math import ceil, lcm, pi, radians, sin
+from math import ceil, inf, lcm, pi, radians, sin
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from ncgear.project.tooth_load import asked_of
 from ncgear.project.vibration import ToldVibration, told_vibration
 from ncgear.strength.conditions import Conditions
 from ncgear.strength.endurance import materials_of
-from ncgear.strength.iso6336 import RackTip
+from ncgear.strength.iso6336 import RackTip, rim_factor, thinnest_rim_factor
 from ncgear.strength.material import Material
 from ncgear.strength.materials import Plastic
 from ncgear.strength.plastics import friction, temperatures_of
@@ -76,7 +76,7 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
     The results of the last two pairs are kept, since several conditions ask for them.
     """
     design = drive.design
-    if design.gears is None or (design.masses is None and design.resistance is None):
+    if design.gears is None or not design.loads_teeth:
         return None
     if design.stages > 1 and drive.stage is None:
         return None
@@ -85,7 +85,7 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
     except DesignError as error:
         # Pitch curves and forces may be refused; a check does not ask for them.
         return RoughStrength((), error.problem)
-    if not load.force_n.any():
+    if not load.force_n.any() and design.strength.overload is None:
         return RoughStrength((), "nothing that is given presses the teeth at any angle")
     if np.any(load.force_n < 0.0):
         return RoughStrength((), "the teeth cannot push the driven gear at every angle")
@@ -99,7 +99,12 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
 
         load = rolled_load(drive, borne_by(asked, rough_meshing(drive, asked, sides)).at)
         sides = shared_loads(load, plan, running, drive.materials)
-    needs_teeth = _needs_teeth(drive, plan, load, sides)
+    in_series = asked.load == "masses" and not asked.knocks_are_judged and len(sides) > 1
+    if asked.loads_return:
+        sides = [*sides, *shared_loads(rolled_load(drive, asked.returning_n_mm), plan, running, drive.materials)]
+    needs_teeth = _needs_teeth(drive, plan, load, sides) if sides else ""
+    if in_series:
+        needs_teeth = needs_teeth or "it needs the teeth to tell how hard two pairs in series knock"
     warm, still = _warm(drive, sides, load.phi1_rad.size), conditions.dynamic_factor or 1.0
     jammed = list[RoughSafety]()
     try:
@@ -108,6 +113,8 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
             once = replace(conditions, application_factor=1.0, dynamic_factor=1.0)
             borne = shared_loads(pressed, plan, running, drive.materials)
             jammed = static_safeties(borne, plan, running, warm, once, _uneven(drive, borne, once, _even(borne, 1.0)))
+            if not sides:
+                return RoughStrength(tuple(jammed), "", _needs_teeth(drive, plan, pressed, borne), True)
         why = _no_life(drive)
         if not why:
             mesh = rough_mesh(drive, sides, load)
@@ -151,9 +158,9 @@ def rough_mesh(drive: Drive, sides: list[SharedLoad], load: RolledLoad) -> MeshS
             strict=True,
         )
     )
-    order = np.argsort(phi1)
-    cycle = 2.0 * pi * round(load.phi1_rad.size / PER_TOOTH / drive.running.teeth[0])
-    return MeshStiffness.of(phi1[order], stiffness[order], pairs[order], cycle, PER_TOOTH)
+    cycle = 2.0 * pi * round(load.phi1_rad.size / PER_TOOTH / drive.running.teeth[0]) if load.closed else None
+    per_pitch = PER_TOOTH * (2 if asked_of(drive).loads_return else 1)
+    return MeshStiffness.of(phi1, stiffness, pairs, cycle, per_pitch)
 
 
 def rough_damage(found: RoughStrength, one: RoughSafety) -> str:
@@ -164,11 +171,7 @@ def rough_damage(found: RoughStrength, one: RoughSafety) -> str:
 def _no_life(drive: Drive) -> str:
     """Why no life of these teeth is told under any load."""
     if drive.helix is not None:
-        return (
-            "helical teeth are not followed under load, and only roots are judged, as of straight teeth of one section"
-        )
-    if drive.design.motion.is_open:
-        return "gears that turn to and fro, less than once, are not followed under load"
+        return "it needs the teeth to tell of helical ones, whose roots a check judges as straight ones"
     return ""
 
 
@@ -230,7 +233,20 @@ def tooth_plan(drive: Drive) -> ToothPlan:
     module, (pushing, idle) = form.rack.module_mm, rack.angles_deg
     shifts = form.driving_shift_mm / module, form.driven_shift_mm / module
     tip = RackTip(rack.dedendum, rack.root_radius)
-    return ToothPlan(tip, rack.addendum, shifts, (radians(pushing), radians(idle)), form.rack.relief)
+    rims = _even_rim(drive, Gear.DRIVING), _even_rim(drive, Gear.DRIVEN)
+    return ToothPlan(tip, rack.addendum, shifts, (radians(pushing), radians(idle)), form.rack.relief, rims)
+
+
+def _even_rim(drive: Drive, gear: Gear) -> float:
+    """Y_B of a gear by the walls that its keys give: of a web, a ring and lightening holes, not of a bore."""
+    body, module, internal = getattr(drive.gears, gear.value), drive.running.module_mm, drive.pitch.of(gear).is_ring
+    # A rim that the file leaves out is thick enough.
+    walls = [body.rim_mm] if internal and body.rim_mm is not None else []
+    walls += [body.web.rim_mm] if body.web else []
+    walls += [body.lightening_holes.least_wall_mm] if body.lightening_holes else []
+    height_mm = module * (drive.gears.rack.addendum + drive.gears.rack.dedendum)
+    raised = rim_factor(min(walls, default=inf), height_mm, module, internal=internal)
+    return min(float(raised), thinnest_rim_factor(internal=internal))
 
 
 def rolled_load(drive: Drive, torque_n_mm: Callable[[Array], Array] | None = None) -> RolledLoad:

@@ -72,7 +72,7 @@ def rating_of(drive: Drive, method: Literal["estimate", "elements"] | None = Non
     method = method or drive.design.strength.method
     strength, loading = drive.strength_by(method), drive.loading_by(method)
     area_mm2 = drive.gears.face_width_mm * drive.pitch.size.module_mm
-    if strength.contacts.force_n.max(initial=0.0) < NOTHING_MPA * area_mm2:
+    if strength.peak_pair_n < NOTHING_MPA * area_mm2:
         raise WrongInput("the teeth bear no load at any angle, so that nothing can be said of them", key="resistance")
     wanted = {gear: _wanted(drive, strength, gear) for gear in Gear}
     return Rating(strength, loading, tuple(weakest_teeth(strength, wanted)))
@@ -103,16 +103,12 @@ def unknown(drive: Drive) -> WrongInput | None:
     design = drive.design
     if design.gears is None:
         return WrongInput("missing; gears need teeth, module_mm, face_width_mm and more", key="gears")
-    if design.masses is None and design.resistance is None:
+    if not design.loads_teeth:
         return WrongInput("missing; the load of the teeth needs it, or masses", key="resistance")
-    if design.motion.is_open:
-        return WrongInput("open, but strength is computed of gears that turn on and on", key="motion.law")
     if design.stages > 1 and drive.stage is None:
         return WrongInput(
             "two pairs of gears, each with a strength of its own; one pair is right here", key="motion.second_stage"
         )
-    if drive.helix is not None:
-        return WrongInput("helical teeth are not followed under load; leave it out", key="gears.helix")
     return None
 
 

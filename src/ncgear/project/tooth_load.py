@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,13 +22,15 @@ from ncgear.ratio.transmission import Pair
 
 if TYPE_CHECKING:
     from ncgear.project.geared import Geared
+    from ncgear.strength.answer import LoadBy
 
 
 @dataclass(frozen=True, eq=False)
 class ToothLoad:
     """The torque that a machine at constant driving speed asks of the driven gear of one of its pairs.
 
-    ``load`` says what counts: the machine's masses with the resistance, or the resistance alone.  ``place`` is how the
+    ``load`` says what counts: the machine's masses with the resistance, the resistance alone, or nothing but a jam,
+    without which the teeth bear nothing: ``jam_n_mm`` is its torque at the driving shaft.  ``place`` is how the
     pair's gears lie.  Angles are of the pair's own driving gear.
 
     A pair passes on the power that its driven gear's shaft takes in; friction between the teeth is not counted.  The
@@ -35,11 +38,12 @@ class ToothLoad:
     crank alone.
     """
 
-    load: Literal["masses", "resistance"]
+    load: LoadBy
     machine: RigidMachine
     pair: Pair
     place: MeshPlace
     turns_crank: bool
+    jam_n_mm: float | None = None
 
     def torque_n_mm(self, angle_rad: Array) -> Array:
         """Torque asked of the driven gear, shape (n,)."""
@@ -48,6 +52,16 @@ class ToothLoad:
             return loads.driven_torque.value
         return self.passed_on_n_mm(loads.driving_torque.value, angle_rad)
 
+    @property
+    def loads_return(self) -> bool:
+        """Whether the gears turn to and fro, less than once, and bear load on their way back."""
+        open_range = self.pair.transmission.lobes.range is not None
+        return open_range and self.machine.machine.load.loads_return
+
+    def returning_n_mm(self, angle_rad: Array) -> Array:
+        """Torque asked of the driven gear on the way back, in the sense of the way out, shape (n,)."""
+        return self.machine.coming_back(angle_rad).driven_torque.value
+
     def passed_on_n_mm(self, driving_n_mm: Array | float, angle_rad: Array) -> Array:
         """The torque of the driven gear that the machine's driving shaft asks or gives with its own, shape (n,)."""
         driven_speed = self.pair.transmission.driven_angle(angle_rad, 1).derivative(1) * self.pair.speed(angle_rad)
@@ -55,7 +69,10 @@ class ToothLoad:
 
     @property
     def knocks_are_judged(self) -> bool:
-        """Whether what the teeth bear where the load changes flanks is followed: of a single pair, with masses."""
+        """Whether what the teeth bear where the load changes flanks is followed for this pair alone, which has masses.
+
+        Two pairs in series are followed together (``ncgear.project.forces.train_borne_by``).
+        """
         return self.load == "masses" and self.machine.between is None
 
     def mesh_force(self, angle_rad: Array, torque_n_mm: Array | None = None) -> MeshForce:
@@ -74,10 +91,11 @@ class ToothLoad:
 
     @property
     def peak_n(self) -> float:
-        """Largest normal force of all pairs of teeth together."""
+        """Largest normal force of all pairs of teeth together; that of the jam where nothing else loads them."""
 
         def size_n(angle_rad: Array) -> Array:
-            return np.abs(self.mesh_force(angle_rad).size_n.value).reshape(1, -1)
+            torque = self.torque_n_mm if self.jam_n_mm is None else partial(self.passed_on_n_mm, self.jam_n_mm)
+            return np.abs(self.mesh_force(angle_rad, torque(angle_rad)).size_n.value).reshape(1, -1)
 
         (peak,) = largest_of_each(size_n, sample_angles(self.pair.transmission))
         return peak.value
@@ -86,19 +104,23 @@ class ToothLoad:
 def asked_of(drive: Geared) -> ToothLoad:
     """What a drive asks of the teeth of its pair: with masses, or where there are none, of the resistance alone.
 
-    Raises WrongInput where there is neither, and where there are two pairs and the drive has no stage.
+    Raises WrongInput where there is neither, nor a jam, and where there are two pairs and the drive has no stage.
     """
     pair, place, design = drive.pair, mesh_place(drive.gears, drive.pitch.center_distance_mm), drive.design
     last = drive.stage in (None, design.stages)
     if design.masses is not None:
         return ToothLoad("masses", drive.loaded_machine(drive.machine), pair, place, last)
-    if design.resistance is None:
+    if design.resistance is None and design.strength.overload is None:
         raise WrongInput(
             "missing, and so are masses; the load of the teeth follows from the force against the slider, from the "
             "moving masses, or from both: give one of them",
             key="resistance",
         )
-    return ToothLoad("resistance", RigidMachine(drive.machine, drive.linkage.MASSES()), pair, place, last)
+    machine = RigidMachine(drive.machine, drive.linkage.MASSES())
+    if design.resistance is not None:
+        return ToothLoad("resistance", machine, pair, place, last)
+    jam = drive.conditions.overload
+    return ToothLoad("jam", machine, pair, place, last, None if jam is None else jam.driving_n_mm)
 
 
 def tooth_load(drive: Geared) -> ToothLoad:

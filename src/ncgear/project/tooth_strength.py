@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
-from math import pi
+from functools import partial
 from typing import TYPE_CHECKING, Literal
 
+import numpy as np
+
 from ncgear.design.keys.gears import Gears
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
@@ -18,17 +21,20 @@ from ncgear.strength.conditions import Conditions, Running
 from ncgear.strength.contacts import LoadedContacts
 from ncgear.strength.endurance import materials_of
 from ncgear.strength.estimate import estimate_of
+from ncgear.strength.iso6336 import rim_factor, thinnest_rim_factor
 from ncgear.strength.life import strength_of, stresses_of, worse_of
 from ncgear.strength.material import Material
 from ncgear.strength.materials import Choice, Plastic
 from ncgear.strength.plastics import ToothTemperature, friction, lost_w, temperatures_of
+from ncgear.strength.sections import FaceSections, InSections
 from ncgear.strength.stiffness import EvenTeeth, LinearTeeth
 from ncgear.strength.surfaces import Surfaces, surfaces_of
-from ncgear.teeth.gear import ToothedGear, ToothedPair
+from ncgear.teeth.gear import ToothedGear
 
 if TYPE_CHECKING:
     from ncgear.project.face_load import FaceLoading
-    from ncgear.strength.answer import Strength
+    from ncgear.solids.plan.body import BodyPlan
+    from ncgear.strength.answer import LoadBy, Strength
     from ncgear.strength.loading import Loading
     from ncgear.strength.method import ToothMethod
     from ncgear.strength.vibration import Vibration
@@ -46,7 +52,7 @@ class JudgedTeeth:
 
     loading: Loading
     strength: Strength
-    methods: tuple[ToothMethod, ToothMethod]
+    methods: tuple[InSections, InSections]
     warm: tuple[ToothTemperature, ToothTemperature]
     jammed: Strength | None = None
 
@@ -54,11 +60,11 @@ class JudgedTeeth:
 def judged_teeth(
     method: Method,
     gears: Gears,
-    methods: tuple[ToothMethod, ToothMethod],
+    methods: tuple[InSections, InSections],
     loading: Loading,
     conditions: Conditions,
     running: Running,
-    load: Literal["masses", "resistance"],
+    load: LoadBy,
     face_loading: FaceLoading,
     vibration: Vibration,
 ) -> JudgedTeeth:
@@ -70,7 +76,7 @@ def judged_teeth(
     choices = choices_of(gears)
     warm = temperatures_of(choices, conditions, running, _lost_w(choices, conditions, loading))
     materials = materials_of(choices, conditions, running, warm)
-    cycle_rad = 2.0 * pi * loading.cycle_turns
+    cycle_rad = loading.cycle_rad
 
     def found(loads: Loading, under: Conditions) -> Strength:
         shaken = vibration.of_contacts(loads.contacts, mesh_stiffness(loads, running), under)
@@ -87,7 +93,10 @@ def judged_teeth(
     jams_h = conditions.overload.times * cycle_rad / running.speed_rad_s / 3600.0
     few = replace(conditions, application_factor=1.0, dynamic_factor=1.0, life_h=jams_h)
     jammed = found(loading.jammed, few)
-    return JudgedTeeth(loading, worse_of(strength, jammed, lives=False), methods, warm, jammed)
+    strength = worse_of(strength, jammed, lives=False)
+    if load == "jam":
+        strength = replace(strength, contacts=jammed.contacts, stresses=jammed.stresses)
+    return JudgedTeeth(loading, strength, methods, warm, jammed)
 
 
 def surfaces_of_teeth(
@@ -113,17 +122,27 @@ def surfaces_of_teeth(
 
 
 def methods_of(
-    method: Method, teeth: ToothedPair, materials: tuple[Material, Material]
-) -> tuple[ToothMethod, ToothMethod]:
-    """What a method knows of the teeth of both gears."""
+    method: Method, sections: FaceSections, materials: tuple[Material, Material], rims: tuple[Rim, Rim]
+) -> tuple[InSections, InSections]:
+    """What a method knows of the teeth of both gears; raises WrongInput for elements of helical teeth."""
+    pairs, helix_rad = [one.teeth for one in sections.each], sections.helix_rad
     if method == "elements":
         # Loads slowly, and only where it is asked for.
         from ncgear.strength.elements.teeth import elements_of
 
-        driving, driven = (elements_of(teeth.of(gear), one) for gear, one in zip(Gear, materials, strict=True))
-        return driving, driven
-    beams = tuple(estimate_of(teeth.of(gear), one) for gear, one in zip(Gear, materials, strict=True))
-    return beams[0], beams[1]
+        if helix_rad:
+            raise WrongInput(
+                "elements given, but they are plane, and helical teeth bend across the plane; estimate is right",
+                key="strength.method",
+            )
+        made: Callable[[ToothedGear, Material], ToothMethod] = elements_of
+    else:
+        made = partial(estimate_of, helix_rad=helix_rad)
+    driving, driven = (
+        InSections(tuple(made(pair.of(gear), material) for pair in pairs), rim.counted)
+        for gear, material, rim in zip(Gear, materials, rims, strict=True)
+    )
+    return driving, driven
 
 
 def _lost_w(choices: tuple[Choice, Choice], conditions: Conditions, loading: Loading) -> float:
@@ -138,16 +157,50 @@ LIGHTEST_N_MM = 1.0
 """Load per mm of face width at which contacts are taken to be flattened where the teeth bear less: next to nothing."""
 
 
-def linear_teeth(
+@dataclass(frozen=True, eq=False)
+class Rim:
+    """The walls under the roots of a gear's teeth in mm and Y_B by them, shape (z,) each; infinite where not known."""
+
+    wall_mm: Array
+    factor: Array
+    internal: bool
+
+    @property
+    def counted(self) -> Array:
+        """Y_B as it counts, shape (z,): where it is not known, that of the thinnest wall for which it is."""
+        return np.minimum(self.factor, thinnest_rim_factor(internal=self.internal))
+
+    @property
+    def worst(self) -> int:
+        """The row of the tooth with the thinnest wall."""
+        return int(self.wall_mm.argmin())
+
+
+def rim_of(gear: ToothedGear, plan: BodyPlan, *, helical: bool) -> Rim:
+    """The walls under the teeth of a gear in its body; all helical teeth count as the one with the thinnest wall."""
+    from ncgear.solids.plan.walls import walls_mm
+
+    walls, rack = walls_mm(gear, plan), gear.flanks.rack
+    if helical:
+        walls = np.full_like(walls, walls.min())
+    height_mm = rack.addendum_mm + rack.dedendum_mm
+    return Rim(walls, rim_factor(walls, height_mm, rack.module_mm, internal=plan.is_ring), plan.is_ring)
+
+
+def stiffnesses(
     load: ToothLoad,
-    teeth: ToothedPair,
+    sections: FaceSections,
     face_width_mm: float,
-    methods: tuple[ToothMethod, ToothMethod],
+    methods: tuple[InSections, InSections],
     materials: tuple[Material, Material],
-) -> LinearTeeth:
-    """The stiffness of pairs of teeth by methods for the driving and the driven gear, at their largest load."""
+) -> list[LinearTeeth]:
+    """The stiffness of pairs of teeth in each section of the face width, at their largest load."""
     line_load = max(load.peak_n / face_width_mm, LIGHTEST_N_MM)
-    return LinearTeeth(teeth, methods, materials, face_width_mm, line_load)
+    each = zip(sections.each, methods[0].each, methods[1].each, strict=True)
+    return [
+        LinearTeeth(one.teeth, (driving, driven), materials, one.share * face_width_mm, line_load)
+        for one, driving, driven in each
+    ]
 
 
 def estimated(gear: ToothedGear, material: Material) -> ToothMethod:

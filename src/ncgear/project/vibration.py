@@ -2,8 +2,9 @@
 
 The inertias are those of both shafts of the pair: all that turns with the driving gear, and all that the driven gear
 moves, reduced to its shaft, so that a slider counts most where it is fastest.  Of two pairs in series the shaft between
-ends the vibration of either.  Without masses both gears are discs within their pitch curves.  Not counted: that shafts
-twist, which keeps heavy masses behind them out of the vibration and raises its frequency.
+ends the vibration of either.  Without masses both gears are discs within their pitch curves.  Gears that turn less than
+once are as stiff at an angle as the mean of the way out and the way back.  Not counted: that shafts twist, which keeps
+heavy masses behind them out of the vibration and raises its frequency.
 """
 
 from __future__ import annotations
@@ -57,7 +58,7 @@ def vibration_of(drive: Geared) -> Vibration:
 def _inertias_of(drive: Geared) -> Callable[[Array], tuple[Array, Array]]:
     """From driving angles to the inertias in kg mm2 of the driving and the driven shaft of a pair, shape (n,) each."""
     asked, gears, pitch = asked_of(drive), drive.gears, drive.pitch
-    if asked.load == "resistance":
+    if asked.load != "masses":
         discs = [
             disc_kg_mm2(gears, pitch.of(gear), pitch.size.module_mm, density)
             for gear, density in zip(Gear, densities_kg_m3(None, gears), strict=True)
@@ -84,7 +85,7 @@ def _deviations_mm(drive: Geared, asked: ToothLoad) -> tuple[float, float]:
     Running in takes off half of what it takes off flanks askew, the mean of both materials (ISO 6336-1, y_alpha).
     """
     running, given, found = drive.running, drive.design.tolerances, []
-    for gear, grade, teeth in zip(Gear, grades_of(drive.design), running.teeth, strict=True):
+    for gear, grade, teeth in zip(Gear, grades_of(drive.design), running.whole, strict=True):
         allowed = flank_tolerances(grade or GRADE, np.array(running.module_mm * teeth), running.module_mm)
         own = None if given is None else getattr(given, gear.value)
         pitch, profile = (None, None) if own is None else (own.single_pitch_mm, own.profile_mm)
@@ -104,10 +105,12 @@ def mesh_stiffness(loading: Loading, running: Running) -> MeshStiffness | None:
     contacts, even = loading.contacts, loading.even
     stiffness, pairs = (
         np.bincount(contacts.position, one, even.size)[even].astype(float)
-        for one in (contacts.stiffness_n_mm, np.ones(contacts.force_n.size))
+        for one in (contacts.stiffness_n_mm, contacts.share)
     )
-    per_pitch = int(even.sum()) // (loading.cycle_turns * running.teeth[0])
-    return MeshStiffness.of(loading.phi1_rad[even], stiffness, pairs, 2.0 * pi * loading.cycle_turns, per_pitch)
+    cycle_rad = loading.cycle_rad if loading.closed else None
+    pitches = running.whole[0] * (cycle_rad or running.stroke_rad / 2.0) / (2.0 * pi)
+    per_pitch = max(round(int(even.sum()) / pitches), 1)
+    return MeshStiffness.of(loading.phi1_rad[even], stiffness, pairs, cycle_rad, per_pitch)
 
 
 @dataclass(frozen=True)
@@ -189,10 +192,13 @@ class SpeedSweep:
 
 
 def speed_sweep(drive: Geared, loading: Loading) -> SpeedSweep | None:
-    """The sweep of a pair under its loads without knocks; None where nothing has inertia or bears load."""
+    """The sweep of a pair under its loads without knocks; None where nothing has inertia or bears load.
+
+    Gears that turn less than once pass no speed for long: None.
+    """
     loads, running = loading.still or loading, drive.running
     mesh, contacts = mesh_stiffness(loads, running), loads.contacts
-    if mesh is None:
+    if mesh is None or not loads.closed:
         return None
     pair_force = np.bincount(contacts.position, contacts.force_n, loads.even.size).astype(float)
     phi1, force = loads.phi1_rad[loads.even], pair_force[loads.even]
@@ -220,7 +226,7 @@ def _load_factor(drive: Geared, loads: Loading, speeds_rad_s: Array) -> Array | 
     stiffness = np.bincount(loads.contacts.position, loads.contacts.stiffness_n_mm, loads.even.size)[rows]
     swinging = SwingingMesh(
         phi1,
-        2.0 * pi * min(loads.cycle_turns, MOST_TURNS),
+        min(loads.cycle_rad, 2.0 * pi * MOST_TURNS),
         stiffness * arm**2,
         N_PER_KG_MM_S2 * drive.vibration.reduced_kg(phi1) * arm**2,
         loads.error_rad[rows],

@@ -49,7 +49,7 @@ STAGES: dict[str, dict[str, Callable[[Drive], float]]] = {
         "contact.sliding_velocity_max_mm_s": lambda drive: drive.contact_extremes.sliding_mm_s.value,
     },
     "strength": {
-        "strength.peak_tooth_force_n": lambda drive: float(drive.strength.contacts.force_n.max()),
+        "strength.peak_tooth_force_n": lambda drive: drive.strength.peak_pair_n,
         **_strength_of(Gear.DRIVING),
         **_strength_of(Gear.DRIVEN),
     },
@@ -84,7 +84,7 @@ def require_stage(design: Design, stage: str) -> None:
     """Raise WrongInput where no design of a file could get to a stage."""
     if design.gears is None:
         raise WrongInput(f"missing; without gears there is no stage {stage}, and --stage check is right", key="gears")
-    if stage == "strength" and design.masses is None and design.resistance is None:
+    if stage == "strength" and not design.loads_teeth:
         raise WrongInput("missing, and so are masses; the load of the teeth follows from them", key="resistance")
 
 

@@ -13,6 +13,9 @@ from ncgear.shown import Shown
 from ncgear.strength.contacts import LoadedContacts
 from ncgear.strength.material import Material
 
+LoadBy = Literal["masses", "resistance", "jam"]
+"""What a load follows from: the machine with its masses, the resistance alone, or a jam and nothing else."""
+
 
 @dataclass(frozen=True, eq=False)
 class ContactStresses:
@@ -31,7 +34,7 @@ class ContactStresses:
 
     def decisive_face_load(self, contacts: LoadedContacts) -> float:
         """K_Hbeta of the contact that bears most for each mm of width; 1 where none bears load."""
-        load = self.face_load_factor * self.dynamic_factor * contacts.force_n
+        load = self.face_load_factor * self.dynamic_factor * contacts.over_width_n
         return float(self.face_load_factor[load.argmax()]) if load.size else 1.0
 
 
@@ -83,15 +86,22 @@ class GearStrength:
 class Strength(Shown):
     """Both gears by one method.
 
-    ``load`` says what the load follows from: the machine with its masses, or the resistance alone.
+    ``load`` says what the load follows from.  ``end_rad`` is the
+    driving angle at which the same teeth meet again, or of gears that turn less than once the end of their range.
     """
 
     method: Literal["estimate", "elements"]
-    load: Literal["masses", "resistance"]
+    load: LoadBy
     contacts: LoadedContacts
     stresses: ContactStresses
     driving: GearStrength
     driven: GearStrength
+    end_rad: float
+
+    @property
+    def peak_pair_n(self) -> float:
+        """Largest normal force on a pair of teeth, in all sections of its width; 0 where none bears load."""
+        return float(self.contacts.of_pairs().force_n.max(initial=0.0))
 
     @property
     def wears(self) -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import pi
 from typing import Literal
 
 import numpy as np
@@ -16,17 +17,33 @@ class Running:
     """Size and speed of a pair, as the factors of ISO 6336 need them.
 
     ``teeth`` are those of the driving and the driven gear, ``speed_rad_s`` is the mean speed of the driving gear.
+    ``overlap_ratio`` is how many pitches helical teeth advance over the face width, 0 of straight ones.  Gears that
+    turn less than once have ``around``, the pitches that whole turns of either gear would have at their mean radii, and
+    ``stroke_rad``, by how much the driving gear turns out and back; of others it is a whole turn.
     """
 
     module_mm: float
     teeth: tuple[int, int]
     face_width_mm: float
     speed_rad_s: float
+    overlap_ratio: float = 0.0
+    around: tuple[float, float] | None = None
+    stroke_rad: float = 2.0 * pi
+
+    @property
+    def whole(self) -> tuple[float, float]:
+        """Pitches around the driving and the driven gear, as circular gears of the same mean radii have."""
+        return self.around or self.teeth
 
     @property
     def pitch_speed_m_s(self) -> float:
         """Mean speed along the pitch curves in m/s."""
-        return self.module_mm * self.teeth[0] / 2.0 * self.speed_rad_s / 1000.0
+        return self.module_mm * self.whole[0] / 2.0 * self.speed_rad_s / 1000.0
+
+    def meetings(self, life_h: float) -> Array:
+        """How often a flank of the driving and of the driven gear meets a mate in so many hours, shape (2,)."""
+        strokes = life_h * 3600.0 * self.speed_rad_s / self.stroke_rad
+        return strokes * np.array([1.0, 1.0 if self.around else self.teeth[0] / self.teeth[1]])
 
 
 @dataclass(frozen=True)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask
+from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, largest_rows
 from ncgear.pitch.shape import Gear
 
 
@@ -14,12 +16,14 @@ class FlankPlaces(Columns):
     """n places on the flanks of one gear, in the gear's own frame; shape (n,) each.
 
     ``flank`` numbers the flanks from 0, two for each tooth, as in ``ncgear.teeth.flank``; ``point`` is the place as
-    x + i y in mm, ``inwards`` the unit normal of the flank there that leads into the tooth.
+    x + i y in mm, ``inwards`` the unit normal of the flank there that leads into the tooth.  ``section`` numbers the
+    sections of the face width in which they are; None where the teeth are the same over the width.
     """
 
     flank: IndexArray
     point: ComplexArray
     inwards: ComplexArray
+    section: IndexArray | None = None
 
     @property
     def tooth(self) -> IndexArray:
@@ -35,7 +39,8 @@ class LoadedContacts(Columns):
     BACK.  ``force_n`` is the normal force that the pair bears, in the plane across the axes.  ``relative_curvature``
     is the sum of both flanks' curvatures in 1/mm, infinite where an edge touches; ``flanks`` is false there.
     ``rolling_mm_s`` (shape (n, 2)) are the speeds at which the contact moves along the driving and the driven flank.
-    ``stiffness_n_mm`` is that of the pair.
+    ``stiffness_n_mm`` is that of the pair.  Helical teeth bear in ``section`` of the face width, which has ``share`` of
+    it, and force and stiffness are the pair's there; those of straight teeth are all in section 0, with a share of 1.
     """
 
     position: IndexArray
@@ -52,12 +57,37 @@ class LoadedContacts(Columns):
     driven_flank: IndexArray
     driven_point: ComplexArray
     driven_inwards: ComplexArray
+    section: IndexArray
+    share: Array
 
     def on(self, gear: Gear) -> FlankPlaces:
         """The places on one gear's flanks."""
         if gear is Gear.DRIVING:
-            return FlankPlaces(self.driving_flank, self.driving_point, self.driving_inwards)
-        return FlankPlaces(self.driven_flank, self.driven_point, self.driven_inwards)
+            return FlankPlaces(self.driving_flank, self.driving_point, self.driving_inwards, self.section)
+        return FlankPlaces(self.driven_flank, self.driven_point, self.driven_inwards, self.section)
+
+    @property
+    def over_width_n(self) -> Array:
+        """The force of a pair that bears as much for each mm over the whole face width, shape (n,)."""
+        return self.force_n / self.share
+
+    @property
+    def pair_force_n(self) -> Array:
+        """The force of the whole pair that each contact belongs to, in all its sections, shape (n,)."""
+        pair = self._pairs
+        return np.asarray(np.bincount(pair, self.force_n).astype(float)[pair])
+
+    def of_pairs(self) -> LoadedContacts:
+        """The same with one contact for each position and pair: its most loaded section, with the force of all."""
+        pair = self._pairs
+        rows = np.sort(largest_rows(self.over_width_n, pair, int(pair.max(initial=-1)) + 1))
+        return replace(self, force_n=self.pair_force_n).kept(rows)
+
+    @property
+    def _pairs(self) -> IndexArray:
+        """A number for each position and pair of flanks, shape (n,)."""
+        key = np.stack([self.position, self.driving_flank, self.driven_flank], axis=1)
+        return np.asarray(np.unique(key, axis=0, return_inverse=True)[1].ravel())  # NumPy 2.0.0 gives it another axis.
 
     @property
     def sliding_mm_s(self) -> Array:

@@ -192,7 +192,7 @@ def reliability_factor(share: float) -> float:
 
 def reduced_radius_mm(running: Running) -> float:
     """The radius of relative curvature at the pitch point of circular gears of the same teeth and 20 degrees, in mm."""
-    z1, z2 = running.teeth
+    z1, z2 = running.whole
     return running.module_mm * sin(radians(20.0)) / 2.0 * z1 * z2 / (z1 + z2)
 
 

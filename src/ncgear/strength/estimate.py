@@ -20,13 +20,16 @@ C. Weber, K. Banaschek, "Formaenderung und Profilruecknahme bei gerad- und schra
 Antriebstechnik 11, Vieweg 1953 (from secondary sources), in plane strain.  The body that carries the teeth is a
 half-plane: neither its twist nor its bore count, and neighbouring teeth that bear load do not feel each other.
 
+**Helical teeth** are beams in the section across the tooth.  There a load of 1 for each mm of face width is one of 1
+across for each mm of tooth, and for each mm of width there are 1 / cos(beta) mm of tooth that give way.
+
 ISO 6336 covers circular gears only.  On other gears all this is a local estimate.
 """
 
 from __future__ import annotations
 
 from functools import cached_property
-from math import pi, radians
+from math import cos, pi, radians
 
 import numpy as np
 
@@ -66,11 +69,16 @@ along the tooth (beyond 84 degrees here); so their loads neither bend the tooth 
 
 @dataclass(frozen=True, eq=False)
 class ToothFrames:
-    """The frames of z teeth: where the middle lines cross the pitch curve, and their directions to the tips; (z,)."""
+    """The frames of z teeth: where the middle lines cross the pitch curve, and their directions to the tips; (z,).
+
+    Helical teeth are looked at in the section across them, where all that is across the middle line is ``slender``
+    times, the cosine of the helix angle, as wide as in the section across the axis.
+    """
 
     origin: ComplexArray
     towards_tip: ComplexArray
     towards_front: ComplexArray
+    slender: float = 1.0
 
     def height(self, tooth: IndexArray, point: ComplexArray) -> Array:
         """y of points of teeth (numbered from 0); shapes broadcast."""
@@ -82,7 +90,13 @@ class ToothFrames:
 
     def aside(self, flank: IndexArray, point: ComplexArray) -> Array:
         """x of points, towards the side of flanks; shapes broadcast."""
-        return along(self.outwards(flank), point - self.origin[flank // 2])
+        return self.slender * along(self.outwards(flank), point - self.origin[flank // 2])
+
+    def own(self, flank: IndexArray, vector: ComplexArray) -> ComplexArray:
+        """Vectors as x + i y in the frames of flanks; shapes broadcast."""
+        return np.asarray(
+            self.slender * along(self.outwards(flank), vector) + 1j * along(self.towards_tip[flank // 2], vector)
+        )
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,11 +110,7 @@ class RootSections:
 
     tangent_point: ComplexArray
     radius_mm: Array
-
-    @cached_property
-    def chord_mm(self) -> Array:
-        """s_F."""
-        return np.abs(self.tangent_point[1::2] - self.tangent_point[::2])
+    chord_mm: Array
 
     @cached_property
     def middle(self) -> ComplexArray:
@@ -147,7 +157,8 @@ class Compliance:
 class _Loads:
     """Loads of 1 at n places in the frames of their teeth, x towards the loaded side; shape (n,) each.
 
-    ``across`` is the part of the load against x and ``down`` that against y, both positive as a rule.
+    ``across`` is the part of the load against x and ``down`` that against y, both positive as a rule.  For each mm
+    along a helical tooth the first is that for each mm of face width, and the second less by the cosine of the helix.
     """
 
     tooth: IndexArray
@@ -210,7 +221,8 @@ class Estimate:
         depth = thick / 2.0 / np.maximum(load.across, LEAST_ACROSS)
         reach = np.maximum(reach_mm, LEAST_REACH * depth)
         pressed = np.maximum(np.log(2.0 * depth / reach) - poisson / (2.0 * (1.0 - poisson)), 0.0)
-        return Compliance(tooth, foundation / modulus, 2.0 / (pi * modulus) * pressed)
+        wide = self.frames.slender
+        return Compliance(tooth / wide, foundation / (modulus * wide), 2.0 / (pi * modulus * wide) * pressed)
 
     def root_stress(self, places: FlankPlaces) -> RootStress:
         """Tension at the loaded flank's root, compression at the other one's, shape (n,) each; see the module."""
@@ -240,17 +252,17 @@ class Estimate:
             frames.aside(places.flank, places.point),
             frames.height(tooth, places.point),
             -along(frames.outwards(places.flank), places.inwards),
-            -along(frames.towards_tip[tooth], places.inwards),
+            -frames.slender * along(frames.towards_tip[tooth], places.inwards),
         )
 
 
-def estimate_of(gear: ToothedGear, material: Material) -> Estimate:
-    """The estimate for the teeth of one gear.
+def estimate_of(gear: ToothedGear, material: Material, helix_rad: float = 0.0) -> Estimate:
+    """The estimate for the teeth of one gear, or of a section of a gear whose teeth have a helix angle.
 
     Raises NoSuchMechanism, naming the flank, where one has no fillet.
     """
     flanks, sides = gear.flanks, gear.sides
-    frames = _frames(flanks)
+    frames = _frames(flanks, cos(helix_rad))
     runs = {kind: np.flatnonzero(sides.kind == kind) for kind in SAMPLES}
     bare = np.flatnonzero(np.bincount(sides.owner[runs[FILLET]], minlength=flanks.count) == 0)
     if bare.size:
@@ -278,7 +290,7 @@ def estimate_of(gear: ToothedGear, material: Material) -> Estimate:
     return Estimate(material, frames, halves, _sections(flanks, frames, *sampled[1]))
 
 
-def _frames(flanks: Flanks) -> ToothFrames:
+def _frames(flanks: Flanks, slender: float) -> ToothFrames:
     every = np.arange(flanks.count)
     point, rise = (as_complex(array) for array in flanks.flank(every, np.zeros(flanks.count)))
     rise = rise / np.abs(rise)
@@ -286,12 +298,13 @@ def _frames(flanks: Flanks) -> ToothFrames:
     tip = rise[::2] + rise[1::2]
     tip = tip / np.abs(tip)
     side = 1j * tip * np.sign(along(1j * tip, front - back))
-    return ToothFrames((back + front) / 2.0, tip, side)
+    return ToothFrames((back + front) / 2.0, tip, side, slender)
 
 
 def _lean(frames: ToothFrames, flank: IndexArray, inwards: ComplexArray) -> Array:
     """Angle in rad between sides and the middle line, positive where the tooth gets wider towards its root."""
-    return np.arctan2(along(frames.outwards(flank), inwards), -along(frames.towards_tip[flank // 2], inwards))
+    own = frames.own(flank, inwards)
+    return np.arctan2(own.real, -own.imag)
 
 
 def _halves(frames: ToothFrames, flank: IndexArray, point: ComplexArray, count: int) -> Halves:
@@ -326,7 +339,7 @@ def _sections(
     def leaning(at: Array) -> tuple[ComplexArray, Array, Array]:
         """Points, leans and speeds of the fillets."""
         place, slope = (as_complex(array) for array in flanks.fillet(every, at))
-        return place, _lean(frames, every, slope * way), np.abs(slope)
+        return place, _lean(frames, every, slope * way), np.abs(frames.own(every, slope))
 
     low, high = sigma[before], sigma[after]
     at = (low + high) / 2.0
@@ -336,7 +349,8 @@ def _sections(
         low, high = np.where(over, low, at), np.where(over, at, high)
     place, _, speed = leaning(at)
     turned = leaning(at + step * way / speed)[1] - leaning(at - step * way / speed)[1]
-    return RootSections(place, 2.0 * step / np.abs(turned))
+    chord = np.abs(frames.own(every[1::2], place[1::2] - place[::2]))
+    return RootSections(place, 2.0 * step / np.abs(turned), chord)
 
 
 BISECTIONS = 12

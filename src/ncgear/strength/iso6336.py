@@ -11,7 +11,7 @@ Each function names the part its formula belongs to.
 
 from __future__ import annotations
 
-from math import inf, log, pi, radians, sqrt, tan
+from math import pi, radians, sqrt, tan
 from typing import Any
 
 import numpy as np
@@ -157,14 +157,20 @@ THINNEST_WEB = 0.2
 """Share of the face width under which the stiffness of a web is not known."""
 
 
-def rim_factor(wall_mm: float, height_mm: float, module_mm: float, *, internal: bool) -> float:
+def rim_factor(wall_mm: Real, height_mm: float, module_mm: float, *, internal: bool) -> Real:
     """Y_B, by how much a thin rim raises root stress; infinite where the rim is thinner than what is known.
 
     ISO 6336-3:2006, 9: 1.6 ln(2.242 h / s) of external teeth, 1.15 ln(8.324 m / s) of a ring (values from secondary
-    sources).
+    sources).  Walls of any shape.
     """
     thick, thin = THIN_RIM if internal else THICK_RIM
-    share = wall_mm / (module_mm if internal else height_mm)
-    if share >= thick:
-        return 1.0
-    return inf if share < thin else (1.15 * log(8.324 / share) if internal else 1.6 * log(2.242 / share))
+    factor, most = (1.15, 8.324) if internal else (1.6, 2.242)
+    share = np.asarray(wall_mm) / (module_mm if internal else height_mm)
+    raised = factor * np.log(most / np.clip(share, thin, thick))
+    return np.where(share >= thick, 1.0, np.where(share < thin, np.inf, raised))
+
+
+def thinnest_rim_factor(*, internal: bool) -> float:
+    """Y_B of the thinnest rim for which it is known."""
+    thin = (THIN_RIM if internal else THICK_RIM)[1]
+    return float(rim_factor(thin, 1.0, 1.0, internal=internal))

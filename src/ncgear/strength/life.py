@@ -18,7 +18,7 @@ import numpy as np
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask, distinct
 from ncgear.pitch.shape import Gear
-from ncgear.strength.answer import ContactStresses, GearStrength, Strength, ToothLife
+from ncgear.strength.answer import ContactStresses, GearStrength, LoadBy, Strength, ToothLife
 from ncgear.strength.conditions import Conditions, Running, face_load_factor_of_roots
 from ncgear.strength.contacts import LoadedContacts
 from ncgear.strength.hertz import hertz_pressure_mpa
@@ -58,7 +58,7 @@ def stresses_of(
 
 def shaken_n_mm(contacts: LoadedContacts, conditions: Conditions, running: Running, dynamic_factor: Array) -> Array:
     """The mean load for each mm of width, shape (n,), with K_A and the K_V of each contact."""
-    return contacts.force_n * dynamic_factor * (conditions.application_factor / running.face_width_mm)
+    return contacts.over_width_n * dynamic_factor * (conditions.application_factor / running.face_width_mm)
 
 
 def strength_of(
@@ -69,7 +69,7 @@ def strength_of(
     cycle_rad: float,
     running: Running,
     method: Literal["estimate", "elements"],
-    load: Literal["masses", "resistance"],
+    load: LoadBy,
 ) -> Strength:
     """Safety and life of every tooth of both gears.
 
@@ -81,7 +81,8 @@ def strength_of(
         _gear_strength(gear, contacts, stresses, materials[place], conditions.life_h, cycle_rad, hours, z)
         for place, (gear, z) in enumerate(zip(Gear, running.teeth, strict=True))
     )
-    return Strength(method, load, contacts, stresses, driving, driven)
+    end_rad = cycle_rad / 2.0 if running.around else cycle_rad
+    return Strength(method, load, contacts, stresses, driving, driven, end_rad)
 
 
 def _gear_strength(
@@ -141,12 +142,15 @@ def rated_for_pitting(contacts: LoadedContacts) -> Mask:
     ISO 6336-2 compares the pressure at the pitch point, or where a pair begins to bear the load alone, with stresses
     that test gears endured at these places.  Where teeth begin and cease to touch, flanks near their base circles have
     small radii and high pressures over little width, in test gears as well, and are not compared; there another pair
-    bears more.  Flanks that meet without ever bearing the most count wherever they touch.
+    bears more.  Flanks that meet without ever bearing the most count wherever they touch.  Each section of helical
+    teeth is looked at by itself.
     """
-    most = np.zeros(int(contacts.position.max(initial=-1)) + 1)
-    np.maximum.at(most, contacts.position, contacts.force_n)
-    leading = contacts.flanks & (contacts.force_n >= most[contacts.position])
-    flanks = np.stack([contacts.driving_flank, contacts.driven_flank], axis=1)
+    sections = int(contacts.section.max(initial=0)) + 1
+    place = contacts.position * sections + contacts.section
+    most = np.zeros(int(place.max(initial=-1)) + 1)
+    np.maximum.at(most, place, contacts.force_n)
+    leading = contacts.flanks & (contacts.force_n >= most[place])
+    flanks = np.stack([contacts.driving_flank, contacts.driven_flank, contacts.section], axis=1)
     _, pair = np.unique(flanks, axis=0, return_inverse=True)
     pair = pair.ravel()  # NumPy 2.0.0 gives it another axis.
     ever_leading = np.bincount(pair, weights=leading) > 0.0

@@ -24,8 +24,9 @@ from ncgear.numerics.plane import along
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.strength.contacts import FlankPlaces, LoadedContacts
+from ncgear.strength.sections import FaceSections
 from ncgear.strength.stiffness import nearest_on_flanks
-from ncgear.teeth.gear import ToothedGear, ToothedPair
+from ncgear.teeth.gear import ToothedGear
 
 PER_TOOTH = 20
 """Even positions in a tooth pitch: a pair with a contact ratio of 1.5 bears load in thirty of them."""
@@ -62,10 +63,12 @@ class Loading:
     the largest of all among them.  ``phi1_rad``, ``torque_n_mm`` (asked of the driven gear) and ``error_rad`` (its
     angle beyond the law's) have shape (n,); ``even`` tells the even positions.  ``transmission_error_rad`` is the peak
     to peak variation of the error.  ``contact_ratio`` is the mean number of pairs that bear load, where there is load.
-    ``cycle_turns`` is how often the driving gear turns in the cycle. ``borne`` is the torque with the knocks of a turn
+    ``cycle_rad`` is by how much the driving gear turns in the cycle. ``borne`` is the torque with the knocks of a turn
     of the driven gear; None where nothing is known of them. Of teeth that knock, ``still`` is their loading by what the
     law asks alone; ``jammed`` is that of a jam, if there is one. Rolled lengths, ``rolled_mm`` of the positions (shape
     (n,)), go over ``cycle_mm``; ``between`` gives the contacts at any, shape (m,).
+
+    Gears that turn less than once are not ``closed``: their cycle goes out and, where they bear load then, back.
     """
 
     contacts: LoadedContacts
@@ -78,7 +81,8 @@ class Loading:
     even: Mask
     transmission_error_rad: float
     contact_ratio: float
-    cycle_turns: int
+    cycle_rad: float
+    closed: bool = True
     borne: BorneTorque | None = None
     still: Loading | None = None
     jammed: Loading | None = None
@@ -121,14 +125,14 @@ class AskedTorque:
 
 def loading_of(
     meshing: Meshing,
-    teeth: ToothedPair,
+    sections: FaceSections,
     pitch: PitchPair,
     asked: AskedTorque,
     speed_rad_s: Callable[[Array], Array],
     borne: BorneTorque | None = None,
     per_tooth: int = PER_TOOTH,
 ) -> Loading:
-    """The loads of straight teeth in ``meshing``, whose table of gaps tells where pairs touch.
+    """The loads of teeth in ``meshing``, whose table of gaps tells where pairs touch in ``sections``.
 
     It follows the sides of the teeth that the torque presses.  At driving angles (shape (n,)) ``speed_rad_s`` gives the
     speed of the driving gear; ``borne`` tells of the knocks that the torque counts.  ``per_tooth`` is a divisor of
@@ -138,7 +142,12 @@ def loading_of(
     first = shared(meshing, solved.phi1_rad, asked.torque_n_mm)
     most = first.force_n.max(axis=1)
     bearing = _bearing(meshing, solved, first.force_n > 0.0)
-    jumps = (np.roll(bearing, -1) != bearing) | (np.abs(np.roll(most, -1) - most) > JUMP * most.max())
+    jumps = np.abs(np.roll(most, -1) - most) > JUMP * most.max()
+    if len(sections.each) == 1:
+        # In many sections pairs come and go all the time, each with a small part of the load.
+        jumps |= np.roll(bearing, -1) != bearing
+    if solved.toothed is not None:
+        jumps[-1] = False
     # Where forces never change, as without a torque, one step is looked at all the same.
     jumps[0] |= not jumps.any()
     inside = solved.rolled_mm[jumps][:, None] + solved.step_mm * np.arange(1, BETWEEN) / BETWEEN
@@ -162,23 +171,60 @@ def loading_of(
         force = shared(meshing, placement.phi1_rad, asked.between(placement.phi1_rad)).force_n
         place, pair = np.nonzero(force > idle_n)
         numbers = place, placement.phi1_rad[place], force[place, pair]
-        return _contacts(teeth, _Touching.of(meshing, placement, place, pair), numbers, speed_rad_s)
+        return _contacts(sections, _Touching.of(meshing, placement, place, pair), numbers, speed_rad_s)
 
-    pairs = loaded[: solved.count].sum(axis=1)
-    pairs = pairs[pairs > 0]
+    pairs = loaded[: solved.count] @ np.array([one.share for one in sections.each])[meshing.gaps.section]
+    pairs = pairs[pairs > 0.0]
     return Loading(
-        contacts=_contacts(teeth, touching, (row, phi1[row], found.force_n[chosen[row], slot]), speed_rad_s),
+        contacts=_contacts(sections, touching, (row, phi1[row], found.force_n[chosen[row], slot]), speed_rad_s),
         between=between,
         rolled_mm=every.rolled_mm[chosen],
-        cycle_mm=solved.cycle_mm,
+        cycle_mm=solved.cycle_mm if solved.toothed is None else solved.toothed.covered_mm,
         phi1_rad=phi1,
         torque_n_mm=torque[chosen],
         error_rad=found.error_rad[chosen],
         even=even[chosen],
         transmission_error_rad=float(np.ptp(found.error_rad)),
         contact_ratio=float(pairs.mean()) if pairs.size else 0.0,
-        cycle_turns=solved.meetings // solved.driving_teeth,
+        cycle_rad=solved.cycle_rad if solved.toothed is None else 2.0 * solved.cycle_rad,
+        closed=solved.toothed is None,
         borne=borne,
+    )
+
+
+def out_and_back(out: Loading, back: Loading) -> Loading:
+    """The loads of gears that turn less than once on their way out and on their way back.
+
+    Rolled lengths go on after the way out, a step beyond its end, and then from the end of the range to its beginning.
+    """
+    end, count = out.cycle_mm, out.rolled_mm.size
+    turned, last = 2.0 * end + float(out.rolled_mm[1] - out.rolled_mm[0]), back.rolled_mm.size - 1
+
+    def between(rolled_mm: Array) -> LoadedContacts:
+        returning = rolled_mm > turned / 2.0
+        parts = []
+        for rows, way, place in (
+            (np.flatnonzero(~returning), out, np.minimum(rolled_mm, end)),
+            (np.flatnonzero(returning), back, np.minimum(turned - rolled_mm, end)),
+        ):
+            if rows.size:
+                found = way.between(place[rows])
+                parts.append(replace(found, position=rows[found.position]))
+        both = LoadedContacts.joined(parts)
+        return both.kept(np.argsort(both.position, kind="stable"))
+
+    coming = back.contacts.kept(slice(None, None, -1))
+    return replace(
+        out,
+        contacts=LoadedContacts.joined([out.contacts, replace(coming, position=count + last - coming.position)]),
+        between=between,
+        rolled_mm=np.concatenate([out.rolled_mm, turned - back.rolled_mm[::-1]]),
+        cycle_mm=turned,
+        phi1_rad=np.concatenate([out.phi1_rad, back.phi1_rad[::-1]]),
+        torque_n_mm=np.concatenate([out.torque_n_mm, back.torque_n_mm[::-1]]),
+        error_rad=np.concatenate([out.error_rad, back.error_rad[::-1]]),
+        even=np.concatenate([out.even, back.even[::-1]]),
+        transmission_error_rad=max(out.transmission_error_rad, back.transmission_error_rad),
     )
 
 
@@ -268,44 +314,54 @@ def _peaks(rolled_mm: Array, force_n: Array) -> IndexArray:
 
 
 def _largest_of_pairs(meshing: Meshing, phi1_rad: Array, slot: IndexArray, force_n: Array) -> IndexArray:
-    """The row of the largest force of each pair of flanks, which meets once in the cycle.
+    """The row of the largest force of each pair of flanks in each section, where it meets once in the cycle.
 
     Pairs are those in slots of the table at driving angles; shape (n,) each.
     """
     gaps, interval = meshing.gaps, meshing.gaps.table.place(phi1_rad)[1]
-    key = np.column_stack([gaps.pair[interval, slot], gaps.urge[interval, slot] > 0.0])
+    key = np.column_stack([gaps.pair[interval, slot], gaps.urge[interval, slot] > 0.0, gaps.section[slot]])
     pairs, number = np.unique(key, axis=0, return_inverse=True)
     return largest_rows(force_n, number.ravel(), len(pairs))
 
 
 def _contacts(
-    teeth: ToothedPair,
+    sections: FaceSections,
     touching: _Touching,
     numbers: tuple[IndexArray, Array, Array],
     speed_rad_s: Callable[[Array], Array],
 ) -> LoadedContacts:
     """The pairs that bear load; ``numbers`` are the numbers of their positions, the driving angles and the forces."""
     driving, driven = touching.places(Gear.DRIVING), touching.places(Gear.DRIVEN)
-    fits = Fit.of(teeth.driving, driving), Fit.of(teeth.driven, driven)
-    relative = fits[0].curvature + fits[1].curvature
-    # At a joint of the law curvatures jump, and each flank's may be that of another side: no pressure is known there.
-    flanks = fits[0].on_flank & fits[1].on_flank & (relative > 0.0)
     position, phi1, force = numbers
+    relative, flanks, rolling = np.empty_like(force), np.empty(force.size, dtype=bool), np.empty((force.size, 2))
+    angles = sections.each[0].teeth.driving.flanks.rack.angles_rad
+    across = np.array([sections.across_lines(angles[side]) for side in BOTH_SIDES])
+    for number, section in enumerate(sections.each):
+        rows = np.flatnonzero(touching.section == number)
+        pair = section.teeth
+        fits = Fit.of(pair.driving, driving.kept(rows)), Fit.of(pair.driven, driven.kept(rows))
+        curvature = fits[0].curvature + fits[1].curvature
+        # At a joint of the law curvatures jump, and each flank's may be that of another side: no pressure is known.
+        flanks[rows] = fits[0].on_flank & fits[1].on_flank & (curvature > 0.0)
+        relative[rows] = np.where(flanks[rows], curvature * across[touching.side[rows]], np.inf)
+        rolling[rows] = touching.kept(rows).rolling_mm(fits, flanks[rows])
     return LoadedContacts(
         position,
         phi1,
         touching.side,
         force,
         touching.stiffness_n_mm,
-        np.where(flanks, relative, np.inf),
+        relative,
         flanks,
-        speed_rad_s(phi1)[:, None] * touching.rolling_mm(fits, flanks),
+        speed_rad_s(phi1)[:, None] * rolling,
         driving.flank,
         driving.point,
         driving.inwards,
         driven.flank,
         driven.point,
         driven.inwards,
+        touching.section,
+        np.array([one.share for one in sections.each])[touching.section],
     )
 
 
@@ -343,7 +399,7 @@ class Fit:
 
 
 @dataclass(frozen=True, eq=False)
-class _Touching:
+class _Touching(Columns):
     """n pairs that bear load, in the fixed frame; each where it begins to touch, shape (n,) each.
 
     Let t be the unit tangent, w the way from the driven axis to the place of contact and s the sense of the mesh.  Then
@@ -362,6 +418,7 @@ class _Touching:
     sliding_mm: Array
     tangent: ComplexArray
     point: ComplexArray
+    section: IndexArray
 
     @classmethod
     def of(cls, meshing: Meshing, placement: Placement, row: IndexArray, slot: IndexArray) -> _Touching:
@@ -387,7 +444,8 @@ class _Touching:
         point: ComplexArray = distance + tangent * (lever - 1j * sense * driven)
         pair = gaps.pair[gaps.table.place(phi1)[1], slot]
         sliding = driving - speed * driven
-        return cls(placement, row, pair, urge, error, stiffness, speed, sliding, tangent, point)
+        section = gaps.section[slot]
+        return cls(placement, row, pair, urge, error, stiffness, speed, sliding, tangent, point, section)
 
     @property
     def side(self) -> IndexArray:

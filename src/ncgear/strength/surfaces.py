@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from math import inf, pi
+from math import inf
 
 import numpy as np
 
@@ -120,9 +120,9 @@ class Wear:
 class Surfaces:
     """The state of a pair's flanks.
 
-    ``film`` is None of dry and of plastic flanks, ``scuffing_c`` (the temperature at which the oil fails) of these and
-    of bronze too.  ``pitting_factor`` is Z_L Z_v Z_R of the driving and the driven gear.  ``warm`` are the temperatures
-    of both gears' teeth, None of metal.
+    ``film`` is None of dry and of plastic flanks, and where only a jam presses them; ``scuffing_c`` (the temperature at
+    which the oil fails) of bronze too.  ``pitting_factor`` is Z_L Z_v Z_R of the driving and the driven gear.  ``warm``
+    are the temperatures of both gears' teeth, None of metal.
     """
 
     film: Film | None
@@ -188,18 +188,11 @@ class _Pair:
             film = film_um(pressed, flash, self.bulk_c, self.oil, self.materials)
             thickness = np.maximum(film / roughness_um(self.conditions), LEAST_FILM)
             thin, unparted = 1.0 / thickness, share_unparted(thickness)
-        depth = self.meetings[:, None] * depth_mm(pressed, unparted / shaken, self.coefficients_mm3_n_m)
+        # Each meeting counts as the worst, which it is where teeth always meet the same mates.
+        met = self.running.meetings(self.conditions.life_h)
+        depth = met[:, None] * depth_mm(pressed, unparted / shaken, self.coefficients_mm3_n_m)
         play = depth.sum(axis=0)
         return np.vstack([thin, flash, depth, *(np.where(side == one, play, 0.0) for one in BOTH_SIDES)])
-
-    @property
-    def meetings(self) -> Array:
-        """How often a flank of the driving and of the driven gear meets a mate in the wanted life, shape (2,).
-
-        Each meeting counts as the worst, which it is where teeth always meet the same mates.
-        """
-        turns = self.conditions.life_h * 3600.0 * self.running.speed_rad_s / (2.0 * pi)
-        return turns * np.array([1.0, self.running.teeth[0] / self.running.teeth[1]])
 
 
 LEAST_FILM = 1e-6
@@ -231,7 +224,7 @@ def surfaces_of(
     limit = LIMIT_MODULES * running.module_mm
     wear = Wear((first, second), (worn[0], worn[1]), worn[2].value + worn[3].value, limit, conditions.life_h)
     film, scuffs_c = None, None
-    if oil is not None:
+    if oil is not None and loading.contacts.force_n.size:
         thickness = replace(thin, value=1.0 / thin.value if thin.value > 0.0 else inf)
         film = Film(thickness, roughness_um(conditions), conditions.oil_temperature_c, pair.bulk_c, hot)
         steels = [one.entry.group.scuffing_structure for one in choices if isinstance(one.entry, Ferrous)]
@@ -264,8 +257,10 @@ def _largest(pair: _Pair, loading: Loading) -> list[Place]:
         return over(loading.between(rolled_mm), rolled_mm.size)[2]
 
     known = over(loading.contacts, loading.rolled_mm.size)[2]
-    places = np.append(loading.rolled_mm, loading.rolled_mm[0] + loading.cycle_mm)
-    extremes = largest_from(at, places, np.hstack([known, known[:, :1]]), KNOWN * known.max(axis=1))
+    places, values = loading.rolled_mm, known
+    if loading.closed:
+        places, values = np.append(places, places[0] + loading.cycle_mm), np.hstack([known, known[:, :1]])
+    extremes = largest_from(at, places, values, KNOWN * known.max(axis=1))
     rolled = np.array([one.at for one in extremes])
     touching, found, _ = over(loading.between(rolled), rolled.size)
     return [_place(touching, np.where(touching.position == row, found[row], -1.0)) for row in range(rolled.size)]

@@ -15,8 +15,9 @@ strength/iso6336.py, and two more that agree), with the load w = F_t K_A / b for
     N from 1.5      Cv5 Bp + Cv6 Bf + Cv7, linear between 1.15 and 1.5
     Bp = c' f_pb / w,   Bf = c' f_falpha / w,   c' = c_gamma / (0.75 e + 0.25)
 
-where the deviations f are without what running in takes off, and B_k is 1, as of grades from 6 on without tip relief
-for the load.  K_V is 1 at least, here: teeth that pass a resonance in every turn never settle above it.
+where the factors Cv follow from the total contact ratio, e and the overlap ratio of helical teeth, the deviations f are
+without what running in takes off, and B_k is 1, as of grades from 6 on without tip relief for the load.  K_V is 1 at
+least, here: teeth that pass a resonance in every turn never settle above it.
 """
 
 from __future__ import annotations
@@ -43,14 +44,20 @@ LIGHT_N_MM = 100.0
 
 
 def dynamic_factor(
-    resonance: Array, line_n_mm: Array, mesh_n_mm2: Array, contact_ratio: Array, deviations_mm: tuple[float, float]
+    resonance: Array,
+    line_n_mm: Array,
+    mesh_n_mm2: Array,
+    contact_ratio: Array,
+    deviations_mm: tuple[float, float],
+    overlap_ratio: float = 0.0,
 ) -> Array:
     """K_V of method B at places of resonance ratio N, all of one shape, at least 1.
 
     ``line_n_mm`` is F_t K_A / b, above 0, ``mesh_n_mm2`` the mean stiffness c_gamma of the mesh, ``contact_ratio`` its
-    contact ratio, and ``deviations_mm`` are those of base pitch and profile form.
+    contact ratio in sections across the axes, and ``deviations_mm`` are those of base pitch and profile form.
     """
-    e = np.maximum(contact_ratio, 1.0)
+    across = np.maximum(contact_ratio, 1.0)
+    e = across + overlap_ratio
     two = e <= 2.0
     more = np.maximum(e, 2.0)
     factors = (
@@ -62,7 +69,7 @@ def dynamic_factor(
         np.where(two, 0.47, 0.12 / (more - 1.74)),
         np.where(e <= 1.5, 0.75, np.where(e > 2.5, 1.0, 0.125 * np.sin(np.pi * (e - 2.0)) + 0.875)),
     )
-    single = mesh_n_mm2 / (0.75 * e + 0.25)
+    single = mesh_n_mm2 / (0.75 * across + 0.25)
     pitch, profile = (single * deviation / line_n_mm for deviation in deviations_mm)
     along = factors[0] * pitch + factors[1] * profile
     below, at = 1.0 + resonance * (along + factors[2]), 1.0 + along + factors[3]
@@ -76,25 +83,34 @@ def dynamic_factor(
 class MeshStiffness:
     """How stiff a mesh is at n driving angles, rising over ``cycle_rad``, as a mean over a tooth pitch; shape (n,).
 
-    ``stiffness_n_mm`` is that of all pairs that bear load, and ``contact_ratio`` their number.
+    ``stiffness_n_mm`` is that of all pairs that bear load, and ``contact_ratio`` their number, each pair of helical
+    teeth with its share of the width.  Gears that turn less than once have no cycle.
     """
 
     phi1_rad: Array
     stiffness_n_mm: Array
     contact_ratio: Array
-    cycle_rad: float
+    cycle_rad: float | None
 
     @classmethod
     def of(
-        cls, phi1_rad: Array, stiffness_n_mm: Array, pairs: Array, cycle_rad: float, per_pitch: int
+        cls, phi1_rad: Array, stiffness_n_mm: Array, pairs: Array, cycle_rad: float | None, per_pitch: int
     ) -> MeshStiffness | None:
-        """The means over a pitch of what is known at even places, so many in a pitch; None where no pair bears."""
+        """The means over a pitch of what is known at even places, so many in a pitch; None where no pair bears.
+
+        Of gears that turn less than once, places of the way out and of the way back count together.
+        """
         rows = np.flatnonzero(pairs > 0)
         if not rows.size:
             return None
-        around = rows[(np.arange(rows.size)[:, None] + np.arange(per_pitch) - per_pitch // 2) % rows.size]
-        means = stiffness_n_mm[around].mean(axis=1), pairs[around].mean(axis=1)
-        return cls(phi1_rad[rows], *means, cycle_rad)
+        rows = rows[np.argsort(phi1_rad[rows], kind="stable")]
+        begins = np.arange(rows.size) - per_pitch // 2
+        if cycle_rad is None:
+            begins = np.clip(begins, 0, max(rows.size - per_pitch, 0))
+        around = rows[(begins[:, None] + np.arange(per_pitch)) % rows.size]
+        phi1, first = np.unique(phi1_rad[rows], return_index=True)
+        stiffness, ratio = (values[around].mean(axis=1)[first] for values in (stiffness_n_mm, pairs))
+        return cls(phi1, stiffness, ratio, cycle_rad)
 
     def at(self, phi1_rad: Array) -> tuple[Array, Array]:
         """Stiffness and contact ratio at driving angles, shape (m,) each."""
@@ -144,7 +160,7 @@ class Vibration:
         line = np.abs(force_n) * (application_factor * cos(self.rack_angle_rad) / width)
         line = np.maximum(line, np.finfo(float).tiny)
         resonance = faster[:, None] * self.resonance(phi1_rad, mesh)
-        return dynamic_factor(resonance, line, stiffness / width, ratio, self.deviations_mm)
+        return dynamic_factor(resonance, line, stiffness / width, ratio, self.deviations_mm, self.running.overlap_ratio)
 
     def of_contacts(self, contacts: LoadedContacts, mesh: MeshStiffness | None, conditions: Conditions) -> Array:
         """K_V of contacts that bear load, shape (n,), from all contacts of their positions."""

@@ -92,13 +92,17 @@ class RolledLoad:
 
 @dataclass(frozen=True)
 class ToothPlan:
-    """How teeth would be cut: rack and both gears' shifts in modules, angles of both sides, relief in mm."""
+    """How teeth would be cut: rack and both gears' shifts in modules, angles of both sides, relief in mm.
+
+    ``rims`` are Y_B of both gears.
+    """
 
     rack: RackTip
     addendum: float
     shifts: tuple[float, float]
     angles_rad: tuple[float, float]
     relief: TipRelief | None
+    rims: tuple[float, float] = (1.0, 1.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,9 +249,8 @@ def rough_safeties(
     """
     found = []
     for gear, material in zip(Gear, materials, strict=True):
-        teeth = running.teeth[list(Gear).index(gear)]
-        turns = conditions.life_h * 3600.0 * running.speed_rad_s / (2.0 * pi) * running.teeth[0] / teeth
-        cycles, wanted = np.array(max(turns, 1.0)), conditions.wanted_bending_safety(material)
+        met = running.meetings(conditions.life_h)[list(Gear).index(gear)]
+        cycles, wanted = np.array(max(met, 1.0)), conditions.wanted_bending_safety(material)
         over = [v * _factors_of_roots(running, conditions, one) for one, v in zip(uneven, shaken, strict=True)]
         root = [k * _root_stress(one, gear, plan, running) for one, k in zip(sides, over, strict=True)]
         found.append(_least(gear, Damage.BENDING, sides, root, float(material.bending.at(cycles)), wanted))
@@ -301,7 +304,7 @@ def _root_stress(one: SharedLoad, gear: Gear, plan: ToothPlan, running: Running)
     outwards = np.maximum(one.place_mm * (1.0 - 2.0 * place), 0.0) / running.module_mm
     diameter = 2.0 * np.hypot(teeth * sin(angle) / 2.0 + outwards, teeth * cos(angle) / 2.0)
     factors = root_factors(root_section(teeth, shift, plan.rack, angle), teeth, shift, diameter, angle)
-    nominal = one.line_n_mm * cos(angle) / running.module_mm
+    nominal = plan.rims[place] * one.line_n_mm * cos(angle) / running.module_mm
     return np.asarray(np.max(nominal * factors.form * factors.notch, axis=0))
 
 

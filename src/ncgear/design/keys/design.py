@@ -99,6 +99,11 @@ class Design(Model, Shown):
         """Pairs of gears in series that make the ratio."""
         return self.motion.pairs_in_series
 
+    @property
+    def loads_teeth(self) -> bool:
+        """Whether the file gives anything that loads teeth: a resistance, masses or a jam."""
+        return any(one is not None for one in (self.resistance, self.masses, self.strength.overload))
+
     @model_validator(mode="after")
     def _crank_is_known(self) -> Self:
         key = entry_of(self.linkage).stroke_key

@@ -88,8 +88,8 @@ class Weights(Model):
 class FlywheelRange(Model):
     """The sizes of a flywheel on the driven shaft among which the best is sought."""
 
-    least: Inertia = optional("least moment of inertia in kg mm2", 0.0)
-    most: Inertia = required("greatest moment of inertia in kg mm2")
+    least: Inertia = optional("the least size, by its moment of inertia", 0.0)
+    most: Inertia = required("the greatest size, by its moment of inertia")
 
     @model_validator(mode="after")
     def _a_range(self) -> Self:

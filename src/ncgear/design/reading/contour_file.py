@@ -66,7 +66,7 @@ def contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
     layer = given.get("layer")
     try:
         document = _document(file)
-        every = list(islice(_apart(document.modelspace()), MOST_ENTITIES + 1))
+        every = list(islice(_apart(document.modelspace(), file), MOST_ENTITIES + 1))
         if len(every) > MOST_ENTITIES:
             raise WrongInput(f"holds over {MOST_ENTITIES} entities; a contour alone is right", location=str(file))
         hidden = {_name(one.dxf.name) for one in document.layers if one.is_off() or one.is_frozen()}
@@ -114,29 +114,37 @@ def _document(file: Path) -> Drawing:
         ) from error
 
 
-def _decoded(layer: str) -> str:
-    """A layer's name, of which letters may be written by their number."""
+def _decoded(name: str) -> str:
+    """The name of a layer or a block, of which letters may be written by their number."""
     from ezdxf.lldxf.encoding import decode_dxf_unicode
 
-    return str(decode_dxf_unicode(layer))
+    return str(decode_dxf_unicode(name))
 
 
-def _name(layer: str) -> str:
-    """A layer's name to compare by: case does not count."""
-    return _decoded(layer).casefold()
+def _name(name: str) -> str:
+    """The name of a layer or a block to compare by: case does not count."""
+    return _decoded(name).casefold()
 
 
-def _apart(entities: Iterable[DXFEntity], depth: int = 0) -> Iterator[DXFEntity]:
-    """The entities, and in place of blocks the entities that they hold."""
+def _apart(entities: Iterable[DXFEntity], file: Path, within: tuple[str, ...] = ()) -> Iterator[DXFEntity]:
+    """The entities, and in place of blocks the entities that they hold; ``within`` are the blocks around them.
+
+    Raises WrongInput for a block that holds itself.
+    """
     from ezdxf.entities import Insert
 
     for one in entities:
-        if not isinstance(one, Insert) or depth == DEEPEST:
+        if not isinstance(one, Insert) or len(within) == DEEPEST:
             yield one
-        elif one.mcount > 1:
-            yield from _apart(one.multi_insert(), depth)
+            continue
+        name = _name(one.dxf.name)
+        if name in within:
+            problem = f"block {quoted(_decoded(one.dxf.name))} holds itself; explode it in the drawing"
+            raise WrongInput(problem, location=str(file))
+        if one.mcount > 1:
+            yield from _apart(one.multi_insert(), file, within)
         else:
-            for part in _apart(one.virtual_entities(), depth + 1):
+            for part in _apart(one.virtual_entities(), file, (*within, name)):
                 # What lies on layer 0 of a block lies on the layer on which the block is put.
                 if part.dxf.layer == "0":
                     part.dxf.layer = one.dxf.layer

@@ -1,7 +1,7 @@
 """Points of a coordinate measuring machine: a text file with x and y in mm, one point a line.
 
 It is a table as ``ncgear.design.reading.table`` reads it.  A header may name the columns, so that files with more
-columns than x and y are read as well; without one, a third column is taken for z.
+columns than x and y are read as well; without one, a third column is taken for z, which hardly changes.
 """
 
 from __future__ import annotations
@@ -41,24 +41,42 @@ class MeasuredFile:
 def read_measured(path: Path) -> MeasuredFile:
     """Read the points; raises WrongInput with the line of what is no point, and for a file in inches or without any."""
     points: list[tuple[float, float]] = []
+    third: list[str] = []
     lines: list[int] = []
     columns: tuple[int, int] | None = None
+    is_named = False
     for row in read_rows(path, limit_mb=LARGEST_MB):
         cells, location = [cell.strip() for cell in row.cells], f"{path}:{row.line}:1"
         while not cells[-1]:
             # A separator at the end of a line makes no cell.
             cells.pop()
         if columns is None and not _is_point(cells):
-            columns = _named(cells, location)
+            columns, is_named = _named(cells, location), True
             continue
         columns = columns or (0, 1)
         if len(points) == MOST_POINTS:
             raise WrongInput(f"over {MOST_POINTS} points; fewer are right", location=location)
         points.append(_point(cells, columns, location))
+        third += cells[2:3] if columns == (0, 1) else []
         lines.append(row.line)
+    if third and not is_named:
+        _require_height(third, np.array(points), str(path))
     if not points:
         raise WrongInput("holds no point; lines with x and y in mm are right", location=str(path))
     return MeasuredFile(str(path), np.array(points), tuple(lines))
+
+
+LEVEL = 0.1
+"""Share of the points' extent, the lesser one of x and y, by which heights z of a gear's section may differ."""
+
+
+def _require_height(third: Sequence[str], points: Array, location: str) -> None:
+    """Refuse a third column without a name that is no height: then it is y, and the first one numbers the points."""
+    numbers = [plain_number(cell) for cell in third]
+    heights = np.array([number for number in numbers if number is not None], dtype=float)
+    if heights.size == len(numbers) and not np.ptp(heights) <= LEVEL * float(np.ptp(points, axis=0).min()):
+        problem = "three columns without a header, of which the third is no height z: it varies as x and y do"
+        raise WrongInput(f"{problem}; a line such as no,x_mm,y_mm at the top is right", location=location)
 
 
 def _is_point(cells: Sequence[str]) -> bool:

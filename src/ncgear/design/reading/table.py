@@ -2,7 +2,7 @@
 
 Columns are separated by commas, semicolons, tabs or spaces, as the first row shows or a line ``sep=`` says; where they
 are separated by anything but commas, a comma may stand for the decimal point.  Empty lines and comments are passed
-over.  UTF-8 is read, and UTF-16 with its mark; of XLSX, XLS and ODS the first sheet.
+over.  UTF-8 is read, and UTF-16 with its mark or without; of XLSX, XLS and ODS the first sheet that is not hidden.
 """
 
 from __future__ import annotations
@@ -56,13 +56,26 @@ def column_name(head: str) -> str:
 
 
 def _text(path: Path, limit_mb: int) -> str:
-    begins = read_bytes(path, limit_mb=limit_mb)
+    content = read_bytes(path, limit_mb=limit_mb)
+    coding = _utf_16(content[:LOOKED_AT])
+    if not coding:
+        return read_text(path, limit_mb=limit_mb)
+    try:
+        return content.decode(coding)
+    except UnicodeDecodeError as error:
+        raise WrongInput("is not UTF-16 text; save the file as UTF-8", location=str(path)) from error
+
+
+LOOKED_AT = 64
+"""Bytes at the beginning of a file that show its coding: heads and digits have a byte of nought each in UTF-16."""
+
+
+def _utf_16(begins: bytes) -> str:
+    """The kind of UTF-16 that a file is, by its mark or by its bytes of nought; empty where it is none."""
     if begins.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        try:
-            return begins.decode("utf-16")
-        except UnicodeDecodeError as error:
-            raise WrongInput("is not UTF-16 text; save the file as UTF-8", location=str(path)) from error
-    return read_text(path, limit_mb=limit_mb)
+        return "utf-16"
+    halves = {"utf-16-le": begins[1::2], "utf-16-be": begins[::2]}
+    return next((coding for coding, half in halves.items() if half and not any(half)), "")
 
 
 def _of_text(text: str, path: Path) -> Iterator[Row]:
@@ -113,15 +126,17 @@ def _with_point(cell: str) -> str:
 
 
 def _of_sheet(path: Path, limit_mb: int) -> Iterator[Row]:
-    """The rows of the first sheet."""
+    """The rows of the first sheet that is not hidden; hidden rows count, as the library does not tell them."""
     from ncgear.extras import require
 
     require("python_calamine", "tables", str(path))
-    from python_calamine import CalamineError, load_workbook
+    from python_calamine import CalamineError, SheetVisibleEnum, load_workbook
 
     read_bytes(path, limit_mb=limit_mb)
     try:
-        rows = load_workbook(str(path)).get_sheet_by_index(0).to_python(skip_empty_area=False)
+        book = load_workbook(str(path))
+        shown = [one.name for one in book.sheets_metadata if one.visible == SheetVisibleEnum.Visible]
+        rows = book.get_sheet_by_name(shown[0]).to_python(skip_empty_area=False)
     except (CalamineError, IndexError, OSError) as error:
         said = " ".join(str(error).split())[:80]
         raise WrongInput(f"is no spreadsheet that can be read: {said}; save it as CSV", location=str(path)) from error

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import degrees, lcm, pi
+from math import degrees
 
 import numpy as np
 
@@ -112,7 +112,7 @@ def speed_charts(sweep: SpeedSweep) -> list[Chart]:
 
 
 def _forces(strength: Strength) -> Chart:
-    contacts = strength.contacts
+    contacts = strength.contacts.of_pairs()
     angle = _position_deg(strength)
     # By position, and there the greatest force first: the place in its run is the rank of a pair.
     order = np.lexsort((-contacts.force_n, contacts.position))
@@ -122,7 +122,7 @@ def _forces(strength: Strength) -> Chart:
     for values, place in ((most, 0), (next_, 1)):
         values[position[rank == place]] = contacts.force_n[order][rank == place]
     lines = (Line(Role.OTHER, "the next pair", angle, next_), Line(Role.OWN, "most loaded pair", angle, most))
-    return Chart("force of a pair", "N", lines, _end_deg(strength), names_extreme=True)
+    return Chart("force of a pair", "N", lines, degrees(strength.end_rad), names_extreme=True)
 
 
 def _root_stress(strength: Strength, found: Sequence[Weakest]) -> Chart:
@@ -130,7 +130,7 @@ def _root_stress(strength: Strength, found: Sequence[Weakest]) -> Chart:
     roles = (Role.OTHER, Gear.DRIVEN, 1), (Role.OWN, Gear.DRIVING, 0)
     lines = [Line(role, f"{gear.value} gear", angle, _largest(strength, tension[row])) for role, gear, row in roles]
     limits = _limits(strength, found, Damage.BENDING)
-    return Chart("root stress", "MPa", (*limits, *lines), _end_deg(strength), names_extreme=True)
+    return Chart("root stress", "MPa", (*limits, *lines), degrees(strength.end_rad), names_extreme=True)
 
 
 def _pressure(strength: Strength, found: Sequence[Weakest]) -> Chart:
@@ -146,13 +146,13 @@ def _pressure(strength: Strength, found: Sequence[Weakest]) -> Chart:
         values = _largest(strength, np.where(counted, pressure, 0.0))
         lines.append(Line(role, label, angle[known], values[known]))
     limits = _limits(strength, found, Damage.CONTACT)
-    return Chart("contact pressure", "MPa", (*limits, *lines), _end_deg(strength), names_extreme=True)
+    return Chart("contact pressure", "MPa", (*limits, *lines), degrees(strength.end_rad), names_extreme=True)
 
 
 def _limits(strength: Strength, found: Sequence[Weakest], damage: Damage) -> list[Line]:
     """What the weakest teeth endure, as level lines: one for both gears where they endure the same."""
     endured = {one.gear: one.endured_mpa for one in found if one.damage is damage}
-    ends = np.array([0.0, _end_deg(strength)])
+    ends = np.array([0.0, degrees(strength.end_rad)])
     driving, driven = endured[Gear.DRIVING], endured[Gear.DRIVEN]
     if abs(driving - driven) <= SAME_LIMIT * max(driving, driven):
         return [Line(Role.LIMIT, "endured", ends, np.full(2, min(driving, driven)))]
@@ -175,9 +175,3 @@ def _largest(strength: Strength, values: Array) -> Array:
     largest = np.zeros(strength.contacts.position.max() + 1)
     np.maximum.at(largest, strength.contacts.position, values)
     return largest
-
-
-def _end_deg(strength: Strength) -> float:
-    """The driving angle of a whole cycle, after which the same teeth meet again."""
-    driving, driven = strength.driving.bending.safety.size, strength.driven.bending.safety.size
-    return degrees(2.0 * pi * lcm(driving, driven) / driving)

@@ -45,7 +45,7 @@ def _of_knocks(drive: Drive) -> Iterator[NotJudged]:
     if drive.knocks is None and drive.rigid.fluctuation.flank_changes_rad.size:
         yield NotJudged(
             "shafts, keys and bearings are not judged for the knocks of teeth whose load changes flanks, which are "
-            "followed of a single pair of straight teeth with inertia only"
+            "followed of a single pair with inertia only"
         )
 
 

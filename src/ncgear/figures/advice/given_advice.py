@@ -103,7 +103,7 @@ def _idle_sections(drive: Drive) -> Iterator[Idle]:
     toleranced = ["tolerances"] if design.tolerances is not None else []
     if design.gears is None:
         found = [([*given, *toleranced], "without gears", "give gears")]
-    elif design.resistance is None and design.masses is None:
+    elif not design.loads_teeth:
         helps = "give resistance" if design.motion.is_open else "give resistance or masses"
         found = [(given, "without resistance and masses, so that no tooth bears a load", helps)]
     else:
@@ -111,7 +111,7 @@ def _idle_sections(drive: Drive) -> Iterator[Idle]:
         why = {
             "with gears that turn less than once, which are not followed under load": design.motion.is_open,
             "without masses, of which ncgear simulate needs all": design.masses is None,
-            "with helical teeth, which are not followed under load": design.gears.helix is not None,
+            "with helical teeth, which are not followed in motion": design.gears.helix is not None,
             "with two pairs of gears, and forces are computed of one": design.stages > 1,
         }
         helps = "give masses" if design.masses is None and not design.motion.is_open else "leave it out"

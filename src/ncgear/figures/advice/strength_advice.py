@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from math import degrees
 
+import numpy as np
+
 from ncgear.figures.advice.tried_advice import ENOUGH
 from ncgear.figures.advice.values import Advice, Kind, NotJudged, Remedy, Search, Where, changed
 from ncgear.figures.numbers import placed, to_digits
@@ -20,29 +22,31 @@ from ncgear.project.strengthening import (
     known_rating,
 )
 from ncgear.strength.holding import Damage, Weakest, face_width_factor, module_factor, worst
-from ncgear.strength.iso6336 import THINNEST_WEB, rim_factor
+from ncgear.strength.iso6336 import THINNEST_WEB
 
 SIZE = "ncgear size"
+
+LOADS = {"masses": "the machine with its masses", "resistance": "the resistance alone", "jam": "a jam"}
+"""The words for what teeth do not hold."""
 
 
 def strength(drive: Drive) -> Advice | NotJudged | None:
     """Teeth whose safety against breakage or pitting is under the wanted one; names the weakest of all.
 
-    None where the teeth hold, and where no load is known.  Where the strength is refused or not computed, as of helical
-    and open gears, at speeds beyond what is known of vibration, or of loads that press teeth too deep to be followed,
-    they are judged roughly, if only whether they break at once.
+    None where the teeth hold, and where no load is known.  Where the strength is refused, as of loads that press teeth
+    too deep to be followed, they are judged roughly, if only whether they break at once.
     """
     rating = known_rating(drive)
     if not isinstance(rating, Rating):
         return _roughly(drive, beside_refusal(drive, rating))
     if rating.holds:
-        why = unfollowed_knocks(rating) or _thin_body(drive, rating)
+        why = unfollowed_knocks(rating) or _thin_body(drive)
         return NotJudged(why) if why else None
     weak = [one for one in rating.weakest if not one.holds]
     first = worst(weak)
     at = degrees(first.phi1_rad)
     also = [_least(one) for one in weak if one is not first]
-    load = "the machine with its masses" if rating.strength.load == "masses" else "the resistance alone"
+    load = LOADS[rating.strength.load]
     return Advice(
         Kind.STRENGTH,
         (Where(first.gear.value, (first.tooth,), ((at, at),)),),
@@ -63,24 +67,17 @@ def unfollowed_knocks(rating: Rating) -> str:
     loading = rating.loading
     if loading.knocks is not None or rating.strength.load != "masses" or loading.torque_n_mm.min() >= 0.0:
         return ""
-    return "the load changes flanks, where the teeth knock, which is followed of a single pair with inertia only"
+    return "the load changes flanks, where the teeth knock, which is followed only where every shaft has inertia"
 
 
-def _thin_body(drive: Drive, rating: Rating) -> str:
-    """Why a gear whose teeth hold may break under its roots; empty where its rim and web are thick enough."""
-    from ncgear.project.gear_solids import rim_mm_of
-
-    module, face_mm = drive.pitch.size.module_mm, drive.gears.face_width_mm
-    height = drive.rack.addendum_mm + drive.rack.dedendum_mm
-    for gear, body in ((Gear.DRIVING, drive.gears.driving), (Gear.DRIVEN, drive.gears.driven)):
-        ring = drive.pitch.of(gear).is_ring
-        walls = [*([body.web.rim_mm] if body.web else []), *([rim_mm_of(drive.gears, module)] if ring else [])]
-        walls += [body.lightening_holes.least_wall_mm] if body.lightening_holes else []
-        share = min(one.share for one in rating.weakest if one.gear is gear and one.damage is Damage.BENDING)
-        if walls and rim_factor(min(walls), height, module, internal=ring) > share:
+def _thin_body(drive: Drive) -> str:
+    """Why a gear whose teeth hold may break under its roots; empty where what its rim and web do is known."""
+    face_mm = drive.gears.face_width_mm
+    for rim, gear, body in zip(drive.rims, Gear, (drive.gears.driving, drive.gears.driven), strict=True):
+        if not np.isfinite(rim.factor).all():
             return (
-                f"the wall of {min(walls):g} mm under the roots of the {gear.value} gear is so thin that these may "
-                "break, which is not followed"
+                f"the wall of {to_digits(float(rim.wall_mm[rim.worst]), 2)} mm under tooth {rim.worst + 1} of the "
+                f"{gear.value} gear is thinner than ISO 6336-3 has a factor for"
             )
         if body.web and body.web.thickness_mm < THINNEST_WEB * face_mm:
             return (
@@ -107,7 +104,8 @@ def _roughly(drive: Drive, found: RoughStrength | None) -> Advice | NotJudged | 
     weak = found.weak
     if not weak:
         return _not_judged(drive, found)
-    first, load = weak[0], "the resistance" if drive.design.masses is None else "the masses"
+    design, first = drive.design, weak[0]
+    load = "the masses" if design.masses else "the resistance" if design.resistance else "a jam"
     at, damage = degrees(first.phi1_rad), rough_damage(found, first)
     teeth = "the teeth" if drive.stage is None else f"the teeth of stage {drive.stage}"
     if found.needs_teeth:

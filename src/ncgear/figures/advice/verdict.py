@@ -132,7 +132,7 @@ CONDITIONS: dict[Kind, Condition] = {
     Kind.STRENGTH: Condition(
         "strength",
         "the teeth hold their load",
-        lambda drive: _gears(drive) and _load(drive),
+        lambda drive: _gears(drive) and drive.design.loads_teeth,
         _one(strength_advice.strength),
         Known.TEETH,
         _one(strength_advice.rough),

@@ -27,13 +27,12 @@ def vibration(drive: Drive) -> Iterator[Advice | NotJudged]:
 
 
 def rough(drive: Drive) -> Iterator[Advice | NotJudged]:
-    """The same without teeth."""
+    """The same without teeth: the resonance ratio goes as the root of a stiffness that is known without them, too."""
     found = rough_strength(drive)
     if found is None:
         return
-    if why := found.unjudged or found.needs_teeth:
-        yield NotJudged(why)
-        return
+    if found.unjudged:
+        yield NotJudged(found.unjudged)
     yield from _resonance(drive, found.vibration)
 
 

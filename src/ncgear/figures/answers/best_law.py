@@ -129,7 +129,7 @@ def _of_flywheel(best: BestLaw) -> list[Row]:
     among = f"{shown(KG_M2 * asked.least)} to {shown(KG_M2 * asked.most)}"
     least = (
         ""
-        if chosen.least_with_any is None
+        if not chosen.least_with_any
         else f"; with any of them none has less than {_in_unit(best, chosen.least_with_any)}"
     )
     said = f"on the driven shaft, the best of {among}; the limit above holds for this flywheel{least}"

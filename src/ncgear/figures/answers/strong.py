@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from ncgear.design.keys.base import listed
 from ncgear.figures.advice.values import Kind, Remedy, changed
 from ncgear.figures.advice.verdict import Verdict
@@ -25,6 +23,7 @@ from ncgear.figures.strong import (
     jolts_words,
     knock_words,
     materials_words,
+    rim_words,
     teeth_words,
     weakest_cells,
 )
@@ -90,7 +89,7 @@ def _rows(of: str, rating: Rating, beside: Rating | None) -> list[Row]:
 
 def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
     """The gears, their largest force, and how they touch under load."""
-    size, loading, force_n = drive.pitch.size, rating.loading, float(np.max(rating.strength.contacts.force_n))
+    size, loading, force_n = drive.pitch.size, rating.loading, rating.strength.peak_pair_n
     gears = (
         f"{size.driving_teeth} : {size.driven_teeth}, module {figure('module_mm', size.module_mm)}, "
         f"{name_of('face_width_mm')} {figure('face_width_mm', drive.gears.face_width_mm)}"
@@ -102,6 +101,7 @@ def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
         Row(f"{of}force", (f"up to {figure('force_n', force_n)} on one pair of teeth, times {jolts_words(drive)}",)),
         *([Row(f"{of}jam", (words,))] if (words := jam_words(drive, rating)) else []),
         *([Row(f"{of}knocks", (words,))] if (words := knock_words(loading.knocks)) else []),
+        *([Row(f"{of}rim", (words,))] if (words := rim_words(drive, rating)) else []),
         Row(f"{of}face load", (face_load_words(drive, rating),)),
         *([Row(f"{of}vibration", (vibration_words(told),))] if told else []),
         *(

@@ -138,7 +138,9 @@ def certified_limit(task: Task, wishes: Wishes) -> Bound | None:
 
 def _limit(task: Task, wishes: Wishes, asked: Demands) -> Bound | None:
     prices, priced = wishes.prices, _known_prices(task, wishes)
-    alone = [bound for name, price in vars(prices).items() if price and (bound := _of_stroke(name, price, task, asked))]
+    alone = [
+        bound for name, price in vars(prices).items() if price and (bound := bound_of_stroke(name, price, task, asked))
+    ]
     if set(priced) == {"peak_acceleration_mm_s2", "peak_power_w"}:
         _refuse_together(task, asked)
         weights = PeakWeights(prices.peak_acceleration_mm_s2, prices.peak_power_w)
@@ -194,7 +196,7 @@ def _least_flank_load_n_mm(task: Task, steepness: float) -> float:
     return 16.0 * max(task.work_n_mm, 0.0) / ((2.0 * pi + task.cycle_rad) * lever)
 
 
-def _of_stroke(name: str, price: float, task: Task, asked: Demands) -> Bound | None:
+def bound_of_stroke(name: str, price: float, task: Task, asked: Demands) -> Bound | None:
     """The limit in closed form of one figure times its price, without a motion; None where none is known."""
     value = OF_STROKE[name](task, asked) if name in OF_STROKE else 0.0
     return Bound(price * value * (1.0 - ROUNDING), 0, None) if value > 0.0 else None

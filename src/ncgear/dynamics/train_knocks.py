@@ -1,0 +1,239 @@
+"""The torques of the teeth of two pairs in series where their loads change flanks: both pairs part, knock and settle.
+
+At constant driving speed there are two bodies: the shaft between the pairs, of inertia J1, and the driven side, of J2
+reduced to the crank's shaft.  With x1 and x2 their angles beyond the law's, M1 and M2 the moments of the pairs that
+touch on their driven gears, T1 and T2 what the law asks of these, and i2 the slope of the second pair's law,
+
+    J1 x1.. = M1(phi1, x1, x1.) - T1 - i2 (M2 - T2)
+    (J2 x2.). = M2(theta1, y, y.) - T2,   y = x2 - i2 x1
+
+The teeth of the second pair know only y, the angle of its driven gear beyond what its own driving gear asks.  All is to
+the first order of x, as in ``ncgear.dynamics.flank_changes``, whose method this is: of a single pair J1 is without end.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from math import pi
+
+import numpy as np
+
+from ncgear.dynamics.crank_load import CrankLoad
+from ncgear.dynamics.flank_changes import (
+    CHECKED,
+    HELD,
+    IDLE,
+    JUMP,
+    PER_SWING,
+    SAMPLES,
+    SETTLED,
+    SWINGS,
+    TOUCHING,
+    BorneTorque,
+    Knock,
+    Stretch,
+    flanks_of,
+    joined,
+    moment_n_mm,
+    near_pairs,
+    settled_rad,
+)
+from ncgear.dynamics.meshing import Meshing
+from ncgear.frozen import dataclass
+from ncgear.numerics.arrays import Array, IndexArray
+
+
+@dataclass(frozen=True, eq=False)
+class TrainPair:
+    """One of two pairs: its damped teeth, and the torque that the law asks of its driven gear at its own angles."""
+
+    meshing: Meshing
+    asked: Callable[[Array], Array]
+
+
+@dataclass(frozen=True, eq=False)
+class _Places:
+    """Both pairs at n driving angles, shape (2, n) or (n,): own angles, torques asked, turning stiffness, inertias.
+
+    ``slope`` is i2, and ``own`` the inertia that swings on each pair's teeth.
+    """
+
+    angle_rad: Array
+    asked: Array
+    stiffness: Array
+    slope: Array
+    driven: Array
+    own: Array
+
+    @property
+    def swings_rad_s(self) -> Array:
+        """How fast the body swings on the teeth of each pair, shape (2, n)."""
+        return np.asarray(np.sqrt(self.stiffness / self.own))
+
+
+@dataclass(frozen=True, eq=False)
+class KnockingTrain:
+    """Two pairs, the inertia in N mm s^2 of the shaft between them, and what the crank turns."""
+
+    pairs: tuple[TrainPair, TrainPair]
+    between: float
+    load: CrankLoad
+    speed_rad_s: float
+
+    def borne(self, cycle_rad: float) -> tuple[BorneTorque, BorneTorque]:
+        """The torques that both pairs bear, each by the angles of its own driving gear."""
+        phi1 = np.linspace(0.0, cycle_rad, SAMPLES, endpoint=False)
+        places, law = self._at(phi1), self.pairs[0].meshing.law
+        most = np.abs(places.asked).max(axis=1)
+        cycles = cycle_rad, float(law.at(np.array([cycle_rad]))[0][0] - law.at(np.array([0.0]))[0][0])
+        rows, flanks = self._hurried(places, most, cycle_rad)
+        if not most.all() or not rows.size:
+            first, second = (BorneTorque(one.asked, c, knocks=()) for one, c in zip(self.pairs, cycles, strict=True))
+            return first, second
+        # The longest stretch without a turn or a jump comes last: there the teeth have most time to settle.
+        rows = np.roll(rows, -int(np.argmax(np.diff(rows, prepend=rows[-1] - SAMPLES))))
+        starts, width_rad = phi1[rows] + cycle_rad * (rows < rows[0]), cycle_rad / SAMPLES
+        found, end_rad = list[tuple[Stretch, Stretch]](), float(starts[0]) + 2.0 * cycle_rad
+        for start_rad, on in zip(starts, flanks[:, rows].T, strict=True):
+            if not found or start_rad > found[-1][0].phi1_rad[-1]:
+                ends = float(start_rad) + 2.0 * width_rad, end_rad
+                found.append(self._followed(float(start_rad), on, most, ends))
+        first, second = (
+            joined([one[place] for one in found], self.pairs[place].asked, cycles[place]) for place in (0, 1)
+        )
+        return first, second
+
+    def _hurried(self, places: _Places, most: Array, cycle_rad: float) -> tuple[IndexArray, Array]:
+        """Rows of places after which a torque turns round or jumps, and the flanks that bear at all, shape (2, n)."""
+        flanks = np.stack([flanks_of(one, IDLE * top) for one, top in zip(places.asked, most, strict=True)])
+        jump = np.roll(places.asked, -1, axis=1) - places.asked
+        steps = cycle_rad / SAMPLES / self.speed_rad_s * places.swings_rad_s
+        hurried = np.abs(np.roll(jump, -1, axis=1) - jump) > SETTLED * most[:, None] * np.minimum(steps, steps**2)
+        turned = flanks != np.roll(flanks, -1, axis=1)
+        return np.flatnonzero(np.any(turned | (np.abs(jump) > JUMP * most[:, None]) | hurried, axis=0)), flanks
+
+    def _at(self, phi1_rad: Array) -> _Places:
+        first, second = (one.meshing for one in self.pairs)
+        between = first.law.at(phi1_rad)[0]
+        crank, slope = second.law.at(between)
+        driven = self.load.table.at(crank)[0][..., 0]
+        angles = np.stack([phi1_rad, between])
+        asked = np.stack([one.asked(angle) for one, angle in zip(self.pairs, angles, strict=True)])
+        near = [one.meshing.gaps.at(angle) for one, angle in zip(self.pairs, angles, strict=True)]
+        stiffness = np.stack(
+            [
+                2.0 * one.meshing.gaps.of_sections(at.stiffness * at.lever_mm**2)
+                for one, at in zip(self.pairs, near, strict=True)
+            ]
+        )
+        own = np.stack([np.full(phi1_rad.shape, self.between), 1.0 / (1.0 / driven + slope**2 / self.between)])
+        return _Places(angles, asked, stiffness, slope, driven, own)
+
+    def _followed(
+        self, start_rad: float, flanks: Array, most: Array, ends_rad: tuple[float, float]
+    ) -> tuple[Stretch, Stretch]:
+        """What both pairs bear from a place on, at which they are settled, until they have settled again."""
+        here = self._at(np.array([start_rad]))
+        settled = [
+            settled_rad(one.meshing, float(here.angle_rad[i, 0]), float(here.asked[i, 0]), float(flanks[i]), IDLE * top)
+            for i, (one, top) in enumerate(zip(self.pairs, most, strict=True))
+        ]
+        state = (settled[0], settled[1] + float(here.slope[0]) * settled[0], 0.0, 0.0)
+        phi1, torque, knocks = [np.array([start_rad])], [here.asked], (list[Knock](), list[Knock]())
+        while phi1[-1][-1] < ends_rad[1]:
+            step_s = self._step_s(float(phi1[-1][-1]))
+            step_rad = self.speed_rad_s * step_s
+            middles = phi1[-1][-1] + HELD * step_rad * (np.arange(SWINGS * PER_SWING // HELD) + 0.5)
+            along = self._at(middles)
+            pairs = [
+                near_pairs(one.meshing, angle, top)
+                for one, angle, top in zip(self.pairs, along.angle_rad, most, strict=True)
+            ]
+            done = False
+            for first in range(0, middles.size, CHECKED * PER_SWING // HELD):
+                part = slice(first, first + CHECKED * PER_SWING // HELD)
+                borne, state, met = self._stepped(state, [one[0][part] for one in pairs], along, part, step_s)
+                phi1.append(phi1[-1][-1] + step_rad * np.arange(1.0, borne.shape[1] + 1.0))
+                torque.append(borne)
+                swing, own = along.swings_rad_s[:, part], along.own[:, part]
+                for i in (0, 1):
+                    knocks[i].extend(
+                        Knock(float(along.angle_rad[i, part][row]), speed * float(pairs[i][1][part][row]))
+                        for row, speed in met[i]
+                        if speed * float(own[i, row] * swing[i, row]) > SETTLED * most[i]
+                    )
+                asked = along.asked[:, part]
+                missed = np.abs(borne - np.repeat(asked, HELD, axis=1)).max(axis=1)
+                swinging = np.maximum(missed, np.abs(self._momenta(state, along, part)) * swing.max(axis=1))
+                least, largest = np.abs(asked).min(axis=1), np.abs(asked).max(axis=1)
+                touching = (swinging <= TOUCHING * least) | (largest <= IDLE * most)
+                done = bool(np.all(touching & (swinging <= SETTLED * most)) and phi1[-1][-1] >= ends_rad[0])
+                if done:
+                    break
+            if done:
+                break
+        angles, torques = np.concatenate(phi1), np.concatenate(torque, axis=1)
+        between = self.pairs[0].meshing.law.at(angles)[0]
+        return Stretch(angles, torques[0], knocks[0]), Stretch(between, torques[1], knocks[1])
+
+    def _momenta(self, state: tuple[float, float, float, float], along: _Places, part: slice) -> Array:
+        """The momenta with which both bodies swing on the teeth of each pair, shape (2,)."""
+        slope, driven = float(along.slope[part][-1]), float(along.driven[part][-1])
+        relative = state[3] / driven - slope * state[2] / self.between
+        return np.array([state[2], relative * float(along.own[1, part][-1])])
+
+    def _step_s(self, phi1_rad: float) -> float:
+        """The time between two steps from a place on: a part of the fastest swing of both bodies together."""
+
+        def fastest(places: _Places) -> float:
+            first, second = places.stiffness
+            together = (first + places.slope**2 * second) / self.between + second / places.driven
+            return float(np.sqrt(together).max())
+
+        way = 2.0 * pi * self.speed_rad_s * SWINGS / fastest(self._at(np.array([phi1_rad])))
+        return 2.0 * pi / (PER_SWING * fastest(self._at(phi1_rad + way * np.linspace(0.0, 1.0, PER_SWING))))
+
+    def _stepped(
+        self,
+        state: tuple[float, float, float, float],
+        pairs: list[list[list[list[float]]]],
+        along: _Places,
+        part: slice,
+        step_s: float,
+    ) -> tuple[Array, tuple[float, float, float, float], tuple[list[tuple[int, float]], list[tuple[int, float]]]]:
+        """The torques borne after each of the HELD steps of n rows, shape (2, n HELD), and the last state.
+
+        A state is x1, x2 and the momenta of both bodies.  Then the rows and speeds of flanks that meet, of each pair.
+        """
+        x1, x2, p1, p2 = state
+        inertia, half, impacts = self.between, 0.5 * step_s, [one.meshing.impact for one in self.pairs]
+        met, every = (list[tuple[int, float]](), list[tuple[int, float]]()), list[tuple[float, float]]()
+        rows = zip(
+            *pairs,
+            along.slope[part].tolist(),
+            along.driven[part].tolist(),
+            *along.asked[:, part].tolist(),
+            strict=True,
+        )
+        m1 = m2 = None
+        for row, (near1, near2, slope, driven, asked1, asked2) in enumerate(rows):
+            v1, v2 = p1 / inertia, p2 / driven
+            if m1 is None or m2 is None:
+                m1 = moment_n_mm(impacts[0], near1, x1, v1)
+                m2 = moment_n_mm(impacts[1], near2, x2 - slope * x1, v2 - slope * v1)
+            for _ in range(HELD):
+                p1 += half * (m1 - asked1 - slope * (m2 - asked2))
+                p2 += half * (m2 - asked2)
+                v1, v2 = p1 / inertia, p2 / driven
+                x1, x2 = x1 + step_s * v1, x2 + step_s * v2
+                before = m1, m2
+                m1 = moment_n_mm(impacts[0], near1, x1, v1)
+                m2 = moment_n_mm(impacts[1], near2, x2 - slope * x1, v2 - slope * v1)
+                p1 += half * (m1 - asked1 - slope * (m2 - asked2))
+                p2 += half * (m2 - asked2)
+                if m1 and not before[0]:
+                    met[0].append((row, abs(v1)))
+                if m2 and not before[1]:
+                    met[1].append((row, abs(v2 - slope * v1)))
+                every.append((m1, m2))
+        return np.array(every).T, (x1, x2, p1, p2), met
