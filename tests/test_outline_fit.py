@@ -138,9 +138,10 @@ def test_no_outline_is_refused(points: Array) -> None:
     [
         ({"teeth": 48, "axis_mm": (40.0, 0.0)}, "motion.points"),
         ({}, "gears"),
+        ({"teeth": 48, "gears": {"mesh": "internal"}}, "gears.mesh"),
         ({"teeth": 48, "gears": {"lobes": {"driving": 2, "driven": 2}}}, "gears.lobes"),
     ],
-    ids=["axis outside", "no size", "lobes"],
+    ids=["axis outside", "no size", "ring", "lobes"],
 )
 def test_what_is_wrong_is_refused(options: dict[str, Any], key: str) -> None:
     with pytest.raises(WrongInput) as refused:
