@@ -111,6 +111,19 @@ HOOK = np.array([[0, 0], [60, 0], [60, 40], [20, 40], [20, 30], [50, 30], [50, 1
 """An outline with an inlet: rays from its left end meet it more than once."""
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("corners", [48, 60, 64, 90])
+def test_corners_at_even_lengths_leave_no_chord_of_no_length(corners: int) -> None:
+    """A point that is put beside a corner by a rounding error makes a chord that has no direction."""
+    ring = 25.0 * np.exp(1j * tau * np.arange(corners) / corners)
+    outline = outline_of(np.column_stack([ring.real, ring.imag]), "key")
+    points = np.random.default_rng(3).normal(scale=20.0, size=(500, 2))
+    found, away = outline.nearest(points)
+    expected = shapely.LinearRing(outline.corners).distance(shapely.points(points))
+    assert away == pytest.approx(expected, abs=1e-6)
+    assert np.hypot(*(points - found).T) == pytest.approx(expected, abs=1e-6)
+
+
 def test_rays_go_to_the_farthest_hit_behind_an_inlet() -> None:
     outline, axis = outline_of(HOOK, ""), np.array([5.0, 5.0])
     hits = outline.farthest_hits(axis, 90)

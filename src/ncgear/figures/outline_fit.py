@@ -30,7 +30,10 @@ WORDS = {
 }
 """What keeps a curve from its outline."""
 
-UNBOUND = "nothing of the teeth: every ray from the axis may meet a pitch curve once only, and this place is behind one"
+UNBOUND = (
+    "no condition of the teeth at this very place: it lies behind another part of the outline as seen from the axis, or "
+    "the curve gives way for the places beside it"
+)
 
 
 def bound_words(found: OutlineFit) -> str:

@@ -10,6 +10,10 @@ from ncgear.figures.outline_fit import bound_words
 from ncgear.project.outline_fit import OutlineFit
 
 
+MET = 2e-5
+"""Share of its size by which an outline that can be toothed as it is may be missed: a micrometre of 50 mm."""
+
+
 def fitted_answer(name: str, found: OutlineFit, then: str) -> Answer:
     """How far the curve strays from the outline, where and why, and what more teeth would bring."""
     away, size, curve = found.deviation, found.outline.size_mm, found.curve
@@ -22,10 +26,11 @@ def fitted_answer(name: str, found: OutlineFit, then: str) -> Answer:
         Row("contact ratio", (shown(found.contact_ratio),)),
         Row("deviation, r.m.s.", (_length(away.root_mean_square_mm, size),)),
         Row("deviation, greatest", (_length(away.greatest_mm, size),)),
-        Row("  where", (where,)),
-        Row("  because of", (bound_words(found),)),
     ]
-    for one in found.next_sizes:
+    strays = away.greatest_mm > MET * size
+    if strays:
+        rows += [Row("  where", (where,)), Row("  because of", (bound_words(found),))]
+    for one in found.next_sizes if strays else ():
         told = f"{fixed(one.root_mean_square_mm, 2)} mm r.m.s., {fixed(one.greatest_mm, 1)} mm at most"
         rows.append(Row(f"with {one.teeth} teeth", (f"{told}, module {to_digits(one.module_mm, 3)} mm (not made)",)))
     return Answer(

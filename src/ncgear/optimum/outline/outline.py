@@ -142,7 +142,8 @@ def _on_chord(polygon: Array, start: IndexArray, points: Array) -> Array:
     """The nearest point to each point on the chord that begins at a corner."""
     one, other = polygon[start], polygon[(start + 1) % len(polygon)]
     way = other - one
-    share = np.sum((points - one) * way, axis=1) / np.sum(way * way, axis=1)
+    # Two corners may lie in one place, where any share is right.
+    share = np.sum((points - one) * way, axis=1) / np.maximum(np.sum(way * way, axis=1), np.finfo(float).tiny)
     found: Array = one + np.clip(share, 0.0, 1.0)[:, None] * way
     return found
 
