@@ -112,12 +112,12 @@ HOOK = np.array([[0, 0], [60, 0], [60, 40], [20, 40], [20, 30], [50, 30], [50, 1
 
 
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("corners", [48, 60, 64, 90])
+@pytest.mark.parametrize("corners", [20, 48, 150, 240])
 def test_corners_at_even_lengths_leave_no_chord_of_no_length(corners: int) -> None:
     """A point that is put beside a corner by a rounding error makes a chord that has no direction."""
-    ring = 25.0 * np.exp(1j * tau * np.arange(corners) / corners)
+    ring = 25.0 * np.exp(1j * (tau * np.arange(corners) / corners + 0.1))
     outline = outline_of(np.column_stack([ring.real, ring.imag]), "key")
-    points = np.random.default_rng(3).normal(scale=20.0, size=(500, 2))
+    points = np.random.default_rng(3).normal(scale=20.0, size=(2000, 2))
     found, away = outline.nearest(points)
     expected = shapely.LinearRing(outline.corners).distance(shapely.points(points))
     assert away == pytest.approx(expected, abs=1e-6)
