@@ -31,8 +31,8 @@ WORDS = {
 """What keeps a curve from its outline."""
 
 UNBOUND = (
-    "no condition of the teeth at this very place: it lies behind another part of the outline as seen from the axis, or "
-    "the curve gives way for the places beside it"
+    "no condition of the teeth at this very place: it lies behind another part of the outline as seen from the axis, "
+    "or the curve gives way for the places beside it"
 )
 
 

@@ -9,7 +9,6 @@ from ncgear.figures.numbers import fixed, placed, shown, to_digits
 from ncgear.figures.outline_fit import bound_words
 from ncgear.project.outline_fit import OutlineFit
 
-
 MET = 2e-5
 """Share of its size by which an outline that can be toothed as it is may be missed: a micrometre of 50 mm."""
 

@@ -15,6 +15,9 @@ from ncgear.numerics.arrays import Array, IndexArray
 FINE = 6000
 """Chords into which an outline is cut at least, so that the nearest vertex tells the nearest chord."""
 
+SAME = 1e-9
+"""Share of an outline's length by which two places on it may differ and still are one."""
+
 FEWEST_POINTS = 3
 
 ROUNDING = 1e-9
@@ -74,7 +77,9 @@ class Outline:
     def _fine(self) -> Array:
         """The corners with points between them."""
         between = np.linspace(0.0, self._lengths[-1], FINE, endpoint=False)
-        return self._at(np.unique(np.concatenate([between, self._lengths[:-1]])))
+        places = np.unique(np.concatenate([between, self._lengths[:-1]]))
+        # Places that differ by rounding errors are one: no chord is without length.
+        return self._at(places[np.diff(places, prepend=-np.inf) > SAME * self._lengths[-1]])
 
     @cached_property
     def _tree(self) -> cKDTree:
@@ -142,8 +147,7 @@ def _on_chord(polygon: Array, start: IndexArray, points: Array) -> Array:
     """The nearest point to each point on the chord that begins at a corner."""
     one, other = polygon[start], polygon[(start + 1) % len(polygon)]
     way = other - one
-    # Two corners may lie in one place, where any share is right.
-    share = np.sum((points - one) * way, axis=1) / np.maximum(np.sum(way * way, axis=1), np.finfo(float).tiny)
+    share = np.sum((points - one) * way, axis=1) / np.sum(way * way, axis=1)
     found: Array = one + np.clip(share, 0.0, 1.0)[:, None] * way
     return found
 
