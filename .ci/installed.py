@@ -31,6 +31,7 @@ DESIGNS = "pusher", "ellipse", "pump-1-2", "rocker-drive", "oval-flow-meter"
 LOADED = "pusher", "pump-1-2", "rocker-drive"
 HEAVY = "baler-dynamics", "rocker-drive"
 STROKES = "pusher", "ellipse", "rocker-drive"
+DRAWN = "traced-egg", "rounded-square"
 OTHERS = "baler-dynamics", "uniform-crank", "balance/threshing-drum"
 
 EACH = ("check {0}.yaml",)
@@ -54,6 +55,7 @@ IN_TURN = {
 
 ONCE = """
 --version | examples | explain gears.module_mm | schema | reproduce | new mine --law ellipse
+new heart --shape heart | check heart.yaml | freecad
 balance balance/threshing-drum.yaml
 """
 
@@ -62,6 +64,7 @@ REFUSED = {"simulate ellipse.yaml": "masses: missing", "strength ellipse.yaml": 
 
 OF_EXTRAS: dict[str, tuple[str, tuple[str, ...] | str]] = {
     "optimize {0}.yaml": ("optimize", STROKES),
+    "fit {0}.yaml": ("optimize", DRAWN),
     "frontier ellipse.yaml": ("optimize", "resistance: missing"),
     "measured ellipse.yaml --driving points.xlsx": ("tables", "points.xlsx: cannot be read"),
     "build {0}.yaml --format step --out step": ("step", DESIGNS),
@@ -102,7 +105,7 @@ def runs_of_extras(turns: list[int], extras: set[str]) -> Iterator[Run]:
     """The commands that need an extra: done where it is there, and refused by its name where it is not."""
     for each, (extra, names) in OF_EXTRAS.items():
         if extra not in extras:
-            yield Run(each.format(STROKES[0]), 2, f"ncgear[{extra}]")
+            yield Run(each.format(names[0]), 2, f"ncgear[{extra}]")
         elif isinstance(names, tuple):
             yield from (Run(each.format(name)) for name in in_turn(names, turns))
         else:
@@ -181,7 +184,7 @@ def main() -> None:
         installed = Installed(program, folder)
         extras = set(given.extras.split(","))
         alone = not given.turn
-        for name in STROKES if alone else (*DESIGNS, *OTHERS):
+        for name in (*(STROKES if alone else (*DESIGNS, *OTHERS)), *DRAWN):
             installed.run(Run(f"new --example {name}"), folder)
         if alone:
             runs = [run for run in runs_of_extras([0], extras) if not run.said.startswith("ncgear[")]
