@@ -24,7 +24,7 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import changed_drive
 from ncgear.project.drive import Drive
 from ncgear.project.face_load import FaceLoading
-from ncgear.project.rough_strength import rolled_load, tooth_plan
+from ncgear.project.rough_strength import rolled_load, rough_mesh, tooth_plan
 from ncgear.project.strengthening import crowned_enough, rating_of
 from ncgear.strength.conditions import Running
 from ncgear.strength.endurance import running_in
@@ -461,7 +461,7 @@ class TestBalerDrivetrain:
         told = drive.told_face_load_by("estimate")
         assert told is not None
         assert 1.0 < told.by_shafts < 1.2
-        assert 1.6 < told.decisive.factor < 1.8
+        assert 1.5 < told.decisive.factor < 1.8
         assert told.least.factor < 0.9 * told.decisive.factor
         assert told.greatest.factor > 1.1 * told.decisive.factor
         assert drive.face_loading.model is not None
@@ -472,8 +472,8 @@ class TestBalerDrivetrain:
         assert told.best < 0.85 * told.decisive.factor
 
     def test_crowning_is_what_would_help(self) -> None:
-        """With grade 9 flanks pit; the remedy is the best crowning, and its teeth hold."""
-        coarse = changed(tolerances={"grade": 9})
+        """With grade 10 flanks pit; the remedy is the best crowning, and its teeth hold."""
+        coarse = changed(tolerances={"grade": 10})
         rating = rating_of(coarse, "estimate")
         assert not rating.holds
         changes = crowned_enough(coarse, rating)
@@ -511,13 +511,16 @@ class TestBalerDrivetrain:
     def test_without_teeth_it_is_as_uneven(self) -> None:
         """K_Hbeta of a rough strength where the load is the largest, within a tenth of that with teeth."""
         drive = drives.drive("baler-drivetrain")
-        sides = shared_loads(rolled_load(drive), tooth_plan(drive), drive.running, drive.materials)
+        load = rolled_load(drive)
+        sides = shared_loads(load, tooth_plan(drive), drive.running, drive.materials)
+        mesh = rough_mesh(drive, sides, load)
         model, strength = drive.face_loading.model, drive.strength_by("estimate")
         assert model is not None
         contacts, factors = strength.contacts, strength.stresses.face_load_factor
         for one in sides:
             row = int(one.load.force_n.argmax())
-            rough = float(drive.face_loading.of_side(one, 1.0, np.full(one.load.force_n.shape, 1.1))[row])
+            shaken = drive.vibration.factors(one.load.phi1_rad, one.load.force_n, mesh, drive.conditions)
+            rough = float(drive.face_loading.of_side(one, 1.0, shaken)[row])
             loads = drive.face_loading.loads_of(contacts, 1.0, np.ones(contacts.force_n.size))
             near = np.abs(contacts.phi1_rad - one.load.phi1_rad[row])
             same = (contacts.side == (0 if one.load.urge[0] > 0.0 else 1)) & (near < 0.05)
