@@ -175,7 +175,29 @@ def test_a_jam_alone_is_rated_as_beside_a_resistance() -> None:
         assert one.safety == pytest.approx(other.safety, rel=0.05)
         assert np.all(np.isinf(one.life_h))
     assert rated.strength.peak_pair_n == pytest.approx(beside.peak_pair_n, rel=0.05)
-    assert rough(alone) is None
+    told = rough(alone)
+    assert isinstance(told, Advice)
+    assert "against pitting" in told.brief
+    assert min(one.safety for one in rated.weakest if one.damage is Damage.CONTACT) < 1.0
     # Without the jam nothing loads the teeth.
     with pytest.raises(WrongInput, match="missing"):
         rating_of(drive_of_text(text_of(None).replace(resistance, "")))
+
+
+@pytest.mark.judges("project")
+@pytest.mark.parametrize("times", [100, 100_000])
+def test_a_check_judges_flanks_and_life_of_teeth_in_a_jam(times: int) -> None:
+    """As the teeth do: a shock that no root feels dents flanks, and many of them are endured less."""
+    jammed = drive_of_text(
+        "name: jammed\noperation: {speed_rpm: 60}\nmotion: {law: ellipse, eccentricity: 0.3}\n"
+        "gears: {teeth: 31, module_mm: 2, face_width_mm: 15, material: 42CrMo4, backlash_mm: 0.06}\n"
+        f"strength: {{overload: {{driving_torque_n_m: 200, times: {times}}}}}\n"
+    )
+    found, known = rough_strength(jammed), rating_of(jammed)
+    assert found is not None
+    assert not found.unjudged
+    for damage in Damage:
+        rough_one = min(one.safety for one in found.safeties if one.damage is damage)
+        exact = min(one.safety for one in known.weakest if one.damage is damage)
+        assert 0.8 <= rough_one / exact <= 1.1
+    assert {one.damage for one in found.weak} == ({Damage.CONTACT} if times == 100 else set(Damage))

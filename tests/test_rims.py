@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from drives import drive_of_text
+from ncgear.errors import WrongInput
 from ncgear.figures.advice import strength_advice
 from ncgear.figures.advice.values import NotJudged
 from ncgear.project.drive import Drive
@@ -70,10 +71,13 @@ def test_root_stresses_grow_by_the_factor_and_flanks_do_not_know_it() -> None:
 
 @pytest.mark.slow
 def test_a_wall_thinner_than_what_is_known_is_not_judged() -> None:
-    """Its factor is that of the thinnest known wall, 0.5 tooth heights: 1.6 ln(4.484)."""
+    """No safety is told, and 0.5 tooth heights are asked for by the key."""
     drive = made("bore_mm: 38.9")
     assert np.all(np.isinf(drive.rims[1].factor))
-    assert drive.rims[1].counted == pytest.approx(np.full(24, 1.6 * log(4.484)), rel=1e-9)
+    assert drive.rims[1].thinnest_mm == pytest.approx(0.5 * HEIGHT_MM)
+    with pytest.raises(WrongInput, match="thinner than ISO 6336-3") as refused:
+        _ = drive.strength
+    assert refused.value.key == "gears.driven.bore_mm"
     found = strength_advice.strength(drive)
     assert isinstance(found, NotJudged)
     assert "thinner than ISO 6336-3 has a factor for" in found.why
@@ -83,3 +87,9 @@ def test_a_wall_thinner_than_what_is_known_is_not_judged() -> None:
 def test_a_check_knows_the_walls_that_keys_give() -> None:
     rims = tooth_plan(made("bore_mm: 10, web: {thickness_mm: 4, rim_mm: 4, hub_mm: 20}")).rims
     assert rims == pytest.approx((1.0, 1.6 * log(2.242 * HEIGHT_MM / 4.0)))
+
+
+def test_a_check_does_not_judge_walls_that_nothing_is_known_of() -> None:
+    found = strength_advice.rough(made("bore_mm: 10, web: {thickness_mm: 4, rim_mm: 0.3, hub_mm: 20}"))
+    assert isinstance(found, NotJudged)
+    assert "a wall of 0.3 mm of the driven gear is thinner than ISO 6336-3" in found.why

@@ -79,7 +79,7 @@ def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rat
         "vibration": vibration_figures(vibration_of_rating(drive, rating)),
         **({} if beside is None else {"strength_beside": strength_summary(beside, drive)}),
         **{
-            gear.value: _gear_figures(rating, gear, float(rim.counted.max()))
+            gear.value: _gear_figures(rating, gear, float(rim.factor.max()))
             for gear, rim in zip(Gear, drive.rims, strict=True)
         },
         **verdict_summary(verdict),
@@ -143,8 +143,8 @@ def rim_words(drive: Drive, rating: Rating) -> str:
     rims = dict(zip(Gear, drive.rims, strict=True))
     for one in rating.weakest:
         rim, row = rims[one.gear], one.tooth - 1
-        if one.damage is Damage.BENDING and rim.counted[row] > 1.0:
-            wall, raised = to_digits(float(rim.wall_mm[row]), 2), to_digits(float(rim.counted[row]), 3)
+        if one.damage is Damage.BENDING and rim.factor[row] > 1.0:
+            wall, raised = to_digits(float(rim.wall_mm[row]), 2), to_digits(float(rim.factor[row]), 3)
             found.append(f"{wall} mm under tooth {one.tooth} of the {one.gear.value} gear, stress times {raised}")
     return f"thin wall of {'; '.join(found)}" if found else ""
 

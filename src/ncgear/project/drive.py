@@ -535,10 +535,11 @@ class Drive(Geared):
         return driving, driven
 
     def _judged(self, method: Literal["estimate", "elements"]) -> JudgedTeeth:
-        from ncgear.project.tooth_strength import judged_teeth, methods_of
+        from ncgear.project.tooth_strength import judged_teeth, methods_of, require_known_rims
 
         load, sections = self.tooth_load.load, self.face_sections
         with self.stopwatch("strength"), located(self.places):
+            require_known_rims(self.rims, self.gears)
             methods = methods_of(method, sections, self.materials, self.rims)
             loading = self.loading(methods, self.materials)
             running, uneven, shaken = self.running, self.face_loading, self.vibration

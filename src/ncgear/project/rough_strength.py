@@ -20,7 +20,7 @@ from ncgear.project.tooth_load import asked_of
 from ncgear.project.vibration import ToldVibration, told_vibration
 from ncgear.strength.conditions import Conditions
 from ncgear.strength.endurance import materials_of
-from ncgear.strength.iso6336 import RackTip, rim_factor, thinnest_rim_factor
+from ncgear.strength.iso6336 import RackTip, rim_factor, thinnest_rim_mm
 from ncgear.strength.material import Material
 from ncgear.strength.materials import Plastic
 from ncgear.strength.plastics import friction, temperatures_of
@@ -105,17 +105,22 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
     needs_teeth = _needs_teeth(drive, plan, load, sides) if sides else ""
     if in_series:
         needs_teeth = needs_teeth or "it needs the teeth to tell how hard two pairs in series knock"
-    warm, still = _warm(drive, sides, load.phi1_rad.size), conditions.dynamic_factor or 1.0
+    warm, why = _warm(drive, sides, load.phi1_rad.size), _no_life(drive)
     jammed = list[RoughSafety]()
     try:
         if (jam := conditions.overload) is not None:
             pressed = rolled_load(drive, partial(asked.passed_on_n_mm, jam.driving_n_mm))
-            once = replace(conditions, application_factor=1.0, dynamic_factor=1.0)
+            jams_h = jam.times * drive.transmission.cycle_rad / running.speed_rad_s / 3600.0
+            few = replace(conditions, application_factor=1.0, dynamic_factor=1.0, life_h=jams_h)
             borne = shared_loads(pressed, plan, running, drive.materials)
-            jammed = static_safeties(borne, plan, running, warm, once, _uneven(drive, borne, once, _even(borne, 1.0)))
+            still = _even(borne, 1.0)
+            uneven = _uneven(drive, borne, few, still)
+            if why:
+                jammed = static_safeties(borne, plan, running, warm, few, uneven)
+            else:
+                jammed = rough_safeties(borne, plan, running, warm, few, uneven, still)
             if not sides:
-                return RoughStrength(tuple(jammed), "", _needs_teeth(drive, plan, pressed, borne), True)
-        why = _no_life(drive)
+                return RoughStrength(tuple(jammed), why, _needs_teeth(drive, plan, pressed, borne), bool(why))
         if not why:
             mesh = rough_mesh(drive, sides, load)
             shaken = [drive.vibration.factors(one.load.phi1_rad, one.load.force_n, mesh, conditions) for one in sides]
@@ -127,7 +132,7 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
             )
             told = None if mesh is None else told_vibration(drive, mesh, phi1, np.concatenate(shaken), force)
             return RoughStrength((*found, *jammed), needs_teeth=needs_teeth, vibration=told)
-        uneven = _uneven(drive, sides, conditions, _even(sides, still))
+        uneven = _uneven(drive, sides, conditions, _even(sides, conditions.dynamic_factor or 1.0))
         found = static_safeties(sides, plan, running, warm, conditions, uneven)
         return RoughStrength((*found, *jammed), why, needs_teeth, True)
     except Unanswered as error:
@@ -172,6 +177,10 @@ def _no_life(drive: Drive) -> str:
     """Why no life of these teeth is told under any load."""
     if drive.helix is not None:
         return "it needs the teeth to tell of helical ones, whose roots a check judges as straight ones"
+    for gear in Gear:
+        wall_mm, thinnest_mm = _given_wall_mm(drive, gear)
+        if wall_mm < thinnest_mm:
+            return f"a wall of {wall_mm:g} mm of the {gear.value} gear is thinner than ISO 6336-3 has a factor for"
     return ""
 
 
@@ -238,15 +247,24 @@ def tooth_plan(drive: Drive) -> ToothPlan:
 
 
 def _even_rim(drive: Drive, gear: Gear) -> float:
-    """Y_B of a gear by the walls that its keys give: of a web, a ring and lightening holes, not of a bore."""
-    body, module, internal = getattr(drive.gears, gear.value), drive.running.module_mm, drive.pitch.of(gear).is_ring
-    # A rim that the file leaves out is thick enough.
-    walls = [body.rim_mm] if internal and body.rim_mm is not None else []
+    """Y_B of a gear by the walls that its keys give; at least so much where they are thinner than what is known."""
+    rack, module = drive.gears.rack, drive.running.module_mm
+    height_mm, ring = module * (rack.addendum + rack.dedendum), drive.pitch.of(gear).is_ring
+    return float(rim_factor(max(_given_wall_mm(drive, gear)), height_mm, module, internal=ring))
+
+
+def _given_wall_mm(drive: Drive, gear: Gear) -> tuple[float, float]:
+    """The thinnest wall that the keys of a gear give, and the thinnest one whose Y_B is known.
+
+    Walls of a web, a ring and lightening holes, not of a bore; infinite where no key gives one: a rim that the file
+    leaves out is thick enough.
+    """
+    body, module, ring = getattr(drive.gears, gear.value), drive.running.module_mm, drive.pitch.of(gear).is_ring
+    walls = [body.rim_mm] if ring and body.rim_mm is not None else []
     walls += [body.web.rim_mm] if body.web else []
     walls += [body.lightening_holes.least_wall_mm] if body.lightening_holes else []
     height_mm = module * (drive.gears.rack.addendum + drive.gears.rack.dedendum)
-    raised = rim_factor(min(walls, default=inf), height_mm, module, internal=internal)
-    return min(float(raised), thinnest_rim_factor(internal=internal))
+    return min(walls, default=inf), thinnest_rim_mm(height_mm, module, internal=ring)
 
 
 def rolled_load(drive: Drive, torque_n_mm: Callable[[Array], Array] | None = None) -> RolledLoad:

@@ -13,6 +13,7 @@ from ncgear.design.keys.gears import Gears
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.bounds import shown_above
 from ncgear.pitch.shape import Gear
 from ncgear.project.service import choices_of
 from ncgear.project.tooth_load import ToothLoad
@@ -21,7 +22,7 @@ from ncgear.strength.conditions import Conditions, Running
 from ncgear.strength.contacts import LoadedContacts
 from ncgear.strength.endurance import materials_of
 from ncgear.strength.estimate import estimate_of
-from ncgear.strength.iso6336 import rim_factor, thinnest_rim_factor
+from ncgear.strength.iso6336 import rim_factor, thinnest_rim_mm
 from ncgear.strength.life import strength_of, stresses_of, worse_of
 from ncgear.strength.material import Material
 from ncgear.strength.materials import Choice, Plastic
@@ -139,7 +140,7 @@ def methods_of(
     else:
         made = partial(estimate_of, helix_rad=helix_rad)
     driving, driven = (
-        InSections(tuple(made(pair.of(gear), material) for pair in pairs), rim.counted)
+        InSections(tuple(made(pair.of(gear), material) for pair in pairs), rim.factor)
         for gear, material, rim in zip(Gear, materials, rims, strict=True)
     )
     return driving, driven
@@ -159,16 +160,14 @@ LIGHTEST_N_MM = 1.0
 
 @dataclass(frozen=True, eq=False)
 class Rim:
-    """The walls under the roots of a gear's teeth in mm and Y_B by them, shape (z,) each; infinite where not known."""
+    """The walls under the roots of a gear's teeth in mm and Y_B by them, shape (z,) each; infinite where not known.
+
+    ``thinnest_mm`` is the wall down to which it is known.
+    """
 
     wall_mm: Array
     factor: Array
-    internal: bool
-
-    @property
-    def counted(self) -> Array:
-        """Y_B as it counts, shape (z,): where it is not known, that of the thinnest wall for which it is."""
-        return np.minimum(self.factor, thinnest_rim_factor(internal=self.internal))
+    thinnest_mm: float
 
     @property
     def worst(self) -> int:
@@ -184,7 +183,25 @@ def rim_of(gear: ToothedGear, plan: BodyPlan, *, helical: bool) -> Rim:
     if helical:
         walls = np.full_like(walls, walls.min())
     height_mm = rack.addendum_mm + rack.dedendum_mm
-    return Rim(walls, rim_factor(walls, height_mm, rack.module_mm, internal=plan.is_ring), plan.is_ring)
+    ring, module = plan.is_ring, rack.module_mm
+    return Rim(
+        walls, rim_factor(walls, height_mm, module, internal=ring), thinnest_rim_mm(height_mm, module, internal=ring)
+    )
+
+
+def require_known_rims(rims: tuple[Rim, Rim], gears: Gears) -> None:
+    """Raises WrongInput where the wall under a tooth is so thin that nothing tells its root stress."""
+    for gear, rim in zip(Gear, rims, strict=True):
+        if np.isfinite(rim.factor).all():
+            continue
+        body = gears.driving if gear is Gear.DRIVING else gears.driven
+        given = ("web", "web.rim_mm"), ("rim_mm", "rim_mm"), ("lightening_holes", "lightening_holes.least_wall_mm")
+        key = next((key for name, key in given if getattr(body, name, None) is not None), "bore_mm")
+        raise WrongInput(
+            f"the wall of {float(rim.wall_mm[rim.worst]):.2g} mm under tooth {rim.worst + 1} of the {gear.value} "
+            f"gear is thinner than ISO 6336-3 has a factor for; {shown_above(rim.thinnest_mm)} mm or over are right",
+            key=f"gears.{gear.value}.{key}",
+        )
 
 
 def stiffnesses(

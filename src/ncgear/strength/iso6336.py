@@ -170,7 +170,6 @@ def rim_factor(wall_mm: Real, height_mm: float, module_mm: float, *, internal: b
     return np.where(share >= thick, 1.0, np.where(share < thin, np.inf, raised))
 
 
-def thinnest_rim_factor(*, internal: bool) -> float:
-    """Y_B of the thinnest rim for which it is known."""
-    thin = (THIN_RIM if internal else THICK_RIM)[1]
-    return float(rim_factor(thin, 1.0, 1.0, internal=internal))
+def thinnest_rim_mm(height_mm: float, module_mm: float, *, internal: bool) -> float:
+    """The thinnest wall for which Y_B is known."""
+    return THIN_RIM[1] * module_mm if internal else THICK_RIM[1] * height_mm
