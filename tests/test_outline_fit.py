@@ -111,6 +111,15 @@ HOOK = np.array([[0, 0], [60, 0], [60, 40], [20, 40], [20, 30], [50, 30], [50, 1
 """An outline with an inlet: rays from its left end meet it more than once."""
 
 
+def test_an_outline_that_crosses_itself_is_refused_with_the_place() -> None:
+    star = 30.0 * np.exp(2j * tau * np.arange(5) / 5.0)
+    with pytest.raises(WrongInput, match=r"crosses itself at \(-?\d"):
+        outline_of(np.column_stack([star.real, star.imag]), "key")
+    # Two squares that touch in a corner have an inside.
+    touching = np.array([(0, 0), (1, 0), (1, 1), (2, 1), (2, 2), (1, 2), (1, 1), (0, 1)], dtype=float)
+    assert outline_of(touching, "key").area_mm2 == pytest.approx(2.0)
+
+
 @pytest.mark.filterwarnings("error")
 @pytest.mark.parametrize("corners", [20, 48, 150, 240])
 def test_corners_at_even_lengths_leave_no_chord_of_no_length(corners: int) -> None:

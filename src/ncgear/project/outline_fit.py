@@ -112,6 +112,11 @@ class OutlineFit:
         return self.drive.designed_contact.contact_ratio
 
     @property
+    def pressure_angle_deg(self) -> float:
+        """Greatest pressure angle of the flanks that drive, with the rack's own."""
+        return self.drive.pitch.largest_pressure_angle_deg(radians(self.drive.gears.carrying_angle_deg))
+
+    @property
     def greatest_at_rad(self) -> float:
         """Polar angle of the greatest deviation about the axis."""
         return polar_angle(self.curve, self.deviation.at_mm)

@@ -23,6 +23,8 @@ def fitted_answer(name: str, found: OutlineFit, then: str) -> Answer:
         Row("teeth", (f"{curve.teeth} : {curve.teeth}, module {shown(curve.module_mm)} mm",)),
         Row("axes", (f"{shown(curve.center_distance_mm)} mm apart; that in the drawing at {axis}",)),
         Row("contact ratio", (shown(found.contact_ratio),)),
+        Row("ratio", (" to ".join(shown(one.value) for one in found.drive.transmission.ratio_range),)),
+        Row("pressure angle", (f"up to {shown(found.pressure_angle_deg)} deg",)),
         Row("deviation, r.m.s.", (_length(away.root_mean_square_mm, size),)),
         Row("deviation, greatest", (_length(away.greatest_mm, size),)),
     ]
@@ -35,7 +37,7 @@ def fitted_answer(name: str, found: OutlineFit, then: str) -> Answer:
     return Answer(
         f"{name}: the nearest pitch curve to an outline of {shown(size)} mm whose pair can be made",
         tuple(rows),
-        good="Its teeth are made and keep contact; ncgear check judges the rest.",
+        good="Its exact teeth are made and keep contact; ncgear build judges the files that it writes.",
         then=then,
     )
 

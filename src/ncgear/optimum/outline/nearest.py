@@ -11,7 +11,7 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.extras import require
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.outline.conditions import Limits, excess
+from ncgear.optimum.outline.conditions import Kind, Limits, conditions, excess
 from ncgear.optimum.outline.outline import Outline, axes_to_try
 from ncgear.optimum.outline.programme import Wanted, missed, step
 from ncgear.optimum.outline.rolled import Basis, Rolled, closing_distance_mm
@@ -113,11 +113,31 @@ def nearest_curve(
     off = missed(found, limits, wanted)
     if off > 5.0 * KEPT:
         raise NoSuchMechanism(
-            f"no pitch curve near the outline keeps the conditions of {teeth} teeth (missed by {off:.2g}); more "
-            "teeth of a smaller module are needed",
+            f"no pitch curve near the outline was found on which {teeth} teeth can stand: "
+            f"{_most_missed(found, limits)}; an axis elsewhere, a rounder outline, or more teeth of a smaller module are needed",
             key="gears.teeth",
         )
     return found
+
+
+TOO_MUCH = {
+    Kind.HOLLOW_OWN: "the gear is too concave",
+    Kind.HOLLOW_MATE: "the mate is too concave",
+    Kind.HOLLOW_CORNER_OWN: "a concave corner is too sharp",
+    Kind.HOLLOW_CORNER_MATE: "a concave corner of the mate is too sharp",
+    Kind.CORNER_OWN: "a corner is too sharp",
+    Kind.CORNER_MATE: "a corner of the mate is too sharp",
+    Kind.STEEP: "the curve runs too steeply against the ray from its axis",
+    Kind.ROOM: "there is too little room beside the mate's axis",
+}
+
+
+def _most_missed(curve: Rolled, limits: Limits) -> str:
+    """Which condition is missed by most, and where in the drawing, in words."""
+    worst = max(conditions(curve, limits), key=lambda one: float(one.value.max()))
+    points, _ = curve.points()
+    x, y = points[int(worst.value.argmax()) * len(points) // worst.value.size]
+    return f"{TOO_MUCH[worst.kind]} at ({x:.4g}, {y:.4g}) mm of the drawing"
 
 
 def _cost(outline: Outline, curve: Rolled, limits: Limits, wanted: Wanted) -> float:

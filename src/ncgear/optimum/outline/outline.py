@@ -15,6 +15,9 @@ from ncgear.numerics.arrays import Array, IndexArray
 FINE = 6000
 """Chords into which an outline is cut at least, so that the nearest vertex tells the nearest chord."""
 
+CROSSES = "Self-intersection"
+"""The first word of GEOS for a ring that crosses itself."""
+
 SAME = 1e-9
 """Share of an outline's length by which two places on it may differ and still are one."""
 
@@ -125,7 +128,9 @@ class Outline:
 
 
 def outline_of(points_mm: Array, key: str) -> Outline:
-    """The outline of points of shape (n, 2), in either sense; raises WrongInput where they enclose no area."""
+    """The outline of points of shape (n, 2), in either sense; raises WrongInput where they cross or enclose nothing."""
+    from shapely import Polygon, is_valid_reason
+
     points = np.asarray(points_mm, dtype=float)
     if points.ndim != 2 or points.shape[1:] != (2,) or not np.all(np.isfinite(points)):
         raise WrongInput(f"points of shape {points.shape}; finite x and y, of shape (n, 2), are right", key=key)
@@ -135,6 +140,10 @@ def outline_of(points_mm: Array, key: str) -> Outline:
     area = _area(points) if len(points) >= FEWEST_POINTS else 0.0
     if not abs(area) > 1e-6 * size**2:
         raise WrongInput("the outline encloses no area; a closed contour is needed", key=key)
+    # One that only touches itself has one inside all the same.
+    if (why := is_valid_reason(Polygon(points))).startswith(CROSSES):
+        place = why.removeprefix(CROSSES).strip("[]").replace(" ", ", ")
+        raise WrongInput(f"the outline crosses itself at ({place}) mm; one that does not is right", key=key)
     return Outline(points if area > 0.0 else points[::-1].copy())
 
 
