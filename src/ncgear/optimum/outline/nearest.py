@@ -114,7 +114,8 @@ def nearest_curve(
     if off > 5.0 * KEPT:
         raise NoSuchMechanism(
             f"no pitch curve near the outline was found on which {teeth} teeth can stand: "
-            f"{_most_missed(found, limits)}; an axis elsewhere, a rounder outline, or more teeth of a smaller module are needed",
+            f"{_most_missed(found, limits)}; an axis elsewhere, a rounder outline, or more teeth of a smaller module "
+            "are needed",
             key="gears.teeth",
         )
     return found
