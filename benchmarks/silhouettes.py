@@ -56,7 +56,7 @@ def page(folder: Path) -> str:
         "# Outlines and the nearest gears",
         "",
         f"Written by `python benchmarks/silhouettes.py FOLDER`: {os.cpu_count()} cores, Python {PYTHON};",
-        f"silhouettes of {SIZE_MM:g} mm, {TEETH} teeth whose flanks work on both sides, the axis free. Outlines are those of",
+        f"silhouettes of {SIZE_MM:g} mm, {TEETH} teeth whose flanks work on both sides, the axis free. Outlines are of",
         "the repository xuhaocuhk/non-circular-gears (H. Xu and others, Eurographics 2020). Deviations count from the",
         "outline to the curve and from the curve to the outline.",
         "",
