@@ -230,7 +230,7 @@ def test_a_sweep_of_speed() -> None:
     own at its own speed."""
     drive = drive_of_text(ELLIPSE)
     rating = rating_of(drive)
-    sweep, told = speed_sweep(drive, rating.loading), vibration_of_rating(drive, rating)
+    sweep, told = speed_sweep(drive, drive.vibration, rating.loading), vibration_of_rating(drive, rating)
     assert sweep is not None
     assert told is not None
     assert told.critical_rpm is not None
@@ -331,4 +331,4 @@ def test_sectors_that_swing_to_and_fro_have_the_resonance_of_the_whole_gears() -
     assert rough.vibration is not None
     assert rough.vibration.greatest == pytest.approx(told.greatest, rel=0.15)
     assert rough.vibration.factor == pytest.approx(told.factor, rel=0.05)
-    assert speed_sweep(drive, rating_of(drive).loading) is None
+    assert speed_sweep(drive, drive.vibration, rating_of(drive).loading) is None

@@ -23,7 +23,9 @@ def vibration_of_rating(drive: Drive, rating: Rating) -> ToldVibration | None:
     if mesh is None:
         return None
     contacts = strength.contacts
-    return told_vibration(drive, mesh, contacts.phi1_rad, strength.stresses.dynamic_factor, contacts.pair_force_n)
+    return told_vibration(
+        drive, drive.vibration, mesh, contacts.phi1_rad, strength.stresses.dynamic_factor, contacts.pair_force_n
+    )
 
 
 def vibration_figures(told: ToldVibration | None) -> dict[str, Any]:

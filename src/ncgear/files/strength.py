@@ -217,7 +217,7 @@ def strength_pictures(drive: Drive, rating: Rating) -> dict[str, bytes]:
         "strength.png": _gears(drive, rating),
         "strength-cycle.png": column_png(charts, _titled(drive, "loads of the teeth"), STRENGTH_LOOK, STRENGTH_COLUMN),
     }
-    if (sweep := speed_sweep(drive, rating.loading)) is not None:
+    if (sweep := speed_sweep(drive, drive.vibration, rating.loading)) is not None:
         what = _titled(drive, "dynamic load over the driving speed")
         pictures["strength-speeds.png"] = column_png(speed_charts(sweep), what, STRENGTH_LOOK, STRENGTH_COLUMN)
     return pictures if rating.strength.method == "estimate" else {**pictures, "strength-stress.png": _field(drive)}
@@ -269,6 +269,6 @@ def strength_files(drive: Drive, rating: Rating, figures: Mapping[str, Any]) -> 
         "strength.csv": strength_csv(rating.strength).encode(),
         "strength.json": json_text(figures).encode(),
     }
-    if (sweep := speed_sweep(drive, rating.loading)) is not None:
+    if (sweep := speed_sweep(drive, drive.vibration, rating.loading)) is not None:
         files["strength-speeds.csv"] = speeds_csv(sweep).encode()
     return {folder_of(drive.stage) + name: content for name, content in files.items()}

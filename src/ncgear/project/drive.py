@@ -41,6 +41,7 @@ if TYPE_CHECKING:
     from ncgear.strength.sections import InSections
     from ncgear.strength.stiffness import LinearTeeth
     from ncgear.strength.surfaces import Surfaces
+    from ncgear.strength.vibration import Vibration
 
 MOTOR = "simulation.motor"
 
@@ -521,6 +522,13 @@ class Drive(Geared):
         from ncgear.project.face_load import face_loading_of
 
         return face_loading_of(self)
+
+    @computed
+    def vibration(self) -> Vibration:
+        """What the vibration of the pair's mesh depends on besides its loads."""
+        from ncgear.project.vibration import vibration_of
+
+        return vibration_of(self)
 
     @computed
     def rims(self) -> tuple[Rim, Rim]:

@@ -49,7 +49,6 @@ if TYPE_CHECKING:
     from ncgear.strength.conditions import Conditions, Running
     from ncgear.strength.material import Material
     from ncgear.strength.sections import FaceSections
-    from ncgear.strength.vibration import Vibration
     from ncgear.teeth.arcs import ArcOutline
     from ncgear.teeth.backlash import Play
     from ncgear.teeth.form import ToothForm
@@ -488,13 +487,6 @@ class Geared(Moving):
         ends = toothed.covered_rad, float(self.transmission.driven_angle(np.array([toothed.covered_rad])).value[0])
         driving, driven = (2.0 * toothed.covered_mm / (size.module_mm * abs(end)) for end in ends)
         return replace(found, around=(driving, driven), stroke_rad=2.0 * toothed.covered_rad)
-
-    @computed
-    def vibration(self) -> Vibration:
-        """What the vibration of the pair's mesh depends on besides its loads."""
-        from ncgear.project.vibration import vibration_of
-
-        return vibration_of(self)
 
     @computed
     def conditions(self) -> Conditions:

@@ -130,7 +130,11 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
                 np.concatenate(parts)
                 for parts in zip(*((one.load.phi1_rad, one.load.force_n) for one in sides), strict=True)
             )
-            told = None if mesh is None else told_vibration(drive, mesh, phi1, np.concatenate(shaken), force)
+            told = (
+                None
+                if mesh is None
+                else told_vibration(drive, drive.vibration, mesh, phi1, np.concatenate(shaken), force)
+            )
             return RoughStrength((*found, *jammed), needs_teeth=needs_teeth, vibration=told)
         uneven = _uneven(drive, sides, conditions, _even(sides, conditions.dynamic_factor or 1.0))
         found = static_safeties(sides, plan, running, warm, conditions, uneven)

@@ -135,12 +135,12 @@ class ToldVibration:
 
 
 def told_vibration(
-    drive: Geared, mesh: MeshStiffness, phi1_rad: Array, factors: Array, force_n: Array
+    drive: Geared, vibration: Vibration, mesh: MeshStiffness, phi1_rad: Array, factors: Array, force_n: Array
 ) -> ToldVibration:
     """What is told of a mesh of known stiffness with K_V under forces at driving angles, shape (n,) each."""
     turn = mesh.phi1_rad < 2.0 * pi
     phi1, most = mesh.phi1_rad[turn], int(force_n.argmax())
-    ratios = drive.vibration.resonance(phi1, mesh)
+    ratios = vibration.resonance(phi1, mesh)
     least, greatest = float(ratios.min()), float(ratios.max())
     rpm = drive.machine.speed_rad_s / RAD_S_PER_RPM
     return ToldVibration(
@@ -191,7 +191,7 @@ class SpeedSweep:
     load_factor: Array | None
 
 
-def speed_sweep(drive: Geared, loading: Loading) -> SpeedSweep | None:
+def speed_sweep(drive: Geared, vibration: Vibration, loading: Loading) -> SpeedSweep | None:
     """The sweep of a pair under its loads without knocks; None where nothing has inertia or bears load.
 
     Gears that turn less than once pass no speed for long: None.
@@ -202,20 +202,20 @@ def speed_sweep(drive: Geared, loading: Loading) -> SpeedSweep | None:
         return None
     pair_force = np.bincount(contacts.position, contacts.force_n, loads.even.size).astype(float)
     phi1, force = loads.phi1_rad[loads.even], pair_force[loads.even]
-    told = told_vibration(drive, mesh, phi1, np.ones(phi1.size), force)
+    told = told_vibration(drive, vibration, mesh, phi1, np.ones(phi1.size), force)
     if told.critical_rpm is None:
         return None
     own_rpm = drive.machine.speed_rad_s / RAD_S_PER_RPM
     ends = min(own_rpm, told.critical_rpm[0] / SLOWER), max(own_rpm, told.critical_rpm[1] * FASTER)
     speeds = np.unique(np.append(np.geomspace(*ends, SPEEDS), own_rpm))
     faster, leading = speeds / own_rpm, force >= LEADING * force.max()
-    over, vibration = drive.conditions.application_factor, drive.vibration
+    over = drive.conditions.application_factor
     factors = vibration.factors_at_speeds(phi1[leading], force[leading], mesh, over, faster)
-    load_factor = _load_factor(drive, loads, faster * drive.machine.speed_rad_s)
+    load_factor = _load_factor(drive, vibration, loads, faster * drive.machine.speed_rad_s)
     return SpeedSweep(speeds, faster * told.least, faster * told.greatest, factors.max(axis=1), load_factor)
 
 
-def _load_factor(drive: Geared, loads: Loading, speeds_rad_s: Array) -> Array | None:
+def _load_factor(drive: Geared, vibration: Vibration, loads: Loading, speeds_rad_s: Array) -> Array | None:
     """How much more teeth bear that swing at driving speeds, shape (s,); None where the load changes flanks."""
     if loads.contacts.side.min() != loads.contacts.side.max():
         return None
@@ -228,7 +228,7 @@ def _load_factor(drive: Geared, loads: Loading, speeds_rad_s: Array) -> Array | 
         phi1,
         min(loads.cycle_rad, 2.0 * pi * MOST_TURNS),
         stiffness * arm**2,
-        N_PER_KG_MM_S2 * drive.vibration.reduced_kg(phi1) * arm**2,
+        N_PER_KG_MM_S2 * vibration.reduced_kg(phi1) * arm**2,
         loads.error_rad[rows],
         loads.torque_n_mm[rows],
         Simulation().damping_ratio,
