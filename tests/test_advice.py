@@ -177,6 +177,7 @@ def test_every_kind_is_seen_in_a_test() -> None:
         Kind.MOTOR,
         Kind.DRIVETRAIN,
         Kind.TRANSMISSION_ANGLE,
+        Kind.VIBRATION,
     }
     assert {advice.kind for name in names for advice in advices(name)} == set(Kind) - elsewhere
 

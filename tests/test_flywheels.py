@@ -138,6 +138,7 @@ def test_of_two_optima_side_by_side_the_better_counts() -> None:
     assert found[sorted(found)[1]] < neighbour.found[sorted(found)[1]].goal / 1.05
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_law_and_flywheel_of_the_baler_together(run: Run) -> None:
     """No size of a grid, each searched for by itself with all knots, needs less; the file says what was found."""

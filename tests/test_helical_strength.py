@@ -122,7 +122,7 @@ def test_roots_across_the_tooth_are_those_of_the_virtual_spur_gear(angle_deg: fl
     assert np.all(straight < 0.98 * np.min(wanted, axis=0))
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["15.0-40", "30.0-24"], rest="long")
 @pytest.mark.judges("strength")
 @pytest.mark.parametrize(("angle_deg", "teeth"), [(10.0, 24), (15.0, 40), (20.0, 24), (25.0, 40), (30.0, 24)])
 def test_pressures_and_root_stresses_of_circular_gears_are_those_of_iso_6336(angle_deg: float, teeth: int) -> None:
@@ -151,6 +151,7 @@ def test_pressures_and_root_stresses_of_circular_gears_are_those_of_iso_6336(ang
         assert 0.82 <= root / nominal <= 1.24
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.judges("strength")
 def test_lines_of_contact_are_even_where_teeth_advance_a_whole_pitch() -> None:
@@ -164,6 +165,7 @@ def test_lines_of_contact_are_even_where_teeth_advance_a_whole_pitch() -> None:
     assert errors["even"] < 0.5 * errors["half"]
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.judges("strength")
 def test_the_mesh_is_as_stiff_as_iso_6336_1_says() -> None:
@@ -182,6 +184,7 @@ def test_the_mesh_is_as_stiff_as_iso_6336_1_says() -> None:
         assert over_iso(angle_deg, 20) == pytest.approx(straight, rel=0.07)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 @pytest.mark.judges("strength")
 def test_no_helix_is_straight_and_twice_the_sections_change_little() -> None:

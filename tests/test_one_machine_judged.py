@@ -241,7 +241,7 @@ def apart(scene: newton_euler.Scene, one: Drive, places: list[float]) -> dict[st
 PLACES = [0.4, 1.5, 3.3, 5.5]
 
 
-@pytest.mark.tiers(slow=["pump", "rubbing"], rest="long")
+@pytest.mark.tiers(slow=["pump"], rest="long")
 @pytest.mark.judges("dynamics")
 @pytest.mark.parametrize("name", MACHINES)
 def test_all_forces_are_those_of_the_bodies_that_are_written(name: str) -> None:

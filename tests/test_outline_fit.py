@@ -191,7 +191,7 @@ def test_an_ellipse_that_can_be_made_stays() -> None:
     assert found.bound_by == ()
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["heart"], rest="long")
 @pytest.mark.parametrize(("outline", "most_mm"), [(heart(), 0.80), (square(), 0.29)], ids=["heart", "square"])
 def test_outlines_with_corners_are_followed(outline: Array, most_mm: float) -> None:
     both = {"drives": "both_ways"}

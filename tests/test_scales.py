@@ -158,8 +158,8 @@ def apart(one: Any, other: Any, factor: float, path: str = "", key: str = "") ->
         return []
     if isinstance(one, dict):
         assert one.keys() == other.keys(), path
-        if one.get("condition") in ("jams", "strength", "flanks"):
-            # What workshops leave, what dry and small teeth endure, and roughness, which oil is to part, do not scale
+        if one.get("condition") in ("jams", "strength", "flanks", "vibration"):
+            # What workshops leave, what dry and small teeth endure, how stiff a material is, and roughness do not scale
             return []
         return [said for name in one for said in apart(one[name], other[name], factor, f"{path}.{name}", name)]
     if isinstance(one, list):

@@ -119,7 +119,7 @@ def test_flanks_that_wear_away_do_not_hold(pretend: list[int], monkeypatch: pyte
         assert one.face_width_mm == max(ceil(needed - 1e-9), least_width(one.teeth, one.module_mm))
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["None"], rest="long")
 @pytest.mark.parametrize("own_um", [None, 3.0])
 def test_crowning_is_among_what_changes_unless_it_is_given(own_um: float | None) -> None:
     """Of the one design whose shafts tell what it is worth; without it the same gears have less."""

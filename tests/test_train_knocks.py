@@ -76,7 +76,7 @@ def highest(found: BorneTorque, low: float, high: float) -> float:
     return float((-found.at(np.linspace(low, high, 40001))).max())
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["0.5"], rest="long")
 @pytest.mark.judges("dynamics")
 @pytest.mark.parametrize("share", [0.5, 0.1])
 def test_knocks_of_both_pairs_are_those_of_another_solver(share: float) -> None:
