@@ -153,7 +153,7 @@ def disagreements(drive: Drive) -> list[str]:
 
 @pytest.mark.judges("figures", "project")
 @pytest.mark.tiers(
-    quick=[f"{name}-1.0" for name in QUICK], slow=[*(f"{name}-1.0" for name in NAMES[::2]), *SOON], rest="long"
+    quick=[f"{name}-1.0" for name in QUICK], slow=[*(f"{name}-1.0" for name in NAMES[::4]), *SOON], rest="long"
 )
 @pytest.mark.parametrize("faster", [1.0, 10.0])
 @pytest.mark.parametrize("name", NAMES)

@@ -140,7 +140,7 @@ MASSES = {
 }
 
 
-@pytest.mark.tiers(slow=["check", "build", "strength"], rest="long")
+@pytest.mark.tiers(slow=["check", "build"], rest="long")
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_ends_in_the_same_verdict(run: Run, command: str) -> None:
     """What a command prints and what its JSON has are the rows of one list."""
