@@ -132,7 +132,7 @@ def test_shafts_keys_and_bearings_bear_a_jam_as_by_hand() -> None:
     assert near < 3.0 * far  # Without a bound it would be a hundred times as much.
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_what_a_jam_dents_is_told() -> None:
     said = [one.brief for one in around(drive_of_text(text_of(1.0, AROUND))) if isinstance(one, Advice)]
     assert not any("in a jam bearing a of the driving" in one for one in said)

@@ -228,6 +228,7 @@ def test_the_page_says_what_the_design_is() -> None:
         assert words in text, words
 
 
+@pytest.mark.slow
 def test_every_quantity_has_a_chart() -> None:
     of_teeth = ["pressure_angle", "transmission_error", "force_of_a_pair", "root_stress", "contact_pressure"]
     wanted = [*(q.key_of(Output("slider")) for q in (*MOTION, *LOAD)), "ratio", *of_teeth]

@@ -536,6 +536,7 @@ async def _hears_nothing(_: str) -> None:
     """A browser that is told."""
 
 
+@pytest.mark.tiers(quick=["0.1"], rest="slow")
 @pytest.mark.parametrize("pause_s", [0.1, 0.25])
 def test_a_page_that_is_loaded_anew_just_after_a_move_comes_back(tmp_path: Path, pause_s: float) -> None:
     """It is left in the same turn as the move is heard, and once more some turns later."""
@@ -641,6 +642,7 @@ def computed(requests: worker.Requests, seconds: float) -> None:
         requests.computing = False
 
 
+@pytest.mark.slow
 def test_a_picture_of_an_older_place_is_broken_off_where_the_hand_rests_and_not_while_it_moves(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -91,7 +91,7 @@ BOUNDS = {
 }
 
 
-@pytest.mark.tiers(quick=["r.m.s."], long=["lasts", "dented"], rest="slow")
+@pytest.mark.tiers(long=["lasts", "dented"], rest="slow")
 @pytest.mark.parametrize("words", BOUNDS)
 def test_the_bound_that_is_told_is_enough_and_not_much_more(words: str) -> None:
     data = of(BOUNDS[words])

@@ -215,7 +215,7 @@ def test_a_rod_that_runs_through_the_shaft_is_told_without_any_fit() -> None:
     assert NO_BORE.why in unknown.not_judged
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_sheet_of_the_assembly_says_where_the_shaft_ends() -> None:
     """Whether the file says so or not: the workshop needs it either way."""
     note = "The driving shaft must end below the rod."
