@@ -57,6 +57,7 @@ def test_round_gears_bear_a_jam_as_by_hand() -> None:
         np.testing.assert_array_equal(one.strength.of(gear).bending.life_h, without.of(gear).bending.life_h)
 
 
+@pytest.mark.slow
 def test_many_jams_are_endured_less_and_a_light_one_changes_nothing() -> None:
     once, often = (drive_of_text(text_of(times)).strength.driving.bending.safety_min for times in (1.0, 1e6))
     assert often < 0.8 * once

@@ -39,6 +39,7 @@ def peak_n(drive: Drive) -> float:
     return float(drive.strength.contacts.force_n.max())
 
 
+@pytest.mark.slow
 def test_teeth_knock_harder_with_more_play_and_not_at_all_without() -> None:
     """Over a small play the flight ends at x = s t^3 / (6 J) and s t^2 / (2 J), so as the play to 2/3."""
     exact, near, far = (shaken(play) for play in (0.0, 0.05, 0.1))
@@ -56,6 +57,7 @@ def test_a_machine_without_masses_is_not_judged_for_knocks() -> None:
     assert drive_of_text(text).loading_by("estimate").knocks is None
 
 
+@pytest.mark.slow
 def test_a_check_and_a_build_tell_of_teeth_that_only_knocks_break() -> None:
     holds, broken = (shaken(play, "strength: {bending_safety: 6}\n") for play in (0.0, 0.3))
     for judge in (rough, strength):

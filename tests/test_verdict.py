@@ -84,6 +84,7 @@ def test_no_warnings_is_said_only_where_all_was_judged(name: str) -> None:
         assert len(verdict.warnings) + len(verdict.remarks) == sum(len(row.advices) for row in verdict.rows)
 
 
+@pytest.mark.slow
 def test_a_check_names_what_only_teeth_can_tell() -> None:
     before, after = verdict_of(Known.MOTION), verdict_of(Known.TEETH)
     only_teeth = {row.kind for row in before.rows if row.why == ONLY_TEETH}
