@@ -305,21 +305,16 @@ class Drive(Geared):
         into each other, and as ``require_sound_teeth`` and ``tooth_load`` do.
         """
         from ncgear.contact.placement import BOTH_SIDES
-        from ncgear.design.keys.masses import Simulation
-        from ncgear.project.forces import borne_by, meshing_of
-        from ncgear.project.tooth_strength import stiffnesses
+        from ncgear.project.forces import borne_by
         from ncgear.strength.loading import AskedTorque, loading_of, out_and_back
 
         with located(self.places):
             self.require_sound_teeth()
-            pitch, sections, load, width_mm = self.pitch, self.face_sections, self.tooth_load, self.gears.face_width_mm
-            stiff = stiffnesses(load, sections, width_mm, methods, materials)
+            pitch, sections, load = self.pitch, self.face_sections, self.tooth_load
             with self.stopwatch("load of every tooth"):
                 asked = AskedTorque.of(pitch, load.torque_n_mm)
                 sides = BOTH_SIDES if load.load == "masses" or load.loads_return else asked.sides
-                each = [(one.teeth, own) for one, own in zip(sections.each, stiff, strict=True)]
-                meshing = meshing_of(Simulation(), pitch, each, sides)
-                speed = self.pair_speed_rad_s
+                meshing, speed = self._bearing(methods, materials, sides), self.pair_speed_rad_s
                 borne = borne_by(load, meshing) if self.stage is None else self.whole.train_borne[self.stage - 1]
                 found = loading_of(meshing, sections, pitch, asked, speed, borne)
                 if load.loads_return:
@@ -333,25 +328,35 @@ class Drive(Geared):
                 jamming = AskedTorque.of(pitch, partial(load.passed_on_n_mm, jam.driving_n_mm))
                 return replace(found, jammed=loading_of(meshing, sections, pitch, jamming, speed))
 
+    def _bearing(
+        self, methods: tuple[InSections, InSections], materials: tuple[Material, Material], sides: Sequence[int]
+    ) -> Meshing:
+        """The teeth under load with the stiffness of methods, whatever ``simulation`` gives; ``sides`` can touch."""
+        from ncgear.design.keys.masses import Simulation
+        from ncgear.project.forces import meshing_of
+        from ncgear.project.tooth_strength import stiffnesses
+
+        sections, width_mm = self.face_sections, self.gears.face_width_mm
+        stiff = stiffnesses(self.tooth_load, sections, width_mm, methods, materials)
+        each = [(one.teeth, own) for one, own in zip(sections.each, stiff, strict=True)]
+        return meshing_of(Simulation(), self.pitch, each, sides)
+
     @computed
     def train_borne(self) -> tuple[BorneTorque, BorneTorque]:
         """The torques that the teeth of two pairs in series bear, with the stiffness of the estimate."""
-        from ncgear.design.keys.masses import Simulation
+        from ncgear.contact.placement import BOTH_SIDES
         from ncgear.dynamics.flank_changes import BorneTorque
-        from ncgear.project.forces import meshing_of, train_borne_by
-        from ncgear.project.tooth_strength import methods_of, stiffnesses
+        from ncgear.project.forces import train_borne_by
+        from ncgear.project.tooth_strength import methods_of
 
         first, second = self.by_stage
         if first.tooth_load.load != "masses":
             cycle = self.transmission.cycle_rad
             return BorneTorque(first.tooth_load.torque_n_mm, cycle), BorneTorque(second.tooth_load.torque_n_mm, cycle)
-        meshings = []
-        for one in (first, second):
-            sections, width = one.face_sections, one.gears.face_width_mm
-            methods = methods_of("estimate", sections, one.materials, one.rims)
-            stiff = stiffnesses(one.tooth_load, sections, width, methods, one.materials)
-            each = [(part.teeth, own) for part, own in zip(sections.each, stiff, strict=True)]
-            meshings.append(meshing_of(Simulation(), one.pitch, each))
+        meshings = [
+            one._bearing(methods_of("estimate", one.face_sections, one.materials, one.rims), one.materials, BOTH_SIDES)
+            for one in (first, second)
+        ]
         with self.stopwatch("knocks"):
             return train_borne_by((first.tooth_load, second.tooth_load), meshings)
 
