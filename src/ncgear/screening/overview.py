@@ -1,7 +1,7 @@
 """What a sweep shows as a whole, gathered part by part: counts, refusals, the best, the Pareto set, what matters.
 
-Its size grows with the Pareto set alone, not with the number of designs.  The order in which parts are computed does not matter, since they
-are gathered in the order of their numbers.
+Its size grows with the Pareto set alone, not with the number of designs.  The order in which parts are computed does
+not matter, since they are gathered in the order of their numbers.
 """
 
 from __future__ import annotations
@@ -100,8 +100,8 @@ class Effects:
 class Overview:
     """What is known of the parts so far; ``best`` has the best designs of each objective.
 
-    ``fronts`` are Pareto sets of parts that follow each other, each more than twice as large as the next one: what is
-    joined is joined rarely, however large the sets.  ``drawn`` are designs by lot among those kept, and ``lots`` their lots, shape (n,).
+    ``fronts`` are Pareto sets of parts that follow each other, each more than twice as large as the next one, so that
+    large sets are seldom joined.  ``drawn`` are designs by lot among those kept, and ``lots`` their lots, shape (n,).
     """
 
     space: Space
