@@ -175,11 +175,13 @@ def _front(costs: Array, rising: IndexArray) -> IndexArray:
         return rising[:1]
     if costs.shape[1] == 2:
         least = np.minimum.accumulate(costs[rising, 1])
-        return rising[np.concatenate([[True], least[1:] < least[:-1]])]
+        first: IndexArray = rising[np.concatenate([[True], least[1:] < least[:-1]])]
+        return first
     if rising.size <= FEW:
         rows = costs[rising]
         beaten = np.tril((rows[:, None] >= rows[None]).all(axis=2), -1).any(axis=1)
-        return rising[~beaten]
+        left: IndexArray = rising[~beaten]
+        return left
     half = rising.size // 2
     first, second = _front(costs, rising[:half]), _front(costs, rising[half:])
     return np.concatenate([first, second[~_reached(costs[first, 1:], costs[second, 1:])]])
