@@ -29,6 +29,7 @@ LAYERS = [
     {"teeth"},
     {"contact", "metrology"},
     {"solids"},
+    {"trains"},
     {"dynamics"},
     {"optimum"},
     {"balance", "strength", "drivetrain", "tolerances", "formulas"},

@@ -12,6 +12,7 @@ from ncgear.cli.arguments import EXPORT, AsJson, DesignFile, Timing, Verbose, fi
 from ncgear.cli.as_json import print_figures, tell
 from ncgear.cli.mending import BUILD, OPTION, MakeTeeth, Mend, as_given, mended, naming_what_helps
 from ncgear.cli.progress import counted, steps_shown
+from ncgear.cli.train import build_train, check_train, is_train, refuse_options
 from ncgear.dynamics.level import Level
 from ncgear.errors import WrongInput, located
 from ncgear.files.workshop.formats import USUAL, Format, require_libraries, slow_to_load
@@ -25,6 +26,10 @@ def check(
     timing: Timing = False,
 ) -> None:
     """Check a design: motion and power, no files; teeth only where masses leave out the inertia of the gears."""
+    if is_train(design_file):
+        refuse_options(design_file, {"--mend": mend})
+        check_train(design_file, as_json=as_json, verbose=verbose)
+        return
     with opened(design_file) as loaded:
         from ncgear.figures.answers.answer import answer_text
         from ncgear.figures.answers.machine import check_answer
@@ -76,6 +81,10 @@ def build(
     timing: Timing = False,
 ) -> None:
     """Build the gears: outlines, solids, plots, motion law and summary, into a folder."""
+    if is_train(design_file):
+        refuse_options(design_file, {"--format": kinds, "--report": report, "--mend": mend})
+        build_train(design_file, out, as_json=as_json, verbose=verbose)
+        return
     from ncgear.drawings.beside import MOTION_PICTURE, PAGE_CHARTS, drawing_beside
     from ncgear.files.publish import prepare
 

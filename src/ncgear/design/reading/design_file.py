@@ -78,6 +78,12 @@ def design_of(document: Document, text: str, path: Path) -> LoadedDesign:
 
 
 def _design(document: Document, text: str, path: Path) -> LoadedDesign:
+    if "train" in document.data:
+        problem = (
+            "the file has a train of gears, which `ncgear check` and `ncgear build` take; this needs the design of one "
+            "machine, with linkage and motion"
+        )
+        raise WrongInput(problem, key="train", location=str(document.place("train")))
     source = Source(document, values_from_files(document, path, FILES))
     with located(source):
         require_known_kind(document.data)
