@@ -51,7 +51,7 @@ class DeadSpace:
 
 @dataclass(frozen=True)
 class Port:
-    """The greatest round port that planets cover at both dead spaces beside it; there is none if its radius is negative.
+    """The greatest round port that planets cover at both dead spaces beside it; negative radius: none.
 
     ``direction_rad`` is the direction of its centre, counter-clockwise from a lobe's top of the ring.
     """
@@ -128,7 +128,9 @@ class Chambers:
         """The least and the greatest chamber."""
         zeros = all_zeros(chebyshev.fitted(self.rate_mm2, [0.0, self.cycle_rad]))
         areas = self.area_mm2(zeros)
-        return self._dead_space(zeros, areas, int(np.argmin(areas))), self._dead_space(zeros, areas, int(areas.argmax()))
+        return self._dead_space(zeros, areas, int(np.argmin(areas))), self._dead_space(
+            zeros, areas, int(areas.argmax())
+        )
 
     def _dead_space(self, places: Array, areas: Array, row: int) -> DeadSpace:
         behind, ahead = self._directions(places[row])
@@ -201,10 +203,10 @@ class Chambers:
         return largest_of_each(lambda at: self.tooth_force_n(at, pressure_n_mm2, rack_angle_rad)[None], places)[0]
 
     def ports(self, covering_mm: float) -> tuple[Port, Port]:
-        """The ports ahead of the least and of the greatest chamber, covered by planets up to ``covering_mm`` of radius.
+        """The ports ahead of the least and of the greatest chamber, that planets of a radius ``covering_mm`` cover.
 
-        Growing chambers open to the first while the sun turns ahead, shrinking ones to the second.  A port is covered by
-        the leading planet of the dead space behind it, and by the trailing planet of the dead space ahead.
+        Growing chambers open to the first while the sun turns ahead, shrinking ones to the second.  A port is covered
+        by the leading planet of the dead space behind it, and by the trailing planet of the dead space ahead.
         """
         found = []
         for dead, next_one in (self.dead_spaces, self.dead_spaces[::-1]):

@@ -15,8 +15,8 @@ lobe of the sun, 2 pi / n.  Where dchi/dphi vanishes the ring has a cusp; beyond
 kappa vanishes, the planet is as large as the hollow of the sun.
 
 With the ring standing and the sun turned by alpha, the planet touches in the direction lambda = alpha + phi =
--chi + 2 pi k / N.  So phi + chi = -alpha + 2 pi k / N: one place for each k, n + N planets in all, each a lobe of the ring
-ahead of the next.  Both curves roll the same way on the planet over a lobe: their arcs are equal, since eta, by which
+-chi + 2 pi k / N.  So phi + chi = -alpha + 2 pi k / N: one place for each k, n + N planets in all, each a lobe of the
+ring behind the next.  Both curves roll the same way on the planet over a lobe: their arcs are equal, since eta, by which
 the arcs differ (2 rho eta), returns.  So each lobe of either has the same number of teeth, which must be whole: the
 next planet stands to the ring as the planet before it, a lobe of the ring on.
 """
@@ -25,6 +25,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cached_property
+from itertools import pairwise
 from math import pi
 
 import numpy as np
@@ -188,7 +189,7 @@ class LobedCurves:
             return _polar_path(polar, -self.chi_rad(angle), -rate.value, -rate.derivative(1))
 
         def turning(angle: Array) -> Array:
-            point, slope, bend = path(angle)
+            _, slope, bend = path(angle)
             return 1.0 / self.planet_radius_mm + np.imag(np.conj(slope) * bend) / np.abs(slope) ** 3
 
         return rolled_curve(Gear.DRIVEN, Mesh.INTERNAL, self.ring_lobes, np.array([0.0, self.lobe_rad]), path, turning)
@@ -253,7 +254,7 @@ def lobed_curves(
 
     tried = np.linspace(0.0, MOST_ECCENTRIC, STEPS)
     before = float(excess(tried[:1])[0])
-    for low, high in zip(tried[:-1], tried[1:], strict=True):
+    for low, high in pairwise(tried):
         after = float(excess(np.array([high]))[0])
         if before <= 0.0 <= after:
             found = float(zeros_between(excess, np.array([low]), np.array([high]))[0])
@@ -263,8 +264,8 @@ def lobed_curves(
         before = after
     most = teeth_per_lobe * (ring_lobes - sun_lobes) / 2.0
     raise NoSuchMechanism(
-        f"no curve of {sun_lobes} lobes has {teeth_per_lobe} teeth per lobe that planets of {planet_teeth} teeth join to a "
-        f"ring of {ring_lobes} lobes; round gears have planets of {most:g} teeth, and lobes a few teeth less",
+        f"no curve of {sun_lobes} lobes has {teeth_per_lobe} teeth per lobe that planets of {planet_teeth} teeth join "
+        f"to a ring of {ring_lobes} lobes; round gears have planets of {most:g} teeth, and lobes a few teeth less",
         key="train.planet_teeth",
     )
 
