@@ -16,8 +16,8 @@ kappa vanishes, the planet is as large as the hollow of the sun.
 
 With the ring standing and the sun turned by alpha, the planet touches in the direction lambda = alpha + phi =
 -chi + 2 pi k / N.  So phi + chi = -alpha + 2 pi k / N: one place for each k, n + N planets in all, each a lobe of the
-ring behind the next.  Both curves roll the same way on the planet over a lobe: their arcs are equal, since eta, by which
-the arcs differ (2 rho eta), returns.  So each lobe of either has the same number of teeth, which must be whole: the
+ring behind the next.  Over a lobe both curves roll on the planet by equal arcs, since eta returns, and the arcs differ
+by 2 rho eta.  So each lobe of either has the same number of teeth, which must be whole: the
 next planet stands to the ring as the planet before it, a lobe of the ring on.
 """
 

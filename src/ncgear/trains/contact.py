@@ -23,6 +23,9 @@ if TYPE_CHECKING:
 POSITIONS = 241
 """Driving angles of a cycle at which a mesh is judged: a prime, so that few tooth passages are struck at one phase."""
 
+FEW_MESHES, LEAST_POSITIONS = 4, 61
+"""Of more meshes than these, which are alike at other phases, each is judged at fewer positions, down to this prime."""
+
 SEARCHED = 3
 """Worst positions about which the extreme is searched."""
 
@@ -88,7 +91,8 @@ def _contact(train: Train, first: str, second: str, kind: Mesh, outlines_mm: Map
 
 
 def _angles(train: Train) -> Array:
-    return np.linspace(0.0, train.cycle_rad, POSITIONS, endpoint=False)
+    count = max(LEAST_POSITIONS, POSITIONS * FEW_MESHES // max(len(train.meshes), FEW_MESHES))
+    return np.linspace(0.0, train.cycle_rad, count, endpoint=False)
 
 
 def _greatest(value: Callable[[float], float], angles: Array, found: Array) -> tuple[float, float]:

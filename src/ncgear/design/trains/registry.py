@@ -22,11 +22,12 @@ from ncgear.design.keys.types import FILE_FORMAT, FileFormat
 from ncgear.design.reading.text import quoted
 from ncgear.design.trains.base import TrainKeys
 from ncgear.design.trains.lobed_motor import LobedMotor
+from ncgear.design.trains.moving_axis import MovingAxis
 from ncgear.design.trains.planetary import Planetary
 from ncgear.design.words import LONGEST_DESCRIPTION, NAME_PATTERN, listed
 from ncgear.errors import WrongInput
 
-KINDS: dict[str, type[TrainKeys]] = {kind.KIND: kind for kind in (Planetary, LobedMotor)}
+KINDS: dict[str, type[TrainKeys]] = {kind.KIND: kind for kind in (Planetary, LobedMotor, MovingAxis)}
 
 
 class TrainFile(Model):
