@@ -56,7 +56,14 @@ def build_train(name: str, description: str, train: Train, on_step: Callable[[st
     files = {f"{part.name}.csv": outline_csv(part.outline_mm).encode() for part in train.parts}
     outlines = {part.name: outline_of_csv(files[f"{part.name}.csv"]) for part in train.parts}
     on_step(STEPS[1])
-    solids = {part.name: _solid(part, outlines[part.name], train.tolerance_mm) for part in train.parts}
+    solids: dict[str, Trimesh] = {}
+    alike: dict[object, Trimesh] = {}
+    for part in train.parts:
+        # Planets that are alike are made once.
+        body = files[f"{part.name}.csv"], part.face_width_mm, part.bore_mm, part.rim_mm, part.holes
+        if body not in alike:
+            alike[body] = _solid(part, outlines[part.name], train.tolerance_mm)
+        solids[part.name] = alike[body]
     files |= {f"{one}.stl": stl_bytes(solid) for one, solid in solids.items()}
     on_step(STEPS[2])
     contacts, distances = contacts_of(train, outlines), distances_of(train, outlines)

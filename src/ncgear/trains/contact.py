@@ -188,13 +188,9 @@ def _lines(outline: ComplexArray, kept: Mask) -> object:
     start = 0 if wide.all() else int(np.argmin(wide))
     order = np.roll(np.arange(outline.size), -start)
     marks = wide[order]
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], marks, [False]]).astype(int)))
-    lines = [
-        np.stack([outline[order[low:high]].real, outline[order[low:high]].imag], axis=-1)
-        for low, high in zip(edges[::2], edges[1::2], strict=True)
-        if high - low > 1
-    ]
-    return shapely.MultiLineString(lines)
+    piece = np.cumsum(marks & ~np.roll(marks, 1))[marks]
+    points = outline[order[marks]]
+    return shapely.multilinestrings(shapely.linestrings(points.real, points.imag, indices=piece - piece[0]))
 
 
 def distances_of(train: Train, outlines_mm: Mapping[str, Array]) -> list[Distance]:

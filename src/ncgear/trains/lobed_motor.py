@@ -21,7 +21,9 @@ import numpy as np
 
 from ncgear.errors import below
 from ncgear.frozen import dataclass
+from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, ComplexArray
+from ncgear.numerics.chebyshev import PiecewiseChebyshev
 from ncgear.pitch.chambers import Chambers
 from ncgear.pitch.lobed import LobedCurves
 from ncgear.pitch.rolled import circle
@@ -158,12 +160,12 @@ def motor_train(
         *(Part(name, outline, width, gears.planet.teeth) for name in names),
     ]
     meshes = [GearMesh("sun", name) for name in names] + [GearMesh(name, "ring", Mesh.INTERNAL) for name in names]
-    chambers = Chambers(curves, width)
+    chambers, path = Chambers(curves, width), planet_path(curves)
     told = _told(curves, teeth, gears, chambers, speed_rpm, pressure_n_mm2)
 
     def poses_at(driving_rad: Array) -> Poses:
         alpha = np.asarray(driving_rad, dtype=float)
-        place, turn = planet_poses(curves, chambers.places_rad(alpha), alpha)
+        place, turn = path.at(chambers.places_rad(alpha), alpha)
         none = np.zeros((2, alpha.size))
         return Poses(
             np.concatenate([none, place.real]),
@@ -174,14 +176,39 @@ def motor_train(
     return Train(tuple(parts), tuple(meshes), poses_at, "sun", curves.lobe_rad, speed_rpm, tolerance_mm, told)
 
 
-def planet_poses(curves: LobedCurves, places_rad: Array, alpha_rad: Array) -> tuple[ComplexArray, Array]:
-    """Centres in mm as complex numbers and angles in rad of planets at places; shapes broadcast."""
-    phi = curves.places.angle(places_rad)
-    flat = phi.ravel()
-    centre = (curves.centre_mm(flat)).reshape(phi.shape) * np.exp(1j * alpha_rad)
-    # The sun's curve runs against phi.
-    arc = -curves.sun_curve.arc.length(-phi)
-    return centre, alpha_rad + phi - curves.lean_rad(flat).reshape(phi.shape) + arc / curves.planet_radius_mm
+@dataclass(frozen=True, eq=False)
+class PlanetPath:
+    """How a planet stands by its place g = phi + chi, in columns over one period.
+
+    They are its centre as seen along the ray through its contacts (x, y in mm), that ray's angle phi in the sun's frame
+    and the planet's turn there, both in rad.
+    ``rise`` is what the columns grow by over a period.
+    """
+
+    form: PiecewiseChebyshev
+    rise: Array
+
+    def at(self, places_rad: Array, alpha_rad: Array) -> tuple[ComplexArray, Array]:
+        """Centres in mm as complex numbers and angles in rad, with the sun at angles; shapes broadcast."""
+        periods, local = np.divmod(places_rad, self.form.breaks[-1])
+        columns = self.form(local) + periods[..., None] * self.rise
+        centre = (columns[..., 0] + 1j * columns[..., 1]) * np.exp(1j * (columns[..., 2] + alpha_rad))
+        return centre, columns[..., 3] + alpha_rad
+
+
+def planet_path(curves: LobedCurves) -> PlanetPath:
+    """The path of every planet of a motor."""
+    period, rho = 2.0 * pi / curves.ring_lobes + curves.lobe_rad, curves.planet_radius_mm
+
+    def columns(place: Array) -> Array:
+        phi = curves.places.angle(place)
+        seen = curves.centre_mm(phi) * np.exp(-1j * phi)
+        # The sun's curve runs against phi.
+        turn = phi - curves.lean_rad(phi) - curves.sun_curve.arc.length(-phi) / rho
+        return np.column_stack([seen.real, seen.imag, phi, turn])
+
+    rise = np.array([0.0, 0.0, curves.lobe_rad, curves.lobe_rad + curves.sun_curve.arc.period / rho])
+    return PlanetPath(chebyshev.fitted(columns, [0.0, period]), rise)
 
 
 def _told(

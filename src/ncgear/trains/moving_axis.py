@@ -126,7 +126,8 @@ def _told(axes: MovingAxes, gears: MovingGears, module: float, speed_rpm: float,
         (
             "axes",
             f"{near.value:.6g} mm apart at {degrees(near.at):.4g} deg to {far.value:.6g} mm at "
-            f"{degrees(far.at):.4g} deg; the driven axis moves by up to {speed:.4g} mm per rad, {speed * speed_rpm * RAD_S_PER_RPM:.4g} mm/s",
+            f"{degrees(far.at):.4g} deg; the driven axis moves by up to {speed:.4g} mm per rad, "
+            f"{speed * speed_rpm * RAD_S_PER_RPM:.4g} mm/s",
         ),
         ("pitch point", f"up to {offset:.4g} mm beside the line of centres"),
         ("ratio", f"{ratios[0].value:.5g} to {ratios[1].value:.5g}"),

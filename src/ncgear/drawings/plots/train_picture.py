@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 
 from ncgear.drawings.plots import canvas
 from ncgear.numerics.arrays import Array
-from ncgear.trains.train import GROUND, Part, Poses, Train
+from ncgear.trains.train import GROUND, GearMesh, Part, Poses, Train
 
 WIDTH_IN, HEIGHT_IN = 8.2, 7.0
 
@@ -67,10 +67,24 @@ def _closed(points: Array) -> tuple[Array, Array]:
     return closed.real, closed.imag
 
 
+MOST_MESHES = 9
+"""Of more meshes, which repeat each other at other phases, only the first of each two outlines is drawn."""
+
+
+def _drawn_meshes(train: Train) -> list[GearMesh]:
+    if len(train.meshes) <= MOST_MESHES:
+        return list(train.meshes)
+    first: dict[tuple[int, int], GearMesh] = {}
+    for mesh in train.meshes:
+        first.setdefault((id(train.part(mesh.first).outline_mm), id(train.part(mesh.second).outline_mm)), mesh)
+    return list(first.values())
+
+
 def meshes_picture(train: Train, outlines_mm: Mapping[str, Array], title: str) -> bytes:
-    """PNG of every mesh at driving angle 0: each gear with its partner, in the pose in which they are assembled."""
-    columns = min(len(train.meshes), 3)
-    rows = -(-len(train.meshes) // columns)
+    """PNG of the meshes at driving angle 0: each gear with its partner, in the pose in which they are assembled."""
+    meshes = _drawn_meshes(train)
+    columns = min(len(meshes), 3)
+    rows = -(-len(meshes) // columns)
     made = canvas.figure(
         3.6 * columns + 0.3,
         3.6 * rows + 0.6,
@@ -79,7 +93,7 @@ def meshes_picture(train: Train, outlines_mm: Mapping[str, Array], title: str) -
         hspace=0.35,
     )
     poses = train.poses_at(np.zeros(1))
-    for place, mesh in enumerate(train.meshes, start=1):
+    for place, mesh in enumerate(meshes, start=1):
         axes = made.add_subplot(rows, columns, place)
         said = []
         for name in (mesh.first, mesh.second):
