@@ -94,8 +94,8 @@ def _meets(one: MeshContact, how: str, value_mm: float, at_rad: float) -> str:
 
 
 NOT_BUILT = (
-    Condition("meshes", None, "not judged, because polygons are compared when files are written: ncgear build"),
-    Condition("room", None, "not judged, because polygons are compared when files are written: ncgear build"),
+    Condition("meshes", None, "polygons are compared in a build"),
+    Condition("room", None, "polygons are compared in a build"),
 )
 """What a check without files says of contact."""
 
@@ -104,14 +104,14 @@ def train_answer(name: str, description: str, train: Train, conditions: Sequence
     """The answer about a train on one screen."""
     rows = [Row(label, (text,)) for label, text in train.told.rows]
     rows += [Row(one.name, (one.said,)) for one in conditions if one.holds]
-    unknown = [one.name for one in conditions if one.holds is None]
+    unknown = [f"{one.name} ({one.said})" for one in conditions if one.holds is None]
     return Answer(
         f"{name}: {train.told.head}",
         tuple(rows),
         tuple(Fault(f"{one.name}: {one.said}", one.cures) for one in conditions if one.holds is False),
         about=description,
         good="No warnings.",
-        not_judged=f"Not judged before a build: {', '.join(unknown)}." if unknown else "",
+        not_judged=f"Not judged: {', '.join(unknown)}." if unknown else "",
         then=then,
     )
 

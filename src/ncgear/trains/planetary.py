@@ -16,6 +16,7 @@ others, from 2000 on); the equations follow from closed vector loops.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import field
 from math import pi
 
 import numpy as np
@@ -23,10 +24,26 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.plane import as_points
+from ncgear.pitch.curve import arc_length
 from ncgear.pitch.pair import PitchPair
+from ncgear.pitch.shape import Mesh
+from ncgear.ratio.transmission import Transmission
 from ncgear.teeth.gear import ToothedPair
 from ncgear.trains.bars import bar_mm
-from ncgear.trains.train import GROUND, GearMesh, Part, PinHole, Poses, Told, Trace, Train
+from ncgear.trains.tip_path import TipMotion, WishedPath
+from ncgear.trains.train import (
+    GROUND,
+    GearMesh,
+    Part,
+    PinHole,
+    Poses,
+    Told,
+    Trace,
+    Train,
+    mirrored,
+    seen_from_behind,
+)
 
 GAP_MM = 1.0
 """Height between gears, carrier and arms that lie over each other."""
@@ -70,9 +87,10 @@ class Chain:
         return abs(self.gears[-1].place)
 
 
-def mirrored(outline_mm: Array) -> Array:
-    """The outline seen from the other side, counter-clockwise again; shape (n, 2)."""
-    return (outline_mm * [1.0, -1.0])[::-1]
+def straight_distances_mm(laws: Sequence[Transmission], carrier_mm: float) -> tuple[float, float]:
+    """The centre distances of two pairs of laws on a straight carrier, with teeth of one number and one module."""
+    first, second = (arc_length(law, Mesh.EXTERNAL).period for law in laws)
+    return carrier_mm * second / (first + second), carrier_mm * first / (first + second)
 
 
 def compound_chain(
@@ -92,7 +110,8 @@ def compound_chain(
             key="train.gears",
         )
     cosine = (carrier_mm**2 + first**2 - second**2) / (2.0 * carrier_mm * first)
-    before = float(np.arccos(min(cosine, 1.0)))
+    straight = carrier_mm >= (first + second) * (1.0 - STRAIGHT)
+    before = 0.0 if straight else float(np.arccos(cosine))
     idler = first * np.exp(1j * before)
     after = float(np.angle(carrier_mm - idler))
     to_idler, to_planet = (pitch.transmission.driven_angle for pitch in pitches)
@@ -118,7 +137,7 @@ def compound_chain(
 
 
 STRAIGHT = 1e-9
-"""Relative excess of the carrier over both centre distances that counts as rounding of a straight carrier."""
+"""Relative difference of the carrier from both centre distances that counts as rounding of a straight carrier."""
 
 
 def shared_chain(pitch: PitchPair, teeth: ToothedPair, bend_rad: float = 0.0) -> Chain:
@@ -187,8 +206,37 @@ class Arm:
     """
 
     length_mm: float
-    angle_rad: float
-    wished_mm: Array
+    angle_rad: float = 0.0
+    wished_mm: Array = field(default_factory=lambda: np.empty((0, 2)))
+
+
+@dataclass(frozen=True)
+class Stand:
+    """How the train stands: the sun's axis in mm, the carrier's angle in rad at first, and its sense of turning.
+
+    All of it is that of a train whose carrier turns counter-clockwise; ``clockwise`` is the same train seen from the
+    other side, reflected in the x axis.
+    """
+
+    axis_mm: complex = 0j
+    start_rad: float = 0.0
+    clockwise: bool = False
+
+
+STILL = Stand()
+"""The sun's axis at the origin, the carrier along the x axis."""
+
+
+def arm_of(motion: TipMotion, wished: WishedPath) -> Arm:
+    """The arm of a path's motion, with the points wished for, as a carrier that turns counter-clockwise sees them."""
+    seen = wished.mirrored if motion.clockwise else wished
+    return Arm(motion.arm_mm, 0.0, as_points(seen.points))
+
+
+def stand_of(motion: TipMotion) -> Stand:
+    """Where the carrier of a path's motion stands, and how it turns."""
+    axis = motion.axis.conjugate() if motion.clockwise else motion.axis
+    return Stand(axis, float(motion.carrier_rad(np.zeros(1))[0]), motion.clockwise)
 
 
 @dataclass(frozen=True)
@@ -207,8 +255,8 @@ def planetary_train(
     bodies: Bodies,
     speed_rpm: float,
     tolerance_mm: float,
-    told: Told,
     sun_turns: float = 0.0,
+    stand: Stand = STILL,
 ) -> Train:
     """The train of ``arms`` chains about one sun, evenly spread, each planet with its arm if there is one.
 
@@ -223,7 +271,7 @@ def planetary_train(
 
     def chain_rad(driving: Array, number: int) -> tuple[Array, Array]:
         offset = 2.0 * pi * number / arms
-        return driving + offset, against * driving + offset
+        return driving + stand.start_rad + offset, against * driving + offset
 
     def way_of_gear(gear: GearOfChain, number: int) -> Callable[[Array], tuple[Array, Array]]:
         def way(driving: Array) -> tuple[Array, Array]:
@@ -262,15 +310,19 @@ def planetary_train(
             ways.append(way_of_arm(arm, number))
             traces.append(Trace(f"path{end}", name, (arm.length_mm, 0.0), arm.wished_mm))
     parts.append(_carrier(chain, arms, bodies, tolerance_mm))
-    ways.append(lambda driving: (np.zeros_like(driving, dtype=complex), driving))
+    ways.append(lambda driving: (np.zeros_like(driving, dtype=complex), driving + stand.start_rad))
 
     def poses_at(driving_rad: Array) -> Poses:
         found = [way(np.asarray(driving_rad, dtype=float)) for way in ways]
-        places, angles = np.array([place for place, _ in found]), np.array([angle for _, angle in found])
+        places = np.array([place for place, _ in found]) + stand.axis_mm
+        angles = np.array([angle for _, angle in found])
         return Poses(places.real, places.imag, angles)
 
     cycle = 2.0 * pi / abs(against)
-    return Train(tuple(parts), tuple(meshes), poses_at, "carrier", cycle, speed_rpm, tolerance_mm, told, tuple(traces))
+    made = Train(
+        tuple(parts), tuple(meshes), poses_at, "carrier", cycle, speed_rpm, tolerance_mm, Told(""), tuple(traces)
+    )
+    return seen_from_behind(made) if stand.clockwise else made
 
 
 def _carrier(chain: Chain, arms: int, bodies: Bodies, tolerance_mm: float) -> Part:
@@ -284,10 +336,14 @@ def _carrier(chain: Chain, arms: int, bodies: Bodies, tolerance_mm: float) -> Pa
     return Part("carrier", outline, bodies.face_width_mm, 0, low, bodies.bore_mm, None, "", drilled)
 
 
+NEGLIGIBLE_MM = 1e-4
+"""By how much the outline of united bars may be simplified: slivers of rounding, which no mesh of triangles bears."""
+
+
 def _united(outlines: Sequence[Array]) -> Array:
     """The outer boundary of outlines that have a place in common, counter-clockwise, shape (n, 2)."""
     from shapely import Polygon, union_all
     from shapely.geometry.polygon import orient
 
-    whole = orient(union_all([Polygon(outline) for outline in outlines]))
+    whole = orient(union_all([Polygon(outline) for outline in outlines]).simplify(NEGLIGIBLE_MM))
     return np.asarray(whole.exterior.coords)[:-1]

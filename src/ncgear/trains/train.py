@@ -8,12 +8,11 @@ poses are seen from +z, counter-clockwise positive.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import field
+from dataclasses import field, replace
 from typing import Any
 
 import numpy as np
 
-from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Mesh
@@ -163,12 +162,28 @@ class Train:
         return np.stack([there.real, there.imag], axis=-1)
 
 
-def require_closed(turned_rad: float, whole_rad: float, what: str, key: str) -> None:
-    """Raise NoSuchMechanism where a cycle does not bring ``what`` back, by the angle that it misses."""
-    missed = turned_rad - whole_rad
-    if abs(missed) > CLOSED_RAD:
-        raise NoSuchMechanism(f"{what} misses its place after a cycle by {missed:.3g} rad", key=key)
+def mirrored(points_mm: Array) -> Array:
+    """A ring of points, shape (n, 2), reflected in the x axis, and in the other order, so that it turns as before."""
+    return (points_mm * [1.0, -1.0])[::-1]
 
 
-CLOSED_RAD = 1e-9
-"""Closure error of a train that counts as rounding: a nanometre at a metre."""
+def seen_from_behind(train: Train) -> Train:
+    """The train reflected in the x axis: what turned counter-clockwise turns clockwise."""
+
+    def poses_at(driving_rad: Array) -> Poses:
+        poses = train.poses_at(driving_rad)
+        return Poses(poses.x_mm, -poses.y_mm, -poses.angle_rad)
+
+    parts = tuple(
+        replace(
+            part,
+            outline_mm=mirrored(part.outline_mm),
+            holes=tuple(replace(hole, y_mm=-hole.y_mm) for hole in part.holes),
+        )
+        for part in train.parts
+    )
+    traces = tuple(
+        replace(trace, at_mm=(trace.at_mm[0], -trace.at_mm[1]), wished_mm=trace.wished_mm * [1.0, -1.0])
+        for trace in train.traces
+    )
+    return replace(train, parts=parts, traces=traces, poses_at=poses_at)
