@@ -241,9 +241,13 @@ def lobed_curves(
         return np.array(rates) - 2.0 * pi / ring_lobes
 
     def size_of(eccentricity: float) -> float:
+        """The size at which the ring closes; NaN where none does."""
         round_mm = 2.0 * sun_lobes / (ring_lobes - sun_lobes) * rho
-        low, high = np.array([LEAST_SIZE * round_mm]), np.array([MOST_SIZE * round_mm])
-        return float(zeros_between(lambda size: missing(size, eccentricity), low, high)[0])
+        ends = np.array([LEAST_SIZE, MOST_SIZE]) * round_mm
+        low, high = missing(ends, eccentricity)
+        if not low < 0.0 < high:
+            return np.nan
+        return float(zeros_between(lambda size: missing(size, eccentricity), ends[:1], ends[1:])[0])
 
     def excess(eccentricities: Array) -> Array:
         found = []
@@ -252,9 +256,10 @@ def lobed_curves(
             found.append((r / cosine).value @ weights - wanted)
         return np.array(found)
 
-    tried = np.linspace(0.0, MOST_ECCENTRIC, STEPS)
-    before = float(excess(tried[:1])[0])
-    for low, high in pairwise(tried):
+    before = float(excess(np.zeros(1))[0])
+    if abs(before) <= ROUND * wanted:
+        return curves(size_of(0.0), 0.0)
+    for low, high in pairwise(np.linspace(0.0, MOST_ECCENTRIC, STEPS)):
         after = float(excess(np.array([high]))[0])
         if before <= 0.0 <= after:
             found = float(zeros_between(excess, np.array([low]), np.array([high]))[0])
@@ -272,3 +277,6 @@ def lobed_curves(
 
 LEAST_SIZE, MOST_SIZE = 0.5, 2.0
 """Sizes that are tried, by the size of the round sun."""
+
+ROUND = 1e-12
+"""Relative difference of a lobe's length from its teeth at which all gears count as round."""

@@ -1,7 +1,7 @@
 """Hydraulic motors and pumps of a lobed sun, round planets and a lobed ring: teeth, poses, and what is told of them.
 
 Teeth stand on the curves of ``pitch.lobed`` by one rack.  The planets are ordinary involute gears, which a hob cuts;
-sun and ring are cut by a pinion, as a rule of as many teeth as a planet, which goes wherever planets go.  At angle 0 a
+sun and ring are cut by a pinion, which goes wherever planets go if it has no more teeth than they.  At angle 0 a
 lobe of the sun points at a lobe of the ring, with a tooth of the sun at its top.  A planet of an even number of teeth
 there has spaces on both sides, one of an odd number a space and a tooth: so a tooth of the ring stands at the lobe's
 top, or a space.  All other planets then find teeth and spaces as they need them (``pitch.lobed``).
@@ -14,17 +14,20 @@ Play is taken off the sun's and the ring's idle flanks.  The planets, which stan
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from math import cos, degrees, pi, tan
 
 import numpy as np
 
-from ncgear.errors import below
+from ncgear.errors import NoSuchMechanism, below
 from ncgear.frozen import dataclass
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
 from ncgear.pitch.chambers import Chambers
+from ncgear.pitch.curve import ClosedPitchCurve
 from ncgear.pitch.lobed import LobedCurves
 from ncgear.pitch.rolled import circle
 from ncgear.pitch.shape import Gear, Mesh
@@ -36,19 +39,19 @@ from ncgear.teeth.gear import ToothedGear, toothed_gear
 from ncgear.teeth.outline import ChordTolerance
 from ncgear.teeth.sides import refuse_sharp_curve
 from ncgear.teeth.tips import Tips, held_below
-from ncgear.teeth.tool import PinionCircle, RackLine
+from ncgear.teeth.tool import FEWER_TEETH, HARMLESS, MOST_TEETH, PinionCircle, RackLine, gouged_mm
 from ncgear.trains.train import GROUND, Condition, GearMesh, Part, Poses, Told, Train
 
 
 @dataclass(frozen=True)
 class MotorTeeth:
-    """What is asked of the teeth: the rack, the planets' teeth and profile shift, and those of the cutter."""
+    """What is asked of the teeth: the rack, the planets' teeth and shift, and the cutter's teeth, None: chosen."""
 
     rack: BasicRack
     planet_teeth: int
     teeth_per_lobe: int
     planet_shift_mm: float
-    cutter_teeth: int
+    cutter_teeth: int | None
     backlash_mm: float
 
 
@@ -71,7 +74,7 @@ def motor_gears(curves: LobedCurves, teeth: MotorTeeth, tolerance_mm: float) -> 
     rack, shift, rho = teeth.rack, teeth.planet_shift_mm, curves.planet_radius_mm
     for curve in (curves.sun_curve, curves.ring_curve):
         refuse_sharp_curve(curve, rack.module_mm, "train.teeth_per_lobe")
-    cutter = PinionCircle(teeth.cutter_teeth, rack.module_mm)
+    cutters = [_cutter(curve, teeth) for curve in (curves.sun_curve, curves.ring_curve)]
     quarter, outwards = rack.pitch_mm / 4.0, shift * tan(rack.pressure_angle_rad)
     planet_half, other_half = quarter + outwards, quarter - outwards
     play = teeth.backlash_mm / cos(rack.pressure_angle_rad)
@@ -90,7 +93,7 @@ def motor_gears(curves: LobedCurves, teeth: MotorTeeth, tolerance_mm: float) -> 
             curves.sun_curve,
             other_rack,
             teeth.teeth_per_lobe * curves.sun_lobes,
-            cutter,
+            cutters[0],
             0.0,
             (other_half, other_half - play),
         ),
@@ -103,7 +106,7 @@ def motor_gears(curves: LobedCurves, teeth: MotorTeeth, tolerance_mm: float) -> 
             curves.ring_curve,
             other_rack,
             teeth.teeth_per_lobe * curves.ring_lobes,
-            cutter,
+            cutters[1],
             0.0 if teeth.planet_teeth % 2 == 0 else 2.0 * quarter,
             (other_half - play, other_half),
         ),
@@ -118,6 +121,38 @@ def motor_gears(curves: LobedCurves, teeth: MotorTeeth, tolerance_mm: float) -> 
     ratio = min(map(least_overlap, pairs)) / (float(slant.height_per_rolled) * rack.pitch_mm)
     chords = ChordTolerance(tolerance_mm, tolerance_mm)
     return MotorGears(*(toothed_gear(tips, chords) for tips in (sun, planet, ring)), ratio)
+
+
+def _cutter(curve: ClosedPitchCurve, teeth: MotorTeeth) -> PinionCircle:
+    """The cutter of sun or ring: as given, or as large as the hollows allow, but no smaller than a planet."""
+    count, module = teeth.cutter_teeth, teeth.rack.module_mm
+    if count is None:
+        low = curve.curvature_bounds[0]
+        fits = MOST_TEETH if low >= 0.0 else min(MOST_TEETH, int(-2.0 / (low * module)) - FEWER_TEETH)
+        count = max(teeth.planet_teeth, fits)
+    pinion = PinionCircle(count, module)
+    depth = gouged_mm(curve, teeth.rack, 1.0 / pinion.radius_mm)
+    if not depth <= HARMLESS * module:
+        raise NoSuchMechanism(
+            f"a pinion cutter of {count} teeth does not go into the hollows: it would cut {depth:.3g} mm deep into "
+            f"flanks there; {teeth.planet_teeth} teeth, as a planet has, go into all of them",
+            key="gears.cutter_teeth",
+        )
+    return pinion
+
+
+@contextmanager
+def _keys_of_motors() -> Iterator[None]:
+    """A context in which faults of a cutter name the key that motors have for it, and what helps there."""
+    try:
+        yield
+    except NoSuchMechanism as error:
+        if error.key == "gears.cutter.teeth":
+            error.key = "gears.cutter_teeth"
+            error.problem = (
+                f"{error.problem.split(';')[0]}; another number of cutter teeth, or a smaller pressure angle, is needed"
+            )
+        raise
 
 
 def _as_high_as_both(planet: Tips, inner: Tips) -> Tips:
@@ -150,7 +185,7 @@ def motor_train(
     A cycle is a lobe of the sun: then each planet stands where the next one stood.  Raises NoSuchMechanism as
     ``motor_gears``.
     """
-    with below("train"):
+    with below("train"), _keys_of_motors():
         gears = motor_gears(curves, teeth, tolerance_mm)
     width, names = bodies.face_width_mm, [f"planet_{number + 1}" for number in range(curves.planets)]
     outline = gears.planet.outline_mm

@@ -24,7 +24,9 @@ class MotorGearKeys(TrainGears):
         "profile shift of the planets in modules; sun and ring have the opposite one", 0.0
     )
     cutter_teeth: int | None = optional(
-        "teeth of the pinion cutter of sun and ring, a whole number; left out: those of a planet", ge=5, le=200
+        "teeth of the pinion cutter of sun and ring, a whole number; left out: as many as their hollows allow",
+        ge=5,
+        le=200,
     )
     backlash_mm: Annotated[float, Field(ge=0.0, le=10.0)] = optional(
         "normal backlash of each mesh in mm, taken off idle flanks of sun and ring", 0.0
@@ -75,7 +77,7 @@ class LobedMotor(TrainKeys):
             self.planet_teeth,
             self.teeth_per_lobe,
             gears.planet_shift * module,
-            gears.cutter_teeth or self.planet_teeth,
+            gears.cutter_teeth,
             gears.backlash_mm,
         )
         bodies = MotorBodies(gears.face_width_mm, gears.rim_mm, gears.bore_mm)
