@@ -121,7 +121,7 @@ class Chambers:
     def _turned_by(self, phi: Array) -> Array:
         """r R / 2."""
         r, cosine, _ = (one.value for one in self.curves.sun(phi, 0))
-        return r * (r + 2.0 * self.curves.planet_radius_mm * cosine) / 2.0
+        return np.asarray(r * (r + 2.0 * self.curves.planet_radius_mm * cosine) / 2.0)
 
     @cached_property
     def dead_spaces(self) -> tuple[DeadSpace, DeadSpace]:
@@ -156,7 +156,7 @@ class Chambers:
     def flow_mm3(self, alpha_rad: Array) -> Array:
         """What growing chambers take up in mm^3 per rad of the sun, shape (n,): also the torque in N mm per N/mm^2."""
         rates = self.rate_mm2(self.places_rad(alpha_rad).ravel()).reshape(self.count, -1)
-        return self.width_mm * np.maximum(rates, 0.0).sum(axis=0)
+        return np.asarray(self.width_mm * np.maximum(rates, 0.0).sum(axis=0))
 
     @cached_property
     def flow_range(self) -> tuple[Extremum, Extremum]:

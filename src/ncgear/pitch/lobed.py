@@ -37,6 +37,7 @@ from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
 from ncgear.numerics.extrema import Extremum, extremes
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.plane import across
 from ncgear.numerics.quadrature import gauss_points
 from ncgear.numerics.units import in_words
 from ncgear.numerics.zeros import zeros_between
@@ -190,7 +191,7 @@ class LobedCurves:
 
         def turning(angle: Array) -> Array:
             _, slope, bend = path(angle)
-            return 1.0 / self.planet_radius_mm + np.imag(np.conj(slope) * bend) / np.abs(slope) ** 3
+            return 1.0 / self.planet_radius_mm + across(slope, bend) / np.abs(slope) ** 3
 
         return rolled_curve(Gear.DRIVEN, Mesh.INTERNAL, self.ring_lobes, np.array([0.0, self.lobe_rad]), path, turning)
 

@@ -120,7 +120,8 @@ def motor_gears(curves: LobedCurves, teeth: MotorTeeth, tolerance_mm: float) -> 
     slant = rack.slants[0]
     ratio = min(map(least_overlap, pairs)) / (float(slant.height_per_rolled) * rack.pitch_mm)
     chords = ChordTolerance(tolerance_mm, tolerance_mm)
-    return MotorGears(*(toothed_gear(tips, chords) for tips in (sun, planet, ring)), ratio)
+    made = [toothed_gear(tips, chords) for tips in (sun, planet, ring)]
+    return MotorGears(made[0], made[1], made[2], ratio)
 
 
 def _cutter(curve: ClosedPitchCurve, teeth: MotorTeeth) -> PinionCircle:
