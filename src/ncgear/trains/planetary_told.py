@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import pi
+from math import degrees, pi
 from typing import Any
 
 import numpy as np
@@ -11,7 +11,7 @@ import numpy as np
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
-from ncgear.trains.tip_path import WishedPath, distances_mm
+from ncgear.trains.tip_path import TipMotion, WishedPath, distances_mm, tool_mount
 from ncgear.trains.train import Condition, Told, Train
 
 PATH_POINTS = 2881
@@ -29,6 +29,7 @@ def told_of(
     pitches: Sequence[PitchPair],
     rack_rad: float,
     wished: WishedPath | None,
+    motion: TipMotion | None,
     forward_mm_s: float,
 ) -> Told:
     """What is told of a train, the pairs of one arm given, first that of the sun."""
@@ -64,6 +65,10 @@ def told_of(
     conditions = [_closing(train)]
     if train.traces:
         path_rows, path_figures, condition = _of_path(train, wished, forward_mm_s)
+        if wished is not None and motion is not None and wished.tool_rad:
+            mount, missed = (degrees(one) for one in tool_mount(motion, wished))
+            path_rows.append(("tool", f"{mount:.4g} deg from the arm, its angles missed by {missed:.3g} deg at most"))
+            path_figures |= {"tool_mount_deg": mount, "tool_missed_max_deg": missed}
         rows += path_rows
         figures |= path_figures
         conditions += condition

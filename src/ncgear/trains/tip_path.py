@@ -18,7 +18,7 @@ Source of the inverse: the two-link chain of any textbook; the conditions are it
 from __future__ import annotations
 
 from functools import cache, cached_property
-from math import pi, tan
+from math import degrees, pi, tan
 
 import numpy as np
 
@@ -69,7 +69,8 @@ class PathLimits:
     """What the train has to keep: the largest tangent angle of the pitch curves in rad, the teeth, and the lengths.
 
     Of curvatures times module the gears bear ``CONCAVE`` to ``CONVEX``.  The middle lines of ``arms`` arms, evenly
-    spread, stay ``apart_mm`` from each other.
+    spread, stay ``apart_mm`` from each other.  The carrier's axis is sought between two corners, ``low`` and ``high``,
+    or anywhere where they are None.
     """
 
     tangent_rad: float
@@ -77,6 +78,16 @@ class PathLimits:
     longest_mm: float
     arms: int = 1
     apart_mm: float = 0.0
+    low: complex | None = None
+    high: complex | None = None
+
+    def outside(self, axis: complex) -> float:
+        """How far an axis is from where it may be, in mm."""
+        if self.low is None or self.high is None:
+            return 0.0
+        x = max(self.low.real - axis.real, axis.real - self.high.real, 0.0)
+        y = max(self.low.imag - axis.imag, axis.imag - self.high.imag, 0.0)
+        return float(np.hypot(x, y))
 
 
 CONCAVE, CONVEX = 0.16, 0.45
@@ -100,7 +111,6 @@ class TipMotion:
     start_rad: float
     waves: Array
     clockwise: bool
-    tool_rad: float = 0.0
 
     def carrier_rad(self, w: Array, order: int = 0) -> Array:
         """u at angles w, shape (n,), or its derivative of an order."""
@@ -260,9 +270,17 @@ def motion_from(
     if winding not in (0, 1):
         return Refused(NOT_PASSED, "the path turns about the carrier's axis against the carrier")
     carrier, arm = ((far + near) / 2.0, (far - near) / 2.0) if winding else ((far - near) / 2.0, (far + near) / 2.0)
-    fitted = _smoothest(seen, r, theta, w, carrier, arm)
+    fitted, missed = _smoothest(seen, r, theta, w, carrier, arm)
+    if missed.max() > 1.0:
+        worst = int(np.argmax(missed)) + 1
+        return Refused(
+            UNEVEN + min(float(missed.max()), UNEVEN), f"no smooth path keeps point {worst} and its neighbours"
+        )
     return TipMotion(axis, carrier, arm, fitted[0], fitted[1:], clockwise)
 
+
+UNEVEN = 20.0
+"""Burden of an axis from which no series of HARMONICS waves keeps the points, and what is added to it at most."""
 
 NOT_PASSED = 100.0
 """Burden of an axis from which the points cannot be passed at all."""
@@ -304,8 +322,11 @@ def _turns_of(r: Array, far: float, near: float) -> Array | Refused:
     return found
 
 
-def _smoothest(path: WishedPath, r: Array, theta: Array, w: Array, carrier: float, arm: float) -> Array:
-    """Start angle and waves of the smoothest u - w that keeps the points, shape (1 + 2 HARMONICS,)."""
+def _smoothest(path: WishedPath, r: Array, theta: Array, w: Array, carrier: float, arm: float) -> tuple[Array, Array]:
+    """Start angle and waves of the smoothest u - w that keeps the points, shape (1 + 2 HARMONICS,).
+
+    Also by how many tolerances each point is missed to first order, shape (n,).
+    """
     link = _link_rad(w, carrier, arm)
     wanted = theta - link - w
     middle = wanted.mean()
@@ -317,17 +338,20 @@ def _smoothest(path: WishedPath, r: Array, theta: Array, w: Array, carrier: floa
     for _ in range(ROUNDS):
         along = r * (rate - share)
         # An error of u moves the path along the circle about the axis; what counts is its part across the path.
-        weight = r * np.abs(falling) / np.hypot(falling, along) / path.tolerance_mm
+        weight = r * np.maximum(np.abs(falling) / np.hypot(falling, along), ALONG) / path.tolerance_mm
         weighed, side = columns * weight[:, None], weight * (wanted - middle)
         values, vectors = np.linalg.eigh(weighed @ weighed.T)
         inner = (vectors.T @ side) / (np.maximum(values, 0.0) + SMOOTHING[:, None])
-        missed = np.abs(SMOOTHING[:, None] * inner @ vectors.T).max(axis=1)
-        kept = int(np.argmax(np.append(missed, 0.0) <= USED_TOLERANCE))
-        found = weighed.T @ (vectors @ inner[min(kept, SMOOTHING.size - 1)])
+        missed = np.abs(SMOOTHING[:, None] * inner @ vectors.T)
+        kept = min(int(np.argmax(np.append(missed.max(axis=1), 0.0) <= USED_TOLERANCE)), SMOOTHING.size - 1)
+        found = weighed.T @ (vectors @ inner[kept])
         waves = found[1:] / np.tile(ORDERS**3, 2)
         rate = 1.0 + _waves(w, 1) @ waves
-    return np.concatenate([[found[0] * FREE + middle], waves])
+    return np.concatenate([[found[0] * FREE + middle], waves]), missed[kept]
 
+
+ALONG = 0.05
+"""Least weight of a point where the path runs along the circle about the axis: it may slip 20 tolerances along."""
 
 FREE = 1000.0
 """How much less the constant term is held down than the first harmonic: not at all, to rounding."""
@@ -370,6 +394,9 @@ def found_motion(path: WishedPath, limits: PathLimits, axis: complex | None) -> 
 
     def tried(values: Array, clockwise: bool) -> tuple[float, TipMotion | Refused]:
         place = axis if axis is not None else complex(values[2], values[3])
+        outside = limits.outside(place)
+        if outside:
+            return 2.0 * NOT_PASSED + outside, Refused(outside, "its axis is outside axis_from_mm and axis_to_mm")
         beyond = size * np.exp(np.clip(values[:2], -9.0, 1.0))
         motion = motion_from(path, place, (float(beyond[0]), float(beyond[1])), clockwise=clockwise)
         if isinstance(motion, Refused):
@@ -378,7 +405,7 @@ def found_motion(path: WishedPath, limits: PathLimits, axis: complex | None) -> 
 
     starts = []
     for clockwise in (False, True):
-        for place in [axis] if axis is not None else _places(path, size):
+        for place in [axis] if axis is not None else _places(path, size, limits):
             for beyond in BEYOND:
                 values = np.array([np.log(beyond), np.log(beyond), place.real, place.imag])
                 starts.append((tried(values, clockwise)[0], len(starts), values, clockwise))
@@ -411,18 +438,30 @@ WIDE = 2.5
 """Half the side of that square, in sizes of the path."""
 
 
-def _places(path: WishedPath, size: float) -> list[complex]:
-    side = np.linspace(-WIDE * size, WIDE * size, PLACES)
-    middle = complex(path.points.mean())
-    return [middle + complex(x, y) for x in side for y in side]
+def _places(path: WishedPath, size: float, limits: PathLimits) -> list[complex]:
+    side, middle = np.linspace(-1.0, 1.0, PLACES), complex(path.points.mean())
+    low, high = middle - complex(WIDE * size, WIDE * size), middle + complex(WIDE * size, WIDE * size)
+    if limits.low is not None and limits.high is not None:
+        low, high = limits.low, limits.high
+    half, middle = (high - low) / 2.0, (high + low) / 2.0
+    return [middle + complex(half.real * x, half.imag * y) for x in side for y in side]
 
 
 def _tool_missed(motion: TipMotion, path: WishedPath) -> float:
     """By how much the tool's angles are missed beyond their tolerance, in tolerances."""
     if len(path.tool_rad) < 2:
         return 0.0
-    missed = _tool_errors(motion, path)
-    return max(float(np.abs(missed - (missed.max() + missed.min()) / 2.0).max()) / path.tool_tolerance_rad - 1.0, 0.0)
+    return max(tool_mount(motion, path)[1] / path.tool_tolerance_rad - 1.0, 0.0) * TOOL_WEIGHT
+
+
+TOOL_WEIGHT = 5.0
+"""How much a missed tolerance of the tool counts against the burden of the teeth."""
+
+
+def tool_mount(motion: TipMotion, path: WishedPath) -> tuple[float, float]:
+    """The angle of the tool against the arm with which its angles are missed least, and the most that one is missed."""
+    errors = _tool_errors(motion, path)
+    return float(errors.max() + errors.min()) / 2.0, float(errors.max() - errors.min()) / 2.0
 
 
 def _tool_errors(motion: TipMotion, path: WishedPath) -> Array:
@@ -469,6 +508,13 @@ def _accepted(found: TipMotion | Refused, path: WishedPath, limits: PathLimits) 
             f"{where.imag:.4g} mm; {helps}, or more teeth",
             key="path.points_mm",
         )
+    if _tool_missed(found, path) > TOOL_ROUNDING:
+        missed_deg = degrees(tool_mount(found, path)[1])
+        raise NoSuchMechanism(
+            f"the best train misses the tool's angles by {missed_deg:.3g} deg and "
+            f"{degrees(path.tool_tolerance_rad):.3g} deg are allowed; a larger tool_tolerance_deg, or fewer angles",
+            key="path.tool",
+        )
     missed = missed_mm(found, path)
     over = missed / path.tolerance_mm
     if over.max() > 1.0:
@@ -480,6 +526,9 @@ def _accepted(found: TipMotion | Refused, path: WishedPath, limits: PathLimits) 
         )
     return found
 
+
+TOOL_ROUNDING = 1e-3
+"""Share of the tool's tolerance that the search may leave."""
 
 MOST_BURDEN = 1.6
 """Burden up to which teeth are tried: the limits are those at which nearly all curves can be made, not the last."""

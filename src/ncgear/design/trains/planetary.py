@@ -51,6 +51,10 @@ class TipPathKeys(Model):
         "how far the tool may be from these angles, in degrees", 5.0
     )
     axis_mm: Point | None = optional("place [x, y] of the carrier's axis in mm; left out: it is sought")
+    axis_from_mm: Point | None = optional(
+        "corner [x, y] in mm of a rectangle in which the axis is sought; left out: anywhere"
+    )
+    axis_to_mm: Point | None = optional("the opposite corner, with greater x and y")
     longest_mm: Length = optional("greatest length of carrier and arm in mm", 1000.0)
     pressure_angle_deg: Annotated[float, Field(gt=20.0, lt=85.0)] = optional(
         "largest pressure angle of the gears that is sought, the rack's included, in degrees", 65.0
@@ -59,7 +63,11 @@ class TipPathKeys(Model):
         "speed of the machine over the ground in mm/s, along x; left out: it stands", 0.0
     )
 
-    RULES = ("tolerances_mm as many as points_mm",)
+    RULES = (
+        "tolerances_mm as many as points_mm",
+        "axis_from_mm with axis_to_mm",
+        "at most one of axis_mm axis_from_mm",
+    )
 
     def wished(self) -> WishedPath:
         """The path that the keys ask for."""
@@ -71,6 +79,14 @@ class TipPathKeys(Model):
         tolerances = np.array(self.tolerances_mm or [self.tolerance_mm] * len(points))
         tools = tuple((one.point - 1, radians(one.angle_deg)) for one in self.tool or ())
         return WishedPath(points, tolerances, tools, radians(self.tool_tolerance_deg))
+
+    @model_validator(mode="after")
+    def _corners_are_apart(self) -> Self:
+        if self.axis_from_mm is not None and self.axis_to_mm is not None:
+            for low, high in zip(self.axis_from_mm, self.axis_to_mm, strict=True):
+                if high <= low:
+                    raise fault("axis_to_mm", f"{high:g} given, but axis_from_mm has {low:g} there; more is right")
+        return self
 
     @model_validator(mode="after")
     def _tool_is_at_points(self) -> Self:
@@ -157,7 +173,7 @@ class Planetary(TrainKeys):
         )
         forward_mm_s = 0.0 if self.path is None else self.path.forward_mm_s
         return replace(
-            made, told=told_of(made, self.idler, pitches, self.gears.pressure_angle_rad, wished, forward_mm_s)
+            made, told=told_of(made, self.idler, pitches, self.gears.pressure_angle_rad, wished, motion, forward_mm_s)
         )
 
     def _motion(self, path: TipPathKeys, wished: WishedPath) -> TipMotion:
@@ -172,6 +188,8 @@ class Planetary(TrainKeys):
             )
         apart_mm = self.bar_width_mm + ROOM_MM
         limits = PathLimits(tangent, self.gears.teeth, path.longest_mm, self.arms, apart_mm)
+        if path.axis_from_mm is not None and path.axis_to_mm is not None:
+            limits = replace(limits, low=complex(*path.axis_from_mm), high=complex(*path.axis_to_mm))
         return found_motion(wished, limits, None if path.axis_mm is None else complex(*path.axis_mm))
 
     def _chain(self, motion: TipMotion | None) -> tuple[tuple[PitchPair, ...], Chain]:
