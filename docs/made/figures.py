@@ -52,6 +52,7 @@ DRAWN: dict[str, Callable[[], bytes]] = {
 COMMANDS: dict[str, dict[str, str]] = {
     "build designs/baler-86.yaml --out {folder}": {"tooth_pair.png": "baler-86-tooth-pair.png"},
     "build designs/rounded-square.yaml --out {folder}": {"tooth_pair.png": "rounded-square-tooth-pair.png"},
+    "build designs/lobed-motor.yaml --out {folder}": {"train.png": "lobed-motor.png"},
     "build designs/pusher.yaml --out {folder}": {
         "tooth_pair.png": "pusher-tooth-pair.png",
         "motion.png": "pusher-motion.png",

@@ -55,6 +55,7 @@ CONTENTS = {
         "docs/mechanisms",
         "docs/gears-alone",
         "docs/open-gears",
+        "docs/lobed-motors",
         "docs/from-a-drawing-to-gears",
         "docs/pitch-curves",
         "docs/drivetrain",
