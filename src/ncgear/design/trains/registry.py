@@ -21,13 +21,14 @@ from ncgear.design.keys.base import Model, optional, required
 from ncgear.design.keys.types import FILE_FORMAT, FileFormat
 from ncgear.design.reading.text import quoted
 from ncgear.design.trains.base import TrainKeys
+from ncgear.design.trains.chain import Chain
 from ncgear.design.trains.lobed_motor import LobedMotor
 from ncgear.design.trains.moving_axis import MovingAxis
 from ncgear.design.trains.planetary import Planetary
 from ncgear.design.words import LONGEST_DESCRIPTION, NAME_PATTERN, listed
 from ncgear.errors import WrongInput
 
-KINDS: dict[str, type[TrainKeys]] = {kind.KIND: kind for kind in (Planetary, LobedMotor, MovingAxis)}
+KINDS: dict[str, type[TrainKeys]] = {kind.KIND: kind for kind in (Planetary, Chain, LobedMotor, MovingAxis)}
 
 
 class TrainFile(Model):
