@@ -185,7 +185,7 @@ class Chambers:
         behind, ahead = self.rate_mm2(place_rad - self.step_rad) > 0.0, self.rate_mm2(place_rad) > 0.0
         _, cosine, _ = self.curves.sun(self.contact_rad(place_rad), 0)
         across = 2.0 * self.curves.planet_radius_mm * cosine.value * self.width_mm
-        return pressure_n_mm2 * across * (behind.astype(float) - ahead)
+        return np.asarray(pressure_n_mm2 * across * (behind.astype(float) - ahead))
 
     def tooth_force_n(self, place_rad: Array, pressure_n_mm2: float, rack_angle_rad: float) -> Array:
         """Normal force of a planet's teeth on the sun's, and on the ring's alike.

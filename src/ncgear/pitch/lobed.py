@@ -191,7 +191,7 @@ class LobedCurves:
 
         def turning(angle: Array) -> Array:
             _, slope, bend = path(angle)
-            return 1.0 / self.planet_radius_mm + across(slope, bend) / np.abs(slope) ** 3
+            return np.asarray(1.0 / self.planet_radius_mm + across(slope, bend) / np.abs(slope) ** 3)
 
         return rolled_curve(Gear.DRIVEN, Mesh.INTERNAL, self.ring_lobes, np.array([0.0, self.lobe_rad]), path, turning)
 

@@ -35,8 +35,7 @@ from ncgear.teeth.gear import ToothedGear, pair_tips, toothed_gear
 from ncgear.teeth.outline import ChordTolerance
 from ncgear.teeth.tips import Tips, held_below
 from ncgear.teeth.tool import least_concave_radius_mm, most_teeth
-from ncgear.trains.planetary import mirrored
-from ncgear.trains.train import Condition, GearMesh, Part, Poses, Told, Train
+from ncgear.trains.train import Condition, GearMesh, Part, Poses, Told, Train, mirrored
 
 BENDS = "train.bends_deg"
 

@@ -86,7 +86,7 @@ def _semi_minor(x_mm: float, y_mm: float) -> Computed:
 def _moving_distances() -> Computed:
     """Distances of the axes at which both curves of gears that turn evenly touch, at the angles of figure 6."""
     axes = MovingAxes(uniform_law(Lobes()), even_distances(np.array([60.0, 64.5, 68.0, 64.5]), 1))
-    phi = np.arange(4) * np.pi / 2.0
+    phi: Array = np.arange(4.0) * np.pi / 2.0
     driving, driven = (as_complex(axes.curve(gear).at_angle(phi).position) for gear in Gear)
     return computed(*(driving * np.exp(1j * phi) - driven * np.exp(-1j * phi)).real.tolist())
 
