@@ -2,24 +2,21 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from pathlib import Path
 
 from ncgear.cli.arguments import EXPORT, pasted
 from ncgear.cli.as_json import tell
 from ncgear.cli.progress import steps_shown
+from ncgear.design.reading.text import has_train
 from ncgear.errors import WrongInput, located
 from ncgear.memory import keep_freed_memory
-
-BEGINS = re.compile(r"^[\"']?train[\"']?[ \t]*:", re.MULTILINE)
-"""The line with which the group of a train begins."""
 
 
 def is_train(design_file: Path) -> bool:
     """Whether a design file is that of a train; a file that cannot be read is none, and is refused where it is read."""
     try:
-        return BEGINS.search(design_file.read_text(encoding="utf-8")) is not None
+        return has_train(design_file.read_text(encoding="utf-8"))
     except (OSError, UnicodeError):
         return False
 

@@ -107,7 +107,7 @@ class Planetary(TrainKeys):
     """Gears on a carrier."""
 
     KIND = "planetary"
-    MEANING = "planetary: a sun, idlers and planets on a carrier, with an arm on each planet"
+    MEANING = "a sun, idlers and planets on a carrier, with an arm on each planet"
     RULES = (
         "one of ratio path",
         "at most one of path arm_mm",

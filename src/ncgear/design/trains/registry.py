@@ -56,10 +56,11 @@ def train_model(data: Mapping[str, Any]) -> type[TrainFile]:
 @cache
 def _model_of(kind: str) -> type[TrainFile]:
     keys = KINDS[kind]
-    named: Any = Literal[kind]
-    named_keys: Any = create_model(
-        f"{keys.__name__}Train", __base__=keys, __doc__=keys.__doc__, kind=(named, required(keys.MEANING))
-    )
+    named: Any = Literal[tuple(KINDS)]
+    meanings = "; ".join(f"{name}, {one.MEANING}" for name, one in KINDS.items())
+    kind_key: Any = named, required(f"which train it is: {meanings}")
+    title, first = f"{keys.__name__}Train", {"first": True}
+    named_keys: Any = create_model(title, __base__=keys, __doc__=keys.__doc__, __cls_kwargs__=first, kind=kind_key)
     words = TrainFile.model_fields["train"].description or ""
     return create_model(f"{keys.__name__}File", __base__=TrainFile, train=(named_keys, required(words)))
 
