@@ -18,7 +18,7 @@ from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.plane import as_points
 from ncgear.pitch.chambers import Chambers
-from ncgear.pitch.lobed import FAMILIES, LobedCurves, lobed_curves
+from ncgear.pitch.lobed import FAMILIES, LobedCurves, formula_family, lobed_curves
 from ncgear.teeth.form import BasicRack
 from ncgear.trains.contact import MeshContact, contacts_of
 from ncgear.trains.lobed_motor import MotorBodies, MotorTeeth, motor_train, planet_path
@@ -35,7 +35,7 @@ MOTORS = [MOTOR, *(pytest.param(one, marks=pytest.mark.slow) for one in OTHERS)]
 
 @cache
 def curves_of(family: str, lobes: tuple[int, int], planet_teeth: int, teeth_per_lobe: int) -> LobedCurves:
-    return lobed_curves(family, lobes, planet_teeth, teeth_per_lobe, 1.0)
+    return lobed_curves(FAMILIES[family], lobes, planet_teeth, teeth_per_lobe, 1.0)
 
 
 @cache
@@ -59,7 +59,7 @@ def ring_mm(curves: LobedCurves, count: int) -> ComplexArray:
 @pytest.mark.judges("pitch")
 def test_round_gears_are_a_planetary_gear_of_circles() -> None:
     """At 2 z / (N - n) teeth per lobe all gears are round, and planets go round by Willis' formula."""
-    curves = lobed_curves("ellipse", (4, 6), 12, 12, 1.0)
+    curves = lobed_curves(FAMILIES["ellipse"], (4, 6), 12, 12, 1.0)
     phi = np.linspace(0.0, 2.0 * pi, 9)
     assert curves.radius(phi, 0).value == pytest.approx(np.full(9, 24.0), rel=1e-9)
     assert curves.ring(phi, 0)[0].value == pytest.approx(np.full(9, 36.0), rel=1e-9)
@@ -229,7 +229,7 @@ def test_ports_are_covered_at_both_dead_spaces() -> None:
 
 def test_a_ring_that_crosses_itself_is_refused_where_it_does() -> None:
     with pytest.raises(NoSuchMechanism, match="crosses itself") as refused:
-        lobed_curves("ellipse", (4, 6), 10, 12, 1.0)
+        lobed_curves(FAMILIES["ellipse"], (4, 6), 10, 12, 1.0)
     assert "0.523599 rad (30 deg) from a lobe's top" in str(refused.value)
     crossed = LobedCurves(FAMILIES["ellipse"](21.9, 0.16, 4), 4, 6, 5.0)
     rates = crossed.ring(np.array([pi / 4.0]), 0)[1].value
@@ -241,16 +241,30 @@ def test_a_ring_that_crosses_itself_is_refused_where_it_does() -> None:
 
 def test_planets_larger_than_the_suns_hollows_and_too_many_teeth_are_refused() -> None:
     with pytest.raises(NoSuchMechanism, match="no curve of 4 lobes has 11 teeth per lobe"):
-        lobed_curves("ellipse", (4, 6), 12, 11, 1.0)
+        lobed_curves(FAMILIES["ellipse"], (4, 6), 12, 11, 1.0)
     narrow = LobedCurves(FAMILIES["cosine"](20.0, 0.3, 4), 4, 6, 15.0)
     with pytest.raises(NoSuchMechanism, match="do not go into it"):
         narrow.require_whole()
+
+
+def test_a_curve_by_a_formula_is_the_named_one_and_has_to_repeat() -> None:
+    """The ellipse written out; with a second wave, humps of the ring get rounder."""
+    written = lobed_curves(formula_family("(1 - e**2)/(1 - e*cos(4*phi))", 4, "train.radius"), (4, 6), 14, 15, 1.0)
+    phi = np.linspace(-1.0, 7.0, 40)
+    assert written.radius(phi, 1).value == pytest.approx(curves_of(*MOTOR).radius(phi, 1).value, rel=1e-9)
+    rounder = lobed_curves(formula_family("1 + e*cos(4*phi) + 0.01*cos(8*phi)", 4, "train.radius"), (4, 6), 14, 15, 1.0)
+    assert rounder.ring_curve.curvature_bounds[1] < curves_of("cosine", *MOTOR[1:]).ring_curve.curvature_bounds[1]
+    with pytest.raises(WrongInput, match="must repeat with every lobe"):
+        formula_family("1 + e*cos(3*phi)", 4, "train.radius")
 
 
 def test_a_wrong_ring_is_the_files_fault(tmp_path: Path) -> None:
     path = tmp_path / "motor.yaml"
     path.write_text(DESIGN.read_text().replace("ring_lobes: 6", "ring_lobes: 4"))
     with pytest.raises(WrongInput, match="the ring is around the sun"):
+        load_train(path).file.train.train()
+    path.write_text(DESIGN.read_text().replace("teeth_per_lobe: 15", "teeth_per_lobe: 14"))
+    with pytest.raises(NoSuchMechanism, match="all gears round"):
         load_train(path).file.train.train()
 
 

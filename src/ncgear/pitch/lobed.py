@@ -23,6 +23,7 @@ next planet stands to the ring as the planet before it, a lobe of the ring on.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from functools import cached_property
 from itertools import pairwise
@@ -30,12 +31,13 @@ from math import pi
 
 import numpy as np
 
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics import chebyshev, jet
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
 from ncgear.numerics.extrema import Extremum, extremes
+from ncgear.numerics.formula import composed
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import across
 from ncgear.numerics.quadrature import gauss_points
@@ -69,6 +71,43 @@ def cosine_curve(size_mm: float, eccentricity: float, lobes: int) -> PolarRadius
 
 
 Family = Callable[[float, float, int], PolarRadius]
+
+
+def formula_family(text: str, lobes: int, key: str) -> Family:
+    """Curves of a shape that is written as a formula of phi and e, in any unit.
+
+    Raises WrongInput, for the key, where the formula cannot be read, or does not repeat with every lobe.
+    """
+
+    def family(size_mm: float, eccentricity: float, lobes: int) -> PolarRadius:
+        formula = composed(ECCENTRICITY.sub(f"({eccentricity!r})", text), key, "phi")
+
+        def radius(phi: Array, order: int) -> Jet:
+            return formula(Jet.variable(phi % (2.0 * pi / lobes), order)) * size_mm
+
+        return radius
+
+    plain = composed(ECCENTRICITY.sub(f"({TRIED!r})", text), key, "phi")
+    start, end = (plain(Jet.variable([at], 2)) for at in (0.0, 2.0 * pi / lobes))
+    for order, name in enumerate(("radius", "slope of the radius", "second derivative of the radius")):
+        before, after = float(end.derivative(order)[0]), float(start.derivative(order)[0])
+        if not abs(before - after) <= REPEATED * abs(float(start.value[0])):
+            raise WrongInput(
+                f"the {name} goes from {after:.6g} to {before:.6g} over a lobe of 1/{lobes} turn (with e = {TRIED}); "
+                "the curve must repeat with every lobe",
+                key=key,
+            )
+    return family
+
+
+ECCENTRICITY = re.compile(r"\be\b")
+"""The name of the eccentricity in a formula."""
+
+TRIED = 0.1
+"""Eccentricity at which it is looked whether a formula repeats with every lobe."""
+
+REPEATED = 1e-9
+"""Relative difference after a lobe that counts as rounding."""
 
 FAMILIES: dict[str, Family] = {"ellipse": high_order_ellipse, "cosine": cosine_curve}
 """Curves of a size in mm, an eccentricity of 0 for a circle, and a number of lobes; the first lobe's top is at 0."""
@@ -221,7 +260,7 @@ STEPS = 46
 
 
 def lobed_curves(
-    family: str, lobes: tuple[int, int], planet_teeth: int, teeth_per_lobe: int, module_mm: float
+    family: Family, lobes: tuple[int, int], planet_teeth: int, teeth_per_lobe: int, module_mm: float
 ) -> LobedCurves:
     """The curves of sun and ring with ``lobes``, a lobe of either having so many teeth of the planets' module.
 
@@ -235,7 +274,7 @@ def lobed_curves(
     points, weights = gauss_points(np.linspace(0.0, 2.0 * pi / sun_lobes, PANELS + 1), NODES)
 
     def curves(size: float, eccentricity: float) -> LobedCurves:
-        return LobedCurves(FAMILIES[family](size, eccentricity, sun_lobes), sun_lobes, ring_lobes, rho)
+        return LobedCurves(family(size, eccentricity, sun_lobes), sun_lobes, ring_lobes, rho)
 
     def missing(size: Array, eccentricity: float) -> Array:
         rates = [curves(one, eccentricity).ring(points, 0)[1].value @ weights for one in size]

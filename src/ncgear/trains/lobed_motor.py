@@ -73,7 +73,7 @@ def motor_gears(curves: LobedCurves, teeth: MotorTeeth, tolerance_mm: float) -> 
     """
     rack, shift, rho = teeth.rack, teeth.planet_shift_mm, curves.planet_radius_mm
     for curve in (curves.sun_curve, curves.ring_curve):
-        refuse_sharp_curve(curve, rack.module_mm, "train.teeth_per_lobe")
+        refuse_sharp_curve(curve, rack.module_mm, "teeth_per_lobe")
     cutters = [_cutter(curve, teeth) for curve in (curves.sun_curve, curves.ring_curve)]
     quarter, outwards = rack.pitch_mm / 4.0, shift * tan(rack.pressure_angle_rad)
     planet_half, other_half = quarter + outwards, quarter - outwards

@@ -60,7 +60,7 @@ def moving_gears(axes: MovingAxes, teeth: int, form: ToothForm, tolerance_mm: fl
     rack, lobes = form.rack, axes.lobes
     first, second = axes.curve(Gear.DRIVING), axes.curve(Gear.DRIVEN)
     for curve in (first, second):
-        refuse_sharp_curve(curve, rack.module_mm, "train.gears.teeth")
+        refuse_sharp_curve(curve, rack.module_mm, "gears.teeth")
     tools: tuple[Tool, Tool] = (RackLine(), RackLine())
     if first.is_dented or second.is_dented:
         tools = second, first

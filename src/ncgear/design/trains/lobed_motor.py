@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from pydantic import Field
 
 from ncgear.design.keys.base import optional, required
-from ncgear.design.keys.types import Length
+from ncgear.design.keys.types import FORMULA, Expression, Length
 from ncgear.design.trains.base import TrainGears, TrainKeys
-from ncgear.errors import WrongInput
+from ncgear.errors import NoSuchMechanism, WrongInput
 
 if TYPE_CHECKING:
     from ncgear.trains.train import Train
@@ -54,6 +54,10 @@ class LobedMotor(TrainKeys):
         "a and e follow from the teeth",
         "ellipse",
     )
+    radius: Expression | None = optional(
+        "shape of the sun's pitch curve as a formula of phi, its polar angle, and e, which is found with the size; in "
+        f"any unit, in place of curve, {FORMULA}"
+    )
     pressure_n_mm2: Annotated[float, Field(gt=0.0, le=200.0)] | None = optional(
         "pressure difference in N/mm2 (10 bar each), for torque and forces; left out: none"
     )
@@ -61,7 +65,7 @@ class LobedMotor(TrainKeys):
 
     def train(self) -> Train:
         """The train that the keys ask for; raises WrongInput and NoSuchMechanism where no such gears exist."""
-        from ncgear.pitch.lobed import lobed_curves
+        from ncgear.pitch.lobed import FAMILIES, formula_family, lobed_curves
         from ncgear.trains.lobed_motor import MotorBodies, MotorTeeth, motor_train
 
         if self.ring_lobes <= self.sun_lobes:
@@ -69,9 +73,18 @@ class LobedMotor(TrainKeys):
                 f"{self.ring_lobes} given; the ring is around the sun, and has more lobes than its {self.sun_lobes}",
                 key="train.ring_lobes",
             )
+        if 2 * self.planet_teeth == self.teeth_per_lobe * (self.ring_lobes - self.sun_lobes):
+            raise NoSuchMechanism(
+                f"{self.teeth_per_lobe} teeth per lobe make all gears round, and nothing is displaced; more of them, or "
+                "fewer planet_teeth, are needed",
+                key="train.teeth_per_lobe",
+            )
         gears, module = self.gears, self.gears.module_mm
         lobes = self.sun_lobes, self.ring_lobes
-        curves = lobed_curves(self.curve, lobes, self.planet_teeth, self.teeth_per_lobe, module)
+        family = FAMILIES[self.curve]
+        if self.radius is not None:
+            family = formula_family(self.radius, self.sun_lobes, "train.radius")
+        curves = lobed_curves(family, lobes, self.planet_teeth, self.teeth_per_lobe, module)
         teeth = MotorTeeth(
             gears.form(module).rack,
             self.planet_teeth,
