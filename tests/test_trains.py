@@ -301,12 +301,12 @@ def test_a_check_says_what_the_train_is(run: Run) -> None:
     assert "Not judged: forces" in out
 
 
-@pytest.mark.parametrize("command", ["report", "simulate", "strength", "animate", "tolerance", "size"])
+@pytest.mark.parametrize("command", ["report", "simulate", "strength", "balance", "tolerance", "size"])
 def test_other_commands_say_what_works(run: Run, command: str) -> None:
     status, _, err = run(command, str(written(FILE)))
     assert status == 2
     assert err.startswith("mine.yaml:2:1: train: ")
-    assert "`ncgear check` and `ncgear build`" in err
+    assert "`ncgear check`, `build` and `animate`" in err
 
 
 @pytest.mark.parametrize(

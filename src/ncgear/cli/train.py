@@ -1,16 +1,20 @@
-"""The commands check and build for design files of trains of gears."""
+"""The commands check, build and animate for design files of trains of gears."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from ncgear.cli.arguments import EXPORT, pasted
 from ncgear.cli.as_json import tell
-from ncgear.cli.progress import steps_shown
+from ncgear.cli.progress import counted, steps_shown
 from ncgear.design.reading.text import has_train
 from ncgear.errors import WrongInput, located
 from ncgear.memory import keep_freed_memory
+
+if TYPE_CHECKING:
+    from ncgear.drawings.animation import AnimationFormat
 
 
 def is_train(design_file: Path) -> bool:
@@ -45,6 +49,28 @@ def check_train(design_file: Path, *, as_json: bool, verbose: bool) -> None:
     figures = train_figures(file.name, file.description, train, conditions)
     answer = train_answer(file.name, file.description, train, conditions, f"ncgear build {pasted(design_file)}")
     tell(answer, figures, as_json=as_json, verbose=verbose)
+
+
+def animated_train(
+    design_file: Path, out: Path | None, kind: AnimationFormat, form: tuple[int, float, int]
+) -> tuple[Path, bytes]:
+    """The place and the bytes of a GIF or MP4 of a moving train; ``form`` has frames, seconds and width in pixels."""
+    from ncgear.design.reading.train_file import load_train
+    from ncgear.files.publish import prepare_file
+
+    keep_freed_memory()
+    loaded = load_train(design_file)
+    path = out or EXPORT / loaded.file.name / "train.gif"
+    prepare_file(path)
+
+    from ncgear.drawings.animation.packing import Loop, packed
+    from ncgear.drawings.animation.train_frames import train_frames
+
+    with located(loaded.source):
+        train = loaded.file.train.train()
+    loop = Loop(*form)
+    with counted("frames") as on_frame:
+        return path, packed(train_frames(train, loaded.file.name, loop.width_px), kind, loop, on_frame)
 
 
 def build_train(design_file: Path, out: Path | None, *, as_json: bool, verbose: bool) -> None:

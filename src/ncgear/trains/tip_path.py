@@ -121,7 +121,10 @@ class TipMotion:
 
     def tip(self, w: Array) -> ComplexArray:
         """The path at angles w, complex of shape (n,), in the frame of the points."""
-        u = self.carrier_rad(w)
+        return self.tip_where(w, self.carrier_rad(w))
+
+    def tip_where(self, w: Array, u: Array) -> ComplexArray:
+        """The path where planet and carrier have turned by w and u, shape (n,) all."""
         there = self.carrier_mm * np.exp(1j * u) + self.arm_mm * np.exp(1j * (u - w))
         path: ComplexArray = self.axis + (there.conj() if self.clockwise else there)
         return path
@@ -132,10 +135,17 @@ class TipMotion:
         return w, self.carrier_rad(w, 1)
 
     @cached_property
+    def turn(self) -> tuple[Array, Array]:
+        """Angles w from 0 to a turn, shape (GRID + 1,), and the carrier's angles u there."""
+        w, waves = _on_grid()
+        u = waves[0] @ self.waves + w + self.start_rad
+        return np.append(w, 2.0 * pi), np.append(u, u[0] + 2.0 * pi)
+
+    @cached_property
     def hardness(self) -> tuple[Array, Array]:
         """The ratio of the whole on GRID and the logarithm's first two derivatives by w, as (3, GRID), and w."""
         w, waves = _on_grid()
-        first, second, third = waves @ self.waves + [[1.0], [0.0], [0.0]]
+        first, second, third = waves[1:] @ self.waves + [[1.0], [0.0], [0.0]]
         bend = second / first
         return np.array([first, bend, third / first - bend * bend]), w
 
@@ -149,9 +159,9 @@ def _waves(w: Array, order: int) -> Array:
 
 @cache
 def _on_grid() -> tuple[Array, Array]:
-    """GRID angles w of a turn, and the first three derivatives of the waves there, shape (3, GRID, 2 HARMONICS)."""
+    """GRID angles w of a turn, and the waves there with three derivatives, shape (4, GRID, 2 HARMONICS)."""
     w = np.linspace(0.0, 2.0 * pi, GRID, endpoint=False)
-    return w, np.array([_waves(w, order) for order in (1, 2, 3)])
+    return w, np.array([_waves(w, order) for order in range(4)])
 
 
 def pair_figures(motion: TipMotion) -> Array:
@@ -197,8 +207,7 @@ def crowding(motion: TipMotion, limits: PathLimits) -> float:
     """The least distance that arms have to keep over the distance that they keep; over 2 where they cross."""
     if limits.arms == 1:
         return 0.0
-    w = np.linspace(0.0, 2.0 * pi, GRID + 1)
-    u = motion.carrier_rad(w)
+    w, u = motion.turn
     at = u[0] + np.linspace(0.0, 2.0 * pi, ROOM_PLACES, endpoint=False)
     crossing, nearest = 0.0, np.inf
     first = _arm(motion, at, w, u)
@@ -466,9 +475,9 @@ def tool_mount(motion: TipMotion, path: WishedPath) -> tuple[float, float]:
 
 def _tool_errors(motion: TipMotion, path: WishedPath) -> Array:
     """Angles of the tool that are wished for less those of the arm at the nearest places, rad, shape (k,)."""
-    w = np.linspace(0.0, 2.0 * pi, GRID + 1)
-    places, sense = motion.tip(w), -1.0 if motion.clockwise else 1.0
-    arm = sense * (motion.carrier_rad(w) - w)
+    w, u = motion.turn
+    places, sense = motion.tip_where(w, u), -1.0 if motion.clockwise else 1.0
+    arm = sense * (u - w)
     found = []
     for number, angle in path.tool_rad:
         nearest = int(np.argmin(np.abs(places - path.points[number])))

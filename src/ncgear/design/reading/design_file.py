@@ -80,8 +80,8 @@ def design_of(document: Document, text: str, path: Path) -> LoadedDesign:
 def _design(document: Document, text: str, path: Path) -> LoadedDesign:
     if "train" in document.data:
         problem = (
-            "the file has a train of gears, which `ncgear check` and `ncgear build` take; this needs the design of one "
-            "machine, with linkage and motion"
+            "the file has a train of gears, which `ncgear check`, `build` and `animate` take; this needs the design of "
+            "one machine, with linkage and motion"
         )
         raise WrongInput(problem, key="train", location=str(document.place("train")))
     source = Source(document, values_from_files(document, path, FILES))
