@@ -88,7 +88,7 @@ def test_the_gallery_is_todays_and_small() -> None:
 def unknown_names(page: str) -> list[str]:
     """Names in code on a page that are no key of a design file, command, law or design."""
     keys = {key.path for key in keys_of(Design)}
-    known = keys | {key.law for key in keys_of(Design)} | set(gallery.PATHS) | {"drive.pitch"}
+    known = keys | {key.law for key in keys_of(Design)} | set(gallery.PATHS) | set(gallery.TRAINS) | {"drive.pitch"}
     commands = {f"ncgear {name}" for name in command_heads.NAMES}
     return [
         name

@@ -75,8 +75,8 @@ class LobedMotor(TrainKeys):
             )
         if 2 * self.planet_teeth == self.teeth_per_lobe * (self.ring_lobes - self.sun_lobes):
             raise NoSuchMechanism(
-                f"{self.teeth_per_lobe} teeth per lobe make all gears round, and nothing is displaced; more of them, or "
-                "fewer planet_teeth, are needed",
+                f"{self.teeth_per_lobe} teeth per lobe make all gears round, and nothing is displaced; more of them, "
+                "or fewer planet_teeth, are needed",
                 key="train.teeth_per_lobe",
             )
         gears, module = self.gears, self.gears.module_mm
