@@ -19,7 +19,7 @@ from math import degrees, gcd, lcm, pi
 
 import numpy as np
 
-from ncgear.errors import below
+from ncgear.errors import below, renamed
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum, extremes
@@ -105,7 +105,7 @@ def row_of(
 
     Raises NoSuchMechanism where a mate does not close, and WrongInput for numbers of teeth that are not whole.
     """
-    with below("train"):
+    with below("train"), renamed("motion", "ratio"):
         pairs = [sized_pair(first, teeth, module_mm, None)]
     for number in range(1, len(lobes) - 1):
         before = pairs[-1]
@@ -118,7 +118,7 @@ def row_of(
             key=BENDS,
         )
         law = closed_law(given, Lobes(lobes[number], lobes[number + 1]), None)
-        with below("train"):
+        with below("train"), renamed("motion", "ratio"):
             pairs.append(sized_pair(law.transmission, before.size.driven_teeth, module_mm, None))
     return Row(tuple(pairs), tuple(directions_rad))
 
@@ -177,7 +177,7 @@ def chain_train(
     row: Row, form: ToothForm, width_mm: float, bore_mm: float | None, speed_rpm: float, tolerance_mm: float
 ) -> Train:
     """The row as a train; raises as ``row_gears``."""
-    with below("train"):
+    with below("train"), renamed("motion", "ratio"):
         gears, ratio = row_gears(row, form, tolerance_mm)
     parts, axes = [], row.axes_mm
     for number, gear in enumerate(gears):

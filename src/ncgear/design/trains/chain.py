@@ -10,7 +10,7 @@ from pydantic import Field
 from ncgear.design.keys.base import optional, required
 from ncgear.design.keys.types import FORMULA, Expression, Length, Several
 from ncgear.design.trains.base import TrainGears, TrainKeys
-from ncgear.errors import DesignError, WrongInput
+from ncgear.errors import WrongInput, renamed
 
 if TYPE_CHECKING:
     from ncgear.ratio.transmission import Lobes, Transmission
@@ -66,8 +66,10 @@ class Chain(TrainKeys):
             )
         bends = [radians(bend) for bend in self.bends_deg] or [0.0] * idlers
         directions = np.cumsum([0.0, *bends]).tolist()
-        gears, first = self.gears, self._first(Lobes(self.lobes[0], self.lobes[1]))
-        row = row_of(first, self.lobes, directions, gears.teeth, gears.module_mm)
+        gears = self.gears
+        with renamed("motion", "train"):
+            first = self._first(Lobes(self.lobes[0], self.lobes[1]))
+            row = row_of(first, self.lobes, directions, gears.teeth, gears.module_mm)
         form = gears.form(gears.module_mm)
         return chain_train(row, form, gears.face_width_mm, gears.bore_mm, self.speed_rpm, gears.chord_tolerance_mm)
 
@@ -87,8 +89,4 @@ class Chain(TrainKeys):
             return closed_law(given, lobes, None).transmission
         if self.ratio is None:
             return uniform_law(lobes)
-        try:
-            return ratio_expression_law(self.ratio, lobes, scale_to_close=True)
-        except DesignError as error:
-            error.key = "train.ratio"
-            raise
+        return ratio_expression_law(self.ratio, lobes, scale_to_close=True)

@@ -9,7 +9,7 @@ from pydantic import Field
 from ncgear.design.keys.base import optional, required
 from ncgear.design.keys.types import FORMULA, Expression, Length, Several
 from ncgear.design.trains.base import TrainGears, TrainKeys
-from ncgear.errors import DesignError, WrongInput
+from ncgear.errors import WrongInput, renamed
 
 if TYPE_CHECKING:
     from ncgear.pitch.moving_axes import MovingAxes
@@ -47,7 +47,9 @@ class MovingAxis(TrainKeys):
         from ncgear.trains.moving_axis import MovingBodies, module_mm, moving_train
 
         axes, radius = self._axes()
-        gears, module = self.gears, module_mm(axes, self.gears.teeth)
+        gears = self.gears
+        with renamed("motion", "train"):
+            module = module_mm(axes, gears.teeth)
         if gears.module_mm is not None and abs(gears.module_mm - module) > AGREED * module:
             raise WrongInput(
                 f"{gears.module_mm:g} mm given, but {gears.teeth} teeth on the curves of these distances have "
@@ -75,11 +77,8 @@ class MovingAxis(TrainKeys):
             return MovingAxes(law, distance), radius
         if self.ratio is None:
             return MovingAxes(uniform_law(lobes), distance), None
-        try:
+        with renamed("motion", "train"):
             return MovingAxes(ratio_expression_law(self.ratio, lobes, scale_to_close=True), distance), None
-        except DesignError as error:
-            error.key = "train.ratio"
-            raise
 
     def _distance(self, lobes: Lobes) -> JetFunction:
         """The centre distance by the driving angle."""
