@@ -163,10 +163,11 @@ class Planetary(TrainKeys):
                 wished = self.path.wished()
                 motion = self._motion(self.path, wished)
         pitches, chain = self._chain(motion)
+        arm, stand = None, Stand()
         if motion is not None and wished is not None:
             arm, stand = arm_of(motion, wished), stand_of(motion)
-        else:
-            arm, stand = None if self.arm_mm is None else Arm(self.arm_mm, radians(self.arm_deg)), Stand()
+        elif self.arm_mm is not None:
+            arm = Arm(self.arm_mm, radians(self.arm_deg))
         bodies = Bodies(self.gears.face_width_mm, self.gears.bore_mm, self.bar_width_mm)
         made = planetary_train(
             chain, arm, self.arms, bodies, self.speed_rpm, self.gears.chord_tolerance_mm, self.sun_turns, stand
