@@ -9,12 +9,15 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import jsonschema
 import mpmath as mp
 import numpy as np
 import pytest
 import shapely
+from ruamel.yaml import YAML
 
 from commands import ROOT, Run
+from drives import TRAINS
 from ncgear.design.trains.planetary import RATIOS, Planetary
 from ncgear.errors import NoSuchMechanism
 from ncgear.files.read_back import mesh_of_stl, outline_of_csv
@@ -323,6 +326,15 @@ def test_a_wrong_file_is_told_by_line_and_key(run: Run, old: str, new: str, said
     status, _, err = run("check", str(written(FILE.replace(old, new))))
     assert status == 2
     assert said in err
+
+
+@pytest.mark.slow
+def test_the_schema_takes_worked_trains_and_no_misspelt_one(run: Run) -> None:
+    judge = jsonschema.Draft202012Validator(json.loads(run("schema", "--of", "train")[1]))
+    for path in TRAINS.values():
+        data = YAML(typ="safe").load(path.read_text(encoding="utf-8"))
+        assert judge.is_valid(data), path.name
+        assert not judge.is_valid({**data, "train": {**data["train"], "arsm": 1}})
 
 
 def test_options_that_are_not_offered_are_refused(run: Run) -> None:
