@@ -9,12 +9,15 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
+import jsonschema
 import mpmath as mp
 import numpy as np
 import pytest
 import shapely
+from ruamel.yaml import YAML
 
 from commands import ROOT, Run
+from drives import TRAINS
 from ncgear.design.trains.planetary import RATIOS, Planetary
 from ncgear.errors import NoSuchMechanism
 from ncgear.files.read_back import mesh_of_stl, outline_of_csv
@@ -22,6 +25,7 @@ from ncgear.pitch.pair import sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.spline import even_steps, spline_ratio_staged
 from ncgear.trains.contact import contacts_of, distances_of
+from ncgear.trains.loads import PutMass, body_of, loads_of
 from ncgear.trains.tip_path import (
     PathLimits,
     TipMotion,
@@ -33,7 +37,7 @@ from ncgear.trains.tip_path import (
     segment_distances,
     tool_mount,
 )
-from ncgear.trains.train import Poses, Train
+from ncgear.trains.train import Part, PinHole, Poses, Train
 
 pytestmark = pytest.mark.judges("trains")
 
@@ -275,6 +279,110 @@ def test_arms_that_meet_are_told() -> None:
     assert apart == pytest.approx(min(lines) - 20.0, abs=0.1) if min(lines) > 20.0 else apart < 0.0
 
 
+# --- forces ------------------------------------------------------------------------------------------------------
+
+
+def test_a_part_weighs_what_closed_forms_say() -> None:
+    """A bar with a bore and a hole as rectangles and circles, and a mass at its end."""
+    outline = np.array([[-10.0, -5.0], [50.0, -5.0], [50.0, 5.0], [-10.0, 5.0]])
+    part = Part("bar", outline, 8.0, bore_mm=6.0, holes=(PinHole(40.0, 1.0, 4.0),))
+    body = body_of(part, 7850.0, [PutMass("bar", 50.0 + 0.0j, 0.02)])
+    areas = np.array([600.0, -np.pi * 9.0, -np.pi * 4.0])
+    own = np.array([(60.0**2 + 10.0**2) / 12.0, 9.0 / 2.0, 4.0 / 2.0, 0.0])
+    kg, at = np.append(areas * 7850e-9 * 8.0, 0.02), np.array([20.0, 0.0, 40.0 + 1.0j, 50.0])
+    center = (kg * at).sum() / kg.sum()
+    assert body.kg == pytest.approx(kg.sum(), rel=1e-12)
+    assert body.center_mm == pytest.approx(center, rel=1e-12)
+    assert body.kg_mm2 == pytest.approx((kg * (own + np.abs(at - center) ** 2)).sum(), rel=1e-12)
+
+
+STEP_RAD = 2e-3
+
+
+class NewtonAndEuler:
+    """Torque of the carrier and force on the frame, from each body's own equations, with the forces in all joints.
+
+    Velocities and accelerations are differences of poses; the force between two gears acts in the pitch point, which
+    divides the line of their axes by their speeds against the carrier, at 20 deg to its perpendicular.
+    """
+
+    def __init__(self, train: Train, density: float, tool_kg: float, driving: float) -> None:
+        self.train, self.speed = train, train.speed_rpm * 2.0 * np.pi / 60.0
+        poses = train.poses_at(driving + STEP_RAD * np.arange(-2, 3))
+        self.place = {p.name: poses.x_mm[n] + 1j * poses.y_mm[n] for n, p in enumerate(train.parts)}
+        self.angle = {p.name: poses.angle_rad[n] for n, p in enumerate(train.parts)}
+        tools = [PutMass(t.part, complex(*t.at_mm), tool_kg) for t in train.traces]
+        self.bodies = {p.name: body_of(p, density, [t for t in tools if t.part == p.name]) for p in train.parts}
+
+    def rates(self, values: Any) -> tuple[Any, Any]:
+        """First and second derivative by time, of five values."""
+        a, b, c, d, e = values
+        first, second = (a - 8 * b + 8 * d - e) / 12, (-a + 16 * b - 30 * c + 16 * d - e) / 12
+        return first / STEP_RAD * self.speed, second / STEP_RAD**2 * self.speed**2
+
+    def load(self, names: list[str], pivot: complex) -> tuple[float, complex]:
+        """Moment about a pivot, and force, that bodies which are one need: mass times acceleration less weight."""
+        turning, force = 0.0, 0.0j
+        for name in names:
+            body = self.bodies[name]
+            center = self.place[name] + body.center_mm * np.exp(1j * self.angle[name])
+            one = body.kg * (self.rates(center)[1] + 9806.65j)
+            turning += ((center[2] - pivot).conjugate() * one).imag + body.kg_mm2 * self.rates(self.angle[name])[1]
+            force += one
+        return turning, force
+
+    def mesh(self, first: str, second: str, turning: float) -> tuple[complex, complex]:
+        """The force on the second gear that gives it a moment about its axis, and the pitch point."""
+        one, other = (self.rates(self.angle[name] - self.angle["carrier"])[0] for name in (first, second))
+        start, end = self.place[first][2], self.place[second][2]
+        point = start + (end - start) * other / (other - one)
+        way = 1j * np.exp(np.radians(20.0) * 1j) * (end - start) / abs(end - start)
+        return way * turning / ((point - end).conjugate() * way).imag, point
+
+    def solved(self) -> tuple[float, complex]:
+        """Torque in N m, and the force of inertia on the frame in N."""
+        axis = self.place["carrier"][2]
+        torque = self.load(["carrier"], axis)[0]
+        for trace in self.train.traces:
+            end = trace.name.removeprefix("path")
+            sides = (
+                ([f"planet{end}", f"arm{end}"], f"second_idler{end}"),
+                ([f"idler{end}", f"second_idler{end}"], "sun"),
+            )
+            back, at = 0.0j, 0.0j
+            for names, driver in sides:
+                pivot = self.place[names[0]][2]
+                turning, force = self.load(names, pivot)
+                # What the gear before pushes, this body pushes back.
+                turning -= ((at - pivot).conjugate() * back).imag
+                pushed, point = self.mesh(driver, names[0], turning)
+                torque += ((pivot - axis).conjugate() * (force - back - pushed)).imag
+                back, at = -pushed, point
+        weights = 9806.65j * sum(body.kg for body in self.bodies.values())
+        return torque / 1e6, (weights - self.load([*self.bodies], axis)[1]) / 1e3
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("arms", [1, 2])
+def test_torque_and_shaking_force_are_those_of_newton_and_euler(arms: int) -> None:
+    train = planetary(arms=arms, arm_mm=90.0, arm_deg=25.0)
+    tools = [PutMass(trace.part, complex(*trace.at_mm), 0.4) for trace in train.traces]
+    loads = loads_of(train, 7850.0, tools, -9806.65j)
+    for number in (0, 100, 333, 700, 1201):
+        torque, force = NewtonAndEuler(train, 7850.0, 0.4, float(loads.driving_rad[number])).solved()
+        assert loads.torque_n_m[number] == pytest.approx(torque, rel=1e-3, abs=1e-3)
+        assert loads.force_n[number] == pytest.approx(force, rel=1e-3, abs=1e-2)
+    assert loads.torque_n_m.mean() == pytest.approx(0.0, abs=1e-4)
+    around, speed = np.exp(1j * loads.driving_rad), train.speed_rpm * 2.0 * np.pi / 60.0
+    found = loads.counterweight_kg_mm
+    left = [
+        np.mean(np.abs(loads.force_n + w * speed**2 / 1e3 * around) ** 2)
+        for w in (found, found + 1.0, found - 1.0, found + 1.0j, found - 1.0j)
+    ]
+    assert np.mean(np.abs(loads.left_n) ** 2) == pytest.approx(left[0], rel=1e-9, abs=1e-12)
+    assert min(left) == left[0]
+
+
 # --- commands ----------------------------------------------------------------------------------------------------
 
 FILE = """\
@@ -325,6 +433,15 @@ def test_a_wrong_file_is_told_by_line_and_key(run: Run, old: str, new: str, said
     assert said in err
 
 
+@pytest.mark.slow
+def test_the_schema_takes_worked_trains_and_no_misspelt_one(run: Run) -> None:
+    judge = jsonschema.Draft202012Validator(json.loads(run("schema", "--of", "train")[1]))
+    for path in TRAINS.values():
+        data = YAML(typ="safe").load(path.read_text(encoding="utf-8"))
+        assert judge.is_valid(data), path.name
+        assert not judge.is_valid({**data, "train": {**data["train"], "arsm": 1}})
+
+
 def test_options_that_are_not_offered_are_refused(run: Run) -> None:
     status, _, err = run("build", str(written(FILE)), "--report")
     assert (status, "--report: given, but not offered for a train" in err) == (2, True)
@@ -342,7 +459,7 @@ def test_the_worked_transplanter_keeps_its_promises(run: Run, tmp_path: Path) ->
         "assembly": True,
         "path": True,
         "forces": None,
-        "balance": None,
+        "balance": True,
         "meshes": True,
         "room": True,
     }

@@ -76,6 +76,10 @@ COMMANDS: dict[str, dict[str, str]] = {
             "oval-flow-meter",
         )
     },
+    "build designs/transplanter.yaml --out {folder}": {"train.png": "transplanter.png"},
+    "animate designs/transplanter.yaml --frames 36 --width 400 --out {folder}/transplanter.gif": {
+        "transplanter.gif": "transplanter.gif"
+    },
     "frontier designs/baler-frontier.yaml --out {folder}": {"frontier.png": "baler-frontier.png"},
     "strength designs/baler-half-dynamics.yaml --out {folder}": {
         "strength.png": "baler-half-strength.png",

@@ -55,7 +55,8 @@ def model_of(kind: FileKind) -> type[Model]:
     from ncgear.design.keys.design import Design
     from ncgear.design.trains.registry import TrainFile
 
-    return {FileKind.BALANCE: Balance, FileKind.TRAIN: TrainFile}.get(kind, Design)
+    models: dict[FileKind, type[Model]] = {FileKind.BALANCE: Balance, FileKind.TRAIN: TrainFile}
+    return models.get(kind, Design)
 
 
 def keys_to_complete(context: typer.Context, incomplete: str) -> list[str]:

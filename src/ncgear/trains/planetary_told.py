@@ -11,6 +11,7 @@ import numpy as np
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
+from ncgear.trains.loads import TrainLoads
 from ncgear.trains.tip_path import TipMotion, WishedPath, distances_mm, tool_mount
 from ncgear.trains.train import Condition, Told, Train
 
@@ -18,8 +19,8 @@ PATH_POINTS = 2881
 """Places of the path that are followed: of one 1 m long each chord is a third of a millimetre."""
 
 NOT_JUDGED = (
-    Condition("forces", None, "forces and torque are not computed for trains"),
-    Condition("balance", None, "the balance of the carrier is not computed"),
+    Condition("forces", None, "torque and forces need masses"),
+    Condition("balance", None, "the balance of the carrier needs masses"),
 )
 
 
@@ -31,6 +32,7 @@ def told_of(
     wished: WishedPath | None,
     motion: TipMotion | None,
     forward_mm_s: float,
+    loads: TrainLoads | None,
 ) -> Told:
     """What is told of a train, the pairs of one arm given, first that of the sun."""
     arms = sum(name.name.startswith("planet") for name in train.parts)
@@ -72,8 +74,13 @@ def told_of(
         rows += path_rows
         figures |= path_figures
         conditions += condition
+    unknown = NOT_JUDGED
+    if loads is not None:
+        load_rows, load_figures, unknown = _of_loads(loads)
+        rows += load_rows
+        figures |= load_figures
     head = f"planetary train, {idler} idler, {arms} arm{'s' * (arms > 1)}, {train.speed_rpm:g} turns a minute"
-    return Told(head, tuple(rows), figures, (*conditions, *NOT_JUDGED))
+    return Told(head, tuple(rows), figures, (*conditions, *unknown))
 
 
 def _first(train: Train, name: str) -> int:
@@ -91,6 +98,40 @@ def _closing(train: Train) -> Condition:
 
 CLOSED_RAD = 1e-9
 """Closure error that counts as rounding: a nanometre at a metre."""
+
+
+WORTH = 0.1
+"""Share of the greatest shaking force that a counterweight has to take away to be worth its weight."""
+
+
+def _of_loads(
+    loads: TrainLoads,
+) -> tuple[list[tuple[str, str]], dict[str, Any], tuple[Condition, ...]]:
+    """The torque of the carrier and the forces on the frame, and whether a counterweight on the carrier would help."""
+    low, high = loads.swing_n_m
+    now, left = float(np.abs(loads.force_n).max()), float(np.abs(loads.left_n).max())
+    weight, where = abs(loads.counterweight_kg_mm), float(np.degrees(np.angle(loads.counterweight_kg_mm)))
+    rows = [
+        ("torque of the carrier", f"{low:.4g} to {high:.4g} N m at even speed, without friction"),
+        ("on the frame", f"inertia forces to {now:.4g} N, moment to {np.abs(loads.moment_n_m).max():.4g} N m"),
+    ]
+    figures = {
+        "mass_kg": loads.mass_kg,
+        "torque_min_n_m": low,
+        "torque_max_n_m": high,
+        "torque_mean_n_m": float(loads.torque_n_m.mean()),
+        "shaking_force_max_n": now,
+        "shaking_moment_max_n_m": float(np.abs(loads.moment_n_m).max()),
+        "counterweight_kg_mm": weight,
+        "counterweight_deg": where,
+        "shaking_force_left_max_n": left,
+    }
+    needed = left < (1.0 - WORTH) * now
+    would = f"{weight:.4g} kg mm on the carrier, at first at {where:.4g} deg, would leave {left:.4g} of {now:.4g} N"
+    balanced = f"no counterweight on the carrier takes a tenth off its {now:.4g} N"
+    balance = Condition("balance", not needed, would if needed else balanced)
+    forces = Condition("forces", None, "teeth, shafts and bearings are not rated; the torque is told")
+    return rows, figures, (balance, forces)
 
 
 def _of_path(

@@ -240,7 +240,8 @@ def segment_distances(a: ComplexArray, b: ComplexArray, c: ComplexArray, d: Comp
     def from_end(p: ComplexArray, q: ComplexArray, r: ComplexArray) -> Array:
         step = q - p
         share = np.clip(((r - p) * step.conj()).real / np.abs(step) ** 2, 0.0, 1.0)
-        return np.abs(r - p - share * step)
+        distance: Array = np.abs(r - p - share * step)
+        return distance
 
     cross = (side(a, b, c) * side(a, b, d) < 0.0) & (side(c, d, a) * side(c, d, b) < 0.0)
     least = np.min([from_end(a, b, c), from_end(a, b, d), from_end(c, d, a), from_end(c, d, b)], axis=0)
@@ -369,9 +370,10 @@ FREE = 1000.0
 def _link_rad(w: Array, carrier: float, arm: float) -> Array:
     """arg(s + l exp(-i w)), continuous in w: it swings about 0 where s is longer, else it falls with w."""
     if carrier > arm:
-        swing: Array = np.angle(carrier + arm * np.exp(-1j * w))
-        return swing
-    return -w + np.angle(arm + carrier * np.exp(1j * w))
+        found: Array = np.angle(carrier + arm * np.exp(-1j * w))
+    else:
+        found = -w + np.angle(arm + carrier * np.exp(1j * w))
+    return found
 
 
 def missed_mm(motion: TipMotion, path: WishedPath) -> Array:
@@ -412,7 +414,7 @@ def found_motion(path: WishedPath, limits: PathLimits, axis: complex | None) -> 
             return motion.by, motion
         return burden(motion, limits) + _tool_missed(motion, path), motion
 
-    starts = []
+    starts: list[tuple[float, int, Array, bool]] = []
     for clockwise in (False, True):
         for place in [axis] if axis is not None else _places(path, size, limits):
             for beyond in BEYOND:

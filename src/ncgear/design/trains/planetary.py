@@ -12,11 +12,13 @@ from ncgear.design.keys.base import Model, fault, optional, required
 from ncgear.design.keys.types import Length, Place, Several
 from ncgear.design.trains.base import TrainGears, TrainKeys
 from ncgear.errors import WrongInput, below
+from ncgear.numerics.units import STANDARD_GRAVITY_M_S2
 
 if TYPE_CHECKING:
     from ncgear.pitch.pair import PitchPair
     from ncgear.ratio.transmission import Transmission
     from ncgear.teeth.gear import ToothedPair
+    from ncgear.trains.loads import TrainLoads
     from ncgear.trains.planetary import Chain
     from ncgear.trains.tip_path import TipMotion, WishedPath
     from ncgear.trains.train import Train
@@ -96,6 +98,18 @@ class TipPathKeys(Model):
         return self
 
 
+class TrainMasses(Model):
+    """What the parts of a train weigh."""
+
+    density_kg_m3: Annotated[float, Field(gt=0.0, le=25_000.0)] = required(
+        "density of all parts in kg/m3, as 7850 of steel"
+    )
+    tool_kg: Annotated[float, Field(ge=0.0, le=1000.0)] = optional("mass at the tip of each arm in kg", 0.0)
+    gravity_m_s2: Annotated[float, Field(ge=0.0, le=1000.0)] = optional(
+        "acceleration of gravity in m/s2, against y", STANDARD_GRAVITY_M_S2
+    )
+
+
 class PlanetaryGears(TrainGears):
     """The teeth and the bodies of sun, idlers and planets."""
 
@@ -132,7 +146,18 @@ class Planetary(TrainKeys):
         "turns of the sun for one of the carrier; left out: the sun stands", 0.0
     )
     bar_width_mm: Length = optional("width of carrier and arms in mm", 20.0)
+    masses: TrainMasses | None = optional(
+        "what parts weigh, for the torque of the carrier and the forces on the frame; left out: not judged"
+    )
     gears: PlanetaryGears = required("the teeth and bodies of all gears")
+
+    @model_validator(mode="after")
+    def _masses_come_back(self) -> Self:
+        if self.masses is not None and self.sun_turns != 0.0:
+            raise fault("masses", "given, but forces are those about a sun that stands; leave out masses or sun_turns")
+        if self.masses is not None and self.masses.tool_kg and self.arm_mm is None and self.path is None:
+            raise fault("masses.tool_kg", "given, but there is no arm that carries it; give arm_mm, or leave it out")
+        return self
 
     @model_validator(mode="after")
     def _a_path_has_its_gears(self) -> Self:
@@ -163,18 +188,27 @@ class Planetary(TrainKeys):
                 wished = self.path.wished()
                 motion = self._motion(self.path, wished)
         pitches, chain = self._chain(motion)
+        arm, stand = None, Stand()
         if motion is not None and wished is not None:
             arm, stand = arm_of(motion, wished), stand_of(motion)
-        else:
-            arm, stand = None if self.arm_mm is None else Arm(self.arm_mm, radians(self.arm_deg)), Stand()
+        elif self.arm_mm is not None:
+            arm = Arm(self.arm_mm, radians(self.arm_deg))
         bodies = Bodies(self.gears.face_width_mm, self.gears.bore_mm, self.bar_width_mm)
         made = planetary_train(
             chain, arm, self.arms, bodies, self.speed_rpm, self.gears.chord_tolerance_mm, self.sun_turns, stand
         )
         forward_mm_s = 0.0 if self.path is None else self.path.forward_mm_s
-        return replace(
-            made, told=told_of(made, self.idler, pitches, self.gears.pressure_angle_rad, wished, motion, forward_mm_s)
-        )
+        loads = None if self.masses is None else self._loads(made, self.masses)
+        rack_rad = self.gears.pressure_angle_rad
+        told = told_of(made, self.idler, pitches, rack_rad, wished, motion, forward_mm_s, loads)
+        return replace(made, told=told)
+
+    def _loads(self, made: Train, masses: TrainMasses) -> TrainLoads:
+        from ncgear.trains.loads import PutMass, loads_of
+
+        tools = [PutMass(trace.part, complex(*trace.at_mm), masses.tool_kg) for trace in made.traces]
+        gravity = -1j * MM_PER_M * masses.gravity_m_s2
+        return loads_of(made, masses.density_kg_m3, tools if masses.tool_kg else (), gravity)
 
     def _motion(self, path: TipPathKeys, wished: WishedPath) -> TipMotion:
         from ncgear.trains.tip_path import PathLimits, found_motion
@@ -225,6 +259,8 @@ class Planetary(TrainKeys):
         with below("train"):
             return toothed_pair(pitch, self.gears.form(pitch.size.module_mm), self.gears.chord_tolerance_mm)
 
+
+MM_PER_M = 1000.0
 
 ROOM_MM = 2.0
 """Least distance of two arms in mm that is sought."""
