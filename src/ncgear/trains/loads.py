@@ -102,7 +102,8 @@ def loads_of(train: Train, density_kg_m3: float, put: Sequence[PutMass], gravity
     driving = np.linspace(0.0, train.cycle_rad, POSITIONS, endpoint=False)
     poses = train.poses_at(np.append(driving, train.cycle_rad))
     axis = complex(*(float(values[train.number(train.driving), 0]) for values in (poses.x_mm, poses.y_mm)))
-    torque, moment, force = np.zeros(POSITIONS), np.zeros(POSITIONS), np.zeros(POSITIONS, dtype=complex)
+    torque, moment = np.zeros(POSITIONS), np.zeros(POSITIONS)
+    force: ComplexArray = np.zeros(POSITIONS, dtype=complex)
     total = 0.0
     for number, part in enumerate(train.parts):
         body = body_of(part, density_kg_m3, [one for one in put if one.part == part.name])

@@ -307,11 +307,19 @@ def _told(
         "chamber_min_mm2": least.area_mm2,
         "chamber_max_mm2": most.area_mm2,
         "dead_spaces": [
-            {"area_mm2": one.area_mm2, "direction_rad": one.middle_rad, "planets_beside_rad": one.beside_rad}
+            {
+                "area_mm2": one.area_mm2,
+                "direction_deg": degrees(one.middle_rad),
+                "planets_beside_deg": degrees(one.beside_rad),
+            }
             for one in (least, most)
         ],
         "ports": [
-            {"direction_rad": one.direction_rad, "distance_mm": one.distance_mm, "radius_max_mm": one.radius_mm}
+            {
+                "direction_deg": degrees(one.direction_rad),
+                "distance_mm": one.distance_mm,
+                "radius_max_mm": one.radius_mm,
+            }
             for one in ports
         ],
         "contact_ratio_min": gears.contact_ratio,

@@ -74,7 +74,7 @@ def told_of(
         rows += path_rows
         figures |= path_figures
         conditions += condition
-    unknown = NOT_JUDGED
+    unknown: tuple[Condition, ...] = NOT_JUDGED
     if loads is not None:
         load_rows, load_figures, unknown = _of_loads(loads)
         rows += load_rows
