@@ -151,6 +151,7 @@ WRITES = {"write_bytes", "write_text", "write", "savetxt", "tofile", "export"}
 
 WRITERS = {
     "files/one_file.py",
+    "files/train.py",
     "project/frontier_run.py",
     "files/workshop/dxf.py",
     "files/workshop/solid_files.py",

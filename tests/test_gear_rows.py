@@ -120,17 +120,31 @@ def test_every_idler_meshes_with_both_of_its_mates(changes: tuple[tuple[str, str
         assert found.gap_mm < 3.0 * train.tolerance_mm
 
 
-@pytest.mark.slow
-def test_a_gear_half_a_pitch_off_clashes() -> None:
-    train = train_of()
+def turned(train: Train, angle_rad: float) -> Train:
+    """The train with its last gear turned on."""
 
     def poses_at(driving_rad: Array) -> Poses:
         poses = train.poses_at(driving_rad)
-        return replace(poses, angle_rad=poses.angle_rad + np.array([0.0, 0.0, 0.0, pi / 36.0])[:, None])
+        return replace(poses, angle_rad=poses.angle_rad + np.array([0.0, 0.0, 0.0, angle_rad])[:, None])
 
-    found = contacts_of(replace(train, poses_at=poses_at), outlines_of(train))
-    assert found[-1].deepest_mm > 0.1
-    assert found[0].deepest_mm < train.tolerance_mm
+    return replace(train, poses_at=poses_at, meshes=train.meshes[-1:])
+
+
+@pytest.mark.slow
+def test_a_gear_half_a_pitch_off_clashes() -> None:
+    train = train_of()
+    (found,) = contacts_of(turned(train, pi / 36.0), outlines_of(train))
+    assert found.deepest_mm > 0.1
+
+
+@pytest.mark.slow
+def test_the_last_gear_turns_on_freely_by_the_play() -> None:
+    """0.08 mm along the normal, which is at most 42 mm from the axis."""
+    train = train_of()
+    free, over = (contacts_of(turned(train, -angle), outlines_of(train))[0] for angle in (0.07 / 42.0, 0.11 / 30.0))
+    assert free.deepest_mm < train.tolerance_mm
+    assert free.gap_mm > 0.02
+    assert over.deepest_mm > train.tolerance_mm
 
 
 def test_round_gears_are_a_plain_row() -> None:

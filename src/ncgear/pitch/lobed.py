@@ -43,7 +43,7 @@ from ncgear.numerics.plane import across
 from ncgear.numerics.quadrature import gauss_points
 from ncgear.numerics.units import in_words
 from ncgear.numerics.zeros import zeros_between
-from ncgear.pitch.curve import ArcMaps, arc_maps
+from ncgear.pitch.arc_length import ArcMaps, arc_maps
 from ncgear.pitch.rolled import RolledCurve, rolled_curve
 from ncgear.pitch.shape import Gear, Mesh
 

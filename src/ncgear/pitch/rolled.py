@@ -13,7 +13,8 @@ import numpy as np
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.plane import across, as_points
-from ncgear.pitch.curve import ArcMaps, ClosedPitchCurve, CurvePoints, arc_maps
+from ncgear.pitch.arc_length import ArcMaps, arc_maps
+from ncgear.pitch.curve import ClosedPitchCurve, CurvePoints
 from ncgear.pitch.shape import Gear, Mesh
 
 Path = Callable[[Array], tuple[ComplexArray, ComplexArray, ComplexArray]]

@@ -15,7 +15,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
-from math import degrees, gcd, lcm, pi
+from math import cos, degrees, gcd, lcm, pi
 
 import numpy as np
 
@@ -30,7 +30,7 @@ from ncgear.ratio.laws.closed_curve import ClosedCurve, SmoothPart
 from ncgear.ratio.laws.pitch_curve import GivenCurve, closed_law
 from ncgear.ratio.transmission import Lobes, Piece, Transmission
 from ncgear.teeth.fitting import PairTips, least_overlap
-from ncgear.teeth.form import Cutter, CutterKind, ToothForm
+from ncgear.teeth.form import Backlash, Cutter, CutterKind, ToothForm
 from ncgear.teeth.gear import ToothedGear, pair_tips, toothed_gear
 from ncgear.teeth.outline import ChordTolerance
 from ncgear.teeth.tips import Tips, held_below
@@ -147,7 +147,9 @@ def row_gears(row: Row, form: ToothForm, tolerance_mm: float) -> tuple[list[Toot
     cutter = Cutter(CutterKind.RACK)
     if any(least_concave_radius_mm(pair) is not None for pair in row.pairs):
         cutter = Cutter(CutterKind.PINION, max(min(most_teeth(pair, form.rack) for pair in row.pairs), 3))
-    form = replace(form, cutter=cutter)
+    # Half of the play thins each gear at its idle flanks, which in an idler's next mesh are those that push.
+    thinner = form.backlash.least_normal_mm / cos(form.rack.angles_rad[1]) / 2.0
+    form = replace(form, cutter=cutter, backlash=Backlash(thickness_mm=(-thinner, -thinner)))
     advance, made = 0.0, list[PairTips]()
     tips = list[Tips]()
     for number, pair in enumerate(row.pairs):
@@ -155,7 +157,7 @@ def row_gears(row: Row, form: ToothForm, tolerance_mm: float) -> tuple[list[Toot
         if number:
             turned = np.array([row.beta_rad(number)])
             rolled = float(pair.arc.length(turned)[0]) * pair.center_distance_mm
-            advance = (advance + form.rack.pitch_mm / 2.0 + rolled) % form.rack.pitch_mm
+            advance = (advance + form.rack.pitch_mm / 2.0 + rolled + thinner) % form.rack.pitch_mm
         both = pair_tips(pair, form, advance)[1]
         made.append(both)
         tips = [*tips[:-1], _as_low_as_both(tips[-1], both[0], rolled), both[1]] if number else list(both)

@@ -25,7 +25,7 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import as_points
-from ncgear.pitch.curve import arc_length
+from ncgear.pitch.arc_length import arc_length
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Mesh
 from ncgear.ratio.transmission import Transmission

@@ -26,7 +26,6 @@ class ChainGears(TrainGears):
 
     module_mm: Length = required("module in mm; the distances of the axes follow")
     teeth: int = required("teeth of the first gear, a whole number", ge=8, le=1000)
-    backlash_mm: Annotated[float, Field(ge=0.0, le=0.0)] = optional("0: a row of gears has no backlash yet", 0.0)
 
 
 class Chain(TrainKeys):
