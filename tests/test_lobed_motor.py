@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
@@ -10,11 +11,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import trimesh
 from mpmath import mp, mpf
 from shapely import LineString, Point, Polygon
 
 from ncgear.design.reading.train_file import load_train
 from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.files.train import build_train
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.plane import as_points
 from ncgear.pitch.chambers import Chambers
@@ -327,3 +330,23 @@ def test_planets_are_involute_gears_that_a_hob_cuts() -> None:
     half = pi / (2.0 * teeth) + (tan(slant) - slant) - (np.tan(at) - at)
     assert flank.sum() > 100
     assert apart * radius[flank] == pytest.approx(half * radius[flank], abs=1e-3)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["lobed-motor", "moving-axis", "idler-chain"])
+def test_worked_files_are_built_and_keep_every_condition(name: str) -> None:
+    """Every part has its outline and its solid, of the volume of the outline, and everything meets."""
+    file = load_train(DESIGN.with_name(f"{name}.yaml")).file
+    train = file.train.train()
+    built = build_train(file.name, file.description, train, lambda _: None)
+    assert all(one.holds for one in built.conditions)
+    assert {"assembly.json", "summary.json", "train.glb", "train.png", "meshes.png"} <= set(built.files)
+    for part in train.parts:
+        solid = trimesh.load(io.BytesIO(built.files[f"{part.name}.stl"]), file_type="stl")
+        area = Polygon(part.outline_mm).area
+        if part.rim_mm is not None:
+            area = pi * part.reach_mm**2 - area
+        elif part.bore_mm is not None:
+            area -= pi * part.bore_mm**2 / 4.0
+        assert solid.is_watertight
+        assert solid.volume == pytest.approx(area * part.face_width_mm, rel=2e-4)

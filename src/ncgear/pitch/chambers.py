@@ -180,27 +180,27 @@ class Chambers:
         apart = self.count // gcd(*lobes)
         return lcm(*lobes) * (2 if apart % 2 else 1)
 
-    def push_n(self, place_rad: Array, pressure_n_mm2: float) -> Array:
+    def push_n(self, place_rad: Array, pressure_mpa: float) -> Array:
         """Force of the pressure on a planet at a place, ahead positive; growing chambers are under pressure."""
         behind, ahead = self.rate_mm2(place_rad - self.step_rad) > 0.0, self.rate_mm2(place_rad) > 0.0
         _, cosine, _ = self.curves.sun(self.contact_rad(place_rad), 0)
         across = 2.0 * self.curves.planet_radius_mm * cosine.value * self.width_mm
-        return np.asarray(pressure_n_mm2 * across * (behind.astype(float) - ahead))
+        return np.asarray(pressure_mpa * across * (behind.astype(float) - ahead))
 
-    def tooth_force_n(self, place_rad: Array, pressure_n_mm2: float, rack_angle_rad: float) -> Array:
+    def tooth_force_n(self, place_rad: Array, pressure_mpa: float, rack_angle_rad: float) -> Array:
         """Normal force of a planet's teeth on the sun's, and on the ring's alike.
 
         The push goes through the planet's centre and is square to the line of both contacts, so each takes half of it;
         flanks stand at the rack's angle to the pitch curves, which lean by eta from the push.
         """
-        push = self.push_n(place_rad, pressure_n_mm2)
+        push = self.push_n(place_rad, pressure_mpa)
         lean = self.curves.lean_rad(self.contact_rad(place_rad))
         return np.abs(push) / 2.0 / np.cos(rack_angle_rad - np.sign(push) * lean)
 
-    def most_tooth_force(self, pressure_n_mm2: float, rack_angle_rad: float) -> Extremum:
+    def most_tooth_force(self, pressure_mpa: float, rack_angle_rad: float) -> Extremum:
         """The greatest such force in N, with the planet's place."""
         places = np.linspace(0.0, self.cycle_rad, PLACES)
-        return largest_of_each(lambda at: self.tooth_force_n(at, pressure_n_mm2, rack_angle_rad)[None], places)[0]
+        return largest_of_each(lambda at: self.tooth_force_n(at, pressure_mpa, rack_angle_rad)[None], places)[0]
 
     def ports(self, covering_mm: float) -> tuple[Port, Port]:
         """The ports ahead of the least and of the greatest chamber, that planets of a radius ``covering_mm`` cover.

@@ -26,6 +26,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
+from ncgear.numerics.units import CM3_PER_MM3, N_M_PER_N_MM
 from ncgear.pitch.chambers import Chambers
 from ncgear.pitch.curve import ClosedPitchCurve
 from ncgear.pitch.lobed import LobedCurves
@@ -178,7 +179,7 @@ def motor_train(
     teeth: MotorTeeth,
     bodies: MotorBodies,
     speed_rpm: float,
-    pressure_n_mm2: float | None,
+    pressure_mpa: float | None,
     tolerance_mm: float,
 ) -> Train:
     """The motor as a train whose ring stands; the driving angle is the sun's.
@@ -197,7 +198,7 @@ def motor_train(
     ]
     meshes = [GearMesh("sun", name) for name in names] + [GearMesh(name, "ring", Mesh.INTERNAL) for name in names]
     chambers, path = Chambers(curves, width), planet_path(curves)
-    told = _told(curves, teeth, gears, chambers, speed_rpm, pressure_n_mm2)
+    told = _told(curves, teeth, gears, chambers, speed_rpm, pressure_mpa)
 
     def poses_at(driving_rad: Array) -> Poses:
         alpha = np.asarray(driving_rad, dtype=float)
@@ -253,14 +254,14 @@ def _told(
     gears: MotorGears,
     chambers: Chambers,
     speed_rpm: float,
-    pressure_n_mm2: float | None,
+    pressure_mpa: float | None,
 ) -> Told:
     """What a motor tells of itself."""
     root_mm = curves.planet_radius_mm - float(gears.planet.flanks.root_depth_mm.max())
     ports = chambers.ports(root_mm)
     least, most = chambers.dead_spaces
     low, high = chambers.flow_range
-    per_turn_cm3 = chambers.per_turn_mm3 / 1e3
+    per_turn_cm3 = chambers.per_turn_mm3 * CM3_PER_MM3
     radii = np.array([0.0, pi / curves.sun_lobes])
     (outer, inner), (far, near) = curves.radius(radii, 0).value, curves.ring(radii, 0)[0].value
     rows = [
@@ -277,7 +278,7 @@ def _told(
         (
             "displacement",
             f"{per_turn_cm3:.5g} cm3 per turn of the sun, {chambers.pulses} pulses of "
-            f"{100.0 * chambers.pulsation:.3g} % of the mean flow; {per_turn_cm3 * speed_rpm / 1e3:.4g} l/min",
+            f"{100.0 * chambers.pulsation:.3g} % of the mean flow; {per_turn_cm3 * speed_rpm * L_PER_CM3:.4g} l/min",
         ),
         (
             "chambers",
@@ -300,12 +301,14 @@ def _told(
         "sun_pitch_radius_max_mm": float(outer),
         "ring_pitch_radius_min_mm": float(near),
         "ring_pitch_radius_max_mm": float(far),
-        "displacement_mm3": chambers.per_turn_mm3,
-        "flow_min_mm3_per_rad": low.value,
-        "flow_max_mm3_per_rad": high.value,
-        "flow_pulsation": chambers.pulsation,
+        "displacement_cm3": per_turn_cm3,
+        "displacement_min_cm3": 2.0 * pi * low.value * CM3_PER_MM3,
+        "displacement_max_cm3": 2.0 * pi * high.value * CM3_PER_MM3,
+        "flow_l_min": per_turn_cm3 * speed_rpm * L_PER_CM3,
+        "pulsation_percent": 100.0 * chambers.pulsation,
         "chamber_min_mm2": least.area_mm2,
         "chamber_max_mm2": most.area_mm2,
+        "chamber": _over_a_cycle(chambers),
         "dead_spaces": [
             {
                 "area_mm2": one.area_mm2,
@@ -324,24 +327,42 @@ def _told(
         ],
         "contact_ratio_min": gears.contact_ratio,
     }
-    if pressure_n_mm2 is not None:
-        force = chambers.most_tooth_force(pressure_n_mm2, teeth.rack.pressure_angle_rad)
-        torques = [pressure_n_mm2 * one.value / 1e3 for one in (low, high)]
+    if pressure_mpa is not None:
+        force = chambers.most_tooth_force(pressure_mpa, teeth.rack.pressure_angle_rad)
+        torques = [pressure_mpa * one.value * N_M_PER_N_MM for one in (low, high)]
         rows.append(
             (
                 "under pressure",
-                f"{pressure_n_mm2:g} N/mm2 turn the sun with {torques[0]:.4g} to {torques[1]:.4g} N m, and load the "
+                f"{pressure_mpa:g} MPa turn the sun with {torques[0]:.4g} to {torques[1]:.4g} N m, and load the "
                 f"teeth of a planet with up to {force.value:.4g} N on either side",
             )
         )
         figures |= {
-            "pressure_n_mm2": pressure_n_mm2,
+            "pressure_mpa": pressure_mpa,
             "torque_min_n_m": torques[0],
             "torque_max_n_m": torques[1],
             "tooth_force_max_n": force.value,
         }
     head = f"lobed motor, {curves.sun_lobes} by {curves.ring_lobes} lobes, {curves.planets} planets"
     return Told(head, tuple(rows), figures, _conditions(gears, min(one.radius_mm for one in ports)))
+
+
+L_PER_CM3 = 1e-3
+"""One cm3 in litres."""
+
+ROWS = 25
+"""Places of a chamber's cycle, from the least volume on, that the summary has."""
+
+
+def _over_a_cycle(chambers: Chambers) -> list[dict[str, float]]:
+    """The volume of a chamber over its cycle; all others have the same, each at another angle of the sun."""
+    turned = np.linspace(0.0, chambers.cycle_rad, ROWS)
+    places = chambers.dead_spaces[0].place_rad - turned
+    volumes = chambers.area_mm2(places) * chambers.width_mm
+    return [
+        {"sun_deg": angle, "volume_mm3": volume}
+        for angle, volume in zip(np.degrees(turned).tolist(), volumes.tolist(), strict=True)
+    ]
 
 
 def _conditions(gears: MotorGears, port_mm: float) -> tuple[Condition, ...]:

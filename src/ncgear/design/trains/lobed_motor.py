@@ -58,8 +58,8 @@ class LobedMotor(TrainKeys):
         "shape of the sun's pitch curve as a formula of phi, its polar angle, and e, which is found with the size; in "
         f"any unit, in place of curve, {FORMULA}"
     )
-    pressure_n_mm2: Annotated[float, Field(gt=0.0, le=200.0)] | None = optional(
-        "pressure difference in N/mm2 (10 bar each), for torque and forces; left out: none"
+    pressure_mpa: Annotated[float, Field(gt=0.0, le=200.0)] | None = optional(
+        "pressure difference in MPa (10 bar each), for torque and forces; left out: none"
     )
     gears: MotorGearKeys = required("the teeth and the bodies of all gears")
 
@@ -94,4 +94,4 @@ class LobedMotor(TrainKeys):
             gears.backlash_mm,
         )
         bodies = MotorBodies(gears.face_width_mm, gears.rim_mm, gears.bore_mm)
-        return motor_train(curves, teeth, bodies, self.speed_rpm, self.pressure_n_mm2, gears.chord_tolerance_mm)
+        return motor_train(curves, teeth, bodies, self.speed_rpm, self.pressure_mpa, gears.chord_tolerance_mm)
