@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from ncgear.figures.advice.verdict import State
 from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.numbers import micrometres, to_digits
 from ncgear.trains.contact import Distance, MeshContact, worst
@@ -34,10 +35,21 @@ def train_figures(name: str, description: str, train: Train, conditions: Sequenc
         "design": {"name": name, "description": description},
         "train": {"driving": train.driving, "speed_rpm": train.speed_rpm, **train.told.figures},
         "parts": parts,
-        "verdict": [
-            {"condition": one.name, "holds": one.holds, "said": one.said, "cures": list(one.cures)}
-            for one in conditions
-        ],
+        "verdict": [_row(one) for one in conditions],
+    }
+
+
+def _row(one: Condition) -> dict[str, Any]:
+    """A condition with the keys that those of machines have, which ``--verbose`` prints, and what would help."""
+    state = State.NOT_JUDGED if one.holds is None else State.KEPT if one.holds else State.BROKEN
+    return {
+        "condition": one.name,
+        "stage": None,
+        "holds": one.holds,
+        "says": f"{one.name}: {one.said}",
+        "verdict": str(state),
+        "because": "; ".join(one.cures),
+        "remark": "",
     }
 
 
