@@ -153,6 +153,7 @@ WRITERS = {
     "files/one_file.py",
     "files/train.py",
     "project/frontier_run.py",
+    "files/train.py",
     "files/workshop/dxf.py",
     "files/workshop/solid_files.py",
     "drawings/page/solid_view.py",

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from ncgear.cli.arguments import EXPORT, pasted
 from ncgear.cli.as_json import tell
 from ncgear.cli.progress import counted, steps_shown
-from ncgear.design.reading.text import has_train
+from ncgear.design.reading.text import has_train, read_text
 from ncgear.errors import WrongInput, located
 from ncgear.memory import keep_freed_memory
 
@@ -19,9 +19,11 @@ if TYPE_CHECKING:
 
 def is_train(design_file: Path) -> bool:
     """Whether a design file is that of a train; a file that cannot be read is none, and is refused where it is read."""
+    from ncgear.design.reading.design_file import LARGEST_MB
+
     try:
-        return has_train(design_file.read_text(encoding="utf-8"))
-    except (OSError, UnicodeError):
+        return has_train(read_text(design_file, limit_mb=LARGEST_MB))
+    except WrongInput:
         return False
 
 
