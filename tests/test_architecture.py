@@ -151,7 +151,6 @@ WRITES = {"write_bytes", "write_text", "write", "savetxt", "tofile", "export"}
 
 WRITERS = {
     "files/one_file.py",
-    "files/train.py",
     "project/frontier_run.py",
     "files/train.py",
     "files/workshop/dxf.py",
