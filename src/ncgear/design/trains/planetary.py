@@ -133,6 +133,10 @@ class Planetary(TrainKeys):
         "compound: two gears on one shaft, which make any ratio; shared: one gear that meshes with sun and planet",
         "compound",
     )
+    bend_deg: Annotated[float, Field(ge=-150.0, le=150.0)] | None = optional(
+        "of a shared idler: angle in degrees by which the line from idler to planet turns off that from sun to idler; "
+        "left out: straight"
+    )
     ratio: Annotated[Several[Ratio], Field(min_length=4, max_length=720)] | None = optional(
         "speed of the carrier against the sun over that of the planet (compound) or of the idler (shared), at evenly "
         "spaced angles of the latter, from 0 on; a common factor closes the turn"
@@ -150,6 +154,12 @@ class Planetary(TrainKeys):
         "what parts weigh, for the torque of the carrier and the forces on the frame; left out: not judged"
     )
     gears: PlanetaryGears = required("the teeth and bodies of all gears")
+
+    @model_validator(mode="after")
+    def _a_shared_idler_is_bent(self) -> Self:
+        if self.bend_deg is not None and self.idler != "shared":
+            raise fault("bend_deg", "given, but the place of a compound idler follows from its teeth; leave it out")
+        return self
 
     @model_validator(mode="after")
     def _masses_come_back(self) -> Self:
@@ -238,7 +248,7 @@ class Planetary(TrainKeys):
         angles, gears = even_steps(ratio.size), self.gears
         if self.idler == "shared":
             pitch = self._pitch(spline_ratio_law(angles, ratio, Lobes()), gears.center_distance_mm)
-            return (pitch,), shared_chain(pitch, self._teeth(pitch))
+            return (pitch,), shared_chain(pitch, self._teeth(pitch), radians(self.bend_deg or 0.0))
         laws = [pair.transmission for pair in spline_ratio_staged(angles, ratio, np.sqrt(ratio)).train.pairs]
         distances = [gears.center_distance_mm] * 2
         if motion is not None and gears.module_mm is None:
