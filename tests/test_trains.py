@@ -28,17 +28,8 @@ from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.spline import even_steps, spline_ratio_staged
 from ncgear.trains.contact import contacts_of, distances_of
 from ncgear.trains.loads import PutMass, body_of, loads_of
-from ncgear.trains.tip_path import (
-    PathLimits,
-    TipMotion,
-    WishedPath,
-    found_motion,
-    missed_mm,
-    motion_from,
-    pair_figures,
-    segment_distances,
-    tool_mount,
-)
+from ncgear.trains.path_search import PathLimits, found_motion, pair_figures, segment_distances, tool_mount
+from ncgear.trains.tip_path import TipMotion, WishedPath, missed_mm, motion_from
 from ncgear.trains.train import Part, PinHole, Poses, Train
 
 pytestmark = pytest.mark.judges("trains")

@@ -12,7 +12,8 @@ from ncgear.numerics.arrays import Array
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.trains.loads import TrainLoads
-from ncgear.trains.tip_path import TipMotion, WishedPath, distances_mm, tool_mount
+from ncgear.trains.path_search import tool_mount
+from ncgear.trains.tip_path import TipMotion, WishedPath, distances_mm
 from ncgear.trains.train import Condition, Told, Train
 
 PATH_POINTS = 2881
@@ -153,6 +154,8 @@ def _of_path(
     conditions = []
     if wished is not None:
         missed = distances_mm(wished.points, places)
+        passed = np.abs(wished.points[:, None] - places).argmin(axis=1)
+        figures |= {"point_speeds_mm_s": np.abs(speed[passed]).tolist()}
         figures |= {"path_missed_mm": missed.tolist(), "path_missed_max_mm": float(missed.max())}
         worst = int(np.argmax(missed / wished.tolerance_mm))
         allowed = f"{missed[worst]:.3g} of {wished.tolerance_mm[worst]:g} mm allowed at point {worst + 1}"

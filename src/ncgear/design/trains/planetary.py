@@ -221,7 +221,7 @@ class Planetary(TrainKeys):
         return loads_of(made, masses.density_kg_m3, tools if masses.tool_kg else (), gravity)
 
     def _motion(self, path: TipPathKeys, wished: WishedPath) -> TipMotion:
-        from ncgear.trains.tip_path import PathLimits, found_motion
+        from ncgear.trains.path_search import PathLimits, found_motion
 
         tangent = radians(path.pressure_angle_deg) - self.gears.pressure_angle_rad
         if tangent <= 0.0:
