@@ -63,7 +63,7 @@ def told_of(
         ("carrier", f"{abs(planet - sun):.6g} mm from sun to planet, its axis at {sun.real:.5g}, {sun.imag:.5g} mm"),
         ("gears", f"{pitches[0].size.driving_teeth} teeth, module {module} mm, centre distances {distance} mm"),
         ("ratio of each pair", ratios),
-        ("greatest pressure angle", f"{pressure:.4g} deg"),
+        ("pressure angle", f"{pressure:.4g} deg at most"),
     ]
     conditions = [_closing(train)]
     if train.traces:
