@@ -185,6 +185,23 @@ def test_the_tools_angles_are_kept_or_refused() -> None:
 
 
 @pytest.mark.slow
+def test_a_straight_stretch_is_straight() -> None:
+    """From point 3 to point 4 by shapely; without the wish the path bulges there."""
+    wished = WishedPath(POINTS, np.full(POINTS.size, 0.1), ((3, -1.5), (6, -1.7)), 3.0)
+    added = wished.straightened([2])
+    assert [added.name(place) for place in range(2, 8)] == [3, 3, 3, 3, 4, 5]
+    assert added.points[added.tool_rad[0][0]] == POINTS[3]
+    ends = [[one.real, one.imag] for one in POINTS[2:4]]
+    line, middle = shapely.LineString(ends), shapely.box(-84.0, 72.0, -61.0, 128.0)
+    off = []
+    for path in (added, WISHED):
+        tip = found_motion(path, LIMITS, None).tip(np.linspace(0.0, 2.0 * np.pi, 4001))
+        near = [one for one in shapely.points(tip.real, tip.imag) if middle.contains(one)]
+        off.append(max(line.distance(one) for one in near))
+    assert off[0] < 0.12 < 0.5 < off[1]
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("points", "axis", "said"),
     [

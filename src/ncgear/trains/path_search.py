@@ -240,7 +240,7 @@ def _accepted(found: TipMotion | Refused, path: WishedPath, limits: PathLimits) 
     ratio, w = found.hardness[0][0], found.hardness[1]
     if ratio.min() <= LEAST_RATIO:
         where = found.tip(w[[int(np.argmin(ratio))]])[0]
-        near = int(np.argmin(np.abs(path.points - where))) + 1
+        near = path.name(int(np.argmin(np.abs(path.points - where))))
         turned = "would have to turn back" if ratio.min() <= 0.0 else "all but stands"
         raise NoSuchMechanism(
             f"the carrier {turned} against the sun near point {near}, at {where.real:.4g}, {where.imag:.4g} mm, while "
@@ -277,7 +277,7 @@ def _accepted(found: TipMotion | Refused, path: WishedPath, limits: PathLimits) 
         raise NoSuchMechanism(
             f"the best path misses it by {missed[number]:.4g} mm and {path.tolerance_mm[number]:g} mm are allowed; "
             f"{helps}",
-            key=f"path.points_mm.{number}",
+            key=f"path.points_mm.{path.name(number) - 1}",
         )
     return found
 

@@ -158,7 +158,7 @@ def _of_path(
         figures |= {"point_speeds_mm_s": np.abs(speed[passed]).tolist()}
         figures |= {"path_missed_mm": missed.tolist(), "path_missed_max_mm": float(missed.max())}
         worst = int(np.argmax(missed / wished.tolerance_mm))
-        allowed = f"{missed[worst]:.3g} of {wished.tolerance_mm[worst]:g} mm allowed at point {worst + 1}"
+        allowed = f"{missed[worst]:.3g} of {wished.tolerance_mm[worst]:g} mm allowed at point {wished.name(worst)}"
         said = f"passes {len(missed)} points, the worst with {allowed}"
         conditions.append(Condition("path", bool((missed <= wished.tolerance_mm).all()), said))
     if forward_mm_s:

@@ -17,6 +17,8 @@ Source of the inverse: the two-link chain of any textbook; the conditions are it
 
 from __future__ import annotations
 
+from collections.abc import Collection
+from dataclasses import replace
 from functools import cache, cached_property
 from math import pi
 
@@ -36,6 +38,9 @@ GRID = 360
 USED_TOLERANCE = 0.8
 """Share of the tolerance that the smoothest curve may use; the rest is for what linear terms leave out."""
 
+STRAIGHT = 3
+"""Points that hold a straight stretch between its ends."""
+
 ROUNDS = 3
 """Rounds of weighing how an error of u moves the path across itself."""
 
@@ -47,20 +52,45 @@ SMOOTHING = 10.0 ** np.arange(2.0, -9.0, -1.0)
 class WishedPath:
     """Points in mm, complex of shape (n,), in the order in which the tip passes them, with their tolerances in mm.
 
-    ``tool_rad`` are angles of the tool at some of the points, by their numbers, and ``tool_tolerance_rad`` is by how
-    much they may be missed.
+    ``tool_rad`` are angles of the tool at some of the points, by their places among them, and ``tool_tolerance_rad`` is
+    by how much they may be missed.  ``named`` are the numbers by which messages name the points; empty: from 1 on.
     """
 
     points: ComplexArray
     tolerance_mm: Array
     tool_rad: tuple[tuple[int, float], ...] = ()
     tool_tolerance_rad: float = 0.0
+    named: tuple[int, ...] = ()
 
     @property
     def mirrored(self) -> WishedPath:
         """The path seen from the other side."""
         tools = tuple((number, -angle) for number, angle in self.tool_rad)
-        return WishedPath(self.points.conj(), self.tolerance_mm, tools, self.tool_tolerance_rad)
+        return replace(self, points=self.points.conj(), tool_rad=tools)
+
+    def name(self, place: int) -> int:
+        """The number by which a point is named."""
+        return self.named[place] if self.named else place + 1
+
+    def straightened(self, after: Collection[int]) -> WishedPath:
+        """The path with STRAIGHT more points on the straight line from each of some points to the next one.
+
+        They are named by the point before them, and have the smaller tolerance of both ends.
+        """
+        points: list[complex] = []
+        tolerances: list[float] = []
+        named: list[int] = []
+        at: list[int] = []
+        for place, point in enumerate(self.points):
+            following = (place + 1) % self.points.size
+            steps = STRAIGHT + 1 if place in after else 1
+            at.append(len(points))
+            points += [point + (self.points[following] - point) * step / steps for step in range(steps)]
+            least = min(self.tolerance_mm[place], self.tolerance_mm[following])
+            tolerances += [self.tolerance_mm[place], *[least] * (steps - 1)]
+            named += [self.name(place)] * steps
+        tools = tuple((at[place], angle) for place, angle in self.tool_rad)
+        return WishedPath(np.array(points), np.array(tolerances), tools, self.tool_tolerance_rad, tuple(named))
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,7 +181,7 @@ def motion_from(
     far, near = r.max() + beyond_mm[0], r.min() - beyond_mm[1]
     if near <= NEAREST * far:
         return Refused(float(NEAREST * far - near) + NOT_PASSED, "the path passes too near to the carrier's axis")
-    w = _turns_of(r, far, near)
+    w = _turns_of(path, r, far, near)
     if isinstance(w, Refused):
         return w
     winding = round(float(theta[-1] - theta[0] + np.angle(arms[0] / arms[-1])) / (2.0 * pi))
@@ -160,7 +190,7 @@ def motion_from(
     carrier, arm = ((far + near) / 2.0, (far - near) / 2.0) if winding else ((far - near) / 2.0, (far + near) / 2.0)
     fitted, missed = _smoothest(seen, r, theta, w, carrier, arm)
     if missed.max() > 1.0:
-        worst = int(np.argmax(missed)) + 1
+        worst = path.name(int(np.argmax(missed)))
         return Refused(
             UNEVEN + min(float(missed.max()), UNEVEN), f"no smooth path keeps point {worst} and its neighbours"
         )
@@ -177,7 +207,7 @@ NEAREST = 0.02
 """Least distance of the path from the axis, as a share of the greatest: nearer, u turns too fast for any gear."""
 
 
-def _turns_of(r: Array, far: float, near: float) -> Array | Refused:
+def _turns_of(path: WishedPath, r: Array, far: float, near: float) -> Array | Refused:
     """The planet's turn w at points of these distances, rising from about 0, shape (n,), in the points' order.
 
     Refused where the distance does not fall once and rise once.
@@ -188,10 +218,8 @@ def _turns_of(r: Array, far: float, near: float) -> Array | Refused:
     steps = np.diff(np.append(falls, falls[0]))
     wrong = np.concatenate([np.maximum(steps[:back], 0.0), np.maximum(-steps[back:], 0.0)])
     if wrong.any():
-        where = order[int(np.argmax(wrong))]
-        words = (
-            f"the distance from the carrier's axis turns round near point {where + 1}: it may fall and rise once only"
-        )
+        near = path.name(int(order[int(np.argmax(wrong))]))
+        words = f"the distance from the carrier's axis turns round near point {near}: it may fall and rise once only"
         return Refused(NOT_PASSED + float(wrong.sum()), words)
     middle, swing = (far**2 + near**2) / 2.0, (far**2 - near**2) / 2.0
     turned = np.arccos(np.clip((falls**2 - middle) / swing, -1.0, 1.0))

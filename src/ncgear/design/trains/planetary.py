@@ -48,6 +48,9 @@ class TipPathKeys(Model):
     tolerances_mm: Several[Annotated[float, Field(gt=0.0, le=100.0)]] | None = optional(
         "the same, one for each point; left out: tolerance_mm for all"
     )
+    straight: Several[Annotated[int, Field(ge=1)]] | None = optional(
+        "numbers of points from which the tip goes straight to the next one; left out: smooth from point to point"
+    )
     tool: Several[ToolAngle] | None = optional("angles of the tool at some points; left out: any angle")
     tool_tolerance_deg: Annotated[float, Field(gt=0.0, le=180.0)] = optional(
         "how far the tool may be from these angles, in degrees", 5.0
@@ -80,7 +83,8 @@ class TipPathKeys(Model):
         points = np.array(self.points_mm) @ np.array([1.0, 1.0j])
         tolerances = np.array(self.tolerances_mm or [self.tolerance_mm] * len(points))
         tools = tuple((one.point - 1, radians(one.angle_deg)) for one in self.tool or ())
-        return WishedPath(points, tolerances, tools, radians(self.tool_tolerance_deg))
+        path = WishedPath(points, tolerances, tools, radians(self.tool_tolerance_deg))
+        return path.straightened([one - 1 for one in self.straight]) if self.straight else path
 
     @model_validator(mode="after")
     def _corners_are_apart(self) -> Self:
@@ -91,10 +95,13 @@ class TipPathKeys(Model):
         return self
 
     @model_validator(mode="after")
-    def _tool_is_at_points(self) -> Self:
+    def _points_are_there(self) -> Self:
         for number, one in enumerate(self.tool or ()):
             if one.point > len(self.points_mm):
                 raise fault(f"tool.{number}.point", f"{one.point} given; 1 to {len(self.points_mm)} are right")
+        for place, number in enumerate(self.straight or ()):
+            if number > len(self.points_mm):
+                raise fault(f"straight.{place}", f"{number} given; 1 to {len(self.points_mm)} are right")
         return self
 
 
