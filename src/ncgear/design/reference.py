@@ -245,6 +245,7 @@ KNOWN = {
     "path.axis_mm": "[0, 250]",
     "path.axis_from_mm": "[-200, 190]",
     "path.axis_to_mm": "[200, 450]",
+    "path.straight": "[1, 2]",
     "path.tool": "[{point: 1, angle_deg: -90}]",
     "file": "points.csv",
     "design": "design.yaml",

@@ -140,7 +140,7 @@ STRAIGHT = 1e-9
 """Relative difference of the carrier from both centre distances that counts as rounding of a straight carrier."""
 
 
-def shared_chain(pitch: PitchPair, teeth: ToothedPair, bend_rad: float = 0.0) -> Chain:
+def shared_chain(pitch: PitchPair, teeth: ToothedPair, bend_rad: float) -> Chain:
     """A chain whose idler meshes with sun and planet at equal centre distances; the pair is sun and idler.
 
     ``bend_rad`` is the angle by which the line from idler to planet turns off that from sun to idler.

@@ -12,7 +12,8 @@ from ncgear.numerics.arrays import Array
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.trains.loads import TrainLoads
-from ncgear.trains.tip_path import TipMotion, WishedPath, distances_mm, tool_mount
+from ncgear.trains.path_search import tool_mount
+from ncgear.trains.tip_path import TipMotion, WishedPath, distances_mm
 from ncgear.trains.train import Condition, Told, Train
 
 PATH_POINTS = 2881
@@ -62,7 +63,7 @@ def told_of(
         ("carrier", f"{abs(planet - sun):.6g} mm from sun to planet, its axis at {sun.real:.5g}, {sun.imag:.5g} mm"),
         ("gears", f"{pitches[0].size.driving_teeth} teeth, module {module} mm, centre distances {distance} mm"),
         ("ratio of each pair", ratios),
-        ("greatest pressure angle", f"{pressure:.4g} deg"),
+        ("pressure angle", f"{pressure:.4g} deg at most"),
     ]
     conditions = [_closing(train)]
     if train.traces:
@@ -153,9 +154,11 @@ def _of_path(
     conditions = []
     if wished is not None:
         missed = distances_mm(wished.points, places)
+        passed = np.abs(wished.points[:, None] - places).argmin(axis=1)
+        figures |= {"point_speeds_mm_s": np.abs(speed[passed]).tolist()}
         figures |= {"path_missed_mm": missed.tolist(), "path_missed_max_mm": float(missed.max())}
         worst = int(np.argmax(missed / wished.tolerance_mm))
-        allowed = f"{missed[worst]:.3g} of {wished.tolerance_mm[worst]:g} mm allowed at point {worst + 1}"
+        allowed = f"{missed[worst]:.3g} of {wished.tolerance_mm[worst]:g} mm allowed at point {wished.name(worst)}"
         said = f"passes {len(missed)} points, the worst with {allowed}"
         conditions.append(Condition("path", bool((missed <= wished.tolerance_mm).all()), said))
     if forward_mm_s:

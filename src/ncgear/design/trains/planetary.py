@@ -48,6 +48,9 @@ class TipPathKeys(Model):
     tolerances_mm: Several[Annotated[float, Field(gt=0.0, le=100.0)]] | None = optional(
         "the same, one for each point; left out: tolerance_mm for all"
     )
+    straight: Several[Annotated[int, Field(ge=1)]] | None = optional(
+        "numbers of points from which the tip goes straight to the next one; left out: smooth from point to point"
+    )
     tool: Several[ToolAngle] | None = optional("angles of the tool at some points; left out: any angle")
     tool_tolerance_deg: Annotated[float, Field(gt=0.0, le=180.0)] = optional(
         "how far the tool may be from these angles, in degrees", 5.0
@@ -80,7 +83,8 @@ class TipPathKeys(Model):
         points = np.array(self.points_mm) @ np.array([1.0, 1.0j])
         tolerances = np.array(self.tolerances_mm or [self.tolerance_mm] * len(points))
         tools = tuple((one.point - 1, radians(one.angle_deg)) for one in self.tool or ())
-        return WishedPath(points, tolerances, tools, radians(self.tool_tolerance_deg))
+        path = WishedPath(points, tolerances, tools, radians(self.tool_tolerance_deg))
+        return path.straightened([one - 1 for one in self.straight]) if self.straight else path
 
     @model_validator(mode="after")
     def _corners_are_apart(self) -> Self:
@@ -91,10 +95,13 @@ class TipPathKeys(Model):
         return self
 
     @model_validator(mode="after")
-    def _tool_is_at_points(self) -> Self:
+    def _points_are_there(self) -> Self:
         for number, one in enumerate(self.tool or ()):
             if one.point > len(self.points_mm):
                 raise fault(f"tool.{number}.point", f"{one.point} given; 1 to {len(self.points_mm)} are right")
+        for place, number in enumerate(self.straight or ()):
+            if number > len(self.points_mm):
+                raise fault(f"straight.{place}", f"{number} given; 1 to {len(self.points_mm)} are right")
         return self
 
 
@@ -133,6 +140,10 @@ class Planetary(TrainKeys):
         "compound: two gears on one shaft, which make any ratio; shared: one gear that meshes with sun and planet",
         "compound",
     )
+    bend_deg: Annotated[float, Field(ge=-150.0, le=150.0)] | None = optional(
+        "of a shared idler: angle in degrees by which the line from idler to planet turns off that from sun to idler; "
+        "left out: straight"
+    )
     ratio: Annotated[Several[Ratio], Field(min_length=4, max_length=720)] | None = optional(
         "speed of the carrier against the sun over that of the planet (compound) or of the idler (shared), at evenly "
         "spaced angles of the latter, from 0 on; a common factor closes the turn"
@@ -150,6 +161,12 @@ class Planetary(TrainKeys):
         "what parts weigh, for the torque of the carrier and the forces on the frame; left out: not judged"
     )
     gears: PlanetaryGears = required("the teeth and bodies of all gears")
+
+    @model_validator(mode="after")
+    def _a_shared_idler_is_bent(self) -> Self:
+        if self.bend_deg is not None and self.idler != "shared":
+            raise fault("bend_deg", "given, but the place of a compound idler follows from its teeth; leave it out")
+        return self
 
     @model_validator(mode="after")
     def _masses_come_back(self) -> Self:
@@ -211,7 +228,7 @@ class Planetary(TrainKeys):
         return loads_of(made, masses.density_kg_m3, tools if masses.tool_kg else (), gravity)
 
     def _motion(self, path: TipPathKeys, wished: WishedPath) -> TipMotion:
-        from ncgear.trains.tip_path import PathLimits, found_motion
+        from ncgear.trains.path_search import PathLimits, found_motion
 
         tangent = radians(path.pressure_angle_deg) - self.gears.pressure_angle_rad
         if tangent <= 0.0:
@@ -238,7 +255,7 @@ class Planetary(TrainKeys):
         angles, gears = even_steps(ratio.size), self.gears
         if self.idler == "shared":
             pitch = self._pitch(spline_ratio_law(angles, ratio, Lobes()), gears.center_distance_mm)
-            return (pitch,), shared_chain(pitch, self._teeth(pitch))
+            return (pitch,), shared_chain(pitch, self._teeth(pitch), radians(self.bend_deg or 0.0))
         laws = [pair.transmission for pair in spline_ratio_staged(angles, ratio, np.sqrt(ratio)).train.pairs]
         distances = [gears.center_distance_mm] * 2
         if motion is not None and gears.module_mm is None:
