@@ -188,7 +188,7 @@ ALIKE_RAD = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Near:
-    """Pairs that touch or nearly do, at driving angles of shape s; arrays of shape s + (slots,).
+    """Pairs that touch or nearly do, at driving angles of shape s; arrays of shape s + (slots,), or s of one slot each.
 
     ``urge`` is +1 on pushing flanks, -1 on their backs and 0 in empty slots.  ``error_rad`` is the driven angle beyond
     the law's at which the pair touches, ``lever_mm`` the arm of its normal force about the driven axis, ``stiffness``
@@ -247,13 +247,14 @@ class Gaps:
         begins = np.searchsorted(self.section, np.arange(self.sections))
         return np.asarray(np.maximum.reduceat(turning, begins, axis=-1).sum(axis=-1))
 
-    def at(self, phi1_rad: Array | float) -> Near:
-        """The pairs near contact at driving angles in rad, of any shape."""
-        value, slope = self.table.at(phi1_rad)
+    def at(self, phi1_rad: Array | float, slot: IndexArray | None = None) -> Near:
+        """The pairs near contact at driving angles in rad, of any shape; with ``slot``, of that shape, one at each."""
+        value, slope = self.table.at(phi1_rad, slot)
         _, index, _ = self.table.place(phi1_rad)
         error, lever, driving, driven, stiffness = (value[..., number] for number in range(5))
         slopes = slope[..., 0], slope[..., 1], slope[..., STIFFNESS]
-        return Near(self.urge[index], error, lever, driving, driven, stiffness, slopes)
+        urge = self.urge[index] if slot is None else self.urge[index, slot]
+        return Near(urge, error, lever, driving, driven, stiffness, slopes)
 
     @property
     def touching_stiffness(self) -> Array:

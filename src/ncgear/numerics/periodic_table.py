@@ -28,16 +28,20 @@ class PeriodicTable:
     coefficients: Array
     rise: Array | float = 0.0
 
-    def at(self, x: ArrayLike) -> tuple[Array, Array]:
-        """Values and slopes at x of any shape, the trailing axes appended."""
+    def at(self, x: ArrayLike, slot: IndexArray | None = None) -> tuple[Array, Array]:
+        """Values and slopes at x of any shape, the trailing axes appended.
+
+        With ``slot``, shape of x, those in one row of the first trailing axis at each x, the others appended.
+        """
         turns, index, step = self.place(x)
-        expanded = np.shape(x) + (1,) * (self.coefficients.ndim - 2)
+        chosen: Any = index if slot is None else (index, slot)
+        expanded = np.shape(x) + (1,) * (self.coefficients.ndim - 2 - (slot is not None))
         beyond = np.reshape(step, expanded)
-        value = self.coefficients[0][index]
+        value = self.coefficients[0][chosen]
         slope = np.zeros_like(value)
         for row in self.coefficients[1:]:
             slope = slope * beyond + value
-            value = value * beyond + row[index]
+            value = value * beyond + row[chosen]
         return value + np.reshape(turns, expanded) * self.rise, slope
 
     def place(self, x: ArrayLike) -> tuple[Array, IndexArray, Array]:

@@ -423,20 +423,10 @@ class _Touching(Columns):
     @classmethod
     def of(cls, meshing: Meshing, placement: Placement, row: IndexArray, slot: IndexArray) -> _Touching:
         """The pairs in slots of the table at positions; shape (n,) each."""
-        gaps, phi1, number = meshing.gaps, placement.phi1_rad[row], np.arange(row.size)
-        near, sense, distance = gaps.at(phi1), placement.mesh.sense, placement.center_distance_mm
-        urge, error, stiffness, lever, driving, driven, drift = (
-            part[number, slot]
-            for part in (
-                near.urge,
-                near.error_rad,
-                near.stiffness,
-                near.lever_mm,
-                near.driving_mm,
-                near.driven_mm,
-                near.slopes[0],
-            )
-        )
+        gaps, phi1 = meshing.gaps, placement.phi1_rad[row]
+        near, sense, distance = gaps.at(phi1, slot), placement.mesh.sense, placement.center_distance_mm
+        urge, error, stiffness, drift = near.urge, near.error_rad, near.stiffness, near.slopes[0]
+        lever, driving, driven = near.lever_mm, near.driving_mm, near.driven_mm
         speed = placement.speed[row] + drift
         along_x = lever * (sense * speed - 1.0)
         tangent: ComplexArray = along_x + 1j * (driving - sense * driven)
