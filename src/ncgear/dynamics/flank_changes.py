@@ -18,7 +18,7 @@ teeth have settled; elsewhere they bear T.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import field, replace
 from math import pi
 
@@ -214,7 +214,7 @@ class _DrivenSide:
         return Stretch(np.concatenate(phi1), np.concatenate(torque), knocks)
 
     def _stepped(
-        self, state: tuple[float, float], pairs: list[list[list[float]]], inertia: Array, asked: Array, step_s: float
+        self, state: tuple[float, float], pairs: Sequence[NearPairs], inertia: Array, asked: Array, step_s: float
     ) -> tuple[Array, tuple[float, float], list[tuple[int, float]]]:
         """The torque that is borne after each of the HELD steps of n rows, shape (n HELD,), and the last state.
 
@@ -247,7 +247,7 @@ class _DrivenSide:
         pair = self.meshing.gaps.of_sections(near.stiffness * near.lever_mm**2)
         return np.asarray(np.sqrt(2.0 * pair / inertia))
 
-    def _along(self, phi1_rad: Array) -> tuple[list[list[list[float]]], Array, Array, Array]:
+    def _along(self, phi1_rad: Array) -> tuple[Sequence[NearPairs], Array, Array, Array]:
         """The pairs near contact at driving angles, shape (n,), and their largest lever.
 
         Then the inertia of the driven side and the torque that is asked, shape (n,) each.
@@ -256,8 +256,15 @@ class _DrivenSide:
         return *near_pairs(self.meshing, phi1_rad, self.most_n_mm), inertia, self.asked(phi1_rad)
 
 
-def near_pairs(meshing: Meshing, phi1_rad: Array, most_n_mm: float) -> tuple[list[list[list[float]]], Array]:
-    """The pairs at driving angles, shape (n,), each by arm, touching angle and stiffness, and their largest lever.
+NearPairs = list[list[float]] | Array
+"""The arm, the touching angle and the stiffness of each of some pairs; of many, as an array of shape (3, pairs)."""
+
+MANY = 16
+"""Pairs, as helical teeth have in their sections, of which arrays are quicker than plain numbers."""
+
+
+def near_pairs(meshing: Meshing, phi1_rad: Array, most_n_mm: float) -> tuple[Sequence[NearPairs], Array]:
+    """The pairs at driving angles, shape (n,), and their largest lever.
 
     Those count that a torque of HARDEST times the largest one presses together.
     """
@@ -267,13 +274,20 @@ def near_pairs(meshing: Meshing, phi1_rad: Array, most_n_mm: float) -> tuple[lis
     first = np.stack([np.where(near.urge == side, ahead, -np.inf).max(axis=-1) for side in (1.0, -1.0)])
     behind = np.where(near.urge > 0.0, first[0][:, None], first[1][:, None]) - ahead
     reached = np.any((arm != 0.0) & (behind <= HARDEST * most_n_mm / turning.min()), axis=0)
-    pairs = np.stack([arm, near.error_rad, near.stiffness], axis=-1)[:, reached].tolist()
+    pairs = np.stack([one[:, reached] for one in (arm, near.error_rad, near.stiffness)], axis=1)
     levers: Array = near.lever_mm.max(axis=-1)
-    return pairs, levers
+    return list(pairs) if pairs.shape[-1] > MANY else np.moveaxis(pairs, 1, -1).tolist(), levers
 
 
-def moment_n_mm(impact: Impact, pairs: list[list[float]], ahead_rad: float, speed_rad_s: float) -> float:
+def moment_n_mm(impact: Impact, pairs: NearPairs, ahead_rad: float, speed_rad_s: float) -> float:
     """The moment of the pairs that touch on the driven side, this far beyond the law and this much faster."""
+    if isinstance(pairs, np.ndarray):
+        arms, errors, _ = pairs
+        depths = arms * (errors - ahead_rad)
+        touching = depths > 0.0
+        (arms, _, stiffnesses), depths = pairs[:, touching], depths[touching]
+        damped = -impact.damping(depths) * arms * speed_rad_s
+        return float(arms @ impact.force_n(impact.elastic_n(depths, stiffnesses), damped))
     total = 0.0
     for arm, error_rad, stiffness in pairs:
         depth = arm * (error_rad - ahead_rad)

@@ -179,7 +179,7 @@ WITHIN_IN_MODULES = 0.52
 """Depth to which teeth are followed into each other: deeper than any law of impact holds."""
 
 
-LEVER, STIFFNESS = 1, 4
+ERROR, LEVER, STIFFNESS = 0, 1, 4
 """Columns of a table's quantities."""
 
 ALIKE_RAD = 1e-9
@@ -269,7 +269,7 @@ class Gaps:
     @property
     def _touching(self) -> Mask:
         """Which slots touch first, on either side of the teeth, shape (intervals, slots)."""
-        error = self.table.coefficients[-1, ..., 0]
+        error = self.table.coefficients[-1, ..., ERROR]
         touching = np.zeros(self.urge.shape, dtype=bool)
         for urge in (1.0, -1.0):
             ahead = np.where(self.urge == urge, urge * error, -np.inf)
@@ -285,9 +285,9 @@ class Gaps:
 
     def play_rad(self, phi1_rad: Array) -> tuple[Array, Array]:
         """Driven angles beyond the law's at which pushing flanks and their backs first touch, shape of ``phi1_rad``."""
-        near = self.at(phi1_rad)
-        pushing = np.where(near.urge > 0.0, near.error_rad, -np.inf).max(axis=-1)
-        back = np.where(near.urge < 0.0, near.error_rad, np.inf).min(axis=-1)
+        urge, error = self.urge[self.table.place(phi1_rad)[1]], self.table.values(phi1_rad, ERROR)
+        pushing = np.where(urge > 0.0, error, -np.inf).max(axis=-1)
+        back = np.where(urge < 0.0, error, np.inf).min(axis=-1)
         return pushing, back
 
     def too_deep(self, phi1_rad: Array, error_rad: Array) -> tuple[float, float] | None:

@@ -44,6 +44,17 @@ class PeriodicTable:
             value = value * beyond + row[chosen]
         return value + np.reshape(turns, expanded) * self.rise, slope
 
+    def values(self, x: ArrayLike, last: int) -> Array:
+        """Values at x of any shape of what has this number on the last axis, the other trailing axes appended."""
+        turns, index, step = self.place(x)
+        expanded = np.shape(x) + (1,) * (self.coefficients.ndim - 3)
+        beyond = np.reshape(step, expanded)
+        value = self.coefficients[0, ..., last][index]
+        for row in self.coefficients[1:, ..., last]:
+            value = value * beyond + row[index]
+        rise = self.rise if np.ndim(self.rise) == 0 else np.asarray(self.rise)[..., last]
+        return np.asarray(value + np.reshape(turns, expanded) * rise)
+
     def place(self, x: ArrayLike) -> tuple[Array, IndexArray, Array]:
         """Whole periods before x, the number of the interval, and the distance from the break below."""
         turns, local = np.divmod(x, self.breaks[-1])
