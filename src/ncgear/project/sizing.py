@@ -43,15 +43,24 @@ def stated_inertias(design: Design) -> list[str]:
 OnTrial = Callable[[int, int], None]
 """Called with the numbers of computed gears so far and at most."""
 
-MOST_COMPUTED = {"resistance": 24, "masses": 12}
+MOST_COMPUTED = {"resistance": 24, "masses": 11}
 """Gears that are computed at most, by what their load follows from.  With masses, whose knocks are followed and which
 gears' bodies belong to, they take a second each, else a fifth of it: a person waits ten seconds."""
+
+MOST_NARROWED = {"resistance": 16, "masses": 5}
+"""Gears of the same teeth that are computed at most to find the least widths, in a half of that time each."""
 
 BEST = 4
 """Answers that are given."""
 
+BODIES = "gears.driving.", "gears.driven."
+"""How keys of bodies begin, which have no room in gears that are too small."""
+
 DOUBLED = tuple(2.0**power for power in range(1, 9))
 """Times the module of teeth that are too weak to be rated, from which the search may begin."""
+
+NEAR_MM = 3.0
+"""Between a width that does not do and one that does: so near to each other the next mm is tried at once."""
 
 GREATER = 2.5
 """Gears that have this many times the smallest gears' volume are not looked for."""
@@ -156,6 +165,8 @@ def asked_design(design: Design, asked: Mapping[str, float | str]) -> Design:
 def smallest_gears(drive: Drive, space: GearRoom, on_trial: OnTrial = lambda done, total: None) -> list[Sized]:
     """The smallest gears that hold for each of a few modules, by the method ``estimate``, the smallest first.
 
+    Each has the least width in whole mm: the same gears a mm narrower were computed, and do not hold.
+
     Raises NoSuchMechanism where none are found, with the nearest that were computed, WrongInput where the law gives the
     gears' size, and as ``rating_of`` does for the design as given, but for teeth that are too weak to be rated.
     """
@@ -177,7 +188,12 @@ def smallest_gears(drive: Drive, space: GearRoom, on_trial: OnTrial = lambda don
             found.append(best)
     if not found:
         raise NoSuchMechanism(_nothing(search), key="gears")
-    return sorted(found, key=lambda one: one.volume_mm3)[:BEST]
+    least_mm3 = min(one.volume_mm3 for one in found)
+    found = sorted((one for one in found if one.volume_mm3 <= GREATER * least_mm3), key=lambda one: one.volume_mm3)
+    narrow = [search.narrowed(one) for one in found[:BEST]]
+    # Of more gears than can be computed, those whose least width is not known are left out.
+    least = [one for one, known in narrow if known] or [narrow[0][0]]
+    return sorted(least, key=lambda one: one.volume_mm3)
 
 
 def _begun(drive: Drive) -> Sized:
@@ -204,9 +220,10 @@ def _begun(drive: Drive) -> Sized:
 
 @dataclass(eq=False)
 class _Search:
-    """The knowledge so far: all gears that were computed, the initial gears first, and the refused numbers of teeth.
+    """The knowledge so far: all gears that were computed, the initial gears first, and what was refused.
 
-    ``weak`` are the numbers of teeth and the modules of teeth too weak to be rated.
+    ``refused`` are numbers of teeth, ``weak`` those and the modules of teeth too weak to be rated.  Gears whose teeth
+    times module are not over ``too_small_mm`` have no room for their bodies.
     """
 
     drive: Drive
@@ -215,12 +232,24 @@ class _Search:
     computed: list[Sized]
     refused: set[int] = field(default_factory=set)
     weak: set[tuple[int, float]] = field(default_factory=set)
+    too_small_mm: float = 0.0
     trials: int = 0
+    narrowings: int = 0
 
     @property
     def most_computed(self) -> int:
         """Gears that are computed at most."""
-        return MOST_COMPUTED[self.computed[0].rating.strength.load]
+        return MOST_COMPUTED[self._load]
+
+    @property
+    def most_narrowed(self) -> int:
+        """Gears that are computed at most to find the least widths of gears that hold."""
+        return MOST_NARROWED[self._load]
+
+    @property
+    def _load(self) -> str:
+        load = self.computed[0].rating.strength.load
+        return load if load in MOST_COMPUTED else "resistance"
 
     def modules(self) -> list[tuple[float, float]]:
         """Modules and the volumes that their gears are guessed to need, the least first; none without room."""
@@ -257,6 +286,7 @@ class _Search:
                 break
             if best is not None and width >= best.face_width_mm:
                 break
+            self.trials += 1
             made = self.made(teeth, module_mm, width)
             if made is None:
                 return best
@@ -264,22 +294,58 @@ class _Search:
                 best = made
         return best
 
+    def narrowed(self, one: Sized) -> tuple[Sized, bool]:
+        """The gears with the least width that holds, and whether it is known: a mm less does not hold."""
+        teeth, module, best = one.teeth, one.module_mm, one
+        fails: Sized | None = None
+        below = ceil(NARROWEST_MODULES * module - 1e-9) - 1.0
+        for other in self.computed:
+            if (other.teeth, other.module_mm) != (teeth, module) or other is self.computed[0]:
+                continue
+            if other.holds and other.face_width_mm < best.face_width_mm:
+                best = other
+            elif not other.holds and below < other.face_width_mm < best.face_width_mm:
+                below, fails = other.face_width_mm, other
+        while best.face_width_mm - below > 1.0 and self.narrowings < self.most_narrowed:
+            if best.face_width_mm - below <= NEAR_MM:
+                guess = below + 1.0
+            elif fails is None:
+                guess = self.width(teeth, module)
+            else:
+                # Between a width that does not do and one that does, the share goes as a power of the width.
+                part = log(1.0 / fails.share) / log(best.share / fails.share) if best.share > fails.share else 0.5
+                guess = float(ceil(below * (best.face_width_mm / below) ** part))
+            self.narrowings += 1
+            made = self.made(teeth, module, min(max(guess, below + 1.0), best.face_width_mm - 1.0))
+            if made is None:
+                break
+            if made.holds:
+                best = made
+            else:
+                below, fails = made.face_width_mm, made
+        return best, best.face_width_mm - below <= 1.0
+
     def made(self, teeth: int, module_mm: float, width_mm: float) -> Sized | None:
         """The gears of a size, computed; None where they are refused or do not go into the space."""
         crowned = self.crowning(self.nearest(teeth, module_mm))
         changes: Changes = {**sized(self.drive, teeth, module_mm), "gears.face_width_mm": width_mm, **crowned}
-        self.trials += 1
-        self.on_trial(self.trials, self.most_computed)
+        self.on_trial(self.trials + self.narrowings, self.most_computed + self.most_narrowed)
         # Teeth that are the same as the teeth of earlier gears are not made again.
         same = [one for one in self.computed if (one.teeth, one.module_mm) == (teeth, module_mm)]
         try:
             changed = changed_drive(same[-1].drive if same else self.drive, changes)
             made = Sized(changes, changed, rating_of(changed, "estimate"))
         except (DesignError, ValidationError) as error:
-            if isinstance(error, NoSuchMechanism) and error.key == TOO_WEAK:
+            key = getattr(error, "key", "")
+            if key == TOO_WEAK:
                 self.weak.add((teeth, module_mm))
+            elif key.startswith(BODIES):
+                self.too_small_mm = max(self.too_small_mm, teeth * module_mm)
             else:
-                self.refused.add(teeth)
+                # Where so few teeth are refused, fewer are, unless some were made.
+                some = {one.teeth for one in self.computed}
+                fewer = {count for count in self.teeth() if count < teeth} if min(some) > teeth else set[int]()
+                self.refused |= {teeth} | fewer
             return None
         self.computed.append(made)
         inside = changed.pitch.center_distance_mm <= self.space.center_distance_mm
@@ -301,6 +367,8 @@ class _Search:
         # Pitch curves grow with the scale, addenda with the module.
         diameter = (first.diameter_mm - 2.0 * first.module_mm) * scale + 2.0 * module_mm
         width = self.width(teeth, module_mm)
+        if teeth * module_mm <= self.too_small_mm:
+            return inf
         roomy = distance <= self.space.center_distance_mm and diameter <= self.space.diameter_mm * (1.0 + 1e-9)
         return distance**2 * width if roomy and width <= self.space.width_modules * module_mm else inf
 

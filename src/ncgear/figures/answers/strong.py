@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ncgear.design.keys.base import listed
-from ncgear.figures.advice.values import Kind, Remedy, changed
+from ncgear.figures.advice.values import Advice, Kind, Remedy, changed
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.answer import Answer, Fault, Row, faults_of
 from ncgear.figures.answers.simulated import SAME_AS_MESH
@@ -13,7 +13,7 @@ from ncgear.figures.flanks import surfaces_rows
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.simulated import force_figures
-from ncgear.figures.sized import sized_rows
+from ncgear.figures.sized import parts_that_fail, sized_rows
 from ncgear.figures.strong import (
     HEADS,
     LOADS,
@@ -137,6 +137,14 @@ def sized_answer(found: Sequence[Sized], then: str = "", left_out: Sequence[str]
     first = found[0]
     design, strength = first.drive.design, first.rating.strength
     wanted = dict.fromkeys(f"{one.wanted:g} against {one.damage.words}" for one in first.rating.weakest)
+    failing = dict[Advice, list[str]]()
+    for one in found:
+        for told in parts_that_fail(one):
+            failing.setdefault(told, []).append(f"{one.module_mm:g}")
+    faults = [
+        Fault(f"module {listed(modules, 'and')} mm: {told.brief}", tuple(remedy.brief for remedy in told.remedies))
+        for told, modules in failing.items()
+    ]
     return Answer(
         f"{design.name}: the smallest gears that hold at {design.operation.speed_rpm:g} r/min, by the estimate",
         (
@@ -146,10 +154,11 @@ def sized_answer(found: Sequence[Sized], then: str = "", left_out: Sequence[str]
             Row("first", (", ".join(map(str, changed(first.changes))),)),
             *([Row("left out", (f"{listed(left_out, 'and')}: of other gears",))] if left_out else []),
         ),
-        (),
+        tuple(faults),
         f"Load: {LOADS[strength.load]}",
         heads=SIZED,
         good="",
+        wrong="The gears hold; around them this does not",
         then=then,
     )
 
