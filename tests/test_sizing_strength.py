@@ -17,7 +17,7 @@ from ncgear.figures.sized import parts_that_fail
 from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import Changes, changed_drive, changed_gears
 from ncgear.project.drive import Drive
-from ncgear.project.sizing import GearRoom, Sized, smallest_gears
+from ncgear.project.sizing import GearRoom, Sized, asked_design, in_herringbone, smallest_gears
 from ncgear.project.strengthening import CROWNING, SERIES_I_MM, rating_of
 from ncgear.strength.answer import Strength
 from ncgear.strength.holding import Damage, Weakest, face_width_factor, module_factor
@@ -329,3 +329,19 @@ def test_parts_that_gears_break_are_told_with_them() -> None:
         made = drive_of_text(text.replace("key: {}", f"key: {given}"))
         told = parts_that_fail(Sized({}, made, rating_of(made, "estimate")))
         assert any("the key of the driving shaft bears" in one.what for one in told) == fails
+
+
+@pytest.mark.long
+@pytest.mark.slow
+def test_herringbone_teeth_hold_in_less_width_and_where_they_cannot_be_made_there_are_none() -> None:
+    design = drive("pump-both-ways").design
+    first = smallest_gears(Drive(asked_design(design, {})), GearRoom())[0]
+    found = in_herringbone(first)
+    assert found is not None
+    assert found.holds
+    assert found.teeth == first.teeth
+    assert found.face_width_mm < first.face_width_mm
+    straight = changed_drive(first.drive, {"gears.face_width_mm": found.face_width_mm})
+    assert not Sized({}, straight, rating_of(straight, "estimate")).holds
+    assert in_herringbone(replace(first, drive=drive("internal-1-2"))) is None
+    assert in_herringbone(found) is None

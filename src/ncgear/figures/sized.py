@@ -48,8 +48,11 @@ def parts_that_fail(one: Sized) -> list[Advice]:
     return [told for told in around(one.drive) if isinstance(told, Advice) and told.matters]
 
 
-def sized_figures(found: Sequence[Sized]) -> dict[str, Any]:
-    """The smallest gears that hold as plain values whose keys end in their unit, the smallest first."""
+def sized_figures(found: Sequence[Sized], herringbone: Sized | None = None) -> dict[str, Any]:
+    """The smallest gears that hold as plain values whose keys end in their unit, the smallest first.
+
+    Then those with herringbone teeth, if there are any.
+    """
     first = found[0]
     design, rating = first.drive.design, first.rating
     materials: dict[str, dict[str, Any]] = {
@@ -62,6 +65,7 @@ def sized_figures(found: Sequence[Sized]) -> dict[str, Any]:
         "load": {"speed_rpm": design.operation.speed_rpm},
         **materials,
         "smallest": [_sizes(one) for one in found],
+        **({"herringbone": _sizes(herringbone)} if herringbone else {}),
     }
 
 

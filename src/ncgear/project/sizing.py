@@ -14,6 +14,7 @@ module.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from math import ceil, inf, log
@@ -27,6 +28,7 @@ from ncgear.dynamics.meshing import TOO_WEAK
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 from ncgear.project.alternatives import Changes, changed_drive, changed_gears, is_given
 from ncgear.project.drive import Drive
+from ncgear.project.rough_strength import rough_strength
 from ncgear.project.strengthening import CROWNING, MOST_TEETH, SERIES_I_MM, WIDEST_MODULES, Rating, rating_of, sized
 from ncgear.strength.holding import Damage, Weakest
 from ncgear.strength.materials import TABLE
@@ -49,6 +51,9 @@ gears' bodies belong to, they take a second each, else a fifth of it: a person w
 
 MOST_NARROWED = {"resistance": 16, "masses": 5}
 """Gears of the same teeth that are computed at most to find the least widths, in a half of that time each."""
+
+HELIX_DEG = 20.0, 30.0
+"""Helix angles of herringbone teeth that are tried: as of such gears in machines, which have no thrust."""
 
 BEST = 4
 """Answers that are given."""
@@ -194,6 +199,59 @@ def smallest_gears(drive: Drive, space: GearRoom, on_trial: OnTrial = lambda don
     # Of more gears than can be computed, those whose least width is not known are left out.
     least = [one for one, known in narrow if known] or [narrow[0][0]]
     return sorted(least, key=lambda one: one.volume_mm3)
+
+
+def in_herringbone(one: Sized) -> Sized | None:
+    """The same teeth as herringbones, which bear more, in the least of a few widths that were computed and hold.
+
+    The angle is the one of HELIX_DEG that the estimate without teeth finds best.  None where such teeth cannot be made
+    (rings, gears that turn less than once, other methods, keys of the process), the design gives a helix angle, or
+    what is tried is no narrower.
+    """
+    from ncgear.project.gear_solids import PROCESS
+
+    given, drive = one.drive.design, one.drive
+    process = any(getattr(drive.gears, key) for key in PROCESS)
+    if drive.helix or drive.pitch.driven.is_ring or drive.gears.method != "exact" or given.motion.is_open or process:
+        return None
+
+    def with_helix(angle_deg: float, width_mm: float) -> Changes:
+        helix: Changes = {"gears.helix.kind": "herringbone", "gears.helix.hand": "right"}
+        return {**one.changes, **helix, "gears.helix.angle_deg": angle_deg, "gears.face_width_mm": width_mm}
+
+    straight = _roughly(drive)
+    shares = {}
+    with suppress(DesignError, ValidationError):
+        for angle in HELIX_DEG:
+            shares[angle] = _roughly(changed_drive(drive, with_helix(angle, one.face_width_mm)))
+    if not straight or not (better := max(shares.values(), default=0.0)) > straight:
+        return None
+    angle = max(shares, key=lambda key: shares[key])
+    below, above = ceil(NARROWEST_MODULES * one.module_mm - 1e-9) - 1.0, one.face_width_mm
+    guess, best = above / (one.share * better / straight), None
+    for _ in range(TRIES):
+        if above - below <= 1.0:
+            break
+        width = below + 1.0 if best and above - below <= NEAR_MM else min(max(ceil(guess), below + 1.0), above - 1.0)
+        try:
+            made = changed_drive(drive, changes := with_helix(angle, float(width)))
+            tried = Sized(changes, made, rating_of(made, "estimate"))
+        except (DesignError, ValidationError):
+            break
+        if tried.holds:
+            best, above = tried, tried.face_width_mm
+        else:
+            below = tried.face_width_mm
+        guess = width / tried.share
+    return best
+
+
+def _roughly(drive: Drive) -> float:
+    """The least share of the wanted safeties by the estimate without teeth; 0 where it does not tell."""
+    found = rough_strength(drive)
+    if found is None or found.unjudged or found.needs_teeth:
+        return 0.0
+    return min((one.safety / one.wanted for one in found.safeties), default=0.0)
 
 
 def _begun(drive: Drive) -> Sized:

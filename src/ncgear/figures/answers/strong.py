@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Literal
 
 from ncgear.design.keys.base import listed
 from ncgear.figures.advice.values import Advice, Kind, Remedy, changed
@@ -129,16 +130,29 @@ def _forces_words(drive: Drive) -> str:
     return ", ".join(f"{name_of(key)} {figure(key, figures[key])}" for key in joints)
 
 
-def sized_answer(found: Sequence[Sized], then: str = "", left_out: Sequence[str] = ()) -> Answer:
+def _herringbone_words(one: Sized | Literal["none"]) -> str:
+    """How wide herringbone teeth are that do for the first gears, and their keys."""
+    if one == "none":
+        return "none that is narrower was found, or none can be made"
+    return f"{one.face_width_mm:g} mm wide: {', '.join(map(str, changed(one.changes)))}"
+
+
+def sized_answer(
+    found: Sequence[Sized],
+    then: str = "",
+    left_out: Sequence[str] = (),
+    herringbone: Sized | Literal["none", False] = False,
+) -> Answer:
     """The smallest gears that hold, one row each, and the keys of the first.
 
-    ``left_out`` are the keys of the file that hold what follows from its own gears.
+    ``left_out`` are the keys of the file that hold what follows from its own gears; ``herringbone`` are the first gears
+    with herringbone teeth, where these were looked for.
     """
     first = found[0]
     design, strength = first.drive.design, first.rating.strength
     wanted = dict.fromkeys(f"{one.wanted:g} against {one.damage.words}" for one in first.rating.weakest)
     failing = dict[Advice, list[str]]()
-    for one in found:
+    for one in (*found, *([herringbone] if isinstance(herringbone, Sized) else [])):
         for told in parts_that_fail(one):
             failing.setdefault(told, []).append(f"{one.module_mm:g}")
     faults = [
@@ -152,6 +166,7 @@ def sized_answer(found: Sequence[Sized], then: str = "", left_out: Sequence[str]
             Row("material", (materials_words(first.drive, strength),)),
             Row("wanted", (f"safeties of {listed(wanted, 'and')}",)),
             Row("first", (", ".join(map(str, changed(first.changes))),)),
+            *([Row("herringbone", (_herringbone_words(herringbone),))] if herringbone else []),
             *([Row("left out", (f"{listed(left_out, 'and')}: of other gears",))] if left_out else []),
         ),
         tuple(faults),
