@@ -22,10 +22,14 @@ REGIMES = {
 """The words for a regime."""
 
 
+NOT_JUDGED = "not judged"
+ONLY_A_JAM = "not judged, because only a jam presses the flanks, a few times"
+
+
 def surfaces_figures(found: Surfaces) -> dict[str, Any]:
     """Sections of film, scuffing and wear; of what is not judged, a word that says so."""
     film, wear = found.film, found.wear
-    figures: dict[str, Any] = {"film": "not judged", "scuffing": "not judged"}
+    figures: dict[str, Any] = {"film": NOT_JUDGED, "scuffing": NOT_JUDGED}
     if film is not None:
         safety = found.scuffing_safety
         figures["film"] = {
@@ -43,6 +47,8 @@ def surfaces_figures(found: Surfaces) -> dict[str, Any]:
             **_at("contact_max", film.flash_k),
             "scuffing_c": found.scuffing_c,
         }
+    if not found.judged:
+        return {**figures, "wear": NOT_JUDGED}
     figures["wear"] = {
         "wanted_h": wear.wanted_h,
         "limit_mm": wear.limit_mm,
@@ -75,10 +81,12 @@ def surfaces_rows(drive: Drive, found: Surfaces) -> list[tuple[str, str]]:
         for gear, one in zip(Gear, found.warm, strict=True)
         if one is not None
     ]
-    rows = [("wear", _wear_words(found.wear))]
+    rows = [("wear", _wear_words(found.wear) if found.judged else ONLY_A_JAM)]
+    if not found.judged and drive.conditions.lubrication != "dry" and not any(found.warm):
+        rows.append(("film", ONLY_A_JAM))
     if found.film is not None:
         rows += [("film", _film_words(drive, found.film)), ("scuffing", _scuffing_words(drive, found.film, found))]
-    return [*rows, ("heat", f"{'; '.join(heat)} (VDI 2736); creep is not judged")] if heat else rows
+    return [*rows, ("heat", f"{'; '.join(heat)} (VDI 2736); creep is not judged")] if heat and found.judged else rows
 
 
 def _film_words(drive: Drive, film: Film) -> str:

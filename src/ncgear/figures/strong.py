@@ -31,7 +31,7 @@ from ncgear.strength.holding import Damage, Weakest, lives_of
 LOADS = {
     "masses": "the machine with its masses, at constant driving speed",
     "resistance": "the resistance alone: no masses are given, so forces of inertia are not counted",
-    "jam": "a jam alone: no resistance and no masses are given, so that nothing else loads the teeth",
+    "jam": "a jam alone: nothing else that is given loads the teeth",
 }
 """The words for what a load follows from."""
 
@@ -66,8 +66,10 @@ def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rat
             "speed_rpm": drive.design.operation.speed_rpm,
             "peak_tooth_force_n": float(contacts.force_n[most]),
             "peak_tooth_force_at_rad": float(contacts.phi1_rad[most]),
-            "contact_ratio_under_load_mean": rating.loading.contact_ratio,
-            "transmission_error_under_load_rad": rating.loading.transmission_error_rad,
+            "contact_ratio_under_load_mean": rating.loading.contact_ratio or None,
+            "transmission_error_under_load_rad": rating.loading.transmission_error_rad
+            if rating.loading.contact_ratio
+            else None,
             **_knock_figures(rating.loading.knocks),
             **_jam_figures(drive, rating),
             **({} if (peaks := drive.knocking_peaks) is None else {"with_knocks": force_figures(drive.linkage, peaks)}),

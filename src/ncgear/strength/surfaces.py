@@ -31,6 +31,7 @@ from ncgear.strength.film import (
     roughness_um,
     scuffing_c,
 )
+from ncgear.strength.holding import NOTHING_MPA
 from ncgear.strength.life import shaken_n_mm
 from ncgear.strength.loading import Loading
 from ncgear.strength.material import Material
@@ -122,7 +123,8 @@ class Surfaces:
 
     ``film`` is None of dry and of plastic flanks, and where only a jam presses them; ``scuffing_c`` (the temperature at
     which the oil fails) of bronze too.  ``pitting_factor`` is Z_L Z_v Z_R of the driving and the driven gear.  ``warm``
-    are the temperatures of both gears' teeth, None of metal.
+    are the temperatures of both gears' teeth, None of metal.  Where nothing but a jam presses the flanks they are not
+    ``judged``: they are pressed a few times only.
     """
 
     film: Film | None
@@ -130,6 +132,7 @@ class Surfaces:
     pitting_factor: tuple[float, float]
     wear: Wear
     warm: tuple[ToothTemperature | None, ToothTemperature | None]
+    judged: bool = True
 
     @property
     def scuffing_safety(self) -> float | None:
@@ -224,14 +227,16 @@ def surfaces_of(
     limit = LIMIT_MODULES * running.module_mm
     wear = Wear((first, second), (worn[0], worn[1]), worn[2].value + worn[3].value, limit, conditions.life_h)
     film, scuffs_c = None, None
-    if oil is not None and loading.contacts.force_n.size:
+    least_n = NOTHING_MPA * running.face_width_mm * running.module_mm
+    judged = bool(loading.contacts.force_n.max(initial=0.0) > least_n)
+    if oil is not None and judged:
         thickness = replace(thin, value=1.0 / thin.value if thin.value > 0.0 else inf)
         film = Film(thickness, roughness_um(conditions), conditions.oil_temperature_c, pair.bulk_c, hot)
         steels = [one.entry.group.scuffing_structure for one in choices if isinstance(one.entry, Ferrous)]
         scuffs_c = scuffing_c(oil, conditions, min(steels)) if len(steels) == 2 else None
     pitting = [film_factor(*both, conditions, running) for both in mates]
     own = [one if is_plastic else None for one, is_plastic in zip(warm, plastic, strict=True)]
-    return Surfaces(film, scuffs_c, (pitting[0], pitting[1]), wear, (own[0], own[1]))
+    return Surfaces(film, scuffs_c, (pitting[0], pitting[1]), wear, (own[0], own[1]), judged)
 
 
 def _bulk_c(pair: _Pair, oil: Oil, loading: Loading) -> float:

@@ -113,7 +113,9 @@ def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
             f"{of}under load",
             (
                 f"contact ratio {shown(loading.contact_ratio)}, {name_of(error)} "
-                f"{figure(error, loading.transmission_error_rad)}",
+                f"{figure(error, loading.transmission_error_rad)}"
+                if loading.contact_ratio
+                else "not judged, because only a jam presses the teeth",
             ),
         ),
         *([Row(f"{of}with knocks", (words,))] if (words := _forces_words(drive)) else []),
