@@ -216,7 +216,7 @@ strength: {overload: {driving_torque_n_m: 40, times: 100}}
 
 
 def test_flanks_that_only_a_jam_presses_are_not_judged_for_film_and_wear() -> None:
-    """Nor is a resistance that is nowhere more than none: both are the same machine, and a force that is more is not."""
+    """A resistance that is nowhere more than none is the same machine, and a force that is more is not."""
     told = []
     for more in ("", "resistance: {polynomial_n: [0]}\n", "resistance: {polynomial_n: [50]}\n"):
         made = drive_of_text(JAMMED + more)
