@@ -49,6 +49,10 @@ HELD = 4
 SWINGS, CHECKED = 96, 4
 """Swings whose pairs and loads are found at once, and those after which it is seen whether the teeth have settled."""
 
+FINER = 1.0, 1.04, 1.08
+"""How many times as fine the steps are with which knocks are followed.  Where they differ from turn to turn, as a ball
+that bounces, so do they with any change of the steps: each is a turn of its own, and the hardest count."""
+
 HARDEST = 20.0
 """Times the largest torque that is asked to which pairs are counted in a knock."""
 
@@ -82,12 +86,21 @@ class BorneTorque:
     phi1_rad: Array = field(default_factory=lambda: np.empty(0))
     torque_n_mm: Array = field(default_factory=lambda: np.empty(0))
     knocks: tuple[Knock, ...] | None = None
+    others: tuple[BorneTorque, ...] = ()
 
     def at(self, phi1_rad: Array) -> Array:
         """The torque at driving angles, shape (n,): what is asked, or what is followed where that is more.
 
-        The moments at which flying teeth bear less than asked are known less well than how hard they knock.
+        The moments at which flying teeth bear less than asked are known less well than how hard they knock.  Of
+        ``others``, which are followed a little differently, the hardest counts at each place.
         """
+        torque = self._own(phi1_rad)
+        for other in self.others:
+            again = other._own(phi1_rad)
+            torque = np.where(np.abs(again) > np.abs(torque), again, torque)
+        return torque
+
+    def _own(self, phi1_rad: Array) -> Array:
         asked = self.asked(phi1_rad)
         if not self.phi1_rad.size:
             return asked
@@ -99,11 +112,17 @@ class BorneTorque:
 
 
 def borne_torque(
-    meshing: Meshing, load: CrankLoad, asked: Callable[[Array], Array], speed_rad_s: float, cycle_rad: float
+    meshing: Meshing,
+    load: CrankLoad,
+    asked: Callable[[Array], Array],
+    speed_rad_s: float,
+    cycle_rad: float,
+    finer: Sequence[float] = FINER,
 ) -> BorneTorque:
     """The torque that the teeth bear where the law asks for ``asked`` at a constant driving speed.
 
-    It is ``asked`` itself where this neither turns round nor jumps.
+    It is ``asked`` itself where this neither turns round nor jumps.  Where teeth knock it is followed once for each of
+    ``finer``, of which the first tells the knocks.
     """
     phi1 = np.linspace(0.0, cycle_rad, SAMPLES, endpoint=False)
     torque = asked(phi1)
@@ -119,11 +138,20 @@ def borne_torque(
     # The longest stretch without a turn or a jump comes last: there the teeth have most time to settle.
     rows = np.roll(rows, -int(np.argmax(np.diff(rows, prepend=rows[-1] - SAMPLES))))
     starts, width_rad = driven.closer(phi1[rows] + cycle_rad * (rows < rows[0]), cycle_rad / SAMPLES)
-    found, end_rad = list[Stretch](), starts[0] + 2.0 * cycle_rad
-    for start_rad, on in zip(starts, flank[rows], strict=True):
-        if not found or start_rad > found[-1].phi1_rad[-1]:
-            found.append(driven.followed(float(start_rad), float(on), (start_rad + 2.0 * width_rad, end_rad)))
-    return joined(found, asked, cycle_rad)
+    end_rad = starts[0] + 2.0 * cycle_rad
+
+    def once(driven: _DrivenSide) -> BorneTorque:
+        found = list[Stretch]()
+        for start_rad, on in zip(starts, flank[rows], strict=True):
+            if not found or start_rad > found[-1].phi1_rad[-1]:
+                found.append(driven.followed(float(start_rad), float(on), (start_rad + 2.0 * width_rad, end_rad)))
+        return joined(found, asked, cycle_rad)
+
+    first, *others = finer
+    followed = once(replace(driven, finer=first))
+    if not followed.knocks:
+        return followed
+    return replace(followed, others=tuple(once(replace(driven, finer=one)) for one in others))
 
 
 def flanks_of(torque: Array, idle: float) -> Array:
@@ -160,13 +188,17 @@ def joined(found: list[Stretch], asked: Callable[[Array], Array], cycle_rad: flo
 
 @dataclass(frozen=True, eq=False)
 class _DrivenSide:
-    """The driven side on its teeth; ``most_n_mm`` is the largest torque that is asked."""
+    """The driven side on its teeth; ``most_n_mm`` is the largest torque that is asked.
+
+    Steps are ``finer`` times as fine as PER_SWING tells.
+    """
 
     meshing: Meshing
     load: CrankLoad
     asked: Callable[[Array], Array]
     speed_rad_s: float
     most_n_mm: float
+    finer: float = 1.0
 
     def closer(self, starts_rad: Array, width_rad: float) -> tuple[Array, float]:
         """Places shape (n,), and their width, less than a swing, within which the torque changes most after each."""
@@ -238,7 +270,7 @@ class _DrivenSide:
         """The time between two steps of the swings from a place on, and how fast these are in rad/s."""
         way = 2.0 * pi * self.speed_rad_s * SWINGS / self.swings_rad_s(np.array([phi1_rad]))
         swing = float(self.swings_rad_s(phi1_rad + way * np.linspace(0.0, 1.0, PER_SWING)).max())
-        return 2.0 * pi / (PER_SWING * swing), swing
+        return 2.0 * pi / (PER_SWING * self.finer * swing), swing
 
     def swings_rad_s(self, phi1_rad: Array) -> Array:
         """How fast the driven side swings on two pairs of teeth at driving angles, shape (n,), in rad/s."""
