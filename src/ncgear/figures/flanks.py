@@ -9,10 +9,11 @@ from ncgear.figures.numbers import fixed, known, placed, to_digits
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.strength.film import Regime
+from ncgear.strength.plastics import CREEP_C
 
 if TYPE_CHECKING:
     # Checks load nothing of contact, and only these values come from there.
-    from ncgear.strength.surfaces import Film, Place, Surfaces, Wear
+    from ncgear.strength.surfaces import Creep, Film, Place, Surfaces, Wear
 
 REGIMES = {
     Regime.FULL: "full film",
@@ -55,6 +56,12 @@ def surfaces_figures(found: Surfaces) -> dict[str, Any]:
         "until_limit_h": known(wear.life_h),
         "backlash_added_mm": wear.play_mm,
     }
+    if (creep := found.creep) is not None:
+        figures["creep"] = {
+            "deflection_mm": creep.at_once_mm,
+            "deflection_after_life_mm": creep.after_mm,
+            "loaded_h": creep.loaded_h,
+        }
     for gear, coefficient, depth in zip(Gear, wear.coefficients_mm3_n_m, wear.depth_mm, strict=True):
         figures["wear"][gear.value] = {
             "coefficient_mm3_n_m": coefficient,
@@ -86,7 +93,20 @@ def surfaces_rows(drive: Drive, found: Surfaces) -> list[tuple[str, str]]:
         rows.append(("film", ONLY_A_JAM))
     if found.film is not None:
         rows += [("film", _film_words(drive, found.film)), ("scuffing", _scuffing_words(drive, found.film, found))]
-    return [*rows, ("heat", f"{'; '.join(heat)} (VDI 2736); creep is not judged")] if heat and found.judged else rows
+    if not heat or not found.judged:
+        return rows
+    return [*rows, ("heat", f"{'; '.join(heat)} (VDI 2736)"), ("creep", _creep_words(found.creep))]
+
+
+def _creep_words(creep: Creep | None) -> str:
+    """How far plastic teeth give way at once and after the wanted life; no limit is known that it is judged by."""
+    if creep is None:
+        return "not judged, because no creep modulus of these plastics is known here"
+    ways = f"{to_digits(creep.at_once_mm, 2)} mm at once, {to_digits(creep.after_mm, 2)} mm"
+    return (
+        f"teeth give way by {ways} after {hours_words(creep.loaded_h)} under load, at {CREEP_C:g} \u00b0C; more where "
+        "they are warmer"
+    )
 
 
 def _film_words(drive: Drive, film: Film) -> str:
