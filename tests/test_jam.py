@@ -15,6 +15,7 @@ from ncgear.figures.advice.drivetrain_advice import around
 from ncgear.figures.advice.strength_advice import rough, strength
 from ncgear.figures.advice.values import Advice
 from ncgear.figures.flanks import surfaces_rows
+from ncgear.figures.strong import deciding_loads
 from ncgear.pitch.shape import Gear
 from ncgear.project.rough_strength import rough_strength
 from ncgear.project.strengthening import rating_of
@@ -223,5 +224,6 @@ def test_flanks_that_only_a_jam_presses_are_not_judged_for_film_and_wear() -> No
         found = made.surfaces_by("estimate")
         assert found.judged == ("50" in more)
         assert (found.film is not None) == found.judged
+        assert set(deciding_loads(made, rating_of(made)).values()) == {"jam"}
         told.append((made.strength.load, dict(surfaces_rows(made, found))["wear"].startswith("not judged, because")))
     assert told == [("jam", True), ("jam", True), ("resistance", False)]

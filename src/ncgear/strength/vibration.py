@@ -172,7 +172,7 @@ class Vibration:
             return np.full(contacts.force_n.shape, conditions.dynamic_factor or 1.0)
         _, first, row = np.unique(contacts.position, return_index=True, return_inverse=True)
         row = row.ravel()
-        force = np.bincount(row, contacts.force_n)
+        force = np.bincount(row, contacts.force_n).astype(float)
         found = self.factors(contacts.phi1_rad[first], force, mesh, conditions)[row]
         section = row * (int(contacts.section.max()) + 1) + contacts.section
         even = force[row] * contacts.share / np.bincount(section, contacts.force_n)[section]

@@ -189,8 +189,8 @@ def _shared(
     ahead = plan.advance_mm / (pi * module) * PER_TOOTH * (np.arange(sections)[:, None, None] + 0.5) / sections
     if sections == 1:
         ahead = np.zeros((1, 1, 1), dtype=int)
-    first = (rows + quarter - ahead) // PER_TOOTH * PER_TOOTH - quarter + ahead
-    crossing = (first + PER_TOOTH * PITCHES[:, None]).reshape(-1, rows.size)
+    nearest = (rows + quarter - ahead) // PER_TOOTH * PER_TOOTH - quarter + ahead
+    crossing = (nearest + PER_TOOTH * PITCHES[:, None]).reshape(-1, rows.size)
     rolled = urge * (rows - crossing) / PER_TOOTH * base_pitch
     k = load.curvature[:, rows]
     reach = np.stack([_reach_mm(k[i], k[1 - i], module * (plan.addendum + plan.shifts[i]), sine) for i in (0, 1)])
@@ -212,8 +212,8 @@ def _shared(
     roots = np.stack([around[i][load.place(centres[i])] for i in (0, 1)])
     way, line = _borne(load.force_n[rows] / running.face_width_mm, stiffness / sections, gap)
     own = RolledLoad(load.phi1_rad[rows], load.force_n[rows], load.urge[rows], k, load.turning_rad_s[rows], load.closed)
-    relative = relative * plan.lean(angle)
-    return SharedLoad(own, angle, sections * line, way, place, relative, _teeth(roots, module), sections)
+    across = relative * plan.lean(angle)
+    return SharedLoad(own, angle, sections * line, way, place, across, _teeth(roots, module), sections)
 
 
 _ROOT = np.arange(-PER_TOOTH // 4, PER_TOOTH // 4 + 1)
@@ -364,8 +364,8 @@ def _pressure(one: SharedLoad, materials: tuple[Material, Material]) -> Array:
     """
     line, curvature = (x.reshape(one.sections, -1, x.shape[-1]) for x in (one.line_n_mm, one.relative_curvature))
     most = line.argmax(axis=1)[:, None]
-    leading = (np.take_along_axis(x, most, axis=1)[:, 0] for x in (line, curvature))
-    return np.asarray(hertz_pressure_mpa(*leading, materials).max(axis=0))
+    line, curvature = (np.take_along_axis(x, most, axis=1)[:, 0] for x in (line, curvature))
+    return np.asarray(hertz_pressure_mpa(line, curvature, materials).max(axis=0))
 
 
 def _least(

@@ -18,6 +18,7 @@ from ncgear.figures.sized import parts_that_fail, sized_rows
 from ncgear.figures.strong import (
     HEADS,
     LOADS,
+    deciding_words,
     face_load_words,
     holding_words,
     jam_words,
@@ -102,6 +103,7 @@ def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
         Row(f"{of}force", (f"up to {figure('force_n', force_n)} on one pair of teeth, times {jolts_words(drive)}",)),
         *([Row(f"{of}jam", (words,))] if (words := jam_words(drive, rating)) else []),
         *([Row(f"{of}knocks", (words,))] if (words := knock_words(loading.knocks)) else []),
+        *([Row(f"{of}decided", (words,))] if (words := deciding_words(drive, rating)) else []),
         *([Row(f"{of}rim", (words,))] if (words := rim_words(drive, rating)) else []),
         Row(f"{of}face load", (face_load_words(drive, rating),)),
         *([Row(f"{of}vibration", (vibration_words(told),))] if told else []),
