@@ -16,15 +16,25 @@ import numpy as np
 
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import Gears
+from ncgear.design.keys.outline import FollowedOutline, MateOutline
 from ncgear.design.keys.pitch_shapes import FEWEST_POINTS, MOST_POINTS
+from ncgear.design.laws.base import LawKeys
 from ncgear.design.reading.design_file import parsed_mapping
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.outline.conditions import Kind, Limits, conditions
-from ncgear.optimum.outline.nearest import Deviation, coefficients_for, deviation, nearest_curve, polar_angle
+from ncgear.optimum.outline.nearest import (
+    Deviation,
+    away_mm,
+    coefficients_for,
+    deviation,
+    mate_deviation,
+    nearest_curve,
+    polar_angle,
+)
 from ncgear.optimum.outline.outline import Outline, outline_of
-from ncgear.optimum.outline.programme import Wanted
+from ncgear.optimum.outline.programme import MateWanted, Wanted
 from ncgear.optimum.outline.rolled import Basis, Rolled, rays
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -73,6 +83,28 @@ class NextSize:
     module_mm: float
     root_mean_square_mm: float
     greatest_mm: float
+    mate_root_mean_square_mm: float | None = None
+    mate_greatest_mm: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class MateFit:
+    """How near the mate comes to an outline of its own: distances in mm of the pair, places in mm of its drawing.
+
+    ``scale`` is the size of the gears by that of the drawing; ``bound_by`` is as in ``OutlineFit``.
+    """
+
+    outline: Outline
+    deviation: Deviation
+    points_mm: Array
+    axis_mm: Array
+    scale: float
+    bound_by: tuple[Kind, ...]
+
+    @property
+    def size_mm(self) -> float:
+        """Of the outline, at the size of the pair."""
+        return self.scale * self.outline.size_mm
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +112,8 @@ class OutlineFit:
     """The nearest pair that can be made: the outline, the curve, and the drive of the fitted design.
 
     ``motion`` has the keys of the fitted law.  ``bound_by`` are the kinds of conditions that bind where the deviation
-    is greatest, the most binding first; ``next_sizes`` are those with more teeth.
+    is greatest, the most binding first; ``next_sizes`` are those with more teeth.  ``mate`` is known where the mate
+    follows an outline, too.
     """
 
     outline: Outline
@@ -90,6 +123,7 @@ class OutlineFit:
     motion: Mapping[str, Any]
     bound_by: tuple[Kind, ...]
     next_sizes: tuple[NextSize, ...]
+    mate: MateFit | None = None
 
     @property
     def points_mm(self) -> Array:
@@ -128,6 +162,8 @@ def fit(
     teeth: int | None = None,
     module_mm: float | None = None,
     axis_mm: tuple[float, float] | None = None,
+    mate_mm: Array | None = None,
+    mate_weight: float = 0.5,
     criterion: Literal["root_mean_square", "greatest"] = "root_mean_square",
     pressure_angle_deg: float = 75.0,
     gears: Mapping[str, Any] | None = None,
@@ -136,6 +172,8 @@ def fit(
     """The nearest pair of gears that can be made to a closed outline, points of shape (n, 2) in mm in either sense.
 
     The size of its teeth is given by ``teeth`` or ``module_mm``.  The axis is held at ``axis_mm`` where it is given.
+    ``mate_mm`` are points of an outline for the mate, seen from the same side, shape (k, 2), ``mate_weight`` is its
+    share in the squared distances of both; it grows or shrinks to the size that suits.
     ``pressure_angle_deg`` is the greatest one, that of the rack included.
     ``criterion`` tells whether the root of the mean square of distances or their greatest is least; ``gears`` has
     further keys of the section ``gears`` of a design file.
@@ -143,22 +181,31 @@ def fit(
     Raises WrongInput for what is wrong, and NoSuchMechanism where no pair near the outline can be made.
     """
     outline = outline_of(outline_mm, "outline_mm")
-    corners = outline.corners if len(outline.corners) >= FEWEST_POINTS else outline.with_middles
-    x, y = (corners if len(corners) <= MOST_POINTS else outline.even(MOST_POINTS)).T.tolist()
+    mate = (
+        {} if mate_mm is None else {"mate": {"points": _points(outline_of(mate_mm, "mate_mm")), "weight": mate_weight}}
+    )
     axis = {} if axis_mm is None else {"axis_x_mm": axis_mm[0], "axis_y_mm": axis_mm[1]}
     sizes = {key: value for key, value in (("teeth", teeth), ("module_mm", module_mm)) if value is not None}
     data = {
         "name": name,
         "operation": {"speed_rpm": 60.0},
-        "motion": {"law": "pitch_curve", "points": {"x_mm": x, "y_mm": y, "tolerance_mm": 1.0, **axis}},
+        "motion": {"law": "pitch_curve", "points": {**_points(outline), **axis}},
         "outline": {
             "axis": "free" if axis_mm is None else "fixed",
             "criterion": criterion,
             "pressure_angle_deg": pressure_angle_deg,
+            **mate,
         },
         "gears": {"face_width_mm": max(outline.size_mm / 8.0, 1.0), **sizes, **(gears or {})},
     }
     return fitted(parsed_mapping(data).design)
+
+
+def _points(outline: Outline) -> dict[str, Any]:
+    """The keys of points along an outline."""
+    corners = outline.corners if len(outline.corners) >= FEWEST_POINTS else outline.with_middles
+    x, y = (corners if len(corners) <= MOST_POINTS else outline.even(MOST_POINTS)).T.tolist()
+    return {"x_mm": x, "y_mm": y, "tolerance_mm": 1.0}
 
 
 def fitted(design: Design, on_trial: OnTrial = lambda done, most: None) -> OutlineFit:
@@ -168,18 +215,11 @@ def fitted(design: Design, on_trial: OnTrial = lambda done, most: None) -> Outli
     NoSuchMechanism where no pair near the outline can be made.
     """
     gears = _gears_of(design)
-    points, axis, key = design.motion.outline_mm()
-    outline, asked = outline_of(points, key), design.outline
-    fixed = asked is not None and asked.axis == "fixed"
-    if fixed and not outline.holds(axis):
-        raise WrongInput(
-            f"the axis at ({axis[0]:g}, {axis[1]:g}) mm is outside the outline; a place inside is right, or "
-            "outline.axis: free",
-            key=key,
-        )
-    wanted = Wanted(asked is not None and asked.criterion == "greatest", fixed)
+    asked = design.outline
+    outline, axis = _outline_and_axis(design.motion, asked is not None and asked.axis == "fixed", "outline.axis")
+    wanted = Wanted(asked is not None and asked.criterion == "greatest", axis is not None, mate=_mate_wanted(asked))
     limits = Limits() if asked is None else Limits(steepest_rad=_steepest_rad(asked.pressure_angle_deg, gears))
-    search = _Search(design, outline, wanted, axis if fixed else None, limits)
+    search = _Search(design, outline, wanted, axis, limits)
     start = None
     teeth = gears.teeth
     if teeth is None:
@@ -190,7 +230,40 @@ def fitted(design: Design, on_trial: OnTrial = lambda done, most: None) -> Outli
     best = search.best(teeth, start, on_trial)
     curve, away = best.curve, deviation(outline, best.curve)
     sizes = _next_sizes(outline, best, replace(wanted, module_mm=None))
-    return OutlineFit(outline, curve, away, best.drive, best.motion, _binding(best, away), sizes)
+    there = polar_angle(curve, away.toward_mm if away.of_outline else away.at_mm)
+    bound_by = _binding(best, there)
+    return OutlineFit(outline, curve, away, best.drive, best.motion, bound_by, sizes, _mate_fit(best, wanted.mate))
+
+
+def _outline_and_axis(drawn: LawKeys | MateOutline, fixed: bool, key: str) -> tuple[Outline, Array | None]:
+    """The outline, and its axis where that is fixed; raises WrongInput for an axis outside."""
+    points, axis, shape = drawn.outline_mm()
+    outline = outline_of(points, shape)
+    if fixed and not outline.holds(axis):
+        raise WrongInput(
+            f"the axis at ({axis[0]:g}, {axis[1]:g}) mm is outside the outline; a place inside is right, or "
+            f"{key}: free",
+            key=shape,
+        )
+    return outline, axis if fixed else None
+
+
+def _mate_wanted(asked: FollowedOutline | None) -> MateWanted | None:
+    if asked is None or asked.mate is None:
+        return None
+    outline, axis = _outline_and_axis(asked.mate, asked.mate.axis == "fixed", "outline.mate.axis")
+    return MateWanted(outline, asked.mate.weight, axis, asked.mate.size == "fixed")
+
+
+def _mate_fit(made: _Made, wanted: MateWanted | None) -> MateFit | None:
+    """How near the mate comes to its outline."""
+    curve, place = made.curve, made.curve.mate_place
+    if wanted is None or place is None:
+        return None
+    away, points = mate_deviation(wanted.outline, curve), curve.mate_in_drawing()[0] / place.scale
+    nearest = np.argmin(np.hypot(*(points - np.array(away.toward_mm if away.of_outline else away.at_mm)).T))
+    bound_by = _binding(made, float(curve.basis.phi_rad[nearest]))
+    return MateFit(wanted.outline, away, points, place.axis_mm / place.scale, place.scale, bound_by)
 
 
 def _gears_of(design: Design) -> Gears:
@@ -294,8 +367,7 @@ class _Search:
 
     def _away_mm(self, made: _Made) -> float:
         """What is to be least."""
-        found = deviation(self.outline, made.curve)
-        return found.greatest_mm if self.wanted.greatest else found.root_mean_square_mm
+        return away_mm(self.outline, made.curve, self.wanted)
 
 
 def control_points(curve: Rolled) -> Array:
@@ -365,10 +437,9 @@ def _between(kept: _Made, refused: _Made | None) -> Limits:
     return replace(kept.limits, share=(share + np.asarray(refused.limits.share)) / 2.0)
 
 
-def _binding(made: _Made, away: Deviation) -> tuple[Kind, ...]:
-    """The conditions that bind beside the greatest deviation, the most binding first."""
+def _binding(made: _Made, there: float) -> tuple[Kind, ...]:
+    """The conditions that bind beside a polar angle of the curve, the most binding first."""
     curve = made.curve
-    there = polar_angle(curve, away.toward_mm if away.of_outline else away.at_mm)
     at = np.interp([there], curve.phi_rad, curve.arc_mm, period=2.0 * pi)
     near = curve.apart_mm(at)[:, 0] < BINDS_WITHIN_PITCHES * curve.length_mm / curve.teeth
     values: dict[Kind, float] = {}
@@ -382,7 +453,7 @@ def _with_teeth(curve: Rolled, teeth: int) -> Rolled:
     basis = Basis(coefficients_for(teeth))
     phi = 2.0 * pi * np.arange(basis.count) / basis.count
     radius = basis.through(curve.basis.at(phi) @ curve.coefficients)
-    return Rolled(basis, radius, curve.axis_mm, curve.center_distance_mm, teeth)
+    return Rolled(basis, radius, curve.axis_mm, curve.center_distance_mm, teeth, curve.mate_place)
 
 
 def _next_sizes(outline: Outline, made: _Made, wanted: Wanted) -> tuple[NextSize, ...]:
@@ -397,5 +468,9 @@ def _next_sizes(outline: Outline, made: _Made, wanted: Wanted) -> tuple[NextSize
         except NoSuchMechanism:
             continue
         away = deviation(outline, found)
-        sizes.append(NextSize(found.teeth, found.module_mm, away.root_mean_square_mm, away.greatest_mm))
+        size = NextSize(found.teeth, found.module_mm, away.root_mean_square_mm, away.greatest_mm)
+        if wanted.mate is not None:
+            other = mate_deviation(wanted.mate.outline, found)
+            size = replace(size, mate_root_mean_square_mm=other.root_mean_square_mm, mate_greatest_mm=other.greatest_mm)
+        sizes.append(size)
     return tuple(sizes)

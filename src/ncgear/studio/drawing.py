@@ -69,7 +69,7 @@ def nearest_pair(drive: Drive) -> Iterator[Answer]:
         changes |= {"gears.teeth": found.curve.teeth, "gears.module_mm": None, "gears.center_distance_mm": None}
     words = (
         f"The nearest pair that can be made is {to_digits(away.root_mean_square_mm, 2)} mm off (r.m.s.), "
-        f"{to_digits(away.greatest_mm, 2)} mm at most: {bound_words(found)}"
+        f"{to_digits(away.greatest_mm, 2)} mm at most: {bound_words(found, found.bound_by)}"
     )
     at = [list(away.at_mm), list(away.toward_mm)]
     yield "fitted", {"curve": _shown(found.points_mm), "greatest": at, "words": words, "changes": changes}
