@@ -73,6 +73,7 @@ def fit_figures(found: OutlineFit) -> dict[str, Any]:
             "teeth": found.curve.teeth,
             "module_mm": found.curve.module_mm,
             "contact_ratio": found.contact_ratio,
+            "shortest_contact_pitches": found.shortest_contact,
             "max_pressure_angle_deg": found.pressure_angle_deg,
             "ratio_min": found.drive.transmission.ratio_range[0].value,
             "ratio_max": found.drive.transmission.ratio_range[1].value,

@@ -20,7 +20,7 @@ from ncgear.design.keys.outline import FollowedOutline, MateOutline
 from ncgear.design.keys.pitch_shapes import FEWEST_POINTS, MOST_POINTS
 from ncgear.design.laws.base import LawKeys
 from ncgear.design.reading.design_file import parsed_mapping
-from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.errors import NoSuchMechanism, RefusedAt, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.outline.conditions import Kind, Limits, conditions
@@ -35,9 +35,11 @@ from ncgear.optimum.outline.nearest import (
 )
 from ncgear.optimum.outline.outline import Outline, outline_of
 from ncgear.optimum.outline.programme import MateWanted, Wanted
-from ncgear.optimum.outline.rolled import Basis, Rolled, rays
+from ncgear.optimum.outline.rolled import FINER, Basis, Rolled, rays
+from ncgear.pitch.curve import CurvePoints
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.project.finer import require_made
 from ncgear.teeth.gear import ToothedGear
 
 TRIALS, NEARER = 8, 2
@@ -56,8 +58,15 @@ ROOMY, EASED = 1.25, 1.05
 BESIDE_PITCHES = 2.0
 """How far from a pair of flanks its contact sets the limits, in pitches."""
 
+CLASH, SHORT = 0.15, 1.1
+"""What teeth that run into each other count as a lack of contact, in pitches, and under which arcs of contact flanks
+are taken for the ones that written outlines leave without contact."""
+
 NO_TEETH = 0.9
 """By what limits are drawn in everywhere where teeth cannot be made at all."""
+
+STUBBORN, ROUNDER, ROOMIER, MOST_ROOM = 2, 0.85, 0.05, 0.35
+"""After how many refusals slopes and room are drawn in as well, by what share and by how much, and the most room."""
 
 LEAST_SHARE, MOST_SHARE = 0.25, 1.3
 """Range of the shares of the limits."""
@@ -123,6 +132,7 @@ class OutlineFit:
     motion: Mapping[str, Any]
     bound_by: tuple[Kind, ...]
     next_sizes: tuple[NextSize, ...]
+    asked_gears: Gears
     mate: MateFit | None = None
 
     @property
@@ -144,6 +154,22 @@ class OutlineFit:
     def contact_ratio(self) -> float:
         """Contact ratio of the exact teeth, of the side where it is less."""
         return self.drive.designed_contact.contact_ratio
+
+    @property
+    def shortest_contact(self) -> float:
+        """Shortest arc of contact of any pair of flanks, in pitches."""
+        return self.drive.designed_contact.least_arc
+
+    @property
+    def length_by_size(self) -> float | None:
+        """Length of the pitch curve that teeth and module give by that of the outline's hull; None where one follows.
+
+        Where both are given the curve cannot have the size of the outline.
+        """
+        gears = self.asked_gears
+        if gears.teeth is None or gears.module_mm is None:
+            return None
+        return pi * gears.teeth * gears.module_mm / self.outline.hull_length_mm
 
     @property
     def pressure_angle_deg(self) -> float:
@@ -232,7 +258,9 @@ def fitted(design: Design, on_trial: OnTrial = lambda done, most: None) -> Outli
     sizes = _next_sizes(outline, best, replace(wanted, module_mm=None))
     there = polar_angle(curve, away.toward_mm if away.of_outline else away.at_mm)
     bound_by = _binding(best, there)
-    return OutlineFit(outline, curve, away, best.drive, best.motion, bound_by, sizes, _mate_fit(best, wanted.mate))
+    return OutlineFit(
+        outline, curve, away, best.drive, best.motion, bound_by, sizes, gears, _mate_fit(best, wanted.mate)
+    )
 
 
 def _outline_and_axis(drawn: LawKeys | MateOutline, fixed: bool, key: str) -> tuple[Outline, Array | None]:
@@ -348,7 +376,7 @@ class _Search:
             if made.refusal is not None:
                 refused = made
             elif kept is None:
-                kept, left = made, NEARER
+                kept, left = made, NEARER if trial <= STUBBORN else 1
             elif self._away_mm(made) < self._away_mm(kept):
                 kept = made
             if kept is not None and refused is not None and self._away_mm(kept) < (1 + WORTH) * self._away_mm(refused):
@@ -360,7 +388,8 @@ class _Search:
             assert refused is not None
             assert refused.refusal is not None
             raise NoSuchMechanism(
-                f"no pair near the outline can be made with {teeth} teeth; at last: {refused.refusal.problem}",
+                f"no pair near the outline can be made with {teeth} teeth{_most_lacking(refused)}; more teeth of a "
+                f"smaller module, or a rounder outline there, are right; at last: {refused.refusal.problem}",
                 key=refused.refusal.key,
             )
         return kept
@@ -387,26 +416,38 @@ def _made(design: Design, curve: Rolled, limits: Limits) -> _Made:
     changes = {"motion": keys, "masses": None, "gears": gears.model_copy(update=size)}
     drive = Drive(design.model_copy(update=changes))
     made = _Made(curve, limits, drive, motion)
+    gear = _given_gear(motion)
     try:
-        made = _with_contact(made, drive.teeth.of(_given_gear(motion)), gears)
-        _ = drive.designed_contact
+        made = _with_contact(made, drive.teeth.of(gear), gears)
+        require_made(drive)
+    except RefusedAt as refusal:
+        at = _places(curve, drive.pitch.of(gear).at_angle(np.array([refusal.phi1_rad])))
+        rows = np.column_stack([at, np.full(1, CLASH)])
+        return replace(made, refusal=refusal, lacking=np.vstack([made.lacking, rows]))
     except NoSuchMechanism as refusal:
-        return replace(made, refusal=refusal)
+        short = made.arcs < SHORT
+        rows = np.column_stack([made.meetings_mm[short], SHORT - made.arcs[short]])
+        return replace(made, refusal=refusal, lacking=np.vstack([made.lacking, rows]))
     return made
+
+
+def _places(curve: Rolled, at: CurvePoints) -> Array:
+    """Arc lengths of the curve at points of its gear's pitch curve."""
+    polar = np.mod(np.arctan2(at.position[:, 1], at.position[:, 0]), 2.0 * pi)
+    found: Array = np.interp(polar, curve.phi_rad, curve.arc_mm, period=2.0 * pi)
+    return found
 
 
 def _with_contact(made: _Made, gear: ToothedGear, gears: Gears) -> _Made:
     """The same with how long flanks touch; ``gear`` is the one whose curve is given."""
-    flanks, curve, contact = gear.flanks, made.curve, made.drive.free_contact
-    sides = contact.pushing, contact.back
-    crossing = np.concatenate([flanks.crossing_mm[getattr(side.meetings, flanks.curve.gear.value)] for side in sides])
-    at = flanks.curve.at_length(crossing).position
-    polar = np.mod(np.arctan2(at[:, 1], at[:, 0]), 2.0 * pi)
-    places = np.interp(polar, curve.phi_rad, curve.arc_mm, period=2.0 * pi)
+    contact, placement = made.drive.free_contact, made.drive.free_contact.placement
+    sides, own = (contact.pushing, contact.back), gear.flanks.curve.gear.value
+    crossing = np.concatenate([gear.flanks.crossing_mm[getattr(side.meetings, own)] for side in sides])
+    places = _places(made.curve, gear.flanks.curve.at_length(crossing))
+    phi1 = gear.flanks.curve.driving_angle(crossing)
     arcs = np.concatenate([side.pairs.arcs for side in sides])
     least = max(gears.least_contact_ratio, 1.0)
     lacking = [(place, least - arc) for place, arc in zip(places, arcs, strict=True) if arc < least]
-    phi1, placement = flanks.curve.driving_angle(crossing), contact.placement
     judged = sides if gears.drives == "both_ways" else sides[:1]
     for low, high in np.concatenate([side.pairs.gaps for side in judged]):
         middle = placement.phi1_rad[round((low + high) / 2.0) % placement.count]
@@ -418,15 +459,34 @@ def _with_contact(made: _Made, gear: ToothedGear, gears: Gears) -> _Made:
 def _drawn_in(made: _Made, refusals: int) -> Limits:
     """Limits drawn in where contact is too short and, the first time, eased where all flanks nearby touch for long."""
     curve, limits = made.curve, made.limits
+    if refusals >= STUBBORN:
+        # It is no single place: a rounder curve altogether has gentler slopes and more room.
+        rounder, room = limits.steepest_rad * ROUNDER, min(limits.nearest + ROOMIER, MOST_ROOM)
+        limits = replace(limits, steepest_rad=rounder, nearest=room)
     share = np.broadcast_to(limits.share, curve.arc_mm.shape)
     if not made.lacking.size:
         return replace(limits, share=np.maximum(share * NO_TEETH, LEAST_SHARE))
     reach = BESIDE_PITCHES * curve.length_mm / curve.teeth
     near = np.maximum(1.0 - curve.apart_mm(made.lacking[:, 0]) / reach, 0.0)
     less = np.max(near * np.minimum(DRAWN_IN + MORE * refusals + made.lacking[:, 1], MOST_DRAWN_IN), axis=1)
-    shortest = np.min(np.where(curve.apart_mm(made.meetings_mm) < reach, made.arcs, np.inf), axis=1)
+    shortest = np.min(np.where(curve.apart_mm(made.meetings_mm) < reach, made.arcs, np.inf), axis=1, initial=np.inf)
     eased = np.where((refusals == 0) & (less == 0.0) & (shortest > ROOMY), EASED, 1.0)
     return replace(limits, share=np.clip(share * (1.0 - less) * eased, LEAST_SHARE, MOST_SHARE))
+
+
+def _most_lacking(made: _Made) -> str:
+    """Where in the drawing the contact of a refused pair lacks most, in words; nothing where that is not known."""
+    if not made.lacking.size:
+        return ""
+    place = made.lacking[np.argmax(made.lacking[:, 1]), 0]
+    points, _ = made.curve.points()
+    nearest = int(np.argmin(made.curve.apart_mm(np.array([place]))[:, 0]))
+    x, y = points[nearest * FINER]
+    own, mate = (one[nearest] * made.curve.module_mm for one in made.curve.curvature)
+    bent, given = min(own, mate), _given_gear(made.motion)
+    concave = given if own <= mate else next(gear for gear in Gear if gear is not given)
+    hollow = f", where the {concave.value} gear is concave, {bent:.3g} per module" if bent < 0.0 else ""
+    return f": their contact fails at ({x:.4g}, {y:.4g}) mm of the drawing{hollow}"
 
 
 def _between(kept: _Made, refused: _Made | None) -> Limits:
@@ -434,7 +494,13 @@ def _between(kept: _Made, refused: _Made | None) -> Limits:
     share = np.asarray(kept.limits.share)
     if refused is None:
         return replace(kept.limits, share=np.minimum(share * EASED**2, MOST_SHARE))
-    return replace(kept.limits, share=(share + np.asarray(refused.limits.share)) / 2.0)
+    other = refused.limits
+    return replace(
+        kept.limits,
+        share=(share + np.asarray(other.share)) / 2.0,
+        steepest_rad=(kept.limits.steepest_rad + other.steepest_rad) / 2.0,
+        nearest=(kept.limits.nearest + other.nearest) / 2.0,
+    )
 
 
 def _binding(made: _Made, there: float) -> tuple[Kind, ...]:

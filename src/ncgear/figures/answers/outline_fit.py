@@ -23,10 +23,16 @@ def fitted_answer(name: str, found: OutlineFit, then: str) -> Answer:
     rows = [
         Row("teeth", (f"{curve.teeth} : {curve.teeth}, module {shown(curve.module_mm)} mm",)),
         Row("axes", (f"{shown(curve.center_distance_mm)} mm apart; that in the drawing at {axis}",)),
-        Row("contact ratio", (shown(found.contact_ratio),)),
+        Row(
+            "contact ratio",
+            (f"{shown(found.contact_ratio)}, shortest contact {shown(found.shortest_contact)} pitches",),
+        ),
         Row("ratio", (" to ".join(shown(one.value) for one in found.drive.transmission.ratio_range),)),
         Row("pressure angle", (f"up to {shown(found.pressure_angle_deg)} deg",)),
     ]
+    if (length := found.length_by_size) is not None:
+        told = f"teeth and module_mm give a curve {to_digits(length, 3)} times as long as the outline's hull"
+        rows.append(Row("size", (f"{told}; leave one of them out to have the outline's size",)))
     about = f", {placed(degrees(found.greatest_at_rad))} deg about the axis"
     rows += _strays(found, found.deviation, size, found.bound_by, about)
     if mate is not None:
