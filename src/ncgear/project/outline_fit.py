@@ -42,10 +42,11 @@ from ncgear.project.drive import Drive
 from ncgear.project.finer import require_made
 from ncgear.teeth.gear import ToothedGear
 
-TRIALS, NEARER = 8, 2
-"""Pairs made at most until one is not refused, and how many more are tried between it and the last refusal."""
+TRIALS, NEARER = 10, 2
+"""Pairs made at most until one is not refused, and how many more are tried between it and the last refusal where it came
+soon; else one."""
 
-WORTH = 0.002
+WORTH = 0.01
 """Share of the deviation that another pair must be able to save to be tried."""
 
 DRAWN_IN, MORE, MOST_DRAWN_IN = 0.05, 0.03, 0.3
@@ -65,8 +66,12 @@ are taken for the ones that written outlines leave without contact."""
 NO_TEETH = 0.9
 """By what limits are drawn in everywhere where teeth cannot be made at all."""
 
-STUBBORN, ROUNDER, ROOMIER, MOST_ROOM = 2, 0.85, 0.05, 0.35
-"""After how many refusals slopes and room are drawn in as well, by what share and by how much, and the most room."""
+STUBBORN, LAST, FEW_LACKING = 2, 6, 8
+"""After how many refusals slopes and room are drawn in as well, where teeth run into each other or contact lacks at more
+than a few places, and where it lacks at few."""
+
+ROUNDER, ROOMIER, MOST_ROOM = 0.85, 0.05, 0.35
+"""By what share slopes are drawn in, by how much room grows, and the most of it."""
 
 LEAST_SHARE, MOST_SHARE = 0.25, 1.3
 """Range of the shares of the limits."""
@@ -376,7 +381,7 @@ class _Search:
             if made.refusal is not None:
                 refused = made
             elif kept is None:
-                kept, left = made, NEARER if trial <= STUBBORN else 1
+                kept, left = made, NEARER if trial < STUBBORN else 1
             elif self._away_mm(made) < self._away_mm(kept):
                 kept = made
             if kept is not None and refused is not None and self._away_mm(kept) < (1 + WORTH) * self._away_mm(refused):
@@ -459,7 +464,8 @@ def _with_contact(made: _Made, gear: ToothedGear, gears: Gears) -> _Made:
 def _drawn_in(made: _Made, refusals: int) -> Limits:
     """Limits drawn in where contact is too short and, the first time, eased where all flanks nearby touch for long."""
     curve, limits = made.curve, made.limits
-    if refusals >= STUBBORN:
+    many = isinstance(made.refusal, RefusedAt) or len(made.lacking) > FEW_LACKING
+    if refusals >= (STUBBORN if many else LAST):
         # It is no single place: a rounder curve altogether has gentler slopes and more room.
         rounder, room = limits.steepest_rad * ROUNDER, min(limits.nearest + ROOMIER, MOST_ROOM)
         limits = replace(limits, steepest_rad=rounder, nearest=room)
