@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ncgear.ratio.laws.closed_curve import ClosedCurve
     from ncgear.ratio.laws.pitch_curve import Search
 
-MOST_POINTS = 20_000
+MOST_POINTS = 100_000
 FEWEST_POINTS = 6
 MOST_CONTROL_POINTS = 500
 MOST_SIDES = 100
