@@ -43,8 +43,8 @@ from ncgear.project.finer import require_made
 from ncgear.teeth.gear import ToothedGear
 
 TRIALS, NEARER = 10, 2
-"""Pairs made at most until one is not refused, and how many more are tried between it and the last refusal where it came
-soon; else one."""
+"""Pairs made at most until one is not refused, and how many more are tried between it and the last refusal where it
+came soon; else one."""
 
 WORTH = 0.01
 """Share of the deviation that another pair must be able to save to be tried."""
@@ -67,8 +67,8 @@ NO_TEETH = 0.9
 """By what limits are drawn in everywhere where teeth cannot be made at all."""
 
 STUBBORN, LAST, FEW_LACKING = 2, 6, 8
-"""After how many refusals slopes and room are drawn in as well, where teeth run into each other or contact lacks at more
-than a few places, and where it lacks at few."""
+"""After how many refusals slopes and room are drawn in as well, where teeth run into each other or contact lacks at
+more than a few places, and where it lacks at few."""
 
 ROUNDER, ROOMIER, MOST_ROOM = 0.85, 0.05, 0.35
 """By what share slopes are drawn in, by how much room grows, and the most of it."""

@@ -34,17 +34,20 @@ NAMES = range(1, 100)
 
 
 def drawing_of(drive: Drive) -> Iterator[Answer]:
-    """``drawing``: the outline, its axis, its points where they stand in the design; nothing without a known one."""
+    """``drawing``: the outline, its axis, its points where the design has them; nothing without a known one.
+
+    Points ``of_file`` come into the design, in place of the file's name, when one is dragged; the file stays as it is.
+    """
     motion = drive.design.motion
     if not motion.gives_outline or motion.solves_shape:
         return
     outline, axis, key = motion.outline_mm()
     given = motion.model_dump(exclude_unset=True).get("points") or {}
-    # Points of a file are not the design's to change.
-    own = "x_mm" in given and given.get("file") is None and len(outline) <= MOST_DRAGGED
+    points = outline.tolist() if "x_mm" in given and len(outline) <= MOST_DRAGGED else []
+    of_file = given.get("file") is not None
     yield (
         "drawing",
-        {"outline": _shown(outline), "axis": axis.tolist(), "points": outline.tolist() if own else [], "key": key},
+        {"outline": _shown(outline), "axis": axis.tolist(), "points": points, "of_file": of_file, "key": key},
     )
 
 
