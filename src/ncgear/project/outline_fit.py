@@ -464,7 +464,8 @@ def _with_contact(made: _Made, gear: ToothedGear, gears: Gears) -> _Made:
 def _drawn_in(made: _Made, refusals: int) -> Limits:
     """Limits drawn in where contact is too short and, the first time, eased where all flanks nearby touch for long."""
     curve, limits = made.curve, made.limits
-    many = isinstance(made.refusal, RefusedAt) or len(made.lacking) > FEW_LACKING
+    short = made.refusal is not None and made.refusal.key == "gears.least_contact_ratio"
+    many = not short or len(made.lacking) > FEW_LACKING
     if refusals >= (STUBBORN if many else LAST):
         # It is no single place: a rounder curve altogether has gentler slopes and more room.
         rounder, room = limits.steepest_rad * ROUNDER, min(limits.nearest + ROOMIER, MOST_ROOM)
