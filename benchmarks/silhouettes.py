@@ -21,6 +21,9 @@ PAGE = Path(__file__).parent / "silhouettes.md"
 
 SIZE_MM, TEETH = 64.0, 64
 
+TWO = "heart", "fish"
+"""Outlines of a gear and of its mate."""
+
 PYTHON = platform.python_version()
 
 FEWEST = 6
@@ -49,9 +52,26 @@ def row(path: Path) -> str:
     return f"| {path.stem} | {deviations} | {found.contact_ratio:.2f} | {process_time() - begun:.1f} |"
 
 
+def row_of_two(folder: Path) -> str:
+    """Both gears follow an outline, with equal weights."""
+    begun = process_time()
+    own, mate = (outline(folder / f"{name}.txt") for name in TWO)
+    found = ncgear.fit(own, teeth=TEETH, mate_mm=mate, gears={"drives": "both_ways"})
+    other = found.mate
+    assert other is not None
+    two = [found.deviation, other.deviation]
+    root, greatest = (
+        " and ".join(f"{getattr(one, name):.{digits}f}" for one in two)
+        for name, digits in (("root_mean_square_mm", 3), ("greatest_mm", 1))
+    )
+    names = f"{TWO[0]}, its mate a {TWO[1]} of {other.size_mm:.0f} mm"
+    return f"| {names} | {root} | {greatest} | {found.contact_ratio:.2f} | {process_time() - begun:.1f} |"
+
+
 def page(folder: Path) -> str:
     """The whole page."""
     rows = [row(path) for path in sorted(folder.glob("*.txt"))]
+    rows.append(row_of_two(folder))
     lines = [
         "# Outlines and the nearest gears",
         "",

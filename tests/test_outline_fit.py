@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from dataclasses import replace
-from math import pi, tau
+from math import pi, radians, tau
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +19,8 @@ from ncgear.numerics.arrays import Array
 from ncgear.optimum.outline.conditions import Limits, conditions
 from ncgear.optimum.outline.nearest import deviation
 from ncgear.optimum.outline.outline import axes_to_try, outline_of
-from ncgear.optimum.outline.rolled import Basis, Rolled, closing_distance_mm
+from ncgear.optimum.outline.phases import best_phases
+from ncgear.optimum.outline.rolled import Basis, MatePlace, Rolled, closing_distance_mm, rays
 from ncgear.project.outline_fit import OutlineFit
 
 TURN = np.linspace(0.0, tau, 400, endpoint=False)
@@ -221,7 +222,7 @@ def test_the_axis_stays_and_the_module_is_kept() -> None:
 @pytest.mark.slow
 def test_an_inlet_is_lost_and_told() -> None:
     """No ray may meet a pitch curve twice, so the inlet is filled; the greatest deviation is in it."""
-    found = ncgear.fit(HOOK, teeth=72)
+    found = ncgear.fit(HOOK, teeth=72, gears={"drives": "both_ways"})
     assert found.deviation.greatest_mm > 5.0
     assert judged(found, HOOK) < 8.0
 
@@ -231,6 +232,114 @@ def test_too_few_teeth_are_refused_by_name() -> None:
     """Seven teeth stand on no heart; what is refused is not a fault of ncgear."""
     with pytest.raises(NoSuchMechanism):
         ncgear.fit(heart(), teeth=7)
+
+
+def fish() -> Array:
+    """A fish with a tail, 60 mm long."""
+    x = 30.0 * np.cos(TURN) - 6.0 * np.sin(TURN) ** 2
+    y = (
+        14.0 * np.sin(TURN)
+        + 6.0 * np.exp(-(((TURN - pi + 0.5) / 0.2) ** 2))
+        - 6.0 * np.exp(-(((TURN - pi - 0.5) / 0.2) ** 2))
+    )
+    return np.column_stack([x, y])
+
+
+def follower(place: MatePlace) -> Rolled:
+    """A curve whose mate stands in a drawing."""
+    return replace(rolled(lambda phi: 30.0 + 3.0 * np.cos(phi) + 2.0 * np.sin(2.0 * phi), 64, 64), mate_place=place)
+
+
+@pytest.mark.judges("optimum")
+def test_the_mate_moves_in_its_drawing_as_differences_say() -> None:
+    curve = follower(MatePlace(np.array([1.0, 2.0]), 0.3, 1.2))
+    index = np.array([0, 5, 800, 1300, 2040])
+    way = rays(np.array([0.1, 1.2, 2.3, 3.4, 5.5]))[0]
+    change, step = np.cos(np.arange(64) ** 2), 1e-5
+    ends = []
+    for sign in (step, -step):
+        place = replace(curve.mate_place, turned_rad=0.3 + 0.02 * sign) if curve.mate_place else None
+        coefficients, distance = curve.coefficients + sign * change, curve.center_distance_mm + 0.7 * sign
+        moved = replace(curve, coefficients=coefficients, center_distance_mm=distance, mate_place=place)
+        ends.append(moved.mate_in_drawing()[0][index])
+    rows, by_distance, by_turn = curve.mate_rows(index, way)
+    expected = np.sum((ends[0] - ends[1]) / (2.0 * step) * way, axis=1)
+    assert rows @ change + 0.7 * by_distance + 0.02 * by_turn == pytest.approx(expected, abs=5e-3)
+
+
+def test_the_mate_of_an_ellipse_about_its_focus_is_found_at_its_turn() -> None:
+    """Two equal ellipses about their foci roll on each other, facing with opposite ends (Litvin, chapter 4)."""
+    phi = tau * np.arange(720) / 720
+    radius = 20.0 / (1.0 + 0.4 * np.cos(phi))
+    start = best_phases([radius], [np.roll(radius, 60)], 0.5, False, 1)[0]
+    assert start.scale == pytest.approx(1.0, rel=1e-4)
+    assert start.radius_mm == pytest.approx(radius, rel=1e-3)
+    # The mate faces the least radius with its greatest, which lies at 180 + 30 deg of its drawing.
+    assert start.turned_rad % tau == pytest.approx(radians(210.0), abs=0.02)
+
+
+@pytest.mark.slow
+def test_both_gears_follow_an_outline() -> None:
+    """Distances of both are those of shapely; either gear alone is nearer, and the weight moves them apart."""
+    both = {"drives": "both_ways"}
+    found = {
+        weight: ncgear.fit(heart(), teeth=48, mate_mm=fish(), mate_weight=weight, gears=both) for weight in (0.25, 0.75)
+    }
+    for one in found.values():
+        judged(one, heart())
+        assert one.mate is not None
+        root, greatest = by_shapely(one.mate.scale * fish(), one.mate.scale * one.mate.points_mm)
+        assert one.mate.deviation.root_mean_square_mm == pytest.approx(root, rel=5e-3)
+        assert one.mate.deviation.greatest_mm == pytest.approx(greatest, rel=5e-3)
+        # The mate of the teeth has the curve that is told, turned and moved into its drawing.
+        driven = shapely.LinearRing(one.drive.pitch.driven.drawn(2000).position)
+        told = shapely.LinearRing(one.mate.scale * one.mate.points_mm)
+        assert driven.length == pytest.approx(told.length, rel=1e-4)
+        assert shapely.Polygon(driven).area == pytest.approx(shapely.Polygon(told).area, rel=1e-4)
+    light, heavy = found[0.25], found[0.75]
+    assert light.mate is not None
+    assert heavy.mate is not None
+    assert light.deviation.root_mean_square_mm < heavy.deviation.root_mean_square_mm
+    assert heavy.mate.deviation.root_mean_square_mm < light.mate.deviation.root_mean_square_mm
+
+
+@pytest.mark.slow
+def test_the_command_follows_an_outline_of_the_mate(run: Run) -> None:
+    table = "x_mm;y_mm\n" + "".join(f"{x:.4f};{y:.4f}\n" for x, y in fish())
+    Path("fish.csv").write_text(table)
+    mate = "{points: {file: fish.csv, tolerance_mm: 1}, size: fixed}"
+    text = CORNERED.replace("{axis: fixed}", f"{{mate: {mate}}}")
+    Path("two.yaml").write_text(text)
+    told = json.loads(run("fit", "two.yaml", "--out", "out", "--json")[1])
+    assert told["mate"]["outline"]["scale"] == pytest.approx(1.0, abs=1e-9)
+    drive = ncgear.load("out/tile-fitted.yaml")
+    assert drive.design.outline is None
+    assert drive.designed_contact.contact_ratio == pytest.approx(told["pair"]["contact_ratio"], rel=1e-3)
+    Path("two.yaml").write_text(
+        text.replace("size: fixed", "axis: fixed, size: fixed").replace(
+            "tolerance_mm: 1", "tolerance_mm: 1, axis_x_mm: 99"
+        )
+    )
+    status, _, refused = run("fit", "two.yaml")
+    assert (status, "two.yaml" in refused, "outline.mate.points" in refused, "outside" in refused) == (
+        2,
+        True,
+        True,
+        True,
+    )
+
+
+@pytest.mark.parametrize(
+    ("mate", "said"),
+    [
+        ("{}", "one of"),
+        ("{points: {phi_deg: [0, 60, 120, 180, 240, 300], radius_mm: [1, 1, 1, 1, 1, 1], tolerance_mm: 1}}", "polar"),
+    ],
+)
+def test_an_outline_of_the_mate_is_drawn(mate: str, said: str) -> None:
+    with pytest.raises(WrongInput, match=said) as refused:
+        ncgear.loads(CORNERED.replace("{axis: fixed}", f"{{mate: {mate}}}"))
+    assert "outline.mate" in str(refused.value)
 
 
 CORNERED = """\

@@ -41,6 +41,24 @@ def test_the_points_of_a_design_are_those_that_can_be_dragged() -> None:
     assert after["points"][:3] + after["points"][4:] == content["points"][:3] + content["points"][4:]
 
 
+def test_points_of_a_file_come_into_the_design_when_one_is_dragged(tmp_path: Path) -> None:
+    turn = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
+    points = np.column_stack([30.0 * np.cos(turn), 20.0 * np.sin(turn)]).round(3)
+    (tmp_path / "oval.csv").write_text("x_mm;y_mm\n" + "".join(f"{x};{y}\n" for x, y in points))
+    head = "name: mine\noperation: {speed_rpm: 30}\nmotion:\n  law: pitch_curve\n"
+    text = f"{head}  points: {{file: oval.csv, tolerance_mm: 0.1}}  # traced\n"
+    ((_, content),) = drawing_of(Drive(parsed(text, tmp_path / "mine.yaml").design))
+    assert content["of_file"]
+    assert content["points"] == points.tolist()
+    points[3] += 0.5
+    lists = {f"motion.points.{name}": column.tolist() for name, column in zip(("x_mm", "y_mm"), points.T, strict=True)}
+    moved = edited(text, {"motion.points.file": None, **lists})
+    assert "# traced" in moved
+    ((_, after),) = drawing_of(loads(moved))
+    assert not after["of_file"]
+    assert after["points"] == points.tolist()
+
+
 @pytest.mark.thorough
 def test_a_dropped_file_stands_beside_the_design_and_nothing_is_written_over(tmp_path: Path) -> None:
     pytest.importorskip("svgelements")

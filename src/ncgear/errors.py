@@ -47,6 +47,14 @@ class NoSuchMechanism(DesignError):
     exit_status = 3
 
 
+class RefusedAt(NoSuchMechanism):
+    """A pair of gears refused for its teeth at one angle of the driving gear, ``phi1_rad``."""
+
+    def __init__(self, problem: str, *, phi1_rad: float, key: str = "", location: str = "") -> None:
+        super().__init__(problem, key=key, location=location)
+        self.phi1_rad = phi1_rad
+
+
 class Unanswered(NoSuchMechanism):
     """The file is right, but numbers do not tell whether its mechanism exists: a search of ncgear found no answer.
 

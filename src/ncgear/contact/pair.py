@@ -17,7 +17,7 @@ from ncgear.contact.designed.flanks import PairsInContact
 from ncgear.contact.placement import Placement
 from ncgear.contact.written.as_written import AsWritten, Outlines, as_written, reach_mm
 from ncgear.contact.written.extremes import WrittenExtremes, written_extremes
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, RefusedAt
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
@@ -179,9 +179,10 @@ def _refuse_between(found: ContactExtremes | WrittenExtremes, allowed_mm: float,
 
 
 def _overlapping(deepest: Extremum, tooth: int, mesh: Mesh) -> NoSuchMechanism:
-    return NoSuchMechanism(
+    return RefusedAt(
         f"the teeth run into each other by {deepest.value:.3g} mm near tooth {tooth} of the driving gear at phi1 = "
         f"{in_words(deepest.at)}: {CAUSES[mesh]}",
+        phi1_rad=deepest.at,
         key="gears.teeth",
     )
 
@@ -192,11 +193,12 @@ def _require_as_designed(written: AsWritten, designed: AsDesigned, allowed_mm: f
         astray = np.abs(error - first.error_rad) * first.lever_mm
         worst = int(np.argmax(astray))
         if astray[worst] > allowed_mm:
-            phi1 = in_words(float(designed.placement.phi1_rad[worst]))
+            phi1 = float(designed.placement.phi1_rad[worst])
             tooth, _ = designed.placement.teeth_at(worst)
-            raise NoSuchMechanism(
+            raise RefusedAt(
                 f"the outlines written as {written.source} touch {astray[worst]:.3g} mm off the exact teeth near tooth "
-                f"{tooth} of the driving gear at phi1 = {phi1}: {CAUSES[designed.placement.mesh]}",
+                f"{tooth} of the driving gear at phi1 = {in_words(phi1)}: {CAUSES[designed.placement.mesh]}",
+                phi1_rad=phi1,
                 key="gears.teeth",
             )
 

@@ -20,8 +20,8 @@ KINDS: dict[str, tuple[str, dict[str, Any]]] = {
 }
 """The shape of the law and its keys beside ``file``, by the ending of the file."""
 
-MANY_CURVES, SMOOTHED_MM = 100, 0.1
-"""Curves of a contour from which on it is smoothed, and within what: so many are the chords of a traced outline."""
+MANY_CHORDS, SMOOTHED_MM = 100, 0.1
+"""Chords of a contour from which on it is smoothed, and within what: so many are the chords of a traced outline."""
 
 
 def shape_of_file(file: str, key: str) -> tuple[str, dict[str, Any]]:
@@ -46,6 +46,7 @@ def as_read(text: str, path: Path) -> str:
     kind = next(kind for kind, _ in KINDS.values() if getattr(motion, kind, None) is contour)
     if (unit := getattr(contour, "drawn_in", None)) is not None:
         changes[f"motion.{kind}.unit"] = unit
-    if contour.tolerance_mm is None and len(contour.curves or ()) > MANY_CURVES:
+    chords = sum(len(one.x) - 1 for one in contour.curves or () if one.degree == 1)
+    if contour.tolerance_mm is None and chords > MANY_CHORDS:
         changes[f"motion.{kind}.tolerance_mm"] = SMOOTHED_MM
     return rewritten(text, changes) if changes else text

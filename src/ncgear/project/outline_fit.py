@@ -16,24 +16,37 @@ import numpy as np
 
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import Gears
+from ncgear.design.keys.outline import FollowedOutline, MateOutline
 from ncgear.design.keys.pitch_shapes import FEWEST_POINTS, MOST_POINTS
+from ncgear.design.laws.base import LawKeys
 from ncgear.design.reading.design_file import parsed_mapping
-from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.errors import NoSuchMechanism, RefusedAt, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.outline.conditions import Kind, Limits, conditions
-from ncgear.optimum.outline.nearest import Deviation, coefficients_for, deviation, nearest_curve, polar_angle
+from ncgear.optimum.outline.nearest import (
+    Deviation,
+    away_mm,
+    coefficients_for,
+    deviation,
+    mate_deviation,
+    nearest_curve,
+    polar_angle,
+)
 from ncgear.optimum.outline.outline import Outline, outline_of
-from ncgear.optimum.outline.programme import Wanted
-from ncgear.optimum.outline.rolled import Basis, Rolled, rays
+from ncgear.optimum.outline.programme import MateWanted, Wanted
+from ncgear.optimum.outline.rolled import FINER, Basis, Rolled, rays
+from ncgear.pitch.curve import CurvePoints
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.project.finer import require_made
 from ncgear.teeth.gear import ToothedGear
 
-TRIALS, NEARER = 8, 2
-"""Pairs made at most until one is not refused, and how many more are tried between it and the last refusal."""
+TRIALS, NEARER = 10, 2
+"""Pairs made at most until one is not refused, and how many more are tried between it and the last refusal where it
+came soon; else one."""
 
-WORTH = 0.002
+WORTH = 0.01
 """Share of the deviation that another pair must be able to save to be tried."""
 
 DRAWN_IN, MORE, MOST_DRAWN_IN = 0.05, 0.03, 0.3
@@ -46,8 +59,19 @@ ROOMY, EASED = 1.25, 1.05
 BESIDE_PITCHES = 2.0
 """How far from a pair of flanks its contact sets the limits, in pitches."""
 
+CLASH, SHORT = 0.15, 1.1
+"""What teeth that run into each other count as a lack of contact, in pitches, and under which arcs of contact flanks
+are taken for the ones that written outlines leave without contact."""
+
 NO_TEETH = 0.9
 """By what limits are drawn in everywhere where teeth cannot be made at all."""
+
+STUBBORN, LAST, FEW_LACKING = 2, 6, 8
+"""After how many refusals slopes and room are drawn in as well, where teeth run into each other or contact lacks at
+more than a few places, and where it lacks at few."""
+
+ROUNDER, ROOMIER, MOST_ROOM = 0.85, 0.05, 0.35
+"""By what share slopes are drawn in, by how much room grows, and the most of it."""
 
 LEAST_SHARE, MOST_SHARE = 0.25, 1.3
 """Range of the shares of the limits."""
@@ -73,6 +97,28 @@ class NextSize:
     module_mm: float
     root_mean_square_mm: float
     greatest_mm: float
+    mate_root_mean_square_mm: float | None = None
+    mate_greatest_mm: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class MateFit:
+    """How near the mate comes to an outline of its own: distances in mm of the pair, places in mm of its drawing.
+
+    ``scale`` is the size of the gears by that of the drawing; ``bound_by`` is as in ``OutlineFit``.
+    """
+
+    outline: Outline
+    deviation: Deviation
+    points_mm: Array
+    axis_mm: Array
+    scale: float
+    bound_by: tuple[Kind, ...]
+
+    @property
+    def size_mm(self) -> float:
+        """Of the outline, at the size of the pair."""
+        return self.scale * self.outline.size_mm
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,7 +126,8 @@ class OutlineFit:
     """The nearest pair that can be made: the outline, the curve, and the drive of the fitted design.
 
     ``motion`` has the keys of the fitted law.  ``bound_by`` are the kinds of conditions that bind where the deviation
-    is greatest, the most binding first; ``next_sizes`` are those with more teeth.
+    is greatest, the most binding first; ``next_sizes`` are those with more teeth.  ``mate`` is known where the mate
+    follows an outline, too.
     """
 
     outline: Outline
@@ -90,6 +137,8 @@ class OutlineFit:
     motion: Mapping[str, Any]
     bound_by: tuple[Kind, ...]
     next_sizes: tuple[NextSize, ...]
+    asked_gears: Gears
+    mate: MateFit | None = None
 
     @property
     def points_mm(self) -> Array:
@@ -112,6 +161,22 @@ class OutlineFit:
         return self.drive.designed_contact.contact_ratio
 
     @property
+    def shortest_contact(self) -> float:
+        """Shortest arc of contact of any pair of flanks, in pitches."""
+        return self.drive.designed_contact.least_arc
+
+    @property
+    def length_by_size(self) -> float | None:
+        """Length of the pitch curve that teeth and module give by that of the outline's hull; None where one follows.
+
+        Where both are given the curve cannot have the size of the outline.
+        """
+        gears = self.asked_gears
+        if gears.teeth is None or gears.module_mm is None:
+            return None
+        return pi * gears.teeth * gears.module_mm / self.outline.hull_length_mm
+
+    @property
     def pressure_angle_deg(self) -> float:
         """Greatest pressure angle of the flanks that drive, with the rack's own."""
         return self.drive.pitch.largest_pressure_angle_deg(radians(self.drive.gears.carrying_angle_deg))
@@ -128,6 +193,8 @@ def fit(
     teeth: int | None = None,
     module_mm: float | None = None,
     axis_mm: tuple[float, float] | None = None,
+    mate_mm: Array | None = None,
+    mate_weight: float = 0.5,
     criterion: Literal["root_mean_square", "greatest"] = "root_mean_square",
     pressure_angle_deg: float = 75.0,
     gears: Mapping[str, Any] | None = None,
@@ -136,6 +203,8 @@ def fit(
     """The nearest pair of gears that can be made to a closed outline, points of shape (n, 2) in mm in either sense.
 
     The size of its teeth is given by ``teeth`` or ``module_mm``.  The axis is held at ``axis_mm`` where it is given.
+    ``mate_mm`` are points of an outline for the mate, seen from the same side, shape (k, 2), ``mate_weight`` is its
+    share in the squared distances of both; it grows or shrinks to the size that suits.
     ``pressure_angle_deg`` is the greatest one, that of the rack included.
     ``criterion`` tells whether the root of the mean square of distances or their greatest is least; ``gears`` has
     further keys of the section ``gears`` of a design file.
@@ -143,22 +212,31 @@ def fit(
     Raises WrongInput for what is wrong, and NoSuchMechanism where no pair near the outline can be made.
     """
     outline = outline_of(outline_mm, "outline_mm")
-    corners = outline.corners if len(outline.corners) >= FEWEST_POINTS else outline.with_middles
-    x, y = (corners if len(corners) <= MOST_POINTS else outline.even(MOST_POINTS)).T.tolist()
+    mate = (
+        {} if mate_mm is None else {"mate": {"points": _points(outline_of(mate_mm, "mate_mm")), "weight": mate_weight}}
+    )
     axis = {} if axis_mm is None else {"axis_x_mm": axis_mm[0], "axis_y_mm": axis_mm[1]}
     sizes = {key: value for key, value in (("teeth", teeth), ("module_mm", module_mm)) if value is not None}
     data = {
         "name": name,
         "operation": {"speed_rpm": 60.0},
-        "motion": {"law": "pitch_curve", "points": {"x_mm": x, "y_mm": y, "tolerance_mm": 1.0, **axis}},
+        "motion": {"law": "pitch_curve", "points": {**_points(outline), **axis}},
         "outline": {
             "axis": "free" if axis_mm is None else "fixed",
             "criterion": criterion,
             "pressure_angle_deg": pressure_angle_deg,
+            **mate,
         },
         "gears": {"face_width_mm": max(outline.size_mm / 8.0, 1.0), **sizes, **(gears or {})},
     }
     return fitted(parsed_mapping(data).design)
+
+
+def _points(outline: Outline) -> dict[str, Any]:
+    """The keys of points along an outline."""
+    corners = outline.corners if len(outline.corners) >= FEWEST_POINTS else outline.with_middles
+    x, y = (corners if len(corners) <= MOST_POINTS else outline.even(MOST_POINTS)).T.tolist()
+    return {"x_mm": x, "y_mm": y, "tolerance_mm": 1.0}
 
 
 def fitted(design: Design, on_trial: OnTrial = lambda done, most: None) -> OutlineFit:
@@ -168,18 +246,11 @@ def fitted(design: Design, on_trial: OnTrial = lambda done, most: None) -> Outli
     NoSuchMechanism where no pair near the outline can be made.
     """
     gears = _gears_of(design)
-    points, axis, key = design.motion.outline_mm()
-    outline, asked = outline_of(points, key), design.outline
-    fixed = asked is not None and asked.axis == "fixed"
-    if fixed and not outline.holds(axis):
-        raise WrongInput(
-            f"the axis at ({axis[0]:g}, {axis[1]:g}) mm is outside the outline; a place inside is right, or "
-            "outline.axis: free",
-            key=key,
-        )
-    wanted = Wanted(asked is not None and asked.criterion == "greatest", fixed)
+    asked = design.outline
+    outline, axis = _outline_and_axis(design.motion, asked is not None and asked.axis == "fixed", "outline.axis")
+    wanted = Wanted(asked is not None and asked.criterion == "greatest", axis is not None, mate=_mate_wanted(asked))
     limits = Limits() if asked is None else Limits(steepest_rad=_steepest_rad(asked.pressure_angle_deg, gears))
-    search = _Search(design, outline, wanted, axis if fixed else None, limits)
+    search = _Search(design, outline, wanted, axis, limits)
     start = None
     teeth = gears.teeth
     if teeth is None:
@@ -190,7 +261,42 @@ def fitted(design: Design, on_trial: OnTrial = lambda done, most: None) -> Outli
     best = search.best(teeth, start, on_trial)
     curve, away = best.curve, deviation(outline, best.curve)
     sizes = _next_sizes(outline, best, replace(wanted, module_mm=None))
-    return OutlineFit(outline, curve, away, best.drive, best.motion, _binding(best, away), sizes)
+    there = polar_angle(curve, away.toward_mm if away.of_outline else away.at_mm)
+    bound_by = _binding(best, there)
+    return OutlineFit(
+        outline, curve, away, best.drive, best.motion, bound_by, sizes, gears, _mate_fit(best, wanted.mate)
+    )
+
+
+def _outline_and_axis(drawn: LawKeys | MateOutline, fixed: bool, key: str) -> tuple[Outline, Array | None]:
+    """The outline, and its axis where that is fixed; raises WrongInput for an axis outside."""
+    points, axis, shape = drawn.outline_mm()
+    outline = outline_of(points, shape)
+    if fixed and not outline.holds(axis):
+        raise WrongInput(
+            f"the axis at ({axis[0]:g}, {axis[1]:g}) mm is outside the outline; a place inside is right, or "
+            f"{key}: free",
+            key=shape,
+        )
+    return outline, axis if fixed else None
+
+
+def _mate_wanted(asked: FollowedOutline | None) -> MateWanted | None:
+    if asked is None or asked.mate is None:
+        return None
+    outline, axis = _outline_and_axis(asked.mate, asked.mate.axis == "fixed", "outline.mate.axis")
+    return MateWanted(outline, asked.mate.weight, axis, asked.mate.size == "fixed")
+
+
+def _mate_fit(made: _Made, wanted: MateWanted | None) -> MateFit | None:
+    """How near the mate comes to its outline."""
+    curve, place = made.curve, made.curve.mate_place
+    if wanted is None or place is None:
+        return None
+    away, points = mate_deviation(wanted.outline, curve), curve.mate_in_drawing()[0] / place.scale
+    nearest = np.argmin(np.hypot(*(points - np.array(away.toward_mm if away.of_outline else away.at_mm)).T))
+    bound_by = _binding(made, float(curve.basis.phi_rad[nearest]))
+    return MateFit(wanted.outline, away, points, place.axis_mm / place.scale, place.scale, bound_by)
 
 
 def _gears_of(design: Design) -> Gears:
@@ -275,7 +381,7 @@ class _Search:
             if made.refusal is not None:
                 refused = made
             elif kept is None:
-                kept, left = made, NEARER
+                kept, left = made, NEARER if trial < STUBBORN else 1
             elif self._away_mm(made) < self._away_mm(kept):
                 kept = made
             if kept is not None and refused is not None and self._away_mm(kept) < (1 + WORTH) * self._away_mm(refused):
@@ -287,15 +393,15 @@ class _Search:
             assert refused is not None
             assert refused.refusal is not None
             raise NoSuchMechanism(
-                f"no pair near the outline can be made with {teeth} teeth; at last: {refused.refusal.problem}",
+                f"no pair near the outline can be made with {teeth} teeth{_most_lacking(refused)}; more teeth of a "
+                f"smaller module, or a rounder outline there, are right; at last: {refused.refusal.problem}",
                 key=refused.refusal.key,
             )
         return kept
 
     def _away_mm(self, made: _Made) -> float:
         """What is to be least."""
-        found = deviation(self.outline, made.curve)
-        return found.greatest_mm if self.wanted.greatest else found.root_mean_square_mm
+        return away_mm(self.outline, made.curve, self.wanted)
 
 
 def control_points(curve: Rolled) -> Array:
@@ -315,26 +421,38 @@ def _made(design: Design, curve: Rolled, limits: Limits) -> _Made:
     changes = {"motion": keys, "masses": None, "gears": gears.model_copy(update=size)}
     drive = Drive(design.model_copy(update=changes))
     made = _Made(curve, limits, drive, motion)
+    gear = _given_gear(motion)
     try:
-        made = _with_contact(made, drive.teeth.of(_given_gear(motion)), gears)
-        _ = drive.designed_contact
+        made = _with_contact(made, drive.teeth.of(gear), gears)
+        require_made(drive)
+    except RefusedAt as refusal:
+        at = _places(curve, drive.pitch.of(gear).at_angle(np.array([refusal.phi1_rad])))
+        rows = np.column_stack([at, np.full(1, CLASH)])
+        return replace(made, refusal=refusal, lacking=np.vstack([made.lacking, rows]))
     except NoSuchMechanism as refusal:
-        return replace(made, refusal=refusal)
+        short = made.arcs < SHORT
+        rows = np.column_stack([made.meetings_mm[short], SHORT - made.arcs[short]])
+        return replace(made, refusal=refusal, lacking=np.vstack([made.lacking, rows]))
     return made
+
+
+def _places(curve: Rolled, at: CurvePoints) -> Array:
+    """Arc lengths of the curve at points of its gear's pitch curve."""
+    polar = np.mod(np.arctan2(at.position[:, 1], at.position[:, 0]), 2.0 * pi)
+    found: Array = np.interp(polar, curve.phi_rad, curve.arc_mm, period=2.0 * pi)
+    return found
 
 
 def _with_contact(made: _Made, gear: ToothedGear, gears: Gears) -> _Made:
     """The same with how long flanks touch; ``gear`` is the one whose curve is given."""
-    flanks, curve, contact = gear.flanks, made.curve, made.drive.free_contact
-    sides = contact.pushing, contact.back
-    crossing = np.concatenate([flanks.crossing_mm[getattr(side.meetings, flanks.curve.gear.value)] for side in sides])
-    at = flanks.curve.at_length(crossing).position
-    polar = np.mod(np.arctan2(at[:, 1], at[:, 0]), 2.0 * pi)
-    places = np.interp(polar, curve.phi_rad, curve.arc_mm, period=2.0 * pi)
+    contact, placement = made.drive.free_contact, made.drive.free_contact.placement
+    sides, own = (contact.pushing, contact.back), gear.flanks.curve.gear.value
+    crossing = np.concatenate([gear.flanks.crossing_mm[getattr(side.meetings, own)] for side in sides])
+    places = _places(made.curve, gear.flanks.curve.at_length(crossing))
+    phi1 = gear.flanks.curve.driving_angle(crossing)
     arcs = np.concatenate([side.pairs.arcs for side in sides])
     least = max(gears.least_contact_ratio, 1.0)
     lacking = [(place, least - arc) for place, arc in zip(places, arcs, strict=True) if arc < least]
-    phi1, placement = flanks.curve.driving_angle(crossing), contact.placement
     judged = sides if gears.drives == "both_ways" else sides[:1]
     for low, high in np.concatenate([side.pairs.gaps for side in judged]):
         middle = placement.phi1_rad[round((low + high) / 2.0) % placement.count]
@@ -346,15 +464,36 @@ def _with_contact(made: _Made, gear: ToothedGear, gears: Gears) -> _Made:
 def _drawn_in(made: _Made, refusals: int) -> Limits:
     """Limits drawn in where contact is too short and, the first time, eased where all flanks nearby touch for long."""
     curve, limits = made.curve, made.limits
+    short = made.refusal is not None and made.refusal.key == "gears.least_contact_ratio"
+    many = not short or len(made.lacking) > FEW_LACKING
+    if refusals >= (STUBBORN if many else LAST):
+        # It is no single place: a rounder curve altogether has gentler slopes and more room.
+        rounder, room = limits.steepest_rad * ROUNDER, min(limits.nearest + ROOMIER, MOST_ROOM)
+        limits = replace(limits, steepest_rad=rounder, nearest=room)
     share = np.broadcast_to(limits.share, curve.arc_mm.shape)
     if not made.lacking.size:
         return replace(limits, share=np.maximum(share * NO_TEETH, LEAST_SHARE))
     reach = BESIDE_PITCHES * curve.length_mm / curve.teeth
     near = np.maximum(1.0 - curve.apart_mm(made.lacking[:, 0]) / reach, 0.0)
     less = np.max(near * np.minimum(DRAWN_IN + MORE * refusals + made.lacking[:, 1], MOST_DRAWN_IN), axis=1)
-    shortest = np.min(np.where(curve.apart_mm(made.meetings_mm) < reach, made.arcs, np.inf), axis=1)
+    shortest = np.min(np.where(curve.apart_mm(made.meetings_mm) < reach, made.arcs, np.inf), axis=1, initial=np.inf)
     eased = np.where((refusals == 0) & (less == 0.0) & (shortest > ROOMY), EASED, 1.0)
     return replace(limits, share=np.clip(share * (1.0 - less) * eased, LEAST_SHARE, MOST_SHARE))
+
+
+def _most_lacking(made: _Made) -> str:
+    """Where in the drawing the contact of a refused pair lacks most, in words; nothing where that is not known."""
+    if not made.lacking.size:
+        return ""
+    place = made.lacking[np.argmax(made.lacking[:, 1]), 0]
+    points, _ = made.curve.points()
+    nearest = int(np.argmin(made.curve.apart_mm(np.array([place]))[:, 0]))
+    x, y = points[nearest * FINER]
+    own, mate = (one[nearest] * made.curve.module_mm for one in made.curve.curvature)
+    bent, given = min(own, mate), _given_gear(made.motion)
+    concave = given if own <= mate else next(gear for gear in Gear if gear is not given)
+    hollow = f", where the {concave.value} gear is concave, {bent:.3g} per module" if bent < 0.0 else ""
+    return f": their contact fails at ({x:.4g}, {y:.4g}) mm of the drawing{hollow}"
 
 
 def _between(kept: _Made, refused: _Made | None) -> Limits:
@@ -362,13 +501,18 @@ def _between(kept: _Made, refused: _Made | None) -> Limits:
     share = np.asarray(kept.limits.share)
     if refused is None:
         return replace(kept.limits, share=np.minimum(share * EASED**2, MOST_SHARE))
-    return replace(kept.limits, share=(share + np.asarray(refused.limits.share)) / 2.0)
+    other = refused.limits
+    return replace(
+        kept.limits,
+        share=(share + np.asarray(other.share)) / 2.0,
+        steepest_rad=(kept.limits.steepest_rad + other.steepest_rad) / 2.0,
+        nearest=(kept.limits.nearest + other.nearest) / 2.0,
+    )
 
 
-def _binding(made: _Made, away: Deviation) -> tuple[Kind, ...]:
-    """The conditions that bind beside the greatest deviation, the most binding first."""
+def _binding(made: _Made, there: float) -> tuple[Kind, ...]:
+    """The conditions that bind beside a polar angle of the curve, the most binding first."""
     curve = made.curve
-    there = polar_angle(curve, away.toward_mm if away.of_outline else away.at_mm)
     at = np.interp([there], curve.phi_rad, curve.arc_mm, period=2.0 * pi)
     near = curve.apart_mm(at)[:, 0] < BINDS_WITHIN_PITCHES * curve.length_mm / curve.teeth
     values: dict[Kind, float] = {}
@@ -382,7 +526,7 @@ def _with_teeth(curve: Rolled, teeth: int) -> Rolled:
     basis = Basis(coefficients_for(teeth))
     phi = 2.0 * pi * np.arange(basis.count) / basis.count
     radius = basis.through(curve.basis.at(phi) @ curve.coefficients)
-    return Rolled(basis, radius, curve.axis_mm, curve.center_distance_mm, teeth)
+    return Rolled(basis, radius, curve.axis_mm, curve.center_distance_mm, teeth, curve.mate_place)
 
 
 def _next_sizes(outline: Outline, made: _Made, wanted: Wanted) -> tuple[NextSize, ...]:
@@ -397,5 +541,9 @@ def _next_sizes(outline: Outline, made: _Made, wanted: Wanted) -> tuple[NextSize
         except NoSuchMechanism:
             continue
         away = deviation(outline, found)
-        sizes.append(NextSize(found.teeth, found.module_mm, away.root_mean_square_mm, away.greatest_mm))
+        size = NextSize(found.teeth, found.module_mm, away.root_mean_square_mm, away.greatest_mm)
+        if wanted.mate is not None:
+            other = mate_deviation(wanted.mate.outline, found)
+            size = replace(size, mate_root_mean_square_mm=other.root_mean_square_mm, mate_greatest_mm=other.greatest_mm)
+        sizes.append(size)
     return tuple(sizes)

@@ -34,17 +34,20 @@ NAMES = range(1, 100)
 
 
 def drawing_of(drive: Drive) -> Iterator[Answer]:
-    """``drawing``: the outline, its axis, its points where they stand in the design; nothing without a known one."""
+    """``drawing``: the outline, its axis, its points where the design has them; nothing without a known one.
+
+    Points ``of_file`` come into the design, in place of the file's name, when one is dragged; the file stays as it is.
+    """
     motion = drive.design.motion
     if not motion.gives_outline or motion.solves_shape:
         return
     outline, axis, key = motion.outline_mm()
     given = motion.model_dump(exclude_unset=True).get("points") or {}
-    # Points of a file are not the design's to change.
-    own = "x_mm" in given and given.get("file") is None and len(outline) <= MOST_DRAGGED
+    points = outline.tolist() if "x_mm" in given and len(outline) <= MOST_DRAGGED else []
+    of_file = given.get("file") is not None
     yield (
         "drawing",
-        {"outline": _shown(outline), "axis": axis.tolist(), "points": outline.tolist() if own else [], "key": key},
+        {"outline": _shown(outline), "axis": axis.tolist(), "points": points, "of_file": of_file, "key": key},
     )
 
 
@@ -69,7 +72,7 @@ def nearest_pair(drive: Drive) -> Iterator[Answer]:
         changes |= {"gears.teeth": found.curve.teeth, "gears.module_mm": None, "gears.center_distance_mm": None}
     words = (
         f"The nearest pair that can be made is {to_digits(away.root_mean_square_mm, 2)} mm off (r.m.s.), "
-        f"{to_digits(away.greatest_mm, 2)} mm at most: {bound_words(found)}"
+        f"{to_digits(away.greatest_mm, 2)} mm at most: {bound_words(found, found.bound_by)}"
     )
     at = [list(away.at_mm), list(away.toward_mm)]
     yield "fitted", {"curve": _shown(found.points_mm), "greatest": at, "words": words, "changes": changes}

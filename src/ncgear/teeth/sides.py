@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import RefusedAt
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import chord_crossings, refined_crossings, zoomed_crossings
@@ -102,10 +102,11 @@ def refuse_sharp_places(pitch: PitchPair) -> None:
             continue
         sharpest = max(pitch.curvature_range[gear], key=lambda extremum: abs(extremum.value))
         if abs(sharpest.value) * least > 1.0:
-            raise NoSuchMechanism(
+            raise RefusedAt(
                 f"the {gear.value} pitch curve is curved with a radius of {1.0 / abs(sharpest.value):.4g} mm at phi1 = "
                 f"{in_words(sharpest.at)}, less than {least:.4g} mm, a quarter of the module: no flank rolls over "
                 "that; a law that changes more slowly there is needed",
+                phi1_rad=sharpest.at,
                 key="motion",
             )
 
@@ -144,10 +145,11 @@ def refuse_folded_lands(flanks: Flanks, sides: Sides) -> None:
     tooth, place = _worst(depth / limit)
     if depth[tooth, place] < limit[tooth, place]:
         return
-    raise NoSuchMechanism(
+    raise RefusedAt(
         f"the root of the space after tooth {tooth + 1} of the {flanks.curve.gear.value} gear folds at phi1 = "
-        f"{_angle(flanks, sigma[tooth, place])}: gear and tool turn about each other with a radius of "
+        f"{in_words(_angle(flanks, sigma[tooth, place]))}: gear and tool turn about each other with a radius of "
         f"{limit[tooth, place]:.4g} mm there, less than its depth of {depth[tooth, place]:.4g} mm; {REMEDY}",
+        phi1_rad=_angle(flanks, sigma[tooth, place]),
         key="gears.teeth",
     )
 
@@ -163,10 +165,11 @@ def _refuse_folded_tips(flanks: Flanks, sides: Sides) -> None:
     tooth, place = _worst(folding)
     if folding[tooth, place] < 1.0:
         return
-    raise NoSuchMechanism(
+    raise RefusedAt(
         f"the {flanks.curve.gear.value} pitch curve is hollow with a radius of "
-        f"{height[tooth] / folding[tooth, place]:.4g} mm at phi1 = {_angle(flanks, sigma[tooth, place])}, less "
-        f"than the height of {height[tooth]:.4g} mm of tooth {tooth + 1} there; {REMEDY}",
+        f"{height[tooth] / folding[tooth, place]:.4g} mm at phi1 = {in_words(_angle(flanks, sigma[tooth, place]))}, "
+        f"less than the height of {height[tooth]:.4g} mm of tooth {tooth + 1} there; {REMEDY}",
+        phi1_rad=_angle(flanks, sigma[tooth, place]),
         key="gears.teeth",
     )
 
@@ -183,8 +186,8 @@ def _worst(values: Array) -> tuple[int, int]:
     return int(row), int(column)
 
 
-def _angle(flanks: Flanks, sigma: float) -> str:
-    return in_words(float(flanks.curve.driving_angle(np.array(sigma))))
+def _angle(flanks: Flanks, sigma: float) -> float:
+    return float(flanks.curve.driving_angle(np.array(sigma)))
 
 
 KINDS = 2
@@ -217,9 +220,10 @@ def trimmed_sides(flanks: Flanks, sides: Sides, irregular: Mask) -> Sides:
         sides = _with_trimmed(sides, todo, trimmed)
         todo = todo[trimmed.folded]
     if todo.size:
-        raise NoSuchMechanism(
+        raise RefusedAt(
             f"{flank_name(flanks, int(todo[0]))} crosses itself where no tool can cut it clean: the pitch curve bends "
             "too sharply there; more teeth of a smaller module are needed",
+            phi1_rad=_angle(flanks, flanks.crossing_mm[todo[0]]),
             key="gears.teeth",
         )
     return sides

@@ -13,7 +13,7 @@ from math import degrees
 
 import numpy as np
 
-from ncgear.errors import NoSuchMechanism, searched_for
+from ncgear.errors import NoSuchMechanism, RefusedAt, searched_for
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import refined_crossings
@@ -417,9 +417,10 @@ def no_tip(flanks: Flanks, flank: int) -> NoSuchMechanism:
     mate = flanks.curve.mate_curvature(crossing)
     module = flanks.rack.module_mm
     hollow = f"; its mate is concave there, {mate * module:.3g} per module" if k >= 0.0 > mate else ""
-    return NoSuchMechanism(
+    return RefusedAt(
         f"{flank_name(flanks, flank)} has no tip above the pitch curve that is regular and free of its mate (curvature "
         f"{k:.4g} 1/mm, {k * flanks.rack.module_mm:.3g} per module, pressure angle of "
         f"the rack {degrees(angle):g} deg){hollow}; more teeth of a smaller module are needed",
+        phi1_rad=float(flanks.curve.driving_angle(flanks.crossing_mm[flank : flank + 1])[0]),
         key="gears.teeth",
     )

@@ -1,10 +1,69 @@
-"""How ncgear fit follows the outline that a design draws."""
+"""How ncgear fit follows the outline that a design draws, and an outline of the mate."""
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import TYPE_CHECKING, Literal, Self
 
-from ncgear.design.keys.base import Model, optional
+from pydantic import model_validator
+
+from ncgear.design.keys.base import Model, fault, given, optional
+from ncgear.design.keys.pitch_shapes import (
+    BSpline,
+    CurvePoints,
+    DxfContour,
+    PictureContour,
+    SvgContour,
+    drawn_points,
+)
+
+if TYPE_CHECKING:
+    from ncgear.numerics.arrays import Array
+
+MATE_SHAPES = ("points", "b_spline", "dxf", "svg", "picture")
+
+
+class MateOutline(Model):
+    """An outline that the mate follows, drawn as it is seen from the same side as the first one."""
+
+    RULES = (f"one of {' '.join(MATE_SHAPES)}",)
+
+    points: CurvePoints | None = optional("points of the outline in the plane")
+    b_spline: BSpline | None = optional("a closed B-spline by its control points")
+    dxf: DxfContour | None = optional("a closed contour of a DXF file")
+    svg: SvgContour | None = optional("a closed contour of an SVG file")
+    picture: PictureContour | None = optional("the outline of a silhouette in a picture")
+    weight: float = optional(
+        "the mate's share in the mean of the squared distances of both gears, or in the greater of both greatest "
+        "distances; 0.5: both alike",
+        0.5,
+        ge=0.05,
+        le=0.95,
+    )
+    axis: Literal["free", "fixed"] = optional(
+        "free: the mate's axis is where the curve comes nearest; fixed: it stays where the drawing has it", "free"
+    )
+    size: Literal["free", "fixed"] = optional(
+        "free: the mate's drawing grows or shrinks to a size that rolls with the other one; fixed: it is as drawn",
+        "free",
+    )
+
+    @model_validator(mode="after")
+    def _in_the_plane(self) -> Self:
+        if self.points is not None and not self.points.in_plane:
+            raise fault("points", "given in polar form; points in the plane, x_mm and y_mm, are right")
+        return self
+
+    def outline_mm(self) -> tuple[Array, Array, str]:
+        """Points of the outline, shape (n, 2), the axis in it, shape (2,), and the key that draws it.
+
+        Raises WrongInput where a file has no closed contour.
+        """
+        import numpy as np
+
+        drawn = self.points or self.b_spline or self.dxf or self.svg or self.picture
+        assert drawn is not None
+        key = f"outline.mate.{given(self, MATE_SHAPES)[0]}"
+        return drawn_points(drawn, key), np.array(drawn.axis_mm), key
 
 
 class FollowedOutline(Model):
@@ -24,4 +83,7 @@ class FollowedOutline(Model):
         "root_mean_square: the least root of the mean square of the distances between outline and curve; greatest: "
         "the least greatest distance",
         "root_mean_square",
+    )
+    mate: MateOutline | None = optional(
+        "an outline for the mate as well; left out: the mate has the shape that rolls with the first one"
     )

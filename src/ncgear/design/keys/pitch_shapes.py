@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from ncgear.ratio.laws.closed_curve import ClosedCurve
     from ncgear.ratio.laws.pitch_curve import Search
 
-MOST_POINTS = 20_000
+MOST_POINTS = 100_000
 FEWEST_POINTS = 6
 MOST_CONTROL_POINTS = 500
 MOST_SIDES = 100
@@ -275,6 +275,22 @@ class PictureContour(DrawnContour):
     )
 
     FILE: ClassVar[str] = "a picture"
+
+
+def drawn_points(shape: DrawnContour | BSpline | CurvePoints, key: str) -> Array:
+    """Points along a shape as it is drawn, shape (n, 2); raises WrongInput where a file has no closed contour.
+
+    Of points, those in the plane.
+    """
+    import numpy as np
+
+    from ncgear.numerics.rational import closed_uniform
+    from ncgear.ratio.laws.curve_shapes import points_along
+
+    if isinstance(shape, DrawnContour):
+        return points_along(shape.chain(f"{key}.file")[0])
+    points = np.column_stack([np.array(shape.x_mm), np.array(shape.y_mm)])
+    return points_along([closed_uniform(points, shape.degree).clamped()]) if isinstance(shape, BSpline) else points
 
 
 class OffsetEllipse(Drawn):

@@ -21,6 +21,7 @@ from ncgear.design.keys.pitch_shapes import (
     RoundedPolygon,
     Solvable,
     SvgContour,
+    drawn_points,
 )
 from ncgear.design.keys.types import FORMULA, Expression, Length
 from ncgear.design.laws.base import Begins, DesignLaw, LawKeys
@@ -104,24 +105,15 @@ class PitchCurve(LawKeys):
         """Points of the shape as drawn, its axis, and its key; raises WrongInput for a shape that is to be found."""
         import numpy as np
 
-        from ncgear.numerics.rational import closed_uniform
-        from ncgear.ratio.laws.curve_shapes import points_along
-
         key = f"{KEY}.{given(self, SHAPES)[0]}"
         if self._found_key:
             raise WrongInput(
                 f"{self.solve_for} given; a fit needs a shape that is known: center_distance or scale is right",
                 key=f"{KEY}.solve_for",
             )
-        if (contour := self.contour) is not None:
-            return points_along(contour.chain(f"{key}.file")[0]), np.array(contour.axis_mm), key
-        if self.points is not None and self.points.in_plane:
-            drawn = np.column_stack([np.array(self.points.x_mm), np.array(self.points.y_mm)])
-            return drawn, np.array(self.points.axis_mm), key
-        if self.b_spline is not None:
-            control = np.column_stack([np.array(self.b_spline.x_mm), np.array(self.b_spline.y_mm)])
-            spline = closed_uniform(control, self.b_spline.degree).clamped()
-            return points_along([spline]), np.array(self.b_spline.axis_mm), key
+        in_plane = self.points if self.points is not None and self.points.in_plane else None
+        if (drawn := self.contour or self.b_spline or in_plane) is not None:
+            return drawn_points(drawn, key), np.array(drawn.axis_mm), key
         if self.points is not None:
             angle, radius = self.points.polar()
         else:

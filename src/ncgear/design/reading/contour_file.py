@@ -36,7 +36,7 @@ READ = ("LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE")
 UNITS = {1: "inch", 4: "mm", 5: "cm", 6: "m"}
 """Units of ``$INSUNITS`` that a design can name."""
 
-MOST_ENTITIES = 20_000
+MOST_ENTITIES = 100_000
 """Entities of a drawing, those of its blocks counted as often as they are put into it."""
 
 DEEPEST = 16
@@ -73,7 +73,7 @@ def contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
         shown = [one for one in every if _name(one.dxf.layer) not in hidden and not one.dxf.get("invisible", 0)]
         named = [one for one in shown if layer is None or _name(one.dxf.layer) == _name(str(layer))]
         read = [one for one in named if one.dxftype() in READ]
-        curves = [_values(curve, one, file) for one in read for curve in _curves(one)]
+        curves = chords_joined(_values(curve, one, file) for one in read for curve in _curves(one))
         if len(curves) > MOST_CURVES:
             problem = (
                 f"holds {len(curves)} lines, arcs and curves; at most {MOST_CURVES} are right: join lines to a polyline"
@@ -260,6 +260,27 @@ def _values(curve: BSpline, entity: DXFEntity, file: Path) -> dict[str, Any]:
         "y": [float(y) for _, y, _ in points],
         "weights": weights,
     }
+
+
+def chords_of(x: list[float], y: list[float]) -> dict[str, Any]:
+    """A chain of chords through points as the keys of a part."""
+    count = len(x)
+    knots = [0.0, *map(float, range(count)), count - 1.0]
+    return {"degree": 1, "knots": knots, "x": x, "y": y, "weights": [1.0] * count}
+
+
+def chords_joined(parts: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
+    """The parts in order, each run of lines, of which one begins where the last one ends, as one chain of chords."""
+    found = list[dict[str, Any]]()
+    for part in parts:
+        last = found[-1] if found else {}
+        joins = part["degree"] == last.get("degree") == 1 and part["layer"] == last["layer"]
+        if joins and (part["x"][0], part["y"][0]) == (last["x"][-1], last["y"][-1]):
+            last["x"] += part["x"][1:]
+            last["y"] += part["y"][1:]
+        else:
+            found.append(part)
+    return [{**one, **chords_of(one["x"], one["y"])} if one["degree"] == 1 else one for one in found]
 
 
 END_STEPS = 3.0

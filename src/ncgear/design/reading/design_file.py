@@ -31,12 +31,17 @@ FORCE_POINTS = columns_kind(
     Columns((("displacement_mm", "angle_deg"), ("force_n", "torque_n_m")), MOST_RESISTANCE_POINTS)
 )
 
+DRAWN = {
+    "points": columns_kind(Columns((ANGLE_OR_X, RADIUS_OR_Y), CURVE_POINTS)),
+    "dxf": FileKind(("curves",), contour_of),
+    "svg": FileKind(("curves",), svg_contour_of),
+    "picture": FileKind(("curves",), picture_contour_of),
+}
+"""Drawings of an outline, by their key."""
+
 FILES: dict[str, FileKind] = {
     "motion": columns_kind(Columns((ANGLE_COLUMNS, VALUE_COLUMNS), MOST_POINTS), law="table"),
-    "motion.points": columns_kind(Columns((ANGLE_OR_X, RADIUS_OR_Y), CURVE_POINTS)),
-    "motion.dxf": FileKind(("curves",), contour_of),
-    "motion.svg": FileKind(("curves",), svg_contour_of),
-    "motion.picture": FileKind(("curves",), picture_contour_of),
+    **{f"{group}.{shape}": kind for group in ("motion", "outline.mate") for shape, kind in DRAWN.items()},
     "resistance.table": FORCE_POINTS,
     "resistance.returning.table": FORCE_POINTS,
 }

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from ncgear.design.reading.contour_file import chords_joined, chords_of
 from ncgear.design.reading.places import FromFile
 from ncgear.design.reading.text import quoted, read_bytes
 from ncgear.design.words import listed
@@ -55,14 +56,14 @@ def svg_contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
     except (ValueError, ArithmeticError, TypeError, KeyError, IndexError, AttributeError, SyntaxError) as error:
         said = " ".join(str(error).split())
         raise WrongInput(f"is no SVG file that can be read: {quoted(said)}", location=str(file)) from error
-    curves = [
+    curves = chords_joined(
         _values(curve, shape.id or "", height, mm)
         for shape in shapes
         if wanted is None or shape.id == wanted
         # Turned ellipses and rectangles keep their transform until they are paths.
         for segment in abs(Drawn(shape))
         for curve in _curves(segment)
-    ]
+    )
     if not curves:
         names = sorted({shape.id for shape in shapes if shape.id})
         held = f"; elements with curves are {listed([quoted(name) for name in names], 'and')}" if names else ""
@@ -177,19 +178,7 @@ def picture_contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
             location=str(file),
         )
     points = (outline - (low + high) / 2.0) * (width_mm / float(high[0] - low[0])) * np.array([1.0, -1.0])
-    return FromFile(
-        {
-            "curves": [
-                {
-                    "degree": 1,
-                    "knots": [0.0, *map(float, range(len(points))), float(len(points) - 1)],
-                    "x": points[:, 0].tolist(),
-                    "y": points[:, 1].tolist(),
-                    "weights": [1.0] * len(points),
-                }
-            ]
-        }
-    )
+    return FromFile({"curves": [{**chords_of(points[:, 0].tolist(), points[:, 1].tolist()), "layer": ""}]})
 
 
 def _area(outline: Array) -> float:

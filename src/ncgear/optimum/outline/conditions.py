@@ -35,7 +35,7 @@ STEEPEST_RAD = radians(55.0)
 """Usual greatest angle between the pitch curve and the common perpendicular; the rack's 20 degrees add to it."""
 
 NEAREST = 0.12
-"""Least radius of the mate as a share of the centre distance."""
+"""Usual least radius of the mate as a share of the centre distance."""
 
 WINDOW_PITCHES = 1.0
 """Over how many pitches to either side a concave stretch is taken in the mean, with weights that fall to the ends."""
@@ -45,11 +45,13 @@ WINDOW_PITCHES = 1.0
 class Limits:
     """How much of the usual limits of curvature each place may use, ``share``, of shape (m,) or the same everywhere.
 
-    ``steepest_rad`` is the greatest angle between the pitch curve and the common perpendicular of the radii.
+    ``steepest_rad`` is the greatest angle between the pitch curve and the common perpendicular of the radii,
+    ``nearest`` the least radius of the mate as a share of the centre distance.
     """
 
     apart_teeth: float = APART_TEETH
     steepest_rad: float = STEEPEST_RAD
+    nearest: float = NEAREST
     share: Array | float = 1.0
 
     def hollow(self, together: Array) -> tuple[Array, Array]:
@@ -115,11 +117,11 @@ def conditions(curve: Rolled, limits: Limits) -> Iterator[Condition]:
         yield Condition(corner, module * curvature - share * ROUND, partial(of_curvature, *by, 1.0))
     b0, b1, _ = curve.basis.places
     r, r1, _ = curve.radius
-    mean_mm, steepest, distance = float(np.mean(r)), tan(limits.steepest_rad), curve.center_distance_mm
+    mean_mm, distance, steepest = float(np.mean(r)), curve.center_distance_mm, tan(limits.steepest_rad)
     for sign in (1.0, -1.0):
         rows = (sign * b1 - steepest * b0) / mean_mm
         yield Condition(Kind.STEEP, (sign * r1 - steepest * r) / mean_mm, partial(_alone, rows, none))
-    room = (1.0 - NEAREST) / mean_mm
+    room = (1.0 - limits.nearest) / mean_mm
     yield Condition(Kind.ROOM, r / mean_mm - room * distance, lambda: (b0 / mean_mm, none - room, none))
 
 

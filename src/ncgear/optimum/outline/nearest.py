@@ -13,14 +13,19 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.outline.conditions import Kind, Limits, conditions, excess
 from ncgear.optimum.outline.outline import Outline, axes_to_try
+from ncgear.optimum.outline.phases import best_phases
 from ncgear.optimum.outline.programme import Wanted, missed, step
-from ncgear.optimum.outline.rolled import Basis, Rolled, closing_distance_mm
+from ncgear.optimum.outline.rolled import Basis, MatePlace, Rolled, closing_distance_mm
 
 FEWEST_COEFFICIENTS, MOST_COEFFICIENTS = 48, 250
 """Coefficients of a curve with few teeth, and with many; between them it has one for each tooth."""
 
-HEATS = ((8, 3), (3, 4), (1, 20))
-"""How many of the best curves go on, from so many axes at first, and with how many programmes each."""
+HEATS, HEATS_OF_TWO = ((8, 3), (3, 4), (1, 20)), ((8, 6), (3, 8), (1, 20))
+"""How many of the best curves go on, from so many starts at first, and with how many programmes each; the turn of two
+outlines to each other is told later than an axis alone."""
+
+AXES_OF_TWO = 4
+"""Axes of each outline that are tried with each other where both gears follow one."""
 
 MORE_ROUNDS = 8
 """Most programmes from a curve that kept other limits."""
@@ -61,7 +66,20 @@ class Deviation:
 
 def deviation(outline: Outline, curve: Rolled, count: int = MEASURED) -> Deviation:
     """The deviation of a curve from an outline, by so many points of each."""
-    own = Outline(curve.points()[0])
+    return _apart(outline, curve.points()[0], count)
+
+
+def mate_deviation(outline: Outline, curve: Rolled, count: int = MEASURED) -> Deviation:
+    """The same of the mate from its outline: distances in mm of the pair, places in mm of the mate's drawing."""
+    assert curve.mate_place is not None
+    scale = curve.mate_place.scale
+    found = _apart(outline, curve.mate_in_drawing()[0] / scale, count)
+    root, greatest = scale * found.root_mean_square_mm, scale * found.greatest_mm
+    return replace(found, root_mean_square_mm=root, greatest_mm=greatest)
+
+
+def _apart(outline: Outline, points_mm: Array, count: int) -> Deviation:
+    own = Outline(points_mm)
     square, worst = 0.0, list[tuple[float, Array, Array]]()
     for one, other in ((outline, own), (own, outline)):
         # The greatest distance is mostly at a corner, which even points miss.
@@ -73,6 +91,24 @@ def deviation(outline: Outline, curve: Rolled, count: int = MEASURED) -> Deviati
     side = 0 if worst[0][0] >= worst[1][0] else 1
     greatest, at_mm, toward = worst[side]
     return Deviation(sqrt(square), greatest, _place(at_mm), _place(toward), side == 0)
+
+
+def away_mm(outline: Outline, curve: Rolled, wanted: Wanted, count: int = MEASURED) -> float:
+    """What is to be least, of both gears by their shares where the mate has an outline."""
+    mate, place = wanted.mate, curve.mate_place
+    followed = [(outline, curve.points()[0], 1.0, 1.0)]
+    if mate is not None and place is not None:
+        followed = [(*followed[0][:3], 1.0 - mate.share)]
+        followed.append((mate.outline, curve.mate_in_drawing()[0] / place.scale, place.scale, mate.share))
+    if wanted.greatest:
+        most = max(share for *_, share in followed)
+        return max(scale * share / most * _apart(one, own, count).greatest_mm for one, own, scale, share in followed)
+    return sqrt(sum(share * scale**2 * _mean_square(one, own, count) for one, own, scale, share in followed))
+
+
+def _mean_square(outline: Outline, points_mm: Array, count: int) -> float:
+    own = Outline(points_mm)
+    return sum(float(np.mean(b.nearest(a.even(count))[1] ** 2)) for a, b in ((outline, own), (own, outline))) / 2.0
 
 
 def _place(point: Array) -> tuple[float, float]:
@@ -100,13 +136,11 @@ def nearest_curve(
     require("clarabel", "optimize", "ncgear fit")
     if start is not None:
         return _better(outline, start, limits, wanted, MORE_ROUNDS, FIRST_STEP / 2.0)
-    axes = [axis_mm] if axis_mm is not None else axes_to_try(outline, HEATS[0][0])
     basis = Basis(coefficients_for(teeth))
-    begun = [_first(outline, basis, axis, teeth, limits) for axis in axes]
-    curves = [one for one in begun if one is not None]
+    curves = [one for one in _begun(outline, basis, axis_mm, wanted, limits, teeth) if one is not None]
     if not curves:
         raise NoSuchMechanism("no axis inside the outline is met by every ray; give one in motion", key="motion")
-    for count, rounds in HEATS:
+    for count, rounds in HEATS_OF_TWO if wanted.mate else HEATS:
         curves = sorted(curves, key=lambda one: _cost(outline, one, limits, wanted))[:count]
         curves = [_better(outline, one, limits, wanted, rounds, FIRST_STEP) for one in curves]
     found = curves[0]
@@ -143,8 +177,7 @@ def _most_missed(curve: Rolled, limits: Limits) -> str:
 
 def _cost(outline: Outline, curve: Rolled, limits: Limits, wanted: Wanted) -> float:
     """The deviation in mm, and what missed conditions count."""
-    found = deviation(outline, curve, ROUGHLY)
-    distance = found.greatest_mm if wanted.greatest else found.root_mean_square_mm
+    distance = away_mm(outline, curve, wanted, ROUGHLY)
     return distance + MISSED * outline.size_mm / 64.0 * max(missed(curve, limits, wanted), 0.0)
 
 
@@ -167,25 +200,61 @@ def _better(outline: Outline, curve: Rolled, limits: Limits, wanted: Wanted, rou
     return curve
 
 
-def _first(outline: Outline, basis: Basis, axis_mm: Array, teeth: int, limits: Limits) -> Rolled | None:
-    """The farthest hits of rays, smoothed and shrunk towards a circle until they keep the conditions.
+def _begun(
+    outline: Outline, basis: Basis, axis_mm: Array | None, wanted: Wanted, limits: Limits, teeth: int
+) -> list[Rolled | None]:
+    """The curves from which the search begins; None for an axis from which a ray meets no outline."""
+    mate, count = wanted.mate, HEATS[0][0]
 
-    None where a ray meets no outline.
-    """
+    def seen(outline: Outline, axis_mm: Array | None, count: int) -> list[tuple[Array, Array]]:
+        """Axes with the radii about them."""
+        axes = [axis_mm] if axis_mm is not None else axes_to_try(outline, count)
+        radii = [(axis, _smoothed(outline, axis)) for axis in axes]
+        return [(axis, radius) for axis, radius in radii if radius is not None]
+
+    if mate is None:
+        return [
+            _shrunk(Rolled(basis, basis.through(_resampled(radius, basis.count)), axis, 1.0, teeth), limits)
+            for axis, radius in seen(outline, axis_mm, count)
+        ]
+    own, other = seen(outline, axis_mm, AXES_OF_TWO), seen(mate.outline, mate.axis_mm, AXES_OF_TWO)
+    begun = list[Rolled | None]()
+    for one in best_phases([r for _, r in own], [r for _, r in other], mate.share, mate.fixed_size, count):
+        place = MatePlace(other[one.mate][0] * one.scale, one.turned_rad, one.scale)
+        radius = basis.through(_resampled(one.radius_mm, basis.count))
+        begun.append(_shrunk(Rolled(basis, radius, own[one.own][0], 1.0, teeth, place), limits))
+    return begun
+
+
+def _smoothed(outline: Outline, axis_mm: Array) -> Array | None:
+    """The farthest hits of rays from an axis, smoothed, shape (RAYS,); None where a ray meets no outline."""
     hits = outline.farthest_hits(axis_mm, RAYS)
     if not np.min(hits) > 0.0:
         return None
     order = np.arange(HARMONICS + 1)
-    spectrum = np.fft.rfft(hits)[: HARMONICS + 1] / RAYS * np.exp(-((order / TAPER) ** 2) / 2.0)
-    for shrunk in np.linspace(1.0, 0.0, SHRINKS + 1):
-        radius = basis.count * np.fft.irfft(np.where(order > 0, shrunk, 1.0) * spectrum, basis.count)
-        if np.min(radius) <= 0.0:
+    spectrum = np.fft.rfft(hits)[: HARMONICS + 1] * np.exp(-((order / TAPER) ** 2) / 2.0)
+    radius: Array = np.fft.irfft(spectrum, RAYS)
+    return np.maximum(radius, np.min(hits))
+
+
+def _resampled(radius: Array, count: int) -> Array:
+    """Radii at so many even angles, by the harmonics of a smooth curve."""
+    found: Array = np.fft.irfft(np.fft.rfft(radius)[: HARMONICS + 1], count) * (count / len(radius))
+    return found
+
+
+def _shrunk(curve: Rolled, limits: Limits) -> Rolled | None:
+    """A curve, shrunk towards a circle until it keeps the conditions; None where it does not go round its axis."""
+    given, found = curve.coefficients, None
+    mean = float(np.mean(given))
+    for share in np.linspace(1.0, 0.0, SHRINKS + 1):
+        found = replace(curve, coefficients=mean + share * (given - mean))
+        if np.min(found.radius[0]) <= 0.0:
             continue
-        curve = Rolled(basis, basis.through(radius), np.asarray(axis_mm), 1.0, teeth)
-        curve = replace(curve, center_distance_mm=closing_distance_mm(curve.radius[0]))
-        if excess(curve, limits) <= KEPT:
+        found = replace(found, center_distance_mm=closing_distance_mm(found.radius[0]))
+        if excess(found, limits) <= KEPT:
             break
-    return curve
+    return found
 
 
 def polar_angle(curve: Rolled, at_mm: tuple[float, float]) -> float:

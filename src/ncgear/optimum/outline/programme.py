@@ -6,6 +6,8 @@ their slopes.  It is solved by Clarabel (P. J. Goulart and Y. Chen, 2024), and i
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from itertools import accumulate
 from math import pi, tau
 
 import numpy as np
@@ -14,10 +16,10 @@ from scipy.spatial import cKDTree
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.optimum.outline.conditions import ROUNDING, Limits, conditions, excess
 from ncgear.optimum.outline.outline import Outline
-from ncgear.optimum.outline.rolled import Rolled, rays, scaled
+from ncgear.optimum.outline.rolled import MatePlace, Rolled, rays
 
 POINTS = 600
 """Points of the outline and of the curve whose distances count."""
@@ -32,22 +34,35 @@ TOUCHING = 1e-3
 """Share of the size within which points touch: there the curve's normal is the way to the outline."""
 
 
-WIDTHS = {"radius": 0, "axis": 2, "distance": 1, "module": 1, "slack": 1, "greatest": 1}
-"""The unknowns in order, with their numbers; the radius has as many as coefficients."""
+WIDTHS = {"axis": 2, "distance": 1, "module": 1, "slack": 1, "greatest": 1}
+MATE_WIDTHS = {"mate_axis": 2, "mate_turn": 1, "mate_scale": 1}
+"""The unknowns after the coefficients of the radius, with their numbers, and those of a mate that has an outline."""
 
 
 EQUATIONS = 2
 """The rows that come first are equations: the mate closes, and length and module fit each other."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
+class MateWanted:
+    """The outline that the mate follows, the share that its distances have in all (0 to 1), its axis where it is held,
+    and whether its drawing keeps its size."""
+
+    outline: Outline
+    share: float
+    axis_mm: Array | None = None
+    fixed_size: bool = False
+
+
+@dataclass(frozen=True, eq=False)
 class Wanted:
     """What is sought: ``greatest`` the least greatest distance instead of the least mean square, with the axis held
-    where it is or free, and the module in mm where it is given."""
+    where it is or free, the module in mm where it is given, and an outline of the mate."""
 
     greatest: bool = False
     fixed_axis: bool = False
     module_mm: float | None = None
+    mate: MateWanted | None = None
 
 
 def missed(curve: Rolled, limits: Limits, wanted: Wanted) -> float:
@@ -56,12 +71,38 @@ def missed(curve: Rolled, limits: Limits, wanted: Wanted) -> float:
     return max(excess(curve, limits), off - ROUNDING)
 
 
-def distances(outline: Outline, curve: Rolled) -> tuple[sparse.csr_array, Array]:
-    """Distances to be made small as rows of coefficients and axis, shape (2 * POINTS, n + 2), and their values there.
+def distances(outline: Outline, curve: Rolled) -> tuple[dict[str, Array], Array]:
+    """Distances to be made small as columns by the names of unknowns, 2 * POINTS rows, and their values there.
 
-    ``rows @ (coefficients, axis) - values`` are the distances, first of the outline's points, then of the curve's.
+    The sum of columns times unknowns, less the values, are the distances, first of the outline's points, then of the
+    curve's.
     """
-    points, normals = curve.points()
+    index, way, aims = _feet(outline, *curve.points())
+    outwards, _ = rays(curve.basis.phi_rad[index])
+    along = np.sum(way * outwards, axis=1)
+    radius = curve.basis.fine[0][index].toarray() * along[:, None]
+    return {"radius": radius, "axis": way}, np.sum(way * aims, axis=1)
+
+
+def mate_distances(outline: Outline, curve: Rolled) -> tuple[dict[str, Array], Array]:
+    """As ``distances``, of the mate's curve and its outline."""
+    place = curve.mate_place
+    assert place is not None
+    points, normals = curve.mate_in_drawing()
+    index, way, aims = _feet(outline, points / place.scale, normals)
+    radius, distance, turn = curve.mate_rows(index, way)
+    rows = {"radius": radius, "distance": distance[:, None], "mate_axis": way, "mate_turn": turn[:, None]}
+    rows["mate_scale"] = -np.sum(way * aims, axis=1)[:, None]
+    now = radius @ curve.coefficients + distance * curve.center_distance_mm + way @ place.axis_mm
+    now += turn * place.turned_rad + rows["mate_scale"][:, 0] * place.scale
+    return rows, now - np.sum(way * (points[index] - place.scale * aims), axis=1)
+
+
+def _feet(outline: Outline, points: Array, normals: Array) -> tuple[IndexArray, Array, Array]:
+    """Points of a curve by their index, the ways along which they are to move, and where to, at an outline.
+
+    First the nearest to even points of the outline, then even ones of the curve: 2 * POINTS.
+    """
     given = outline.even(POINTS)
     _, foot = cKDTree(points).query(given)
     lengths = np.cumsum(np.hypot(*(np.roll(points, -1, axis=0) - points).T))
@@ -69,12 +110,39 @@ def distances(outline: Outline, curve: Rolled) -> tuple[sparse.csr_array, Array]
     nearest, away = outline.nearest(points[own])
     far = away > TOUCHING * outline.size_mm
     ways = np.where(far[:, None], (points[own] - nearest) / np.maximum(away, 1e-300)[:, None], normals[own])
-    index, way = np.concatenate([foot, own]), np.concatenate([normals[foot], ways])
-    aims = np.concatenate([given, nearest])
-    outwards, _ = rays(curve.basis.phi_rad[index])
-    along = np.sum(way * outwards, axis=1)
-    rows = sparse.hstack([scaled(along, curve.basis.fine[0][index]), sparse.csr_array(way)], format="csr")
-    return rows, np.sum(way * aims, axis=1)
+    return np.concatenate([foot, own]), np.concatenate([normals[foot], ways]), np.concatenate([given, nearest])
+
+
+class _Rows:
+    """Rows of the programme, each at most a bound, as they come; columns begin where ``begins`` says."""
+
+    def __init__(self, begins: Mapping[str, int]) -> None:
+        self.begins, self.count = begins, 0
+        self.parts = list[tuple[Array, IndexArray, IndexArray]]()
+        self.bounds = list[Array]()
+
+    def add(self, bound: Array, **columns: sparse.csr_array | Array) -> None:
+        """Rows by the names of their columns that are at most ``bound``."""
+        for name, rows in columns.items():
+            if isinstance(rows, np.ndarray):
+                wide = rows.reshape(bound.size, -1)
+                place, column = np.indices(wide.shape).reshape(2, -1)
+                values = wide.ravel()
+            else:
+                place, column, values = np.repeat(np.arange(bound.size), np.diff(rows.indptr)), rows.indices, rows.data
+            self.parts.append((values, place + self.count, column + self.begins[name]))
+        self.bounds.append(bound)
+        self.count += bound.size
+
+    @property
+    def bound(self) -> Array:
+        """All bounds."""
+        return np.concatenate(self.bounds)
+
+    def matrix(self, size: int) -> sparse.csc_matrix:
+        """All rows of so many unknowns."""
+        values, rows, columns = (np.concatenate(part) for part in zip(*self.parts, strict=True))
+        return sparse.csc_matrix((values, (rows, columns)), shape=(self.count, size))
 
 
 def step(outline: Outline, curve: Rolled, limits: Limits, wanted: Wanted, most_mm: float) -> Rolled:
@@ -84,31 +152,26 @@ def step(outline: Outline, curve: Rolled, limits: Limits, wanted: Wanted, most_m
     """
     import clarabel
 
-    count = curve.basis.count
-    # The unknowns: coefficients, axis (2), centre distance, module, slack, and the greatest distance.
-    size = count + 6
-    distance_at, slack_at, greatest_at = count + 2, count + 4, count + 5
-    square, linear = np.zeros((size, size)), np.zeros(size)
-    rows, aims = distances(outline, curve)
+    count, mate, place = curve.basis.count, wanted.mate, curve.mate_place
+    widths = {"radius": count, **WIDTHS, **(MATE_WIDTHS if mate else {})}
+    begins = dict(zip(widths, accumulate(widths.values(), initial=0), strict=False))
+    size = sum(widths.values())
+    square, linear, programme = np.zeros((size, size)), np.zeros(size), _Rows(begins)
+    below = programme.add
+    followed = [(*distances(outline, curve), 1.0 - mate.share if mate else 1.0)]
+    if mate:
+        followed.append((*mate_distances(mate.outline, curve), mate.share))
     # Of the greatest distance, the mean square only decides among curves that have it alike.
     share = 1e-2 if wanted.greatest else 1.0
-    square[: count + 2, : count + 2] = (rows.T @ rows).toarray() * (share / POINTS)
-    linear[: count + 2] = (rows.T @ aims) * (-share / POINTS)
+    for columns, aim, weight in followed:
+        rows = np.hstack(list(columns.values()))
+        at = np.concatenate([begins[name] + np.arange(widths[name]) for name in columns])
+        # Without BLAS, whose threads wait for each other at sizes as small as these.
+        square[np.ix_(at, at)] += np.einsum("ki,kj->ij", rows, rows) * (share * weight / POINTS)
+        linear[at] -= np.einsum("ki,k->i", rows, aim) * (share * weight / POINTS)
     square[np.arange(count), np.arange(count)] += SMOOTHING
     linear[:count] -= SMOOTHING * curve.coefficients
-    linear[slack_at] = SLACK_WEIGHT * outline.size_mm**2 / 64.0
-    blocks, bounds = list[sparse.csr_array](), list[Array]()
-
-    def below(bound: Array, **columns: sparse.csr_array | Array) -> None:
-        """Rows of unknowns, by the names of their columns, that are at most ``bound``."""
-        parts = [sparse.csr_array((bound.size, width)) for width in WIDTHS.values()]
-        parts[0] = sparse.csr_array((bound.size, count))
-        for name, rows in columns.items():
-            wide = rows if sparse.issparse(rows) else np.reshape(rows, (bound.size, -1))
-            parts[list(WIDTHS).index(name)] = sparse.csr_array(wide)
-        blocks.append(sparse.hstack(parts, format="csr"))
-        bounds.append(bound)
-
+    linear[begins["slack"]] = SLACK_WEIGHT * outline.size_mm**2 / 64.0
     b0 = curve.basis.places[0]
     places = b0.shape[0]
     r, distance = curve.radius[0], curve.center_distance_mm
@@ -135,13 +198,25 @@ def step(outline: Outline, curve: Rolled, limits: Limits, wanted: Wanted, most_m
     for sign in (1.0, -1.0):
         below(sign * r + most_mm, radius=sign * b0)
         below(sign * curve.axis_mm + most_axis, axis=sign * np.eye(2))
+        if mate:
+            assert place is not None
+            most_scale = 0.0 if mate.fixed_size else most_mm / mate.outline.size_mm
+            below(sign * place.axis_mm + most_mm, mate_axis=sign * np.eye(2))
+            below(np.array([sign * place.turned_rad + most_mm / distance]), mate_turn=np.array([sign]))
+            below(np.array([sign * place.scale + most_scale]), mate_scale=np.array([sign]))
+            if mate.axis_mm is not None:
+                # The axis in the pair's size is that of the drawing.
+                below(np.zeros(2), mate_axis=sign * np.eye(2), mate_scale=-sign * mate.axis_mm)
     below(np.zeros(1), slack=np.array([-1.0]))
     if wanted.greatest:
-        linear[greatest_at] = outline.size_mm / 64.0
+        linear[begins["greatest"]] = outline.size_mm / 64.0
+        most = max(weight for *_, weight in followed)
         for sign in (1.0, -1.0):
-            part = sign * rows
-            below(sign * aims, radius=part[:, :count], axis=part[:, count:], greatest=np.full(aims.size, -1.0))
-    matrix, bound = sparse.csc_matrix(sparse.vstack(blocks)), np.concatenate(bounds)
+            for columns, aim, weight in followed:
+                by = sign * weight / most
+                part = {name: by * rows for name, rows in columns.items()}
+                below(by * aim, **part, greatest=np.full(aim.size, -1.0))
+    matrix, bound = programme.matrix(size), programme.bound
     settings = clarabel.DefaultSettings()
     settings.verbose, settings.max_threads = False, 1
     cones = [clarabel.ZeroConeT(EQUATIONS), clarabel.NonnegativeConeT(bound.size - EQUATIONS)]
@@ -150,4 +225,8 @@ def step(outline: Outline, curve: Rolled, limits: Limits, wanted: Wanted, most_m
     found = np.array(solved.x)
     if str(solved.status) not in ("Solved", "AlmostSolved") or not np.all(np.isfinite(found)):
         raise NoSuchMechanism(f"no pitch curve near the outline was found ({solved.status})", key="motion")
-    return Rolled(curve.basis, found[:count], found[count : count + 2], float(found[distance_at]), curve.teeth)
+    values = {name: found[begin : begin + widths[name]] for name, begin in begins.items()}
+    if mate:
+        turned, scale = float(values["mate_turn"][0]), float(values["mate_scale"][0])
+        place = MatePlace(values["mate_axis"], turned, scale)
+    return Rolled(curve.basis, values["radius"], values["axis"], float(values["distance"][0]), curve.teeth, place)

@@ -19,7 +19,7 @@ from scipy import sparse
 from scipy.interpolate import BSpline
 
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, IndexArray
 
 DEGREE = 5
 """Degree of the spline: curvature and its change are continuous."""
@@ -75,10 +75,21 @@ class Basis:
 
 
 @dataclass(frozen=True, eq=False)
+class MatePlace:
+    """Where the mate stands in a drawing of its own: its axis (shape (2,)) in mm of the pair, by how much the mate is
+    turned, and how many mm of the pair are a mm of the drawing."""
+
+    axis_mm: Array
+    turned_rad: float
+    scale: float
+
+
+@dataclass(frozen=True, eq=False)
 class Rolled:
     """A curve with its mate: coefficients of the radius in mm (shape (n,)), axis (shape (2,)), centre distance, teeth.
 
-    Arrays are over the places at which conditions are held, shape (m,), Jacobians have shape (m, n).
+    Arrays are over the places at which conditions are held, shape (m,), Jacobians have shape (m, n).  ``mate_place`` is
+    known where the mate follows an outline, too.
     """
 
     basis: Basis
@@ -86,6 +97,7 @@ class Rolled:
     axis_mm: Array
     center_distance_mm: float
     teeth: int
+    mate_place: MatePlace | None = None
 
     @property
     def phi_rad(self) -> Array:
@@ -173,14 +185,55 @@ class Rolled:
         tangent /= np.hypot(*tangent.T)[:, None]
         return self.axis_mm + r[:, None] * outwards, np.column_stack([tangent[:, 1], -tangent[:, 0]])
 
-    def mate_points(self) -> Array:
-        """Points of the mate's curve about its own axis, shape (p, 2); the first faces the first point of the curve."""
+    @cached_property
+    def _mate_fine(self) -> tuple[Array, Array, Array]:
+        """At all points the curve's radius, how fast the mate turns, and the angle that it has turned since the first.
+
+        Shape (p,) each.
+        """
         r = self.basis.fine[0] @ self.coefficients
         turned = r / (self.center_distance_mm - r)
         steps = (turned + np.roll(turned, 1)) * (pi / len(turned))
-        angle = pi - (np.cumsum(steps) - steps[0])
-        found: Array = (self.center_distance_mm - r)[:, None] * rays(angle)[0]
+        return r, turned, np.cumsum(steps) - steps[0]
+
+    def mate_points(self) -> Array:
+        """Points of the mate's curve about its own axis, shape (p, 2); the first faces the first point of the curve."""
+        r, _, angle = self._mate_fine
+        found: Array = (self.center_distance_mm - r)[:, None] * rays(pi - angle)[0]
         return found
+
+    def mate_in_drawing(self) -> tuple[Array, Array]:
+        """Points of the mate's curve in its drawing of the pair's size, and outward normals, shape (p, 2) each."""
+        assert self.mate_place is not None
+        r, turned, angle = self._mate_fine
+        r1 = self.basis.fine[1] @ self.coefficients
+        outwards, along = rays(self.mate_place.turned_rad - angle)
+        # The mate runs clockwise.
+        tangent = -r1[:, None] * outwards - ((self.center_distance_mm - r) * turned)[:, None] * along
+        tangent /= np.hypot(*tangent.T)[:, None]
+        points = self.mate_place.axis_mm + (self.center_distance_mm - r)[:, None] * outwards
+        return points, np.column_stack([-tangent[:, 1], tangent[:, 0]])
+
+    def mate_rows(self, index: IndexArray, way: Array) -> tuple[Array, Array, Array]:
+        """How the mate's points of an index move along ``way``, unit vectors of shape (k, 2), with the unknowns.
+
+        Returns rows of coefficients of shape (k, n), and columns of the centre distance and of the turn, shape (k,).
+        """
+        assert self.mate_place is not None
+        r, _, angle = self._mate_fine
+        away, b0 = self.center_distance_mm - r, self.basis.places[0]
+        # The angle is the integral of r / (a - r), whose slopes are added up from place to place.
+        rough, step = away[::FINER, None], tau * FINER / len(r)
+        steps = step * np.hstack([scaled(1.0 / rough[:, 0], b0).toarray(), -(r[::FINER, None] / rough)]) / rough
+        steps[:, :-1] *= self.center_distance_mm
+        steps = np.vstack([steps, steps[:1]])
+        added = np.cumsum(steps, axis=0) - (steps + steps[:1]) / 2.0
+        place, share = np.divmod(index, FINER)
+        angle_rows = added[place] + (share / FINER)[:, None] * (added[place + 1] - added[place])
+        outwards, along = rays(self.mate_place.turned_rad - angle[index])
+        out, across = np.sum(way * outwards, axis=1), np.sum(way * along, axis=1) * away[index]
+        rows = -out[:, None] * self.basis.fine[0][index].toarray() - across[:, None] * angle_rows[:, :-1]
+        return rows, out - across * angle_rows[:, -1], across
 
     @cached_property
     def arc_mm(self) -> Array:
@@ -198,7 +251,8 @@ class Rolled:
 
 def scaled(by: Array, rows: sparse.csr_array) -> sparse.csr_array:
     """Rows multiplied by a number each."""
-    return sparse.csr_array(sparse.dia_array((by[None, :], [0]), shape=(by.size, by.size)) @ rows)
+    data = rows.data * np.repeat(by, np.diff(rows.indptr))
+    return sparse.csr_array((data, rows.indices, rows.indptr), shape=rows.shape)
 
 
 def _deconvolved(values: Array, first: Array) -> Array:

@@ -189,26 +189,26 @@ def one_contour(curves: Sequence[RationalSpline], near_mm: float, key: str) -> t
     size = float(np.max(np.ptp(every, axis=0)))
     near = min(max(near_mm, JOINED * size), ROUGHEST * size)
     left = [curve for curve in curves if np.max(np.ptp(curve.points, axis=0)) > near]
-    found = [left.pop(0)]
-    while _gap(found[-1].points[-1], found[0].points[0]) > near:
-        tip = found[-1].points[-1]
-        reach, number, backwards = min(
-            ((_gap(curve.points[-1 if back else 0], tip), i, back) for i, curve in enumerate(left) for back in (0, 1)),
-            default=(np.inf, 0, 0),
-        )
-        if reach > near:
-            nearest = f", the nearest one {reach:.3g} mm away" if left else ""
+    # Both ends of all parts; those of parts that are in the chain are nowhere.
+    ends_mm = np.array([[curve.points[0], curve.points[-1]] for curve in left])
+    found, first = [left[0]], left[0].points[0]
+    ends_mm[0] = np.inf
+    while _gap(tip := found[-1].points[-1], first) > near:
+        away = np.hypot(*(ends_mm - tip).reshape(-1, 2).T)
+        number, backwards = divmod(int(np.argmin(away)), 2)
+        if (reach := float(away.min())) > near:
+            nearest = f", the nearest one {reach:.3g} mm away" if len(found) < len(left) else ""
             raise WrongInput(
                 f"the contour is open: it ends at ({tip[0]:.6g}, {tip[1]:.6g}), where no other part begins{nearest}; "
                 "one closed contour is needed",
                 key=key,
             )
-        following = left.pop(number)
-        found.append(following.reversed() if backwards else following)
-    if left:
-        at = left[0].points[0]
+        found.append(left[number].reversed() if backwards else left[number])
+        ends_mm[number] = np.inf
+    if beside := len(left) - len(found):
+        at = left[int(np.argmax(np.isfinite(ends_mm[:, 0, 0])))].points[0]
         raise WrongInput(
-            f"{len(left)} further part{'s' if len(left) > 1 else ''} beside a closed contour, at ({at[0]:.6g}, "
+            f"{beside} further part{'s' if beside > 1 else ''} beside a closed contour, at ({at[0]:.6g}, "
             f"{at[1]:.6g}); one closed contour is needed: name its layer, or remove the others",
             key=key,
         )

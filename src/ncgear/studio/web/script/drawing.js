@@ -24,7 +24,7 @@ function createDrawing(figure, nearest, acts) {
       state.outline?.setAttribute("d", pathOf(content.outline));
       return;
     }
-    Object.assign(state, { n, points: content.points.map((point) => [...point]), late: null });
+    Object.assign(state, { n, points: content.points.map((point) => [...point]), ofFile: content.of_file, late: null });
     figure.hidden = false;
     const focused = state.dots.indexOf(document.activeElement);
     const [xs, ys] = [0, 1].map((axis) => content.outline.map((point) => point[axis]));
@@ -87,7 +87,9 @@ function createDrawing(figure, nearest, acts) {
       state.dots[j].setAttribute("cy", -state.points[j][1]);
     }
     state.outline.setAttribute("d", pathOf(state.points));
-    acts.change(changes);
+    // The points of a file come into the text with the first one that is dragged.
+    const [x_mm, y_mm] = [0, 1].map((axis) => state.points.map((point) => point[axis]));
+    acts.change(state.ofFile ? { "motion.points.file": null, "motion.points.x_mm": x_mm, "motion.points.y_mm": y_mm } : changes);
   }
 
   function settle() {
