@@ -33,7 +33,7 @@ WISHES: dict[str, tuple[Path, Mapping[str, Any]]] = {
         {
             "choices": {
                 "materials": ["42CrMo4", {"material": "18CrNiMo7-6", "cost_factor": 1.6}],
-                "cost": {"motor_w": 0.5, "gears_dm3": 400},
+                "cost": {"motor_per_w": 0.5, "gears_per_dm3": 400},
             }
         },
     ),
@@ -59,7 +59,7 @@ WISHES: dict[str, tuple[Path, Mapping[str, Any]]] = {
                     {"name": "120 W", "power_w": 120, "cost": 95},
                     {"name": "180 W", "power_w": 180, "cost": 110},
                 ],
-                "cost": {"gears_dm3": 500},
+                "cost": {"gears_per_dm3": 500},
             }
         },
     ),
