@@ -240,7 +240,7 @@ class Sweeps:
     def _without_masses(self, limits: SweptLimits) -> Array:
         """The greatest q in each cell that the power lets be without masses, shape (n, k); infinite with them."""
         known = self.known
-        moving = self.task.masses is not None
+        moving = bool(np.any(known.by_rate > 0.0)) or bool(np.any(limits.flywheel_kg_mm2[1] > 0.0))
         torque = np.maximum(np.abs(known.static).min(axis=1) - np.abs(np.diff(known.static, n=2, axis=1))[:, 0], 0.0)
         most = (1000.0 * limits.power_w / (self.task.speed_rad_s * torque[:, None])) ** 2
         driven = np.all(known.static > 0.0, axis=1)[:, None]
