@@ -22,7 +22,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.optimum.certified.limit import least_mean_power_w, least_power
 from ncgear.optimum.certified.sweeps import Sweeps, least_flank_load
 from ncgear.optimum.certified.sweeps import least_power as swept_power
-from ncgear.optimum.makeable.demanded import demands_of
+from ncgear.optimum.makeable.demanded import bound_of_stroke, demands_of
 from ncgear.project.law_task import inertia_as_given, task_of
 from ncgear.whole_machines.laws import FoundLaw, law_design, law_wishes
 from ncgear.whole_machines.machine import KEPT, WholeMachine, cost_of, guessed_figures, motor_for
@@ -101,6 +101,9 @@ class MachineLimits:
         power = np.array([one.figures.peak_power_w for one in self.machines]) * (1.0 + KEPT)
         load = np.array([one.figures.flank_load_n_mm for one in self.machines]) * (1.0 + KEPT)
         bounds = least_flank_load(self.sweeps, power, np.stack([flywheel, flywheel]), load)
+        # With a large flywheel the work of a cycle by itself may tell more
+        of_work = bound_of_stroke("flank_load_n_mm", 1.0, self.task, self.sweeps.asked)
+        bounds = np.maximum(bounds, 0.0 if of_work is None else of_work.value)
         return [self._limit(one, float(bound)) for one, bound in zip(self.machines, bounds, strict=True)]
 
     def _limit(self, one: WholeMachine, bound: float) -> MachineLimit:
