@@ -138,7 +138,7 @@ def machines_figures(found: WholeMachines) -> dict[str, Any]:
         "machines": [
             {
                 "name": one.name,
-                **{key: known(value) for key, value in asdict(one.figures).items()},
+                **{key: value if key == "teeth" else known(value) for key, value in asdict(one.figures).items()},
                 "material": one.material,
                 "process": one.process,
                 "cut": one.cut,
