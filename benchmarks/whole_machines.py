@@ -163,9 +163,8 @@ def report(rows: Mapping[str, Mapping[str, Any]]) -> str:
             )
         else:
             best = row["best"]
-            size = (
-                f"{best['peak_power_w']:.4g} W, {best['teeth']:.0f} x {best['module_mm']:g} x {best['face_width_mm']:g} mm"
-            )
+            teeth = f"{best['teeth']:.0f} x {best['module_mm']:g} x {best['face_width_mm']:g} mm"
+            size = f"{best['peak_power_w']:.4g} W, {teeth}"
             gaps = (row[key] for key in ("power_gap", "flank_load_gap", "best_flank_load_gap", "gear_volume_gap"))
             cells = [f"{row['seconds']:.0f}", str(row["machines"]), size, *map(percent, gaps), f"{row['apart']:.0e}"]
             lines.append(f"| {name} | {' | '.join(cells)} |")
