@@ -38,6 +38,7 @@ LAYERS = [
     {"project"},
     {"screening"},
     {"figures"},
+    {"whole_machines"},
     {"drawings"},
     {"files"},
     {"studio"},
