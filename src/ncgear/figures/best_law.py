@@ -29,6 +29,7 @@ from ncgear.optimum.makeable.demanded import CLOSE
 from ncgear.optimum.makeable.wishes import Goal
 from ncgear.optimum.task import LOAD_LIMITS, Figures
 from ncgear.project.best_law import BestLaw
+from ncgear.project.free_lengths import changed_keys
 from ncgear.project.frontier_run import Frontier
 from ncgear.project.law import kept_size
 from ncgear.project.sought_machine import SoughtMachine
@@ -80,6 +81,7 @@ def optimized_design(loaded: LoadedDesign, best: BestLaw) -> str:
     ratio, second = best.law.ratio.tolist(), best.law.second
     motion = found_values(ratio, None if second is None else second.tolist())
     values: dict[str, Any] = {"name": ending_in(SUFFIX, best.design.name), "motion": motion}
+    values |= changed_keys(best.given, best.design)
     if best.flywheel is not None:
         values["masses.driven_flywheel_kg_mm2"] = best.flywheel.inertia_kg_mm2
     if best.design.motion.gives_center_distance and best.design.gears is not None:
@@ -105,6 +107,13 @@ def certificate(best: BestLaw) -> dict[str, Any]:
             "programmes": effort.programmes if effort else None,
             "parts": effort.parts if effort else None,
             "argument": ARGUMENT,
+        },
+        "lengths": None
+        if best.lengths is None
+        else {
+            "values": dict(best.lengths.values),
+            "limit_with_any": best.lengths.least_with_any,
+            "outside_the_proof": FREE_LENGTHS,
         },
         "driven_flywheel": None
         if best.flywheel is None
@@ -132,6 +141,10 @@ def certificate(best: BestLaw) -> dict[str, Any]:
 
 FREE_FLYWHEEL = (
     "goal.limit holds for the flywheel that was chosen; with every flywheel of the range only limit_with_any is certain"
+)
+
+FREE_LENGTHS = (
+    "goal.limit holds for the lengths that were chosen; with all lengths of the ranges only limit_with_any is certain"
 )
 
 REACHED = 0.99

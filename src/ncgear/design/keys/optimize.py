@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from ncgear.design.keys.base import Model, fault, given, optional, required
 from ncgear.design.keys.masses import Inertia
-from ncgear.design.keys.types import Length, Positive, Speed
+from ncgear.design.keys.types import Length, Place, Positive, Speed
 from ncgear.design.words import listed
 
 FEWEST_KNOTS, MOST_KNOTS = 12, 720
@@ -85,17 +85,57 @@ class Weights(Model):
         return self
 
 
-class FlywheelRange(Model):
-    """The sizes of a flywheel on the driven shaft among which the best is sought."""
+class Range(Model):
+    """The values of an unknown among which the best is sought."""
 
-    least: Inertia = optional("the least size, by its moment of inertia", 0.0)
-    most: Inertia = required("the greatest size, by its moment of inertia")
+    least: float
+    most: float
 
     @model_validator(mode="after")
     def _a_range(self) -> Self:
         if not self.most > self.least:
             raise fault("most", f"{self.most:g} given; over least, {self.least:g}, is right")
         return self
+
+
+class FlywheelRange(Range):
+    """The sizes of a flywheel on the driven shaft among which the best is sought."""
+
+    least: Inertia = optional("the least size, by its moment of inertia", 0.0)
+    most: Inertia = required("the greatest size, by its moment of inertia")
+
+
+class LengthRange(Range):
+    """The values of a length among which the best is sought."""
+
+    least: Length = required("the least value")
+    most: Length = required("the greatest value")
+
+
+class OffsetRange(Range):
+    """The values of an offset among which the best is sought."""
+
+    least: Place = required("the least value")
+    most: Place = required("the greatest value")
+
+
+class Lengths(Model):
+    """Lengths of the mechanism among which the best are sought; the crank follows from them and from the stroke."""
+
+    stroke_mm: LengthRange | None = optional("the stroke in mm; left out: as given")
+    stroke_deg: LengthRange | None = optional("the swing in degrees of an output that turns; left out: as given")
+    rod_mm: LengthRange | None = optional("the rod of a crank_slider, in mm")
+    offset_mm: OffsetRange | None = optional("the offset of a crank_slider's line, in mm")
+    coupler_mm: LengthRange | None = optional("the coupler of a crank_rocker, in mm")
+    rocker_mm: LengthRange | None = optional("the rocker of a crank_rocker, in mm")
+    ground_mm: LengthRange | None = optional("the distance of a crank_rocker's axes, in mm")
+    pivot_mm: LengthRange | None = optional("the distance of a slotted_lever's axis from the crank's, in mm")
+    lever_mm: LengthRange | None = optional("the lever of a slotted_lever, in mm")
+
+    @property
+    def ranges(self) -> dict[str, Range]:
+        """The ranges that are given, by their keys."""
+        return {name: one for name in type(self).model_fields if (one := getattr(self, name)) is not None}
 
 
 GOALS = Literal[
@@ -130,6 +170,10 @@ class Optimize(Model):
     driven_flywheel_kg_mm2: FlywheelRange | None = optional(
         "sizes of a flywheel on the driven shaft, in kg mm2, among which the best is sought together with the law; "
         "left out: the flywheel is masses.driven_flywheel_kg_mm2"
+    )
+    lengths: Lengths | None = optional(
+        "ranges of the mechanism's lengths, among which the best are sought together with the law; a rod or coupler "
+        "keeps its section; left out: they are as linkage says"
     )
     knots: Annotated[int, Field(ge=FEWEST_KNOTS, le=MOST_KNOTS)] = optional(
         "knots of the spline of ln i12 around the turn: more come closer to the limit", 180

@@ -89,7 +89,7 @@ def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
     for key in felt_keys(best.figures):
         unit = label_and_unit(key)[1]
         rows.append(Row(name_of(key), tuple(f"{felt_text(key, one)} {unit}" for one in found)))
-    rows += _of_flywheel(best)
+    rows += [*_of_lengths(best), *_of_flywheel(best)]
     if best.starts.count > 1:
         rows.append(Row("starts", (starts_text(best),)))
     distance = not_closed(best)
@@ -118,6 +118,23 @@ def _where_asked(best: BestLaw) -> dict[str, Callable[[Figures], str]]:
     if wishes.limits.flank_load_n_mm is not None or wishes.prices.flank_load_n_mm:
         told[name_of("flank_load_n_mm")] = lambda one: figure("flank_load_n_mm", one.flank_load_n_mm)
     return told
+
+
+def _of_lengths(best: BestLaw) -> list[Row]:
+    """The lengths of the mechanism that were chosen, and the limit with any lengths."""
+    chosen = best.lengths
+    if chosen is None:
+        return []
+    sizes = []
+    for key, value in chosen.values.items():
+        name, unit = label_and_unit(key)
+        asked = best.given.free_lengths[key]
+        sizes.append(f"{name} {to_digits(value, 4)} {unit} ({shown(asked.least)} to {shown(asked.most)})")
+    crank = f"crank {to_digits(best.task.linkage.crank_mm, 4)} mm"
+    with_any = chosen.least_with_any
+    least = f"; with any lengths none has less than {_in_unit(best, with_any)}" if with_any else ""
+    said = f"{listed([*sizes, crank], 'and')}; the limit above holds for these lengths{least}"
+    return [Row("chosen", (said,))]
 
 
 def _of_flywheel(best: BestLaw) -> list[Row]:

@@ -165,16 +165,29 @@ def _known_prices(task: Task, wishes: Wishes) -> dict[str, float]:
     return {name: price for name, price in vars(wishes.prices).items() if price and name in known}
 
 
+OF_WAY = {"peak_speed_mm_s": (2.0, 1), "peak_acceleration_mm_s2": (16.0, 2), "peak_jerk_mm_s3": (96.0, 3)}
+"""Least peaks of any motion to and fro, whatever makes it: a number times stroke over a power of the cycle time.
+
+A periodic motion whose n-th derivative is at most m swings by at most 2 K m/w^n with w = 2 pi/T and K = pi/2, pi^2/8
+and pi^3/24 (J. Favard, 1937).
+"""
+
+
+def least_of_way(figure: str, stroke_mm: float, cycle_s: float) -> float:
+    """The least peak of a figure in ``OF_WAY`` over a stroke in mm or rad and back, in mm or rad and s."""
+    number, order = OF_WAY[figure]
+    return number * stroke_mm / cycle_s**order
+
+
 OF_STROKE: dict[str, Callable[[Task, Demands], float]] = {
-    "peak_jerk_mm_s3": lambda task, asked: 96.0 * task.linkage.stroke_mm / task.cycle_s**3,
+    "peak_jerk_mm_s3": lambda task, asked: least_of_way("peak_jerk_mm_s3", task.linkage.stroke_mm, task.cycle_s),
     "tooth_force_n": lambda task, asked: _least_tooth_force_n(task),
     "flank_load_n_mm": lambda task, asked: _least_flank_load_n_mm(task, asked.steepness),
 }
 """Least values of figures in closed form, whatever the other limits are.
 
-A periodic motion whose third derivative is at most j swings by at most 2 pi^3/24 j/w^3 with w = 2 pi/T (J. Favard,
-1937), so a stroke h in the time T of a cycle needs a jerk of 96 h/T^3.  The force between teeth does the work of the
-cycle along the way that the teeth go across the line of centres, and never more than its size times this way.
+The force between teeth does the work of the cycle along the way that the teeth go across the line of centres, and
+never more than its size times this way.
 """
 
 
