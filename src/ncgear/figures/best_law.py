@@ -43,6 +43,8 @@ UNITS = {
     Goal.SHAKING_FORCE: "N",
     Goal.TOOTH_FORCE: "N",
     Goal.FLANK_LOAD: "N mm",
+    Goal.TORQUE_HARMONICS: "N m",
+    Goal.CENTER_DISTANCE: "mm",
     Goal.PRESSURE_ANGLE: "deg beside the rack's",
     Goal.WEIGHTED: "1",
 }
@@ -64,6 +66,7 @@ def unit_of_goal(best: BestLaw) -> str:
     of_motion = {
         Goal.SPEED: output.speed.text,
         Goal.ACCELERATION: output.acceleration.text,
+        Goal.ACCELERATION_HARMONICS: output.acceleration.text,
         Goal.JERK: f"{output.speed.text}3",
     }
     return {**UNITS, **of_motion}[best.wishes.goal]
@@ -161,6 +164,8 @@ def limits_not_reached(best: BestLaw) -> dict[str, tuple[float, float]]:
         **{f"peak_speed_{unit}_s": found.peak_speed_mm_s for unit in ("mm", "rad")},
         **{f"peak_acceleration_{unit}_s2": found.peak_acceleration_mm_s2 for unit in ("mm", "rad")},
         **{f"peak_jerk_{unit}_s3": found.peak_jerk_mm_s3 for unit in ("mm", "rad")},
+        **{f"acceleration_harmonics_{unit}_s2": found.acceleration_harmonics_mm_s2 for unit in ("mm", "rad")},
+        "center_distance_mm": found.center_distance_mm,
         "pressure_angle_deg": degrees(found.tangent_rad + rack),
         "ratio_max": found.ratio_max,
         "peak_power_w": found.peak_power_w,

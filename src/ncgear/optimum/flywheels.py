@@ -193,14 +193,14 @@ def least_with_any(task: Task, wishes: Wishes) -> float:
     return least
 
 
-OF_TEETH = ("tooth_force_n", "flank_load_n_mm")
-"""Figures of the teeth whose limits follow from the work of a cycle."""
+OF_TEETH = ("tooth_force_n", "flank_load_n_mm", "center_distance_mm")
+"""Figures of the gears whose limits do not depend on the motion, but for the work of a cycle."""
 
 
 def least_by_work(task: Task, wishes: Wishes) -> float:
     """The part of the goal that the work of a cycle alone asks for, in the goal's unit.
 
-    It needs a mean power, a mean torque, and forces between the teeth.
+    It needs a mean power, a mean torque, and forces between the teeth, whose length needs a centre distance.
     """
     prices, power_w = wishes.prices, least_mean_power_w(task)
     least = prices.peak_power_w * power_w + prices.rms_torque_n_m * abs(power_w) / task.speed_rad_s

@@ -151,7 +151,7 @@ class Design(Model, Shown):
             return self
         ways = ("mm", "rad") if entry_of(self.linkage).turns else ("rad", "mm")
         groups = {
-            "limits": ("peak_speed_{}_s", "peak_acceleration_{}_s2", "peak_jerk_{}_s3"),
+            "limits": ("peak_speed_{}_s", "peak_acceleration_{}_s2", "peak_jerk_{}_s3", "acceleration_harmonics_{}_s2"),
             "weights": ("acceleration_{}_s2", "jerk_{}_s3"),
         }
         for group, names in groups.items():

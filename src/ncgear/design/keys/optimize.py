@@ -13,6 +13,9 @@ from ncgear.design.words import listed
 
 FEWEST_KNOTS, MOST_KNOTS = 12, 720
 
+MOST_ORDER = 40
+"""Laws of 180 knots have harmonics up to the ninetieth."""
+
 
 class Limits(Model):
     """What the law may nowhere exceed; left out: no limit."""
@@ -36,6 +39,16 @@ class Limits(Model):
     flank_load_n_mm: Positive | None = optional(
         "greatest force between the teeth times the pitch curves' relative curvature times centre distance squared, "
         "in N mm: face width times centre distance squared against pitting is in proportion to it; needs gears"
+    )
+    torque_harmonics_n_m: Positive | None = optional(
+        "greatest r.m.s. in N m of the driving shaft's torque in harmonics above optimize.harmonics_above"
+    )
+    acceleration_harmonics_mm_s2: Positive | None = optional(
+        "greatest r.m.s. in mm/s2 of the slider's acceleration in harmonics above optimize.harmonics_above"
+    )
+    acceleration_harmonics_rad_s2: Positive | None = optional("the same in rad/s2 of an output that turns")
+    center_distance_mm: Length | None = optional(
+        "greatest centre distance in mm; needs gears.teeth and gears.module_mm"
     )
     peak_speed_mm_s: Positive | None = optional("greatest slider speed in mm/s, over the whole cycle")
     peak_acceleration_mm_s2: Positive | None = optional("greatest slider acceleration in mm/s2, over the whole cycle")
@@ -71,6 +84,7 @@ class Weights(Model):
     power_w: Positive | None = optional("peak power in W that counts as 1")
     braking_power_w: Positive | None = optional("peak braking power in W that counts as 1")
     flywheel_kg_mm2: Positive | None = optional("flywheel in kg mm2 that counts as 1")
+    rms_torque_n_m: Positive | None = optional("r.m.s. torque in N m that counts as 1")
     bearing_force_n: Positive | None = optional("bearing force in N that counts as 1")
     shaking_force_n: Positive | None = optional("shaking force in N that counts as 1")
     tooth_force_n: Positive | None = optional("force between the teeth in N that counts as 1")
@@ -151,6 +165,9 @@ GOALS = Literal[
     "least_speed",
     "least_jerk",
     "least_pressure_angle",
+    "least_acceleration_harmonics",
+    "least_torque_harmonics",
+    "least_center_distance",
     "weighted",
 ]
 
@@ -162,11 +179,15 @@ class Optimize(Model):
         "what shall be least: the slider's peak speed, acceleration or jerk; the driving shaft's peak power (and with "
         "it its peak torque), its braking power, its r.m.s. torque, or the flywheel that it needs; the force on the "
         "crank's bearings, on the frame or between the teeth; the load of the flanks, which makes gears large against "
-        "pitting; the pressure angle; or a weighted sum",
+        "pitting; the pressure angle; the r.m.s. of acceleration or torque in harmonics above harmonics_above, which "
+        "are heard; the centre distance of gears.teeth of gears.module_mm; or a weighted sum",
         "least_acceleration",
     )
     weights: Weights | None = optional("the figures that count alike; only for goal weighted, two or more")
     limits: Limits = optional("what the law may nowhere exceed", Limits)
+    harmonics_above: Annotated[int, Field(ge=1, le=MOST_ORDER)] = optional(
+        "harmonics of the output's cycle over this order count where harmonics are least or limited", 10
+    )
     driven_flywheel_kg_mm2: FlywheelRange | None = optional(
         "sizes of a flywheel on the driven shaft, in kg mm2, among which the best is sought together with the law; "
         "left out: the flywheel is masses.driven_flywheel_kg_mm2"

@@ -108,7 +108,7 @@ def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
 
 
 def _where_asked(best: BestLaw) -> dict[str, Callable[[Figures], str]]:
-    """Peak speed, peak jerk and flank load where they are limited or have a price."""
+    """Peak speed, peak jerk, flank load, harmonics and centre distance where they are limited or have a price."""
     wishes, unit = best.wishes, best.task.linkage.OUTPUT.speed.ending
     told: dict[str, Callable[[Figures], str]] = {}
     if wishes.limits.peak_speed_mm_s is not None or wishes.prices.peak_speed_mm_s:
@@ -117,6 +117,16 @@ def _where_asked(best: BestLaw) -> dict[str, Callable[[Figures], str]]:
         told[name_of(f"peak_jerk_{unit}3")] = lambda one: figure(f"peak_jerk_{unit}3", one.peak_jerk_mm_s3)
     if wishes.limits.flank_load_n_mm is not None or wishes.prices.flank_load_n_mm:
         told[name_of("flank_load_n_mm")] = lambda one: figure("flank_load_n_mm", one.flank_load_n_mm)
+    if best.task.harmonics_above is not None:
+        above, heard = (
+            best.task.harmonics_above,
+            f"acceleration_harmonics_{best.task.linkage.OUTPUT.acceleration.ending}",
+        )
+        told[f"acceleration above order {above}"] = lambda one: figure(heard, one.acceleration_harmonics_mm_s2)
+        if best.task.masses is not None:
+            told[f"torque above order {above}"] = lambda one: figure("torque_harmonics_n_m", one.torque_harmonics_n_m)
+    if wishes.center_distance_mm is not None or wishes.prices.center_distance_mm:
+        told[name_of("center_distance_mm")] = lambda one: figure("center_distance_mm", one.center_distance_mm)
     return told
 
 
