@@ -37,6 +37,7 @@ LAYERS = [
     {"project"},
     {"screening"},
     {"figures"},
+    {"whole_machines"},
     {"drawings"},
     {"files"},
     {"studio"},

@@ -12,6 +12,7 @@ from ncgear import __version__
 from ncgear.cli.as_given import PlainCommand, PlainGroup
 from ncgear.cli.bench import bench
 from ncgear.cli.compare import compare
+from ncgear.cli.design import design
 from ncgear.cli.formulas import formulas
 from ncgear.cli.lookup import examples, explain, freecad, reproduce, schema
 from ncgear.cli.machine import animate, balance, build, check, report, simulate, strength
@@ -44,6 +45,7 @@ COMMANDS = (
     strength,
     tolerance,
     size,
+    design,
     optimize,
     frontier,
     fit,

@@ -73,12 +73,16 @@ NARROWEST_MODULES = 5.0
 class GearRoom:
     """The room for a pair: largest centre distance and largest diameter of a gear in mm, both infinite where open.
 
-    ``width_modules`` is the largest face width in modules.
+    ``width_modules`` and ``least_width_modules`` are the largest and the least face width in modules, ``modules_mm``
+    the modules and ``fewest_teeth`` the least number of driving teeth that are looked at.
     """
 
     center_distance_mm: float = inf
     diameter_mm: float = inf
     width_modules: float = WIDEST_MODULES
+    least_width_modules: float = NARROWEST_MODULES
+    modules_mm: tuple[float, ...] = SERIES_I_MM
+    fewest_teeth: int = FEWEST_TEETH
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,15 +184,29 @@ def smallest_gears(drive: Drive, space: GearRoom, on_trial: OnTrial = lambda don
     return sorted(found, key=lambda one: one.volume_mm3)[:BEST]
 
 
-def _begun(drive: Drive) -> Sized:
+def smallest_accepted(
+    drive: Drive, space: GearRoom, accepted: Callable[[Sized], bool], most_computed: int, on_trial: OnTrial
+) -> Sized | None:
+    """The smallest gears that hold and are accepted besides, of so many that are computed; None where none are.
+
+    Sizes are tried in the order of the volume that they are guessed to need by all that is computed so far, until no
+    other is guessed to need less than the smallest found.  Raises as ``rating_of`` does for the design as given where
+    no larger module can be rated either.
+    """
+    search = _Search(drive, space, on_trial, [_begun(drive, any_size=True)], most=most_computed)
+    return search.smallest_of_all(accepted)
+
+
+def _begun(drive: Drive, *, any_size: bool = False) -> Sized:
     """The design as given or, of teeth too weak to be rated, the first of twice, four times ... the module that can be.
 
-    Raises as ``rating_of`` does for the design as given.
+    With ``any_size``, a larger module is tried whatever is refused of the size as given.  Raises as ``rating_of`` does
+    for the design as given.
     """
     try:
         return Sized({}, drive, rating_of(drive, "estimate"))
-    except NoSuchMechanism as error:
-        if error.key != TOO_WEAK:
+    except DesignError as error:
+        if error.key != TOO_WEAK and not any_size:
             raise
         for times in DOUBLED:
             module = times * drive.pitch.size.module_mm
@@ -216,23 +234,42 @@ class _Search:
     refused: set[int] = field(default_factory=set)
     weak: set[tuple[int, float]] = field(default_factory=set)
     trials: int = 0
+    most: int | None = None
 
     @property
     def most_computed(self) -> int:
         """Gears that are computed at most."""
-        return MOST_COMPUTED[self.computed[0].rating.strength.load]
+        return self.most or MOST_COMPUTED[self.computed[0].rating.strength.load]
 
     def modules(self) -> list[tuple[float, float]]:
         """Modules and the volumes that their gears are guessed to need, the least first; none without room."""
-        guessed = [(module, min((self.volume(z, module) for z in self.teeth()), default=inf)) for module in SERIES_I_MM]
+        guessed = [(module, min((self.volume(z, module) for z in self.teeth()), default=inf)) for module in self.space.modules_mm]
         return sorted((one for one in guessed if one[1] < inf), key=lambda one: one[1])
 
     def teeth(self) -> list[int]:
         """Numbers of driving teeth that may be tried, with the number of the design."""
         lobes = self.drive.gears.lobes.driving
-        steps = np.exp(np.arange(log(FEWEST_TEETH), log(MOST_TEETH), log(FINENESS)))
+        fewest = self.space.fewest_teeth
+        steps = np.exp(np.arange(log(fewest), log(MOST_TEETH), log(FINENESS)))
         counts = {max(round(step / lobes), 1) * lobes for step in steps} | {self.computed[0].teeth}
-        return sorted(count for count in counts if FEWEST_TEETH <= count <= MOST_TEETH and count not in self.refused)
+        return sorted(count for count in counts if fewest <= count <= MOST_TEETH and count not in self.refused)
+
+    def smallest_of_all(self, accepted: Callable[[Sized], bool]) -> Sized | None:
+        """The smallest gears of any module and number of teeth that hold and are accepted."""
+        found: Sized | None = None
+        tried: set[tuple[int, float]] = set()
+        while self.trials < self.most_computed:
+            sizes = [(teeth, module) for module in self.space.modules_mm for teeth in self.teeth()]
+            open_ = [(self.volume(*size), size) for size in sizes if size not in tried | self.weak]
+            guessed, size = min(open_, default=(inf, None))
+            if size is None or guessed >= (inf if found is None else found.volume_mm3):
+                break
+            tried.add(size)
+            made = self.widened(*size)
+            smaller = made is not None and (found is None or made.volume_mm3 < found.volume_mm3)
+            if made is not None and smaller and accepted(made):
+                found = made
+        return found
 
     def smallest(self, module_mm: float) -> Sized | None:
         """The smallest gears of a module that hold; None where there are none within the space and the effort."""
@@ -314,7 +351,7 @@ class _Search:
         wider = [_wider(one, scale, larger) for one in near.rating.weakest]
         # What is worn off goes as force over width, and may be a share of the module; heat is taken to go as that.
         wider.append(1.0 / (near.flank_share * scale * larger))
-        return float(ceil(max(near.face_width_mm * max(wider), NARROWEST_MODULES * module_mm) - 1e-9))
+        return float(ceil(max(near.face_width_mm * max(wider), self.space.least_width_modules * module_mm) - 1e-9))
 
     def scale(self, teeth: int, module_mm: float) -> float:
         """The size of the pitch curves over their size in the design as given."""

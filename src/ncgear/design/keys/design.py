@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
 from pydantic import Field, TypeAdapter, create_model, model_validator
 
 from ncgear.design.keys.base import Model, fault, given, optional, required
+from ncgear.design.keys.choices import Choices
 from ncgear.design.keys.drivetrain import Drivetrain
 from ncgear.design.keys.gears import SIZES, Gears
 from ncgear.design.keys.linkages import Fit, Linkage, NoLinkage
@@ -50,6 +51,7 @@ class Design(Model, Shown):
         "drivetrain.driving_shaft.diameter_mm <= gears.driving.bore_mm",
         "drivetrain.driven_shaft.diameter_mm <= gears.driven.bore_mm",
         "fit needs gears",
+        "choices needs gears",
         "drivetrain needs gears",
         "drivetrain needs masses",
         "at most one of simulation.motor drivetrain.motor.no_load_speed_rpm",
@@ -87,6 +89,9 @@ class Design(Model, Shown):
     )
     comparison: Comparison | None = optional("published mechanisms to compare with")
     optimize: Optimize | None = optional("what ncgear optimize looks for; check and build take no notice")
+    choices: Choices | None = optional(
+        "what ncgear design may choose of a whole machine, and what counts; check and build take no notice"
+    )
     outline: FollowedOutline | None = optional("how ncgear fit follows a drawn outline; check and build take no notice")
     output: Output = optional("how finely the results are written", Output)
 
@@ -122,7 +127,7 @@ class Design(Model, Shown):
                 f"missing; motion.law {self.motion.law} tells how a slider moves: give linkage, or a law of the ratio "
                 "or of the driven angle",
             )
-        for name in ("wishes", "optimize", "comparison"):
+        for name in ("wishes", "optimize", "choices", "comparison"):
             if name in self.model_fields_set and getattr(self, name) is not None:
                 raise fault(name, "given, but without linkage nothing moves to and fro; leave it out, or give linkage")
         return self
@@ -280,6 +285,7 @@ class Design(Model, Shown):
             "comparison": self.comparison is not None,
             "wishes": self.wishes != type(self.wishes)(),
             "optimize": self.optimize is not None,
+            "choices": self.choices is not None,
         }
         for key, is_given in asked.items():
             if is_given:

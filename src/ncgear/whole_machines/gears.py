@@ -1,0 +1,218 @@
+"""From a law to a whole machine: the smallest gears of a material that hold, with a clean verdict, as a design file.
+
+The gears' own inertia is a part of the machine's, so that the law is found once more with the gears that it makes.
+"""
+
+from __future__ import annotations
+
+from math import ceil
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ncgear.design.keys.choices import Choices, Process
+from ncgear.design.keys.design import Design
+from ncgear.design.keys.gears import SIZES
+from ncgear.design.keys.strength import GearMaterial
+from ncgear.design.laws.registry import found_values
+from ncgear.design.reading.design_file import LoadedDesign, parsed
+from ncgear.design.reading.text import whole
+from ncgear.design.rewritten import design_copy
+from ncgear.errors import DesignError
+from ncgear.figures.advice.verdict import Known, judged
+from ncgear.project.alternatives import Changes, changed_drive, changed_gears
+from ncgear.project.drive import Drive
+from ncgear.project.law import kept_size
+from ncgear.project.sizing import FEWEST_TEETH, GearRoom, Sized, smallest_accepted, stated_inertias
+from ncgear.project.strengthening import SERIES_I_MM
+from ncgear.whole_machines.laws import FoundLaw, law_keys, settled_law
+from ncgear.whole_machines.machine import WEAK, Unfit, WholeMachine, broken, judged_machine
+
+MOST_COMPUTED = 8
+"""Gears that are computed at most for one law and material, a second each."""
+
+MENDED = 4
+"""Remedies of the verdict that are taken at most, one after the other."""
+
+ROUNDS = 4
+"""Laws and face widths that are tried at most until both agree."""
+
+ROOM_OF_CAP = 1.002
+"""Ratio by which the peak power may grow as the law is found with the gears' own inertia."""
+
+SIZE_KEYS = {f"gears.{key}" for key in (*SIZES, "face_width_mm", "material")}
+"""Keys that sizes are chosen by: no remedy changes them."""
+
+
+class GearJob(NamedTuple):
+    """A law, a material (None: that of the file) and ways of making teeth, of which a machine is to be made."""
+
+    law: FoundLaw
+    material: GearMaterial | None
+    processes: tuple[Process, ...]
+    name: str = "machine"
+
+
+def machine_of(text: str, job: GearJob) -> WholeMachine | Unfit:
+    """The smallest machine of a law by the first way of making teeth that can make it, or why there is none.
+
+    ``text`` is that of the design file with its choices.
+    """
+    loaded = parsed(text, Path("design.yaml"))
+    made: WholeMachine | Unfit = Unfit(("no way of making teeth that may be chosen suits this material",))
+    for process in job.processes:
+        made = _Making(loaded, job, process).made()
+        if isinstance(made, WholeMachine):
+            break
+    return made
+
+
+def started(design: Design, law: FoundLaw, material: GearMaterial | None) -> Drive:
+    """The drive of a law with the sizes of the file, another material, and the law's own flywheel."""
+    assert design.gears is not None
+    sizes = dict(zip(SIZES, kept_size(design), strict=True))
+    gears = design.gears.model_copy(update=sizes)
+    if material is not None:
+        gears = changed_gears(gears, {"gears.material": material.model_dump(exclude_unset=True)})
+    update: dict[str, Any] = {"motion": law_keys(law), "gears": gears}
+    if design.masses is not None:
+        left_out = {key.removeprefix("masses."): None for key in stated_inertias(design)}
+        update["masses"] = design.masses.model_copy(
+            update={"driven_flywheel_kg_mm2": law.flywheel_kg_mm2, **left_out}
+        )
+    return Drive(design.model_copy(update=update))
+
+
+def room_of(choices: Choices, fewest_teeth: int) -> GearRoom:
+    """The room for gears that the choices leave."""
+    widths = choices.face_width_modules
+    distance, diameter = choices.center_distance_mm, choices.diameter_mm
+    return GearRoom(
+        **({} if distance is None else {"center_distance_mm": distance}),
+        **({} if diameter is None else {"diameter_mm": diameter}),
+        width_modules=widths.most,
+        least_width_modules=widths.least,
+        modules_mm=choices.modules_mm or SERIES_I_MM,
+        fewest_teeth=fewest_teeth,
+    )
+
+
+def fewest_teeth(drive: Drive) -> int:
+    """The least number of driving teeth without undercut wherever they stand on the pitch curves."""
+    from ncgear.teeth.gear import teeth_free_of_undercut
+
+    lobes = drive.gears.lobes.driving
+    least = max(FEWEST_TEETH, teeth_free_of_undercut(drive.pitch, drive.rack, drive.rack))
+    return -(-least // lobes) * lobes
+
+
+class _Weakened(Exception):
+    """Teeth do not hold once remedies of the verdict are taken; the drive that has them, and these changes."""
+
+    def __init__(self, drive: Drive, changes: Changes) -> None:
+        super().__init__()
+        self.drive, self.changes = drive, changes
+
+
+class _Making:
+    """The making of one machine."""
+
+    def __init__(self, loaded: LoadedDesign, job: GearJob, process: Process) -> None:
+        self.loaded, self.job, self.process = loaded, job, process
+        self.choices = loaded.design.choices or Choices()
+        self.mended: Changes = {}
+        self.kept: Changes = {}
+        self.why: tuple[str, ...] = ("no gears of these modules and face widths hold",)
+
+    def made(self) -> WholeMachine | Unfit:
+        """The machine, or why there is none."""
+        try:
+            drive = started(self.loaded.design, self.job.law, self.job.material)
+            room = room_of(self.choices, fewest_teeth(drive))
+            for _ in range(MENDED):
+                try:
+                    found = smallest_accepted(drive, room, self.is_clean, MOST_COMPUTED, lambda done, most: None)
+                    return Unfit(self.why) if found is None else self.finished(found)
+                except _Weakened as weakened:
+                    # Teeth that are thinner, or lower, have to be larger
+                    self.kept |= weakened.changes
+                    drive = weakened.drive
+        except (DesignError, ArithmeticError) as error:
+            return Unfit((getattr(error, "problem", str(error)),))
+        return Unfit(self.why)
+
+    def is_clean(self, sized: Sized) -> bool:
+        """Whether the verdict on gears is clean, with remedies taken that it names itself; they are kept.
+
+        Raises _Weakened where teeth do not hold with these remedies.
+        """
+        drive, taken = sized.drive, Changes()
+        try:
+            for _ in range(MENDED):
+                rows = broken(judged(drive, Known.TEETH, seconds=0.0), self.process)
+                if not rows:
+                    self.mended = taken
+                    return True
+                self.why = tuple(
+                    f"{row.kind}: {advice.brief}" for row in rows for advice in row.advices if advice.matters
+                )
+                if taken and rows[0].kind in WEAK:
+                    raise _Weakened(drive, taken)
+                remedies = [remedy for advice in rows[0].advices for remedy in advice.remedies]
+                changes = next((made for one in remedies if (made := _of_gears(one.changes))), None)
+                if changes is None:
+                    return False
+                drive = changed_drive(drive, changes)
+                taken |= changes
+        except DesignError as error:
+            self.why = (error.problem,)
+        return False
+
+    def finished(self, sized: Sized) -> WholeMachine | Unfit:
+        """The machine with a law that is found with its own gears, widened until its teeth hold with it."""
+        law, values = self.job.law, self.values(sized)
+        cap_w = ROOM_OF_CAP * law.found.peak_power_w
+        made: WholeMachine | Unfit = Unfit(self.why)
+        for _ in range(ROUNDS):
+            design = parsed(design_copy(self.loaded, values), Path("machine.yaml")).design
+            if design.masses is not None:
+                law = settled_law(design, sized.teeth, law.motion, cap_w) or law
+                values["motion"] = found_values(law.ratio, None)
+            made = judged_machine(design_copy(self.loaded, values), self.process, self.choices)
+            if isinstance(made, WholeMachine):
+                return made
+            if made.wider is not None:
+                width_mm = values["gears.face_width_mm"]
+                values["gears.face_width_mm"] = whole(float(ceil(max(width_mm * made.wider, width_mm + 1.0) - 1e-9)))
+            elif design.masses is None:
+                break
+        return made
+
+    def values(self, sized: Sized) -> dict[str, Any]:
+        """The keys of the machine's file that differ from the file with the choices."""
+        design, law = self.loaded.design, self.job.law
+        chosen = {**self.kept, **sized.changes, **self.mended}
+        values: dict[str, Any] = {
+            "name": self.job.name,
+            "motion": found_values(law.ratio, None),
+            **{key: whole(value) if isinstance(value, float) else value for key, value in chosen.items()},
+            **dict.fromkeys(stated_inertias(design)),
+        }
+        # Where the nearest gears are those of the file nothing is changed
+        size = dict(zip(("gears.teeth", "gears.module_mm"), (sized.teeth, sized.module_mm), strict=True))
+        values = {**size, "gears.face_width_mm": whole(sized.face_width_mm), **values}
+        if design.gears is not None and design.gears.center_distance_mm is not None:
+            values["gears.center_distance_mm"] = None
+        if self.job.material is not None:
+            material = self.job.material.model_dump(exclude_unset=True)
+            values["gears.material"] = material["name"] if set(material) == {"name"} else material
+        if design.masses is not None and design.free_flywheel is not None:
+            values["masses.driven_flywheel_kg_mm2"] = whole(law.flywheel_kg_mm2)
+        return values
+
+
+def _of_gears(changes: tuple[Any, ...]) -> Changes:
+    """The changes of a remedy, where all are of the gears and none is a size; else none."""
+    keys = [one.key for one in changes]
+    if not keys or any(not key.startswith("gears.") or key in SIZE_KEYS for key in keys):
+        return {}
+    return {one.key: one.value for one in changes}

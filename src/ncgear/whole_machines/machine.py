@@ -1,0 +1,260 @@
+"""One whole machine: its design file, and the figures and the verdict that follow from that file alone."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import degrees, inf
+from pathlib import Path
+
+from ncgear.design.keys.choices import Choices, Costs, Motor, Process
+from ncgear.design.keys.design import Design
+from ncgear.design.keys.optimize import Optimize
+from ncgear.design.reading.design_file import parsed
+from ncgear.errors import DesignError
+from ncgear.figures.advice.values import Kind
+from ncgear.figures.advice.verdict import Judged, Known, State, Verdict, judged
+from ncgear.frozen import dataclass
+from ncgear.metrology.cut_by import CutVerdict, Tool
+from ncgear.numerics.units import KG_M2
+from ncgear.optimum.task import LOAD_LIMITS, Figures, figures
+from ncgear.project.drive import Drive
+from ncgear.project.law_task import inertia_as_given, task_of
+from ncgear.project.service import choices_of
+from ncgear.project.sizing import Sized
+from ncgear.project.strengthening import rating_of
+from ncgear.project.workshop_measures import cut_gears
+from ncgear.strength.holding import Damage, face_width_factor
+from ncgear.strength.materials import Plastic
+from ncgear.whole_machines.laws import law_design
+
+TOOLS: Mapping[Process, Tool | None] = {
+    "hobbed": Tool.HOB,
+    "shaped": Tool.SHAPER,
+    "wire_cut": Tool.WIRE,
+    "printed": None,
+}
+"""The tool of each way of making teeth; a printer has none."""
+
+OF_HOBS = (Kind.CONCAVE,)
+"""Conditions of the verdict that concern a hob alone."""
+
+WEAK = (Kind.STRENGTH, Kind.FLANKS)
+"""Conditions that wider gears may keep."""
+
+KEPT = 1e-6
+"""Share of a limit by which a figure may exceed it: ten times what laws stay below their limits."""
+
+MM3_PER_DM3 = 1e6
+
+
+@dataclass(frozen=True)
+class MachineFigures:
+    """What counts of a whole machine, from its design file alone.
+
+    ``gear_volume_mm3`` is the face width times the square of the centre distance.  ``safeties`` are the least shares of
+    the wanted safety against breakage and pitting (infinite where the material has no figures) and of film and wear.
+    """
+
+    peak_power_w: float
+    peak_torque_n_m: float
+    braking_power_w: float
+    peak_acceleration: float
+    peak_speed: float
+    pressure_angle_deg: float
+    gear_volume_mm3: float
+    center_distance_mm: float
+    diameter_mm: float
+    teeth: int
+    module_mm: float
+    face_width_mm: float
+    driven_flywheel_kg_mm2: float
+    flank_load_n_mm: float
+    bending_share: float
+    contact_share: float
+    flank_share: float
+
+
+@dataclass(frozen=True, eq=False)
+class WholeMachine:
+    """A machine that builds with a clean verdict: the text of its design file, and what follows from it.
+
+    ``motor`` is the cheapest of the motors that can be had, ``cost`` what the machine costs, both None where the file
+    gives none.  ``cut`` says how its teeth are made.
+    """
+
+    name: str
+    text: str
+    figures: MachineFigures
+    material: str
+    process: Process
+    cut: str
+    motor: Motor | None
+    cost: float | None
+
+    def value(self, objective: str) -> float:
+        """A figure that counts; the cost is zero where none is given."""
+        return (self.cost or 0.0) if objective == "cost" else float(getattr(self.figures, objective))
+
+
+@dataclass(frozen=True, eq=False)
+class Unfit:
+    """Why gears are no whole machine: what the verdict or a limit says, in words.
+
+    ``wider`` is the factor of the face width with which teeth and flanks may hold; None where these are not at fault.
+    """
+
+    why: tuple[str, ...]
+    wider: float | None = None
+
+
+def figures_of(drive: Drive) -> tuple[MachineFigures, Figures]:
+    """The figures of a machine from its drive; raises as teeth and their strength do."""
+    design, size = drive.design, drive.pitch.size
+    made = law_design(design)
+    found = figures(task_of(made, inertia_as_given(made)), drive.law.train)
+    rating = rating_of(drive, "estimate")
+    sized = Sized({}, drive, rating)
+    shares = {
+        damage: min((one.share for one in rating.weakest if one.damage is damage), default=inf)
+        for damage in Damage
+    }
+    power = drive.check.peak_power_w.value
+    return MachineFigures(
+        peak_power_w=power,
+        peak_torque_n_m=power / drive.machine.speed_rad_s,
+        braking_power_w=found.braking_power_w or 0.0,
+        peak_acceleration=found.peak_acceleration_mm_s2,
+        peak_speed=found.peak_speed_mm_s,
+        pressure_angle_deg=degrees(drive.pitch.largest_tangent_angle_rad.value) + drive.gears.carrying_angle_deg,
+        gear_volume_mm3=sized.volume_mm3,
+        center_distance_mm=size.center_distance_mm,
+        diameter_mm=sized.diameter_mm,
+        teeth=size.driving_teeth,
+        module_mm=size.module_mm,
+        face_width_mm=drive.gears.face_width_mm,
+        driven_flywheel_kg_mm2=design.masses.driven_flywheel_kg_mm2 if design.masses else 0.0,
+        flank_load_n_mm=found.flank_load_n_mm or 0.0,
+        bending_share=shares[Damage.BENDING],
+        contact_share=shares[Damage.CONTACT],
+        flank_share=sized.flank_share,
+    ), found
+
+
+def guessed_figures(law: Figures, flywheel_kg_mm2: float, volume_mm3: float, speed_rad_s: float) -> MachineFigures:
+    """What is known of a machine before its gears are: the law's figures, and a guess of the gears' volume."""
+    unknown = dict.fromkeys(MachineFigures.__dataclass_fields__, 0.0)
+    known = {
+        "peak_power_w": law.peak_power_w,
+        "peak_torque_n_m": law.peak_power_w / speed_rad_s,
+        "gear_volume_mm3": volume_mm3,
+        "driven_flywheel_kg_mm2": flywheel_kg_mm2,
+    }
+    return MachineFigures(**{**unknown, **known})  # type: ignore[arg-type]
+
+
+def limits_missed(design: Design, found: Figures, pressure_angle_deg: float) -> list[str]:
+    """The limits of ``optimize`` that figures exceed, in words."""
+    limits = (design.optimize or Optimize()).limits
+    has = {
+        **{f"peak_speed_{unit}_s": found.peak_speed_mm_s for unit in ("mm", "rad")},
+        **{f"peak_acceleration_{unit}_s2": found.peak_acceleration_mm_s2 for unit in ("mm", "rad")},
+        **{f"peak_jerk_{unit}_s3": found.peak_jerk_mm_s3 for unit in ("mm", "rad")},
+        "peak_power_w": found.peak_power_w,
+        "pressure_angle_deg": pressure_angle_deg,
+        "ratio_max": found.ratio_max,
+        **{name: getattr(found, name) for name in LOAD_LIMITS},
+    }
+    missed = [
+        f"{name} {value:.6g} over {limit:g}"
+        for name, value in has.items()
+        if (limit := getattr(limits, name)) is not None and value is not None and value > limit * (1.0 + KEPT)
+    ]
+    return [*missed, *([f"ratio_min {found.ratio_min:.6g}"] if found.ratio_min < limits.ratio_min * (1.0 - KEPT) else [])]
+
+
+def broken(verdict: Verdict, process: Process) -> list[Judged]:
+    """What is broken of a verdict for gears that are made by a process."""
+    return [
+        row for row in verdict.rows if row.state is State.BROKEN and (process == "hobbed" or row.kind not in OF_HOBS)
+    ]
+
+
+def cut_words(drive: Drive, process: Process) -> str | None:
+    """How a process makes both gears, in words; None where it cannot."""
+    plastic = [isinstance(one.entry, Plastic) for one in choices_of(drive.gears)]
+    if process == "printed" or process == "wire_cut":
+        # Plastics do not conduct, and printers of this kind print plastics
+        if any(plastic) != (process == "printed"):
+            return None
+        if process == "printed":
+            return "printed"
+    tool = TOOLS[process]
+    cuts = [next(by for by in gear.by if by.tool is tool) for gear in cut_gears(drive)]
+    if any(by.verdict is CutVerdict.NOT for by in cuts):
+        return None
+    worst = max((by.verdict for by in cuts), key=[CutVerdict.CUTS, CutVerdict.FLANKS].index)
+    return f"a {tool.value if tool else ''} {worst.value}"
+
+
+def motor_for(choices: Choices, found: MachineFigures) -> Motor | None:
+    """The cheapest motor that can be had and does; None where none does, or any power can be had."""
+    does = [
+        one
+        for one in choices.motors or ()
+        if one.power_w >= found.peak_power_w and (one.torque_n_m is None or one.torque_n_m >= found.peak_torque_n_m)
+    ]
+    return min(does, key=lambda one: (one.cost, one.power_w), default=None)
+
+
+def cost_of(choices: Choices, found: MachineFigures, motor: Motor | None, material: str, process: Process) -> float | None:
+    """What a machine costs; None where the file gives no costs."""
+    if choices.cost is None and not choices.motors:
+        return None
+    costs, factors = choices.cost or Costs.model_construct(), {}
+    for one in choices.materials or ():
+        factors[one.material.name] = one.cost_factor
+    return (
+        costs.motor_w * found.peak_power_w
+        + costs.motor_n_m * found.peak_torque_n_m
+        + costs.gears_dm3 * found.gear_volume_mm3 / MM3_PER_DM3 * factors.get(material, 1.0)
+        + costs.driven_flywheel_kg_m2 * KG_M2 * found.driven_flywheel_kg_mm2
+        + float(getattr(costs.making, process))
+        + (0.0 if motor is None else motor.cost)
+    )
+
+
+def judged_machine(text: str, process: Process, choices: Choices) -> WholeMachine | Unfit:
+    """A machine as its design file's text alone tells it, or why it is none; everything is computed anew."""
+    loaded = parsed(text, Path("machine.yaml"))
+    drive = Drive(loaded.design, loaded=loaded)
+    try:
+        verdict = judged(drive, Known.TEETH, seconds=0.0)
+        wrong = [f"{row.kind}: {advice.brief}" for row in broken(verdict, process) for advice in row.advices]
+        if wrong:
+            weak = any(row.kind in WEAK for row in broken(verdict, process))
+            return Unfit(tuple(wrong), _wider(drive) if weak else None)
+        found, law = figures_of(drive)
+        missed = limits_missed(loaded.design, law, found.pressure_angle_deg)
+        wider = None
+        if min(found.bending_share, found.contact_share, found.flank_share) < 1.0:
+            wider = _wider(drive)
+            missed.append("the teeth do not hold")
+        cut = cut_words(drive, process)
+    except DesignError as error:
+        return Unfit((error.problem,))
+    if cut is None:
+        missed.append(f"gears of this kind cannot be {process.replace('_', ' ')}")
+    motor = motor_for(choices, found)
+    if choices.motors and motor is None:
+        missed.append(f"no motor that can be had gives {found.peak_power_w:.4g} W and {found.peak_torque_n_m:.4g} N m")
+    if missed or cut is None:
+        return Unfit(tuple(missed), wider)
+    material = choices_of(drive.gears)[0].entry.name
+    cost = cost_of(choices, found, motor, material, process)
+    return WholeMachine(loaded.design.name, text, found, material, process, cut, motor, cost)
+
+
+def _wider(drive: Drive) -> float:
+    """The factor of the face width with which teeth and flanks are guessed to hold."""
+    rating = rating_of(drive, "estimate")
+    return max(face_width_factor(rating.weakest), 1.0 / drive.surfaces_by("estimate").share)

@@ -1,0 +1,80 @@
+"""What counts of machines: figures that none beats, a few of them far apart, the recommended one, and differences."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TypeVar
+
+import numpy as np
+
+from ncgear.design.keys.design import Design
+from ncgear.numerics.arrays import Array
+
+Item = TypeVar("Item")
+
+SAME = 1e-3
+"""Share of a figure by which machines differ that nobody would tell apart."""
+
+
+def objectives_of(design: Design) -> tuple[str, ...]:
+    """The figures that count, by their names in the file."""
+    choices = design.choices
+    if choices is not None and choices.least is not None:
+        return tuple(choices.least)
+    free = ("driven_flywheel_kg_mm2",) if design.free_flywheel is not None else ()
+    return ("peak_power_w", "gear_volume_mm3", *free)
+
+
+def undominated(items: Sequence[Item], values: Callable[[Item], Sequence[float]]) -> list[Item]:
+    """The items that no other one is as good as in every figure and better in one, by SAME of the figure."""
+    table = np.array([values(one) for one in items], dtype=float).reshape(len(items), -1)
+    kept: list[int] = []
+    for row in range(len(items)):
+        others = np.delete(table, row, axis=0)
+        room = SAME * np.abs(table[row])
+        as_good = np.all(others <= table[row] + room, axis=1)
+        better = np.any(others < table[row] - room, axis=1)
+        twin = any(np.all(np.abs(table[one] - table[row]) <= room) for one in kept)
+        if not np.any(as_good & better) and not twin:
+            kept.append(row)
+    return [items[row] for row in kept]
+
+
+def scaled(table: Array) -> Array:
+    """Figures from 0, the least of each column, to 1, the greatest."""
+    low, span = table.min(axis=0), np.ptp(table, axis=0)
+    return np.asarray((table - low) / np.where(span > 0.0, span, 1.0))
+
+
+def far_apart(items: Sequence[Item], values: Callable[[Item], Sequence[float]], count: int) -> list[Item]:
+    """At most ``count`` items: the best in each figure, the nearest to all bests, then the farthest from those taken."""
+    if len(items) <= count:
+        return list(items)
+    table = scaled(np.array([values(one) for one in items], dtype=float))
+    taken = [nearest_to_best(table), *np.argmin(table, axis=0).tolist()]
+    taken = list(dict.fromkeys(taken))[:count]
+    while len(taken) < count:
+        gap = np.min(np.linalg.norm(table[:, None, :] - table[None, taken, :], axis=2), axis=1)
+        taken.append(int(np.argmax(gap)))
+    return [items[row] for row in sorted(taken)]
+
+
+def nearest_to_best(table: Array) -> int:
+    """The row of scaled figures that is nearest to the best of all."""
+    return int(np.argmin(np.linalg.norm(table, axis=1)))
+
+
+def recommended(
+    items: Sequence[Item], values: Callable[[Item], Sequence[float]], cost: Callable[[Item], float | None]
+) -> int:
+    """The place of the item of least cost; without costs that of the least product of all figures that are over zero.
+
+    So it does not matter in what unit a figure is, and how far the worst items are away.  A figure that is zero of some
+    item, as a flywheel that is left out, does not count.
+    """
+    costs = [one for item in items if (one := cost(item)) is not None]
+    if len(costs) == len(items):
+        return int(np.argmin(costs))
+    table = np.array([values(one) for one in items], dtype=float)
+    positive = table[:, np.all(table > 0.0, axis=0)]
+    return int(np.argmin(np.log(positive).sum(axis=1)))

@@ -1,0 +1,285 @@
+"""The search for whole machines: laws first, then gears of the laws that may count, each rated from its file alone."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from math import ceil, inf, pi, sin
+from typing import Any, NamedTuple
+
+from ncgear.design.keys.choices import Choices, Process
+from ncgear.design.keys.design import Design
+from ncgear.design.keys.optimize import Optimize
+from ncgear.design.keys.strength import GearMaterial
+from ncgear.design.reading.design_file import LoadedDesign
+from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.extras import require
+from ncgear.frozen import dataclass
+from ncgear.project.law_task import refuse_guide_friction
+from ncgear.project.sizing import FEWEST_TEETH
+from ncgear.project.tooth_form import rack_of
+from ncgear.shown import Shown
+from ncgear.strength.materials import TABLE, Plastic
+from ncgear.whole_machines.gears import GearJob, machine_of
+from ncgear.whole_machines.laws import FoundLaw, LawJob, flywheel_sizes, laws_of
+from ncgear.whole_machines.machine import Unfit, WholeMachine, cost_of, motor_for
+from ncgear.whole_machines.pareto import far_apart, objectives_of, recommended, undominated
+from ncgear.workers import finished
+
+MORE = 4
+"""Machines that are made beyond those wanted, since some turn out worse than others."""
+
+FINER_LAWS = 1.1
+"""Ratio of the fewest teeth of a law to the teeth with which breakage and pitting balance from which the curvature is
+limited: fewer teeth of a larger module are then stronger."""
+
+Kind = tuple[bool, int]
+"""Whether the driving shaft brakes, so that teeth change flanks and knock, and the place of a material."""
+
+BRAKING = 1e-3
+"""Share of the peak power under which nothing brakes."""
+
+OnStep = Callable[[str, int, int], None]
+"""Called with what is being found and with how many are done and to be done."""
+
+
+class Candidate(NamedTuple):
+    """A law and a material, with the gears' volume that they are guessed to need."""
+
+    law: FoundLaw
+    material: GearMaterial | None
+    factor: float
+    volume_mm3: float
+
+
+@dataclass(frozen=True, eq=False)
+class WholeMachines(Shown):
+    """Machines that no other found one beats in every figure that counts, in the order of the first such figure.
+
+    ``recommended`` is the place of the recommended one.  ``laws`` are all laws that were found, ``unfit`` the reasons
+    why gears of some of them were no machines.
+    """
+
+    design: Design
+    objectives: tuple[str, ...]
+    machines: tuple[WholeMachine, ...]
+    recommended: int
+    laws: tuple[FoundLaw, ...]
+    unfit: tuple[Unfit, ...]
+
+
+def require_offered(design: Design) -> Choices:
+    """The choices of a design; raises WrongInput with the key for what the search does not offer."""
+    require("casadi", "optimize", "ncgear design")
+    gears = design.gears
+    if gears is None:
+        raise WrongInput("missing; give what of the gears is not sought: bores, backlash, and a first size", key="gears")
+    if gears.mesh == "internal":
+        raise WrongInput("internal given; whole machines are sought with external pairs only", key="gears.mesh")
+    if design.stages > 1 or (design.optimize or Optimize()).limits.stages > 1:
+        raise WrongInput("two pairs in series; whole machines are sought with one pair", key="optimize.limits.stages")
+    if gears.helix is not None:
+        raise WrongInput("given; whole machines are sought with straight teeth, leave it out", key="gears.helix")
+    if not design.loads_teeth:
+        raise WrongInput("missing; the load of the teeth needs it, or masses", key="resistance")
+    refuse_guide_friction(design, "the power that is capped")
+    return design.choices or Choices()
+
+
+class MachineSearch:
+    """The search for one design file; ``machines`` holds the best found so far at any moment."""
+
+    def __init__(
+        self,
+        loaded: LoadedDesign,
+        on_step: OnStep = lambda what, done, most: None,
+        scheduler: str | None = None,
+        processes: int | None = None,
+    ) -> None:
+        self.loaded, self.design = loaded, loaded.design
+        self.choices = require_offered(loaded.design)
+        self.objectives = objectives_of(loaded.design)
+        self._on_step, self._where = on_step, (scheduler, processes)
+        self.laws: list[FoundLaw] = []
+        self.made: list[WholeMachine] = []
+        self.unfit: list[Unfit] = []
+
+    def run(self) -> WholeMachines:
+        """The machines; raises NoSuchMechanism where there is no law, or no gears of any law, with what would do."""
+        self._find_laws(None)
+        if not self.laws:
+            self._refuse_laws()
+        constants = self._reference()
+        candidates = self._candidates(constants)
+        wanted = self.choices.machines
+        # The reference has been made already
+        picked = far_apart(candidates, self._guessed, wanted + MORE)
+        self._make([self._job(one, number) for number, one in enumerate(picked)])
+        if not self.made:
+            from ncgear.whole_machines.conflict import refusal_of_gears
+
+            raise refusal_of_gears(self)
+        return self.found
+
+    @property
+    def found(self) -> WholeMachines:
+        """The machines found so far, of which there must be one."""
+        best = undominated(self.made, self._values)
+        best = far_apart(best, self._values, self.choices.machines)
+        best = sorted(best, key=lambda one: (one.value(self.objectives[0]), *self._values(one)))
+        place = recommended(best, self._values, lambda one: one.cost)
+        return WholeMachines(
+            self.design, self.objectives, tuple(best), place, tuple(self.laws), tuple(self.unfit)
+        )
+
+    def _values(self, one: WholeMachine) -> list[float]:
+        return [one.value(name) for name in self.objectives]
+
+    # Laws
+
+    def _find_laws(self, teeth: int | None) -> None:
+        powers = tuple(sorted({one.power_w for one in self.choices.motors or ()}))
+        jobs = [LawJob(size, teeth, powers) for size in flywheel_sizes(self.design)]
+        for laws in self._done("laws", partial(laws_of, self.design), jobs):
+            self.laws += laws
+
+    def _refuse_laws(self) -> None:
+        """Raise the refusal of ``ncgear optimize`` with what could be asked for instead, checked by doing it."""
+        from ncgear.project.best_law import BestLaw
+        from ncgear.whole_machines.laws import law_design
+
+        for size in reversed(flywheel_sizes(self.design)):
+            _ = BestLaw(law_design(self.design, size)).law
+        raise NoSuchMechanism("no law was found that keeps all limits", key="optimize.limits")
+
+    # Gears
+
+    def _reference(self) -> dict[Kind, float]:
+        """For each kind of law and material the gears' volume over the flank load, from the gears of one law."""
+        materials, jobs = self._materials(), dict[Kind, GearJob]()
+        for brakes in (False, True):
+            laws = sorted((one for one in self.laws if _brakes(one) is brakes), key=lambda one: one.flank_load_n_mm)
+            for place, (material, _) in enumerate(materials if laws else ()):
+                middle = laws[len(laws) // 2]
+                jobs[brakes, place] = GearJob(middle, material, self._processes(material), f"{self.design.name[:50]}-0")
+        constants: dict[Kind, float] = {}
+        balanced: list[float] = []
+        for number, made in self._numbered("materials", list(jobs.values())):
+            if isinstance(made, WholeMachine):
+                found = made.figures
+                pits = found.contact_share < inf
+                spare = found.contact_share**2 if pits else found.bending_share
+                constants[list(jobs)[number]] = found.gear_volume_mm3 / spare / found.flank_load_n_mm
+                balanced.append(found.teeth * found.bending_share / found.contact_share**2)
+        needed = min(map(self.fewest_teeth, self.laws))
+        if balanced and needed > FINER_LAWS * max(balanced):
+            # Between both: the least of what pitting and what breakage asks for
+            teeth = max(max(balanced), FEWEST_TEETH)
+            self._find_laws(ceil((teeth * needed) ** 0.5))
+        usual = max(constants.values(), default=1.0)
+        return {kind: constants.get(kind, usual) for kind in jobs}
+
+    def fewest_teeth(self, law: FoundLaw) -> int:
+        """The driving teeth from which on the pitch curves of a law undercut none."""
+        gears = self.design.gears
+        assert gears is not None
+        rack = rack_of(gears, 1.0)
+        angle = min(rack.angles_rad)
+        depth = rack.dedendum_mm - rack.root_radius_mm * (1.0 - sin(angle))
+        return ceil(gears.lobes.driving * law.found.curvature_turns * depth / (pi * sin(angle) ** 2))
+
+    def _materials(self) -> list[tuple[GearMaterial | None, float]]:
+        if self.choices.materials is None:
+            return [(None, 1.0)]
+        return [(one.material, one.cost_factor) for one in self.choices.materials]
+
+    def _processes(self, material: GearMaterial | None) -> tuple[Process, ...]:
+        """The ways of making teeth of a material, the cheapest first."""
+        gears = self.design.gears
+        assert gears is not None
+        own = gears.material.each[0] if material is None and gears.material is not None else material
+        plastic = own is not None and isinstance(TABLE[own.name], Plastic)
+        able = [one for one in self.choices.processes if (one == "printed" and plastic) or one != "printed"]
+        able = [one for one in able if one != "wire_cut" or not plastic]
+        if self.choices.cost is not None:
+            making = self.choices.cost.making
+            able.sort(key=lambda one: float(getattr(making, one)))
+        return tuple(able)
+
+    def _candidates(self, constants: dict[Kind, float]) -> list[Candidate]:
+        """Laws with materials that may count: none is guessed to be worse than another one in every figure."""
+        materials = self._materials()
+        every = [
+            Candidate(law, *materials[place], constant * law.flank_load_n_mm)
+            for law in self.laws
+            for (brakes, place), constant in constants.items()
+            if brakes is _brakes(law)
+        ]
+        return undominated(every, self._guessed)
+
+    def _guessed(self, one: Candidate) -> list[float]:
+        law = one.law.found
+        known = {
+            "peak_power_w": law.peak_power_w,
+            "gear_volume_mm3": one.volume_mm3,
+            "driven_flywheel_kg_mm2": one.law.flywheel_kg_mm2,
+            "center_distance_mm": one.volume_mm3 ** (1.0 / 3.0),
+            "cost": self._guessed_cost(one),
+        }
+        own = [known[name] for name in self.objectives]
+        return own if "cost" in self.objectives or not self._has_cost else [*own, known["cost"]]
+
+    @property
+    def _has_cost(self) -> bool:
+        return self.choices.cost is not None or any(one.cost for one in self.choices.motors or ())
+
+    def _guessed_cost(self, one: Candidate) -> float:
+        from ncgear.whole_machines.machine import guessed_figures
+
+        guess = guessed_figures(one.law.found, one.law.flywheel_kg_mm2, one.volume_mm3 * one.factor, self.speed_rad_s)
+        process = next(iter(self._processes(one.material)), "hobbed")
+        return cost_of(self.choices, guess, motor_for(self.choices, guess), "", process) or 0.0
+
+    @property
+    def speed_rad_s(self) -> float:
+        """The speed of the driving shaft."""
+        return self.design.operation.speed_rpm * pi / 30.0
+
+    def _job(self, one: Candidate, number: int) -> GearJob:
+        name = f"{self.design.name[:50]}-{number + 1}"
+        return GearJob(one.law, one.material, self._processes(one.material), name)
+
+    def _make(self, jobs: Sequence[GearJob]) -> None:
+        for _ in self._numbered("machines", jobs):
+            pass
+
+    def _numbered(self, what: str, jobs: Sequence[GearJob]) -> Iterator[tuple[int, WholeMachine | Unfit]]:
+        """The machines of jobs with the places of the jobs, as they are finished; they are kept."""
+        numbers = list(range(len(jobs)))
+        for number, made in self._done_numbers(what, partial(_numbered_machine, self.loaded.text, list(jobs)), numbers):
+            if isinstance(made, WholeMachine):
+                self.made.append(made)
+            else:
+                self.unfit.append(made)
+            yield number, made
+
+    def _done_numbers(self, what: str, function: Callable[[int], Any], numbers: list[int]) -> Iterator[tuple[int, Any]]:
+        self._on_step(what, 0, len(numbers))
+        for done, (number, result) in enumerate(finished(function, numbers, *self._where), start=1):
+            self._on_step(what, done, len(numbers))
+            yield number, result
+
+    def _done(self, what: str, function: Callable[[LawJob], Any], jobs: list[LawJob]) -> Iterator[Any]:
+        self._on_step(what, 0, len(jobs))
+        for done, (_, result) in enumerate(finished(function, jobs, *self._where), start=1):
+            self._on_step(what, done, len(jobs))
+            yield result
+
+
+def _brakes(law: FoundLaw) -> bool:
+    return (law.found.braking_power_w or 0.0) > BRAKING * law.found.peak_power_w
+
+
+def _numbered_machine(text: str, jobs: list[GearJob], number: int) -> WholeMachine | Unfit:
+    """The machine of one job, computed in its own process."""
+    return machine_of(text, jobs[number])

@@ -1,0 +1,124 @@
+"""What is told of whole machines: a table, what each gains and costs beside the recommended one, figures for files."""
+
+from __future__ import annotations
+
+import platform
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+from ncgear import __version__
+from ncgear.figures.answers.answer import Answer, Row
+from ncgear.figures.numbers import fixed, to_digits
+from ncgear.numerics.units import KG_M2
+from ncgear.whole_machines.machine import MM3_PER_DM3, WholeMachine
+from ncgear.whole_machines.search import WholeMachines
+
+WORDS = {
+    "peak_power_w": ("less motor", "more motor"),
+    "gear_volume_mm3": ("smaller gears", "larger gears"),
+    "driven_flywheel_kg_mm2": ("less flywheel", "more flywheel"),
+    "center_distance_mm": ("less centre distance", "more centre distance"),
+    "cost": ("less cost", "more cost"),
+}
+"""Words for less and more of each figure that counts."""
+
+ALIKE = 0.005
+"""Share by which figures differ that are told as alike."""
+
+HEADS = ("motor, W", "gears, dm3", "flywheel, kg m2", "teeth", "width, mm", "centres, mm")
+
+
+def difference_words(one: WholeMachine, other: WholeMachine, objectives: Sequence[str]) -> str:
+    """What a machine gains and what it costs beside another one, in words."""
+    gains, losses = [], []
+    for name in objectives:
+        own, beside = one.value(name), other.value(name)
+        less, more = WORDS[name]
+        if abs(own - beside) <= ALIKE * max(abs(beside), abs(own)):
+            continue
+        if beside == 0.0 or own == 0.0:
+            (gains if own < beside else losses).append(f"no {less.split()[-1]}" if own == 0.0 else "a flywheel")
+        elif own < beside:
+            gains.append(f"{fixed(100.0 * (1.0 - own / beside), 0)} % {less}")
+        elif own > 2.0 * beside:
+            losses.append(f"{to_digits(own / beside, 2)} times the {more.split()[-1]}")
+        else:
+            losses.append(f"{fixed(100.0 * (own / beside - 1.0), 0)} % {more}")
+    if gains and losses:
+        return f"{_listed(gains)} for {_listed(losses)}"
+    return _listed(gains or losses) or "the same"
+
+
+def _listed(words: Sequence[str]) -> str:
+    return " and ".join(filter(None, (", ".join(words[:-1]), *words[-1:])))
+
+
+def machines_answer(found: WholeMachines, then: str = "") -> Answer:
+    """The machines side by side, the recommended one first among what is said of them."""
+    best = found.machines[found.recommended]
+    rows = [Row(_mark(found, place), _cells(one)) for place, one in enumerate(found.machines)]
+    for place, one in enumerate(found.machines):
+        if place != found.recommended:
+            rows.append(Row(one.name, (difference_words(one, best, _told(found)),)))
+    rows.append(Row("made", (f"{best.material}, {best.process.replace('_', ' ')}: {best.cut}",)))
+    rows += [Row("motor", (best.motor.name,))] if best.motor else []
+    rows += [Row("cost", (to_digits(best.cost, 4),))] if best.cost is not None else []
+    count = len(found.machines)
+    return Answer(
+        f"{found.design.name}: {count} whole machine{'s' if count > 1 else ''} at "
+        f"{found.design.operation.speed_rpm:g} r/min; recommended: {best.name}",
+        tuple(rows),
+        heads=HEADS,
+        good="Each builds with a clean verdict; figures are those of its file alone.",
+        then=then,
+    )
+
+
+def _told(found: WholeMachines) -> tuple[str, ...]:
+    has_cost = all(one.cost is not None for one in found.machines) and "cost" not in found.objectives
+    return (*found.objectives, "cost") if has_cost else found.objectives
+
+
+def _mark(found: WholeMachines, place: int) -> str:
+    name = found.machines[place].name
+    return f"{name} *" if place == found.recommended else name
+
+
+def _cells(one: WholeMachine) -> tuple[str, ...]:
+    has = one.figures
+    return (
+        to_digits(has.peak_power_w, 4),
+        to_digits(has.gear_volume_mm3 / MM3_PER_DM3, 4),
+        to_digits(KG_M2 * has.driven_flywheel_kg_mm2, 3),
+        f"{has.teeth} x {has.module_mm:g}",
+        f"{has.face_width_mm:g}",
+        to_digits(has.center_distance_mm, 4),
+    )
+
+
+def machines_figures(found: WholeMachines) -> dict[str, Any]:
+    """The machines and what was found beside them, as plain values whose keys end in their unit."""
+    best = found.machines[found.recommended]
+    return {
+        "design": found.design.name,
+        "speed_rpm": found.design.operation.speed_rpm,
+        "least": list(found.objectives),
+        "recommended": best.name,
+        "machines": [
+            {
+                "name": one.name,
+                **{key: value if value < float("inf") else None for key, value in asdict(one.figures).items()},
+                "material": one.material,
+                "process": one.process,
+                "cut": one.cut,
+                "motor": one.motor.name if one.motor else None,
+                "cost": one.cost,
+                "beside_recommended": "" if one is best else difference_words(one, best, _told(found)),
+            }
+            for one in found.machines
+        ],
+        "laws": len(found.laws),
+        "unfit": sorted({why for one in found.unfit for why in one.why}),
+        "made_by": {"ncgear": __version__, "python": platform.python_version()},
+    }
