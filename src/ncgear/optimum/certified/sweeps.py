@@ -3,21 +3,21 @@
 Let phi be the crank's angle, s = dphi/dphi1, q = s^2, primes by phi, and w the driving shaft's speed.  At a place and a
 value of q every limit of the pressure angle, acceleration, power, braking power and flank load is a range of q', since
 the crank's torque M = M0 + w^2 (c q + J q'/2) is linear in q and q'.  So every motion that keeps them lies below the
-greatest periodic curve and above the least one whose slopes stay in these ranges (comparison of scalar differential
-inequalities).  A cycle then takes no less time than along the greatest curve, and no more than along the least one.
-Where its time is not between both, no motion keeps all limits.
+greatest periodic curve whose slopes stay in these ranges (comparison of scalar differential inequalities).  A cycle
+takes no less time than along that curve.  Where this is more than its time, no motion keeps all limits.
 
-Curves are barriers, cell by cell: a straight line that no motion crosses, because the greatest slope over the whole
-box about it, all angles of the cell and all values of q along it, is not over its own.  Ranges of the linkage's own
-known functions in a cell are those of five of its angles, widened by their second differences.  Both pitch curves may
-be of any convexity here, and jerk, curvature and forces other than these are free; so the limit holds for more laws
-than those that are sought.  The flywheel may be any of a range of inertia.
+The curve is followed from cell to cell as a barrier: its slope is the greatest possible one at both ends of a cell,
+linear between them, and a little more.  What it is more is twice the distance of the greatest slope in the middle of
+the cell from that line: the greatest slope is the least of smooth functions of known quantities, and where two of them
+meet it is concave.  The jumps of a load are ends of cells.
+
+Both pitch curves may have dents here, and jerk, curvature and other forces are free; so the limit holds for more laws
+than those that are sought.  The flywheel may have any size of a range.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 from math import cos, inf, pi, sin
 
 import numpy as np
@@ -29,34 +29,37 @@ from ncgear.optimum.makeable.places import cell_ends, slider_at
 from ncgear.optimum.task import Task
 from ncgear.wishes.requirements import TimeWithin
 
-CELLS = 720
-"""Cells of a turn: with twice as many the limit of a baler rises by less than half a hundredth."""
+CELLS = 480
+"""Cells of a turn: twice as many raise the limit of a baler by a few thousandths."""
 
-INSIDE = np.array([1e-7, 0.25, 0.5, 0.75, 1.0 - 1e-7])
-"""Places in a cell where known functions are taken, as shares of it; its ends from inside, where loads may jump."""
+NODES = np.array([1e-7, 0.5, 1.0 - 1e-7])
+"""Places in a cell where known functions are taken, as shares of it: its ends from inside, where loads may jump."""
 
-TURNS = 3
-"""Sweeps around the turn each way; later ones change nothing that counts, and less of them gives a lower limit."""
+TURNS = 4
+"""Sweeps around the turn each way at most; fewer give a lower limit."""
 
-LEVELS = 17
-"""Levels of a figure that are tried at once."""
+SETTLED = 1e-7
+"""Change of the curve by another sweep under which it stays as it is."""
 
-ROUNDS = 2
-"""Rounds of levels, each between two neighbours of the round before."""
+LEVELS, ROUNDS = 13, 3
+"""Levels of a figure that are tried at once, and rounds of levels, each between two neighbours of the round before."""
 
-LOWERED, STEPS_DOWN = 0.995, 12
-"""Ratio by which a curve is lowered where no slope is possible, and how often at a place."""
+LOWERED, STEPS_DOWN = 0.998, 20
+"""Ratio by which the curve is lowered where no slope is possible, and how often at a place of a sweep."""
 
-TIME_ROUNDING = 1e-9
-"""Share of the time of a cycle that rounding errors may make."""
+ROUNDING = 1e-7
+"""Share of the time of a cycle, and of levels, that rounding errors may make."""
+
+STANDING = 1e-9
+"""Share of the stroke under which the way for an angle of the crank is that of a dead centre."""
 
 
 @dataclass(frozen=True, eq=False)
-class CellRanges:
-    """Ranges of the linkage's known functions in n cells, least and greatest value, shape (2, n) each.
+class Known:
+    """The linkage's known functions at three places of each of n cells, shape (n, 3); ``ends_rad`` has shape (n + 1,).
 
-    ``first`` and ``second`` are the displacement's derivatives; the crank's torque in N mm is ``static`` + w^2 (``by_q``
-    q + ``by_rate`` q'/2).  ``ends_rad`` has shape (n + 1,); ``first_at`` and ``second_at`` are at these ends.
+    ``first`` and ``second`` are the displacement's derivatives by the crank's angle, and the crank's torque in N mm is
+    ``static`` + w^2 (``by_q`` q + ``by_rate`` q'/2).
     """
 
     ends_rad: Array
@@ -65,15 +68,13 @@ class CellRanges:
     static: Array
     by_q: Array
     by_rate: Array
-    first_at: Array
-    second_at: Array
 
 
 @dataclass(frozen=True, eq=False)
 class SweptLimits:
     """Limits of k problems that are swept at once, shape (k,) each; infinite where free.
 
-    ``flywheel`` has the least and the greatest inertia in kg mm2 that may be added to the crank's, shape (2, k).
+    ``flywheel_kg_mm2`` has the least and the greatest inertia that may be added to the crank's, shape (2, k).
     """
 
     flank_load_n_mm: Array
@@ -86,26 +87,16 @@ class SweptLimits:
         return self.power_w.size
 
 
-def cell_ranges(task: Task, asked: Demands, cells: int = CELLS) -> CellRanges:
-    """The ranges of a machine in about so many cells."""
-    stretches = [one.asked.stretch for one in asked.wishes if isinstance(one.asked, TimeWithin)]
-    knots = np.linspace(0.0, 2.0 * pi, cells, endpoint=False)
-    ends = cell_ends(task, knots, stretches)
-    width = np.diff(ends)
-    places = ends[:-1, None] + width[:, None] * INSIDE
-    at = slider_at(task, np.clip(places.ravel(), 0.0, 2.0 * pi * (1.0 - 1e-12)))
-    # Without masses only the resistance turns the crank
+def known_functions(task: Task, asked: Demands, cells: int) -> Known:
+    """The known functions of a machine in about so many cells."""
+    stretches = [one.stretch for one in asked.requirements(TimeWithin)]
+    ends = cell_ends(task, np.linspace(0.0, 2.0 * pi, cells, endpoint=False), stretches)
+    places = ends[:-1, None] + np.diff(ends)[:, None] * NODES
+    at = slider_at(task, places.ravel())
+    # Without masses the resistance alone turns the crank
     static = at.torque if task.masses is not None else at.force_n * at.first
-    columns = [at.first, at.second, static, at.torque_by_q, at.torque_by_rate]
-    ranges = [_range(np.broadcast_to(np.asarray(one, dtype=float), places.size).reshape(places.shape)) for one in columns]
-    beside = slider_at(task, np.clip(ends, 0.0, 2.0 * pi * (1.0 - 1e-12)))
-    return CellRanges(ends, *ranges, np.asarray(beside.first), np.asarray(beside.second))
-
-
-def _range(values: Array) -> Array:
-    """Least and greatest value in each cell, shape (2, n), from values at five places, shape (n, 5)."""
-    room = np.abs(np.diff(values, n=2, axis=1)).max(axis=1)
-    return np.stack([values.min(axis=1) - room, values.max(axis=1) + room])
+    columns = at.first, at.second, static, at.torque_by_q, at.torque_by_rate
+    return Known(ends, *(np.broadcast_to(np.asarray(one, dtype=float), places.size).reshape(-1, 3) for one in columns))
 
 
 class Sweeps:
@@ -113,219 +104,161 @@ class Sweeps:
 
     def __init__(self, task: Task, asked: Demands, cells: int = CELLS) -> None:
         self.task, self.asked = task, asked
-        self.on = cell_ranges(task, asked, cells)
-        self.step = np.diff(self.on.ends_rad)
+        self.known = known_functions(task, asked, cells)
+        self.step = np.diff(self.known.ends_rad)
         gears = task.gears
         pushing = gears.rack_angle_rad if gears else asked.rack_angle_rad
-        idle = (gears.idle_angle_rad if gears else None) or pushing
-        self.angles = pushing, idle
+        self.angles = pushing, (gears.idle_angle_rad if gears else None) or pushing
 
     def possible(self, limits: SweptLimits) -> Array:
         """Whether a motion may keep the limits, shape (k,): False is certain."""
-        low, high = self._begun(limits)
-        slopes: dict[str, Array] = {}
-        alive = np.ones(limits.count, dtype=bool)
-        for _ in range(TURNS):
-            before = high.copy(), low.copy()
-            slopes = self._swept(limits, low, high)
-            alive = np.all(low <= high, axis=0) & np.all(np.isfinite(high) & np.isfinite(low), axis=0)
-            moved = max(np.max(np.abs(high - before[0])[:, alive], initial=0.0), np.max(np.abs(low - before[1])[:, alive], initial=0.0))
-            if not alive.any() or moved < 1e-6:
-                break
-        return np.asarray(alive & self._has_time(low, high, slopes))
+        with np.errstate(all="ignore"):
+            curve = self._begun(limits)
+            lines = np.full((2, self.step.size, limits.count), inf)
+            for _ in range(TURNS):
+                before = curve.copy()
+                self._forwards(limits, curve, lines[0])
+                self._backwards(limits, curve, lines[1])
+                if np.max(before - curve) < SETTLED:
+                    break
+            return self._has_time(curve, lines)
 
-    def _begun(self, limits: SweptLimits) -> tuple[Array, Array]:
-        """Least and greatest q at the ends of cells before any sweep, shape (n + 1, k) each."""
-        speed, asked = self.task.speed_rad_s, self.asked
-        least, most = 1.0 / asked.ratio_max**2, 1.0 / asked.ratio_min**2
-        fastest = np.full(self.on.ends_rad.size, most)
-        way, bend = np.abs(self.on.first_at), np.abs(self.on.second_at)
-        with np.errstate(divide="ignore"):
-            if asked.speed_mm_s < inf:
-                fastest = np.minimum(fastest, (asked.speed_mm_s / (speed * way)) ** 2)
-            if asked.acceleration_mm_s2 < inf:
-                still = way <= 1e-9 * self.task.linkage.stroke_mm
-                fastest = np.where(still, np.minimum(fastest, asked.acceleration_mm_s2 / (speed**2 * bend)), fastest)
-        high = np.repeat(fastest[:, None], limits.count, axis=1)
-        return np.full_like(high, least), high
+    @property
+    def _floor(self) -> float:
+        return float(1.0 / self.asked.ratio_max**2)
 
-    def _swept(self, limits: SweptLimits, low: Array, high: Array) -> dict[str, Array]:
-        """Lower the greatest curve and raise the least one, each forwards and backwards; gives slopes along them."""
-        cells = self.step.size
-        shape = cells, limits.count
-        top = {"forward": np.empty(shape), "backward": np.empty(shape), "up": np.empty(shape), "down": np.empty(shape)}
-        for cell in range(cells):
-            self._lowered(limits, cell, low, high)
-            rise, slope = self._barrier(limits, cell, high[cell], upper=True, forward=True)
-            high[cell + 1] = np.minimum(high[cell + 1], rise)
-            top["forward"][cell] = slope
-            rise, slope = self._barrier(limits, cell, low[cell], upper=False, forward=True)
-            low[cell + 1] = np.maximum(low[cell + 1], rise)
-            top["up"][cell] = slope
-        high[0] = high[-1] = np.minimum(high[0], high[-1])
-        low[0] = low[-1] = np.maximum(low[0], low[-1])
-        for cell in range(cells - 1, -1, -1):
-            rise, slope = self._barrier(limits, cell, high[cell + 1], upper=True, forward=False)
-            high[cell] = np.minimum(high[cell], rise)
-            top["backward"][cell] = slope
-            rise, slope = self._barrier(limits, cell, low[cell + 1], upper=False, forward=False)
-            low[cell] = np.maximum(low[cell], rise)
-            top["down"][cell] = slope
-        high[0] = high[-1] = np.minimum(high[0], high[-1])
-        low[0] = low[-1] = np.maximum(low[0], low[-1])
-        return top
+    def _begun(self, limits: SweptLimits) -> Array:
+        """The greatest q at the ends of cells before any sweep, shape (n + 1, k)."""
+        speed, asked, known = self.task.speed_rad_s, self.asked, self.known
+        fastest = np.full(self.step.size + 1, 1.0 / asked.ratio_min**2)
+        way = np.abs(np.append(known.first[:, 0], known.first[-1, 2]))
+        bend = np.abs(np.append(known.second[:, 0], known.second[-1, 2]))
+        if asked.speed_mm_s < inf:
+            fastest = np.minimum(fastest, (asked.speed_mm_s / (speed * way)) ** 2)
+        if asked.acceleration_mm_s2 < inf:
+            still = way <= STANDING * self.task.linkage.stroke_mm
+            at_rest = (1.0 + ROUNDING) * asked.acceleration_mm_s2 / (speed**2 * bend)
+            fastest = np.where(still, np.minimum(fastest, at_rest), fastest)
+        return np.repeat(fastest[:, None], limits.count, axis=1)
 
-    def _lowered(self, limits: SweptLimits, cell: int, low: Array, high: Array) -> None:
-        """Lower the greatest curve at a place where no slope is possible just below it."""
+    def _forwards(self, limits: SweptLimits, curve: Array, lines: Array) -> None:
+        for cell in range(self.step.size):
+            self._lower(limits, (cell, 0), curve[cell])
+            end, lines[cell] = self._barrier(limits, cell, curve[cell], (0, 2), 1)
+            curve[cell + 1] = np.minimum(curve[cell + 1], end)
+        curve[0] = curve[-1] = np.minimum(curve[0], curve[-1])
+
+    def _backwards(self, limits: SweptLimits, curve: Array, lines: Array) -> None:
+        for cell in range(self.step.size - 1, -1, -1):
+            self._lower(limits, (cell, 2), curve[cell + 1])
+            end, lines[cell] = self._barrier(limits, cell, curve[cell + 1], (2, 0), 0)
+            curve[cell] = np.minimum(curve[cell], end)
+        curve[0] = curve[-1] = np.minimum(curve[0], curve[-1])
+
+    def _lower(self, limits: SweptLimits, at: tuple[int, int], q: Array) -> None:
+        """Lower the curve at a place as long as no slope is possible there."""
         for _ in range(STEPS_DOWN):
-            under = LOWERED * high[cell]
-            least, most = self.slopes(limits, cell, under, high[cell])
-            stuck = (least > most) & (high[cell] >= low[cell])
+            least, most = self.slopes(limits, at, q)
+            stuck = (least > most + ROUNDING * np.abs(most)) & (q > 0.5 * self._floor)
             if not stuck.any():
                 return
-            high[cell] = np.where(stuck, under, high[cell])
+            q[stuck] *= LOWERED
 
     def _barrier(
-        self, limits: SweptLimits, cell: int, q: Array, *, upper: bool, forward: bool
+        self, limits: SweptLimits, cell: int, q: Array, nodes: tuple[int, int], most: int
     ) -> tuple[Array, Array]:
-        """The value at the other end of a cell that no motion passes, from a value at one end, and the line's slope.
+        """The value at the other end of a cell that no motion passes, and the steepest slope towards it.
 
-        Infinite, or nothing, where no line was found that holds.
+        ``most`` is 1 for the greatest slope, forwards, and 0 for the least, backwards.  Infinite where no limit bounds
+        the slope.
         """
-        step = self.step[cell] if forward else -self.step[cell]
-        greatest = upper is forward
-        none = np.full(q.shape, inf if upper else -inf)
-        other = q
+        here, there = nodes
+        step = self.step[cell] if most else -self.step[cell]
+        sign = 1.0 if most else -1.0
+        first = self.slopes(limits, (cell, here), q)[most]
+        last = first
         for _ in range(2):
-            least, most = self.slopes(limits, cell, np.minimum(q, other), np.maximum(q, other))
-            slope = most if greatest else least
-            other = np.where(np.isfinite(slope), q + step * slope, q)
-            other = np.clip(other, 1e-9, 1e9)
-        # A little more room, so that the box about the line that is told holds the line
-        other = other + (1.0 if upper else -1.0) * 1e-3 * np.abs(other - q)
-        other = np.maximum(other, 1e-9)
-        least, most = self.slopes(limits, cell, np.minimum(q, other), np.maximum(q, other))
-        slope, line = (most if greatest else least), (other - q) / step
-        holds = (slope <= line * (1.0 + 1e-12)) if greatest else (slope >= line * (1.0 - 1e-12) - 1e-15)
-        holds = np.where(np.abs(line) > 0.0, holds, slope <= 0.0 if greatest else slope >= 0.0)
-        return np.where(holds, other, none), np.where(holds, line, inf if greatest else -inf)
+            other = np.maximum(q + step * (first + last) / 2.0, 1e-9)
+            last = self.slopes(limits, (cell, there), other)[most]
+        middle = self.slopes(limits, (cell, 1), np.maximum(q + step * (3.0 * first + last) / 8.0, 1e-9))[most]
+        room = 2.0 * np.abs(middle - (first + last) / 2.0) + ROUNDING
+        end = q + step * ((first + last) / 2.0 + sign * room)
+        line = (np.maximum if most else np.minimum)(first, last) + sign * room
+        bounded = np.isfinite(end)
+        return np.where(bounded, end, inf), np.where(bounded, line, sign * inf)
 
-    def slopes(self, limits: SweptLimits, cell: int, low: Array, high: Array) -> tuple[Array, Array]:
-        """Bounds of q' over a cell and all q in a range, shape (k,): the least and the greatest that any limit lets be.
+    def slopes(self, limits: SweptLimits, at: tuple[int, int], q: Array) -> tuple[Array, Array]:
+        """The least and the greatest q' that all limits let be at a place of a cell, by its numbers, shape (k,).
 
         The least is over the greatest where no motion has such a q there.
         """
-        asked, speed, on = self.asked, self.task.speed_rad_s, self.on
-        slow, fast = np.sqrt(low), np.sqrt(high)
-        most = np.full(low.shape, inf)
+        asked, speed, known = self.asked, self.task.speed_rad_s, self.known
+        s = np.sqrt(q)
+        most = 2.0 * asked.steepness * (q + s) if asked.steepness < inf else np.full(q.shape, inf)
         least = -most
-        if asked.steepness < inf:
-            most = 2.0 * asked.steepness * (high + fast)
-            least = -most
         if asked.acceleration_mm_s2 < inf:
-            first, bend = on.first[:, cell], on.second[:, cell]
-            if first[0] > 0.0 or first[1] < 0.0:
-                peak = asked.acceleration_mm_s2 / speed**2
-                part = np.stack([bend[0] * low, bend[0] * high, bend[1] * low, bend[1] * high])
-                ends = 2.0 * np.stack([-peak - part.max(axis=0), peak - part.min(axis=0)])
-                tried = np.stack([ends[0] / first[0], ends[0] / first[1], ends[1] / first[0], ends[1] / first[1]])
-                most, least = np.minimum(most, tried.max(axis=0)), np.maximum(least, tried.min(axis=0))
-        rate = on.by_rate[:, cell, None] + 1e-3 * limits.flywheel_kg_mm2
-        carried = np.stack([on.by_q[i, cell] * q for i in (0, 1) for q in (low, high)])
-        torque = np.stack(
-            [on.static[0, cell] + speed**2 * carried.min(axis=0), on.static[1, cell] + speed**2 * carried.max(axis=0)]
-        )
-        half = speed**2 * np.maximum(rate, 0.0) / 2.0
-        has_mass = half[0] > 0.0
-        power = limits.power_w
-        spare = 1000.0 * power / (speed * slow) - torque[0]
-        most = np.where(has_mass, np.minimum(most, _over(spare, half)), np.where(spare < 0.0, -inf, most))
+            first, bend = float(known.first[at]), float(known.second[at])
+            if abs(first) > STANDING * self.task.linkage.stroke_mm:
+                peak = (1.0 + ROUNDING) * asked.acceleration_mm_s2 / speed**2
+                ends = 2.0 * (peak - bend * q) / first, 2.0 * (-peak - bend * q) / first
+                least, most = np.maximum(least, np.minimum(*ends)), np.minimum(most, np.maximum(*ends))
+        torque = known.static[at] + speed**2 * known.by_q[at] * q
+        # Of the flywheel's range each bound takes what bounds least
+        half = speed**2 * (known.by_rate[at] + 1e-3 * limits.flywheel_kg_mm2) / 2.0
+        massless = half[1] <= 0.0
+        spare = 1000.0 * limits.power_w / (speed * s) - torque
+        most = np.minimum(most, np.where(massless, np.where(spare < 0.0, -inf, inf), _over(spare, half)))
         if asked.braking_w < inf:
-            spare = 1000.0 * asked.braking_w / (speed * slow) + torque[1]
-            least = np.where(has_mass, np.maximum(least, -_over(spare, half)), np.where(spare < 0.0, inf, least))
-        return self._of_flanks(limits, (low, high), (slow, fast), torque, half, least, most)
-
-    def _of_flanks(
-        self,
-        limits: SweptLimits,
-        q: tuple[Array, Array],
-        s: tuple[Array, Array],
-        torque: Array,
-        half: Array,
-        least: Array,
-        most: Array,
-    ) -> tuple[Array, Array]:
-        """The bounds with the limit of the flank load.
-
-        |M| (1 + s)^3 <= H (s cos(alpha) +- q'/(2 (1 + s)) sin(alpha)), plus where M is positive.
-        """
-        load = limits.flank_load_n_mm
-        limited = np.isfinite(load)
-        if not limited.any():
+            spare = 1000.0 * asked.braking_w / (speed * s) + torque
+            least = np.maximum(least, np.where(massless, np.where(spare < 0.0, inf, -inf), -_over(spare, half)))
+        if not np.isfinite(limits.flank_load_n_mm).any():
             return least, most
-        load = np.where(limited, load, 0.0)
-        cube = [(1.0 + one) ** 3 for one in s]
         for sign, angle in zip((1.0, -1.0), self.angles, strict=True):
-            turned = torque if sign > 0.0 else -torque[::-1]
-            borne = np.stack([one * c for one in (turned[0],) for c in cube]).min(axis=0)
-            spare = load * s[1] * cos(angle) - borne
-            lever = [load * sin(angle) / (2.0 * (1.0 + one)) for one in s]
-            share = np.stack([half[0] * cube[0] - lever[0], half[1] * cube[1] - lever[1]])
-            # share is over zero: sign q' <= spare / share; under zero: sign q' >= -spare / |share|
-            above, below = share[0] > 0.0, share[1] < 0.0
-            upper = np.where(above & limited, _over(spare, np.where(share > 0.0, share, 1.0)), inf)
-            lower = np.where(below & limited, -_over(spare, np.where(share < 0.0, -share, 1.0)[::-1]), -inf)
-            if sign > 0.0:
-                most, least = np.minimum(most, upper), np.maximum(least, lower)
-            else:
-                most, least = np.minimum(most, -lower), np.maximum(least, -upper)
+            upper, lower = self._of_flanks(limits.flank_load_n_mm, sign * torque, half, s, angle)
+            if sign < 0.0:
+                upper, lower = -lower, -upper
+            least, most = np.maximum(least, lower), np.minimum(most, upper)
         return least, most
 
-    def _has_time(self, low: Array, high: Array, slopes: dict[str, Array]) -> Array:
-        """Whether the time of the cycle, and of stretches that wishes name, can be kept by curves between both."""
-        with np.errstate(all="ignore"):
-            shortest = self._shortest(high, slopes["forward"], slopes["backward"])
-            longest = self._longest(low, slopes["up"], slopes["down"])
-        cycle, room = self.task.cycle_rad, 1.0 + TIME_ROUNDING
-        kept = (shortest.sum(axis=0) <= cycle * room) & (longest.sum(axis=0) * room >= cycle)
-        middle = (self.on.ends_rad[1:] + self.on.ends_rad[:-1]) / 2.0
+    def _of_flanks(self, load: Array, torque: Array, half: Array, s: Array, angle: float) -> tuple[Array, Array]:
+        """The bounds of q' by the flank load H of flanks that a positive torque presses; infinite where none is.
+
+        M (1 + s)^3 <= H (s cos(alpha) + q' sin(alpha)/(2 (1 + s))), with M = ``torque`` + ``half`` q'.
+        """
+        cube = (1.0 + s) ** 3
+        spare = load * s * cos(angle) - torque * cube
+        share = half * cube - load * sin(angle) / (2.0 * (1.0 + s))
+        upper = np.where(share[0] > 0.0, _over(spare, share), inf)
+        lower = np.where(share[1] < 0.0, -_over(spare, -share[::-1]), -inf)
+        free = ~np.isfinite(load)
+        return np.where(free, inf, upper), np.where(free, -inf, lower)
+
+    def _has_time(self, curve: Array, lines: Array) -> Array:
+        """Whether the time of the cycle, and of stretches that wishes name, is enough below a curve, shape (k,)."""
+        shortest = self._shortest(curve, lines)
+        room = 1.0 + ROUNDING
+        kept = (shortest.sum(axis=0) <= self.task.cycle_rad * room) & np.all(curve >= self._floor / room, axis=0)
+        middle = (self.known.ends_rad[1:] + self.known.ends_rad[:-1]) / 2.0
         for one in self.asked.requirements(TimeWithin):
-            start, end = one.stretch.start_rad, one.stretch.end_rad
-            within = (middle - start) % (2.0 * pi) < end - start
+            within = (middle - one.stretch.start_rad) % (2.0 * pi) < one.stretch.end_rad - one.stretch.start_rad
             kept &= shortest[within].sum(axis=0) <= one.most_rad * room
-            kept &= longest[within].sum(axis=0) * room >= one.least_rad
         return np.asarray(kept)
 
-    def _shortest(self, high: Array, forward: Array, backward: Array) -> Array:
-        """The least time in each cell: no motion is above the lines from both ends, and 1/sqrt is convex."""
-        step, begin, end = self.step[:, None], high[:-1], high[1:]
-        top = _crossing(step, begin, end, forward, backward)
-        return np.asarray(step / np.sqrt(top))
-
-    def _longest(self, low: Array, forward: Array, backward: Array) -> Array:
-        """The greatest time in each cell: no motion is below the least of both ends and of where the lines meet."""
-        step, begin, end = self.step[:, None], low[:-1], low[1:]
-        place = np.clip((end - begin - backward * step) / (forward - backward), 0.0, step)
-        place = np.where(np.isfinite(place), place, 0.0)
-        bottom = np.where(np.isfinite(forward), begin + forward * place, np.minimum(begin, end))
-        floor = 1.0 / self.asked.ratio_max**2
-        bottom = np.maximum(np.where(np.isfinite(forward) & np.isfinite(backward), bottom, floor), floor)
-        return np.asarray(step / np.sqrt(np.minimum(np.minimum(begin, end), bottom)))
-
-
-def _crossing(step: Array, begin: Array, end: Array, forward: Array, backward: Array) -> Array:
-    """The mean over a cell of the lesser of two lines, one from each end."""
-    place = (end - begin - backward * step) / (forward - backward)
-    place = np.clip(np.where(np.isfinite(place), place, step), 0.0, step)
-    apex = np.where(np.isfinite(forward), begin + forward * place, end - backward * (step - place))
-    apex = np.where(np.isfinite(apex), apex, inf)
-    return np.asarray(((begin + apex) * place + (apex + end) * (step - place)) / (2.0 * step))
+    def _shortest(self, curve: Array, lines: Array) -> Array:
+        """The least time in each cell: motions stay below the lines from both ends, and 1/sqrt is convex."""
+        step, begin, end = self.step[:, None], curve[:-1], curve[1:]
+        forward, backward = lines
+        place = (end - begin - backward * step) / (forward - backward)
+        place = np.clip(np.where(np.isfinite(place), place, step), 0.0, step)
+        apex = begin + forward * place
+        mean = ((begin + apex) * place + (apex + end) * (step - place)) / (2.0 * step)
+        most = 1.0 / self.asked.ratio_min**2
+        return np.asarray(step / np.sqrt(np.where(np.isfinite(mean), np.minimum(mean, most), most)))
 
 
 def _over(value: Array, divisor: Array) -> Array:
-    """The greatest of a value over divisors of a range, all positive: the least divisor where the value is positive."""
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(np.where(value >= 0.0, value / divisor[0], value / divisor[1]))
+    """The greatest of a value over positive divisors of a range, (2, k): by the least where the value is positive."""
+    return np.asarray(np.where(value >= 0.0, value / divisor[0], value / divisor[1]))
 
 
 def least_flank_load(
@@ -333,7 +266,8 @@ def least_flank_load(
 ) -> Array:
     """For k caps of the power and ranges of the flywheel a flank load in N mm that no law is under, shape (k,).
 
-    It is looked for between a ``share`` of ``most_n_mm``, such as the load of a law that was found, and all of it.
+    It is looked for between a ``share`` of ``most_n_mm``, such as the load of a law that was found, and all of it; zero
+    where none of that range is certain.
     """
 
     def made(levels: Array, problem: Array) -> SweptLimits:
@@ -362,12 +296,6 @@ def _bisected(sweeps: Sweeps, made: Callable[[Array, Array], SweptLimits], low: 
             # Levels below an impossible one are impossible too
             last = int(np.max(np.nonzero(~own)[0], initial=-1))
             if last >= 0:
-                certain[row] = max(certain[row], levels[row, last])
-                low[row] = levels[row, last]
+                certain[row] = low[row] = levels[row, last]
             high[row] = levels[row, min(last + 1, LEVELS - 1)]
-    return certain
-
-
-def without_wishes(asked: Demands) -> Demands:
-    """The demands without what wishes ask for: fewer demands, and a limit that holds as well."""
-    return replace(asked, wishes=())
+    return certain * (1.0 - ROUNDING)
