@@ -100,7 +100,7 @@ def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
     if far := limits_not_reached(best):
         named = (f"{key} {shown(limit)} ({to_digits(value, 4)})" for key, (limit, value) in far.items())
         rows.append(Row("not reached", (f"by this law: {listed(list(named), 'and')}",)))
-    if best.task.masses is not None:
+    if best.task.masses is not None and best.design.masses is not None:
         gear = figure("driven_gear_kg_mm2", best.task.masses.driven_inertia_kg_mm2)
         relaxed = "" if distance is None else ", and may lie higher"
         rows.append(Row("masses", (f"count; the limit holds for a driven gear of {gear}{relaxed}",)))

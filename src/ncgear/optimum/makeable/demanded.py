@@ -351,7 +351,7 @@ NOT_COVERED = {
     "peak_jerk_mm_s3": "jerk",
     "curvature_turns": "least radius or undercut",
     "acceleration_harmonics_mm_s2": "harmonics of the acceleration",
-    "center_distance_mm": "centre distance",
+    "center_distance_mm": "the distance of the axes",
 }
 
 
