@@ -243,7 +243,10 @@ class _Search:
 
     def modules(self) -> list[tuple[float, float]]:
         """Modules and the volumes that their gears are guessed to need, the least first; none without room."""
-        guessed = [(module, min((self.volume(z, module) for z in self.teeth()), default=inf)) for module in self.space.modules_mm]
+        guessed = [
+            (module, min((self.volume(z, module) for z in self.teeth()), default=inf))
+            for module in self.space.modules_mm
+        ]
         return sorted((one for one in guessed if one[1] < inf), key=lambda one: one[1])
 
     def teeth(self) -> list[int]:

@@ -49,7 +49,6 @@ class GearJob(NamedTuple):
     law: FoundLaw
     material: GearMaterial | None
     processes: tuple[Process, ...]
-    name: str = "machine"
 
 
 def machine_of(text: str, job: GearJob) -> WholeMachine | Unfit:
@@ -76,9 +75,7 @@ def started(design: Design, law: FoundLaw, material: GearMaterial | None) -> Dri
     update: dict[str, Any] = {"motion": law_keys(law), "gears": gears}
     if design.masses is not None:
         left_out = {key.removeprefix("masses."): None for key in stated_inertias(design)}
-        update["masses"] = design.masses.model_copy(
-            update={"driven_flywheel_kg_mm2": law.flywheel_kg_mm2, **left_out}
-        )
+        update["masses"] = design.masses.model_copy(update={"driven_flywheel_kg_mm2": law.flywheel_kg_mm2, **left_out})
     return Drive(design.model_copy(update=update))
 
 
@@ -192,7 +189,6 @@ class _Making:
         design, law = self.loaded.design, self.job.law
         chosen = {**self.kept, **sized.changes, **self.mended}
         values: dict[str, Any] = {
-            "name": self.job.name,
             "motion": found_values(law.ratio, None),
             **{key: whole(value) if isinstance(value, float) else value for key, value in chosen.items()},
             **dict.fromkeys(stated_inertias(design)),

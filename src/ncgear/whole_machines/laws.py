@@ -89,7 +89,8 @@ def law_design(design: Design, flywheel_kg_mm2: float | None = None) -> Design:
 
 def law_wishes(design: Design, teeth: int | None) -> Wishes:
     """The wishes of such a design, with the curvature that a number of driving teeth allows."""
-    assert design.optimize is not None and design.gears is not None
+    assert design.optimize is not None
+    assert design.gears is not None
     if teeth is None:
         return wishes_of(design)
     limits = design.optimize.limits.model_copy(update={"free_of_undercut": True})

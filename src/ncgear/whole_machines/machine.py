@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from math import degrees, inf
 from pathlib import Path
 
@@ -10,6 +11,7 @@ from ncgear.design.keys.choices import Choices, Costs, Motor, Process
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.optimize import Optimize
 from ncgear.design.reading.design_file import parsed
+from ncgear.design.rewritten import rewritten
 from ncgear.errors import DesignError
 from ncgear.figures.advice.values import Kind
 from ncgear.figures.advice.verdict import Judged, Known, State, Verdict, judged
@@ -91,6 +93,10 @@ class WholeMachine:
     motor: Motor | None
     cost: float | None
 
+    def named(self, name: str) -> WholeMachine:
+        """The same by another name, in its file too."""
+        return replace(self, name=name, text=rewritten(self.text, {"name": name}))
+
     def value(self, objective: str) -> float:
         """A figure that counts; the cost is zero where none is given."""
         return (self.cost or 0.0) if objective == "cost" else float(getattr(self.figures, objective))
@@ -115,8 +121,7 @@ def figures_of(drive: Drive) -> tuple[MachineFigures, Figures]:
     rating = rating_of(drive, "estimate")
     sized = Sized({}, drive, rating)
     shares = {
-        damage: min((one.share for one in rating.weakest if one.damage is damage), default=inf)
-        for damage in Damage
+        damage: min((one.share for one in rating.weakest if one.damage is damage), default=inf) for damage in Damage
     }
     power = drive.check.peak_power_w.value
     return MachineFigures(
@@ -169,7 +174,10 @@ def limits_missed(design: Design, found: Figures, pressure_angle_deg: float) -> 
         for name, value in has.items()
         if (limit := getattr(limits, name)) is not None and value is not None and value > limit * (1.0 + KEPT)
     ]
-    return [*missed, *([f"ratio_min {found.ratio_min:.6g}"] if found.ratio_min < limits.ratio_min * (1.0 - KEPT) else [])]
+    return [
+        *missed,
+        *([f"ratio_min {found.ratio_min:.6g}"] if found.ratio_min < limits.ratio_min * (1.0 - KEPT) else []),
+    ]
 
 
 def broken(verdict: Verdict, process: Process) -> list[Judged]:
@@ -206,7 +214,9 @@ def motor_for(choices: Choices, found: MachineFigures) -> Motor | None:
     return min(does, key=lambda one: (one.cost, one.power_w), default=None)
 
 
-def cost_of(choices: Choices, found: MachineFigures, motor: Motor | None, material: str, process: Process) -> float | None:
+def cost_of(
+    choices: Choices, found: MachineFigures, motor: Motor | None, material: str, process: Process
+) -> float | None:
     """What a machine costs; None where the file gives no costs."""
     if choices.cost is None and not choices.motors:
         return None

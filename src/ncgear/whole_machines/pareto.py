@@ -47,7 +47,7 @@ def scaled(table: Array) -> Array:
 
 
 def far_apart(items: Sequence[Item], values: Callable[[Item], Sequence[float]], count: int) -> list[Item]:
-    """At most ``count`` items: the best in each figure, the nearest to all bests, then the farthest from those taken."""
+    """At most ``count`` items: the best in each figure, the nearest to all, then the farthest from them."""
     if len(items) <= count:
         return list(items)
     table = scaled(np.array([values(one) for one in items], dtype=float))

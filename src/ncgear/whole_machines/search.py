@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from math import ceil, inf, pi, sin
 from typing import Any, NamedTuple
@@ -15,6 +16,7 @@ from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.extras import require
 from ncgear.frozen import dataclass
+from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.project.law_task import refuse_guide_friction
 from ncgear.project.sizing import FEWEST_TEETH
 from ncgear.project.tooth_form import rack_of
@@ -22,8 +24,10 @@ from ncgear.shown import Shown
 from ncgear.strength.materials import TABLE, Plastic
 from ncgear.whole_machines.gears import GearJob, machine_of
 from ncgear.whole_machines.laws import FoundLaw, LawJob, flywheel_sizes, laws_of
-from ncgear.whole_machines.machine import Unfit, WholeMachine, cost_of, motor_for
+from ncgear.whole_machines.limits import Limits, MachineLimits
+from ncgear.whole_machines.machine import Unfit, WholeMachine, cost_of, guessed_figures, motor_for
 from ncgear.whole_machines.pareto import far_apart, objectives_of, recommended, undominated
+from ncgear.whole_machines.wish_prices import WishPrice, wish_prices
 from ncgear.workers import finished
 
 MORE = 4
@@ -66,6 +70,8 @@ class WholeMachines(Shown):
     recommended: int
     laws: tuple[FoundLaw, ...]
     unfit: tuple[Unfit, ...]
+    limits: Limits | None = None
+    prices: tuple[WishPrice, ...] = ()
 
 
 def require_offered(design: Design) -> Choices:
@@ -73,7 +79,7 @@ def require_offered(design: Design) -> Choices:
     require("casadi", "optimize", "ncgear design")
     gears = design.gears
     if gears is None:
-        raise WrongInput("missing; give what of the gears is not sought: bores, backlash, and a first size", key="gears")
+        raise WrongInput("missing; give what of the gears is not sought: bores, backlash, a first size", key="gears")
     if gears.mesh == "internal":
         raise WrongInput("internal given; whole machines are sought with external pairs only", key="gears.mesh")
     if design.stages > 1 or (design.optimize or Optimize()).limits.stages > 1:
@@ -99,7 +105,7 @@ class MachineSearch:
         self.loaded, self.design = loaded, loaded.design
         self.choices = require_offered(loaded.design)
         self.objectives = objectives_of(loaded.design)
-        self._on_step, self._where = on_step, (scheduler, processes)
+        self._on_step, self.where = on_step, (scheduler, processes)
         self.laws: list[FoundLaw] = []
         self.made: list[WholeMachine] = []
         self.unfit: list[Unfit] = []
@@ -114,12 +120,20 @@ class MachineSearch:
         wanted = self.choices.machines
         # The reference has been made already
         picked = far_apart(candidates, self._guessed, wanted + MORE)
-        self._make([self._job(one, number) for number, one in enumerate(picked)])
+        self._make([GearJob(one.law, one.material, self.processes_of(one.material)) for one in picked])
         if not self.made:
             from ncgear.whole_machines.conflict import refusal_of_gears
 
             raise refusal_of_gears(self)
-        return self.found
+        return self.proven(self.found)
+
+    def proven(self, found: WholeMachines) -> WholeMachines:
+        """The machines with their limits, and with what each wish costs of the recommended one."""
+        self._on_step("limits", 0, 1)
+        limits = MachineLimits(self.design, found.machines, self.laws).found()
+        best = found.machines[found.recommended]
+        prices = wish_prices(best, partial(self._on_step, "prices of wishes"), *self.where)
+        return replace(found, limits=limits, prices=prices)
 
     @property
     def found(self) -> WholeMachines:
@@ -127,10 +141,9 @@ class MachineSearch:
         best = undominated(self.made, self._values)
         best = far_apart(best, self._values, self.choices.machines)
         best = sorted(best, key=lambda one: (one.value(self.objectives[0]), *self._values(one)))
+        best = [one.named(f"{self.design.name[:50]}-{number}") for number, one in enumerate(best, start=1)]
         place = recommended(best, self._values, lambda one: one.cost)
-        return WholeMachines(
-            self.design, self.objectives, tuple(best), place, tuple(self.laws), tuple(self.unfit)
-        )
+        return WholeMachines(self.design, self.objectives, tuple(best), place, tuple(self.laws), tuple(self.unfit))
 
     def _values(self, one: WholeMachine) -> list[float]:
         return [one.value(name) for name in self.objectives]
@@ -156,12 +169,12 @@ class MachineSearch:
 
     def _reference(self) -> dict[Kind, float]:
         """For each kind of law and material the gears' volume over the flank load, from the gears of one law."""
-        materials, jobs = self._materials(), dict[Kind, GearJob]()
+        materials, jobs = self.materials, dict[Kind, GearJob]()
         for brakes in (False, True):
             laws = sorted((one for one in self.laws if _brakes(one) is brakes), key=lambda one: one.flank_load_n_mm)
             for place, (material, _) in enumerate(materials if laws else ()):
-                middle = laws[len(laws) // 2]
-                jobs[brakes, place] = GearJob(middle, material, self._processes(material), f"{self.design.name[:50]}-0")
+                middle, processes = laws[len(laws) // 2], self.processes_of(material)
+                jobs[brakes, place] = GearJob(middle, material, processes)
         constants: dict[Kind, float] = {}
         balanced: list[float] = []
         for number, made in self._numbered("materials", list(jobs.values())):
@@ -188,12 +201,14 @@ class MachineSearch:
         depth = rack.dedendum_mm - rack.root_radius_mm * (1.0 - sin(angle))
         return ceil(gears.lobes.driving * law.found.curvature_turns * depth / (pi * sin(angle) ** 2))
 
-    def _materials(self) -> list[tuple[GearMaterial | None, float]]:
+    @property
+    def materials(self) -> list[tuple[GearMaterial | None, float]]:
+        """The materials that may be chosen, with their factors of the cost; None is that of the file."""
         if self.choices.materials is None:
             return [(None, 1.0)]
         return [(one.material, one.cost_factor) for one in self.choices.materials]
 
-    def _processes(self, material: GearMaterial | None) -> tuple[Process, ...]:
+    def processes_of(self, material: GearMaterial | None) -> tuple[Process, ...]:
         """The ways of making teeth of a material, the cheapest first."""
         gears = self.design.gears
         assert gears is not None
@@ -208,7 +223,7 @@ class MachineSearch:
 
     def _candidates(self, constants: dict[Kind, float]) -> list[Candidate]:
         """Laws with materials that may count: none is guessed to be worse than another one in every figure."""
-        materials = self._materials()
+        materials = self.materials
         every = [
             Candidate(law, *materials[place], constant * law.flank_load_n_mm)
             for law in self.laws
@@ -234,20 +249,15 @@ class MachineSearch:
         return self.choices.cost is not None or any(one.cost for one in self.choices.motors or ())
 
     def _guessed_cost(self, one: Candidate) -> float:
-        from ncgear.whole_machines.machine import guessed_figures
-
-        guess = guessed_figures(one.law.found, one.law.flywheel_kg_mm2, one.volume_mm3 * one.factor, self.speed_rad_s)
-        process = next(iter(self._processes(one.material)), "hobbed")
+        law = one.law
+        guess = guessed_figures(law.found, law.flywheel_kg_mm2, one.volume_mm3 * one.factor, self.speed_rad_s)
+        process = next(iter(self.processes_of(one.material)), "hobbed")
         return cost_of(self.choices, guess, motor_for(self.choices, guess), "", process) or 0.0
 
     @property
     def speed_rad_s(self) -> float:
         """The speed of the driving shaft."""
-        return self.design.operation.speed_rpm * pi / 30.0
-
-    def _job(self, one: Candidate, number: int) -> GearJob:
-        name = f"{self.design.name[:50]}-{number + 1}"
-        return GearJob(one.law, one.material, self._processes(one.material), name)
+        return self.design.operation.speed_rpm * RAD_S_PER_RPM
 
     def _make(self, jobs: Sequence[GearJob]) -> None:
         for _ in self._numbered("machines", jobs):
@@ -265,13 +275,13 @@ class MachineSearch:
 
     def _done_numbers(self, what: str, function: Callable[[int], Any], numbers: list[int]) -> Iterator[tuple[int, Any]]:
         self._on_step(what, 0, len(numbers))
-        for done, (number, result) in enumerate(finished(function, numbers, *self._where), start=1):
+        for done, (number, result) in enumerate(finished(function, numbers, *self.where), start=1):
             self._on_step(what, done, len(numbers))
             yield number, result
 
     def _done(self, what: str, function: Callable[[LawJob], Any], jobs: list[LawJob]) -> Iterator[Any]:
         self._on_step(what, 0, len(jobs))
-        for done, (_, result) in enumerate(finished(function, jobs, *self._where), start=1):
+        for done, (_, result) in enumerate(finished(function, jobs, *self.where), start=1):
             self._on_step(what, done, len(jobs))
             yield result
 

@@ -9,8 +9,9 @@ from typing import Any
 
 from ncgear import __version__
 from ncgear.figures.answers.answer import Answer, Row
-from ncgear.figures.numbers import fixed, to_digits
+from ncgear.figures.numbers import fixed, known, to_digits
 from ncgear.numerics.units import KG_M2
+from ncgear.whole_machines.limits import OUTSIDE
 from ncgear.whole_machines.machine import MM3_PER_DM3, WholeMachine
 from ncgear.whole_machines.search import WholeMachines
 
@@ -64,6 +65,8 @@ def machines_answer(found: WholeMachines, then: str = "") -> Answer:
     rows.append(Row("made", (f"{best.material}, {best.process.replace('_', ' ')}: {best.cut}",)))
     rows += [Row("motor", (best.motor.name,))] if best.motor else []
     rows += [Row("cost", (to_digits(best.cost, 4),))] if best.cost is not None else []
+    rows += _limit_rows(found)
+    rows += [Row("wishes", (prices_words(found),))] if found.prices else []
     count = len(found.machines)
     return Answer(
         f"{found.design.name}: {count} whole machine{'s' if count > 1 else ''} at "
@@ -72,6 +75,33 @@ def machines_answer(found: WholeMachines, then: str = "") -> Answer:
         heads=HEADS,
         good="Each builds with a clean verdict; figures are those of its file alone.",
         then=then,
+    )
+
+
+def _limit_rows(found: WholeMachines) -> list[Row]:
+    """How near the recommended machine, and the least power, come to what no law goes below."""
+    limits = found.limits
+    if limits is None:
+        return []
+    own = limits.each[found.recommended]
+    rows = [Row("least power", (f"{to_digits(limits.power_w, 4)} W at least, whatever the law (certified)",))]
+    if own.flank_load_n_mm > 0.0:
+        gap = fixed(100.0 * own.flank_load_gap, 1)
+        rows.append(Row("flank load", (f"{gap} % over what no law of this power is under (certified)",)))
+    if own.gear_volume_mm3 > 0.0:
+        gap = fixed(100.0 * own.gear_volume_gap, 1)
+        rows.append(Row("gears", (f"{gap} % over that limit at the estimate's level of strength",)))
+    if limits.cost is not None:
+        rows.append(Row("least cost", (f"{to_digits(limits.cost, 4)} at least, at that level",)))
+    return rows
+
+
+def prices_words(found: WholeMachines) -> str:
+    """What each wish and limit costs, in words."""
+    return "; ".join(
+        f"{price.key.removeprefix('optimize.limits.')} costs {fixed(100.0 * max(price.motor, 0.0), 0)} % of motor or "
+        f"{fixed(100.0 * max(price.gears, 0.0), 0)} % of gears"
+        for price in found.prices
     )
 
 
@@ -108,7 +138,7 @@ def machines_figures(found: WholeMachines) -> dict[str, Any]:
         "machines": [
             {
                 "name": one.name,
-                **{key: value if value < float("inf") else None for key, value in asdict(one.figures).items()},
+                **{key: known(value) for key, value in asdict(one.figures).items()},
                 "material": one.material,
                 "process": one.process,
                 "cut": one.cut,
@@ -118,7 +148,25 @@ def machines_figures(found: WholeMachines) -> dict[str, Any]:
             }
             for one in found.machines
         ],
+        "limits": None if found.limits is None else _limits_figures(found),
+        "wishes": [price._asdict() for price in found.prices],
         "laws": len(found.laws),
         "unfit": sorted({why for one in found.unfit for why in one.why}),
         "made_by": {"ncgear": __version__, "python": platform.python_version()},
+    }
+
+
+def _limits_figures(found: WholeMachines) -> dict[str, Any]:
+    limits = found.limits
+    assert limits is not None
+    return {
+        "peak_power_w": limits.power_w,
+        "peak_power_gap": known(limits.power_gap),
+        "cost": limits.cost,
+        "cost_gap": limits.cost_gap,
+        "machines": [
+            {"name": one.name, **{key: known(value) for key, value in asdict(own).items()}}
+            for one, own in zip(found.machines, limits.each, strict=True)
+        ],
+        "outside_the_proof": list(OUTSIDE),
     }

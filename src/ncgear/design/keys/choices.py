@@ -45,7 +45,9 @@ def _of_material(value: Any) -> Any:
 if TYPE_CHECKING:
     WrittenChoice = MaterialChoice
 else:
-    WrittenChoice = Annotated[MaterialChoice, BeforeValidator(_of_material, json_schema_input_type=str | MaterialChoice)]
+    WrittenChoice = Annotated[
+        MaterialChoice, BeforeValidator(_of_material, json_schema_input_type=str | MaterialChoice)
+    ]
 
 
 class FaceWidths(Model):

@@ -1,0 +1,99 @@
+"""Why no whole machine exists though there are laws: which choices have to give way, each tried by making a machine."""
+
+from __future__ import annotations
+
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+from ncgear.design.keys.choices import Choices
+from ncgear.design.reading.design_file import parsed
+from ncgear.design.rewritten import design_copy
+from ncgear.errors import NoSuchMechanism
+from ncgear.numerics.bounds import shown_above
+from ncgear.project.strengthening import STRONGER
+from ncgear.whole_machines.gears import GearJob, machine_of
+from ncgear.whole_machines.machine import WholeMachine
+from ncgear.workers import finished
+
+if TYPE_CHECKING:
+    from ncgear.whole_machines.search import MachineSearch
+
+TRIED = 3
+"""Laws whose gears are tried with a choice that gives way: of the least power, the least flank load and between."""
+
+WIDEST = 30.0
+"""Greatest face width in modules that is tried."""
+
+
+class Easing(NamedTuple):
+    """A demand that gives way: its keys without it, and what is told of the machine that was made then."""
+
+    key: str
+    values: tuple[tuple[str, object], ...]
+
+
+def easings(choices: Choices, material: str) -> list[Easing]:
+    """The choices that may give way, one at a time, then all together."""
+    found = [
+        Easing(f"choices.{name}", ((f"choices.{name}", None),))
+        for name in ("center_distance_mm", "diameter_mm", "modules_mm", "motors")
+        if getattr(choices, name) is not None
+    ]
+    if choices.face_width_modules.most < WIDEST:
+        found.append(Easing("choices.face_width_modules.most", (("choices.face_width_modules.most", WIDEST),)))
+    strongest = STRONGER[-1]
+    if material != strongest:
+        found.append(Easing("gears.material", (("choices.materials", None), ("gears.material", strongest))))
+    together = tuple(value for one in found for value in one.values)
+    return [*found, *([Easing("all", together)] if len(found) > 1 else [])]
+
+
+def _tried(text: str, jobs: list[GearJob], easing: Easing) -> WholeMachine | None:
+    """The first machine that is made of a few laws with a demand that gives way."""
+    loaded = parsed(text, Path("design.yaml"))
+    values = dict(easing.values)
+    given = loaded.design.choices
+    if given is None or (set(values) & {"choices.materials"} and given.materials is None):
+        values.pop("choices.materials", None)
+    eased = design_copy(loaded, values)
+    for job in jobs:
+        made = machine_of(eased, job._replace(material=None) if "gears.material" in values else job)
+        if isinstance(made, WholeMachine):
+            return made
+    return None
+
+
+def _needs(easing: Easing, made: WholeMachine) -> str:
+    has = made.figures
+    told = {
+        "choices.center_distance_mm": f"a centre distance of {shown_above(has.center_distance_mm)} mm",
+        "choices.diameter_mm": f"a diameter of {shown_above(has.diameter_mm)} mm",
+        "choices.modules_mm": f"a module of {has.module_mm:g} mm",
+        "choices.motors": f"a motor of {shown_above(has.peak_power_w)} W and {shown_above(has.peak_torque_n_m)} N m",
+        "choices.face_width_modules.most": f"a face width of {shown_above(has.face_width_mm / has.module_mm)} modules",
+        "gears.material": f"gears of {made.material}",
+    }
+    return f"{told[easing.key]} ({easing.key})"
+
+
+def refusal_of_gears(search: MachineSearch) -> NoSuchMechanism:
+    """The refusal of a search that found laws and no gears, with demands each of which gave a machine by giving way."""
+    laws = sorted(search.laws, key=lambda one: one.found.peak_power_w)
+    some = [laws[0], laws[-1], laws[len(laws) // 2]][:TRIED]
+    material, _ = search.materials[0]
+    jobs = [GearJob(law, material, search.processes_of(material)) for law in dict.fromkeys(some)]
+    own = search.design.gears.material.each[0].name if search.design.gears and search.design.gears.material else ""
+    asked = easings(search.choices, material.name if material else own)
+    found = dict(finished(partial(_tried, search.loaded.text, jobs), asked, *search.where))
+    alone = [(one, made) for one, made in found.items() if made is not None and one.key != "all"]
+    why = "; ".join(dict.fromkeys(why for one in search.unfit for why in one.why))
+    said = f"laws keep all limits, and no gears of them make a machine: {why}"
+    if alone:
+        offers = ", ".join(_needs(one, made) for one, made in alone)
+        return NoSuchMechanism(f"{said}; a machine was made with each of these: {offers}", key=alone[0][0].key)
+    together = next((made for one, made in found.items() if made is not None), None)
+    if together is not None:
+        offers = ", ".join(_needs(one, together) for one in asked if one.key != "all")
+        return NoSuchMechanism(f"{said}; a machine was made with all of these together: {offers}", key=asked[0].key)
+    return NoSuchMechanism(f"{said}; none of the choices helped by giving way", key="choices")

@@ -1,0 +1,168 @@
+"""How far from the best machines are: certified limits of flank load, power and cost, and what is outside the proof.
+
+The limits are for laws: no law of the machine, with any flywheel of the range, needs less power, and none of so much
+power has less flank load.  The face width times the centre distance squared is in proportion to the flank load, at the
+level of the estimate of strength: with the load factors that the machine found has.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf
+from pathlib import Path
+
+import numpy as np
+
+from ncgear.design.keys.choices import Choices
+from ncgear.design.keys.design import Design
+from ncgear.design.reading.design_file import parsed
+from ncgear.frozen import dataclass
+from ncgear.numerics.arrays import Array
+from ncgear.optimum.certified.limit import least_mean_power_w
+from ncgear.optimum.certified.sweeps import Sweeps, least_flank_load, least_power
+from ncgear.optimum.makeable.demanded import demands_of
+from ncgear.project.law_task import inertia_as_given, task_of
+from ncgear.whole_machines.laws import FoundLaw, law_design, law_wishes
+from ncgear.whole_machines.machine import KEPT, WholeMachine, cost_of, guessed_figures, motor_for
+
+FLYWHEELS = 8
+"""Parts of the flywheel's range, each with a limit of its own."""
+
+POWERS = 12
+"""Parts of the range of powers in the limit of the cost."""
+
+OUTSIDE = (
+    "modules of a series, whole teeth and widths in whole mm",
+    "the load factors and the sharing of load between teeth, which are those of the machine found",
+    "the gears' inertia, beyond the range of the machines found",
+    "convex pitch curves, jerk, forces in bearings and soft wishes, which restrict laws and not the limit",
+)
+"""What the proof does not cover."""
+
+
+@dataclass(frozen=True)
+class MachineLimit:
+    """For one machine, with its flywheel and power: the flank load that no law is under, and what follows for gears.
+
+    Both are zero where nothing is known.
+    """
+
+    flank_load_n_mm: float
+    flank_load_gap: float
+    gear_volume_mm3: float
+    gear_volume_gap: float
+
+
+@dataclass(frozen=True)
+class Limits:
+    """The limits of all machines; ``power_w`` is one that no law is under with any flywheel of the range.
+
+    ``cost`` is one that no machine is under at the level of the estimate of strength, for the materials and processes
+    that may be chosen; None where no cost is given.
+    """
+
+    power_w: float
+    power_gap: float
+    each: tuple[MachineLimit, ...]
+    cost: float | None = None
+    cost_gap: float | None = None
+
+
+class MachineLimits:
+    """The limits of one design file's machines."""
+
+    def __init__(self, design: Design, machines: Sequence[WholeMachine], laws: Sequence[FoundLaw]) -> None:
+        bare = law_design(design, 0.0)
+        inertia = inertia_as_given(bare)
+        self.design, self.machines = design, machines
+        self.task = task_of(bare, inertia)
+        self.sweeps = Sweeps(self.task, demands_of(self.task, law_wishes(bare, None)))
+        own = [_driven_gear_kg_mm2(one) - inertia.driven_kg_mm2 for one in machines] if self.task.masses else [0.0]
+        self.gears = min(own), max(own)
+        self.own = own if self.task.masses else [0.0] * len(machines)
+        self.laws = laws
+
+    def found(self) -> Limits:
+        """All limits."""
+        each = self.of_machines()
+        power = self.power_w()
+        least = min(one.figures.peak_power_w for one in self.machines)
+        cost, best = None, [one.cost for one in self.machines if one.cost is not None]
+        if best:
+            cost = self.cost(power)
+        gap = least / power - 1.0 if power > 0.0 else inf
+        return Limits(power, gap, tuple(each), cost, min(best) / cost - 1.0 if best and cost else None)
+
+    def of_machines(self) -> list[MachineLimit]:
+        """The flank load that no law of the same power and flywheel is under, for each machine."""
+        flywheel = np.array([one.figures.driven_flywheel_kg_mm2 for one in self.machines]) + np.array(self.own)
+        power = np.array([one.figures.peak_power_w for one in self.machines]) * (1.0 + KEPT)
+        load = np.array([one.figures.flank_load_n_mm for one in self.machines]) * (1.0 + KEPT)
+        bounds = least_flank_load(self.sweeps, power, np.stack([flywheel, flywheel]), load)
+        return [self._limit(one, float(bound)) for one, bound in zip(self.machines, bounds, strict=True)]
+
+    def _limit(self, one: WholeMachine, bound: float) -> MachineLimit:
+        has = one.figures
+        if not bound > 0.0:
+            return MachineLimit(0.0, inf, 0.0, inf)
+        # Of materials without figures for pitting no gears' volume follows from the flank load
+        pits = has.contact_share < inf
+        volume = has.gear_volume_mm3 / has.contact_share**2 * bound / has.flank_load_n_mm if pits else 0.0
+        gap = has.gear_volume_mm3 / volume - 1.0 if volume > 0.0 else inf
+        return MachineLimit(bound, has.flank_load_n_mm / bound - 1.0, volume, gap)
+
+    def _flywheel_parts(self) -> Array:
+        """Parts of the range of flywheels with the gears' inertia, shape (2, parts)."""
+        asked = self.design.free_flywheel
+        given = self.design.masses.driven_flywheel_kg_mm2 if self.design.masses else 0.0
+        low, high = (given, given) if asked is None else (asked.least, asked.most)
+        low, high = low + self.gears[0], high + self.gears[1]
+        parts = 1 if asked is None else FLYWHEELS
+        ends = np.linspace(low, high, parts + 1)
+        return np.stack([ends[:-1], ends[1:]])
+
+    def power_w(self) -> float:
+        """A peak power that no law is under with any flywheel of the range."""
+        parts = self._flywheel_parts()
+        most = np.full(parts.shape[1], min(one.figures.peak_power_w for one in self.machines) * (1.0 + KEPT))
+        bounds = least_power(self.sweeps, parts, most)
+        return max(float(bounds.min()), least_mean_power_w(self.task), 0.0)
+
+    def cost(self, lowest_w: float) -> float:
+        """A cost that no machine is under: the least over parts of the ranges of power, from the least, and flywheel.
+
+        In each part the power and the flywheel are the least, and the flank load is that which no law with the greatest
+        power of the part is under.  The gears' volume has the least constant of all machines found.
+        """
+        choices = self.design.choices or Choices()
+        parts = self._flywheel_parts()
+        load = max(one.flank_load_n_mm for one in self.laws)
+        highest = max(one.found.peak_power_w for one in self.laws)
+        ends = np.geomspace(lowest_w, max(highest, lowest_w * 1.01), POWERS + 1)
+        # No law of more power than any found is cheaper than its power alone
+        caps = np.append(ends[1:], inf)
+        count = parts.shape[1]
+        power = np.repeat(caps, count)
+        flywheel = np.tile(parts, caps.size)
+        bounds = least_flank_load(self.sweeps, power, flywheel, np.full(power.size, load), share=0.05)
+        constant = min(
+            one.figures.gear_volume_mm3 / (one.figures.contact_share**2 * one.figures.flank_load_n_mm)
+            for one in self.machines
+        )
+        return min(
+            self._cost(choices, float(low), float(max(wheel, 0.0)), constant * float(bound))
+            for low, bound, wheel in zip(np.repeat(ends, count), bounds, flywheel[0], strict=True)
+        )
+
+    def _cost(self, choices: Choices, power_w: float, flywheel_kg_mm2: float, volume_mm3: float) -> float:
+        law = self.laws[0].found
+        factor = min((one.cost_factor for one in choices.materials or ()), default=1.0)
+        speed = self.task.speed_rad_s
+        guess = guessed_figures(law, flywheel_kg_mm2, volume_mm3 * factor, speed)
+        guess = type(guess)(**{**vars(guess), "peak_power_w": power_w, "peak_torque_n_m": power_w / speed})
+        return min(cost_of(choices, guess, motor_for(choices, guess), "", one) or 0.0 for one in choices.processes)
+
+
+def _driven_gear_kg_mm2(one: WholeMachine) -> float:
+    design = parsed(one.text, Path("machine.yaml")).design
+    return inertia_as_given(design).driven_kg_mm2
