@@ -15,6 +15,7 @@ from commands import Run, on_text
 from ncgear.design.keys.design import Design
 from ncgear.design.mechanisms import mechanism_of
 from ncgear.design.reading.design_file import load, parsed
+from ncgear.design.template import MachineName, machine_template
 from ncgear.errors import DesignError, NoSuchMechanism
 from ncgear.numerics.jet import Jet
 from ncgear.optimum.lengths import LengthSearch, Tried, Unknown, Values, least_with_any_lengths
@@ -23,6 +24,9 @@ from ncgear.project.best_law import BestLaw
 from ncgear.project.drive import Drive
 from ncgear.project.free_lengths import with_lengths
 from ncgear.project.law_task import inertia_as_given, task_of, wishes_of
+from ncgear.project.opened import loads
+from ncgear.whole_machines.laws import LawJob, laws_of
+from ncgear.whole_machines.lengths import with_best_lengths
 
 ASKED = """
 optimize:
@@ -191,3 +195,20 @@ optimize: {limits: {pressure_angle_deg: 40}, knots: 40, lengths: {stroke_mm: {le
     assert found.goal == pytest.approx(0.6 * BestLaw(given).goal, rel=1e-4)
     assert held.design.linkage.crank_mm == pytest.approx(30.0)
     assert found.lengths.least_with_any == pytest.approx(16.0 * 60.0 / 2.0**2, rel=1e-6)
+
+
+@pytest.mark.slow
+def test_whole_machines_have_the_best_lengths_for_the_flank_load() -> None:
+    """A pump's text with other lengths, whose law has less flank load; all else of the file stays."""
+    text = machine_template("pump", MachineName.PUMP)
+    lengths = "  lengths: {rod_mm: {least: 80, most: 200}}\n"
+    given = loads(text.replace("optimize:\n", f"optimize:\n{lengths}"))
+    tried: list[int] = []
+    found, chosen = with_best_lengths(given, tried.append)
+    assert set(chosen) == {"rod_mm"}
+    assert found.design.linkage.rod_mm == chosen["rod_mm"] != 120.0
+    assert found.design.linkage.crank_mm == 30.0
+    assert found.design.gears == given.design.gears
+    assert tried
+    loads_found = [laws_of(one, LawJob(0.0, None))[-1].flank_load_n_mm for one in (given.design, found.design)]
+    assert loads_found[1] < 0.98 * loads_found[0]
