@@ -24,7 +24,6 @@ from ncgear.project.best_law import BestLaw
 from ncgear.project.drive import Drive
 from ncgear.project.free_lengths import with_lengths
 from ncgear.project.law_task import inertia_as_given, task_of, wishes_of
-from ncgear.project.opened import loads
 from ncgear.whole_machines.laws import LawJob, laws_of
 from ncgear.whole_machines.lengths import with_best_lengths
 
@@ -154,6 +153,7 @@ def test_what_every_mechanism_needs() -> None:
     assert least(Goal.FLANK_LOAD) > 3e6
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_rod_and_offset_of_the_baler(run: Run) -> None:
     """No lengths of a grid, each searched for by themselves, need less; the file's own figures are those told."""
@@ -202,7 +202,7 @@ def test_whole_machines_have_the_best_lengths_for_the_flank_load() -> None:
     """A pump's text with other lengths, whose law has less flank load; all else of the file stays."""
     text = machine_template("pump", MachineName.PUMP)
     lengths = "  lengths: {rod_mm: {least: 80, most: 200}}\n"
-    given = loads(text.replace("optimize:\n", f"optimize:\n{lengths}"))
+    given = parsed(text.replace("optimize:\n", f"optimize:\n{lengths}"), Path("pump.yaml"))
     tried: list[int] = []
     found, chosen = with_best_lengths(given, tried.append)
     assert set(chosen) == {"rod_mm"}
