@@ -17,8 +17,8 @@ BALANCES = {path.stem: path for path in sorted((ROOT / "designs" / "balance").gl
 CASES = {path.stem: path for path in sorted((ROOT / "tests" / "cases").glob("*.yaml"))}
 
 COMMANDS = (
-    "build report animate check compare formulas simulate strength tolerance size optimize frontier fit sweep measured "
-    "bench balance new explain reproduce schema"
+    "build report animate check compare formulas simulate strength tolerance size design optimize frontier fit sweep "
+    "measured bench balance new explain reproduce schema"
 )
 LAWS = (
     "three_segment_stroke", "ratio_expression", "harmonic_ratio", "spline_ratio", "ellipse", "table", "pitch_curve",

@@ -40,6 +40,7 @@ DESIGN = MACHINE + GEARS + LOAD + MASSES
 QUICKER = {
     # Without gears only the motion is measured.
     "bench": MACHINE,
+    "design": DESIGN + "choices: {machines: 1}\n",
     "optimize": MACHINE + LOAD + KNOTS,
     "fit": "name: tile\noperation: {speed_rpm: 30}\noutline: {axis: fixed}\ngears: {teeth: 48, face_width_mm: 8}\n"
     "motion: {law: pitch_curve, ellipse: {semi_major_mm: 30, semi_minor_mm: 20}}\n",
@@ -62,6 +63,7 @@ CASES = {
     "strength": ("strength d.yaml --out out", "strength.json"),
     "tolerance": ("tolerance d.yaml --samples 64 --out out", "tolerance.json"),
     "size": ("size d.yaml --out out/sized.yaml", ""),
+    "design": ("design d.yaml --processes 1 --out out", "machines.json"),
     "optimize": ("optimize d.yaml --out out", "certificate.json"),
     "fit": ("fit d.yaml --out out", "fit.json"),
     "frontier": ("frontier d.yaml --points 2 --out out", "frontier.json"),
@@ -104,7 +106,7 @@ def test_every_command_that_tells_figures_has_the_same_option() -> None:
     assert set(CASES) == set(asked) - WITHOUT
 
 
-@pytest.mark.tiers(quick=["check"], long=["fit", "frontier", "size", "optimize", "tolerance", "simulate"], rest="slow")
+@pytest.mark.tiers(quick=["check"], long=["fit", "frontier", "size", "design", "optimize", "tolerance", "simulate"], rest="slow")
 @pytest.mark.parametrize("name", CASES)
 def test_json_is_what_the_file_holds_and_all_that_is_printed(name: str, run: Run) -> None:
     """A file of others in the place of the JSON file is told of on stderr."""

@@ -51,12 +51,13 @@ COMMANDS: dict[str, list[str]] = {
     "sweep": [*SWEEP, TWO],
     "sweep-cluster": [*SWEEP, TWO, "--scheduler=local"],
     "tolerance": ["tolerance", "designs/ellipse.yaml", "--samples=4096", TWO],
+    "design": ["design", "designs/pusher.yaml", TWO],
     "optimize": ["optimize", "designs/pusher.yaml", "--starts=3", TWO],
     "frontier": ["frontier", "designs/baler-frontier.yaml", "--points=2", TWO],
 }
 """Every command that begins processes of its own, but for the studio."""
 
-NEEDED = {"animate": "imageio_ffmpeg", "sweep-cluster": "distributed", "optimize": "casadi", "frontier": "casadi"}
+NEEDED = {"animate": "imageio_ffmpeg", "sweep-cluster": "distributed", "design": "casadi", "optimize": "casadi", "frontier": "casadi"}
 
 BEGUN = """
 from ncgear import workers

@@ -224,10 +224,10 @@ def cost_of(
     for one in choices.materials or ():
         factors[one.material.name] = one.cost_factor
     return (
-        costs.motor_w * found.peak_power_w
-        + costs.motor_n_m * found.peak_torque_n_m
-        + costs.gears_dm3 * found.gear_volume_mm3 / MM3_PER_DM3 * factors.get(material, 1.0)
-        + costs.driven_flywheel_kg_m2 * KG_M2 * found.driven_flywheel_kg_mm2
+        costs.motor_per_w * found.peak_power_w
+        + costs.motor_per_n_m * found.peak_torque_n_m
+        + costs.gears_per_dm3 * found.gear_volume_mm3 / MM3_PER_DM3 * factors.get(material, 1.0)
+        + costs.driven_flywheel_per_kg_m2 * KG_M2 * found.driven_flywheel_kg_mm2
         + float(getattr(costs.making, process))
         + (0.0 if motor is None else motor.cost)
     )

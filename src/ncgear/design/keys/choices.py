@@ -71,12 +71,12 @@ class MakingCosts(Model):
 class Costs(Model):
     """What a machine costs, in money, kilograms or whatever counts: the sum of its figures times these."""
 
-    motor_w: Price = optional("cost of each W of the driving shaft's peak power", 0.0)
-    motor_n_m: Price = optional("cost of each N m of the driving shaft's peak torque", 0.0)
-    gears_dm3: Price = optional(
+    motor_per_w: Price = optional("cost of each W of the driving shaft's peak power", 0.0)
+    motor_per_n_m: Price = optional("cost of each N m of the driving shaft's peak torque", 0.0)
+    gears_per_dm3: Price = optional(
         "cost of each dm3 of face width times centre distance squared; solid gears of steel have about 12 kg of it", 0.0
     )
-    driven_flywheel_kg_m2: Price = optional("cost of each kg m2 of the flywheel on the driven shaft", 0.0)
+    driven_flywheel_per_kg_m2: Price = optional("cost of each kg m2 of the flywheel on the driven shaft", 0.0)
     making: MakingCosts = optional("cost of making the teeth, by the process", MakingCosts)
 
     @model_validator(mode="after")

@@ -121,7 +121,7 @@ class Sweeps:
                 self._backwards(limits, curve, lines[1])
                 if np.max(before - curve) < SETTLED:
                     break
-            return self._has_time(curve, lines)
+            return self._has_time(limits, curve, lines)
 
     @property
     def _floor(self) -> float:
@@ -139,7 +139,9 @@ class Sweeps:
             still = way <= STANDING * self.task.linkage.stroke_mm
             at_rest = (1.0 + ROUNDING) * asked.acceleration_mm_s2 / (speed**2 * bend)
             fastest = np.where(still, np.minimum(fastest, at_rest), fastest)
-        return np.repeat(fastest[:, None], limits.count, axis=1)
+        highest = self._without_masses(limits)
+        beside = np.minimum(np.vstack([highest, highest[-1:]]), np.vstack([highest[:1], highest]))
+        return np.minimum(fastest[:, None], beside)
 
     def _forwards(self, limits: SweptLimits, curve: Array, lines: Array) -> None:
         for cell in range(self.step.size):
@@ -159,7 +161,8 @@ class Sweeps:
         """Lower the curve at a place as long as no slope is possible there."""
         for _ in range(STEPS_DOWN):
             least, most = self.slopes(limits, at, q)
-            stuck = (least > most + ROUNDING * np.abs(most)) & (q > 0.5 * self._floor)
+            above = np.where(np.isfinite(most), most + ROUNDING * np.abs(most), most)
+            stuck = (least > above) & (q > 0.5 * self._floor)
             if not stuck.any():
                 return
             q[stuck] *= LOWERED
@@ -233,9 +236,18 @@ class Sweeps:
         free = ~np.isfinite(load)
         return np.where(free, inf, upper), np.where(free, -inf, lower)
 
-    def _has_time(self, curve: Array, lines: Array) -> Array:
+    def _without_masses(self, limits: SweptLimits) -> Array:
+        """The greatest q in each cell that the power lets be without masses, shape (n, k); infinite with them."""
+        known = self.known
+        moving = self.task.masses is not None
+        torque = np.maximum(np.abs(known.static).min(axis=1) - np.abs(np.diff(known.static, n=2, axis=1))[:, 0], 0.0)
+        most = (1000.0 * limits.power_w / (self.task.speed_rad_s * torque[:, None])) ** 2
+        driven = np.all(known.static > 0.0, axis=1)[:, None]
+        return np.asarray(np.where(driven & (not moving), most, inf))
+
+    def _has_time(self, limits: SweptLimits, curve: Array, lines: Array) -> Array:
         """Whether the time of the cycle, and of stretches that wishes name, is enough below a curve, shape (k,)."""
-        shortest = self._shortest(curve, lines)
+        shortest = self._shortest(curve, lines, self._without_masses(limits))
         room = 1.0 + ROUNDING
         kept = (shortest.sum(axis=0) <= self.task.cycle_rad * room) & np.all(curve >= self._floor / room, axis=0)
         middle = (self.known.ends_rad[1:] + self.known.ends_rad[:-1]) / 2.0
@@ -244,7 +256,7 @@ class Sweeps:
             kept &= shortest[within].sum(axis=0) <= one.most_rad * room
         return np.asarray(kept)
 
-    def _shortest(self, curve: Array, lines: Array) -> Array:
+    def _shortest(self, curve: Array, lines: Array, highest: Array) -> Array:
         """The least time in each cell: motions stay below the lines from both ends, and 1/sqrt is convex."""
         step, begin, end = self.step[:, None], curve[:-1], curve[1:]
         forward, backward = lines
@@ -252,7 +264,7 @@ class Sweeps:
         place = np.clip(np.where(np.isfinite(place), place, step), 0.0, step)
         apex = begin + forward * place
         mean = ((begin + apex) * place + (apex + end) * (step - place)) / (2.0 * step)
-        most = 1.0 / self.asked.ratio_min**2
+        most = np.minimum(1.0 / self.asked.ratio_min**2, highest)
         return np.asarray(step / np.sqrt(np.where(np.isfinite(mean), np.minimum(mean, most), most)))
 
 
