@@ -262,11 +262,11 @@ class Prices:
         return float(sum(price * getattr(found, name) for name, price in prices.items()))
 
 
-def figures(task: Task, train: Train) -> Figures:
+def figures(task: Task, train: Train, as_large_as: Train | None = None) -> Figures:
     """The figures of a law on a machine; raises NoSuchMechanism for curves too sharp to be computed.
 
     The power is the driving shaft's: for the load alone, or for load and masses.  The force between the teeth is for
-    gears at their own centre distance.
+    gears at their own centre distance, or at the centre distance of another law's gears (``as_large_as``).
     """
     machine, above = Machine(train.whole, task.linkage, task.load, task.speed_rad_s), task.harmonics_above
     check, jerk = kinematic_check(machine), peak_jerk(machine)
@@ -296,9 +296,10 @@ def figures(task: Task, train: Train) -> Figures:
     loads = asdict(felt(rigid, task.speed_fluctuation))
     if above is not None:
         loads["torque_harmonics_n_m"] = N_M_PER_N_MM * DrivingShaft(rigid).fluctuation.rms_above_n_mm(above)
-    if place is None:
+    if place is None or task.gears is None:
         return replace(of_motion, **loads)
-    in_mesh = replace(rigid, place=place)
+    sized = place if as_large_as is None else _place_of(task, task.gears, _pair(task, as_large_as.pairs[0]))
+    in_mesh = replace(rigid, place=sized)
     force, flanks = tooth_force_n(in_mesh), flank_load_n_mm(in_mesh)
     return replace(of_motion, **loads, tooth_force_n=force, flank_load_n_mm=flanks)
 

@@ -306,6 +306,11 @@ class BestLaw(SoughtMachine, Shown):
         """Exact figures of the law."""
         return figures(self.task, self.train)
 
+    @property
+    def sizing(self) -> Train:
+        """The law found: the round gears of the uniform crank are as far apart as its own, as a simulation has them."""
+        return self.train
+
     @cached_property
     def limit_points(self) -> list[tuple[float, float]]:
         """Points of the certified limit, each a cap on the power in W and an acceleration in mm/s2.

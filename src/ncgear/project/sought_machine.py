@@ -12,7 +12,7 @@ from ncgear.optimum.task import Figures, Task, figures
 from ncgear.project.law import keeps_even_speed, law_of
 from ncgear.project.law_task import inertia_as_given, task_of, wishes_of
 from ncgear.ratio.laws.uniform import uniform_law
-from ncgear.ratio.transmission import single
+from ncgear.ratio.transmission import Train, single
 
 
 class SoughtMachine(ABC):
@@ -49,10 +49,15 @@ class SoughtMachine(ABC):
         """Whether soft wishes count in the goal: they bend the law, and the limit is for hard wishes alone."""
         return any(not wish.hard for wish in self.wishes.motion)
 
+    @property
+    def sizing(self) -> Train | None:
+        """The law whose gears tell how far the uniform crank's gears are apart; None: their own size does."""
+        return None
+
     @cached_property
     def uniform_figures(self) -> Figures:
         """Exact figures of a uniform crank on the same machine."""
-        return figures(self.task, single(uniform_law(self.task.lobes)))
+        return figures(self.task, single(uniform_law(self.task.lobes)), self.sizing)
 
     @cached_property
     def given_figures(self) -> Figures | None:
