@@ -131,7 +131,7 @@ def rated_apart(file: Path, told: Mapping[str, Any]) -> float:
                 found.append(safety / part[f"{damage}_safety_wanted"])
     pairs = [(check["check"]["peak_power_w"], told["peak_power_w"])]
     pairs += [(min(found), told[f"{damage}_share"]) for damage, found in shares.items() if found]
-    return max(abs(one / other - 1.0) for one, other in pairs)
+    return float(max(abs(one / other - 1.0) for one, other in pairs))
 
 
 def percent(value: float | None) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -63,4 +64,6 @@ def design(
         figures = machines_figures(found)
         tell(answer, figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)
         if interrupted:
+            # The end of an interrupted command loses what is not written yet
+            sys.stdout.flush()
             raise KeyboardInterrupt

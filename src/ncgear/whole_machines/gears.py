@@ -12,14 +12,14 @@ from typing import Any, NamedTuple
 from ncgear.design.keys.choices import Choices, Process
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import SIZES
-from ncgear.design.keys.strength import GearMaterial
+from ncgear.design.keys.strength import GearMaterial, PairMaterial
 from ncgear.design.laws.registry import found_values
 from ncgear.design.reading.design_file import LoadedDesign, parsed
 from ncgear.design.reading.text import whole
 from ncgear.design.rewritten import design_copy
 from ncgear.errors import DesignError
 from ncgear.figures.advice.verdict import Known, judged
-from ncgear.project.alternatives import Changes, changed_drive, changed_gears
+from ncgear.project.alternatives import Changes, changed_drive
 from ncgear.project.drive import Drive
 from ncgear.project.law import kept_size
 from ncgear.project.sizing import FEWEST_TEETH, GearRoom, Sized, smallest_accepted, stated_inertias
@@ -71,7 +71,7 @@ def started(design: Design, law: FoundLaw, material: GearMaterial | None) -> Dri
     sizes = dict(zip(SIZES, kept_size(design), strict=True))
     gears = design.gears.model_copy(update=sizes)
     if material is not None:
-        gears = changed_gears(gears, {"gears.material": material.model_dump(exclude_unset=True)})
+        gears = gears.model_copy(update={"material": PairMaterial(driving=material)})
     update: dict[str, Any] = {"motion": law_keys(law), "gears": gears}
     if design.masses is not None:
         left_out = {key.removeprefix("masses."): None for key in stated_inertias(design)}

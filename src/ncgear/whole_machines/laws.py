@@ -159,7 +159,7 @@ class _Search:
             return [one for one in sorted(self.job.powers_w) if ABOVE * least_w < one < most_w]
         if not most_w > SAME_POWER * least_w:
             return []
-        return np.geomspace(ABOVE * least_w, most_w, CAPS + 1)[:-1].tolist()
+        return [float(one) for one in np.geomspace(ABOVE * least_w, most_w, CAPS + 1)[:-1]]
 
     def least_power(self, start: Motion) -> FoundLaw | None:
         """The law of least power."""

@@ -8,6 +8,7 @@ level of the estimate of strength: with the load factors that the machine found 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import inf
 from pathlib import Path
 
@@ -18,8 +19,9 @@ from ncgear.design.keys.design import Design
 from ncgear.design.reading.design_file import parsed
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.certified.limit import least_mean_power_w
-from ncgear.optimum.certified.sweeps import Sweeps, least_flank_load, least_power
+from ncgear.optimum.certified.limit import least_mean_power_w, least_power
+from ncgear.optimum.certified.sweeps import Sweeps, least_flank_load
+from ncgear.optimum.certified.sweeps import least_power as swept_power
 from ncgear.optimum.makeable.demanded import demands_of
 from ncgear.project.law_task import inertia_as_given, task_of
 from ncgear.whole_machines.laws import FoundLaw, law_design, law_wishes
@@ -125,7 +127,10 @@ class MachineLimits:
         """A peak power that no law is under with any flywheel of the range."""
         parts = self._flywheel_parts()
         most = np.full(parts.shape[1], min(one.figures.peak_power_w for one in self.machines) * (1.0 + KEPT))
-        bounds = least_power(self.sweeps, parts, most)
+        bounds = swept_power(self.sweeps, parts, most)
+        if self.design.masses is None:
+            # Without masses the conic programmes are nearer, and no flywheel or gear changes anything
+            return max(float(bounds.min()), least_power(replace(self.task, masses=None), self.sweeps.asked).value)
         return max(float(bounds.min()), least_mean_power_w(self.task), 0.0)
 
     def cost(self, lowest_w: float) -> float:

@@ -259,7 +259,7 @@ class MachineSearch:
     def _guessed_cost(self, one: Candidate) -> float:
         law = one.law
         guess = guessed_figures(law.found, law.flywheel_kg_mm2, one.volume_mm3 * one.factor, self.speed_rad_s)
-        process = next(iter(self.processes_of(one.material)), "hobbed")
+        process = next(iter(self.processes_of(one.material)), self.choices.processes[0])
         return cost_of(self.choices, guess, motor_for(self.choices, guess), "", process) or 0.0
 
     @property

@@ -32,7 +32,7 @@ HEADS = ("motor, W", "gears, dm3", "flywheel, kg m2", "teeth", "width, mm", "cen
 
 def difference_words(one: WholeMachine, other: WholeMachine, objectives: Sequence[str]) -> str:
     """What a machine gains and what it costs beside another one, in words."""
-    gains, losses = [], []
+    gains, losses = list[str](), list[str]()
     for name in objectives:
         own, beside = one.value(name), other.value(name)
         less, more = WORDS[name]

@@ -7,7 +7,7 @@ from dataclasses import replace
 from functools import partial
 from math import inf
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from ncgear.design.keys.optimize import Optimize
 from ncgear.design.reading.design_file import parsed
@@ -69,7 +69,8 @@ def _without(wishes: Wishes, key: str) -> Wishes:
     if name == "convex":
         return replace(wishes, convex=False)
     if name in LIMITS:
-        return replace(wishes, limits=replace(wishes.limits, **{LIMITS[name]: None}))
+        free: dict[str, Any] = {LIMITS[name]: None}
+        return replace(wishes, limits=replace(wishes.limits, **free))
     return replace(wishes, motion=tuple(wish for wish in wishes.motion if wish.key != key))
 
 

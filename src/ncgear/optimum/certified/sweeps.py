@@ -23,7 +23,7 @@ from math import cos, inf, pi, sin
 import numpy as np
 
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.optimum.certified.demands import Demands
 from ncgear.optimum.makeable.places import cell_ends, slider_at
 from ncgear.optimum.task import Task
@@ -141,7 +141,7 @@ class Sweeps:
             fastest = np.where(still, np.minimum(fastest, at_rest), fastest)
         highest = self._without_masses(limits)
         beside = np.minimum(np.vstack([highest, highest[-1:]]), np.vstack([highest[:1], highest]))
-        return np.minimum(fastest[:, None], beside)
+        return np.asarray(np.minimum(fastest[:, None], beside))
 
     def _forwards(self, limits: SweptLimits, curve: Array, lines: Array) -> None:
         for cell in range(self.step.size):
@@ -210,10 +210,11 @@ class Sweeps:
         half = speed**2 * (known.by_rate[at] + 1e-3 * limits.flywheel_kg_mm2) / 2.0
         massless = half[1] <= 0.0
         spare = 1000.0 * limits.power_w / (speed * s) - torque
-        most = np.minimum(most, np.where(massless, np.where(spare < 0.0, -inf, inf), _over(spare, half)))
+        # Without masses the power is a limit of q, which cells have
+        most = np.minimum(most, np.where(massless, inf, _over(spare, half)))
         if asked.braking_w < inf:
             spare = 1000.0 * asked.braking_w / (speed * s) + torque
-            least = np.maximum(least, np.where(massless, np.where(spare < 0.0, inf, -inf), -_over(spare, half)))
+            least = np.maximum(least, np.where(massless, -inf, -_over(spare, half)))
         if not np.isfinite(limits.flank_load_n_mm).any():
             return least, most
         for sign, angle in zip((1.0, -1.0), self.angles, strict=True):
@@ -239,7 +240,7 @@ class Sweeps:
     def _without_masses(self, limits: SweptLimits) -> Array:
         """The greatest q in each cell that the power lets be without masses, shape (n, k); infinite with them."""
         known = self.known
-        moving = self.task.masses is not None
+        moving = bool(np.any(known.by_rate > 0.0)) or bool(np.any(limits.flywheel_kg_mm2[1] > 0.0))
         torque = np.maximum(np.abs(known.static).min(axis=1) - np.abs(np.diff(known.static, n=2, axis=1))[:, 0], 0.0)
         most = (1000.0 * limits.power_w / (self.task.speed_rad_s * torque[:, None])) ** 2
         driven = np.all(known.static > 0.0, axis=1)[:, None]
@@ -282,7 +283,7 @@ def least_flank_load(
     where none of that range is certain.
     """
 
-    def made(levels: Array, problem: Array) -> SweptLimits:
+    def made(levels: Array, problem: IndexArray) -> SweptLimits:
         return SweptLimits(levels, power_w[problem], flywheel_kg_mm2[:, problem])
 
     return _bisected(sweeps, made, share * most_n_mm, most_n_mm)
@@ -291,13 +292,13 @@ def least_flank_load(
 def least_power(sweeps: Sweeps, flywheel_kg_mm2: Array, most_w: Array, share: float = 0.3) -> Array:
     """For k ranges of the flywheel a peak power in W that no law is under, shape (k,), as ``least_flank_load`` does."""
 
-    def made(levels: Array, problem: Array) -> SweptLimits:
+    def made(levels: Array, problem: IndexArray) -> SweptLimits:
         return SweptLimits(np.full(levels.size, inf), levels, flywheel_kg_mm2[:, problem])
 
     return _bisected(sweeps, made, share * most_w, most_w)
 
 
-def _bisected(sweeps: Sweeps, made: Callable[[Array, Array], SweptLimits], low: Array, high: Array) -> Array:
+def _bisected(sweeps: Sweeps, made: Callable[[Array, IndexArray], SweptLimits], low: Array, high: Array) -> Array:
     """The greatest level that is certainly impossible of each problem; zero where none of those tried is."""
     low, high, certain = low.copy(), high.copy(), np.zeros(low.size)
     problems = np.repeat(np.arange(low.size), LEVELS)
