@@ -39,8 +39,8 @@ PAGE = """\
 
 Written by `python benchmarks/knocks.py`: {count} machines of the designs with masses, at 0.5 to 1.6 times their speed,
 with 0.5 to 2 times their slider's mass and backlash of 0.03 to 0.3 mm. The largest force of a pair of teeth in N on
-pushing flanks and on their backs, by `ncgear strength` and by the motion in time over two turns; "K_V" is what the
-strength multiplies its force by for vibration, which the motion in time holds as well.
+pushing flanks and on their backs, by `ncgear strength` and by the motion in time over two turns; "K_V" is the
+largest force with the vibration that strength adds over the largest without, and the motion in time holds vibration as well.
 
 | machine | r/min | backlash, mm | knocks a turn | strength, N | in time, N | share | with K_V | s of processors |
 |---|---|---|---|---|---|---|---|---|
@@ -108,7 +108,7 @@ def compared(name: str, drive: Drive) -> Compared:
     contacts, loading = drive.strength.contacts, drive.loading_by(drive.design.strength.method)
     rated_s = process_time() - begun
     estimated = [float(contacts.force_n[contacts.side == side].max(initial=0.0)) for side in (0, 1)]
-    shaken = float(drive.strength.stresses.dynamic_factor[contacts.force_n.argmax()])
+    shaken = float((contacts.force_n * drive.strength.stresses.dynamic_factor).max() / contacts.force_n.max())
     begun = process_time()
     course = drive.course
     states = course.at(course.fine_s)

@@ -24,6 +24,7 @@ import numpy as np
 from ncgear.design.reading.design_file import load
 from ncgear.design.varied import checked_design
 from ncgear.errors import DesignError, WrongInput
+from ncgear.memory import begin_worker
 from ncgear.numerics.arrays import Array
 from ncgear.screening import designs, rows
 from ncgear.screening.designs import MADE, screened_block
@@ -229,6 +230,8 @@ def report() -> str:
 
 
 if __name__ == "__main__":
+    # As the processes of a sweep begin.
+    begin_worker()
     page = report()
     (ROOT / "benchmarks" / "screening.md").write_text(page, encoding="utf-8")
     print(page)

@@ -19,10 +19,21 @@ import numpy as np
 from commands import new_folder
 from ncgear.design.keys.design import Design, design_model
 from ncgear.design.reading.design_file import LoadedDesign, load
+from ncgear.design.reading.text import has_train
 from ncgear.files.build import build
 from ncgear.project.drive import Drive
 
 DESIGNS = Path(__file__).parents[1] / "designs"
+
+MACHINES, TRAINS = (
+    {
+        path.stem: path
+        for path in sorted(DESIGNS.glob("*.yaml"))
+        if has_train(path.read_text(encoding="utf-8")) is of_train
+    }
+    for of_train in (False, True)
+)
+"""The files of designs/ by their names: machines of one motion, and trains of gears."""
 
 FILES = {
     "summary.json",
@@ -48,7 +59,7 @@ FILES = {
 def designs_with(*sections: str) -> list[str]:
     """Files of designs/ that have one of some sections, by their text: to load all of them takes a second."""
     begins = re.compile(rf"^({'|'.join(sections)}):", flags=re.MULTILINE)
-    return sorted(path.stem for path in DESIGNS.glob("*.yaml") if begins.search(path.read_text(encoding="utf-8")))
+    return [name for name, path in MACHINES.items() if begins.search(path.read_text(encoding="utf-8"))]
 
 
 @cache

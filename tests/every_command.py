@@ -12,7 +12,11 @@ from typing import Any
 from ruamel.yaml import YAML
 
 ROOT = Path(__file__).parents[1]
-DESIGNS = {path.stem: path for path in sorted((ROOT / "designs").glob("*.yaml"))}
+DESIGNS = {
+    path.stem: path
+    for path in sorted((ROOT / "designs").glob("*.yaml"))
+    if "\ntrain:" not in path.read_text(encoding="utf-8")
+}
 BALANCES = {path.stem: path for path in sorted((ROOT / "designs" / "balance").glob("*.yaml"))}
 CASES = {path.stem: path for path in sorted((ROOT / "tests" / "cases").glob("*.yaml"))}
 

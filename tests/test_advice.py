@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from drives import DESIGNS, design_of, loaded
+from drives import MACHINES, design_of, loaded
 from ncgear.design.beginning import begun, usual_answers
 from ncgear.design.keys.design import json_schema
 from ncgear.design.laws.registry import LawName
@@ -391,7 +391,7 @@ def test_a_new_machine_of_any_speed_is_not_advised_another_one(beginning: Machin
 
 
 @pytest.mark.tiers(long=["baler*", "rounded-square"], rest="slow")
-@pytest.mark.parametrize("name", sorted(path.stem for path in DESIGNS.glob("*.yaml")))
+@pytest.mark.parametrize("name", MACHINES)
 def test_no_advice_undoes_what_a_design_asks_of_its_machine(name: str) -> None:
     assert undone_by_advices(loaded(name).data) == []
 

@@ -10,7 +10,7 @@ import pytest
 
 import reports
 from commands import ROOT, Run
-from drives import DESIGNS, designs_with, drive, loaded
+from drives import DESIGNS, MACHINES, designs_with, drive, loaded
 from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
 from ncgear.figures.advice.verdict import Judged, Known, Verdict, judged, together
 from ncgear.figures.answers.answer import (
@@ -33,7 +33,7 @@ from ncgear.figures.terminal import summary_text
 from ncgear.project.drive import Drive
 from tiers import long_but
 
-NAMED = [path.stem for path in sorted(DESIGNS.glob("*.yaml"))]
+NAMED = [*MACHINES]
 BALANCES = sorted(path.stem for path in (DESIGNS / "balance").glob("*.yaml"))
 WITH_MASSES = designs_with("masses")
 LOADED = designs_with("masses", "resistance")

@@ -29,6 +29,7 @@ LAYERS = [
     {"teeth"},
     {"contact", "metrology"},
     {"solids"},
+    {"trains"},
     {"dynamics"},
     {"optimum"},
     {"balance", "strength", "drivetrain", "tolerances", "formulas"},
@@ -152,6 +153,7 @@ WRITES = {"write_bytes", "write_text", "write", "savetxt", "tofile", "export"}
 WRITERS = {
     "files/one_file.py",
     "project/frontier_run.py",
+    "files/train.py",
     "files/workshop/dxf.py",
     "files/workshop/solid_files.py",
     "drawings/page/solid_view.py",

@@ -106,7 +106,9 @@ def test_every_command_that_tells_figures_has_the_same_option() -> None:
     assert set(CASES) == set(asked) - WITHOUT
 
 
-@pytest.mark.tiers(quick=["check"], long=["fit", "frontier", "size", "design", "optimize", "tolerance", "simulate"], rest="slow")
+@pytest.mark.tiers(
+    quick=["check"], long=["fit", "frontier", "size", "design", "optimize", "tolerance", "simulate"], rest="slow"
+)
 @pytest.mark.parametrize("name", CASES)
 def test_json_is_what_the_file_holds_and_all_that_is_printed(name: str, run: Run) -> None:
     """A file of others in the place of the JSON file is told of on stderr."""

@@ -14,7 +14,7 @@ import pytest
 from scipy.special import ellipe
 from shapely import Polygon
 
-from drives import DESIGNS, FILES, Built, built, drive
+from drives import FILES, MACHINES, Built, built, drive
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.summary.check_summary import check_summary
 from ncgear.files.build import build
@@ -30,7 +30,7 @@ SIZED = "baler-holds"
 WISHED = {"feeder-wishes", "feeder-kept", "jar-pusher"}
 """Without gears; pinned in tests/test_wishes.py and tests/test_motion_wish_levels.py."""
 OTHERS = {REFUSED, WITHOUT_GEARS, *WISHED, IN_STAGES, SIZED, *SIMULATED}
-BUILT = sorted({path.stem for path in DESIGNS.glob("*.yaml")} - OTHERS)
+BUILT = sorted(MACHINES.keys() - OTHERS)
 
 
 every_design = pytest.mark.parametrize("name", BUILT)

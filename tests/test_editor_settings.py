@@ -153,6 +153,9 @@ def test_the_schema_takes_every_design_and_no_misspelt_one(tmp_path: Path) -> No
         judge = jsonschema.Draft202012Validator(schema)
         for path in sorted((ROOT / folder).glob("*.yaml")):
             data = yaml.load(path.read_text(encoding="utf-8"))
+            if "train" in data:
+                # tests/test_trains.py
+                continue
             assert judge.is_valid(data), path.name
             assert not judge.is_valid({**data, "nmae": 1}), path.name
 

@@ -49,8 +49,8 @@ class Everywhere(io.StringIO):
 QUICK = """
 check designs/baler.yaml --verbose | balance none.yaml | explain backlash_mm | explain | schema | new mine | bench none
 optimize none.yaml | frontier none.yaml | sweep none.yaml --vary a=1:2 | measured none.yaml | tolerance none.yaml
-fit none.yaml | design none.yaml | size none.yaml | animate none.yaml | report none.yaml | simulate none.yaml | studio none.yaml
-build none.yaml | strength none.yaml | compare none.yaml none.yaml | formulas none.yaml
+fit none.yaml | size none.yaml | animate none.yaml | report none.yaml | simulate none.yaml | studio none.yaml
+build none.yaml | design none.yaml | strength none.yaml | compare none.yaml none.yaml | formulas none.yaml
 reproduce --out designs/pusher.yaml/x
 """
 SLOW = """

@@ -9,9 +9,11 @@ import pytest
 
 import ncgear
 from commands import ROOT, Run
+from drives import TRAINS
 from ncgear.design.examples import examples
 from ncgear.design.reading.balance_file import load_balance
 from ncgear.design.reading.design_file import load
+from ncgear.design.reading.train_file import load_train
 
 DESIGNS = ROOT / "designs"
 NAMES = sorted(path.relative_to(DESIGNS).with_suffix("").as_posix() for path in DESIGNS.rglob("*.yaml"))
@@ -38,7 +40,7 @@ def test_an_example_is_read_where_it_is_written(run: Run, name: str, tmp_path: P
     for one in written:
         source = next(place / one for place in (DESIGNS, DESIGNS / "balance") if (place / one).exists())
         assert Path(one).read_bytes() == source.read_bytes()
-    reader = load_balance if name.startswith("balance/") else load
+    reader = load_balance if name.startswith("balance/") else load_train if name in TRAINS else load
     assert reader(Path(written[0]))
 
 

@@ -10,6 +10,7 @@ import pytest
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 
 from commands import ROOT, Run
+from drives import TRAINS
 from ncgear.design.keys.balance import Balance
 from ncgear.design.keys.base import FAULT_TYPE, folded, listed, quantity
 from ncgear.design.keys.design import Design
@@ -17,10 +18,11 @@ from ncgear.design.laws.registry import LawName
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.reference import Key, allowed, example, keys_of, told_keys_of, unit_of
 from ncgear.design.told_keys import told_keys
+from ncgear.design.trains.registry import TrainFile
 from ncgear.figures.explained import IDEAS, explained
 
 FILES = [*ROOT.glob("designs/*.yaml"), *ROOT.glob("designs/balance/*.yaml")]
-ALL = [(root, key) for root in (Design, Balance) for key in keys_of(root)]
+ALL = [(root, key) for root in (Design, Balance, TrainFile) for key in keys_of(root)]
 
 
 def test_every_key_says_what_it_means() -> None:
@@ -40,7 +42,8 @@ def written(data: Any, above: str = "") -> set[str]:
 @pytest.mark.tiers(quick=["baler-66-two-stage", "rocker-drive", "pusher", "threshing-drum"], rest="slow")
 @pytest.mark.parametrize("path", FILES, ids=[path.stem for path in FILES])
 def test_every_key_of_a_worked_example_is_known(path: Path) -> None:
-    root = Balance if path.parent.name == "balance" else Design
+    of_train = TrainFile if path.stem in TRAINS else Design
+    root = Balance if path.parent.name == "balance" else of_train
     found = written(read_yaml(path.read_text(encoding="utf-8"), path.name).data)
     assert len(found) > 3
     assert found <= {key.path for key in keys_of(root)}

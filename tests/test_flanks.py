@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import pi
+from math import log10, pi
 
 import mpmath
 import numpy as np
@@ -12,6 +12,7 @@ import pytest
 from drives import drive, drive_of_text
 from ncgear.figures.advice.flank_advice import flanks
 from ncgear.figures.advice.values import Advice
+from ncgear.figures.flanks import surfaces_rows
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
 from ncgear.project.vibration import mesh_stiffness
@@ -330,3 +331,26 @@ def test_flanks_that_wear_or_scuff_are_told_and_a_thin_film_is_a_remark() -> Non
         TEXT.replace("backlash_mm", "helix: {angle_deg: 18, kind: helical, hand: left}, backlash_mm")
     )
     assert [one.matters for one in flanks(helical) if isinstance(one, Advice)] == [False]
+
+
+@pytest.mark.thorough
+def test_creep_of_polyacetal_and_what_is_not_known_of_others() -> None:
+    """A tooth of 24 bears for as many 24ths of its life as pairs bear in the mean; by hand from the data sheet."""
+    text = """\
+name: pom
+linkage: {crank_mm: 40, rod_mm: 150}
+operation: {speed_rpm: 60}
+motion: {law: uniform_crank}
+gears: {teeth: 24, module_mm: 2, face_width_mm: 20, material: POM}
+resistance: {polynomial_n: [40], returning: {polynomial_n: [40]}}
+"""
+    made = drive_of_text(text)
+    creep = made.surfaces_by("estimate").creep
+    assert creep is not None
+    pairs = made.loading_by("estimate").contact_ratio
+    assert creep.loaded_h == pytest.approx(20000.0 * pairs / 24.0, rel=0.02)
+    assert creep.after_mm / creep.at_once_mm == pytest.approx(1.14 * (2500.0 / 1300.0) ** (log10(creep.loaded_h) / 3.0))
+    for material, said in (("POM", "teeth give way by"), ("PA66", "not judged, because"), ("42CrMo4", "")):
+        other = drive_of_text(text.replace("POM", material))
+        assert dict(surfaces_rows(other, other.surfaces_by("estimate"))).get("creep", "").startswith(said)
+        assert (other.surfaces_by("estimate").creep is None) == (material != "POM")

@@ -18,7 +18,7 @@ import sympy
 
 import ncgear
 from commands import Run
-from drives import DESIGNS, drive, drive_of_text
+from drives import DESIGNS, MACHINES, drive, drive_of_text
 from mechanism_cases import CASES, Case
 from ncgear.design.laws.registry import LawName
 from ncgear.design.template import template
@@ -75,7 +75,7 @@ def test_kinds_of_laws(kind: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", sorted(path.stem for path in DESIGNS.glob("*.yaml")))
+@pytest.mark.parametrize("name", MACHINES)
 def test_every_worked_design(name: str) -> None:
     found = drive(name)
     sections = found.formulas.sections

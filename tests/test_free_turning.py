@@ -16,7 +16,7 @@ import pytest
 
 import ncgear.teeth.fitting
 import ncgear.teeth.gear
-from drives import DESIGNS, design_of, drive, loaded
+from drives import MACHINES, design_of, drive, loaded
 from ncgear.errors import NoSuchMechanism
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Mesh
@@ -55,7 +55,7 @@ def positions(pitch: PitchPair, count: int) -> Positions:
 NO_GEARS = {"baler-frontier", "feeder-wishes", "feeder-kept", "jar-pusher", "baler-a1-at-law-speed"}
 """Designs without gears, and the one whose flanks could not turn their mates."""
 
-WITH_GEARS = sorted(path.stem for path in DESIGNS.glob("*.yaml") if path.stem not in NO_GEARS)
+WITH_GEARS = [name for name in MACHINES if name not in NO_GEARS]
 
 
 def tight(name: str) -> tuple[Drive, ...]:

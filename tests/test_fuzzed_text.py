@@ -13,12 +13,12 @@ from hypothesis import Phase, given, seed, settings
 from hypothesis import strategies as st
 
 from commands import environment
-from drives import DESIGNS
+from drives import MACHINES
 from ncgear.design.reading.design_file import LARGEST_MB, load
 from ncgear.errors import DesignError, WrongInput
 from ncgear.numerics.formula import CHOICES, FUNCTIONS, composed
 
-SHIPPED = [path.read_text("utf-8") for path in sorted(DESIGNS.glob("*.yaml"))]
+SHIPPED = [path.read_text("utf-8") for path in MACHINES.values()]
 
 
 LONGEST_MESSAGE = 6000

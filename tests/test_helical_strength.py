@@ -35,6 +35,7 @@ from ncgear.strength.life import rated_for_pitting, stresses_of
 from ncgear.strength.loading import AskedTorque, Loading, loading_of
 from ncgear.strength.sections import FaceSection, FaceSections, InSections, count_of
 from ncgear.strength.stiffness import LinearTeeth
+from ncgear.strength.vibration import MeshStiffness, Vibration
 from ncgear.teeth.form import TipLimits, ToothForm
 from pairs import rack
 from tooth_places import STEEL, places_at
@@ -205,3 +206,28 @@ def test_forces_of_all_sections_balance_the_torque() -> None:
     assert pairs.force_n.size < contacts.force_n.size
     assert np.bincount(pairs.position, pairs.force_n) == pytest.approx(np.bincount(contacts.position, contacts.force_n))
     assert np.all(contacts.share == pytest.approx(1.0 / 3.0))
+
+
+def test_what_vibration_adds_presses_the_whole_width() -> None:
+    """F + (K_V - 1) F over the width wherever teeth touch: not all of it on the one section that happens to bear."""
+    loading, _ = loaded("uniform", 24, helix_of(20.0), 3)
+    contacts, running = loading.contacts, Running(MODULE, (24, 24), WIDTH, 30.0)
+    vibration = Vibration(
+        lambda phi1: np.full_like(phi1, 0.1), lambda phi1: np.full_like(phi1, 500.0), (0.01, 0.01), ANGLE, running
+    )
+    mesh = MeshStiffness(np.array([0.0, 1.0]), np.full(2, 4e5), np.full(2, 1.5), 2.0 * pi)
+    alone = contacts.kept(contacts.section == 0)
+    alone = replace(alone, force_n=1e-3 * alone.force_n)
+    force = np.bincount(alone.position, alone.force_n)[alone.position]
+    plain = vibration.factors(alone.phi1_rad, force, mesh, Conditions())
+    borne = alone.force_n * vibration.of_contacts(alone, mesh, Conditions())
+    assert plain.min() > 5.0
+    added = np.bincount(alone.position, borne - alone.force_n)[alone.position]
+    assert added == pytest.approx((plain - 1.0) * force / 3.0, rel=1e-9)
+    given = Conditions(dynamic_factor=1.5)
+    assert np.all(vibration.of_contacts(alone, mesh, given) == 1.5)
+    # Teeth that are straight have it all.
+    straight = replace(alone, share=np.ones_like(alone.share))
+    assert straight.force_n * vibration.of_contacts(straight, mesh, Conditions()) == pytest.approx(
+        plain * alone.force_n, rel=1e-12
+    )

@@ -14,6 +14,8 @@ from ncgear.errors import WrongInput
 from ncgear.figures.advice.drivetrain_advice import around
 from ncgear.figures.advice.strength_advice import rough, strength
 from ncgear.figures.advice.values import Advice
+from ncgear.figures.flanks import surfaces_rows
+from ncgear.figures.strong import deciding_loads
 from ncgear.pitch.shape import Gear
 from ncgear.project.rough_strength import rough_strength
 from ncgear.project.strengthening import rating_of
@@ -202,3 +204,26 @@ def test_a_check_judges_flanks_and_life_of_teeth_in_a_jam(times: int) -> None:
         exact = min(one.safety for one in known.weakest if one.damage is damage)
         assert 0.8 <= rough_one / exact <= 1.1
     assert {one.damage for one in found.weak} == ({Damage.CONTACT} if times == 100 else set(Damage))
+
+
+JAMMED = """\
+name: jammed
+linkage: {crank_mm: 40, rod_mm: 150}
+operation: {speed_rpm: 60}
+motion: {law: uniform_crank}
+gears: {teeth: 24, module_mm: 2, face_width_mm: 20, material: 42CrMo4}
+strength: {overload: {driving_torque_n_m: 40, times: 100}}
+"""
+
+
+def test_flanks_that_only_a_jam_presses_are_not_judged_for_film_and_wear() -> None:
+    """A resistance that is nowhere more than none is the same machine, and a force that is more is not."""
+    told = []
+    for more in ("", "resistance: {polynomial_n: [0]}\n", "resistance: {polynomial_n: [50]}\n"):
+        made = drive_of_text(JAMMED + more)
+        found = made.surfaces_by("estimate")
+        assert found.judged == ("50" in more)
+        assert (found.film is not None) == found.judged
+        assert set(deciding_loads(made, rating_of(made)).values()) == {"jam"}
+        told.append((made.strength.load, dict(surfaces_rows(made, found))["wear"].startswith("not judged, because")))
+    assert told == [("jam", True), ("jam", True), ("resistance", False)]

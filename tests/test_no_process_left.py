@@ -57,7 +57,13 @@ COMMANDS: dict[str, list[str]] = {
 }
 """Every command that begins processes of its own, but for the studio."""
 
-NEEDED = {"animate": "imageio_ffmpeg", "sweep-cluster": "distributed", "design": "casadi", "optimize": "casadi", "frontier": "casadi"}
+NEEDED = {
+    "animate": "imageio_ffmpeg",
+    "sweep-cluster": "distributed",
+    "design": "casadi",
+    "optimize": "casadi",
+    "frontier": "casadi",
+}
 
 BEGUN = """
 from ncgear import workers

@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from drives import DESIGNS, drive_of_text, loaded
+from drives import MACHINES, drive_of_text, loaded
 from made.sources import SOURCES, LoadedMachine
 from ncgear.design.keys.design import Design
 from ncgear.design.space import Listed, Space
@@ -45,7 +45,7 @@ Told = tuple[str, str, bool, float]
 SAME = 1e-6
 """Relative difference that counts as none, as peaks are located to far less by two searches."""
 
-NAMES = [*sorted(path.stem for path in DESIGNS.glob("*.yaml")), *(f"new {machine.value}" for machine in MachineName)]
+NAMES = [*MACHINES, *(f"new {machine.value}" for machine in MachineName)]
 QUICK = ["scotch-yoke-pump", "uniform-crank"]
 SOON = [f"{name}-10.0" for name in ("new baler", "baler-drivetrain", "pump-both-ways", "rocker-drive")]
 """Designs with masses, whose figures do not only grow with powers of the speed."""

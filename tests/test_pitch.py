@@ -17,7 +17,8 @@ from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.pitch import shape
-from ncgear.pitch.curve import FEW, CurvePoints
+from ncgear.pitch.arc_length import FEW
+from ncgear.pitch.curve import CurvePoints
 from ncgear.pitch.pair import MOST_TEETH, PitchPair, sized_pair
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.ratio.laws.ellipse import elliptical_law

@@ -20,7 +20,7 @@ from ncgear.optimum.makeable.reached import JudgedLaw, lengths, ratios
 from ncgear.optimum.makeable.spline import even_knots
 from ncgear.optimum.task import Task, figures
 from ncgear.pitch import shape
-from ncgear.pitch.curve import arc_length
+from ncgear.pitch.arc_length import arc_length
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.ratio.laws.spline import even_steps, spline_ratio_law
 from ncgear.ratio.transmission import Lobes, Transmission, single

@@ -10,13 +10,14 @@ import pytest
 
 from circular_pairs import CylindricalPair, elasticity_factor, nominal_contact_stress_mpa
 from commands import Run, on_text
-from drives import drive, drive_of_text
+from drives import DESIGNS, drive, drive_of_text
 from ncgear.design.reading.design_file import load
 from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.figures.sized import parts_that_fail
 from ncgear.pitch.shape import Gear
-from ncgear.project.alternatives import changed_drive, changed_gears
+from ncgear.project.alternatives import Changes, changed_drive, changed_gears
 from ncgear.project.drive import Drive
-from ncgear.project.sizing import GearRoom, smallest_gears
+from ncgear.project.sizing import GearRoom, Sized, asked_design, in_herringbone, smallest_gears
 from ncgear.project.strengthening import CROWNING, SERIES_I_MM, rating_of
 from ncgear.strength.answer import Strength
 from ncgear.strength.holding import Damage, Weakest, face_width_factor, module_factor
@@ -247,15 +248,20 @@ def test_gears_without_a_load_are_refused(run: Run) -> None:
 @pytest.mark.slow
 @pytest.mark.judges("strength")
 def test_with_the_real_estimate() -> None:
-    """The first answer holds, and with a tenth less width or the next smaller module it does not."""
+    """All answers hold, and a mm narrower or with the next smaller module they do not."""
     given = drive_of_text(TEXT)
     assert not rating_of(given, "estimate").holds
-    first = smallest_gears(given, GearRoom())[0]
-    assert first.rating.holds
-    smaller = SERIES_I_MM[SERIES_I_MM.index(first.module_mm) - 1]
-    for key, value in (("face_width_mm", 0.9 * first.face_width_mm), ("module_mm", smaller)):
-        less = changed_drive(first.drive, {f"gears.{key}": value})
-        assert not rating_of(less, "estimate").holds, key
+    found = smallest_gears(given, GearRoom())
+    first = found[0]
+    for one in found:
+        assert one.rating.holds
+        less: list[Changes] = []
+        if one.face_width_mm - 1.0 >= 5.0 * one.module_mm:
+            less.append({"gears.face_width_mm": one.face_width_mm - 1.0})
+        if one.module_mm > SERIES_I_MM[0]:
+            less.append({"gears.module_mm": SERIES_I_MM[SERIES_I_MM.index(one.module_mm) - 1]})
+        for changes in less:
+            assert not rating_of(changed_drive(one.drive, changes), "estimate").holds, changes
     # The same gears, from the design file that is asked of the command, have the same safety.
     again = rating_of(changed_drive(given, first.changes), "estimate")
     assert [one.safety for one in again.weakest] == [one.safety for one in first.rating.weakest]
@@ -313,3 +319,29 @@ def test_gears_far_too_weak_to_be_rated_are_sized_all_the_same() -> None:
     found, others = smallest_gears(weak, GearRoom()), smallest_gears(drive_of_text(TEXT), GearRoom())
     assert all(one.rating.holds for one in found)
     assert found[0].volume_mm3 == pytest.approx(others[0].volume_mm3, rel=0.25)
+
+
+@pytest.mark.slow
+def test_parts_that_gears_break_are_told_with_them() -> None:
+    """A key that is too short for the torque fails, and a long enough one does not."""
+    text = (DESIGNS / "baler-drivetrain.yaml").read_text(encoding="utf-8")
+    for given, fails in (("{length_mm: 20}", True), ("{}", False)):
+        made = drive_of_text(text.replace("key: {}", f"key: {given}"))
+        told = parts_that_fail(Sized({}, made, rating_of(made, "estimate")))
+        assert any("the key of the driving shaft bears" in one.what for one in told) == fails
+
+
+@pytest.mark.long
+@pytest.mark.slow
+def test_herringbone_teeth_hold_in_less_width_and_where_they_cannot_be_made_there_are_none() -> None:
+    design = drive("pump-both-ways").design
+    first = smallest_gears(Drive(asked_design(design, {})), GearRoom())[0]
+    found = in_herringbone(first)
+    assert found is not None
+    assert found.holds
+    assert found.teeth == first.teeth
+    assert found.face_width_mm < first.face_width_mm
+    straight = changed_drive(first.drive, {"gears.face_width_mm": found.face_width_mm})
+    assert not Sized({}, straight, rating_of(straight, "estimate")).holds
+    assert in_herringbone(replace(first, drive=drive("internal-1-2"))) is None
+    assert in_herringbone(found) is None

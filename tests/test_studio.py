@@ -20,7 +20,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from drives import DESIGNS, drive, loaded
+from drives import DESIGNS, MACHINES, drive, loaded
 from ncgear.design.keys.base import FULL_TURN
 from ncgear.design.laws.registry import LawName
 from ncgear.design.mechanisms import MECHANISMS, entry_of
@@ -45,7 +45,7 @@ from ncgear.studio.jobs import Job
 from ncgear.studio.motion_answers import motion_answers
 from ncgear.studio.worker import GEARS, MOTION, PICTURES, answers_of
 
-NAMES = sorted(path.stem for path in DESIGNS.glob("*.yaml"))
+NAMES = [*MACHINES]
 SOME = ["baler", "ellipse", "feeder-wishes", "scotch-yoke-pump"]
 
 

@@ -88,6 +88,8 @@ def dominated_by_pairs(costs: Array) -> list[int]:
 @pytest.mark.parametrize("objectives", [1, 2, 3, 4])
 def test_the_pareto_set_is_that_of_all_pairs(objectives: int) -> None:
     costs = np.random.default_rng(objectives).integers(0, 9, (120, objectives)).astype(float)
+    many = np.random.default_rng(objectives).integers(0, 40, (400, objectives)).astype(float)
+    assert non_dominated(many).tolist() == dominated_by_pairs(many)
     assert non_dominated(costs).tolist() == dominated_by_pairs(costs)
     ranked, left = list[int](), list(range(120))
     while left:
@@ -98,6 +100,16 @@ def test_the_pareto_set_is_that_of_all_pairs(objectives: int) -> None:
         assert best_rows(costs, 50).tolist() == ranked[:50]
     else:
         assert costs[best_rows(costs, 50), 0].tolist() == sorted(costs[:, 0].tolist())[:50]
+
+
+@pytest.mark.parametrize("objectives", [2, 3, 4])
+def test_a_set_of_which_every_design_is_a_choice_takes_no_square_of_its_number(objectives: int) -> None:
+    # Points of a plane of which none is less in all coordinates than another.
+    costs = np.random.default_rng(objectives).random((10_000 if objectives < 4 else 1_000, objectives))
+    costs[:, -1] = -costs[:, :-1].sum(axis=1)
+    assert len(non_dominated(costs)) == len(costs)
+    worse = np.concatenate([costs, costs[::7] + 1e-3])
+    assert np.array_equal(non_dominated(worse), np.arange(len(costs)))
 
 
 def test_figures_that_differ_by_rounding_are_no_choice() -> None:

@@ -11,7 +11,7 @@ import pytest
 import yaml
 
 from commands import Run, on_text
-from drives import design_of, drive, drive_of_text
+from drives import MACHINES, design_of, drive, drive_of_text
 from ncgear.figures.advice.law_advice import NO_BORE
 from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind
 from ncgear.figures.advice.verdict import CONDITIONS, Judged, Known, State, Verdict, judged, together
@@ -21,7 +21,7 @@ from ncgear.project.drive import Drive
 
 pytestmark = pytest.mark.judges("figures")
 
-DESIGNS = sorted(path.stem for path in (Path(__file__).parents[1] / "designs").glob("*.yaml"))
+DESIGNS = [*MACHINES]
 
 PLAIN: dict[str, Any] = {
     "name": "plain",

@@ -52,6 +52,7 @@ DRAWN: dict[str, Callable[[], bytes]] = {
 COMMANDS: dict[str, dict[str, str]] = {
     "build designs/baler-86.yaml --out {folder}": {"tooth_pair.png": "baler-86-tooth-pair.png"},
     "build designs/rounded-square.yaml --out {folder}": {"tooth_pair.png": "rounded-square-tooth-pair.png"},
+    "build designs/lobed-motor.yaml --out {folder}": {"train.png": "lobed-motor.png"},
     "build designs/pusher.yaml --out {folder}": {
         "tooth_pair.png": "pusher-tooth-pair.png",
         "motion.png": "pusher-motion.png",
@@ -74,6 +75,10 @@ COMMANDS: dict[str, dict[str, str]] = {
             "spiral-pair",
             "oval-flow-meter",
         )
+    },
+    "build designs/transplanter.yaml --out {folder}": {"train.png": "transplanter.png"},
+    "animate designs/transplanter.yaml --frames 36 --width 400 --out {folder}/transplanter.gif": {
+        "transplanter.gif": "transplanter.gif"
     },
     "frontier designs/baler-frontier.yaml --out {folder}": {"frontier.png": "baler-frontier.png"},
     "strength designs/baler-half-dynamics.yaml --out {folder}": {

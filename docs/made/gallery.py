@@ -14,6 +14,8 @@ from ncgear.design.keys.design import Design
 from ncgear.design.mechanisms import MECHANISMS, NO_LINKAGE, entry_of
 from ncgear.design.reading.balance_file import load_balance
 from ncgear.design.reading.design_file import load
+from ncgear.design.reading.text import has_train
+from ncgear.design.reading.train_file import load_train
 from ncgear.drawings.animation.moving_picture import draw_standing, gears, look_at, machine
 from ncgear.drawings.plots.canvas import figure, png
 from ncgear.drawings.scene.scene import Scene, scene_of
@@ -26,8 +28,15 @@ NAME = "gallery.md"
 PREFIX = "gallery-"
 """How the names of the gallery's pictures in docs/images begin."""
 
-PATHS = {path.stem: path for path in sorted(DESIGNS.glob("*.yaml"))}
-"""All designs by the names of their files."""
+PATHS, TRAINS = (
+    {
+        path.stem: path
+        for path in sorted(DESIGNS.glob("*.yaml"))
+        if has_train(path.read_text(encoding="utf-8")) is of_train
+    }
+    for of_train in (False, True)
+)
+"""All designs of machines, and all of trains of gears, by the names of their files."""
 
 INTRODUCTION = """\
 # Gallery
@@ -57,7 +66,7 @@ def gallery_page() -> str:
     for mechanism, heading in KINDS.items():
         chosen = {name: one for name, one in designs.items() if entry_of(one.linkage) is MECHANISMS[mechanism]}
         lines += [f"## {heading}", "", "| | |", "|---|---|", *(_row(name, one) for name, one in chosen.items()), ""]
-    return "\n".join([*lines, *_balance()])
+    return "\n".join([*lines, *_trains(), *_balance()])
 
 
 def _row(name: str, design: Design) -> str:
@@ -80,6 +89,13 @@ def _what(design: Design) -> Iterator[str]:
     for section in ("resistance", "wishes", "masses", "drivetrain", "optimize"):
         if section in design.model_fields_set:
             yield f"`{section}`"
+
+
+def _trains() -> Iterator[str]:
+    yield from ("## Trains of gears", "", "What `ncgear check` and `ncgear build` make of [trains](trains.md):", "")
+    for name, path in TRAINS.items():
+        yield f"- [{name}](../designs/{path.name}): {load_train(path).file.description}"
+    yield ""
 
 
 def _balance() -> Iterator[str]:

@@ -8,6 +8,7 @@ from itertools import groupby
 from ncgear.design.keys.balance import Balance
 from ncgear.design.keys.design import Design
 from ncgear.design.reference import Key, allowed, default_words, keys_of, unit_of
+from ncgear.design.trains.registry import TrainFile
 from ncgear.figures.tables import markdown
 from ncgear.mechanisms.resistance import MOST_TURNS
 from ncgear.numerics.formula import DEEPEST, FUNCTIONS, LARGEST_POWER, LONGEST
@@ -90,6 +91,15 @@ Every key of a balance file, which [`ncgear balance`](commands/balance.md) reads
 files are in [`designs/balance`](../designs/balance).
 """
 
+TRAIN_INTRODUCTION = f"""\
+# The file of a train
+
+{MADE}
+
+Every key of the design file of a [train of gears](trains.md), which [`ncgear check`](commands/check.md) and
+[`ncgear build`](commands/build.md) read. A key's end is its unit.
+"""
+
 HEADS = ("key", "unit", "meaning", "value", "left out")
 
 PICTURES = {
@@ -121,6 +131,7 @@ def key_pages() -> dict[str, str]:
         pages[place] = [f"# {title}", "", MADE, "", about, "", *_section(keys, group.path, law, title, 1)]
     balance = keys_of(Balance)
     pages["balance-file.md"] = [BALANCE_INTRODUCTION, *_section(balance, "", "", "Top of the file", 2)]
+    pages["train-file.md"] = [TRAIN_INTRODUCTION, *_section(keys_of(TrainFile), "", "", "Top of the file", 2)]
     return {place: "\n".join(lines).rstrip() + "\n" for place, lines in pages.items()}
 
 

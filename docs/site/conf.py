@@ -52,9 +52,12 @@ CONTENTS = {
     "What to write": (
         "docs/design-file",
         "docs/balance-file",
+        "docs/train-file",
         "docs/mechanisms",
         "docs/gears-alone",
         "docs/open-gears",
+        "docs/trains",
+        "docs/lobed-motors",
         "docs/from-a-drawing-to-gears",
         "docs/pitch-curves",
         "docs/drivetrain",

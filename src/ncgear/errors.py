@@ -93,6 +93,17 @@ def below(group: str) -> Iterator[None]:
 
 
 @contextmanager
+def renamed(old: str, new: str) -> Iterator[None]:
+    """A context in which keys of errors that begin with ``old`` begin with ``new``, for files that spell them so."""
+    try:
+        yield
+    except DesignError as error:
+        if not error.location and (error.key == old or error.key.startswith(f"{old}.")):
+            error.key = new + error.key.removeprefix(old)
+        raise
+
+
+@contextmanager
 def going_on() -> Iterator[None]:
     """A context that says of wrong input that what has been computed so far is kept, as where a disk is full."""
     try:

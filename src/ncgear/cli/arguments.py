@@ -46,14 +46,17 @@ class FileKind(StrEnum):
 
     DESIGN = "design"
     BALANCE = "balance"
+    TRAIN = "train"
 
 
 def model_of(kind: FileKind) -> type[Model]:
     """The model of a kind of file."""
     from ncgear.design.keys.balance import Balance
     from ncgear.design.keys.design import Design
+    from ncgear.design.trains.registry import TrainFile
 
-    return Balance if kind is FileKind.BALANCE else Design
+    models: dict[FileKind, type[Model]] = {FileKind.BALANCE: Balance, FileKind.TRAIN: TrainFile}
+    return models.get(kind, Design)
 
 
 def keys_to_complete(context: typer.Context, incomplete: str) -> list[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -12,9 +12,13 @@ from ncgear.cli.arguments import EXPORT, AsJson, DesignFile, Timing, Verbose, fi
 from ncgear.cli.as_json import print_figures, tell
 from ncgear.cli.mending import BUILD, OPTION, MakeTeeth, Mend, as_given, mended, naming_what_helps
 from ncgear.cli.progress import counted, steps_shown
+from ncgear.cli.train import animated_train, build_train, check_train, is_train, refuse_options
 from ncgear.dynamics.level import Level
 from ncgear.errors import WrongInput, located
 from ncgear.files.workshop.formats import USUAL, Format, require_libraries, slow_to_load
+
+if TYPE_CHECKING:
+    from ncgear.drawings.animation import AnimationFormat
 
 
 def check(
@@ -25,6 +29,10 @@ def check(
     timing: Timing = False,
 ) -> None:
     """Check a design: motion and power, no files; teeth only where masses leave out the inertia of the gears."""
+    if is_train(design_file):
+        refuse_options(design_file, {"--mend": mend})
+        check_train(design_file, as_json=as_json, verbose=verbose)
+        return
     with opened(design_file) as loaded:
         from ncgear.figures.answers.answer import answer_text
         from ncgear.figures.answers.machine import check_answer
@@ -76,6 +84,10 @@ def build(
     timing: Timing = False,
 ) -> None:
     """Build the gears: outlines, solids, plots, motion law and summary, into a folder."""
+    if is_train(design_file):
+        refuse_options(design_file, {"--format": kinds, "--report": report, "--mend": mend})
+        build_train(design_file, out, as_json=as_json, verbose=verbose)
+        return
     from ncgear.drawings.beside import MOTION_PICTURE, PAGE_CHARTS, drawing_beside
     from ncgear.files.publish import prepare
 
@@ -180,18 +192,39 @@ def animate(
 ) -> None:
     """Show the mechanism moving: gears, crank, rod and slider over a whole cycle, as a GIF or MP4."""
     from ncgear.drawings.animation import AnimationFormat, format_of, require_shown
-    from ncgear.files.publish import prepare_file
 
     kind = format_of(out) if out else AnimationFormat.GIF
     require_shown(kind, frames, seconds)
+    form = frames, seconds, width
+    make = animated_train if is_train(design_file) else _animated_machine
+    path, content = make(design_file, out, kind, form)
+
+    from ncgear.figures.terminal import kept_lines
+    from ncgear.files.manifest import publish_named, publish_run
+
+    # Another animation in the same folder stays.
+    command = f"animate {path.name}"
+    run = (
+        publish_run(path.parent, {path.name: content}, command)
+        if out is None
+        else publish_named(path, content, command, replaces=True)
+    )
+    said = f"wrote {path}: {frames} frames in {seconds:g} s, {len(content) / 1e6:.3g} MB"
+    typer.echo("\n".join([said, *kept_lines(run.kept)]))
+
+
+def _animated_machine(
+    design_file: Path, out: Path | None, kind: AnimationFormat, form: tuple[int, float, int]
+) -> tuple[Path, bytes]:
+    """The place and the bytes of a GIF or MP4 of a machine; ``form`` has frames, seconds and width in pixels."""
+    from ncgear.files.publish import prepare_file
+
     with opened(design_file) as loaded:
         path = out or EXPORT / loaded.design.name / "mechanism.gif"
         prepare_file(path)
 
         from ncgear.drawings.animation.packing import Loop, animated
         from ncgear.drawings.scene.scene import scene_of
-        from ncgear.figures.terminal import kept_lines
-        from ncgear.files.manifest import publish_named, publish_run
         from ncgear.project.drive import Drive
 
         drive = Drive(loaded.design)
@@ -199,16 +232,7 @@ def animate(
             drive.require_sound_pairs()
             scene = scene_of(drive)
         with counted("frames") as on_frame:
-            content = animated(scene, kind, Loop(frames, seconds, width), on_frame)
-        # Another animation in the same folder stays.
-        command = f"animate {path.name}"
-        run = (
-            publish_run(path.parent, {path.name: content}, command)
-            if out is None
-            else publish_named(path, content, command, replaces=True)
-        )
-        said = f"wrote {path}: {frames} frames in {seconds:g} s, {len(content) / 1e6:.3g} MB"
-        typer.echo("\n".join([said, *kept_lines(run.kept)]))
+            return path, animated(scene, kind, Loop(*form), on_frame)
 
 
 def simulate(

@@ -214,6 +214,9 @@ def size(
             autocompletion=materials_to_complete,
         ),
     ] = None,
+    herringbone: Annotated[
+        bool, typer.Option("--herringbone", help="Also find how narrow herringbone teeth make the first gears.")
+    ] = False,
     out: Annotated[
         Path | None,
         typer.Option(metavar="FILE.yaml", help="Write the design file with the smallest gears.", show_default="none"),
@@ -238,7 +241,7 @@ def size(
         from ncgear.figures.sized import sized_design, sized_figures
         from ncgear.files.manifest import Run, publish_named
         from ncgear.project.drive import Drive
-        from ncgear.project.sizing import GearRoom, asked_design, smallest_gears, stated_inertias
+        from ncgear.project.sizing import GearRoom, asked_design, in_herringbone, smallest_gears, stated_inertias
 
         options = {
             "strength.bending_safety": bending_safety,
@@ -249,9 +252,11 @@ def size(
         drive = Drive(asked_design(loaded.design, asked))
         with naming_what_helps(drive, BUILD), counted("gears computed") as on_trial:
             found = smallest_gears(drive, GearRoom(space or inf, diameter or inf, width), on_trial)
-        run, then = Run([], []), f"ncgear size {pasted(design_file)} --out NEW.yaml writes a file with the first"
+            also = in_herringbone(found[0]) if herringbone else None
+        option, what = ("--herringbone ", "herringbone teeth") if also else ("", "the first")
+        run, then = Run([], []), f"ncgear size {pasted(design_file)} {option}--out NEW.yaml writes a file with {what}"
         if out is not None:
-            content = sized_design(loaded, found[0], asked).encode()
+            content = sized_design(loaded, also or found[0], asked).encode()
             run, then = publish_named(out, content, f"size {out.name}"), f"ncgear build {pasted(out)}"
-        answer = sized_answer(found, then, stated_inertias(loaded.design))
-        tell(answer, sized_figures(found), as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)
+        answer = sized_answer(found, then, stated_inertias(loaded.design), herringbone and (also or "none"))
+        tell(answer, sized_figures(found, also), as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)

@@ -7,7 +7,7 @@ is the template's value, or else an allowed value.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from threading import Lock
 from typing import Any
@@ -22,6 +22,7 @@ from ncgear.design.reading.places import Document
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.template import template
 from ncgear.design.told_keys import ToldKey
+from ncgear.design.trains.registry import TrainFile, train_models
 from ncgear.design.words import NAME_PATTERN, NAME_RULE, listed
 from ncgear.frozen import dataclass
 from ncgear.numerics.units import label_and_unit
@@ -80,12 +81,15 @@ class Key:
 
 
 def keys_of(root: type[BaseModel]) -> list[Key]:
-    """All keys of a file whose model is ``root``, a group before its keys; for designs, the keys of all mechanisms.
+    """All keys of a file whose model is ``root``, a group before its keys; for designs and
+    trains, the keys of all mechanisms and kinds.
 
-    A key that several mechanisms have is that of the first of them.
+    A key that several of them have is that of the first of them.
     """
     found: dict[tuple[str, str], Key] = {}
-    for model in design_models().values() if root is Design else [root]:
+    kinds: dict[type[BaseModel], Callable[[], Mapping[str, type[BaseModel]]]]
+    kinds = {Design: design_models, TrainFile: train_models}
+    for model in kinds[root]().values() if root in kinds else [root]:
         for key in _keys(model, "", ""):
             found.setdefault((key.path, key.law), key)
     return list(found.values())
@@ -229,7 +233,20 @@ LIKELY = {"mm": 40.0, "degrees": 30.0, "radians": 0.5, "multiples of pi": 0.5, "
 OTHERWISE = (0.1, 1.0, 10.0, -10.0)
 """Values for other units, and for keys whose range does not hold the likely value."""
 
+TEETH_OF_TRAIN = "{teeth: 28, module_mm: 2, face_width_mm: 10}"
+
 KNOWN = {
+    "train": f"{{kind: planetary, speed_rpm: 60, ratio: [1.3, 1, 0.8, 1], gears: {TEETH_OF_TRAIN}}}",
+    "train.ratio": "[1.3, 1, 0.8, 1]",
+    "train.gears": TEETH_OF_TRAIN,
+    "train.path": "{points_mm: [[0, 0], [-60, 70], [-95, 180], [-40, 225], [20, 180], [22, 75]]}",
+    "path.points_mm": "[[0, 0], [-60, 70], [-95, 180], [-40, 225], [20, 180], [22, 75]]",
+    "path.tolerances_mm": "[0.1, 0.1, 0.5, 0.5, 0.5, 0.1]",
+    "path.axis_mm": "[0, 250]",
+    "path.axis_from_mm": "[-200, 190]",
+    "path.axis_to_mm": "[200, 450]",
+    "path.straight": "[1, 2]",
+    "path.tool": "[{point: 1, angle_deg: -90}]",
     "file": "points.csv",
     "design": "design.yaml",
     "expression_n": '"200 + 3*exp(x/90)"',

@@ -18,7 +18,7 @@ teeth have settled; elsewhere they bear T.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import field, replace
 from math import pi
 
@@ -48,6 +48,10 @@ HELD = 4
 
 SWINGS, CHECKED = 96, 4
 """Swings whose pairs and loads are found at once, and those after which it is seen whether the teeth have settled."""
+
+FINER = 1.0, 1.04, 1.08
+"""How many times as fine the steps are with which knocks are followed.  Where they differ from turn to turn, as a ball
+that bounces, so do they with any change of the steps: each is a turn of its own, and the hardest count."""
 
 HARDEST = 20.0
 """Times the largest torque that is asked to which pairs are counted in a knock."""
@@ -82,12 +86,21 @@ class BorneTorque:
     phi1_rad: Array = field(default_factory=lambda: np.empty(0))
     torque_n_mm: Array = field(default_factory=lambda: np.empty(0))
     knocks: tuple[Knock, ...] | None = None
+    others: tuple[BorneTorque, ...] = ()
 
     def at(self, phi1_rad: Array) -> Array:
         """The torque at driving angles, shape (n,): what is asked, or what is followed where that is more.
 
-        The moments at which flying teeth bear less than asked are known less well than how hard they knock.
+        The moments at which flying teeth bear less than asked are known less well than how hard they knock.  Of
+        ``others``, which are followed a little differently, the hardest counts at each place.
         """
+        torque = self._own(phi1_rad)
+        for other in self.others:
+            again = other._own(phi1_rad)
+            torque = np.where(np.abs(again) > np.abs(torque), again, torque)
+        return torque
+
+    def _own(self, phi1_rad: Array) -> Array:
         asked = self.asked(phi1_rad)
         if not self.phi1_rad.size:
             return asked
@@ -99,11 +112,17 @@ class BorneTorque:
 
 
 def borne_torque(
-    meshing: Meshing, load: CrankLoad, asked: Callable[[Array], Array], speed_rad_s: float, cycle_rad: float
+    meshing: Meshing,
+    load: CrankLoad,
+    asked: Callable[[Array], Array],
+    speed_rad_s: float,
+    cycle_rad: float,
+    finer: Sequence[float] = FINER,
 ) -> BorneTorque:
     """The torque that the teeth bear where the law asks for ``asked`` at a constant driving speed.
 
-    It is ``asked`` itself where this neither turns round nor jumps.
+    It is ``asked`` itself where this neither turns round nor jumps.  Where teeth knock it is followed once for each of
+    ``finer``, of which the first tells the knocks.
     """
     phi1 = np.linspace(0.0, cycle_rad, SAMPLES, endpoint=False)
     torque = asked(phi1)
@@ -119,11 +138,20 @@ def borne_torque(
     # The longest stretch without a turn or a jump comes last: there the teeth have most time to settle.
     rows = np.roll(rows, -int(np.argmax(np.diff(rows, prepend=rows[-1] - SAMPLES))))
     starts, width_rad = driven.closer(phi1[rows] + cycle_rad * (rows < rows[0]), cycle_rad / SAMPLES)
-    found, end_rad = list[Stretch](), starts[0] + 2.0 * cycle_rad
-    for start_rad, on in zip(starts, flank[rows], strict=True):
-        if not found or start_rad > found[-1].phi1_rad[-1]:
-            found.append(driven.followed(float(start_rad), float(on), (start_rad + 2.0 * width_rad, end_rad)))
-    return joined(found, asked, cycle_rad)
+    end_rad = starts[0] + 2.0 * cycle_rad
+
+    def once(driven: _DrivenSide) -> BorneTorque:
+        found = list[Stretch]()
+        for start_rad, on in zip(starts, flank[rows], strict=True):
+            if not found or start_rad > found[-1].phi1_rad[-1]:
+                found.append(driven.followed(float(start_rad), float(on), (start_rad + 2.0 * width_rad, end_rad)))
+        return joined(found, asked, cycle_rad)
+
+    first, *others = finer
+    followed = once(replace(driven, finer=first))
+    if not followed.knocks:
+        return followed
+    return replace(followed, others=tuple(once(replace(driven, finer=one)) for one in others))
 
 
 def flanks_of(torque: Array, idle: float) -> Array:
@@ -160,13 +188,17 @@ def joined(found: list[Stretch], asked: Callable[[Array], Array], cycle_rad: flo
 
 @dataclass(frozen=True, eq=False)
 class _DrivenSide:
-    """The driven side on its teeth; ``most_n_mm`` is the largest torque that is asked."""
+    """The driven side on its teeth; ``most_n_mm`` is the largest torque that is asked.
+
+    Steps are ``finer`` times as fine as PER_SWING tells.
+    """
 
     meshing: Meshing
     load: CrankLoad
     asked: Callable[[Array], Array]
     speed_rad_s: float
     most_n_mm: float
+    finer: float = 1.0
 
     def closer(self, starts_rad: Array, width_rad: float) -> tuple[Array, float]:
         """Places shape (n,), and their width, less than a swing, within which the torque changes most after each."""
@@ -214,7 +246,7 @@ class _DrivenSide:
         return Stretch(np.concatenate(phi1), np.concatenate(torque), knocks)
 
     def _stepped(
-        self, state: tuple[float, float], pairs: list[list[list[float]]], inertia: Array, asked: Array, step_s: float
+        self, state: tuple[float, float], pairs: Sequence[NearPairs], inertia: Array, asked: Array, step_s: float
     ) -> tuple[Array, tuple[float, float], list[tuple[int, float]]]:
         """The torque that is borne after each of the HELD steps of n rows, shape (n HELD,), and the last state.
 
@@ -238,7 +270,7 @@ class _DrivenSide:
         """The time between two steps of the swings from a place on, and how fast these are in rad/s."""
         way = 2.0 * pi * self.speed_rad_s * SWINGS / self.swings_rad_s(np.array([phi1_rad]))
         swing = float(self.swings_rad_s(phi1_rad + way * np.linspace(0.0, 1.0, PER_SWING)).max())
-        return 2.0 * pi / (PER_SWING * swing), swing
+        return 2.0 * pi / (PER_SWING * self.finer * swing), swing
 
     def swings_rad_s(self, phi1_rad: Array) -> Array:
         """How fast the driven side swings on two pairs of teeth at driving angles, shape (n,), in rad/s."""
@@ -247,7 +279,7 @@ class _DrivenSide:
         pair = self.meshing.gaps.of_sections(near.stiffness * near.lever_mm**2)
         return np.asarray(np.sqrt(2.0 * pair / inertia))
 
-    def _along(self, phi1_rad: Array) -> tuple[list[list[list[float]]], Array, Array, Array]:
+    def _along(self, phi1_rad: Array) -> tuple[Sequence[NearPairs], Array, Array, Array]:
         """The pairs near contact at driving angles, shape (n,), and their largest lever.
 
         Then the inertia of the driven side and the torque that is asked, shape (n,) each.
@@ -256,8 +288,15 @@ class _DrivenSide:
         return *near_pairs(self.meshing, phi1_rad, self.most_n_mm), inertia, self.asked(phi1_rad)
 
 
-def near_pairs(meshing: Meshing, phi1_rad: Array, most_n_mm: float) -> tuple[list[list[list[float]]], Array]:
-    """The pairs at driving angles, shape (n,), each by arm, touching angle and stiffness, and their largest lever.
+NearPairs = list[list[float]] | Array
+"""The arm, the touching angle and the stiffness of each of some pairs; of many, as an array of shape (3, pairs)."""
+
+MANY = 16
+"""Pairs, as helical teeth have in their sections, of which arrays are quicker than plain numbers."""
+
+
+def near_pairs(meshing: Meshing, phi1_rad: Array, most_n_mm: float) -> tuple[Sequence[NearPairs], Array]:
+    """The pairs at driving angles, shape (n,), and their largest lever.
 
     Those count that a torque of HARDEST times the largest one presses together.
     """
@@ -267,13 +306,20 @@ def near_pairs(meshing: Meshing, phi1_rad: Array, most_n_mm: float) -> tuple[lis
     first = np.stack([np.where(near.urge == side, ahead, -np.inf).max(axis=-1) for side in (1.0, -1.0)])
     behind = np.where(near.urge > 0.0, first[0][:, None], first[1][:, None]) - ahead
     reached = np.any((arm != 0.0) & (behind <= HARDEST * most_n_mm / turning.min()), axis=0)
-    pairs = np.stack([arm, near.error_rad, near.stiffness], axis=-1)[:, reached].tolist()
+    pairs = np.stack([one[:, reached] for one in (arm, near.error_rad, near.stiffness)], axis=1)
     levers: Array = near.lever_mm.max(axis=-1)
-    return pairs, levers
+    return list(pairs) if pairs.shape[-1] > MANY else np.moveaxis(pairs, 1, -1).tolist(), levers
 
 
-def moment_n_mm(impact: Impact, pairs: list[list[float]], ahead_rad: float, speed_rad_s: float) -> float:
+def moment_n_mm(impact: Impact, pairs: NearPairs, ahead_rad: float, speed_rad_s: float) -> float:
     """The moment of the pairs that touch on the driven side, this far beyond the law and this much faster."""
+    if isinstance(pairs, np.ndarray):
+        arms, errors, _ = pairs
+        depths = arms * (errors - ahead_rad)
+        touching = depths > 0.0
+        (arms, _, stiffnesses), depths = pairs[:, touching], depths[touching]
+        damped = -impact.damping(depths) * arms * speed_rad_s
+        return float(arms @ impact.force_n(impact.elastic_n(depths, stiffnesses), damped))
     total = 0.0
     for arm, error_rad, stiffness in pairs:
         depth = arm * (error_rad - ahead_rad)

@@ -179,7 +179,7 @@ WITHIN_IN_MODULES = 0.52
 """Depth to which teeth are followed into each other: deeper than any law of impact holds."""
 
 
-LEVER, STIFFNESS = 1, 4
+ERROR, LEVER, STIFFNESS = 0, 1, 4
 """Columns of a table's quantities."""
 
 ALIKE_RAD = 1e-9
@@ -188,7 +188,7 @@ ALIKE_RAD = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Near:
-    """Pairs that touch or nearly do, at driving angles of shape s; arrays of shape s + (slots,).
+    """Pairs that touch or nearly do, at driving angles of shape s; arrays of shape s + (slots,), or s of one slot each.
 
     ``urge`` is +1 on pushing flanks, -1 on their backs and 0 in empty slots.  ``error_rad`` is the driven angle beyond
     the law's at which the pair touches, ``lever_mm`` the arm of its normal force about the driven axis, ``stiffness``
@@ -247,13 +247,14 @@ class Gaps:
         begins = np.searchsorted(self.section, np.arange(self.sections))
         return np.asarray(np.maximum.reduceat(turning, begins, axis=-1).sum(axis=-1))
 
-    def at(self, phi1_rad: Array | float) -> Near:
-        """The pairs near contact at driving angles in rad, of any shape."""
-        value, slope = self.table.at(phi1_rad)
+    def at(self, phi1_rad: Array | float, slot: IndexArray | None = None) -> Near:
+        """The pairs near contact at driving angles in rad, of any shape; with ``slot``, of that shape, one at each."""
+        value, slope = self.table.at(phi1_rad, slot)
         _, index, _ = self.table.place(phi1_rad)
         error, lever, driving, driven, stiffness = (value[..., number] for number in range(5))
         slopes = slope[..., 0], slope[..., 1], slope[..., STIFFNESS]
-        return Near(self.urge[index], error, lever, driving, driven, stiffness, slopes)
+        urge = self.urge[index] if slot is None else self.urge[index, slot]
+        return Near(urge, error, lever, driving, driven, stiffness, slopes)
 
     @property
     def touching_stiffness(self) -> Array:
@@ -268,7 +269,7 @@ class Gaps:
     @property
     def _touching(self) -> Mask:
         """Which slots touch first, on either side of the teeth, shape (intervals, slots)."""
-        error = self.table.coefficients[-1, ..., 0]
+        error = self.table.coefficients[-1, ..., ERROR]
         touching = np.zeros(self.urge.shape, dtype=bool)
         for urge in (1.0, -1.0):
             ahead = np.where(self.urge == urge, urge * error, -np.inf)
@@ -284,9 +285,9 @@ class Gaps:
 
     def play_rad(self, phi1_rad: Array) -> tuple[Array, Array]:
         """Driven angles beyond the law's at which pushing flanks and their backs first touch, shape of ``phi1_rad``."""
-        near = self.at(phi1_rad)
-        pushing = np.where(near.urge > 0.0, near.error_rad, -np.inf).max(axis=-1)
-        back = np.where(near.urge < 0.0, near.error_rad, np.inf).min(axis=-1)
+        urge, error = self.urge[self.table.place(phi1_rad)[1]], self.table.values(phi1_rad, ERROR)
+        pushing = np.where(urge > 0.0, error, -np.inf).max(axis=-1)
+        back = np.where(urge < 0.0, error, np.inf).min(axis=-1)
         return pushing, back
 
     def too_deep(self, phi1_rad: Array, error_rad: Array) -> tuple[float, float] | None:

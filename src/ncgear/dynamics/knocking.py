@@ -55,10 +55,13 @@ class KnockingMachine:
     @property
     def turns_rad(self) -> Array:
         """Driving angles of a cycle at which a swing of the teeth's torque turns round, shape (n,), rising."""
-        torque = self.borne.torque_n_mm
-        rising = np.sign(np.diff(torque))
-        turns = np.flatnonzero(rising[1:] != rising[:-1]) + 1
-        return np.unique(self.borne.phi1_rad[turns[np.isfinite(torque[turns])]] % self.borne.cycle_rad)
+        found = []
+        for borne in (self.borne, *self.borne.others):
+            torque = borne.torque_n_mm
+            rising = np.sign(np.diff(torque))
+            turns = np.flatnonzero(rising[1:] != rising[:-1]) + 1
+            found.append(borne.phi1_rad[turns[np.isfinite(torque[turns])]] % borne.cycle_rad)
+        return np.unique(np.concatenate(found))
 
     def peaks(self, places_rad: Array) -> LoadPeaks:
         """The largest forces of a cycle, sought between ``places_rad`` (shape (n,)) and where swings turn round."""

@@ -13,7 +13,7 @@ the first order of x, as in ``ncgear.dynamics.flank_changes``, whose method this
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from math import pi
 
 import numpy as np
@@ -31,6 +31,7 @@ from ncgear.dynamics.flank_changes import (
     TOUCHING,
     BorneTorque,
     Knock,
+    NearPairs,
     Stretch,
     flanks_of,
     joined,
@@ -196,7 +197,7 @@ class KnockingTrain:
     def _stepped(
         self,
         state: tuple[float, float, float, float],
-        pairs: list[list[list[list[float]]]],
+        pairs: list[Sequence[NearPairs]],
         along: _Places,
         part: slice,
         step_s: float,

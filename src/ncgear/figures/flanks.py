@@ -9,10 +9,11 @@ from ncgear.figures.numbers import fixed, known, placed, to_digits
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.strength.film import Regime
+from ncgear.strength.plastics import CREEP_C
 
 if TYPE_CHECKING:
     # Checks load nothing of contact, and only these values come from there.
-    from ncgear.strength.surfaces import Film, Place, Surfaces, Wear
+    from ncgear.strength.surfaces import Creep, Film, Place, Surfaces, Wear
 
 REGIMES = {
     Regime.FULL: "full film",
@@ -22,10 +23,14 @@ REGIMES = {
 """The words for a regime."""
 
 
+NOT_JUDGED = "not judged"
+ONLY_A_JAM = "not judged, because only a jam presses the flanks, a few times"
+
+
 def surfaces_figures(found: Surfaces) -> dict[str, Any]:
     """Sections of film, scuffing and wear; of what is not judged, a word that says so."""
     film, wear = found.film, found.wear
-    figures: dict[str, Any] = {"film": "not judged", "scuffing": "not judged"}
+    figures: dict[str, Any] = {"film": NOT_JUDGED, "scuffing": NOT_JUDGED}
     if film is not None:
         safety = found.scuffing_safety
         figures["film"] = {
@@ -43,12 +48,20 @@ def surfaces_figures(found: Surfaces) -> dict[str, Any]:
             **_at("contact_max", film.flash_k),
             "scuffing_c": found.scuffing_c,
         }
+    if not found.judged:
+        return {**figures, "wear": NOT_JUDGED}
     figures["wear"] = {
         "wanted_h": wear.wanted_h,
         "limit_mm": wear.limit_mm,
         "until_limit_h": known(wear.life_h),
         "backlash_added_mm": wear.play_mm,
     }
+    if (creep := found.creep) is not None:
+        figures["creep"] = {
+            "deflection_mm": creep.at_once_mm,
+            "deflection_after_life_mm": creep.after_mm,
+            "loaded_h": creep.loaded_h,
+        }
     for gear, coefficient, depth in zip(Gear, wear.coefficients_mm3_n_m, wear.depth_mm, strict=True):
         figures["wear"][gear.value] = {
             "coefficient_mm3_n_m": coefficient,
@@ -75,10 +88,25 @@ def surfaces_rows(drive: Drive, found: Surfaces) -> list[tuple[str, str]]:
         for gear, one in zip(Gear, found.warm, strict=True)
         if one is not None
     ]
-    rows = [("wear", _wear_words(found.wear))]
+    rows = [("wear", _wear_words(found.wear) if found.judged else ONLY_A_JAM)]
+    if not found.judged and drive.conditions.lubrication != "dry" and not any(found.warm):
+        rows.append(("film", ONLY_A_JAM))
     if found.film is not None:
         rows += [("film", _film_words(drive, found.film)), ("scuffing", _scuffing_words(drive, found.film, found))]
-    return [*rows, ("heat", f"{'; '.join(heat)} (VDI 2736); creep is not judged")] if heat else rows
+    if not heat or not found.judged:
+        return rows
+    return [*rows, ("heat", f"{'; '.join(heat)} (VDI 2736)"), ("creep", _creep_words(found.creep))]
+
+
+def _creep_words(creep: Creep | None) -> str:
+    """How far plastic teeth give way at once and after the wanted life; no limit is known that it is judged by."""
+    if creep is None:
+        return "not judged, because no creep modulus of these plastics is known here"
+    ways = f"{to_digits(creep.at_once_mm, 2)} mm at once, {to_digits(creep.after_mm, 2)} mm"
+    return (
+        f"teeth give way by {ways} after {hours_words(creep.loaded_h)} under load, at {CREEP_C:g} \u00b0C; more where "
+        "they are warmer"
+    )
 
 
 def _film_words(drive: Drive, film: Film) -> str:

@@ -9,7 +9,8 @@ from ncgear.design.keys.base import listed
 from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.design.reading.text import whole
 from ncgear.design.rewritten import told_copy
-from ncgear.figures.advice.values import changed
+from ncgear.figures.advice.drivetrain_advice import around
+from ncgear.figures.advice.values import Advice, changed
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.strong import strength_summary
 from ncgear.pitch.shape import Gear
@@ -40,8 +41,18 @@ def _row(one: Sized) -> list[str]:
     ]
 
 
-def sized_figures(found: Sequence[Sized]) -> dict[str, Any]:
-    """The smallest gears that hold as plain values whose keys end in their unit, the smallest first."""
+def parts_that_fail(one: Sized) -> list[Advice]:
+    """What of shafts, keys, bearings and couplings around the gears does not hold with them."""
+    if one.drive.design.drivetrain is None:
+        return []
+    return [told for told in around(one.drive) if isinstance(told, Advice) and told.matters]
+
+
+def sized_figures(found: Sequence[Sized], herringbone: Sized | None = None) -> dict[str, Any]:
+    """The smallest gears that hold as plain values whose keys end in their unit, the smallest first.
+
+    Then those with herringbone teeth, if there are any.
+    """
     first = found[0]
     design, rating = first.drive.design, first.rating
     materials: dict[str, dict[str, Any]] = {
@@ -54,6 +65,7 @@ def sized_figures(found: Sequence[Sized]) -> dict[str, Any]:
         "load": {"speed_rpm": design.operation.speed_rpm},
         **materials,
         "smallest": [_sizes(one) for one in found],
+        **({"herringbone": _sizes(herringbone)} if herringbone else {}),
     }
 
 
@@ -67,6 +79,7 @@ def _sizes(one: Sized) -> dict[str, Any]:
         "center_distance_mm": size.center_distance_mm,
         "largest_diameter_mm": one.diameter_mm,
         "strength": strength_summary(one.rating, one.drive),
+        "parts_that_fail": [told.what for told in parts_that_fail(one)],
         "keys": dict(one.changes),
     }
 

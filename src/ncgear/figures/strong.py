@@ -31,7 +31,7 @@ from ncgear.strength.holding import Damage, Weakest, lives_of
 LOADS = {
     "masses": "the machine with its masses, at constant driving speed",
     "resistance": "the resistance alone: no masses are given, so forces of inertia are not counted",
-    "jam": "a jam alone: no resistance and no masses are given, so that nothing else loads the teeth",
+    "jam": "a jam alone: nothing else that is given loads the teeth",
 }
 """The words for what a load follows from."""
 
@@ -66,10 +66,15 @@ def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rat
             "speed_rpm": drive.design.operation.speed_rpm,
             "peak_tooth_force_n": float(contacts.force_n[most]),
             "peak_tooth_force_at_rad": float(contacts.phi1_rad[most]),
-            "contact_ratio_under_load_mean": rating.loading.contact_ratio,
-            "transmission_error_under_load_rad": rating.loading.transmission_error_rad,
+            "contact_ratio_under_load_mean": rating.loading.contact_ratio or None,
+            "transmission_error_under_load_rad": rating.loading.transmission_error_rad
+            if rating.loading.contact_ratio
+            else None,
             **_knock_figures(rating.loading.knocks),
             **_jam_figures(drive, rating),
+            "decided_by": {
+                f"{gear.value}_{damage.value}": load for (gear, damage), load in deciding_loads(drive, rating).items()
+            },
             **({} if (peaks := drive.knocking_peaks) is None else {"with_knocks": force_figures(drive.linkage, peaks)}),
         },
         "gears": {"module_mm": size.module_mm, "face_width_mm": drive.gears.face_width_mm},
@@ -84,6 +89,38 @@ def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rat
         },
         **verdict_summary(verdict),
     }
+
+
+MORE = 1e-6
+"""Share by which a torque is more than another, beyond rounding errors."""
+
+DECIDING = {"law": "what the law asks", "knocks": "knocks", "jam": "the jam"}
+"""The words for the load that the weakest tooth has most of."""
+
+
+def deciding_loads(drive: Drive, rating: Rating) -> dict[tuple[Gear, Damage], str]:
+    """Which load the weakest tooth of each gear is the weakest under, by damage: that of the law, knocks or a jam."""
+    judged, found = drive.judged_teeth(rating.strength.method), dict[tuple[Gear, Damage], str]()
+    for one in rating.weakest:
+        jammed = None if judged.jammed is None else lives_of(judged.jammed, one.gear)[one.damage]
+        borne, here = rating.loading.borne, np.array([one.phi1_rad])
+        if jammed is not None and jammed.safety[one.tooth - 1] == one.safety:
+            found[one.gear, one.damage] = "jam"
+        elif borne is not None and abs(borne.at(here)[0]) > (1.0 + MORE) * abs(borne.asked(here)[0]):
+            found[one.gear, one.damage] = "knocks"
+        else:
+            found[one.gear, one.damage] = "law"
+    return found
+
+
+def deciding_words(drive: Drive, rating: Rating) -> str:
+    """The same in a line; empty where there are neither knocks nor a jam."""
+    if not rating.loading.knocks and drive.conditions.overload is None:
+        return ""
+    found = deciding_loads(drive, rating)
+    if len(set(found.values())) == 1:
+        return f"by {DECIDING[next(iter(found.values()))]}, in all rows"
+    return ", ".join(f"{gear.value} {damage.words} by {DECIDING[load]}" for (gear, damage), load in found.items())
 
 
 def _knock_figures(knocks: Sequence[Knock] | None) -> dict[str, Any]:

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import fixed, known, to_digits
 from ncgear.figures.quantities import figure
@@ -22,10 +24,11 @@ def vibration_of_rating(drive: Drive, rating: Rating) -> ToldVibration | None:
     mesh, strength = mesh_stiffness(rating.loading, drive.running), rating.strength
     if mesh is None:
         return None
-    contacts = strength.contacts
-    return told_vibration(
-        drive, drive.vibration, mesh, contacts.phi1_rad, strength.stresses.dynamic_factor, contacts.pair_force_n
-    )
+    contacts, factor = strength.contacts, strength.stresses.dynamic_factor
+    # Sections of helical teeth have factors of their own, of which the mean by their loads is told.
+    whole, loaded = (np.bincount(contacts.position, one) for one in (factor * contacts.force_n, contacts.force_n))
+    mean = (whole / np.maximum(loaded, np.finfo(float).tiny))[contacts.position]
+    return told_vibration(drive, drive.vibration, mesh, contacts.phi1_rad, mean, contacts.pair_force_n)
 
 
 def vibration_figures(told: ToldVibration | None) -> dict[str, Any]:

@@ -31,7 +31,7 @@ from ncgear.metrology.working import WorkingFlanks
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.plane import cross
 from ncgear.numerics.zeros import zeros_between
-from ncgear.pitch.curve import CurvePoints, PitchCurve
+from ncgear.pitch.curve import ClosedPitchCurve, CurvePoints
 from ncgear.pitch.shape import Gear
 
 
@@ -160,7 +160,7 @@ class MeasuringChords:
 NO_CHORDS = MeasuringChords(np.empty(0), np.empty(0), np.zeros(0, dtype=bool))
 
 
-def measuring_chords(curve: PitchCurve, angle_rad: float, turn_rad: float = 0.0) -> MeasuringChords:
+def measuring_chords(curve: ClosedPitchCurve, angle_rad: float, turn_rad: float = 0.0) -> MeasuringChords:
     """All measuring chords of one turn of a curve; none on a ring.
 
     They begin on the curve turned by ``turn_rad`` about the gear's axis, as back flanks stand, and end on the curve.
@@ -191,7 +191,7 @@ def measuring_chords(curve: PitchCurve, angle_rad: float, turn_rad: float = 0.0)
 class _Way:
     """From where and to where chords go: from the ``curve`` turned by ``turn_rad`` to the curve, at ``angle_rad``."""
 
-    curve: PitchCurve
+    curve: ClosedPitchCurve
     angle_rad: float
     turn_rad: float
 

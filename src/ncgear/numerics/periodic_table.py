@@ -28,17 +28,32 @@ class PeriodicTable:
     coefficients: Array
     rise: Array | float = 0.0
 
-    def at(self, x: ArrayLike) -> tuple[Array, Array]:
-        """Values and slopes at x of any shape, the trailing axes appended."""
+    def at(self, x: ArrayLike, slot: IndexArray | None = None) -> tuple[Array, Array]:
+        """Values and slopes at x of any shape, the trailing axes appended.
+
+        With ``slot``, shape of x, those in one row of the first trailing axis at each x, the others appended.
+        """
         turns, index, step = self.place(x)
-        expanded = np.shape(x) + (1,) * (self.coefficients.ndim - 2)
+        chosen: Any = index if slot is None else (index, slot)
+        expanded = np.shape(x) + (1,) * (self.coefficients.ndim - 2 - (slot is not None))
         beyond = np.reshape(step, expanded)
-        value = self.coefficients[0][index]
+        value = self.coefficients[0][chosen]
         slope = np.zeros_like(value)
         for row in self.coefficients[1:]:
             slope = slope * beyond + value
-            value = value * beyond + row[index]
+            value = value * beyond + row[chosen]
         return value + np.reshape(turns, expanded) * self.rise, slope
+
+    def values(self, x: ArrayLike, last: int) -> Array:
+        """Values at x of any shape of what has this number on the last axis, the other trailing axes appended."""
+        turns, index, step = self.place(x)
+        expanded = np.shape(x) + (1,) * (self.coefficients.ndim - 3)
+        beyond = np.reshape(step, expanded)
+        value = self.coefficients[0, ..., last][index]
+        for row in self.coefficients[1:, ..., last]:
+            value = value * beyond + row[index]
+        rise = self.rise if np.ndim(self.rise) == 0 else np.asarray(self.rise)[..., last]
+        return np.asarray(value + np.reshape(turns, expanded) * rise)
 
     def place(self, x: ArrayLike) -> tuple[Array, IndexArray, Array]:
         """Whole periods before x, the number of the interval, and the distance from the break below."""

@@ -9,23 +9,19 @@ on them.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import field
 from functools import cached_property
 from math import cos
 from typing import Protocol
 
 import numpy as np
 
-from ncgear.errors import NoSuchMechanism, Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, Columns, ComplexArray
 from ncgear.numerics.chebyshev import Cells, NotSmooth, PiecewiseChebyshev, cells_of
-from ncgear.numerics.jet import Jet
-from ncgear.numerics.plane import along, as_complex, turned
-from ncgear.numerics.units import in_words
+from ncgear.numerics.plane import across, along, as_complex, turned
 from ncgear.pitch import shape
+from ncgear.pitch.arc_length import ArcLength, ArcMaps, too_sharp
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.ratio.transmission import Transmission
 
@@ -53,50 +49,58 @@ FOOT_STEPS = 12
 """Steps of Newton's method to a foot on the pitch curve; two do where a tooth has a tip land."""
 
 
-@dataclass(frozen=True, eq=False)
-class PitchCurve:
-    """A closed pitch curve; arc length in mm runs with phi1, clockwise on the driving gear and on a ring."""
+class ClosedPitchCurve:
+    """A closed pitch curve by its arc length, whatever motion it comes from; teeth stand on it.
+
+    ``arc`` maps the driving angle of one period to the arc length and back.  Arc length runs clockwise on the driving
+    gear and on a ring, against the clock on other gears.
+    """
 
     gear: Gear
-    transmission: Transmission
-    arc: ArcLength
-    center_distance_mm: float
     mesh: Mesh
+    arc: ArcMaps
+
+    @property
+    def periods(self) -> int:
+        """Periods of the driving angle in one turn of this gear."""
+        raise NotImplementedError
+
+    @property
+    def unit_mm(self) -> float:
+        """The length that arc lengths of ``arc`` are multiples of."""
+        raise NotImplementedError
+
+    @property
+    def joints_rad(self) -> Array:
+        """Driving angles within one period, 0 first, at which smooth pieces begin."""
+        raise NotImplementedError
+
+    def at_angle(self, phi1: Array) -> CurvePoints:
+        """The curve at driving angles in rad, of any shape."""
+        raise NotImplementedError
+
+    def mate_curvature(self, sigma_mm: float) -> float:
+        """Curvature in 1/mm of the mate beside the curve, positive where the mate is convex."""
+        raise NotImplementedError
 
     @property
     def is_ring(self) -> bool:
         """Whether the gear's material lies outside the curve: the driven gear of an internal pair."""
         return shape.is_ring(self.gear, self.mesh)
 
-    @property
-    def periods(self) -> int:
-        """Periods of the law in one turn of this gear."""
-        lobes = self.transmission.lobes
-        return lobes.driving if self.gear is Gear.DRIVING else lobes.driven
-
     @cached_property
     def length_mm(self) -> float:
         """Length of the closed curve."""
-        return self.periods * self.arc.period * self.center_distance_mm
-
-    @property
-    def turn_rad(self) -> float:
-        """Driving angle that turns this gear once."""
-        return self.periods * self.transmission.lobes.driving_period_rad
-
-    def drawn(self, count: int) -> CurvePoints:
-        """So many points of the closed curve, or of the range of gears that turn less than once."""
-        covered = self.transmission.lobes.range
-        return self.at_angle(np.linspace(0.0, covered.driving_rad if covered else self.turn_rad, count))
+        return self.periods * self.arc.period * self.unit_mm
 
     @property
     def joints_mm(self) -> Array:
         """Arc lengths within one turn at which the curvature may jump; none for a law of one piece."""
-        starts = np.array([piece.start_rad for piece in self.transmission.pieces])
+        starts = self.joints_rad
         if starts.size == 1:
             return np.empty(0)
         cycles = np.arange(self.periods)[:, None] * self.arc.period
-        return (cycles + self.arc.length(starts)).ravel() * self.center_distance_mm
+        return (cycles + self.arc.length(starts)).ravel() * self.unit_mm
 
     @property
     def joints_around_mm(self) -> Array:
@@ -106,7 +110,7 @@ class PitchCurve:
     @property
     def panels_mm(self) -> Array:
         """Arc lengths over one turn between which one polynomial follows the curve, both ends included."""
-        return self._by_length.breaks * self.center_distance_mm
+        return self._by_length.breaks * self.unit_mm
 
     @property
     def panels_around_mm(self) -> Array:
@@ -119,7 +123,7 @@ class PitchCurve:
 
     def driving_angle(self, sigma_mm: Array) -> Array:
         """phi1 in rad at which the point at arc length sigma is the pitch point, any shape."""
-        return self.arc.angle(sigma_mm / self.center_distance_mm)
+        return self.arc.angle(sigma_mm / self.unit_mm)
 
     def at_length(self, sigma_mm: Array) -> CurvePoints:
         """The curve at arc lengths in mm, of any shape, beyond one turn as well.
@@ -150,13 +154,13 @@ class PitchCurve:
     @cached_property
     def curvature_bounds(self) -> tuple[float, float]:
         """Lower and upper bound of the curvature in 1/mm; the coefficients of the Chebyshev forms prove them."""
-        coefficients = self._by_length.coefficients[..., 4] / self.center_distance_mm
+        coefficients = self._by_length.coefficients[..., 4] / self.unit_mm
         spread = np.abs(coefficients[1:]).sum(axis=0)
         return float(np.min(coefficients[0] - spread)), float(np.max(coefficients[0] + spread))
 
     def bends_below(self, curvature: float) -> bool:
         """Whether the curvature is anywhere less than one in 1/mm; as a rule that takes no extreme to tell."""
-        return chebyshev.falls_below(self._by_length.coefficients[..., 4], curvature * self.center_distance_mm)
+        return chebyshev.falls_below(self._by_length.coefficients[..., 4], curvature * self.unit_mm)
 
     @cached_property
     def is_dented(self) -> bool:
@@ -187,7 +191,7 @@ class PitchCurve:
     @cached_property
     def _cells(self) -> Cells:
         """All columns of ``CurvePoints`` by the arc length in mm over one turn of this gear."""
-        form, size = self._by_length, self.center_distance_mm
+        form, size = self._by_length, self.unit_mm
         position, tangent, curvature = np.split(form.coefficients, [2, 4], axis=-1)
         columns = [position * size, tangent, curvature / size]
         cells = cells_of(PiecewiseChebyshev(form.breaks * size, np.concatenate(columns, axis=-1)))
@@ -198,7 +202,7 @@ class PitchCurve:
     @cached_property
     def _by_length(self) -> PiecewiseChebyshev:
         """Position, tangent and curvature at unit centre distance over one turn of this gear."""
-        size = self.center_distance_mm
+        size = self.unit_mm
 
         def columns(sigma: Array) -> Array:
             at = self.at_angle(self.arc.angle(sigma))
@@ -210,7 +214,54 @@ class PitchCurve:
         try:
             return chebyshev.fitted(columns, np.append(panels, self.periods * self.arc.period))
         except NotSmooth as fault:
-            raise _too_sharp(float(self.arc.angle(np.array(fault.at)))) from fault
+            raise too_sharp(float(self.arc.angle(np.array(fault.at)))) from fault
+
+
+@dataclass(frozen=True, eq=False)
+class PitchCurve(ClosedPitchCurve):
+    """The pitch curve of a law's gear, whose axis keeps its distance from the mate's."""
+
+    gear: Gear
+    transmission: Transmission
+    arc: ArcLength
+    center_distance_mm: float
+    mesh: Mesh
+
+    @property
+    def periods(self) -> int:
+        """Periods of the law in one turn of this gear."""
+        lobes = self.transmission.lobes
+        return lobes.driving if self.gear is Gear.DRIVING else lobes.driven
+
+    @property
+    def unit_mm(self) -> float:
+        """The centre distance."""
+        return self.center_distance_mm
+
+    @property
+    def joints_rad(self) -> Array:
+        """Driving angles at which the pieces of the law begin."""
+        return np.array([piece.start_rad for piece in self.transmission.pieces])
+
+    @property
+    def turn_rad(self) -> float:
+        """Driving angle that turns this gear once."""
+        return self.periods * self.transmission.lobes.driving_period_rad
+
+    def drawn(self, count: int) -> CurvePoints:
+        """So many points of the closed curve, or of the range of gears that turn less than once."""
+        covered = self.transmission.lobes.range
+        return self.at_angle(np.linspace(0.0, covered.driving_rad if covered else self.turn_rad, count))
+
+    def mate_curvature(self, sigma_mm: float) -> float:
+        """Curvature in 1/mm of the mate beside the curve, positive where the mate is convex, by Euler and Savary."""
+        at = self.at_length(np.array([sigma_mm]))
+        bend = float(at.curvature[0])
+        if self.mesh is Mesh.INTERNAL:
+            return bend
+        radius = float(np.hypot(*at.position[0]))
+        cosine = abs(float(across(as_complex(at.position), as_complex(at.tangent))[0])) / radius
+        return cosine * self.center_distance_mm / (radius * (self.center_distance_mm - radius)) - bend
 
     def at_angle(self, phi1: Array) -> CurvePoints:
         """The curve at driving angles in rad, of any shape."""
@@ -253,112 +304,6 @@ def _normal(gear: Gear, tangent: Array) -> Array:
     """Unit normals away from the gear's material, which lies to the right of the driving gear's tangent."""
     side = 1.0 if gear is Gear.DRIVING else -1.0
     return side * np.stack([-tangent[..., 1], tangent[..., 0]], axis=-1)
-
-
-NEWTON_STEPS = 20
-"""Most steps to the inverse of arc length; convergence is quadratic."""
-
-
-FEW = 4
-"""Answers that wait for the other gear: whoever asks of both asks of one soon after the other, and many more would pile
-up where one gear alone is asked."""
-
-
-@dataclass(frozen=True, eq=False)
-class ArcLength:
-    """Arc length sigma(phi1) and phi1(sigma) of a law, both zero at phi1 = 0 and increasing."""
-
-    transmission: Transmission
-    by_angle: PiecewiseChebyshev
-    by_length: PiecewiseChebyshev
-    _asked: dict[bytes, Jet] = field(default_factory=dict, repr=False)
-
-    def driven_angle(self, phi1: Array) -> Jet:
-        """The law with three derivatives, shape (n,); the last FEW answers wait for the other gear to ask the same."""
-        key = phi1.tobytes()
-        if (known := self._asked.pop(key, None)) is not None:
-            return known
-        self._asked[key] = found = self.transmission.driven_angle(phi1, 3)
-        if len(self._asked) > FEW:
-            del self._asked[next(iter(self._asked))]
-        return found
-
-    @property
-    def period(self) -> float:
-        """Length of one period of the law."""
-        return self.by_angle.final
-
-    @property
-    def angle_period_rad(self) -> float:
-        """Driving angle of one period of the law."""
-        return float(self.by_angle.breaks[-1])
-
-    def length(self, phi1: Array) -> Array:
-        """sigma at driving angles in rad, any shape."""
-        cycles, local = np.divmod(phi1, self.angle_period_rad)
-        return cycles * self.period + self.by_angle(local)
-
-    def angle(self, sigma: Array) -> Array:
-        """phi1 in rad at arc lengths, any shape."""
-        cycles, local = np.divmod(sigma, self.period)
-        return cycles * self.angle_period_rad + self.by_length(local)
-
-
-def arc_length(transmission: Transmission, mesh: Mesh) -> ArcLength:
-    """Both maps, each resolved to rounding error panel by panel.
-
-    Raises NoSuchMechanism where the curves turn too sharply to be resolved.
-    """
-    try:
-        speed = chebyshev.fitted(lambda phi1: _speed(transmission, phi1, Gear.DRIVING, mesh), transmission.joints_rad)
-    except NotSmooth as fault:
-        raise _too_sharp(fault.at) from fault
-    by_angle = speed.integrated()
-    panels = np.append(by_angle(speed.breaks[:-1]), by_angle.final)
-    try:
-        by_length = chebyshev.fitted(_inverse(by_angle, speed), panels)
-    except NotSmooth as fault:
-        raise _too_sharp(float(np.interp(fault.at, panels, speed.breaks))) from fault
-    return ArcLength(transmission, by_angle, by_length)
-
-
-def _too_sharp(phi1_rad: float) -> NoSuchMechanism:
-    """The error for a pitch curve that turns faster than numbers of 16 digits can follow."""
-    return NoSuchMechanism(
-        f"the pitch curves turn too sharply near phi1 = {in_words(phi1_rad)} to be computed; a smaller "
-        "range of the ratio is needed",
-        key="motion",
-    )
-
-
-def period_length(transmission: Transmission, gear: Gear, mesh: Mesh) -> float:
-    """Length of one period, integrated on the gear's own curve, to check one gear against the other."""
-    speed = chebyshev.fitted(lambda phi1: _speed(transmission, phi1, gear, mesh), transmission.joints_rad)
-    return speed.integrated().final
-
-
-def _speed(transmission: Transmission, phi1: Array, gear: Gear, mesh: Mesh) -> Array:
-    return shape.speed(transmission.driven_angle(phi1, 2).differentiated(), gear, mesh).value
-
-
-def _inverse(by_angle: PiecewiseChebyshev, speed: PiecewiseChebyshev) -> Callable[[Array], Array]:
-    """Driving angles at arc lengths, by Newton's method from a linear interpolation between the panels' own points."""
-    inner = chebyshev.nodes(speed.breaks[:-1], speed.breaks[1:]).ravel(order="F")
-    angles = np.concatenate([speed.breaks[:1], inner, speed.breaks[-1:]])
-    lengths = np.concatenate([[0.0], by_angle(inner), [by_angle.final]])
-
-    def angle(sigma: Array) -> Array:
-        phi1: Array = np.interp(sigma, lengths, angles)
-        for _ in range(NEWTON_STEPS):
-            step = (by_angle(phi1) - sigma) / speed(phi1)
-            phi1 = np.clip(phi1 - step, 0.0, by_angle.breaks[-1])
-            if np.max(np.abs(step)) <= 1e-14 * by_angle.breaks[-1]:
-                return phi1
-        if np.max(np.abs(by_angle(phi1) - sigma)) > 1e-12 * by_angle.final:
-            raise Unanswered("the arc length of the pitch curve could not be inverted")
-        return phi1
-
-    return angle
 
 
 STEPS = 40

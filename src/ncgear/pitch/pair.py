@@ -19,8 +19,9 @@ from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import in_words
 from ncgear.numerics.zeros import zeros_between
 from ncgear.pitch import shape
+from ncgear.pitch.arc_length import ArcLength, arc_length, period_length
 from ncgear.pitch.continued import continued
-from ncgear.pitch.curve import ArcLength, PitchCurve, arc_length, period_length
+from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.internal import require_ring, require_room
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.ratio.transmission import Lobes, Piece, Range, Transmission

@@ -160,7 +160,7 @@ def rough_mesh(drive: Drive, sides: list[SharedLoad], load: RolledLoad) -> MeshS
                 (
                     one.load.phi1_rad,
                     drive.running.face_width_mm * one.stiffness_n_mm2,
-                    np.sum(one.line_n_mm > 0.0, axis=0),
+                    one.bearing,
                 )
                 for one in sides
             ),
@@ -179,8 +179,6 @@ def rough_damage(found: RoughStrength, one: RoughSafety) -> str:
 
 def _no_life(drive: Drive) -> str:
     """Why no life of these teeth is told under any load."""
-    if drive.helix is not None:
-        return "it needs the teeth to tell of helical ones, whose roots a check judges as straight ones"
     for gear in Gear:
         wall_mm, thinnest_mm = _given_wall_mm(drive, gear)
         if wall_mm < thinnest_mm:
@@ -247,7 +245,8 @@ def tooth_plan(drive: Drive) -> ToothPlan:
     shifts = form.driving_shift_mm / module, form.driven_shift_mm / module
     tip = RackTip(rack.dedendum, rack.root_radius)
     rims = _even_rim(drive, Gear.DRIVING), _even_rim(drive, Gear.DRIVEN)
-    return ToothPlan(tip, rack.addendum, shifts, (radians(pushing), radians(idle)), form.rack.relief, rims)
+    helix = (drive.helix.angle_rad, drive.helix.largest_advance_mm) if drive.helix else (0.0, 0.0)
+    return ToothPlan(tip, rack.addendum, shifts, (radians(pushing), radians(idle)), form.rack.relief, rims, *helix)
 
 
 def _even_rim(drive: Drive, gear: Gear) -> float:

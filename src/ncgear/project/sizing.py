@@ -14,6 +14,7 @@ module.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from difflib import get_close_matches
 from math import ceil, inf, log
@@ -27,6 +28,7 @@ from ncgear.dynamics.meshing import TOO_WEAK
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 from ncgear.project.alternatives import Changes, changed_drive, changed_gears, is_given
 from ncgear.project.drive import Drive
+from ncgear.project.rough_strength import rough_strength
 from ncgear.project.strengthening import CROWNING, MOST_TEETH, SERIES_I_MM, WIDEST_MODULES, Rating, rating_of, sized
 from ncgear.strength.holding import Damage, Weakest
 from ncgear.strength.materials import TABLE
@@ -43,15 +45,27 @@ def stated_inertias(design: Design) -> list[str]:
 OnTrial = Callable[[int, int], None]
 """Called with the numbers of computed gears so far and at most."""
 
-MOST_COMPUTED = {"resistance": 24, "masses": 12}
+MOST_COMPUTED = {"resistance": 24, "masses": 11}
 """Gears that are computed at most, by what their load follows from.  With masses, whose knocks are followed and which
 gears' bodies belong to, they take a second each, else a fifth of it: a person waits ten seconds."""
+
+MOST_NARROWED = {"resistance": 16, "masses": 5}
+"""Gears of the same teeth that are computed at most to find the least widths, in a half of that time each."""
+
+HELIX_DEG = 20.0, 30.0
+"""Helix angles of herringbone teeth that are tried: as of such gears in machines, which have no thrust."""
 
 BEST = 4
 """Answers that are given."""
 
+BODIES = "gears.driving.", "gears.driven."
+"""How keys of bodies begin, which have no room in gears that are too small."""
+
 DOUBLED = tuple(2.0**power for power in range(1, 9))
 """Times the module of teeth that are too weak to be rated, from which the search may begin."""
+
+NEAR_MM = 3.0
+"""Between a width that does not do and one that does: so near to each other the next mm is tried at once."""
 
 GREATER = 2.5
 """Gears that have this many times the smallest gears' volume are not looked for."""
@@ -160,6 +174,8 @@ def asked_design(design: Design, asked: Mapping[str, float | str]) -> Design:
 def smallest_gears(drive: Drive, space: GearRoom, on_trial: OnTrial = lambda done, total: None) -> list[Sized]:
     """The smallest gears that hold for each of a few modules, by the method ``estimate``, the smallest first.
 
+    Each has the least width in whole mm: the same gears a mm narrower were computed, and do not hold.
+
     Raises NoSuchMechanism where none are found, with the nearest that were computed, WrongInput where the law gives the
     gears' size, and as ``rating_of`` does for the design as given, but for teeth that are too weak to be rated.
     """
@@ -181,7 +197,65 @@ def smallest_gears(drive: Drive, space: GearRoom, on_trial: OnTrial = lambda don
             found.append(best)
     if not found:
         raise NoSuchMechanism(_nothing(search), key="gears")
-    return sorted(found, key=lambda one: one.volume_mm3)[:BEST]
+    least_mm3 = min(one.volume_mm3 for one in found)
+    found = sorted((one for one in found if one.volume_mm3 <= GREATER * least_mm3), key=lambda one: one.volume_mm3)
+    narrow = [search.narrowed(one) for one in found[:BEST]]
+    # Of more gears than can be computed, those whose least width is not known are left out.
+    least = [one for one, known in narrow if known] or [narrow[0][0]]
+    return sorted(least, key=lambda one: one.volume_mm3)
+
+
+def in_herringbone(one: Sized) -> Sized | None:
+    """The same teeth as herringbones, which bear more, in the least of a few widths that were computed and hold.
+
+    The angle is the one of HELIX_DEG that the estimate without teeth finds best.  None where such teeth cannot be made
+    (rings, gears that turn less than once, other methods, keys of the process), the design gives a helix angle, or
+    what is tried is no narrower.
+    """
+    from ncgear.project.gear_solids import PROCESS
+
+    given, drive = one.drive.design, one.drive
+    process = any(getattr(drive.gears, key) for key in PROCESS)
+    if drive.helix or drive.pitch.driven.is_ring or drive.gears.method != "exact" or given.motion.is_open or process:
+        return None
+
+    def with_helix(angle_deg: float, width_mm: float) -> Changes:
+        helix: Changes = {"gears.helix.kind": "herringbone", "gears.helix.hand": "right"}
+        return {**one.changes, **helix, "gears.helix.angle_deg": angle_deg, "gears.face_width_mm": width_mm}
+
+    straight = _roughly(drive)
+    shares = {}
+    with suppress(DesignError, ValidationError):
+        for angle in HELIX_DEG:
+            shares[angle] = _roughly(changed_drive(drive, with_helix(angle, one.face_width_mm)))
+    if not straight or not (better := max(shares.values(), default=0.0)) > straight:
+        return None
+    angle = max(shares, key=lambda key: shares[key])
+    below, above = ceil(NARROWEST_MODULES * one.module_mm - 1e-9) - 1.0, one.face_width_mm
+    guess, best = above / (one.share * better / straight), None
+    for _ in range(TRIES):
+        if above - below <= 1.0:
+            break
+        width = below + 1.0 if best and above - below <= NEAR_MM else min(max(ceil(guess), below + 1.0), above - 1.0)
+        try:
+            made = changed_drive(drive, changes := with_helix(angle, float(width)))
+            tried = Sized(changes, made, rating_of(made, "estimate"))
+        except (DesignError, ValidationError):
+            break
+        if tried.holds:
+            best, above = tried, tried.face_width_mm
+        else:
+            below = tried.face_width_mm
+        guess = width / tried.share
+    return best
+
+
+def _roughly(drive: Drive) -> float:
+    """The least share of the wanted safeties by the estimate without teeth; 0 where it does not tell."""
+    found = rough_strength(drive)
+    if found is None or found.unjudged or found.needs_teeth:
+        return 0.0
+    return min((one.safety / one.wanted for one in found.safeties), default=0.0)
 
 
 def smallest_accepted(
@@ -222,9 +296,10 @@ def _begun(drive: Drive, *, any_size: bool = False) -> Sized:
 
 @dataclass(eq=False)
 class _Search:
-    """The knowledge so far: all gears that were computed, the initial gears first, and the refused numbers of teeth.
+    """The knowledge so far: all gears that were computed, the initial gears first, and what was refused.
 
-    ``weak`` are the numbers of teeth and the modules of teeth too weak to be rated.
+    ``refused`` are numbers of teeth, ``weak`` those and the modules of teeth too weak to be rated.  Gears whose teeth
+    times module are not over ``too_small_mm`` have no room for their bodies.
     """
 
     drive: Drive
@@ -233,13 +308,25 @@ class _Search:
     computed: list[Sized]
     refused: set[int] = field(default_factory=set)
     weak: set[tuple[int, float]] = field(default_factory=set)
+    too_small_mm: float = 0.0
     trials: int = 0
     most: int | None = None
+    narrowings: int = 0
 
     @property
     def most_computed(self) -> int:
         """Gears that are computed at most."""
-        return self.most or MOST_COMPUTED[self.computed[0].rating.strength.load]
+        return self.most or MOST_COMPUTED[self._load]
+
+    @property
+    def most_narrowed(self) -> int:
+        """Gears that are computed at most to find the least widths of gears that hold."""
+        return MOST_NARROWED[self._load]
+
+    @property
+    def _load(self) -> str:
+        load = self.computed[0].rating.strength.load
+        return load if load in MOST_COMPUTED else "resistance"
 
     def modules(self) -> list[tuple[float, float]]:
         """Modules and the volumes that their gears are guessed to need, the least first; none without room."""
@@ -297,6 +384,7 @@ class _Search:
                 break
             if best is not None and width >= best.face_width_mm:
                 break
+            self.trials += 1
             made = self.made(teeth, module_mm, width)
             if made is None:
                 return best
@@ -304,22 +392,58 @@ class _Search:
                 best = made
         return best
 
+    def narrowed(self, one: Sized) -> tuple[Sized, bool]:
+        """The gears with the least width that holds, and whether it is known: a mm less does not hold."""
+        teeth, module, best = one.teeth, one.module_mm, one
+        fails: Sized | None = None
+        below = ceil(self.space.least_width_modules * module - 1e-9) - 1.0
+        for other in self.computed:
+            if (other.teeth, other.module_mm) != (teeth, module) or other is self.computed[0]:
+                continue
+            if other.holds and other.face_width_mm < best.face_width_mm:
+                best = other
+            elif not other.holds and below < other.face_width_mm < best.face_width_mm:
+                below, fails = other.face_width_mm, other
+        while best.face_width_mm - below > 1.0 and self.narrowings < self.most_narrowed:
+            if best.face_width_mm - below <= NEAR_MM:
+                guess = below + 1.0
+            elif fails is None:
+                guess = self.width(teeth, module)
+            else:
+                # Between a width that does not do and one that does, the share goes as a power of the width.
+                part = log(1.0 / fails.share) / log(best.share / fails.share) if best.share > fails.share else 0.5
+                guess = float(ceil(below * (best.face_width_mm / below) ** part))
+            self.narrowings += 1
+            made = self.made(teeth, module, min(max(guess, below + 1.0), best.face_width_mm - 1.0))
+            if made is None:
+                break
+            if made.holds:
+                best = made
+            else:
+                below, fails = made.face_width_mm, made
+        return best, best.face_width_mm - below <= 1.0
+
     def made(self, teeth: int, module_mm: float, width_mm: float) -> Sized | None:
         """The gears of a size, computed; None where they are refused or do not go into the space."""
         crowned = self.crowning(self.nearest(teeth, module_mm))
         changes: Changes = {**sized(self.drive, teeth, module_mm), "gears.face_width_mm": width_mm, **crowned}
-        self.trials += 1
-        self.on_trial(self.trials, self.most_computed)
+        self.on_trial(self.trials + self.narrowings, self.most_computed + self.most_narrowed)
         # Teeth that are the same as the teeth of earlier gears are not made again.
         same = [one for one in self.computed if (one.teeth, one.module_mm) == (teeth, module_mm)]
         try:
             changed = changed_drive(same[-1].drive if same else self.drive, changes)
             made = Sized(changes, changed, rating_of(changed, "estimate"))
         except (DesignError, ValidationError) as error:
-            if isinstance(error, NoSuchMechanism) and error.key == TOO_WEAK:
+            key = getattr(error, "key", "")
+            if key == TOO_WEAK:
                 self.weak.add((teeth, module_mm))
+            elif key.startswith(BODIES):
+                self.too_small_mm = max(self.too_small_mm, teeth * module_mm)
             else:
-                self.refused.add(teeth)
+                # Where so few teeth are refused, fewer are, unless some were made.
+                some = {one.teeth for one in self.computed}
+                fewer = {count for count in self.teeth() if count < teeth} if min(some) > teeth else set[int]()
+                self.refused |= {teeth} | fewer
             return None
         self.computed.append(made)
         inside = changed.pitch.center_distance_mm <= self.space.center_distance_mm
@@ -341,6 +465,8 @@ class _Search:
         # Pitch curves grow with the scale, addenda with the module.
         diameter = (first.diameter_mm - 2.0 * first.module_mm) * scale + 2.0 * module_mm
         width = self.width(teeth, module_mm)
+        if teeth * module_mm <= self.too_small_mm:
+            return inf
         roomy = distance <= self.space.center_distance_mm and diameter <= self.space.diameter_mm * (1.0 + 1e-9)
         return distance**2 * width if roomy and width <= self.space.width_modules * module_mm else inf
 

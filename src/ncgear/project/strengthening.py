@@ -18,7 +18,7 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import Changes, changed_drive
 from ncgear.project.drive import Drive
 from ncgear.strength.answer import Strength
-from ncgear.strength.holding import WantedSafety, Weakest, face_width_factor, module_factor, weakest_teeth
+from ncgear.strength.holding import NOTHING_MPA, WantedSafety, Weakest, face_width_factor, module_factor, weakest_teeth
 from ncgear.strength.materials import ASSUMED
 
 if TYPE_CHECKING:
@@ -39,10 +39,6 @@ makers of machines keep to 10 or 12."""
 
 STRONGER = ("PETG-print", "PLA-print", "PA66", "POM", "C45", "42CrMo4", "34CrNiMo6", "42CrMo4-nitrided", "18CrNiMo7-6")
 """Materials of the table by their endurance, the weakest first."""
-
-NOTHING_MPA = 1e-9
-"""Force over face width and module under which teeth of any size bear nothing but rounding errors: no material endures
-less than a thousand million times as much."""
 
 TRIALS = 4
 """How often a guess is made larger.  The second is mostly right: load factors change little with the size."""

@@ -6,12 +6,13 @@ from math import cos, degrees, pi, radians, sin
 from typing import TYPE_CHECKING
 
 from ncgear.design.keys.gears import Gears, Rack
+from ncgear.design.rack import basic_rack
 from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.units import in_words
 from ncgear.pitch.shape import Mesh
 from ncgear.solids.helical.helix import Hand, Helix
-from ncgear.teeth.form import MOST_SHIFT, Backlash, BasicRack, Cutter, CutterKind, TipLimits, TipRelief, ToothForm
+from ncgear.teeth.form import MOST_SHIFT, Backlash, BasicRack, Cutter, CutterKind, TipLimits, ToothForm
 
 if TYPE_CHECKING:
     from ncgear.pitch.pair import PitchPair
@@ -22,16 +23,7 @@ RIGHT_ANGLE_DEG = 90.0
 
 def rack_of(gears: Gears, module_mm: float) -> BasicRack:
     """The basic rack in mm for a given module."""
-    rack = gears.rack
-    return BasicRack(
-        module_mm=module_mm,
-        pressure_angle_rad=radians(rack.pressure_angle_deg),
-        addendum_mm=rack.addendum * module_mm,
-        dedendum_mm=rack.dedendum * module_mm,
-        root_radius_mm=rack.root_radius * module_mm,
-        relief=_relief(rack, module_mm),
-        idle_angle_rad=radians(rack.angles_deg[1]),
-    )
+    return basic_rack(gears.rack, module_mm)
 
 
 def reach_in_pitches(gears: Gears) -> float:
@@ -63,13 +55,6 @@ def require_pushing(tangent_rad: float, at_rad: float, rack: Rack) -> None:
         f"mate; under {RIGHT_ANGLE_DEG:g} deg is needed: a law whose ratio changes more slowly there",
         key="motion",
     )
-
-
-def _relief(rack: Rack, module_mm: float) -> TipRelief | None:
-    if rack.tip_relief is None:
-        return None
-    start, full = rack.tip_relief.start * module_mm, rack.addendum * module_mm
-    return TipRelief(rack.tip_relief.amount * module_mm, start, full)
 
 
 def tooth_form_of(gears: Gears, module_mm: float) -> ToothForm:

@@ -117,9 +117,12 @@ def asked_of(drive: Geared) -> ToothLoad:
             key="resistance",
         )
     machine = RigidMachine(drive.machine, drive.linkage.MASSES())
-    if design.resistance is not None:
-        return ToothLoad("resistance", machine, pair, place, last)
     jam = drive.conditions.overload
+    if design.resistance is not None:
+        found = ToothLoad("resistance", machine, pair, place, last)
+        # A resistance that is nowhere more than none leaves the jam alone.
+        if jam is None or np.any(found.torque_n_mm(sample_angles(pair.transmission))):
+            return found
     return ToothLoad("jam", machine, pair, place, last, None if jam is None else jam.driving_n_mm)
 
 

@@ -1,14 +1,16 @@
 """What a sweep shows as a whole, gathered part by part: counts, refusals, the best, the Pareto set, what matters.
 
-Its size does not grow with the number of designs.  The order in which parts are computed does not matter, since they
-are gathered in the order of their numbers.
+Its size grows with the Pareto set alone, not with the number of designs.  The order in which parts are computed does
+not matter, since they are gathered in the order of their numbers.
 """
 
 from __future__ import annotations
 
 import re
 from collections import Counter
+from collections.abc import Sequence
 from dataclasses import replace
+from functools import cached_property
 
 import numpy as np
 
@@ -96,9 +98,10 @@ class Effects:
 
 @dataclass(frozen=True, eq=False)
 class Overview:
-    """What is known of the parts so far; ``best`` has the best designs of each objective, ``front`` the Pareto set.
+    """What is known of the parts so far; ``best`` has the best designs of each objective.
 
-    ``drawn`` are designs by lot among those kept, and ``lots`` their lots, shape (n,).
+    ``fronts`` are Pareto sets of parts that follow each other, each more than twice as large as the next one, so that
+    large sets are seldom joined.  ``drawn`` are designs by lot among those kept, and ``lots`` their lots, shape (n,).
     """
 
     space: Space
@@ -109,7 +112,7 @@ class Overview:
     kept: int = 0
     refusals: tuple[tuple[str, Refusal], ...] = ()
     best: tuple[Designs, ...] = ()
-    front: Designs | None = None
+    fronts: tuple[Designs, ...] = ()
     drawn: Designs | None = None
     lots: Array | None = None
 
@@ -117,6 +120,21 @@ class Overview:
     def frequent_refusals(self) -> list[Refusal]:
         """The refusals, the most frequent first."""
         return sorted((one for _, one in self.refusals), key=lambda one: -one.count)
+
+    @cached_property
+    def front(self) -> Designs | None:
+        """The Pareto set."""
+        return self._not_dominated(self.fronts) if self.fronts else None
+
+    def _not_dominated(self, sets: Sequence[Designs]) -> Designs:
+        designs = joined(sets)
+        return designs.at(non_dominated(self.wanted.costs(designs)))
+
+    def _fronts(self, kept: Designs) -> tuple[Designs, ...]:
+        fronts = [*self.fronts, self._not_dominated([kept])]
+        while len(fronts) > 1 and len(fronts[-2].numbers) <= 2 * len(fronts[-1].numbers):
+            fronts[-2:] = [self._not_dominated(fronts[-2:])]
+        return tuple(fronts)
 
     def with_part(self, part: Designs) -> Overview:
         """The same with the designs of one more part."""
@@ -136,12 +154,11 @@ class Overview:
         drawn = kept if self.drawn is None else joined([self.drawn, kept])
         lots = lots if self.lots is None else np.concatenate([self.lots, lots])
         first = np.sort(np.argsort(lots, kind="stable")[:DRAWN])
-        front = kept if self.front is None else joined([self.front, kept])
         before = self.best or (kept.at(slice(0)),) * len(self.wanted.objectives)
         return replace(
             found,
             best=tuple(_best(joined([one, kept]), self.wanted, place) for place, one in enumerate(before)),
-            front=front.at(non_dominated(self.wanted.costs(front))),
+            fronts=self._fronts(kept),
             drawn=drawn.at(first),
             lots=lots[first],
         )

@@ -30,6 +30,9 @@ KEEP, OBJECTIVE = "--keep-if", "--objective"
 MOST_OBJECTIVES = 4
 """Objectives beyond which nearly every design is in the Pareto set."""
 
+FEW = 64
+"""Designs that are compared each with each, before they are halved no more."""
+
 COMPARISONS: dict[str, Callable[[Array, float], Any]] = {
     "<=": operator.le,
     ">=": operator.ge,
@@ -156,15 +159,46 @@ def rounded_to(values: Array, digits: int) -> Array:
 
 
 def non_dominated(costs: Array) -> IndexArray:
-    """The rows of ``costs``, shape (n, m), that no other row dominates, in rising order; the first of equal rows."""
-    # In this order no row is dominated by a later one, so each row that is reached stays.
+    """The rows of ``costs``, shape (n, m), that no other row dominates, in rising order; the first of equal rows.
+
+    Rows in rising order are halved again and again: none of the first half is dominated by the second one (H. T. Kung,
+    F. Luccio and F. P. Preparata, "On finding the maxima of a set of vectors", Journal of the ACM 22, 1975).
+    """
     order = np.lexsort((np.arange(len(costs)), *costs.T[::-1]))
-    left, stay = order, list[int]()
-    while left.size:
-        best, rest = left[0], left[1:]
-        stay.append(int(best))
-        left = rest[(costs[rest] < costs[best]).any(axis=1)]
-    return np.array(sorted(stay), dtype=np.intp)
+    found: IndexArray = np.sort(_front(costs, order)) if order.size else order
+    return found
+
+
+def _front(costs: Array, rising: IndexArray) -> IndexArray:
+    """Those of some rows, whose costs rise from the first objective on, that none of them dominates."""
+    if costs.shape[1] < 2:
+        return rising[:1]
+    if costs.shape[1] == 2:
+        least = np.minimum.accumulate(costs[rising, 1])
+        first: IndexArray = rising[np.concatenate([[True], least[1:] < least[:-1]])]
+        return first
+    if rising.size <= FEW:
+        rows = costs[rising]
+        beaten = np.tril((rows[:, None] >= rows[None]).all(axis=2), -1).any(axis=1)
+        left: IndexArray = rising[~beaten]
+        return left
+    half = rising.size // 2
+    first, second = _front(costs, rising[:half]), _front(costs, rising[half:])
+    return np.concatenate([first, second[~_reached(costs[first, 1:], costs[second, 1:])]])
+
+
+def _reached(first: Array, second: Array) -> Mask:
+    """Which rows of ``second`` are nowhere less than some row of ``first``, shapes (k, m) and (n, m)."""
+    if first.shape[1] == 2:
+        rising = np.argsort(first[:, 0], kind="stable")
+        least = np.concatenate([[np.inf], np.minimum.accumulate(first[rising, 1])])
+        reached: Mask = least[np.searchsorted(first[rising, 0], second[:, 0], side="right")] <= second[:, 1]
+        return reached
+    reached = np.zeros(len(second), dtype=bool)
+    for row in first:
+        left = np.nonzero(~reached)[0]
+        reached[left] = (second[left] >= row).all(axis=1)
+    return reached
 
 
 def best_rows(costs: Array, count: int) -> IndexArray:

@@ -18,6 +18,10 @@ from ncgear.frozen import dataclass
 from ncgear.pitch.shape import Gear
 from ncgear.strength.answer import Strength, ToothLife
 
+NOTHING_MPA = 1e-9
+"""Force over face width and module under which teeth of any size bear nothing but rounding errors: no material endures
+less than a thousand million times as much."""
+
 
 class Damage(StrEnum):
     """Kinds of damage to a tooth."""

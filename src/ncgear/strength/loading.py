@@ -16,6 +16,7 @@ from ncgear.contact.designed.as_designed import ALIKE_RAD
 from ncgear.contact.designed.extremes import over_cycle
 from ncgear.contact.placement import BACK, BOTH_SIDES, PUSHING, Placement, placed, placed_at
 from ncgear.dynamics.flank_changes import BorneTorque, Knock
+from ncgear.dynamics.gaps import ERROR, LEVER, STIFFNESS
 from ncgear.dynamics.meshing import Meshing
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, largest_rows
@@ -244,10 +245,12 @@ def shared(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array) -> Shared:
     pair alone would bear the torque meets the zero from one side, in as many steps as pairs come to bear load.  Raises
     NoSuchMechanism where teeth would be pressed deeper into each other than the tables follow.
     """
-    near, every = meshing.gaps.at(phi1_rad), np.arange(phi1_rad.size)
+    gaps, every = meshing.gaps, np.arange(phi1_rad.size)
+    error_rad, lever_mm, stiffness = (gaps.table.values(phi1_rad, one) for one in (ERROR, LEVER, STIFFNESS))
     urge = np.where(torque_n_mm < 0.0, -1.0, 1.0)
-    ahead = np.where(near.urge == urge[:, None], urge[:, None] * near.error_rad, -np.inf)
-    turning, torque = near.stiffness * near.lever_mm**2, np.abs(torque_n_mm)
+    ours = gaps.urge[gaps.table.place(phi1_rad)[1]] == urge[:, None]
+    ahead = np.where(ours, urge[:, None] * error_rad, -np.inf)
+    turning, torque = stiffness * lever_mm**2, np.abs(torque_n_mm)
     first = ahead.argmax(axis=1)
     at = ahead[every, first] - torque / turning[every, first]
     for _ in range(ahead.shape[1]):
@@ -259,7 +262,7 @@ def shared(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array) -> Shared:
             break
     error = urge * at
     meshing.require_reach(phi1_rad, error)
-    return Shared(near.stiffness * near.lever_mm * np.maximum(ahead - at[:, None], 0.0), error)
+    return Shared(stiffness * lever_mm * np.maximum(ahead - at[:, None], 0.0), error)
 
 
 Solved = tuple[Placement, Array, Shared]
@@ -319,9 +322,10 @@ def _largest_of_pairs(meshing: Meshing, phi1_rad: Array, slot: IndexArray, force
     Pairs are those in slots of the table at driving angles; shape (n,) each.
     """
     gaps, interval = meshing.gaps, meshing.gaps.table.place(phi1_rad)[1]
-    key = np.column_stack([gaps.pair[interval, slot], gaps.urge[interval, slot] > 0.0, gaps.section[slot]])
-    pairs, number = np.unique(key, axis=0, return_inverse=True)
-    return largest_rows(force_n, number.ravel(), len(pairs))
+    driving, driven = gaps.pair[interval, slot].T
+    key = (driving * (gaps.pair.max() + 1) + driven) * gaps.sections + gaps.section[slot]
+    pairs, number = np.unique(2 * key + (gaps.urge[interval, slot] > 0.0), return_inverse=True)
+    return largest_rows(force_n, number, pairs.size)
 
 
 def _contacts(
@@ -423,20 +427,10 @@ class _Touching(Columns):
     @classmethod
     def of(cls, meshing: Meshing, placement: Placement, row: IndexArray, slot: IndexArray) -> _Touching:
         """The pairs in slots of the table at positions; shape (n,) each."""
-        gaps, phi1, number = meshing.gaps, placement.phi1_rad[row], np.arange(row.size)
-        near, sense, distance = gaps.at(phi1), placement.mesh.sense, placement.center_distance_mm
-        urge, error, stiffness, lever, driving, driven, drift = (
-            part[number, slot]
-            for part in (
-                near.urge,
-                near.error_rad,
-                near.stiffness,
-                near.lever_mm,
-                near.driving_mm,
-                near.driven_mm,
-                near.slopes[0],
-            )
-        )
+        gaps, phi1 = meshing.gaps, placement.phi1_rad[row]
+        near, sense, distance = gaps.at(phi1, slot), placement.mesh.sense, placement.center_distance_mm
+        urge, error, stiffness, drift = near.urge, near.error_rad, near.stiffness, near.slopes[0]
+        lever, driving, driven = near.lever_mm, near.driving_mm, near.driven_mm
         speed = placement.speed[row] + drift
         along_x = lever * (sense * speed - 1.0)
         tangent: ComplexArray = along_x + 1j * (driving - sense * driven)

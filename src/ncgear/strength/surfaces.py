@@ -31,11 +31,12 @@ from ncgear.strength.film import (
     roughness_um,
     scuffing_c,
 )
+from ncgear.strength.holding import NOTHING_MPA
 from ncgear.strength.life import shaken_n_mm
 from ncgear.strength.loading import Loading
 from ncgear.strength.material import Material
 from ncgear.strength.materials import Choice, Ferrous, Plastic
-from ncgear.strength.plastics import ToothTemperature
+from ncgear.strength.plastics import ToothTemperature, creep_factor
 from ncgear.strength.wear import LIMIT_MODULES, coefficient_mm3_n_m, depth_mm, share_unparted
 
 LEAST_SCUFFING = 1.0
@@ -117,12 +118,26 @@ class Wear:
 
 
 @dataclass(frozen=True)
+class Creep:
+    """How far a pair with plastic teeth gives way under its largest load, in mm: at once, and after the wanted life.
+
+    Each tooth is under load for ``loaded_h`` in that life, which is taken to be without a pause, and the whole way is
+    taken to be that of plastic: both on the safe side.
+    """
+
+    at_once_mm: float
+    after_mm: float
+    loaded_h: float
+
+
+@dataclass(frozen=True)
 class Surfaces:
     """The state of a pair's flanks.
 
     ``film`` is None of dry and of plastic flanks, and where only a jam presses them; ``scuffing_c`` (the temperature at
     which the oil fails) of bronze too.  ``pitting_factor`` is Z_L Z_v Z_R of the driving and the driven gear.  ``warm``
-    are the temperatures of both gears' teeth, None of metal.
+    are the temperatures of both gears' teeth, None of metal; ``creep`` is None where it is not known.  Where nothing
+    but a jam presses the flanks they are not ``judged``: they are pressed a few times only.
     """
 
     film: Film | None
@@ -130,6 +145,8 @@ class Surfaces:
     pitting_factor: tuple[float, float]
     wear: Wear
     warm: tuple[ToothTemperature | None, ToothTemperature | None]
+    judged: bool = True
+    creep: Creep | None = None
 
     @property
     def scuffing_safety(self) -> float | None:
@@ -224,14 +241,39 @@ def surfaces_of(
     limit = LIMIT_MODULES * running.module_mm
     wear = Wear((first, second), (worn[0], worn[1]), worn[2].value + worn[3].value, limit, conditions.life_h)
     film, scuffs_c = None, None
-    if oil is not None and loading.contacts.force_n.size:
+    least_n = NOTHING_MPA * running.face_width_mm * running.module_mm
+    judged = bool(loading.contacts.force_n.max(initial=0.0) > least_n)
+    if oil is not None and judged:
         thickness = replace(thin, value=1.0 / thin.value if thin.value > 0.0 else inf)
         film = Film(thickness, roughness_um(conditions), conditions.oil_temperature_c, pair.bulk_c, hot)
         steels = [one.entry.group.scuffing_structure for one in choices if isinstance(one.entry, Ferrous)]
         scuffs_c = scuffing_c(oil, conditions, min(steels)) if len(steels) == 2 else None
     pitting = [film_factor(*both, conditions, running) for both in mates]
     own = [one if is_plastic else None for one, is_plastic in zip(warm, plastic, strict=True)]
-    return Surfaces(film, scuffs_c, (pitting[0], pitting[1]), wear, (own[0], own[1]))
+    return Surfaces(
+        film,
+        scuffs_c,
+        (pitting[0], pitting[1]),
+        wear,
+        (own[0], own[1]),
+        judged,
+        _creep(loading, choices, conditions, running),
+    )
+
+
+def _creep(loading: Loading, choices: tuple[Choice, Choice], conditions: Conditions, running: Running) -> Creep | None:
+    """The creep of a pair of which one gear at least is of plastic, under what the law asks of it."""
+    contacts, even = (loading.still or loading).contacts, (loading.still or loading).even
+    if not contacts.force_n.size:
+        return None
+    borne = float(contacts.share[even[contacts.position]].sum()) / int(even.sum())
+    loaded_h = conditions.life_h * borne / min(running.teeth)
+    plastics = [one.entry.root for one in choices if isinstance(one.entry, Plastic)]
+    factors = [creep_factor(root, loaded_h) for root in plastics]
+    if not factors or None in factors:
+        return None
+    way = float((contacts.force_n / contacts.stiffness_n_mm).max())
+    return Creep(way, way * max(factor for factor in factors if factor is not None), loaded_h)
 
 
 def _bulk_c(pair: _Pair, oil: Oil, loading: Loading) -> float:

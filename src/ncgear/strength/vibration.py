@@ -163,10 +163,17 @@ class Vibration:
         return dynamic_factor(resonance, line, stiffness / width, ratio, self.deviations_mm, self.running.overlap_ratio)
 
     def of_contacts(self, contacts: LoadedContacts, mesh: MeshStiffness | None, conditions: Conditions) -> Array:
-        """K_V of contacts that bear load, shape (n,), from all contacts of their positions."""
-        if not contacts.force_n.size:
-            return np.empty(0)
-        every, first = np.unique(contacts.position, return_index=True)
-        force = np.bincount(contacts.position, contacts.force_n)[every].astype(float)
-        found = self.factors(contacts.phi1_rad[first], force, mesh, conditions)
-        return np.asarray(found[np.searchsorted(every, contacts.position)])
+        """K_V of contacts that bear load, shape (n,), from all contacts of their positions.
+
+        What vibration adds presses all sections of helical teeth, also where next to no load rests on a few of them;
+        a given K_V multiplies each load.
+        """
+        if not contacts.force_n.size or conditions.dynamic_factor is not None or mesh is None:
+            return np.full(contacts.force_n.shape, conditions.dynamic_factor or 1.0)
+        _, first, row = np.unique(contacts.position, return_index=True, return_inverse=True)
+        row = row.ravel()
+        force = np.bincount(row, contacts.force_n).astype(float)
+        found = self.factors(contacts.phi1_rad[first], force, mesh, conditions)[row]
+        section = row * (int(contacts.section.max()) + 1) + contacts.section
+        even = force[row] * contacts.share / np.bincount(section, contacts.force_n)[section]
+        return np.asarray(1.0 + (found - 1.0) * even)

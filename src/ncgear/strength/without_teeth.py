@@ -8,13 +8,18 @@ where the tips of circular gears of these curvatures are.  Pairs share the load 
 (Mech. Mach. Theory 45, 2010), and beyond its ends by the gap there, since teeth that bend touch early.  Roots have Y_F
 and Y_S of ISO 6336-3 for 2 / (k m) teeth, k being the mean over the tooth, loaded where they touch.
 
+Helical teeth are looked at in sections of the face width (``ncgear.strength.sections``), which cross the pitch line one
+after the other and bear beside each other.  Roots are those of the virtual spur gear of ISO 6336-3, the stiffness that
+of its teeth times the cosine of the helix angle, and lines of contact lean by the base helix angle.
+
 What is left out: shortened tips, undercut flanks, fillets of other tools than a rack, and what differs between both
 sides of a tooth.  It is there to tell in milliseconds, and was compared with the teeth themselves (docs/method.md).
 """
 
 from __future__ import annotations
 
-from math import cos, pi, sin
+from dataclasses import replace
+from math import atan, ceil, cos, pi, sin, tan
 
 import numpy as np
 
@@ -34,6 +39,9 @@ With four times as many, safeties change by 5 % at most, where one tooth bears a
 
 PITCHES = np.arange(-3, 5)
 """Crossings beside a position, in pitches: teeth as high as three modules touch over four pitches."""
+
+PER_PITCH, FEWEST_SECTIONS = 6, 3
+"""Sections for each pitch that helical teeth advance, and of teeth that hardly advance."""
 
 FEWEST, MOST = 12.0, 1000.0
 """Teeth of replacement gears: of fewer, other formulas hold, and more are a rack, as hollow pitch curves are taken."""
@@ -56,6 +64,9 @@ PUSHING_AND_BACK = 1.0, -1.0
 
 LOADED = 0.02
 """Share of the largest force under which a position tells nothing of the teeth."""
+
+ROUNDED = 1e-12
+"""Share of the way that teeth give way up to which a step is a rounding error."""
 
 SOFTEST_RAD = 1.3
 """Angle at which the cosine of the stiffness ends, where a quarter is left; usual pairs end at 1.2 or less."""
@@ -94,7 +105,8 @@ class RolledLoad:
 class ToothPlan:
     """How teeth would be cut: rack and both gears' shifts in modules, angles of both sides, relief in mm.
 
-    ``rims`` are Y_B of both gears.
+    ``rims`` are Y_B of both gears.  ``advance_mm`` is how far helical teeth advance along the pitch line over the face
+    width (of herringbone teeth: over half of it).
     """
 
     rack: RackTip
@@ -103,12 +115,27 @@ class ToothPlan:
     angles_rad: tuple[float, float]
     relief: TipRelief | None
     rims: tuple[float, float] = (1.0, 1.0)
+    helix_rad: float = 0.0
+    advance_mm: float = 0.0
+
+    def sections(self, pitch_mm: float) -> int:
+        """How many sections stand for the face width."""
+        return max(ceil(PER_PITCH * self.advance_mm / pitch_mm), FEWEST_SECTIONS) if self.helix_rad else 1
+
+    def lean(self, angle_rad: float) -> float:
+        """Cosine of the base helix angle, by the pressure angle of a side."""
+        return cos(atan(tan(self.helix_rad) * cos(angle_rad)))
+
+    def virtual(self, teeth: Array, angle_rad: float) -> Array:
+        """Teeth of the virtual spur gears of (replacement) gears."""
+        return np.asarray(teeth / (self.lean(angle_rad) ** 2 * cos(self.helix_rad)))
 
 
 @dataclass(frozen=True, eq=False)
 class SharedLoad:
     """What each of p pairs on one side of the teeth bears at each of its n positions.
 
+    Of teeth in ``sections`` those in each of them count, one section after the other.
     ``load`` holds those n positions, and ``angle_rad`` is the rack's angle on that side.  ``line_n_mm`` (p, n) is the
     normal force for each mm of width and ``way_mm`` (n,) how far the teeth give way along it; ``place_mm`` (p, n) is
     where they touch along the line of action, from the pitch point towards the driving gear's tip;
@@ -123,11 +150,17 @@ class SharedLoad:
     place_mm: Array
     relative_curvature: Array
     root_teeth: Array
+    sections: int = 1
 
     @property
     def stiffness_n_mm2(self) -> Array:
         """The load of all pairs over how far it makes them give way, for each mm of width, shape (n,)."""
-        return np.asarray(self.line_n_mm.sum(axis=0) / self.way_mm)
+        return np.asarray(self.line_n_mm.sum(axis=0) / self.sections / self.way_mm)
+
+    @property
+    def bearing(self) -> Array:
+        """How many pairs bear load, in the mean of the sections, shape (n,)."""
+        return np.asarray(np.sum(self.line_n_mm > 0.0, axis=0) / self.sections)
 
 
 def shared_loads(
@@ -152,7 +185,12 @@ def _shared(
     (angle, urge), module = side, running.module_mm
     base_pitch, sine, cosine = pi * module * cos(angle), sin(angle), cos(angle)
     quarter = int(urge) * PER_TOOTH // 4
-    crossing = (rows + quarter) // PER_TOOTH * PER_TOOTH - quarter + PER_TOOTH * PITCHES[:, None]
+    sections = plan.sections(pi * module)
+    ahead = plan.advance_mm / (pi * module) * PER_TOOTH * (np.arange(sections)[:, None, None] + 0.5) / sections
+    if sections == 1:
+        ahead = np.zeros((1, 1, 1), dtype=int)
+    nearest = (rows + quarter - ahead) // PER_TOOTH * PER_TOOTH - quarter + ahead
+    crossing = (nearest + PER_TOOTH * PITCHES[:, None]).reshape(-1, rows.size)
     rolled = urge * (rows - crossing) / PER_TOOTH * base_pitch
     k = load.curvature[:, rows]
     reach = np.stack([_reach_mm(k[i], k[1 - i], module * (plan.addendum + plan.shifts[i]), sine) for i in (0, 1)])
@@ -166,14 +204,16 @@ def _shared(
     softening = 1.0 / np.sqrt(np.maximum((1.0 + ratio / 2.0) ** 2 / 2.0 - 1.0, 0.1))
     softer = np.cos(np.minimum(softening * np.abs(place - middle) / base_pitch, SOFTEST_RAD))
     first, second = (one.youngs_modulus_mpa for one in materials)
-    stiffest = 1e3 * single_stiffness_theoretical(np.sort(_teeth(k, module), axis=0), (0.0, 0.0))
+    virtual = plan.virtual(np.sort(_teeth(k, module), axis=0), angle)
+    stiffest = 1e3 * single_stiffness_theoretical(virtual, (0.0, 0.0)) * cos(plan.helix_rad)
     stiffness = stiffest * 2.0 * first * second / (first + second) / STEEL_MPA * softer
-    centres = np.stack([crossing + quarter, crossing - quarter])
+    centres = np.rint(np.stack([crossing + quarter, crossing - quarter])).astype(int)
     around = np.mean([load.curvature[:, load.place(np.arange(load.phi1_rad.size) + i)] for i in _ROOT], axis=0)
     roots = np.stack([around[i][load.place(centres[i])] for i in (0, 1)])
-    way, line = _borne(load.force_n[rows] / running.face_width_mm, stiffness, gap)
+    way, line = _borne(load.force_n[rows] / running.face_width_mm, stiffness / sections, gap)
     own = RolledLoad(load.phi1_rad[rows], load.force_n[rows], load.urge[rows], k, load.turning_rad_s[rows], load.closed)
-    return SharedLoad(own, angle, line, way, place, relative, _teeth(roots, module))
+    across = relative * plan.lean(angle)
+    return SharedLoad(own, angle, sections * line, way, place, across, _teeth(roots, module), sections)
 
 
 _ROOT = np.arange(-PER_TOOTH // 4, PER_TOOTH // 4 + 1)
@@ -208,15 +248,20 @@ def _borne(line_n_mm: Array, stiffness: Array, gap_mm: Array) -> tuple[Array, Ar
     Convex in x, so that Newton's method from where one pair alone would bear it comes down to the zero.
     """
     at = np.min(gap_mm + line_n_mm / stiffness, axis=0)
-    for _ in PITCHES:
+    for _ in gap_mm:
         borne = np.sum(stiffness * np.maximum(at - gap_mm, 0.0), axis=0)
-        at = at - (borne - line_n_mm) / np.sum(stiffness * (gap_mm <= at), axis=0)
+        step = (borne - line_n_mm) / np.sum(stiffness * (gap_mm <= at), axis=0)
+        at = at - step
+        if np.all(np.abs(step) <= ROUNDED * at):
+            break
     return at, np.asarray(stiffness * np.maximum(at - gap_mm, 0.0))
 
 
 def slid_w(sides: list[SharedLoad], positions: int, face_width_mm: float, coefficient: float) -> float:
     """The mean power in W that friction takes over a cycle of so many positions: places slide as fast as they turn."""
-    rubbed = sum(float(np.sum(one.line_n_mm * np.abs(one.place_mm) * one.load.turning_rad_s)) for one in sides)
+    rubbed = sum(
+        float(np.sum(one.line_n_mm * np.abs(one.place_mm) * one.load.turning_rad_s)) / one.sections for one in sides
+    )
     return coefficient * face_width_mm * rubbed / positions / 1000.0
 
 
@@ -300,18 +345,27 @@ def _root_stress(one: SharedLoad, gear: Gear, plan: ToothPlan, running: Running)
     Below the pitch point a load is taken as there, where it bends a tooth more.
     """
     place, angle = list(Gear).index(gear), one.angle_rad
-    teeth, shift = one.root_teeth[place], plan.shifts[place]
+    teeth, slender = one.root_teeth[place], cos(plan.helix_rad)
     outwards = np.maximum(one.place_mm * (1.0 - 2.0 * place), 0.0) / running.module_mm
-    diameter = 2.0 * np.hypot(teeth * sin(angle) / 2.0 + outwards, teeth * cos(angle) / 2.0)
-    factors = root_factors(root_section(teeth, shift, plan.rack, angle), teeth, shift, diameter, angle)
-    nominal = plan.rims[place] * one.line_n_mm * cos(angle) / running.module_mm
+    over = 2.0 * np.hypot(teeth * sin(angle) / 2.0 + outwards, teeth * cos(angle) / 2.0) - teeth
+    # In the section across the tooth, in its own modules; heights are the same there.
+    teeth, across, shift = plan.virtual(teeth, angle), atan(tan(angle) * slender), plan.shifts[place] / slender
+    rack = replace(plan.rack, dedendum=plan.rack.dedendum / slender)
+    section = root_section(teeth, shift, rack, across)
+    factors = root_factors(section, teeth, shift, teeth + over / slender, across)
+    nominal = plan.rims[place] * one.line_n_mm * cos(angle) / (running.module_mm * slender)
     return np.asarray(np.max(nominal * factors.form * factors.notch, axis=0))
 
 
 def _pressure(one: SharedLoad, materials: tuple[Material, Material]) -> Array:
-    """Hertz's pressure of the pair that bears the most at each position, shape (n,), without factors of load."""
-    row, column = one.line_n_mm.argmax(axis=0), np.arange(one.line_n_mm.shape[1])
-    return hertz_pressure_mpa(one.line_n_mm[row, column], one.relative_curvature[row, column], materials)
+    """Hertz's pressure of the pairs that bear the most in their sections at each position, the largest, shape (n,).
+
+    It is without factors of load.
+    """
+    line, curvature = (x.reshape(one.sections, -1, x.shape[-1]) for x in (one.line_n_mm, one.relative_curvature))
+    most = line.argmax(axis=1)[:, None]
+    line, curvature = (np.take_along_axis(x, most, axis=1)[:, 0] for x in (line, curvature))
+    return np.asarray(hertz_pressure_mpa(line, curvature, materials).max(axis=0))
 
 
 def _least(

@@ -13,7 +13,7 @@ import numpy as np
 
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, Mask
-from ncgear.pitch.curve import PitchCurve
+from ncgear.pitch.curve import ClosedPitchCurve
 from ncgear.teeth.flank import Flanks, mating_flanks
 from ncgear.teeth.form import WAYS, TipLimits
 from ncgear.teeth.fouling import Mates, TipPaths, freed, freed_of_bottoms, paths_near_concave
@@ -45,7 +45,7 @@ def fitted_pair(driving: Flanks, driven: Flanks, limits: TipLimits) -> PairTips:
     """
     pairs = mating_flanks(driving.count // 2, driven.count // 2)
     clearance = driving.rack.dedendum_mm - driving.rack.addendum_mm
-    fit = _fitted_to_mates if isinstance(driving.tool, PitchCurve) else _fitted_to_cutter
+    fit = _fitted_to_mates if isinstance(driving.tool, ClosedPitchCurve) else _fitted_to_cutter
     first, second = fit((driving, driven), (pairs, pairs[::-1]), limits, clearance)
     return (
         replace(first, met_depth_mm=_most(driving.count, pairs, second.height_mm)),

@@ -40,7 +40,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.plane import along, as_complex, as_points, cross
 from ncgear.numerics.units import in_words
-from ncgear.pitch.curve import CurvePoints, PitchCurve
+from ncgear.pitch.curve import ClosedPitchCurve, CurvePoints
 from ncgear.pitch.shape import Gear
 from ncgear.teeth.form import BasicRack, Slant
 from ncgear.teeth.shifts import ToothShifts
@@ -81,7 +81,7 @@ class Flanks:
     that turns less than once, only the first ``made`` teeth are made.
     """
 
-    curve: PitchCurve
+    curve: ClosedPitchCurve
     rack: BasicRack
     crossing_mm: Array
     side: Array
@@ -358,7 +358,7 @@ def on_circles(touched: CurvePoints, rolled_mm: Array) -> CurvePoints:
 
 
 def flanks_of(
-    curve: PitchCurve,
+    curve: ClosedPitchCurve,
     rack: BasicRack,
     teeth: int,
     tool: Tool,

@@ -119,7 +119,7 @@ def toothed_pair(
     angle = max(form.rack.angles_rad) + pitch.largest_tangent_angle_rad.value
     flank_share = min(1.0, MOST_ASTRAY / 2.0 * max(cos(angle), LEAST_COSINE))
     finer = flank_tolerance_mm or tolerance_mm * flank_share
-    driving, driven = (_gear(side, ChordTolerance(finer, tolerance_mm, straddling)) for side in tips)
+    driving, driven = (toothed_gear(side, ChordTolerance(finer, tolerance_mm, straddling)) for side in tips)
     return ToothedPair(driving, driven, kind)
 
 
@@ -177,7 +177,7 @@ def pair_tips(pitch: PitchPair, form: ToothForm, advance_mm: float) -> tuple[Cut
     return kind, tips
 
 
-def _gear(tips: Tips, chords: ChordTolerance) -> ToothedGear:
+def toothed_gear(tips: Tips, chords: ChordTolerance) -> ToothedGear:
     """One gear.  Teeth are numbered along growing arc length; at phi1 = 0 the driving gear's tooth 1 is in mesh."""
     flanks = tips.flanks
     sides, irregular = regular_sides(tips)

@@ -12,7 +12,7 @@ import numpy as np
 
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
-from ncgear.pitch.curve import PitchCurve
+from ncgear.pitch.curve import ClosedPitchCurve
 from ncgear.teeth.flank import Flanks
 from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.regular import regular_depth
@@ -67,7 +67,7 @@ def undercutting(gear: ToothedGear) -> Loss:
 def _full_depth_mm(flanks: Flanks) -> Array:
     """Depth below the pitch line to which each flank goes that a tool of full depth cuts, shape (2 z,)."""
     radius = np.full(flanks.count, flanks.rack.root_radius_mm)
-    tool = RackLine() if isinstance(flanks.tool, PitchCurve) else flanks.tool
+    tool = RackLine() if isinstance(flanks.tool, ClosedPitchCurve) else flanks.tool
     return tool.flank_depth_mm(flanks.slant, flanks.full_root_mm, radius)
 
 

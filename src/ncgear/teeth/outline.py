@@ -17,7 +17,7 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.plane import signed_area
-from ncgear.pitch.curve import PitchCurve
+from ncgear.pitch.curve import ClosedPitchCurve
 from ncgear.pitch.shape import Gear
 from ncgear.teeth.chords import sampled, sampled_within, straddled
 from ncgear.teeth.flank import FILLET, FLANK, Flanks
@@ -98,7 +98,7 @@ def _near_fillets(tips: Tips, tolerance_mm: float) -> Mask:
 
 def _is_hollow(flanks: Flanks) -> bool:
     """Whether flanks may be hollow, as on concave pitch curves, or the mate's own tips have cut the fillets."""
-    return flanks.curve.curvature_bounds[0] < 0.0 or isinstance(flanks.tool, PitchCurve)
+    return flanks.curve.curvature_bounds[0] < 0.0 or isinstance(flanks.tool, ClosedPitchCurve)
 
 
 def exact_curves(tips: Tips, sides: Sides) -> list[Stretch]:

@@ -11,7 +11,7 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.chebyshev import NotSmooth
 from ncgear.numerics.zeros import first_zeros
-from ncgear.pitch.curve import PitchCurve
+from ncgear.pitch.curve import ClosedPitchCurve
 from ncgear.teeth.flank import Flanks
 from ncgear.teeth.tool import RackLine
 
@@ -84,7 +84,7 @@ def _never_folds(flanks: Flanks) -> bool:
     positive sum of curvatures, or a rack on a curve without a concave stretch.
     """
     below = flanks.flank_depth_mm > flanks.root_radius_mm * flanks.slant.sine
-    mated = isinstance(flanks.tool, PitchCurve)
+    mated = isinstance(flanks.tool, ClosedPitchCurve)
     straight = isinstance(flanks.tool, RackLine) and not flanks.curve.is_dented
     return bool(below.all()) and (mated or straight)
 

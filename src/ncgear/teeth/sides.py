@@ -17,7 +17,9 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import chord_crossings, refined_crossings, zoomed_crossings
+from ncgear.numerics.highest import largest_of_each
 from ncgear.numerics.units import in_words
+from ncgear.pitch.curve import ClosedPitchCurve
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.teeth.flank import FILLET, FLANK, Flanks, flank_name
@@ -106,6 +108,22 @@ def refuse_sharp_places(pitch: PitchPair) -> None:
                 "that; a law that changes more slowly there is needed",
                 key="motion",
             )
+
+
+def refuse_sharp_curve(curve: ClosedPitchCurve, module_mm: float, key: str) -> None:
+    """As ``refuse_sharp_places``, of a curve that has no law."""
+    least = SHARPEST * module_mm
+    if max(map(abs, curve.curvature_bounds)) * least <= 1.0:
+        return
+    panels = curve.panels_mm
+    sharpest = largest_of_each(lambda sigma: np.abs(curve.at_length(sigma).curvature)[None], panels)[0]
+    if sharpest.value * least > 1.0:
+        raise NoSuchMechanism(
+            f"a pitch curve is curved with a radius of {1.0 / sharpest.value:.4g} mm at phi1 = "
+            f"{in_words(float(curve.driving_angle(np.array(sharpest.at))))}, less than {least:.4g} mm, a quarter of "
+            "the module: no flank rolls over that; rounder curves are needed",
+            key=key,
+        )
 
 
 PROBES = 17

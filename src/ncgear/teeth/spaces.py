@@ -23,7 +23,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.plane import along, as_complex, as_points
 from ncgear.numerics.zeros import zeros_by_slope
-from ncgear.pitch.curve import CurvePoints, PitchCurve
+from ncgear.pitch.curve import ClosedPitchCurve, CurvePoints
 from ncgear.teeth.flank import Flanks, Sweep, flank_name
 from ncgear.teeth.regular import CLEAR_OF_CUSPS, regular_depth
 from ncgear.teeth.tool import AGREEMENT, PinionCircle, RackLine, rounding_of, rounding_rates
@@ -42,7 +42,7 @@ LEAST_FLAT = 0.02
 def cut_spaces(flanks: Flanks, avoid_undercut: bool) -> tuple[Flanks, Mask]:
     """The flanks as deep as a rack or pinion cutter cuts them, and which of them it undercuts at full depth."""
     tool, rack = flanks.tool, flanks.rack
-    assert not isinstance(tool, PitchCurve)
+    assert not isinstance(tool, ClosedPitchCurve)
     full, slant = flanks.full_root_mm, flanks.slant
     depth = tool.flank_depth_mm(slant, full, flanks.root_radius_mm)
     # Searched a little deeper than the space is, so that spaces get shallower by degrees, without a jump between the

@@ -19,8 +19,7 @@ from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import refined_crossings
 from ncgear.numerics.plane import across, along, as_complex, turned
 from ncgear.numerics.zeros import zeros_between
-from ncgear.pitch.curve import LEAST_SHARE, CurvePoints, PitchCurve, nearest
-from ncgear.pitch.shape import Mesh
+from ncgear.pitch.curve import LEAST_SHARE, nearest
 from ncgear.teeth.flank import Flanks, flank_name
 from ncgear.teeth.regular import CLEAR_OF_CUSPS, regular_height
 from ncgear.teeth.tool import AGREEMENT
@@ -413,9 +412,9 @@ def _width(flanks: Flanks, both: IndexArray, land: tuple[Array, Array], at: Arra
 def no_tip(flanks: Flanks, flank: int) -> NoSuchMechanism:
     """The error for a flank that cannot have a tip."""
     angle = flanks.rack.angles_rad[int(flanks.idle[flank])]
-    at = flanks.curve.at_length(flanks.crossing_mm[flank : flank + 1])
-    k = float(at.curvature[0])
-    mate = k if flanks.curve.mesh is Mesh.INTERNAL else _mate_curvature(flanks.curve, at)
+    crossing = float(flanks.crossing_mm[flank])
+    k = float(flanks.curve.at_length(np.array(crossing)).curvature)
+    mate = flanks.curve.mate_curvature(crossing)
     module = flanks.rack.module_mm
     hollow = f"; its mate is concave there, {mate * module:.3g} per module" if k >= 0.0 > mate else ""
     return NoSuchMechanism(
@@ -424,11 +423,3 @@ def no_tip(flanks: Flanks, flank: int) -> NoSuchMechanism:
         f"the rack {degrees(angle):g} deg){hollow}; more teeth of a smaller module are needed",
         key="gears.teeth",
     )
-
-
-def _mate_curvature(curve: PitchCurve, at: CurvePoints) -> float:
-    """Curvature in 1/mm of the mate beside the curve at the first of some points, by Euler and Savary."""
-    radius = float(np.hypot(*at.position[0]))
-    cosine = abs(float(across(as_complex(at.position), as_complex(at.tangent))[0])) / radius
-    distance = curve.center_distance_mm
-    return cosine * distance / (radius * (distance - radius)) - float(at.curvature[0])

@@ -21,7 +21,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import along, as_complex
 from ncgear.numerics.units import in_words
-from ncgear.pitch.curve import CurvePoints, PitchCurve, RollingCurve, nearest
+from ncgear.pitch.curve import ClosedPitchCurve, CurvePoints, RollingCurve, nearest
 from ncgear.pitch.pair import STRAIGHT, PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.teeth.form import BasicRack, CutterKind, Slant, ToothForm
@@ -94,7 +94,7 @@ class PinionCircle:
         return tangent
 
 
-Tool = RackLine | PinionCircle | PitchCurve
+Tool = RackLine | PinionCircle | ClosedPitchCurve
 """What may leave a gear's fillets; a pitch curve stands for the mating gear."""
 
 
@@ -229,7 +229,7 @@ PER_MODULE = 16
 """Points of a pitch curve per module at which that depth is computed; its curvature is smooth over a module."""
 
 
-def gouged_mm(curve: PitchCurve, rack: BasicRack, curvature: float = 0.0) -> float:
+def gouged_mm(curve: ClosedPitchCurve, rack: BasicRack, curvature: float = 0.0) -> float:
     """How deep a tool of a curvature in 1/mm (a rack's is 0) cuts into the flanks of a curve's concave stretches.
 
     While the tool rolls from x to y it turns against the gear by the integral of K = k + curvature, and the place where

@@ -20,6 +20,7 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, distinct
 from ncgear.numerics.plane import as_points
 from ncgear.numerics.units import in_words
+from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear
 from ncgear.teeth.flank import Flanks
 from ncgear.teeth.stretch import Stretch
@@ -137,6 +138,7 @@ def _rounding(end_mm: float, radius_mm: float, module_mm: float, left_rad: float
 def _covered_rad(flanks: Flanks, after: Stretch, before: Stretch) -> float:
     """The angle about the gear's axis from the beginning of the first root land to the end of the last root land."""
     curve = flanks.curve
+    assert isinstance(curve, PitchCurve)
     first, last = float(before.rolled[0, 0]) - curve.length_mm, float(after.rolled[1, 0])
     phi1 = curve.driving_angle(np.array([first, last]))
     own = phi1 if curve.gear is Gear.DRIVING else curve.transmission.driven_angle(phi1).value

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cache, reduce
 from operator import or_
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
@@ -25,6 +25,7 @@ from ncgear.design.laws.base import LawKeys
 from ncgear.design.laws.registry import law_models
 from ncgear.design.mechanisms import MECHANISMS, NO_LINKAGE, entry_of, kind_named
 from ncgear.design.reading.text import quoted
+from ncgear.design.trains.registry import TrainFile, train_models
 from ncgear.design.wishes.group import Wishes
 from ncgear.design.words import LONGEST_DESCRIPTION, NAME_PATTERN, listed
 from ncgear.errors import WrongInput
@@ -362,7 +363,9 @@ def _design_of(name: str, names: tuple[str, ...]) -> type[Design]:
 def json_schema(of: type[Model] = Design) -> dict[str, Any]:
     """The JSON Schema of a design file or another one, for editors that complete and check while typing."""
     title = f"ncgear {of.__name__.lower()} file"
-    if of is Design:
-        either: Any = reduce(or_, design_models().values())
+    kinds: dict[type[Model], Callable[[], Mapping[str, type[Model]]]]
+    kinds = {Design: design_models, TrainFile: train_models}
+    if of in kinds:
+        either: Any = reduce(or_, kinds[of]().values())
         return {"$schema": JSON_SCHEMA_DIALECT, **TypeAdapter(either).json_schema(), "title": title}
     return {"$schema": JSON_SCHEMA_DIALECT, **of.model_json_schema(), "title": title}

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ncgear.design.keys.balance import Balance
-from ncgear.design.reading.design_file import LARGEST_MB, LoadedDesign, load
+from ncgear.design.reading.design_file import LARGEST_MB, LoadedDesign, load, refuse_train
 from ncgear.design.reading.messages import checked
 from ncgear.design.reading.places import Document, FromFile, Place, Source, named_by
 from ncgear.design.reading.points import Columns, FileKind, PointsFile, read_points, values_from_files
@@ -37,6 +37,7 @@ def load_balance(path: Path) -> LoadedBalance:
     if not isinstance(document.data, dict):
         problem = "holds no balance; a balance file is lines of `key: value`, and begins with `name:`"
         raise WrongInput(problem, location=str(document.place("")))
+    refuse_train(document, "a balance file")
     if document.data.keys() >= OF_A_DESIGN:
         problem = (
             "is a design file; a balance file is needed, in which mechanisms.design or gears.design names this one"

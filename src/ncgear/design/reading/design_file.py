@@ -77,7 +77,17 @@ def design_of(document: Document, text: str, path: Path) -> LoadedDesign:
     return _design(document, text, path)
 
 
+def refuse_train(document: Document, needed: str) -> None:
+    """Refuse the file of a train of gears where something else is needed; raises WrongInput with what works."""
+    if "train" in document.data:
+        problem = (
+            f"the file has a train of gears, which `ncgear check`, `build` and `animate` take; this needs {needed}"
+        )
+        raise WrongInput(problem, key="train", location=str(document.place("train")))
+
+
 def _design(document: Document, text: str, path: Path) -> LoadedDesign:
+    refuse_train(document, "the design of one machine, with linkage and motion")
     source = Source(document, values_from_files(document, path, FILES))
     with located(source):
         require_known_kind(document.data)

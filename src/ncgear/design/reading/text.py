@@ -15,6 +15,15 @@ from ncgear.errors import WrongInput
 BYTES_PER_MB = 1_000_000
 
 
+TRAIN = re.compile(r"^[\"']?train[\"']?[ \t]*:", re.MULTILINE)
+"""The line with which the group of a train of gears begins."""
+
+
+def has_train(text: str) -> bool:
+    """Whether the text of a design file is that of a train of gears."""
+    return TRAIN.search(text) is not None
+
+
 def read_text(path: Path, *, limit_mb: int) -> str:
     """The text of ``path``; raises WrongInput where it cannot be read.  The size is checked before reading."""
     return _decoded(read_bytes(path, limit_mb=limit_mb), path)

@@ -236,10 +236,10 @@ class Picture:
                 moving.pose(poses, row)
                 for artist in moving.artists:
                     artist.draw(canvas.get_renderer())
-            yield _opaque(np.asarray(canvas.buffer_rgba()))
+            yield opaque(np.asarray(canvas.buffer_rgba()))
 
 
-def _opaque(pixels: NDArray[np.uint8]) -> Frame:
+def opaque(pixels: NDArray[np.uint8]) -> Frame:
     """Red, green and blue of pixels (height, width, 4); one colour at a time is the fastest."""
     frame = np.empty((*pixels.shape[:2], 3), np.uint8)
     for color in range(3):

@@ -14,10 +14,9 @@ from PIL import Image
 
 from ncgear.drawings.animation import AnimationFormat
 from ncgear.drawings.animation import artists as looks
-from ncgear.drawings.animation.moving_picture import Picture, picture
+from ncgear.drawings.animation.moving_picture import Frame, picture
 from ncgear.drawings.scene.scene import Scene
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array
 
 COLORS = 128
 """Colours of a GIF's palette beside those of lines: enough for shades at edges, with half the bytes of 256 colours."""
@@ -36,23 +35,22 @@ EVERY = 2
 """Of these frames every second pixel of every second row is looked at: a quarter of the time, and colours as near."""
 
 
-def palette_found(made: Picture, scene: Scene) -> Image.Image:
-    """An image of one pixel with the colours of a picture's frames and of lines as its palette.
+Frames = Callable[[int], Iterator[Frame]]
+"""So many frames, evenly in time over the whole loop, without its end, which looks like its beginning."""
+
+
+def palette_found(frames: Frames) -> Image.Image:
+    """An image of one pixel with the colours of frames and of lines as its palette.
 
     Nearly white colours become white, so that the paper stays white.
     """
-    some = list(made.frames(scene.poses(scene.evenly_in_time(SAMPLES))))
+    some = list(frames(SAMPLES))
     found = Image.fromarray(np.concatenate(some)[::EVERY, ::EVERY]).quantize(COLORS, method=Image.Quantize.MEDIANCUT)
     colors = np.array(found.getpalette()).reshape(-1, 3)
     colors[colors.min(axis=1) >= PAPER] = 255
     pure = [round(255 * part) for color in looks.PURE for part in to_rgb(color)]
     found.putpalette([*colors[:COLORS].ravel().tolist(), *pure])
     return found.crop((0, 0, 1, 1))
-
-
-def drawn(made: Picture, scene: Scene, phi1_rad: Array) -> Iterator[Image.Image]:
-    """Images of a picture that is made, in full colours, one after the other."""
-    return map(Image.fromarray, made.frames(scene.poses(phi1_rad)))
 
 
 TICK_MS = 10
@@ -111,10 +109,14 @@ PACKERS = {AnimationFormat.GIF: gif_bytes, AnimationFormat.MP4: mp4_bytes}
 def animated(scene: Scene, kind: AnimationFormat, loop: Loop, on_frame: Callable[[int, int], None]) -> bytes:
     """The scene over its whole loop as the bytes of a file; ``on_frame`` gets the number of frames drawn and of all."""
     made = picture(scene, loop.width_px)
-    # Without the end of the loop, which looks like its beginning.
-    images = drawn(made, scene, scene.evenly_in_time(loop.frames))
+    return packed(lambda count: made.frames(scene.poses(scene.evenly_in_time(count))), kind, loop, on_frame)
+
+
+def packed(frames: Frames, kind: AnimationFormat, loop: Loop, on_frame: Callable[[int, int], None]) -> bytes:
+    """Frames over their whole loop as the bytes of a file; ``on_frame`` as of ``animated``."""
+    images: Iterator[Image.Image] = map(Image.fromarray, frames(loop.frames))
     if kind is AnimationFormat.GIF:
-        palette = palette_found(made, scene)
+        palette = palette_found(frames)
         images = (image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images)
     return PACKERS[kind](_counted(images, loop.frames, on_frame), loop)
 

@@ -31,7 +31,7 @@ from ncgear.errors import DesignError, fault_words
 from ncgear.figures.tables import Table
 from ncgear.figures.terminal import labelled
 from ncgear.numerics.arrays import Array
-from ncgear.pitch.curve import PitchCurve
+from ncgear.pitch.curve import ClosedPitchCurve, PitchCurve
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.teeth.gear import ToothedGear, ToothedPair
@@ -286,7 +286,7 @@ class Outline(NamedTuple):
     axis_mm: float
 
 
-def _outline(curve: PitchCurve, points_mm: Array, axis_mm: float) -> Outline:
+def _outline(curve: ClosedPitchCurve, points_mm: Array, axis_mm: float) -> Outline:
     """The outline of a gear by its pitch curve or teeth: that of a ring is around them."""
     if not curve.is_ring:
         return Outline(curve.gear, (points_mm,), axis_mm)
@@ -307,8 +307,10 @@ def pitch_outlines(pitch: PitchPair) -> list[Outline]:
 
 def tooth_outlines(teeth: ToothedPair) -> list[Outline]:
     """Both tooth outlines in mesh."""
-    distance = teeth.driving.flanks.curve.center_distance_mm
-    return [tooth_outline(teeth.of(gear), axis) for gear, axis in zip(Gear, (0.0, distance), strict=True)]
+    curve = teeth.driving.flanks.curve
+    assert isinstance(curve, PitchCurve)
+    axes_mm = 0.0, curve.center_distance_mm
+    return [tooth_outline(teeth.of(gear), axis) for gear, axis in zip(Gear, axes_mm, strict=True)]
 
 
 def tooth_outline(gear: ToothedGear, axis_mm: float = 0.0) -> Outline:

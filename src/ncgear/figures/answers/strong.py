@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Literal
 
 from ncgear.design.keys.base import listed
-from ncgear.figures.advice.values import Kind, Remedy, changed
+from ncgear.figures.advice.values import Advice, Kind, Remedy, changed
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.answer import Answer, Fault, Row, faults_of
 from ncgear.figures.answers.simulated import SAME_AS_MESH
@@ -13,10 +14,11 @@ from ncgear.figures.flanks import surfaces_rows
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.simulated import force_figures
-from ncgear.figures.sized import sized_rows
+from ncgear.figures.sized import parts_that_fail, sized_rows
 from ncgear.figures.strong import (
     HEADS,
     LOADS,
+    deciding_words,
     face_load_words,
     holding_words,
     jam_words,
@@ -101,6 +103,7 @@ def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
         Row(f"{of}force", (f"up to {figure('force_n', force_n)} on one pair of teeth, times {jolts_words(drive)}",)),
         *([Row(f"{of}jam", (words,))] if (words := jam_words(drive, rating)) else []),
         *([Row(f"{of}knocks", (words,))] if (words := knock_words(loading.knocks)) else []),
+        *([Row(f"{of}decided", (words,))] if (words := deciding_words(drive, rating)) else []),
         *([Row(f"{of}rim", (words,))] if (words := rim_words(drive, rating)) else []),
         Row(f"{of}face load", (face_load_words(drive, rating),)),
         *([Row(f"{of}vibration", (vibration_words(told),))] if told else []),
@@ -112,7 +115,9 @@ def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
             f"{of}under load",
             (
                 f"contact ratio {shown(loading.contact_ratio)}, {name_of(error)} "
-                f"{figure(error, loading.transmission_error_rad)}",
+                f"{figure(error, loading.transmission_error_rad)}"
+                if loading.contact_ratio
+                else "not judged, because only a jam presses the teeth",
             ),
         ),
         *([Row(f"{of}with knocks", (words,))] if (words := _forces_words(drive)) else []),
@@ -129,14 +134,35 @@ def _forces_words(drive: Drive) -> str:
     return ", ".join(f"{name_of(key)} {figure(key, figures[key])}" for key in joints)
 
 
-def sized_answer(found: Sequence[Sized], then: str = "", left_out: Sequence[str] = ()) -> Answer:
+def _herringbone_words(one: Sized | Literal["none"]) -> str:
+    """How wide herringbone teeth are that do for the first gears, and their keys."""
+    if one == "none":
+        return "none that is narrower was found, or none can be made"
+    return f"{one.face_width_mm:g} mm wide: {', '.join(map(str, changed(one.changes)))}"
+
+
+def sized_answer(
+    found: Sequence[Sized],
+    then: str = "",
+    left_out: Sequence[str] = (),
+    herringbone: Sized | Literal["none", False] = False,
+) -> Answer:
     """The smallest gears that hold, one row each, and the keys of the first.
 
-    ``left_out`` are the keys of the file that hold what follows from its own gears.
+    ``left_out`` are the keys of the file that hold what follows from its own gears; ``herringbone`` are the first gears
+    with herringbone teeth, where these were looked for.
     """
     first = found[0]
     design, strength = first.drive.design, first.rating.strength
     wanted = dict.fromkeys(f"{one.wanted:g} against {one.damage.words}" for one in first.rating.weakest)
+    failing = dict[Advice, list[str]]()
+    for one in (*found, *([herringbone] if isinstance(herringbone, Sized) else [])):
+        for told in parts_that_fail(one):
+            failing.setdefault(told, []).append(f"{one.module_mm:g}")
+    faults = [
+        Fault(f"module {listed(modules, 'and')} mm: {told.brief}", tuple(remedy.brief for remedy in told.remedies))
+        for told, modules in failing.items()
+    ]
     return Answer(
         f"{design.name}: the smallest gears that hold at {design.operation.speed_rpm:g} r/min, by the estimate",
         (
@@ -144,12 +170,14 @@ def sized_answer(found: Sequence[Sized], then: str = "", left_out: Sequence[str]
             Row("material", (materials_words(first.drive, strength),)),
             Row("wanted", (f"safeties of {listed(wanted, 'and')}",)),
             Row("first", (", ".join(map(str, changed(first.changes))),)),
+            *([Row("herringbone", (_herringbone_words(herringbone),))] if herringbone else []),
             *([Row("left out", (f"{listed(left_out, 'and')}: of other gears",))] if left_out else []),
         ),
-        (),
+        tuple(faults),
         f"Load: {LOADS[strength.load]}",
         heads=SIZED,
         good="",
+        wrong="The gears hold; around them this does not",
         then=then,
     )
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import struct
+from collections.abc import Mapping
 from math import degrees, gcd, pi
 from typing import Any
 
@@ -47,16 +48,29 @@ def turning(glb: bytes, pair: Pair, mesh: Mesh, speed_rad_s: float) -> bytes:
 
     ``speed_rad_s`` is the speed of the machine's driving shaft, which turns the pair by its own law.
     """
-    content, binary = _chunks(glb)
     phi1, phi2 = turning_angles(pair.transmission)
     way = np.concatenate([[0.0], np.cumsum(np.abs(np.diff(pair.shaft_rad(phi1))))])
-    numbers = [(way / speed_rad_s)[:, None]]
-    for name, turned in (("driving", phi1), ("driven", mesh.sense * phi2)):
+    return moving(glb, way / speed_rad_s, {"driving": (phi1, None), "driven": (mesh.sense * phi2, None)})
+
+
+def moving(glb: bytes, seconds: Array, ways: Mapping[str, tuple[Array, Array | None]]) -> bytes:
+    """The file with nodes moving by keys at ``seconds``, shape (n,).
+
+    ``ways`` has for each node the angles in rad by which it is turned in its own frame, shape (n,), and its places in
+    the frame of the file, shape (n, 3); None where it stays at its place.
+    """
+    content, binary = _chunks(glb)
+    numbers, moved = [seconds[:, None]], []
+    for name, (turned, places) in ways.items():
         node = next(one for one in content["nodes"] if one.get("name") == name)
         still = _parted(node)
         half = turned / 2.0
         spin = np.stack([0.0 * half, 0.0 * half, np.sin(half), np.cos(half)], axis=1)
         numbers.append(_after(still, spin))
+        moved.append((name, "rotation"))
+        if places is not None:
+            numbers.append(places)
+            moved.append((name, "translation"))
     first, binary = len(content["accessors"]), binary + bytes(-len(binary) % 4)
     for values in numbers:
         content["bufferViews"].append({"buffer": 0, "byteOffset": len(binary), "byteLength": 4 * values.size})
@@ -66,18 +80,18 @@ def turning(glb: bytes, pair: Pair, mesh: Mesh, speed_rad_s: float) -> bytes:
         if values.shape[1] == 1:
             accessor |= {"type": "SCALAR", "min": [float(kept.min())], "max": [float(kept.max())]}
         else:
-            accessor["type"] = "VEC4"
+            accessor["type"] = f"VEC{values.shape[1]}"
         content["accessors"].append(accessor)
         binary += kept.tobytes()
     content["buffers"][0]["byteLength"] = len(binary)
-    places = {one.get("name"): place for place, one in enumerate(content["nodes"])}
+    places_of = {one.get("name"): place for place, one in enumerate(content["nodes"])}
     content["animations"] = [
         {
             "name": "turning",
-            "samplers": [{"input": first, "output": first + 1 + number} for number in (0, 1)],
+            "samplers": [{"input": first, "output": first + 1 + number} for number in range(len(moved))],
             "channels": [
-                {"sampler": number, "target": {"node": places[name], "path": "rotation"}}
-                for number, name in enumerate(("driving", "driven"))
+                {"sampler": number, "target": {"node": places_of[name], "path": path}}
+                for number, (name, path) in enumerate(moved)
             ],
         }
     ]

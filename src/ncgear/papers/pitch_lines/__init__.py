@@ -8,6 +8,7 @@ from functools import cache
 import numpy as np
 
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.plane import as_complex
 from ncgear.numerics.quadrature import gauss_points
 from ncgear.papers.entry import (
     Computed,
@@ -23,10 +24,12 @@ from ncgear.papers.entry import (
     equations,
     texts,
 )  # fmt: skip
+from ncgear.pitch.moving_axes import MovingAxes, even_distances
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.curve_shapes import ellipse
 from ncgear.ratio.laws.pitch_curve import ClosedLaw, GivenCurve, Search, closed_law
+from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 
 CENTER_DISTANCE_MM, SEMI_MAJOR_MM = 40.0, 23.0
@@ -80,6 +83,14 @@ def _semi_minor(x_mm: float, y_mm: float) -> Computed:
     return computed(ellipse_law(x_mm, y_mm).value)
 
 
+def _moving_distances() -> Computed:
+    """Distances of the axes at which both curves of gears that turn evenly touch, at the angles of figure 6."""
+    axes = MovingAxes(uniform_law(Lobes()), even_distances(np.array([60.0, 64.5, 68.0, 64.5]), 1))
+    phi: Array = np.arange(4.0) * np.pi / 2.0
+    driving, driven = (as_complex(axes.curve(gear).at_angle(phi).position) for gear in Gear)
+    return computed(*(driving * np.exp(1j * phi) - driven * np.exp(-1j * phi)).real.tolist())
+
+
 PAPER = Paper(
     "Gears by their pitch lines",
     "A. Pogacnik, Non-circular gears, KISSsoft AG, 2022",
@@ -106,8 +117,9 @@ PAPER = Paper(
         Entry(("Fig. 4",), "semi-minor axis, axis at x = 4, y = -4", Printed(("16.44",), "mm"), Verdict.UNDER_READING,
               lambda: _semi_minor(4.0, -4.0), READ_OFF),
         Entry(("Fig. 6", "Fig. 7"), "centre distance that changes with the angle",
-              Printed(texts("60.0 64.5 68.0 64.5"), "mm"), Verdict.NEEDS_DATA, words="The curves are drawn without a "
-              "number. ncgear keeps both axes at one distance, so it does not offer such gears."),
+              Printed(texts("60.0 64.5 68.0 64.5"), "mm"), Verdict.GIVEN_BACK, _moving_distances,
+              "The curves are drawn without a number, and their ratio is not told. Of gears that turn evenly these are "
+              "the distances at which both pitch curves touch; designs/moving-axis.yaml gives them teeth."),
         Entry(("Fig. 14",), "rack of a replacement gear, before and after its fit to one tooth",
               Printed(texts("1.6123 20 0.61 -0.05 1.6123 23 0.90 0.00")), Verdict.NEEDS_DATA,
               words="The gears and the tooth are drawn without a number."),

@@ -1,0 +1,99 @@
+"""The commands check, build and animate for design files of trains of gears."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from ncgear.cli.arguments import EXPORT, pasted
+from ncgear.cli.as_json import tell
+from ncgear.cli.progress import counted, steps_shown
+from ncgear.design.reading.text import has_train, read_text
+from ncgear.errors import WrongInput, located
+from ncgear.memory import keep_freed_memory
+
+if TYPE_CHECKING:
+    from ncgear.drawings.animation import AnimationFormat
+
+
+def is_train(design_file: Path) -> bool:
+    """Whether a design file is that of a train; a file that cannot be read is none, and is refused where it is read."""
+    from ncgear.design.reading.design_file import LARGEST_MB
+
+    try:
+        return has_train(read_text(design_file, limit_mb=LARGEST_MB))
+    except WrongInput:
+        return False
+
+
+def refuse_options(design_file: Path, options: Mapping[str, object]) -> None:
+    """Refuse options that are not offered for trains; raises WrongInput with the first that is given."""
+    for option, given in options.items():
+        if given:
+            raise WrongInput(
+                "given, but not offered for a train of gears; leave it out", key=option, location=str(design_file)
+            )
+
+
+def check_train(design_file: Path, *, as_json: bool, verbose: bool) -> None:
+    """Compute a train, and tell what it is and what its kind judges; nothing is written."""
+    from ncgear.design.reading.train_file import load_train
+    from ncgear.figures.trains import NOT_BUILT, train_answer, train_figures
+
+    keep_freed_memory()
+    loaded = load_train(design_file)
+    file = loaded.file
+    with located(loaded.source), steps_shown(1) as on_step:
+        on_step("train")
+        train = file.train.train()
+    conditions = (*train.told.conditions, *NOT_BUILT)
+    figures = train_figures(file.name, file.description, train, conditions)
+    answer = train_answer(file.name, file.description, train, conditions, f"ncgear build {pasted(design_file)}")
+    tell(answer, figures, as_json=as_json, verbose=verbose)
+
+
+def animated_train(
+    design_file: Path, out: Path | None, kind: AnimationFormat, form: tuple[int, float, int]
+) -> tuple[Path, bytes]:
+    """The place and the bytes of a GIF or MP4 of a moving train; ``form`` has frames, seconds and width in pixels."""
+    from ncgear.design.reading.train_file import load_train
+    from ncgear.files.publish import prepare_file
+
+    keep_freed_memory()
+    loaded = load_train(design_file)
+    path = out or EXPORT / loaded.file.name / "train.gif"
+    prepare_file(path)
+
+    from ncgear.drawings.animation.packing import Loop, packed
+    from ncgear.drawings.animation.train_frames import train_frames
+
+    with located(loaded.source):
+        train = loaded.file.train.train()
+    loop = Loop(*form)
+    with counted("frames") as on_frame:
+        return path, packed(train_frames(train, loaded.file.name, loop.width_px), kind, loop, on_frame)
+
+
+def build_train(design_file: Path, out: Path | None, *, as_json: bool, verbose: bool) -> None:
+    """Write all files of a train into a folder, and tell what was written and whether it meets."""
+    from ncgear.design.reading.train_file import load_train
+    from ncgear.files.publish import prepare
+
+    keep_freed_memory()
+    loaded = load_train(design_file)
+    file, folder = loaded.file, out or EXPORT / loaded.file.name
+    prepare(folder)
+
+    from ncgear.figures.trains import train_answer
+    from ncgear.files.manifest import publish_run
+    from ncgear.files.train import STEPS
+    from ncgear.files.train import build_train as build_files
+
+    with located(loaded.source), steps_shown(1 + len(STEPS)) as on_step:
+        on_step("train")
+        train = file.train.train()
+        built = build_files(file.name, file.description, train, on_step)
+    run = publish_run(folder, built.files, "build")
+    answer = train_answer(file.name, file.description, train, built.conditions, f"open {folder / 'train.png'}")
+    tell(answer, built.figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)

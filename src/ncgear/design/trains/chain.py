@@ -1,0 +1,91 @@
+"""The train ``chain``: a row of gears on fixed axes, each of which meshes with the next."""
+
+from __future__ import annotations
+
+from math import radians
+from typing import TYPE_CHECKING, Annotated
+
+from pydantic import Field
+
+from ncgear.design.keys.base import optional, required
+from ncgear.design.keys.types import FORMULA, Expression, Length, Several
+from ncgear.design.trains.base import TrainGears, TrainKeys
+from ncgear.errors import WrongInput, renamed
+
+if TYPE_CHECKING:
+    from ncgear.ratio.transmission import Lobes, Transmission
+    from ncgear.trains.train import Train
+
+MOST_GEARS = 12
+Lobe = Annotated[int, Field(ge=1, le=64)]
+Bend = Annotated[float, Field(ge=-150.0, le=150.0)]
+
+
+class ChainGears(TrainGears):
+    """The teeth and the bodies of all gears."""
+
+    module_mm: Length = required("module in mm; the distances of the axes follow")
+    teeth: int = required("teeth of the first gear, a whole number", ge=8, le=1000)
+
+
+class Chain(TrainKeys):
+    """A row of gears."""
+
+    KIND = "chain"
+    MEANING = "chain: a row of gears on fixed axes, each of which meshes with the next"
+
+    lobes: Annotated[Several[Lobe], Field(min_length=2, max_length=MOST_GEARS)] = required(
+        "lobes of every gear, from the driving one on, whole numbers; so many gears there are"
+    )
+    bends_deg: Annotated[Several[Bend], Field(max_length=MOST_GEARS - 2)] = optional(
+        "by how many degrees the line of centres turns at each idler, counter-clockwise; left out: a straight row", ()
+    )
+    ratio: Expression | None = optional(
+        f"ratio of the first two gears as a formula of phi, {FORMULA}, times the factor that closes the cycle; left "
+        "out: even"
+    )
+    idler_radius: Expression | None = optional(
+        f"radius of the second gear's pitch curve, in any unit, as a formula of its polar angle phi, {FORMULA}, in "
+        "place of a ratio; a circle about its axis makes all gears round"
+    )
+    gears: ChainGears = required("the teeth and the bodies of all gears")
+
+    def train(self) -> Train:
+        """The train that the keys ask for; raises WrongInput and NoSuchMechanism where no such gears exist."""
+        import numpy as np
+
+        from ncgear.ratio.transmission import Lobes
+        from ncgear.trains.chain import chain_train, row_of
+
+        idlers = len(self.lobes) - 2
+        if self.bends_deg and len(self.bends_deg) != idlers:
+            raise WrongInput(
+                f"{len(self.bends_deg)} given, but {len(self.lobes)} gears have {idlers} idlers; as many are right",
+                key="train.bends_deg",
+            )
+        bends = [radians(bend) for bend in self.bends_deg] or [0.0] * idlers
+        directions = np.cumsum([0.0, *bends]).tolist()
+        gears = self.gears
+        with renamed("motion", "train"):
+            first = self._first(Lobes(self.lobes[0], self.lobes[1]))
+            row = row_of(first, self.lobes, directions, gears.teeth, gears.module_mm)
+        form = gears.form(gears.module_mm)
+        return chain_train(row, form, gears.face_width_mm, gears.bore_mm, self.speed_rpm, gears.chord_tolerance_mm)
+
+    def _first(self, lobes: Lobes) -> Transmission:
+        """The law of the first mesh."""
+        from ncgear.ratio.laws.curve_shapes import formula_curve
+        from ncgear.ratio.laws.expression import ratio_expression_law
+        from ncgear.ratio.laws.pitch_curve import GivenCurve, closed_law
+        from ncgear.ratio.laws.uniform import uniform_law
+
+        if self.ratio is not None and self.idler_radius is not None:
+            raise WrongInput("given, but a ratio is given as well; one of them is right", key="train.idler_radius")
+        if self.idler_radius is not None:
+            key = "train.idler_radius"
+            curve = formula_curve(self.idler_radius, key)
+            given = GivenCurve(lambda _: curve, None, drawn=True, driven=True, phase_rad=0.0, key=key)
+            return closed_law(given, lobes, None).transmission
+        if self.ratio is None:
+            return uniform_law(lobes)
+        return ratio_expression_law(self.ratio, lobes, scale_to_close=True)

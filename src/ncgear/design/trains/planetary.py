@@ -1,0 +1,286 @@
+"""The train ``planetary``: a sun, idlers and planets on a carrier, with an arm on each planet."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import degrees, radians
+from typing import TYPE_CHECKING, Annotated, Literal, Self
+
+from pydantic import Field, Strict, model_validator
+
+from ncgear.design.keys.base import Model, fault, optional, required
+from ncgear.design.keys.types import Length, Place, Several
+from ncgear.design.trains.base import TrainGears, TrainKeys
+from ncgear.errors import WrongInput, below
+from ncgear.numerics.units import STANDARD_GRAVITY_M_S2
+
+if TYPE_CHECKING:
+    from ncgear.pitch.pair import PitchPair
+    from ncgear.ratio.transmission import Transmission
+    from ncgear.teeth.gear import ToothedPair
+    from ncgear.trains.loads import TrainLoads
+    from ncgear.trains.planetary import Chain
+    from ncgear.trains.tip_path import TipMotion, WishedPath
+    from ncgear.trains.train import Train
+
+Ratio = Annotated[float, Field(gt=0.0, le=100.0)]
+Point = Annotated[tuple[Place, Place], Strict(False)]
+
+
+class ToolAngle(Model):
+    """The angle of the tool at a point of the path."""
+
+    point: int = required("number of the point, from 1", ge=1)
+    angle_deg: float = required(
+        "angle of the tool there in degrees, counter-clockwise from the x axis", ge=-360.0, le=360.0
+    )
+
+
+class TipPathKeys(Model):
+    """What the tip of the arm shall do: a closed path in the frame of the machine."""
+
+    points_mm: Annotated[Several[Point], Field(min_length=6, max_length=200)] = required(
+        "points [x, y] in mm in the order in which the tip passes them; the path is closed"
+    )
+    tolerance_mm: Annotated[float, Field(gt=0.0, le=100.0)] = optional(
+        "how far the path may be from each point in mm", 0.1
+    )
+    tolerances_mm: Several[Annotated[float, Field(gt=0.0, le=100.0)]] | None = optional(
+        "the same, one for each point; left out: tolerance_mm for all"
+    )
+    straight: Several[Annotated[int, Field(ge=1)]] | None = optional(
+        "numbers of points from which the tip goes straight to the next one; left out: smooth from point to point"
+    )
+    tool: Several[ToolAngle] | None = optional("angles of the tool at some points; left out: any angle")
+    tool_tolerance_deg: Annotated[float, Field(gt=0.0, le=180.0)] = optional(
+        "how far the tool may be from these angles, in degrees", 5.0
+    )
+    axis_mm: Point | None = optional("place [x, y] of the carrier's axis in mm; left out: it is sought")
+    axis_from_mm: Point | None = optional(
+        "corner [x, y] in mm of a rectangle in which the axis is sought; left out: anywhere"
+    )
+    axis_to_mm: Point | None = optional("the opposite corner, with greater x and y")
+    longest_mm: Length = optional("greatest length of carrier and arm in mm", 1000.0)
+    pressure_angle_deg: Annotated[float, Field(gt=20.0, lt=85.0)] = optional(
+        "largest pressure angle of the gears that is sought, the rack's included, in degrees", 65.0
+    )
+    forward_mm_s: Annotated[float, Field(ge=-1e5, le=1e5)] = optional(
+        "speed of the machine over the ground in mm/s, along x; left out: it stands", 0.0
+    )
+
+    RULES = (
+        "tolerances_mm as many as points_mm",
+        "axis_from_mm with axis_to_mm",
+        "at most one of axis_mm axis_from_mm",
+    )
+
+    def wished(self) -> WishedPath:
+        """The path that the keys ask for."""
+        import numpy as np
+
+        from ncgear.trains.tip_path import WishedPath
+
+        points = np.array(self.points_mm) @ np.array([1.0, 1.0j])
+        tolerances = np.array(self.tolerances_mm or [self.tolerance_mm] * len(points))
+        tools = tuple((one.point - 1, radians(one.angle_deg)) for one in self.tool or ())
+        path = WishedPath(points, tolerances, tools, radians(self.tool_tolerance_deg))
+        return path.straightened([one - 1 for one in self.straight]) if self.straight else path
+
+    @model_validator(mode="after")
+    def _corners_are_apart(self) -> Self:
+        if self.axis_from_mm is not None and self.axis_to_mm is not None:
+            for low, high in zip(self.axis_from_mm, self.axis_to_mm, strict=True):
+                if high <= low:
+                    raise fault("axis_to_mm", f"{high:g} given, but axis_from_mm has {low:g} there; more is right")
+        return self
+
+    @model_validator(mode="after")
+    def _points_are_there(self) -> Self:
+        for number, one in enumerate(self.tool or ()):
+            if one.point > len(self.points_mm):
+                raise fault(f"tool.{number}.point", f"{one.point} given; 1 to {len(self.points_mm)} are right")
+        for place, number in enumerate(self.straight or ()):
+            if number > len(self.points_mm):
+                raise fault(f"straight.{place}", f"{number} given; 1 to {len(self.points_mm)} are right")
+        return self
+
+
+class TrainMasses(Model):
+    """What the parts of a train weigh."""
+
+    density_kg_m3: Annotated[float, Field(gt=0.0, le=25_000.0)] = required(
+        "density of all parts in kg/m3, as 7850 of steel"
+    )
+    tool_kg: Annotated[float, Field(ge=0.0, le=1000.0)] = optional("mass at the tip of each arm in kg", 0.0)
+    gravity_m_s2: Annotated[float, Field(ge=0.0, le=1000.0)] = optional(
+        "acceleration of gravity in m/s2, against y", STANDARD_GRAVITY_M_S2
+    )
+
+
+class PlanetaryGears(TrainGears):
+    """The teeth and the bodies of sun, idlers and planets."""
+
+    teeth: int = required("teeth of every gear, a whole number", ge=8, le=1000)
+    center_distance_mm: Length | None = optional("distance of the axes of each pair in mm, in place of module_mm")
+
+
+class Planetary(TrainKeys):
+    """Gears on a carrier."""
+
+    KIND = "planetary"
+    MEANING = "a sun, idlers and planets on a carrier, with an arm on each planet"
+    RULES = (
+        "one of ratio path",
+        "at most one of path arm_mm",
+        "at most one of gears.module_mm gears.center_distance_mm",
+    )
+
+    arms: int = optional("arms of the carrier, evenly spread, a whole number", 1, ge=1, le=6)
+    idler: Literal["compound", "shared"] = optional(
+        "compound: two gears on one shaft, which make any ratio; shared: one gear that meshes with sun and planet",
+        "compound",
+    )
+    bend_deg: Annotated[float, Field(ge=-150.0, le=150.0)] | None = optional(
+        "of a shared idler: angle in degrees by which the line from idler to planet turns off that from sun to idler; "
+        "left out: straight"
+    )
+    ratio: Annotated[Several[Ratio], Field(min_length=4, max_length=720)] | None = optional(
+        "speed of the carrier against the sun over that of the planet (compound) or of the idler (shared), at evenly "
+        "spaced angles of the latter, from 0 on; a common factor closes the turn"
+    )
+    path: TipPathKeys | None = optional("path of the arm's tip, in place of ratio: arm, carrier and ratio are found")
+    arm_mm: Length | None = optional("length of the arm on each planet in mm; left out: no arm, or that of the path")
+    arm_deg: Annotated[float, Field(ge=-360.0, le=360.0)] = optional(
+        "angle of the arm from the carrier's line where the carrier stands at 0, in degrees", 0.0
+    )
+    sun_turns: Annotated[float, Field(gt=-10.0, lt=0.9)] = optional(
+        "turns of the sun for one of the carrier; left out: the sun stands", 0.0
+    )
+    bar_width_mm: Length = optional("width of carrier and arms in mm", 20.0)
+    masses: TrainMasses | None = optional(
+        "what parts weigh, for the torque of the carrier and the forces on the frame; left out: not judged"
+    )
+    gears: PlanetaryGears = required("the teeth and bodies of all gears")
+
+    @model_validator(mode="after")
+    def _a_shared_idler_is_bent(self) -> Self:
+        if self.bend_deg is not None and self.idler != "shared":
+            raise fault("bend_deg", "given, but the place of a compound idler follows from its teeth; leave it out")
+        return self
+
+    @model_validator(mode="after")
+    def _masses_come_back(self) -> Self:
+        if self.masses is not None and self.sun_turns != 0.0:
+            raise fault("masses", "given, but forces are those about a sun that stands; leave out masses or sun_turns")
+        if self.masses is not None and self.masses.tool_kg and self.arm_mm is None and self.path is None:
+            raise fault("masses.tool_kg", "given, but there is no arm that carries it; give arm_mm, or leave it out")
+        return self
+
+    @model_validator(mode="after")
+    def _a_path_has_its_gears(self) -> Self:
+        if self.path is None:
+            if self.gears.module_mm is None and self.gears.center_distance_mm is None:
+                raise fault("gears", "module_mm or center_distance_mm is missing; give one of them")
+            return self
+        if self.idler == "shared":
+            raise fault(
+                "idler",
+                "shared given, but an idler that meshes with sun and planet makes odd harmonics of the ratio only, and "
+                "a path has others; compound is right",
+            )
+        if self.gears.center_distance_mm is not None:
+            raise fault("gears.center_distance_mm", "given, but it follows from the path; leave it out")
+        if self.sun_turns != 0.0:
+            raise fault("sun_turns", "given, but the path is that of an arm about a sun that stands; leave it out")
+        return self
+
+    def train(self) -> Train:
+        """The train that the keys ask for; raises NoSuchMechanism where no such gears exist."""
+        from ncgear.trains.planetary import Arm, Bodies, Stand, arm_of, planetary_train, stand_of
+        from ncgear.trains.planetary_told import told_of
+
+        motion, wished = None, None
+        if self.path is not None:
+            with below("train"):
+                wished = self.path.wished()
+                motion = self._motion(self.path, wished)
+        pitches, chain = self._chain(motion)
+        arm, stand = None, Stand()
+        if motion is not None and wished is not None:
+            arm, stand = arm_of(motion, wished), stand_of(motion)
+        elif self.arm_mm is not None:
+            arm = Arm(self.arm_mm, radians(self.arm_deg))
+        bodies = Bodies(self.gears.face_width_mm, self.gears.bore_mm, self.bar_width_mm)
+        made = planetary_train(
+            chain, arm, self.arms, bodies, self.speed_rpm, self.gears.chord_tolerance_mm, self.sun_turns, stand
+        )
+        forward_mm_s = 0.0 if self.path is None else self.path.forward_mm_s
+        loads = None if self.masses is None else self._loads(made, self.masses)
+        rack_rad = self.gears.pressure_angle_rad
+        told = told_of(made, self.idler, pitches, rack_rad, wished, motion, forward_mm_s, loads)
+        return replace(made, told=told)
+
+    def _loads(self, made: Train, masses: TrainMasses) -> TrainLoads:
+        from ncgear.trains.loads import PutMass, loads_of
+
+        tools = [PutMass(trace.part, complex(*trace.at_mm), masses.tool_kg) for trace in made.traces]
+        gravity = -1j * MM_PER_M * masses.gravity_m_s2
+        return loads_of(made, masses.density_kg_m3, tools if masses.tool_kg else (), gravity)
+
+    def _motion(self, path: TipPathKeys, wished: WishedPath) -> TipMotion:
+        from ncgear.trains.path_search import PathLimits, found_motion
+
+        tangent = radians(path.pressure_angle_deg) - self.gears.pressure_angle_rad
+        if tangent <= 0.0:
+            rack = degrees(self.gears.pressure_angle_rad)
+            raise WrongInput(
+                f"{path.pressure_angle_deg:g} deg given, of which the rack has {rack:g}; more than that is right",
+                key="path.pressure_angle_deg",
+            )
+        apart_mm = self.bar_width_mm + ROOM_MM
+        limits = PathLimits(tangent, self.gears.teeth, path.longest_mm, self.arms, apart_mm)
+        if path.axis_from_mm is not None and path.axis_to_mm is not None:
+            limits = replace(limits, low=complex(*path.axis_from_mm), high=complex(*path.axis_to_mm))
+        return found_motion(wished, limits, None if path.axis_mm is None else complex(*path.axis_mm))
+
+    def _chain(self, motion: TipMotion | None) -> tuple[tuple[PitchPair, ...], Chain]:
+        """The pitch curves of each pair, and the chain with its teeth."""
+        import numpy as np
+
+        from ncgear.ratio.laws.spline import even_steps, spline_ratio_law, spline_ratio_staged
+        from ncgear.ratio.transmission import Lobes
+        from ncgear.trains.planetary import compound_chain, shared_chain, straight_distances_mm
+
+        ratio = np.array(self.ratio) if motion is None else motion.ratio(RATIOS)[1]
+        angles, gears = even_steps(ratio.size), self.gears
+        if self.idler == "shared":
+            pitch = self._pitch(spline_ratio_law(angles, ratio, Lobes()), gears.center_distance_mm)
+            return (pitch,), shared_chain(pitch, self._teeth(pitch), radians(self.bend_deg or 0.0))
+        laws = [pair.transmission for pair in spline_ratio_staged(angles, ratio, np.sqrt(ratio)).train.pairs]
+        distances = [gears.center_distance_mm] * 2
+        if motion is not None and gears.module_mm is None:
+            distances = list(straight_distances_mm(laws, motion.carrier_mm))
+        first, second = (self._pitch(law, distance) for law, distance in zip(laws, distances, strict=True))
+        carrier_mm = first.center_distance_mm + second.center_distance_mm if motion is None else motion.carrier_mm
+        return (first, second), compound_chain((first, second), (self._teeth(first), self._teeth(second)), carrier_mm)
+
+    def _pitch(self, transmission: Transmission, distance_mm: float | None) -> PitchPair:
+        from ncgear.pitch.pair import sized_pair
+
+        with below("train"):
+            return sized_pair(transmission, self.gears.teeth, self.gears.module_mm, distance_mm)
+
+    def _teeth(self, pitch: PitchPair) -> ToothedPair:
+        from ncgear.teeth.gear import toothed_pair
+
+        with below("train"):
+            return toothed_pair(pitch, self.gears.form(pitch.size.module_mm), self.gears.chord_tolerance_mm)
+
+
+MM_PER_M = 1000.0
+
+ROOM_MM = 2.0
+"""Least distance of two arms in mm that is sought."""
+
+RATIOS = 120
+"""Ratios by which the law of a path is given: five for each wave of the highest harmonic, which are exact to 1e-6."""

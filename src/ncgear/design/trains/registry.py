@@ -1,0 +1,70 @@
+"""The kinds of trains that a design file can name, one line each.
+
+To add a kind ``<name>``:
+
+1. ``trains/<name>.py``: its mathematics, which makes a ``Train`` (``trains/train.py``);
+2. ``design/trains/<name>.py``: its keys and how they make the train (``design/trains/base.py``);
+3. a line in ``KINDS`` below.
+
+The group ``train`` of design files, its JSON Schema and its faults, checks and builds follow from these lines.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import cache
+from typing import Any, Literal
+
+from pydantic import create_model
+
+from ncgear.design.keys.base import Model, optional, required
+from ncgear.design.keys.types import FILE_FORMAT, FileFormat
+from ncgear.design.reading.text import quoted
+from ncgear.design.trains.base import TrainKeys
+from ncgear.design.trains.chain import Chain
+from ncgear.design.trains.lobed_motor import LobedMotor
+from ncgear.design.trains.moving_axis import MovingAxis
+from ncgear.design.trains.planetary import Planetary
+from ncgear.design.words import LONGEST_DESCRIPTION, NAME_PATTERN, listed
+from ncgear.errors import WrongInput
+
+KINDS: dict[str, type[TrainKeys]] = {kind.KIND: kind for kind in (Planetary, Chain, LobedMotor, MovingAxis)}
+
+
+class TrainFile(Model):
+    """A design file of a train of gears."""
+
+    name: str = required("name of the design and of its output folder", pattern=NAME_PATTERN)
+    description: str = optional("free text", "", max_length=LONGEST_DESCRIPTION)
+    format: FileFormat = optional(FILE_FORMAT, 1)
+    train: TrainKeys = required("the train of gears; `kind` says which it is")
+
+
+def train_model(data: Mapping[str, Any]) -> type[TrainFile]:
+    """The model of a train file's data, whose keys are those of the kind that ``train.kind`` names.
+
+    Raises WrongInput for a train of no known kind.
+    """
+    given = data["train"]
+    kind = given.get("kind") if isinstance(given, Mapping) else None
+    if not isinstance(kind, str) or kind not in KINDS:
+        said = "missing" if kind is None else f"{quoted(kind)} given"
+        raise WrongInput(f"{said}; {listed(KINDS)} is needed", key="train.kind")
+    return _model_of(kind)
+
+
+@cache
+def _model_of(kind: str) -> type[TrainFile]:
+    keys = KINDS[kind]
+    named: Any = Literal[tuple(KINDS)]
+    meanings = "; ".join(f"{name}, {one.MEANING}" for name, one in KINDS.items())
+    kind_key: Any = named, required(f"which train it is: {meanings}")
+    title, first = f"{keys.__name__}Train", {"first": True}
+    named_keys: Any = create_model(title, __base__=keys, __doc__=keys.__doc__, __cls_kwargs__=first, kind=kind_key)
+    words = TrainFile.model_fields["train"].description or ""
+    return create_model(f"{keys.__name__}File", __base__=TrainFile, train=(named_keys, required(words)))
+
+
+def train_models() -> dict[str, type[TrainFile]]:
+    """The model of train files of each kind, by its name."""
+    return {kind: _model_of(kind) for kind in KINDS}

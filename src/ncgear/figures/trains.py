@@ -1,0 +1,149 @@
+"""What is told of a train of gears: the answer of a command, and the figures of its summary."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from ncgear.figures.advice.verdict import State
+from ncgear.figures.answers.answer import Answer, Fault, Row
+from ncgear.figures.numbers import micrometres, to_digits
+from ncgear.trains.contact import Distance, MeshContact, worst
+from ncgear.trains.train import Condition, Train
+
+ALLOWED_TOLERANCES = 3.0
+"""Penetration and gap that chords may leave, in chord tolerances: one of each outline, and one of the place between."""
+
+
+def train_figures(name: str, description: str, train: Train, conditions: Sequence[Condition]) -> dict[str, Any]:
+    """The figures of a train: what it is made of, what its kind tells, and whether its conditions hold."""
+    parts = [
+        {
+            "name": part.name,
+            "teeth": part.teeth,
+            "face_width_mm": part.face_width_mm,
+            "low_mm": part.low_mm,
+            "bore_mm": part.bore_mm,
+            "fixed_to": part.fixed_to or None,
+            "reach_mm": part.reach_mm,
+        }
+        for part in train.parts
+    ]
+    return {
+        "design": {"name": name, "description": description},
+        "train": {"driving": train.driving, "speed_rpm": train.speed_rpm, **train.told.figures},
+        "parts": parts,
+        "verdict": [_row(one) for one in conditions],
+    }
+
+
+def _row(one: Condition) -> dict[str, Any]:
+    """A condition with the keys that those of machines have, which ``--verbose`` prints, and what would help."""
+    state = State.NOT_JUDGED if one.holds is None else State.KEPT if one.holds else State.BROKEN
+    return {
+        "condition": one.name,
+        "stage": None,
+        "holds": one.holds,
+        "says": f"{one.name}: {one.said}",
+        "verdict": str(state),
+        "because": "; ".join(one.cures),
+        "remark": "",
+    }
+
+
+def contact_figures(contacts: Sequence[MeshContact], distances: Sequence[Distance]) -> dict[str, Any]:
+    """The meshes and the room between other parts as written, by polygons."""
+    return {
+        "meshes": [
+            {
+                "first": one.first,
+                "second": one.second,
+                "penetration_max_mm": one.deepest_mm,
+                "penetration_max_at_rad": one.deepest_at_rad,
+                "gap_max_mm": one.gap_mm,
+                "gap_max_at_rad": one.gap_at_rad,
+            }
+            for one in contacts
+        ],
+        "room": [
+            {"first": one.first, "second": one.second, "least_distance_mm": one.least_mm, "at_rad": one.at_rad}
+            for one in distances
+        ],
+    }
+
+
+def judged_contacts(
+    train: Train, contacts: Sequence[MeshContact], distances: Sequence[Distance]
+) -> tuple[Condition, ...]:
+    """Whether all meshes touch without overlap, and whether all other parts pass each other."""
+    allowed = ALLOWED_TOLERANCES * train.tolerance_mm
+    clashing = [one for one in contacts if one.clashes(allowed)]
+    parted = [one for one in contacts if one.parts(allowed)]
+    touching = [one for one in distances if one.least_mm <= 0.0]
+    deepest, widest = worst(contacts)
+    met = f"teeth overlap by {micrometres(deepest)} and part by {micrometres(widest)} at most"
+    said = [
+        *(_meets(one, "overlap by", one.deepest_mm, one.deepest_at_rad) for one in clashing),
+        *(_meets(one, "part by", one.gap_mm, one.gap_at_rad) for one in parted),
+    ]
+    room = [f"{one.first} and {one.second} meet at {np.degrees(one.at_rad):.4g} deg" for one in touching]
+    least = min(distances, key=lambda one: one.least_mm, default=None)
+    passing = "no parts at one height come near to each other"
+    if least is not None:
+        passing = (
+            f"{least.first} and {least.second} pass at {to_digits(least.least_mm, 3)} mm, all others farther apart"
+        )
+    return (
+        Condition("meshes", not said, "; ".join(said) or met),
+        Condition("room", not room, "; ".join(room) or passing),
+    )
+
+
+def _meets(one: MeshContact, how: str, value_mm: float, at_rad: float) -> str:
+    return f"{one.first} and {one.second} {how} {to_digits(value_mm, 3)} mm at {np.degrees(at_rad):.4g} deg"
+
+
+NOT_BUILT = (
+    Condition("meshes", None, "polygons are compared in a build"),
+    Condition("room", None, "polygons are compared in a build"),
+)
+"""What a check without files says of contact."""
+
+
+def train_answer(name: str, description: str, train: Train, conditions: Sequence[Condition], then: str) -> Answer:
+    """The answer about a train on one screen."""
+    rows = [Row(label, (text,)) for label, text in train.told.rows]
+    rows += [Row(one.name, (one.said,)) for one in conditions if one.holds]
+    unknown = [f"{one.name} ({one.said})" for one in conditions if one.holds is None]
+    return Answer(
+        f"{name}: {train.told.head}",
+        tuple(rows),
+        tuple(Fault(f"{one.name}: {one.said}", one.cures) for one in conditions if one.holds is False),
+        about=description,
+        good="No warnings.",
+        not_judged=f"Not judged: {', '.join(unknown)}." if unknown else "",
+        then=then,
+    )
+
+
+def poses_figures(train: Train, driving_rad: Any) -> Mapping[str, Any]:
+    """The poses of all parts at driving angles, for ``assembly.json``."""
+    poses = train.poses_at(driving_rad)
+    return {
+        "driving": train.driving,
+        "driving_rad": driving_rad.tolist(),
+        "meshes": [{"first": one.first, "second": one.second, "kind": one.kind.value} for one in train.meshes],
+        "parts": [
+            {
+                "name": part.name,
+                "fixed_to": part.fixed_to or None,
+                "z_mm": part.low_mm,
+                "x_mm": poses.x_mm[number].tolist(),
+                "y_mm": poses.y_mm[number].tolist(),
+                "angle_rad": poses.angle_rad[number].tolist(),
+            }
+            for number, part in enumerate(train.parts)
+        ],
+    }

@@ -1,0 +1,234 @@
+"""What a motor with a lobed sun, round planets and a lobed ring displaces, and what pressure does to its planets.
+
+A chamber lies between two neighbouring planets, the sun and the ring; pitch curves stand for the teeth, as they do in
+``pumped``: sealed is where curves touch.  With the notation of ``lobed``, the trailing planet of a chamber is at the
+place g = phi + chi and the leading one at g + 2 pi / N.  A pressure p in the chamber pushes the planet ahead with
+2 rho cos(eta) p per width, square to the line from the axis O through both contacts, which share it; the sun takes the
+pressure on its own curve besides.  Together they turn the sun with p (r R / 2), ahead less behind, so that the
+chamber's area grows with the sun's angle alpha, r R being d^2 - rho^2, by
+
+    dA/dalpha = (d_ahead^2 - d_behind^2) / 2.
+
+Each chamber goes through n N / (n + N) cycles in a turn of the sun against the ring, all n + N through n N, and so
+the motor displaces n N (A_most - A_least) in a turn.  Chambers are of the least area where a lobe of the sun meets a
+hump of the ring, and of the greatest where a hollow meets a lobe's top: these dead spaces stand still to the ring, and
+ports lie between them.
+"""
+
+from __future__ import annotations
+
+from functools import cached_property
+from math import gcd, lcm, pi
+
+import numpy as np
+
+from ncgear.frozen import dataclass
+from ncgear.numerics import chebyshev
+from ncgear.numerics.arrays import Array, ComplexArray
+from ncgear.numerics.chebyshev import PiecewiseChebyshev
+from ncgear.numerics.extrema import Extremum
+from ncgear.numerics.highest import largest_of_each
+from ncgear.numerics.zeros import all_zeros
+from ncgear.pitch.lobed import LobedCurves
+
+PLACES = 241
+"""Places over a period at which flow and forces are first looked at; both are smooth but for kinks and jumps."""
+
+
+@dataclass(frozen=True)
+class DeadSpace:
+    """A chamber of the least or of the greatest area in mm^2, at the place ``place_rad`` of its trailing planet.
+
+    ``middle_rad`` is its direction from a lobe's top of the ring; the planets beside it stand ``beside_rad`` to either
+    side, seen from the axis by their contacts.
+    """
+
+    area_mm2: float
+    place_rad: float
+    middle_rad: float
+    beside_rad: float
+
+
+@dataclass(frozen=True)
+class Port:
+    """The greatest round port that planets cover at both dead spaces beside it; negative radius: none.
+
+    ``direction_rad`` is the direction of its centre, counter-clockwise from a lobe's top of the ring.
+    """
+
+    direction_rad: float
+    distance_mm: float
+    radius_mm: float
+
+
+@dataclass(frozen=True, eq=False)
+class Chambers:
+    """The chambers of a motor of a width in mm."""
+
+    curves: LobedCurves
+    width_mm: float
+
+    @property
+    def count(self) -> int:
+        """Number of chambers, as many as planets."""
+        return self.curves.planets
+
+    @property
+    def step_rad(self) -> float:
+        """How far the next planet's place is ahead."""
+        return 2.0 * pi / self.curves.ring_lobes
+
+    @property
+    def cycle_rad(self) -> float:
+        """Turn of the sun in which a chamber goes through one cycle."""
+        return self.step_rad + self.curves.lobe_rad
+
+    def contact_rad(self, place_rad: Array) -> Array:
+        """phi, the polar angle on the sun at which a planet at a place touches, any shape."""
+        return self.curves.places.angle(place_rad)
+
+    @cached_property
+    def _swept(self) -> tuple[PiecewiseChebyshev, PiecewiseChebyshev]:
+        """Areas over a lobe of the sun that the rays to the contacts sweep, on the sun and on the ring."""
+
+        def on_sun(phi: Array) -> Array:
+            return self.curves.radius(phi, 0).value ** 2 / 2.0
+
+        def on_ring(phi: Array) -> Array:
+            whole, rate = self.curves.ring(phi, 0)
+            return whole.value**2 * rate.value / 2.0
+
+        sun, ring = (chebyshev.fitted(one, [0.0, self.curves.lobe_rad]).integrated() for one in (on_sun, on_ring))
+        return sun, ring
+
+    def area_mm2(self, place_rad: Array) -> Array:
+        """Area of the chamber whose trailing planet is at a place, shape (n,)."""
+        behind, ahead = (self.contact_rad(at) for at in (place_rad, place_rad + self.step_rad))
+        area = np.full(place_rad.shape, self._swept[1].final)
+        for form in self._swept:
+            area -= _continued(form, ahead, self.curves.lobe_rad) - _continued(form, behind, self.curves.lobe_rad)
+        for phi, side in ((behind, -1.0), (ahead, 1.0)):
+            # The planet's part on the chamber's side of the line through its contacts.
+            lean = 2.0 * side * self.curves.lean_rad(phi)
+            area -= self.curves.planet_radius_mm**2 / 2.0 * (pi + lean + np.sin(lean))
+        return area
+
+    def rate_mm2(self, place_rad: Array) -> Array:
+        """dA/dalpha in mm^2 per rad of the chamber whose trailing planet is at a place, shape (n,)."""
+        behind, ahead = (self._turned_by(self.contact_rad(at)) for at in (place_rad, place_rad + self.step_rad))
+        return ahead - behind
+
+    def _turned_by(self, phi: Array) -> Array:
+        """r R / 2."""
+        r, cosine, _ = (one.value for one in self.curves.sun(phi, 0))
+        return np.asarray(r * (r + 2.0 * self.curves.planet_radius_mm * cosine) / 2.0)
+
+    @cached_property
+    def dead_spaces(self) -> tuple[DeadSpace, DeadSpace]:
+        """The least and the greatest chamber."""
+        zeros = all_zeros(chebyshev.fitted(self.rate_mm2, [0.0, self.cycle_rad]))
+        areas = self.area_mm2(zeros)
+        return self._dead_space(zeros, areas, int(np.argmin(areas))), self._dead_space(
+            zeros, areas, int(areas.argmax())
+        )
+
+    def _dead_space(self, places: Array, areas: Array, row: int) -> DeadSpace:
+        behind, ahead = self._directions(places[row])
+        return DeadSpace(float(areas[row]), float(places[row]), (behind + ahead) / 2.0, (ahead - behind) / 2.0)
+
+    def _directions(self, place_rad: float) -> tuple[float, float]:
+        """Directions of the trailing and the leading planet's contacts from a lobe's top of the ring."""
+        phi = self.contact_rad(np.array([place_rad, place_rad + self.step_rad]))
+        behind, ahead = (-self.curves.chi_rad(phi)).tolist()
+        return behind, ahead + self.step_rad
+
+    @property
+    def per_turn_mm3(self) -> float:
+        """What the motor displaces in a turn of the sun against the ring."""
+        least, most = self.dead_spaces
+        return self.curves.sun_lobes * self.curves.ring_lobes * (most.area_mm2 - least.area_mm2) * self.width_mm
+
+    def places_rad(self, alpha_rad: Array) -> Array:
+        """Places of all planets at angles of the sun, shape (planets, n)."""
+        found: Array = np.arange(self.count)[:, None] * self.step_rad - alpha_rad
+        return found
+
+    def flow_mm3(self, alpha_rad: Array) -> Array:
+        """What growing chambers take up in mm^3 per rad of the sun, shape (n,): also the torque in N mm per N/mm^2."""
+        rates = self.rate_mm2(self.places_rad(alpha_rad).ravel()).reshape(self.count, -1)
+        return np.asarray(self.width_mm * np.maximum(rates, 0.0).sum(axis=0))
+
+    @cached_property
+    def flow_range(self) -> tuple[Extremum, Extremum]:
+        """The least and the greatest flow in mm^3 per rad, with the sun's angle."""
+        period = 2.0 * pi / lcm(self.curves.sun_lobes, self.curves.ring_lobes)
+        both = largest_of_each(
+            lambda alpha: np.stack([-self.flow_mm3(alpha), self.flow_mm3(alpha)]), np.linspace(0.0, period, PLACES)
+        )
+        return Extremum(-both[0].value, both[0].at), both[1]
+
+    @property
+    def pulsation(self) -> float:
+        """Greatest less least flow over the mean flow, at an even speed."""
+        least, most = self.flow_range
+        return (most.value - least.value) * 2.0 * pi / self.per_turn_mm3
+
+    @property
+    def pulses(self) -> int:
+        """Pulses of the flow in a turn of the sun: chambers in step pulse as one; growth begins and ends in turn."""
+        lobes = self.curves.sun_lobes, self.curves.ring_lobes
+        apart = self.count // gcd(*lobes)
+        return lcm(*lobes) * (2 if apart % 2 else 1)
+
+    def push_n(self, place_rad: Array, pressure_mpa: float) -> Array:
+        """Force of the pressure on a planet at a place, ahead positive; growing chambers are under pressure."""
+        behind, ahead = self.rate_mm2(place_rad - self.step_rad) > 0.0, self.rate_mm2(place_rad) > 0.0
+        _, cosine, _ = self.curves.sun(self.contact_rad(place_rad), 0)
+        across = 2.0 * self.curves.planet_radius_mm * cosine.value * self.width_mm
+        return np.asarray(pressure_mpa * across * (behind.astype(float) - ahead))
+
+    def tooth_force_n(self, place_rad: Array, pressure_mpa: float, rack_angle_rad: float) -> Array:
+        """Normal force of a planet's teeth on the sun's, and on the ring's alike.
+
+        The push goes through the planet's centre and is square to the line of both contacts, so each takes half of it;
+        flanks stand at the rack's angle to the pitch curves, which lean by eta from the push.
+        """
+        push = self.push_n(place_rad, pressure_mpa)
+        lean = self.curves.lean_rad(self.contact_rad(place_rad))
+        return np.abs(push) / 2.0 / np.cos(rack_angle_rad - np.sign(push) * lean)
+
+    def most_tooth_force(self, pressure_mpa: float, rack_angle_rad: float) -> Extremum:
+        """The greatest such force in N, with the planet's place."""
+        places = np.linspace(0.0, self.cycle_rad, PLACES)
+        return largest_of_each(lambda at: self.tooth_force_n(at, pressure_mpa, rack_angle_rad)[None], places)[0]
+
+    def ports(self, covering_mm: float) -> tuple[Port, Port]:
+        """The ports ahead of the least and of the greatest chamber, that planets of a radius ``covering_mm`` cover.
+
+        Growing chambers open to the first while the sun turns ahead, shrinking ones to the second.  A port is covered
+        by the leading planet of the dead space behind it, and by the trailing planet of the dead space ahead.
+        """
+        found = []
+        for dead, next_one in (self.dead_spaces, self.dead_spaces[::-1]):
+            leading = self._centre_mm(dead.place_rad + self.step_rad, dead, 1.0)
+            trailing = self._centre_mm(next_one.place_rad, next_one, -1.0)
+            # The dead space ahead is half a lobe of the ring on.
+            turn = dead.middle_rad + self.step_rad / 2.0 - next_one.middle_rad
+            trailing = trailing * np.exp(1j * turn)
+            middle = (leading + trailing) / 2.0
+            radius = covering_mm - abs(leading - trailing) / 2.0
+            found.append(Port(float(np.angle(middle)) % self.step_rad, abs(middle), float(radius)))
+        return found[0], found[1]
+
+    def _centre_mm(self, place_rad: float, dead: DeadSpace, side: float) -> complex:
+        """Centre of a planet beside a dead space, in the ring's frame."""
+        phi = self.contact_rad(np.array([place_rad]))
+        seen: ComplexArray = self.curves.centre_mm(phi) * np.exp(-1j * phi)
+        return complex(seen[0] * np.exp(1j * (dead.middle_rad + side * dead.beside_rad)))
+
+
+def _continued(form: PiecewiseChebyshev, phi: Array, period: float) -> Array:
+    """An antiderivative of a periodic function, beyond its period as well."""
+    periods, local = np.divmod(phi, period)
+    found: Array = periods * form.final + form(local)
+    return found

@@ -1,0 +1,95 @@
+"""A pitch curve that is known by its points: the curve of a gear whose mate's axis moves.
+
+Two gears of any motion roll on each other's centrodes: the paths of their instantaneous centre in the frame of each.
+Flanks need no more than the centrodes, so that teeth stand on them as on the curves of a law.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from ncgear.frozen import dataclass
+from ncgear.numerics.arrays import Array, ComplexArray
+from ncgear.numerics.plane import across, as_points
+from ncgear.pitch.arc_length import ArcMaps, arc_maps
+from ncgear.pitch.curve import ClosedPitchCurve, CurvePoints
+from ncgear.pitch.shape import Gear, Mesh
+
+Path = Callable[[Array], tuple[ComplexArray, ComplexArray, ComplexArray]]
+"""From driving angles in rad, shape (n,), to points in mm as complex numbers, and their first two derivatives."""
+
+
+@dataclass(frozen=True, eq=False)
+class RolledCurve(ClosedPitchCurve):
+    """A closed pitch curve of so many equal ``lobes``, whose points ``path`` tells by the driving angle.
+
+    With growing angle it runs clockwise on the driving gear and on a ring, against the clock on other gears.
+    ``turning`` is the sum of its curvature and of its mate's in 1/mm at driving angles.
+    """
+
+    gear: Gear
+    mesh: Mesh
+    arc: ArcMaps
+    lobes: int
+    path: Path
+    turning: Callable[[Array], Array]
+    starts_rad: Array
+
+    @property
+    def periods(self) -> int:
+        """Lobes of the curve."""
+        return self.lobes
+
+    @property
+    def unit_mm(self) -> float:
+        """Arc lengths are in mm."""
+        return 1.0
+
+    @property
+    def joints_rad(self) -> Array:
+        """Driving angles within one lobe, 0 first, at which smooth pieces begin."""
+        return self.starts_rad
+
+    def at_angle(self, phi1: Array) -> CurvePoints:
+        """The curve at driving angles in rad, of any shape."""
+        point, slope, bend = (one.reshape(np.shape(phi1)) for one in self.path(np.ravel(phi1)))
+        # The normal is on the left of the tangent of the driving gear, on the right of the driven gear's.
+        side = 1.0 if self.gear is Gear.DRIVING else -1.0
+        tangent = slope / np.abs(slope)
+        curvature = -side * across(slope, bend) / np.abs(slope) ** 3
+        return CurvePoints(as_points(point), as_points(tangent), as_points(side * 1j * tangent), curvature)
+
+    def mate_curvature(self, sigma_mm: float) -> float:
+        """Curvature in 1/mm of the mate beside the curve, positive where the mate is convex."""
+        sigma = np.array([sigma_mm])
+        return float(self.turning(self.driving_angle(sigma))[0] - self.at_length(sigma).curvature[0])
+
+
+def rolled_curve(
+    gear: Gear, mesh: Mesh, lobes: int, breaks_rad: Array, path: Path, turning: Callable[[Array], Array]
+) -> RolledCurve:
+    """The curve whose smooth pieces over one lobe lie between driving angles, 0 first and the lobe's end last.
+
+    Raises NoSuchMechanism as ``arc_maps``.
+    """
+    arc = arc_maps(lambda phi1: np.abs(path(phi1)[1]), breaks_rad)
+    return RolledCurve(gear, mesh, arc, lobes, path, turning, breaks_rad[:-1])
+
+
+def circle(gear: Gear, mesh: Mesh, radius_mm: float, mate_curvature: float) -> RolledCurve:
+    """The pitch circle of a round gear by its own angle; at 0 it touches where a driven gear's mate is, at -x.
+
+    ``mate_curvature`` in 1/mm stands for the mate's in messages.
+    """
+    turn = -1j if gear is Gear.DRIVING else 1j
+
+    def path(angle: Array) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+        point = -radius_mm * np.exp(turn * angle)
+        return point, turn * point, -point
+
+    total = 1.0 / radius_mm + mate_curvature
+    return rolled_curve(
+        gear, mesh, 1, np.array([0.0, 2.0 * np.pi]), path, lambda angle: np.full(np.shape(angle), total)
+    )

@@ -1,0 +1,262 @@
+"""Whether the parts of a train meet as they should: teeth in mesh touch and do not overlap, all others stay apart.
+
+Judged by polygons, the outlines as written in the files, at the poses of the train; nothing here knows how teeth were
+made.  Penetration is how deep a corner of one outline lies in the other part; the gap is the least distance of the two
+outlines at a position.  Both are taken at evenly spaced driving angles, and the worst places are then searched.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ncgear.frozen import dataclass
+from ncgear.numerics.arrays import Array, ComplexArray, Mask
+from ncgear.pitch.shape import Mesh
+from ncgear.trains.train import Part, Train
+
+if TYPE_CHECKING:
+    from shapely import Polygon
+
+POSITIONS = 241
+"""Driving angles of a cycle at which a mesh is judged: a prime, so that few tooth passages are struck at one phase."""
+
+FEW_MESHES, LEAST_POSITIONS = 4, 61
+"""Of more meshes than these, which are alike at other phases, each is judged at fewer positions, down to this prime."""
+
+SEARCHED = 3
+"""Worst positions about which the extreme is searched."""
+
+NARROWINGS = 12
+"""Steps of the search; each leaves 0.62 of the interval, together 3 thousandths of a step between positions."""
+
+GOLDEN = (5.0**0.5 - 1.0) / 2.0
+
+
+@dataclass(frozen=True)
+class MeshContact:
+    """How two parts in mesh meet over a cycle: greatest penetration and greatest gap in mm, with their driving angles.
+
+    ``deepest_mm`` is 0 where nothing overlaps.
+    """
+
+    first: str
+    second: str
+    deepest_mm: float
+    deepest_at_rad: float
+    gap_mm: float
+    gap_at_rad: float
+
+    def clashes(self, allowed_mm: float) -> bool:
+        """Whether the teeth overlap by more than is allowed."""
+        return self.deepest_mm > allowed_mm
+
+    def parts(self, allowed_mm: float) -> bool:
+        """Whether the teeth come apart by more than is allowed."""
+        return self.gap_mm > allowed_mm
+
+
+@dataclass(frozen=True)
+class Distance:
+    """The least distance in mm of two parts that are not in mesh, negative where they overlap, and where it is."""
+
+    first: str
+    second: str
+    least_mm: float
+    at_rad: float
+
+
+def contacts_of(train: Train, outlines_mm: Mapping[str, Array]) -> list[MeshContact]:
+    """How all meshes of a train meet, by outlines of its parts in mm, shape (n, 2), as they were written."""
+    return [_contact(train, mesh.first, mesh.second, mesh.kind, outlines_mm) for mesh in train.meshes]
+
+
+def _contact(train: Train, first: str, second: str, kind: Mesh, outlines_mm: Mapping[str, Array]) -> MeshContact:
+    meeting = _Meeting(outlines_mm[first], outlines_mm[second], ring=kind is Mesh.INTERNAL)
+    relative = _relative(train, first, second)
+    angles = _angles(train)
+    found = np.array([meeting.at(*one) for one in zip(*relative(angles), strict=True)])
+    ends = []
+    for column in (0, 1):
+
+        def value(angle: float, column: int = column) -> float:
+            (place,), (turn,) = relative(np.array([angle]))
+            return meeting.at(place, turn)[column]
+
+        ends.append(_greatest(value, angles, found[:, column]))
+    (deepest, deepest_at), (gap, gap_at) = ends
+    return MeshContact(first, second, deepest, deepest_at, gap, gap_at)
+
+
+def _angles(train: Train) -> Array:
+    count = max(LEAST_POSITIONS, POSITIONS * FEW_MESHES // max(len(train.meshes), FEW_MESHES))
+    return np.linspace(0.0, train.cycle_rad, count, endpoint=False)
+
+
+def _greatest(value: Callable[[float], float], angles: Array, found: Array) -> tuple[float, float]:
+    """The greatest value and its driving angle: the worst positions are searched by golden sections."""
+    best, at = float(found.max()), float(angles[np.argmax(found)])
+    step = angles[1] - angles[0]
+    for number in np.argsort(found)[::-1][:SEARCHED]:
+        low, high = angles[number] - step, angles[number] + step
+        left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+        at_left, at_right = value(left), value(right)
+        for _ in range(NARROWINGS):
+            if at_left > at_right:
+                high, right, at_right = right, left, at_left
+                left = high - GOLDEN * (high - low)
+                at_left = value(left)
+            else:
+                low, left, at_left = left, right, at_right
+                right = low + GOLDEN * (high - low)
+                at_right = value(right)
+        there, highest = (left, at_left) if at_left > at_right else (right, at_right)
+        if highest > best:
+            best, at = highest, float(there)
+    return best, at
+
+
+def _relative(train: Train, first: str, second: str) -> Callable[[Array], tuple[Array, Array]]:
+    """Place and turn of the second part in the frame of the first, as complex numbers at driving angles."""
+    numbers = train.number(first), train.number(second)
+
+    def at(driving_rad: Array) -> tuple[Array, Array]:
+        poses = train.poses_at(driving_rad)
+        (axis, turn), (other_axis, other_turn) = (poses.places(number) for number in numbers)
+        return (other_axis - axis) / turn, other_turn / turn
+
+    return at
+
+
+class _Meeting:
+    """Two outlines, of which only what is near to both parts is looked at."""
+
+    def __init__(self, first_mm: Array, second_mm: Array, *, ring: bool) -> None:
+        import shapely
+
+        self._first, self._second = (one @ np.array([1.0, 1.0j]) for one in (first_mm, second_mm))
+        self._reach = float(np.abs(self._first).max()), float(np.abs(self._second).max())
+        self._inner = float(np.abs(self._second).min())
+        self._ring = ring
+        self._areas: tuple[Polygon, Polygon] = shapely.Polygon(first_mm), shapely.Polygon(second_mm)
+        for area in self._areas:
+            shapely.prepare(area)
+
+    def at(self, place: complex, turn: complex) -> tuple[float, float]:
+        """Penetration and gap in mm where the second part's axis and turn are these in the frame of the first."""
+        import shapely
+
+        second = place + self._second * turn
+        if self._ring:
+            near = np.abs(second) <= self._reach[0] + NEAR_MM
+            inside_own = np.abs(self._first - place) >= self._inner - NEAR_MM
+        else:
+            near = np.abs(second) <= self._reach[0] + NEAR_MM
+            inside_own = np.abs(self._first - place) <= self._reach[1] + NEAR_MM
+        if not near.any() or not inside_own.any():
+            return 0.0, float(np.abs(self._first[:, None] - second[None, :]).min())
+        mine, theirs = _lines(self._first, inside_own), _lines(second, near)
+        gap = float(shapely.distance(mine, theirs))
+        back = (self._first[inside_own] - place) / turn
+        of_second = shapely.contains_xy(self._areas[0], second[near].real, second[near].imag)
+        of_first = shapely.contains_xy(self._areas[1], back.real, back.imag)
+        if self._ring:
+            # The ring's material is outside its outline.
+            of_first = ~of_first
+        deep = [
+            float(shapely.distance(shapely.points(points[within].real, points[within].imag), line).max())
+            for points, within, line in ((second[near], of_second, mine), (self._first[inside_own], of_first, theirs))
+            if within.any()
+        ]
+        return max(deep, default=0.0), gap
+
+
+NEAR_MM = 1e-6
+"""What is looked at beyond both reaches, so that a tip that just touches is not lost to rounding."""
+
+
+def _lines(outline: ComplexArray, kept: Mask) -> object:
+    """The pieces of a closed outline, complex of shape (n,), whose points are kept, each with a point at either end."""
+    import shapely
+
+    if kept.all():
+        closed = np.append(outline, outline[:1])
+        return shapely.LineString(np.stack([closed.real, closed.imag], axis=-1))
+    wide = kept | np.roll(kept, 1) | np.roll(kept, -1)
+    start = 0 if wide.all() else int(np.argmin(wide))
+    order = np.roll(np.arange(outline.size), -start)
+    marks = wide[order]
+    piece = np.cumsum(marks & ~np.roll(marks, 1))[marks]
+    points = outline[order[marks]]
+    return shapely.multilinestrings(shapely.linestrings(points.real, points.imag, indices=piece - piece[0]))
+
+
+def distances_of(train: Train, outlines_mm: Mapping[str, Array]) -> list[Distance]:
+    """The least distance of all parts that have heights in common and are neither in mesh nor one body."""
+    meshing = {frozenset((mesh.first, mesh.second)) for mesh in train.meshes}
+    found = []
+    for number, first in enumerate(train.parts):
+        for second in train.parts[number + 1 :]:
+            if frozenset((first.name, second.name)) in meshing or not first.overlaps(second):
+                continue
+            if _one_body(train, first, second) or first.rim_mm is not None or second.rim_mm is not None:
+                continue
+            one = _distance(train, first, second, outlines_mm)
+            if one is not None:
+                found.append(one)
+    return found
+
+
+def _one_body(train: Train, first: Part, second: Part) -> bool:
+    """Whether two parts move as one."""
+    return _body(train, first) == _body(train, second)
+
+
+def _body(train: Train, part: Part) -> str:
+    names = {one.name for one in train.parts}
+    while part.fixed_to in names:
+        part = train.part(part.fixed_to)
+    return part.fixed_to or part.name
+
+
+def _distance(train: Train, first: Part, second: Part, outlines_mm: Mapping[str, Array]) -> Distance | None:
+    """None where even the circles about both axes that hold all of both parts never meet."""
+    import shapely
+
+    angles = _angles(train)
+    relative = _relative(train, first.name, second.name)
+    place, turn = relative(angles)
+    apart = np.abs(place) - first.reach_mm - second.reach_mm
+    if apart.min() > 0.0:
+        return None
+    area = shapely.Polygon(outlines_mm[first.name])
+    other = outlines_mm[second.name] @ np.array([1.0, 1.0j])
+
+    def inward(angle: float) -> float:
+        (at,), (turned,) = relative(np.array([angle]))
+        return -_signed_distance(area, at + other * turned)
+
+    found = np.array(
+        [
+            -np.inf if far > 0.0 else -_signed_distance(area, at + other * turned)
+            for far, at, turned in zip(apart, place, turn, strict=True)
+        ]
+    )
+    worst, at_rad = _greatest(inward, angles, found)
+    return Distance(first.name, second.name, -worst, at_rad)
+
+
+def _signed_distance(area: Polygon, points: Array) -> float:
+    """Distance of a polygon from the polygon of complex points; where they overlap, minus the root of that area."""
+    import shapely
+
+    other = shapely.Polygon(np.stack([points.real, points.imag], axis=-1))
+    distance = float(area.distance(other))
+    return distance if distance > 0.0 else -(float(area.intersection(other).area) ** 0.5)
+
+
+def worst(found: Sequence[MeshContact]) -> tuple[float, float]:
+    """The greatest penetration and the greatest gap of several meshes, in mm."""
+    return max(one.deepest_mm for one in found), max(one.gap_mm for one in found)

@@ -1,0 +1,145 @@
+"""What a train with masses asks of its driving part and of its frame while the driving part turns evenly.
+
+Every part is a rigid body, its outline times its width of one density, without its bore and holes; masses can be put at
+points of parts.  The driving torque follows from virtual work: at each driving angle the inertia forces and the weights
+of all bodies do the work that the driving part does.  Friction and play are left out.  Derivatives by the driving angle
+are those of the Fourier series through evenly spaced poses of a cycle, so the train must stand as at first after it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import pi
+
+import numpy as np
+
+from ncgear.frozen import dataclass
+from ncgear.numerics.arrays import Array, ComplexArray
+from ncgear.numerics.plane import as_complex
+from ncgear.numerics.units import RAD_S_PER_RPM
+from ncgear.trains.train import Part, Train
+
+POSITIONS = 1440
+"""Poses of a cycle: a quarter of a degree, so that a thirtieth harmonic has 48 of them."""
+
+MM_PER_M = 1000.0
+
+
+@dataclass(frozen=True)
+class PutMass:
+    """A mass in kg at a point of a part, in the part's own frame in mm."""
+
+    part: str
+    at_mm: complex
+    kg: float
+
+
+@dataclass(frozen=True)
+class RigidBody:
+    """Mass in kg, its centre in the part's own frame in mm, and its moment of inertia about the centre in kg mm2."""
+
+    kg: float
+    center_mm: complex
+    kg_mm2: float
+
+
+@dataclass(frozen=True, eq=False)
+class TrainLoads:
+    """Over evenly spaced driving angles in rad of a cycle, shape (n,) each.
+
+    ``torque_n_m`` is what the driving part is given, ``force_n`` what inertia does to the frame, as complex numbers in
+    the frame of the ground, and ``moment_n_m`` the moment of inertia forces on the frame about the driving axis.
+    ``counterweight_kg_mm`` is the mass times its distance that a carrier at angle 0 needs, as a complex number in the
+    ground's frame, so that least of the force is left in the mean of squares; ``left_n`` is what is left.
+    """
+
+    driving_rad: Array
+    torque_n_m: Array
+    force_n: ComplexArray
+    moment_n_m: Array
+    counterweight_kg_mm: complex
+    left_n: ComplexArray
+    mass_kg: float
+
+    @property
+    def swing_n_m(self) -> tuple[float, float]:
+        """Least and greatest torque."""
+        return float(self.torque_n_m.min()), float(self.torque_n_m.max())
+
+
+def moments_of(outline: ComplexArray) -> tuple[float, complex, float]:
+    """Area in mm2, its first moment in mm3, and its second moment about the origin in mm4, of a closed polygon.
+
+    The outline is counter-clockwise, shape (n,); sums over its triangles with the origin.
+    """
+    after = np.roll(outline, -1)
+    cross = (outline.conj() * after).imag
+    first = complex(np.sum(cross * (outline + after)) / 6.0)
+    second = np.sum(cross * (np.abs(outline) ** 2 + np.abs(after) ** 2 + (outline.conj() * after).real))
+    return float(cross.sum()) / 2.0, first, float(second) / 12.0
+
+
+def body_of(part: Part, density_kg_m3: float, put: Sequence[PutMass] = ()) -> RigidBody:
+    """A part as a rigid body, with masses put on it."""
+    area, first, second = moments_of(as_complex(part.outline_mm))
+    if part.rim_mm is not None:
+        whole = pi * part.reach_mm**2
+        area, first, second = whole - area, -first, whole * part.reach_mm**2 / 2.0 - second
+    holes = [(hole.x_mm + 1j * hole.y_mm, hole.diameter_mm) for hole in part.holes]
+    for at, diameter in [*holes, *([] if part.bore_mm is None else [(0j, part.bore_mm)])]:
+        gone = pi * diameter**2 / 4.0
+        area, first, second = area - gone, first - gone * at, second - gone * (abs(at) ** 2 + diameter**2 / 8.0)
+    per_mm2 = density_kg_m3 * part.face_width_mm / MM_PER_M**3
+    kg = per_mm2 * area + sum(one.kg for one in put)
+    center = (per_mm2 * first + sum(one.kg * one.at_mm for one in put)) / kg
+    about_origin = per_mm2 * second + sum(one.kg * abs(one.at_mm) ** 2 for one in put)
+    return RigidBody(kg, center, about_origin - kg * abs(center) ** 2)
+
+
+def loads_of(train: Train, density_kg_m3: float, put: Sequence[PutMass], gravity_mm_s2: complex) -> TrainLoads:
+    """What the driving part and the frame bear; ``gravity_mm_s2`` is a complex number in the ground's frame."""
+    speed = train.speed_rpm * RAD_S_PER_RPM
+    driving = np.linspace(0.0, train.cycle_rad, POSITIONS, endpoint=False)
+    poses = train.poses_at(np.append(driving, train.cycle_rad))
+    axis = complex(*(float(values[train.number(train.driving), 0]) for values in (poses.x_mm, poses.y_mm)))
+    torque, moment = np.zeros(POSITIONS), np.zeros(POSITIONS)
+    force: ComplexArray = np.zeros(POSITIONS, dtype=complex)
+    total = 0.0
+    for number, part in enumerate(train.parts):
+        body = body_of(part, density_kg_m3, [one for one in put if one.part == part.name])
+        place, turn = poses.places(number)
+        center = (place + body.center_mm * turn)[:-1]
+        turned = poses.angle_rad[number]
+        rate = float(turned[-1] - turned[0]) / train.cycle_rad
+        velocity, acceleration = (_derivative(center, order, train.cycle_rad) for order in (1, 2))
+        swing = turned[:-1] - turned[0] - rate * driving
+        spin = _derivative(swing.astype(complex), 1, train.cycle_rad).real + rate
+        faster = _derivative(swing.astype(complex), 2, train.cycle_rad).real
+        inertia = body.kg * acceleration * speed**2
+        work = ((inertia - body.kg * gravity_mm_s2).conj() * velocity).real + body.kg_mm2 * faster * speed**2 * spin
+        torque += work
+        force -= inertia
+        moment -= ((center - axis).conj() * inertia).imag + body.kg_mm2 * faster * speed**2
+        total += body.kg
+    way = np.sign(_carrier_way(train, poses.angle_rad))
+    around = np.exp(1j * way * driving)
+    weight = complex(-np.mean(force * around.conj())) / speed**2
+    left = force + weight * speed**2 * around
+    # kg mm2/s2 are uN m, kg mm/s2 are mN
+    return TrainLoads(
+        driving, torque / MM_PER_M**2, force / MM_PER_M, moment / MM_PER_M**2, weight, left / MM_PER_M, total
+    )
+
+
+def _carrier_way(train: Train, angles_rad: Array) -> float:
+    turned = angles_rad[train.number(train.driving)]
+    return float(turned[-1] - turned[0])
+
+
+def _derivative(values: ComplexArray, order: int, period: float) -> ComplexArray:
+    """Derivative of a periodic function from evenly spaced values of a period, shape (n,)."""
+    waves = np.fft.fftfreq(values.size, period / values.size) * 2j * pi
+    # The highest wave has no derivative of odd order at these places.
+    waves[values.size // 2] *= 1 - order % 2
+    found: ComplexArray = np.fft.ifft(np.fft.fft(values) * waves**order)
+    return found

@@ -1,0 +1,189 @@
+"""What every train of gears is once it is made: parts, meshes, poses at any driving angle, and what is told of it.
+
+A kind of train is one module here, which returns a ``Train``, and one module of keys in ``design/trains``.  Checks,
+files, pictures and answers take the value and ask for nothing else.  Angles are in rad, lengths in mm; all outlines and
+poses are seen from +z, counter-clockwise positive.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import field, replace
+from typing import Any
+
+import numpy as np
+
+from ncgear.frozen import dataclass
+from ncgear.numerics.arrays import Array
+from ncgear.pitch.shape import Mesh
+
+GROUND = "ground"
+"""What a part that stands still is fixed to."""
+
+
+@dataclass(frozen=True)
+class PinHole:
+    """A round hole through a part, its centre in the part's own frame."""
+
+    x_mm: float
+    y_mm: float
+    diameter_mm: float
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """A body of one outline: a gear, a ring, or a bar such as a carrier, which has no teeth.
+
+    ``outline_mm`` (shape (n, 2), counter-clockwise, first point not repeated) is in the part's own frame, whose origin
+    is the axis about which it turns.  Of a ring it is the toothed hole, and ``rim_mm`` is the thickness outside the
+    deepest root; None for all other parts.  The part reaches from ``low_mm`` to ``low_mm + face_width_mm`` along z.
+    ``fixed_to`` names the part, or GROUND, with which it is one body; it is empty where there is none.
+    """
+
+    name: str
+    outline_mm: Array
+    face_width_mm: float
+    teeth: int = 0
+    low_mm: float = 0.0
+    bore_mm: float | None = None
+    rim_mm: float | None = None
+    fixed_to: str = ""
+    holes: tuple[PinHole, ...] = ()
+
+    @property
+    def reach_mm(self) -> float:
+        """Greatest distance of the part from its axis."""
+        return float(np.hypot(*self.outline_mm.T).max()) + (self.rim_mm or 0.0)
+
+    def overlaps(self, other: Part) -> bool:
+        """Whether both parts have heights in common."""
+        return self.low_mm < other.low_mm + other.face_width_mm and other.low_mm < self.low_mm + self.face_width_mm
+
+
+@dataclass(frozen=True)
+class GearMesh:
+    """Two parts whose teeth are in mesh, by their names; of an internal mesh the second one is the ring."""
+
+    first: str
+    second: str
+    kind: Mesh = Mesh.EXTERNAL
+
+
+@dataclass(frozen=True, eq=False)
+class Poses:
+    """Where all parts stand, in their order, at n driving angles: place of the axis and angle, shape (parts, n) each.
+
+    A point p of a part's own frame, as a complex number, is at ``x + i y + p exp(i angle)``.
+    """
+
+    x_mm: Array
+    y_mm: Array
+    angle_rad: Array
+
+    def places(self, number: int) -> tuple[Array, Array]:
+        """Of one part: its axis and its turn as complex numbers, shape (n,) each."""
+        return self.x_mm[number] + 1j * self.y_mm[number], np.exp(1j * self.angle_rad[number])
+
+
+@dataclass(frozen=True, eq=False)
+class Trace:
+    """A point of a part that is followed: the part's name, its place in the part's frame, and the points wished for.
+
+    ``wished_mm`` has shape (m, 2), which may be (0, 2), in the frame of the ground.
+    """
+
+    name: str
+    part: str
+    at_mm: tuple[float, float]
+    wished_mm: Array = field(default_factory=lambda: np.empty((0, 2)))
+
+
+@dataclass(frozen=True)
+class Condition:
+    """A condition that the train has to keep: its name, whether it holds (None: not judged), words, and what helps."""
+
+    name: str
+    holds: bool | None
+    said: str
+    cures: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Told:
+    """What a kind tells of its train.
+
+    ``head`` says in a few words what it is; ``rows`` are names with a text each, the most telling first; ``figures``
+    are those of the summary, whose keys end in their unit; ``conditions`` are those that the kind itself judges.
+    """
+
+    head: str
+    rows: tuple[tuple[str, str], ...] = ()
+    figures: Mapping[str, Any] = field(default_factory=dict)
+    conditions: tuple[Condition, ...] = ()
+
+
+@dataclass(frozen=True, eq=False)
+class Train:
+    """Parts, meshes and poses.
+
+    ``poses_at`` gives the poses at driving angles in rad, shape (n,).  ``driving`` names the part whose turning is the
+    driving angle, ``speed_rpm`` its speed.  After ``cycle_rad`` all parts stand as at first, but for whole turns or for
+    turns by whole periods of their teeth.  ``tolerance_mm`` is by how much outlines may be from the exact curves.
+    """
+
+    parts: tuple[Part, ...]
+    meshes: tuple[GearMesh, ...]
+    poses_at: Callable[[Array], Poses] = field(repr=False)
+    driving: str
+    cycle_rad: float
+    speed_rpm: float
+    tolerance_mm: float
+    told: Told
+    traces: tuple[Trace, ...] = ()
+
+    def __post_init__(self) -> None:
+        names = [part.name for part in self.parts]
+        unknown = [name for mesh in self.meshes for name in (mesh.first, mesh.second) if name not in names]
+        if len({*names}) != len(names) or unknown:
+            raise ValueError(f"parts {names} are not all different, or {unknown} are none of them")
+
+    def number(self, name: str) -> int:
+        """The place of a part among the parts."""
+        return next(number for number, part in enumerate(self.parts) if part.name == name)
+
+    def part(self, name: str) -> Part:
+        """A part by its name."""
+        return self.parts[self.number(name)]
+
+    def trace_mm(self, trace: Trace, driving_rad: Array) -> Array:
+        """Where a followed point is at driving angles in rad, shape (n,), as points of shape (n, 2)."""
+        axis, turn = self.poses_at(driving_rad).places(self.number(trace.part))
+        there = axis + complex(*trace.at_mm) * turn
+        return np.stack([there.real, there.imag], axis=-1)
+
+
+def mirrored(points_mm: Array) -> Array:
+    """A ring of points, shape (n, 2), reflected in the x axis, and in the other order, so that it turns as before."""
+    return (points_mm * [1.0, -1.0])[::-1]
+
+
+def seen_from_behind(train: Train) -> Train:
+    """The train reflected in the x axis: what turned counter-clockwise turns clockwise."""
+
+    def poses_at(driving_rad: Array) -> Poses:
+        poses = train.poses_at(driving_rad)
+        return Poses(poses.x_mm, -poses.y_mm, -poses.angle_rad)
+
+    parts = tuple(
+        replace(
+            part,
+            outline_mm=mirrored(part.outline_mm),
+            holes=tuple(replace(hole, y_mm=-hole.y_mm) for hole in part.holes),
+        )
+        for part in train.parts
+    )
+    traces = tuple(
+        replace(trace, at_mm=(trace.at_mm[0], -trace.at_mm[1]), wished_mm=trace.wished_mm * [1.0, -1.0])
+        for trace in train.traces
+    )
+    return replace(train, parts=parts, traces=traces, poses_at=poses_at)

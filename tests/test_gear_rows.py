@@ -1,0 +1,162 @@
+"""Gears in a row, where idlers mesh with two mates: laws in closed form and by quadrature, teeth by polygons."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from math import pi, radians
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+import pytest
+from mpmath import mp, mpf
+
+from ncgear.design.reading.train_file import load_train
+from ncgear.errors import WrongInput
+from ncgear.numerics.arrays import Array
+from ncgear.pitch.shape import Gear
+from ncgear.ratio.laws.ellipse import elliptical_law
+from ncgear.ratio.transmission import Lobes
+from ncgear.trains.chain import row_of
+from ncgear.trains.contact import contacts_of
+from ncgear.trains.train import Poses, Train
+
+DESIGN = Path(__file__).parents[1] / "designs" / "idler-chain.yaml"
+SHAPE = "idler_radius: 5*cos(phi) + sqrt(40**2 - (5*sin(phi))**2)"
+
+
+@cache
+def train_of(changes: tuple[tuple[str, str], ...] = ()) -> Train:
+    text = DESIGN.read_text()
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "changed.yaml"
+        path.write_text(text)
+        return load_train(path).file.train.train()
+
+
+OTHERS = (
+    ((SHAPE, "ratio: 1 + 0.25*cos(phi)"), ("bends_deg: [40, -70]", "bends_deg: [-35, 20]"), ("teeth: 36", "teeth: 40")),
+    (
+        (SHAPE, "ratio: 1 + 0.15*sin(2*phi)"),
+        ("[1, 1, 1, 1]", "[2, 3, 2, 4]"),
+        ("[40, -70]", "[50, 50]"),
+        ("teeth: 36", "teeth: 48"),
+    ),
+)
+
+
+@pytest.mark.judges("trains")
+def test_elliptic_idlers_in_a_straight_row_square_the_ratio() -> None:
+    """Ellipses about their foci turn with tan(theta / 2) = k tan(phi / 2); the idler's far side does so once more."""
+    share = 0.3
+    law = elliptical_law(share, 0.0, Lobes())
+    row = row_of(law, (1, 1, 1, 1), (0.0, 0.0, 0.0), 40, 2.0)
+    phi = np.linspace(0.1, 3.0, 9)
+    first, second, third = np.tan(row.turned_rad(phi)[1:] / 2.0) / np.tan(phi / 2.0)
+    factor = first[0]
+    assert max(factor, 1.0 / factor) == pytest.approx((1.0 + share) / (1.0 - share), rel=1e-12)
+    for found, power in ((first, 1), (second, 2), (third, 3)):
+        assert found == pytest.approx(np.full(9, factor**power), rel=1e-9)
+    assert [pair.center_distance_mm for pair in row.pairs] == pytest.approx([row.pairs[0].center_distance_mm] * 3)
+    slope = row.slope(phi, 1)
+    step = 1e-6
+    turned = [row.turned_rad(phi + one)[-1] for one in (-step, step)]
+    assert slope.value == pytest.approx((turned[1] - turned[0]) / (2.0 * step), rel=1e-8)
+    slopes = [row.slope(phi + one, 1).value for one in (-step, step)]
+    assert slope.derivative(1) == pytest.approx((slopes[1] - slopes[0]) / (2.0 * step), abs=1e-7)
+
+
+@pytest.mark.thorough
+@pytest.mark.judges("trains")
+def test_mates_of_an_eccentric_idler_by_quadrature() -> None:
+    """The idler's radius where it faces each mate, by its polar angle: 30 digits, without the code's laws."""
+    train = train_of()
+    offset, circle, bend = 5.0, 40.0, radians(40.0)
+    alpha = np.array([1.1])
+    poses = train.poses_at(alpha)
+    axes = poses.x_mm[:, 0] + 1j * poses.y_mm[:, 0]
+    distance = abs(axes[1] - axes[0])
+    assert np.angle((axes[2] - axes[1]) / (axes[1] - axes[0])) == pytest.approx(bend, abs=1e-12)
+    with mp.workdps(30):
+        # Sizes as in the file; the module scales them.
+        unit = mp.findroot(
+            lambda a: mp.quad(lambda t: _ratio(t, a, offset, circle), [0, mp.pi, 2 * mp.pi]) - 2 * mp.pi, 80
+        )
+
+        def mate(at: mpf, face: float) -> mpf:
+            """How far a mate turns while the idler turns by ``at``; the idler faces it at a polar angle later."""
+            return mp.quad(lambda t: _ratio(t + face, unit, offset, circle), [0, at])
+
+        first = float(poses.angle_rad[1, 0] - train.poses_at(np.zeros(1)).angle_rad[1, 0])
+        assert first < 0.0
+        assert float(mate(mpf(-first), 0.0)) == pytest.approx(1.1, abs=1e-9)
+        turned = float(poses.angle_rad[2, 0] - train.poses_at(np.zeros(1)).angle_rad[2, 0])
+        assert float(mate(mpf(-first), bend - pi)) == pytest.approx(turned, abs=1e-9)
+    scale = 36 * pi * 2.0 / (2.0 * pi * circle)
+    assert float(unit) * scale == pytest.approx(distance, rel=1e-9)
+
+
+def _ratio(polar: mpf, distance: mpf, offset: float, circle: float) -> mpf:
+    radius = offset * mp.cos(polar) + mp.sqrt(circle**2 - (offset * mp.sin(polar)) ** 2)
+    return radius / (distance - radius)
+
+
+def outlines_of(train: Train) -> dict[str, Array]:
+    return {part.name: part.outline_mm for part in train.parts}
+
+
+@pytest.mark.judges("trains")
+@pytest.mark.thorough
+@pytest.mark.parametrize("changes", [(), *(pytest.param(one, marks=pytest.mark.slow) for one in OTHERS)])
+def test_every_idler_meshes_with_both_of_its_mates(changes: tuple[tuple[str, str], ...]) -> None:
+    """By polygons over a cycle; concave curves and lobes of all kinds, too."""
+    train = train_of(changes)
+    for found in contacts_of(train, outlines_of(train)):
+        assert found.deepest_mm < train.tolerance_mm
+        assert found.gap_mm < 3.0 * train.tolerance_mm
+
+
+def turned(train: Train, angle_rad: float) -> Train:
+    """The train with its last gear turned on."""
+
+    def poses_at(driving_rad: Array) -> Poses:
+        poses = train.poses_at(driving_rad)
+        return replace(poses, angle_rad=poses.angle_rad + np.array([0.0, 0.0, 0.0, angle_rad])[:, None])
+
+    return replace(train, poses_at=poses_at, meshes=train.meshes[-1:])
+
+
+@pytest.mark.slow
+def test_a_gear_half_a_pitch_off_clashes() -> None:
+    train = train_of()
+    (found,) = contacts_of(turned(train, pi / 36.0), outlines_of(train))
+    assert found.deepest_mm > 0.1
+
+
+@pytest.mark.slow
+def test_the_last_gear_turns_on_freely_by_the_play() -> None:
+    """0.08 mm along the normal, which is at most 42 mm from the axis."""
+    train = train_of()
+    free, over = (contacts_of(turned(train, -angle), outlines_of(train))[0] for angle in (0.07 / 42.0, 0.11 / 30.0))
+    assert free.deepest_mm < train.tolerance_mm
+    assert free.gap_mm > 0.02
+    assert over.deepest_mm > train.tolerance_mm
+
+
+def test_round_gears_are_a_plain_row() -> None:
+    row = row_of(elliptical_law(0.0, 0.0, Lobes(2, 3)), (2, 3, 1), (0.0, 0.5), 20, 1.0)
+    assert row.teeth == (20, 30, 10)
+    assert np.abs(np.diff(row.axes_mm)) == pytest.approx([25.0, 20.0], rel=1e-9)
+    assert row.turned_rad(np.array([0.6]))[:, 0] == pytest.approx([0.6, 0.4, 1.2], rel=1e-9)
+    assert row.pairs[1].length_mm(Gear.DRIVING) == pytest.approx(row.pairs[0].length_mm(Gear.DRIVEN), rel=1e-9)
+
+
+def test_bends_that_are_not_those_of_the_idlers_are_refused() -> None:
+    with pytest.raises(WrongInput, match="4 gears have 2 idlers"):
+        train_of((("[40, -70]", "[40]"),))
+    with pytest.raises(WrongInput, match="a ratio is given as well"):
+        train_of(((SHAPE, SHAPE + "\n  ratio: 1 + 0*phi"),))
