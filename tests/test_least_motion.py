@@ -330,7 +330,7 @@ def test_another_search_finds_no_less_load_of_the_teeth(goal: str, name: str) ->
 @pytest.mark.parametrize("goal", ["least_tooth_force", "least_flank_load"])
 def test_a_goal_of_the_teeth_needs_gears(goal: str) -> None:
     text = HEAD.replace("gears: {teeth: 60, module_mm: 2, face_width_mm: 20}\n", "")
-    with pytest.raises(DesignError, match="a force between teeth needs the gears' size") as refused:
+    with pytest.raises(DesignError, match="it needs the gears' size") as refused:
         _ = BestLaw(parsed(f"{text}optimize: {{goal: {goal}}}\n", Path("d.yaml")).design).begun
     assert refused.value.key == "optimize.goal"
 

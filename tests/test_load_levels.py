@@ -108,8 +108,7 @@ def test_the_levels_of_the_search_are_the_exact_figures() -> None:
     caps = {level.wish: level.cap for level in search.programme.levels}
     for name, limit in every.items():
         share = reached[name] / caps[name]
-        told = limit * (share**0.5 if name == "rms_torque_n_m" else share)
-        assert told == pytest.approx(getattr(exact, name), rel=1e-4), name
+        assert limit * share == pytest.approx(getattr(exact, name), rel=1e-4), name
 
 
 @pytest.mark.long

@@ -41,6 +41,7 @@ from ncgear.studio.followed import Followed
 from ncgear.studio.form import form
 from ncgear.studio.gear_answers import contact_answers, gear_answers
 from ncgear.studio.handles import handles
+from ncgear.studio.jobs import Job
 from ncgear.studio.motion_answers import motion_answers
 from ncgear.studio.worker import GEARS, MOTION, PICTURES, answers_of
 
@@ -698,3 +699,16 @@ def test_a_picture_is_broken_off_by_a_newer_change_but_never_two_in_a_row(monkey
         assert requests.next()["n"] == 3
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+def test_machines_of_a_job_are_its_own(tmp_path: Path) -> None:
+    """Of a run that is done, or cancelled after it wrote; not of one that failed, and not those of an earlier run."""
+    job = Job(1, "design", "", "mine", tmp_path, lambda job: None)
+    found = {"machines": [{"name": "mine-1"}], "recommended": "mine-1"}
+    assert open_page._machines_of(job) == {}
+    (tmp_path / "machines.json").write_text(json.dumps(found), encoding="utf-8")
+    assert open_page._machines_of(job) == {}
+    for job.status, job.cancelled, told in ((0, False, found), (130, True, found), (3, False, {})):
+        assert open_page._machines_of(job) == told
+    job.status, job.begun_s = 0, time.time() + 60.0
+    assert open_page._machines_of(job) == {}

@@ -829,3 +829,26 @@ def test_the_best_law_is_found_and_taken_over(opened: Opened) -> None:
     assert (opened.fact("peak power"), opened.fact("peak acceleration")) != before
     assert "spline_ratio" in opened.text
     lines_agree(opened)
+
+
+@pytest.mark.long
+def test_whole_machines_are_found_and_shown_one_after_the_other(browser: Any, pusher: Studio) -> None:
+    """Each machine that is clicked becomes the design, by its name in the list or by its point in the picture."""
+    pytest.importorskip("casadi", reason="the optimiser is not installed")
+    opened = Opened(browser, pusher)
+    page = opened.page
+    page.set_default_timeout(20.0 * LONGEST_MS)
+    asked = f"{opened.text}\nchoices: {{machines: 3}}\n"
+    opened.step(lambda: page.evaluate("text => ncgear.send({ do: 'text', text })", asked))
+    page.locator("[data-run=design]").click()
+    rows = page.locator("ul.machines li")
+    rows.first.wait_for()
+    names = rows.locator("button").all_text_contents()
+    assert "; recommended" in " ".join(rows.all_text_contents())
+    for number, name in enumerate(names):
+        opened.step(rows.nth(number).locator("button").click)
+        assert f"name: {name}" in opened.text
+        power = float(rows.nth(number).text_content().split(name)[1].split()[0])
+        assert float(opened.fact("peak power").split()[0]) == pytest.approx(power, rel=1e-3)
+    opened.step(page.locator("svg.frontier circle").first.click)
+    assert f"name: {names[0]}" in opened.text

@@ -49,7 +49,7 @@ def design(
                 if not begun or begun[-1] != what:
                     begun.append(what)
                     on_step(what)
-                on_step.within(f"{done} of {most}")
+                on_step.within(f"{done} of {most}" if most else f"{done}")
 
             search = MachineSearch(loaded, tell_step, scheduler, processes)
             try:

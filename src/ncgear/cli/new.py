@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Mapping, Sequence
+from enum import StrEnum
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, TypeVar
 
 import typer
 
@@ -56,6 +58,9 @@ def new(
             help="Begin with a pair of gears to print, of a shape or a drawing: SVG, DXF, PNG, JPEG, CSV of points.",
         ),
     ] = None,
+    design: Annotated[
+        bool, typer.Option("--design", help="Begin a machine of which ncgear design finds law, gears and flywheel.")
+    ] = False,
     wish: Annotated[
         list[str] | None,
         typer.Option(metavar="KEY: VALUE", help="A wish of the motion, as under `wishes` in the file; again for more."),
@@ -84,24 +89,70 @@ def new(
         "module_mm": module_mm,
         "face_width_mm": face_width_mm,
     }
+    asked = {"design": design or None, "wish": wish}
     if example is not None:
-        _require_alone("example", example, {"law": law, "machine": machine, "shape": shape, "wish": wish, **sizes})
+        _require_alone("example", example, {**asked, "law": law, "machine": machine, "shape": shape, **sizes})
         _write_example(example, name)
         return
     if shape is not None:
-        _require_alone("shape", shape, {"law": law, "machine": machine, "wish": wish, **sizes})
+        _require_alone("shape", shape, {**asked, "law": law, "machine": machine, **sizes})
         _write_shape(shape, _free(name))
+        return
+    if design:
+        _write_asked(name, machine, law, sizes, wish or [], yes=yes)
         return
     if machine is not None and law is not None:
         raise WrongInput("a machine begins with its own law; give --machine or --law", key="--machine")
     beginning, wishes = machine or law, wish or []
     _require_wishes(wishes)
     given = _sound({answer: value for answer, value in sizes.items() if value is not None})
-    person_can_answer = sys.stdin.isatty() and sys.stderr.isatty()
-    if person_can_answer and not yes:
+    if _person_can_answer() and not yes:
         _ask_and_write(name, beginning, given, wishes)
     else:
         _write(_free(name), beginning or DEFAULT_LAW, given, wishes)
+
+
+def _person_can_answer() -> bool:
+    return sys.stdin.isatty() and sys.stderr.isatty()
+
+
+def _write_asked(
+    name: str | None,
+    machine: MachineName | None,
+    law: LawName | None,
+    sizes: Mapping[str, float | None],
+    wishes: Sequence[str],
+    *,
+    yes: bool,
+) -> None:
+    """Write a file in which a whole machine is sought, from ten answers; those of the kind of machine with ``yes``."""
+    from ncgear.design.asked_machine import QUESTIONS as OF_MACHINE
+    from ncgear.design.asked_machine import asked_text, fault_of_answer, likely_answers
+    from ncgear.design.beginning import begun, wishes_told
+    from ncgear.design.reading.design_file import parsed
+    from ncgear.project.drive import Drive
+
+    sought = {"law": law, **{key: value for key, value in sizes.items() if key not in SIZES_OF_MACHINES}}
+    for option, value in sought.items():
+        if value is not None:
+            problem = "given with --design, which finds it; leave it out"
+            raise WrongInput(problem, key=f"--{option.replace('_', '-')}")
+    _require_wishes(wishes)
+    given = _sound({answer: value for answer, value in sizes.items() if value is not None})
+    ask = _person_can_answer() and not yes
+    path = _free((name or _asked_name()) if ask else name)
+    kind = machine or (_asked_machine() if ask else MachineName.PUSHER)
+    own = _asked_sizes(kind, given, given) if ask else given
+    told = wishes_told(wishes or (_asked_wishes() if ask else []))
+    text = begun(path.stem, kind, own)
+    answers = likely_answers(text)
+    if ask:
+        for one, question in OF_MACHINE.items():
+            answers[one] = _asked(question, answers[one], partial(fault_of_answer, one, text))
+    made = asked_text(path.stem, kind, own, answers, told)
+    # Wishes are read against the mechanism once
+    Drive(parsed(made, path).design).motion_wishes  # noqa: B018
+    _create(path, made)
 
 
 def _require_alone(alone: str, chosen: str, given: Mapping[str, object]) -> None:
@@ -256,6 +307,9 @@ def _buildable(name: str, beginning: Beginning, sizes: dict[str, float], wishes:
 
 NO_MORE = "none"
 
+SIZES_OF_MACHINES = ("stroke_mm", "speed_rpm")
+"""Sizes that are asked for of a machine."""
+
 QUESTIONS = {
     "stroke_mm": "stroke of the slider in mm",
     "crank_mm": "length of the crank in mm",
@@ -275,11 +329,23 @@ def _asked_name() -> str:
 def _asked_beginning() -> Beginning:
     """One of the laws or the machines, by its number or its name."""
     choices: dict[Beginning, str] = {law: design_law(law).choice for law in LawName} | CHOICES
+    return _asked_of("motion law or machine", choices)
+
+
+def _asked_machine() -> MachineName:
+    """One of the machines, by its number or its name."""
+    return _asked_of("kind of machine", CHOICES)
+
+
+One = TypeVar("One", bound=StrEnum)
+
+
+def _asked_of(question: str, choices: Mapping[One, str]) -> One:
     for number, (one, choice) in enumerate(choices.items(), 1):
         typer.echo(f"  {number:>2}  {one:<22}{choice}", err=True)
     told = {str(number): one for number, one in enumerate(choices, 1)} | {one.value: one for one in choices}
     fault = "its number or its name is right"
-    return told[_asked("motion law or machine", "1", lambda answer: None if answer in told else fault)]
+    return told[_asked(question, "1", lambda answer: None if answer in told else fault)]
 
 
 def _asked_sizes(beginning: Beginning, given: Mapping[str, float], before: Mapping[str, float]) -> dict[str, float]:
@@ -291,7 +357,7 @@ def _asked_sizes(beginning: Beginning, given: Mapping[str, float], before: Mappi
 
     lengths = "stroke_mm", "crank_mm"
     if isinstance(beginning, MachineName):
-        asked = ["stroke_mm", "speed_rpm"]
+        asked = list(SIZES_OF_MACHINES)
     else:
         asked = [design_law(beginning).asked_length, *(one for one in QUESTIONS if one not in lengths)]
     # Stroke and crank give each other, so that only one of them is asked for.

@@ -54,8 +54,8 @@ def optimize(
         name = ending_in(SUFFIX, loaded.design.name)
         folder = out or EXPORT / name
         prepare(folder)
-        free = loaded.design.free_flywheel
-        with steps_shown(6 if free else 5) as on_step:
+        lengths, flywheel = loaded.design.free_lengths, loaded.design.free_flywheel
+        with steps_shown(5 + bool(lengths) + bool(flywheel)) as on_step:
             best = BestLaw(
                 loaded.design,
                 starts,
@@ -63,8 +63,12 @@ def optimize(
                 processes,
                 lambda solved, most: on_step.within(f"{solved} of at most {most} steps"),
                 lambda laws: on_step.within(f"{laws} laws"),
+                lambda laws: on_step.within(f"{laws} mechanisms"),
             )
-            if free:
+            if lengths:
+                on_step("lengths")
+                best.lengths  # noqa: B018
+            if flywheel:
                 on_step("flywheel")
                 best.flywheel  # noqa: B018
             on_step("certified limit")

@@ -7,7 +7,7 @@ law for the same wishes.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from enum import StrEnum
 from pathlib import Path
 from string import Template
@@ -56,6 +56,11 @@ def template(name: str, law: LawName = DEFAULT_LAW, wishes: Mapping[str, Any] | 
 def machine_template(name: str, machine: MachineName) -> str:
     """A complete design file called ``name`` of a machine, with comments: sizes, loads, masses, gears, wishes."""
     return f"{_head(name)}\n{_text(f'machines/{machine}')}"
+
+
+def choices_template(processes: Sequence[str]) -> str:
+    """The group ``choices`` of a design file in which whole machines are sought, with comments."""
+    return _text("choices", processes=", ".join(processes))
 
 
 def shape_template(name: str, shape: str) -> str:

@@ -25,6 +25,7 @@ from ncgear.numerics.extrema import Extremum, extremes
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.quadrature import gauss_points
 from ncgear.numerics.units import N_M_PER_N_MM
+from ncgear.numerics.waves import rms_above
 from ncgear.numerics.zeros import all_zeros
 
 NODES = 25
@@ -77,6 +78,11 @@ class Fluctuation:
         """Root of the mean over the driving angle of the squared torque."""
         points, weights = gauss_points(self.torque.breaks, NODES)
         return sqrt(float(np.sum(weights * self.torque(points) ** 2)) / float(np.ptp(self.torque.breaks)))
+
+    def rms_above_n_mm(self, order: int) -> float:
+        """Root mean square over the driving angle of the torque's harmonics above an order."""
+        points, weights = gauss_points(self.torque.breaks, NODES)
+        return rms_above(points, weights, self.torque(points), order)
 
     @cached_property
     def flank_changes_rad(self) -> Array:

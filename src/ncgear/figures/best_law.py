@@ -29,6 +29,7 @@ from ncgear.optimum.makeable.demanded import CLOSE
 from ncgear.optimum.makeable.wishes import Goal
 from ncgear.optimum.task import LOAD_LIMITS, Figures
 from ncgear.project.best_law import BestLaw
+from ncgear.project.free_lengths import changed_keys
 from ncgear.project.frontier_run import Frontier
 from ncgear.project.law import kept_size
 from ncgear.project.sought_machine import SoughtMachine
@@ -42,6 +43,8 @@ UNITS = {
     Goal.SHAKING_FORCE: "N",
     Goal.TOOTH_FORCE: "N",
     Goal.FLANK_LOAD: "N mm",
+    Goal.TORQUE_HARMONICS: "N m",
+    Goal.CENTER_DISTANCE: "mm",
     Goal.PRESSURE_ANGLE: "deg beside the rack's",
     Goal.WEIGHTED: "1",
 }
@@ -63,6 +66,7 @@ def unit_of_goal(best: BestLaw) -> str:
     of_motion = {
         Goal.SPEED: output.speed.text,
         Goal.ACCELERATION: output.acceleration.text,
+        Goal.ACCELERATION_HARMONICS: output.acceleration.text,
         Goal.JERK: f"{output.speed.text}3",
     }
     return {**UNITS, **of_motion}[best.wishes.goal]
@@ -80,6 +84,7 @@ def optimized_design(loaded: LoadedDesign, best: BestLaw) -> str:
     ratio, second = best.law.ratio.tolist(), best.law.second
     motion = found_values(ratio, None if second is None else second.tolist())
     values: dict[str, Any] = {"name": ending_in(SUFFIX, best.design.name), "motion": motion}
+    values |= changed_keys(best.given, best.design)
     if best.flywheel is not None:
         values["masses.driven_flywheel_kg_mm2"] = best.flywheel.inertia_kg_mm2
     if best.design.motion.gives_center_distance and best.design.gears is not None:
@@ -105,6 +110,13 @@ def certificate(best: BestLaw) -> dict[str, Any]:
             "programmes": effort.programmes if effort else None,
             "parts": effort.parts if effort else None,
             "argument": ARGUMENT,
+        },
+        "lengths": None
+        if best.lengths is None
+        else {
+            "values": dict(best.lengths.values),
+            "limit_with_any": best.lengths.least_with_any,
+            "outside_the_proof": FREE_LENGTHS,
         },
         "driven_flywheel": None
         if best.flywheel is None
@@ -134,6 +146,10 @@ FREE_FLYWHEEL = (
     "goal.limit holds for the flywheel that was chosen; with every flywheel of the range only limit_with_any is certain"
 )
 
+FREE_LENGTHS = (
+    "goal.limit holds for the lengths that were chosen; with all lengths of the ranges only limit_with_any is certain"
+)
+
 REACHED = 0.99
 """Share of a limit from which a law counts as near to it: laws of few knots stay a little under what binds them."""
 
@@ -148,6 +164,8 @@ def limits_not_reached(best: BestLaw) -> dict[str, tuple[float, float]]:
         **{f"peak_speed_{unit}_s": found.peak_speed_mm_s for unit in ("mm", "rad")},
         **{f"peak_acceleration_{unit}_s2": found.peak_acceleration_mm_s2 for unit in ("mm", "rad")},
         **{f"peak_jerk_{unit}_s3": found.peak_jerk_mm_s3 for unit in ("mm", "rad")},
+        **{f"acceleration_harmonics_{unit}_s2": found.acceleration_harmonics_mm_s2 for unit in ("mm", "rad")},
+        "center_distance_mm": found.center_distance_mm,
         "pressure_angle_deg": degrees(found.tangent_rad + rack),
         "ratio_max": found.ratio_max,
         "peak_power_w": found.peak_power_w,

@@ -14,7 +14,9 @@ from ncgear.mechanisms.mechanism import Output
 from ncgear.numerics.arrays import Array, distinct
 from ncgear.numerics.extrema import Extremum, extremes_on, grid_between
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.quadrature import gauss_points
 from ncgear.numerics.units import RAD_S_PER_RPM
+from ncgear.numerics.waves import rms_above
 from ncgear.shown import Shown
 
 
@@ -95,6 +97,9 @@ def kinematic_check(machine: Machine) -> KinematicCheck:
     )
 
 
+NODES = 8
+"""Gauss points between two points of a grid on which extremes are looked for."""
+
 JUMP = 1e-7
 """Share of the peak acceleration by which it may differ on both sides of a joint: more is a jump."""
 
@@ -117,6 +122,15 @@ def peak_jerk(machine: Machine) -> Extremum | None:
         return _size(extremes_on(third, _grid(machine, stretch))[0])
 
     return _scaled(_largest(map(jerk, cycle)), cubed)
+
+
+def acceleration_rms_above(machine: Machine, order: int) -> float:
+    """Root mean square over time of the output's harmonics of acceleration above an order, in mm/s^2 or rad/s^2."""
+    cycle = stretches(machine)
+    each = [gauss_points(_grid(machine, of), NODES) for of in cycle]
+    values = [of.displacement(points, 2).derivative(2) for of, (points, _) in zip(cycle, each, strict=True)]
+    points, weights = (np.concatenate(parts) for parts in zip(*each, strict=True))
+    return rms_above(points, weights, np.concatenate(values), order) * machine.speed_rad_s**2
 
 
 SIDE_RAD = 1e-9

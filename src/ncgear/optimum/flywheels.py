@@ -181,17 +181,32 @@ def least_with_any(task: Task, wishes: Wishes) -> float:
     of the loads is limited, so limits of acceleration and speed without such limits hold for all, too.  Of all other
     figures only zero is known.
     """
-    prices, power_w = wishes.prices, least_mean_power_w(task)
+    prices = wishes.prices
     free = replace(demands_of(task, wishes), power_w=inf, braking_w=inf, fluctuation_n_mm=inf, torque_n_mm=inf)
-    least = prices.peak_power_w * power_w + prices.rms_torque_n_m * abs(power_w) / task.speed_rad_s
-    least += sum(
-        bound.value for name, price in vars(prices).items() if (bound := bound_of_stroke(name, price, task, free))
-    )
+    least = least_by_work(task, wishes)
+    if jerk := bound_of_stroke("peak_jerk_mm_s3", prices.peak_jerk_mm_s3, task, free):
+        least += jerk.value
     if prices.peak_acceleration_mm_s2:
         least += prices.peak_acceleration_mm_s2 * least_acceleration(task, free).value
     if prices.peak_speed_mm_s:
         least += prices.peak_speed_mm_s * least_of(task, free, "speed_mm_s").value
     return least
+
+
+OF_TEETH = ("tooth_force_n", "flank_load_n_mm", "center_distance_mm")
+"""Figures of the gears whose limits do not depend on the motion, but for the work of a cycle."""
+
+
+def least_by_work(task: Task, wishes: Wishes) -> float:
+    """The part of the goal that the work of a cycle alone asks for, in the goal's unit.
+
+    It needs a mean power, a mean torque, and forces between the teeth, whose length needs a centre distance.
+    """
+    prices, power_w = wishes.prices, least_mean_power_w(task)
+    least = prices.peak_power_w * power_w + prices.rms_torque_n_m * abs(power_w) / task.speed_rad_s
+    asked = demands_of(task, wishes)
+    of_teeth = (bound_of_stroke(name, getattr(prices, name), task, asked) for name in OF_TEETH)
+    return least + sum(bound.value for bound in of_teeth if bound is not None)
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from ncgear.dynamics.loaded_machine import IDLE, Loads, RigidMachine, broken_cyc
 from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
-from ncgear.kinematics.check import kinematic_check, peak_jerk
+from ncgear.kinematics.check import acceleration_rms_above, kinematic_check, peak_jerk
 from ncgear.kinematics.motion import Machine, Stretch
 from ncgear.mechanisms.masses import Masses
 from ncgear.mechanisms.mechanism import Mechanism
@@ -26,6 +26,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import extremes
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import Vector
+from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.pitch.pair import PitchPair, sized_pair, solved_size
 from ncgear.pitch.shape import Gear, tangent_slope
 from ncgear.ratio.transmission import Lobes, Pair, Train, Transmission
@@ -70,7 +71,7 @@ class Task:
     ``gears`` is the size of the pair, which the force between teeth needs; None where it is not known.
     ``speed_fluctuation`` is the coefficient, largest less smallest speed over the mean, for which a flywheel on the
     driving shaft is computed.  ``guide_friction`` is the coefficient of friction of the slider in its guide, which
-    figures count.
+    figures count.  ``harmonics_above`` is the order above which harmonics count; None where none is asked about.
 
     Raises WrongInput for a speed that is not positive and for a driven gear of several lobes.
     """
@@ -83,6 +84,7 @@ class Task:
     gears: GearSize | None = None
     speed_fluctuation: float = FLUCTUATION
     guide_friction: float = 0.0
+    harmonics_above: int | None = None
 
     def __post_init__(self) -> None:
         self.lobes.require_one_cycle()
@@ -123,6 +125,7 @@ LOAD_LIMITS = (
     "shaking_force_n",
     "tooth_force_n",
     "flank_load_n_mm",
+    "torque_harmonics_n_m",
 )
 """What the machine feels besides its peak power, by its names in ``Limits``, in ``Figures`` and in design files."""
 
@@ -152,6 +155,7 @@ class Limits:
     shaking_force_n: float | None = None
     tooth_force_n: float | None = None
     flank_load_n_mm: float | None = None
+    torque_harmonics_n_m: float | None = None
 
     def __post_init__(self) -> None:
         if not 0.0 < self.ratio_min < inf:
@@ -213,13 +217,16 @@ class Figures:
     shaking_force_n: float | None = None
     tooth_force_n: float | None = None
     flank_load_n_mm: float | None = None
+    torque_harmonics_n_m: float | None = None
+    acceleration_harmonics_mm_s2: float | None = None
+    center_distance_mm: float | None = None
 
 
 @dataclass(frozen=True)
 class Prices:
     """The cost of a unit of each figure in a goal; names and units are as in ``Figures``.
 
-    The r.m.s. torque has a price only alone: the search knows its square.  Raises WrongInput for an endless price.
+    Raises WrongInput for an endless price.
     """
 
     peak_acceleration_mm_s2: float = 0.0
@@ -234,6 +241,9 @@ class Prices:
     shaking_force_n: float = 0.0
     tooth_force_n: float = 0.0
     flank_load_n_mm: float = 0.0
+    torque_harmonics_n_m: float = 0.0
+    acceleration_harmonics_mm_s2: float = 0.0
+    center_distance_mm: float = 0.0
 
     def __post_init__(self) -> None:
         for name, price in vars(self).items():
@@ -258,9 +268,10 @@ def figures(task: Task, train: Train, as_large_as: Train | None = None) -> Figur
     The power is the driving shaft's: for the load alone, or for load and masses.  The force between the teeth is for
     gears at their own centre distance, or at the centre distance of another law's gears (``as_large_as``).
     """
-    machine = Machine(train.whole, task.linkage, task.load, task.speed_rad_s)
+    machine, above = Machine(train.whole, task.linkage, task.load, task.speed_rad_s), task.harmonics_above
     check, jerk = kinematic_check(machine), peak_jerk(machine)
     pairs = [_pair(task, one) for one in train.pairs]
+    place = None if task.gears is None or len(pairs) > 1 else _place_of(task, task.gears, pairs[0])
     lowest, highest = train.whole.ratio_range
     of_motion = Figures(
         peak_power_w=check.peak_power_w.value,
@@ -275,16 +286,20 @@ def figures(task: Task, train: Train, as_large_as: Train | None = None) -> Figur
         * TEETH
         * pi,
         peak_jerk_mm_s3=None if jerk is None else jerk.value,
+        acceleration_harmonics_mm_s2=None if above is None else acceleration_rms_above(machine, above),
+        center_distance_mm=None if place is None else place.center_distance_mm,
     )
     if task.masses is None:
         return of_motion
     between = train.pairs[0].transmission if len(train.pairs) > 1 else None
     rigid = task.loaded(machine, between)
     loads = asdict(felt(rigid, task.speed_fluctuation))
-    sized = pairs if as_large_as is None else [_pair(task, one) for one in as_large_as.pairs]
-    if task.gears is None or len(pairs) > 1:
+    if above is not None:
+        loads["torque_harmonics_n_m"] = N_M_PER_N_MM * DrivingShaft(rigid).fluctuation.rms_above_n_mm(above)
+    if place is None or task.gears is None:
         return replace(of_motion, **loads)
-    in_mesh = replace(rigid, place=_place_of(task, task.gears, sized[0]))
+    sized = place if as_large_as is None else _place_of(task, task.gears, _pair(task, as_large_as.pairs[0]))
+    in_mesh = replace(rigid, place=sized)
     force, flanks = tooth_force_n(in_mesh), flank_load_n_mm(in_mesh)
     return replace(of_motion, **loads, tooth_force_n=force, flank_load_n_mm=flanks)
 

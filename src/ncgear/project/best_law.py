@@ -9,6 +9,7 @@ from functools import cached_property, partial
 from typing import TYPE_CHECKING, NamedTuple
 
 from ncgear.design.keys.design import Design
+from ncgear.design.keys.optimize import Optimize
 from ncgear.design.laws.base import LawKeys
 from ncgear.design.laws.registry import found_motion
 from ncgear.errors import DesignError, NoSuchMechanism
@@ -16,8 +17,10 @@ from ncgear.extras import installed, require
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.flywheels import FlywheelSearch, least_with_any, mean_inertia_kg_mm2
+from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.offers import Refused
 from ncgear.optimum.task import Figures, Task, figures
+from ncgear.project.free_lengths import BestLengths, best_lengths
 from ncgear.project.law_task import inertia_as_given, inertia_with, task_of, wishes_of, with_driven_flywheel
 from ncgear.project.moving_masses import TrainInertia
 from ncgear.project.sought_machine import SoughtMachine
@@ -62,8 +65,8 @@ class BestLaw(SoughtMachine, Shown):
     no law keeps the limits.  The law is the best of all laws found from ``starts`` starts, of which the first is the
     motion of the certified limit; ``scheduler`` and ``processes`` say where the other laws are computed, as in
     ``ncgear.workers``.  ``on_programme`` is called with the numbers of programmes solved and at most to be solved while
-    the limit is raised towards the law, and ``on_flywheel_law`` with the number of laws searched for while
-    the flywheel is free.
+    the limit is raised towards the law, and ``on_flywheel_law`` and ``on_length_law`` with the number of laws searched
+    for while the flywheel or lengths of the mechanism are free.
     """
 
     def __init__(
@@ -74,10 +77,12 @@ class BestLaw(SoughtMachine, Shown):
         processes: int | None = None,
         on_programme: Callable[[int, int], None] = lambda solved, most: None,
         on_flywheel_law: Callable[[int], None] = lambda laws: None,
+        on_length_law: Callable[[int], None] = lambda laws: None,
     ) -> None:
         super().__init__(design)
         self._starts, self._where = starts, (scheduler, processes)
         self._on_programme, self._on_flywheel_law = on_programme, on_flywheel_law
+        self._on_length_law = on_length_law
 
     @cached_property
     def flywheel(self) -> BestFlywheel | None:
@@ -85,23 +90,52 @@ class BestLaw(SoughtMachine, Shown):
 
         Where no law is found with any, it is the greatest, with which the limits are refused.
         """
-        asked = self.given.free_flywheel
+        return self._flywheel_of(self._linked)
+
+    def _flywheel_of(self, design: Design) -> BestFlywheel | None:
+        """The best flywheel of a design with its lengths as they are."""
+        asked = design.free_flywheel
         if asked is None:
             return None
         require("casadi", "optimize", "ncgear optimize")
-        bare = with_driven_flywheel(self.given, 0.0)
-        task = task_of(bare, inertia_as_given(bare))
-        search = FlywheelSearch(task, self.wishes, self._on_flywheel_law)
+        bare = with_driven_flywheel(design, 0.0)
+        task, wishes = task_of(bare, inertia_as_given(bare)), wishes_of(bare)
+        search = FlywheelSearch(task, wishes, self._on_flywheel_law)
         try:
             best = search.best(asked.least, asked.most)
         except NoSuchMechanism:
             return BestFlywheel(asked.most)
-        return BestFlywheel(best.flywheel_kg_mm2, best.law.motion, least_with_any(task, self.wishes))
+        return BestFlywheel(best.flywheel_kg_mm2, best.law.motion, least_with_any(task, wishes))
+
+    @cached_property
+    def lengths(self) -> BestLengths | None:
+        """The best lengths of the mechanism, with the gears as given; None where the design asks for none.
+
+        Where the flywheel is free too, both are sought together from the best flywheel with the lengths as given.
+        """
+        if not self.given.free_lengths:
+            return None
+        begun = self._flywheel_of(self.given)
+        if begun is None:
+            return best_lengths(self.given, None, self._on_length_law)
+        given = with_driven_flywheel(self.given, begun.inertia_kg_mm2)
+        return best_lengths(given, begun.motion, self._on_length_law)
+
+    @property
+    def _linked(self) -> Design:
+        """The design with the best lengths, where it asks for some."""
+        return self.given if self.lengths is None else self.lengths.design
 
     @cached_property
     def design(self) -> Design:
-        """The design with the best flywheel, where it asks for one."""
-        return self.given if self.flywheel is None else with_driven_flywheel(self.given, self.flywheel.inertia_kg_mm2)
+        """The design with the best lengths and the best flywheel, where it asks for them."""
+        chosen = self.flywheel
+        return self._linked if chosen is None else with_driven_flywheel(self._linked, chosen.inertia_kg_mm2)
+
+    @cached_property
+    def wishes(self) -> Wishes:
+        """Goal and limits with the mechanism that is chosen."""
+        return wishes_of(self._linked)
 
     @cached_property
     def begun(self) -> Begun:
@@ -126,7 +160,8 @@ class BestLaw(SoughtMachine, Shown):
 
         task = task_of(self.design, inertia)
         bound = self._bound_of(task)
-        known = self.flywheel and self.flywheel.motion
+        chosen = self.flywheel or self.lengths
+        known = chosen and chosen.motion
         with self._offering(task):
             return Begun(inertia, task, bound, known or start_motion(task, self.wishes, bound))
 
@@ -183,7 +218,11 @@ class BestLaw(SoughtMachine, Shown):
         except Refused as refused:
             from ncgear.project.offered import with_what_was_found
 
-            raise with_what_was_found(self.design, task, self.wishes, refused, _has_law) from refused
+            # Offers are tried with the lengths and the flywheel that were chosen
+            held = {"lengths": None, "driven_flywheel_kg_mm2": None}
+            asked = (self.design.optimize or Optimize()).model_copy(update=held)
+            design = self.design.model_copy(update={"optimize": asked})
+            raise with_what_was_found(design, task, self.wishes, refused, _has_law) from refused
 
     @property
     def gap(self) -> float | None:
@@ -269,7 +308,7 @@ class BestLaw(SoughtMachine, Shown):
 
     @property
     def sizing(self) -> Train:
-        """The law found: the round gears of the uniform crank are as far apart as its own."""
+        """The law found: the round gears of the uniform crank are as far apart as its own, as a simulation has them."""
         return self.train
 
     @cached_property

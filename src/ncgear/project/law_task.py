@@ -49,7 +49,16 @@ def task_of(design: Design, gears: TrainInertia) -> task.Task:
         gears=_size_of(design, limits),
         speed_fluctuation=(given.flywheel if given else Flywheel()).speed_fluctuation,
         guide_friction=design.drivetrain.guide_friction if design.drivetrain else 0.0,
+        harmonics_above=_harmonics_above(design.optimize or Optimize()),
     )
+
+
+def _harmonics_above(asked: Optimize) -> int | None:
+    """The order above which harmonics count; None where they are neither least nor limited."""
+    of_law = _prices(asked)
+    priced = of_law.torque_harmonics_n_m or of_law.acceleration_harmonics_mm_s2
+    limited = any(value is not None for name, value in asked.limits if "_harmonics_" in name)
+    return asked.harmonics_above if priced or limited else None
 
 
 def _masses_of(design: Design, gears: TrainInertia) -> Masses | None:
@@ -120,17 +129,22 @@ def with_driven_flywheel(design: Design, inertia_kg_mm2: float) -> Design:
 def _size_of(design: Design, limits: Limits) -> task.GearSize | None:
     """The size of an external pair; raises WrongInput where the force between its teeth is limited and not known."""
     gears = design.gears
-    prices, names = _prices(design.optimize or Optimize()), ("tooth_force_n", "flank_load_n_mm")
+    prices = _prices(design.optimize or Optimize())
+    names = ("tooth_force_n", "flank_load_n_mm", "center_distance_mm")
     limited = [name for name in names if getattr(limits, name) is not None]
     if limited or any(getattr(prices, name) for name in names):
         key = f"optimize.limits.{limited[0]}" if limited else "optimize.goal"
         if gears is None:
-            problem = "given, but a force between teeth needs the gears' size: give gears.teeth and gears.module_mm"
+            problem = "given, but it needs the gears' size: give gears.teeth and gears.module_mm"
             raise WrongInput(problem, key=key)
         if gears.mesh == "internal":
             raise WrongInput("given, but it is computed of external pairs only; leave it out of a ring", key=key)
         if limits.stages > 1:
             raise WrongInput("given, but it is computed of one pair only; leave it out of two stages", key=key)
+        sized = gears.teeth is not None and gears.module_mm is not None
+        if not sized and (names[-1] in limited or prices.center_distance_mm):
+            problem = "given, but gears.center_distance_mm says what it is; give gears.teeth and gears.module_mm"
+            raise WrongInput(problem, key=key)
     if gears is None or gears.mesh == "internal":
         return None
     return task.GearSize(*kept_size(design), *map(radians, gears.rack.angles_deg))
@@ -149,6 +163,7 @@ def _prices(asked: Optimize) -> task.Prices:
         peak_acceleration_mm_s2=price(weights.acceleration_mm_s2 or weights.acceleration_rad_s2),
         peak_power_w=price(weights.power_w),
         braking_power_w=price(weights.braking_power_w),
+        rms_torque_n_m=price(weights.rms_torque_n_m),
         flywheel_kg_mm2=price(weights.flywheel_kg_mm2),
         bearing_force_n=price(weights.bearing_force_n),
         shaking_force_n=price(weights.shaking_force_n),
@@ -184,6 +199,8 @@ def wishes_of(design: Design) -> Wishes:
         goal=Goal(asked.goal),
         weights=_prices(asked) if asked.weights else None,
         peak_jerk_mm_s3=limits.peak_jerk_mm_s3 or limits.peak_jerk_rad_s3,
+        acceleration_harmonics_mm_s2=limits.acceleration_harmonics_mm_s2 or limits.acceleration_harmonics_rad_s2,
+        center_distance_mm=limits.center_distance_mm,
         driven_speed_rad_s=None if limits.driven_speed_rpm is None else limits.driven_speed_rpm * RAD_S_PER_RPM,
         convex=limits.convex,
         curvature_turns=curvature.turns,

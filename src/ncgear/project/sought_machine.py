@@ -51,7 +51,7 @@ class SoughtMachine(ABC):
 
     @property
     def sizing(self) -> Train | None:
-        """The law whose gears tell the centre distance of the uniform crank's gears; None: their own size does."""
+        """The law whose gears tell how far the uniform crank's gears are apart; None: their own size does."""
         return None
 
     @cached_property

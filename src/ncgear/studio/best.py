@@ -19,11 +19,11 @@ def saved(design: Design) -> dict[str, str] | None:
     """``words`` that stand on the button of the best law, and the same ``in_full`` with figures and units.
 
     None where nothing can be said beforehand: no law is sought for the mechanism, no limit of its goal is known, the
-    wishes contradict each other, the flywheel is free, or the extra of the optimiser is not installed.
+    wishes contradict each other, lengths or the flywheel are free, or the extra of the optimiser is not installed.
     """
     best = BestLaw(design)
-    if design.free_flywheel is not None:
-        # The search for the flywheel takes too long here
+    if design.free_flywheel is not None or design.free_lengths:
+        # The search for them takes too long here
         return None
     try:
         bound, given = best.begun.bound, best.given_figures

@@ -13,6 +13,7 @@ import sys
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from time import time
 from typing import Any
 
 from ncgear.design.reading.design_file import parsed
@@ -37,6 +38,7 @@ COMMANDS: Mapping[str, Command] = {
     "animate": Command("Animation", ("animate",), file="mechanism.gif"),
     "simulate": Command("Forces of the masses", ("simulate",), out="-rigid"),
     "optimize": Command("Best law", ("optimize",), out="-optimized"),
+    "design": Command("Find the machine", ("design",), out="-machines"),
     "frontier": Command("Power against acceleration", ("frontier", "--points=8"), out="-frontier"),
 }
 """The commands that a page can ask for; nothing else is ever run."""
@@ -56,7 +58,7 @@ LAST_LINES = 60
 
 @dataclass
 class Job:
-    """A running or finished command; ``told`` hears of every change."""
+    """A running or finished command; ``told`` hears of every change.  It began at ``begun_s`` of the system's time."""
 
     number: int
     name: str
@@ -68,6 +70,7 @@ class Job:
     progress: str = ""
     status: int | None = None
     cancelled: bool = False
+    begun_s: float = field(default_factory=time)
     _process: asyncio.subprocess.Process | None = None
 
     @property

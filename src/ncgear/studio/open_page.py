@@ -234,9 +234,12 @@ class OpenPage:
         await job.cancel()
 
     async def adopt(self, message: Mapping[str, Any]) -> None:
-        """Take over the design that a ``job`` has found."""
+        """Take over the design that a ``job`` has found; of whole machines ``design`` is the name of one."""
         job = self._job(message)
         found = sorted(job.folder.glob("*-optimized.yaml")) if job.name == "optimize" and job.status == 0 else []
+        names = [one["name"] for one in _machines_of(job).get("machines", [])]
+        if message.get("design") in names:
+            found = [job.folder / f"{message['design']}.yaml"]
         if not found:
             raise WrongInput("has found no design", key="job")
         text = design_on_disk(found[0]).text
@@ -288,8 +291,10 @@ class OpenPage:
         self._spawn(self._tell(json.dumps({"is": "job", "content": self._plain(job)})))
 
     def _plain(self, job: Job) -> dict[str, Any]:
-        """A job for the page, with the files of its folder and the points of a frontier once it is done."""
+        """A job for the page, with files of its folder, points of a frontier and whole machines once it is done."""
         content = job.as_plain
+        if found := _machines_of(job):
+            content["machines"] = found
         if job.status == 0:
             content["files"] = _files_of(job.folder, self.out)
             if job.name == "frontier":
@@ -403,6 +408,19 @@ def _changes_of(message: Mapping[str, Any]) -> dict[str, Any]:
     if not isinstance(changes, dict) or not 0 < len(changes) <= MOST_CHANGES:
         raise WrongInput(f"1 to {MOST_CHANGES} keys with their values are right", key="changes")
     return changes
+
+
+def _machines_of(job: Job) -> dict[str, Any]:
+    """The whole machines that a job has found, also where it was cancelled; empty where there are none."""
+    if job.name != "design" or job.status is None or not (job.status == 0 or job.cancelled):
+        return {}
+    # Whoever has taken the file away has no machines.
+    with suppress(OSError, ValueError):
+        path = job.folder / "machines.json"
+        if path.stat().st_mtime >= job.begun_s:
+            found: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+            return found
+    return {}
 
 
 def _files_of(folder: Path, out: Path) -> list[str]:

@@ -82,7 +82,8 @@ def law_design(design: Design, flywheel_kg_mm2: float | None = None) -> Design:
     asked = design.optimize or Optimize()
     steepest = asked.limits.pressure_angle_deg or STEEPEST_DEG
     limits = asked.limits.model_copy(update={"free_of_undercut": False, "pressure_angle_deg": steepest})
-    sought = {"goal": str(Goal.FLANK_LOAD.value), "weights": None, "knots": KNOTS, "driven_flywheel_kg_mm2": None}
+    free = {"driven_flywheel_kg_mm2": None, "lengths": None}
+    sought = {"goal": str(Goal.FLANK_LOAD.value), "weights": None, "knots": KNOTS, **free}
     made = design.model_copy(update={"optimize": asked.model_copy(update={"limits": limits, **sought})})
     return made if flywheel_kg_mm2 is None or made.masses is None else with_driven_flywheel(made, flywheel_kg_mm2)
 

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import field, replace
 from functools import partial
 from math import ceil, inf, pi, sin
 from typing import Any, NamedTuple
@@ -61,7 +61,7 @@ class WholeMachines(Shown):
     """Machines that no other found one beats in every figure that counts, in the order of the first such figure.
 
     ``recommended`` is the place of the recommended one.  ``laws`` are all laws that were found, ``unfit`` the reasons
-    why gears of some of them were no machines.
+    why gears of some of them were no machines.  ``lengths`` are lengths of the mechanism that were free.
     """
 
     design: Design
@@ -72,6 +72,7 @@ class WholeMachines(Shown):
     unfit: tuple[Unfit, ...]
     limits: Limits | None = None
     prices: tuple[WishPrice, ...] = ()
+    lengths: Mapping[str, float] = field(default_factory=dict)
 
 
 def require_offered(design: Design) -> Choices:
@@ -109,9 +110,15 @@ class MachineSearch:
         self.laws: list[FoundLaw] = []
         self.made: list[WholeMachine] = []
         self.unfit: list[Unfit] = []
+        self.lengths: Mapping[str, float] = {}
 
     def run(self) -> WholeMachines:
         """The machines; raises NoSuchMechanism where there is no law, or no gears of any law, with what would do."""
+        if self.design.free_lengths:
+            from ncgear.whole_machines.lengths import with_best_lengths
+
+            self.loaded, self.lengths = with_best_lengths(self.loaded, lambda tried: self._on_step("lengths", tried, 0))
+            self.design = self.loaded.design
         self._find_laws(None)
         if not self.laws:
             self._refuse_laws()
@@ -143,7 +150,8 @@ class MachineSearch:
         best = sorted(best, key=lambda one: (one.value(self.objectives[0]), *self._values(one)))
         best = [one.named(f"{self.design.name[:50]}-{number}") for number, one in enumerate(best, start=1)]
         place = recommended(best, self._values, lambda one: one.cost)
-        return WholeMachines(self.design, self.objectives, tuple(best), place, tuple(self.laws), tuple(self.unfit))
+        found = WholeMachines(self.design, self.objectives, tuple(best), place, tuple(self.laws), tuple(self.unfit))
+        return replace(found, lengths=self.lengths)
 
     def _values(self, one: WholeMachine) -> list[float]:
         return [one.value(name) for name in self.objectives]

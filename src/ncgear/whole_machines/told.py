@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import platform
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from typing import Any
 
 from ncgear import __version__
 from ncgear.figures.answers.answer import Answer, Row
 from ncgear.figures.numbers import fixed, known, to_digits
-from ncgear.numerics.units import KG_M2
+from ncgear.numerics.units import KG_M2, label_and_unit
 from ncgear.whole_machines.limits import OUTSIDE
 from ncgear.whole_machines.machine import MM3_PER_DM3, WholeMachine
 from ncgear.whole_machines.search import WholeMachines
@@ -65,6 +65,10 @@ def machines_answer(found: WholeMachines, then: str = "") -> Answer:
     rows.append(Row("made", (f"{best.material}, {best.process.replace('_', ' ')}: {best.cut}",)))
     rows += [Row("motor", (best.motor.name,))] if best.motor else []
     rows += [Row("cost", (to_digits(best.cost, 4),))] if best.cost is not None else []
+    if found.lengths:
+        sizes = [f"{name} {to_digits(size, 4)} {unit}" for name, unit, size in _sizes(found.lengths)]
+        said = "the best for the flank load; limits hold for these lengths"
+        rows.append(Row("lengths", (f"{_listed(sizes)}: {said}",)))
     rows += _limit_rows(found)
     rows += [Row("wishes", (prices_words(found),))] if found.prices else []
     count = len(found.machines)
@@ -76,6 +80,12 @@ def machines_answer(found: WholeMachines, then: str = "") -> Answer:
         good="Each builds with a clean verdict; figures are those of its file alone.",
         then=then,
     )
+
+
+def _sizes(lengths: Mapping[str, float]) -> Iterator[tuple[str, str, float]]:
+    """Names, units and values."""
+    for key, value in lengths.items():
+        yield (*label_and_unit(key), value)
 
 
 def _limit_rows(found: WholeMachines) -> list[Row]:
@@ -135,6 +145,7 @@ def machines_figures(found: WholeMachines) -> dict[str, Any]:
         "speed_rpm": found.design.operation.speed_rpm,
         "least": list(found.objectives),
         "recommended": best.name,
+        "lengths": dict(found.lengths),
         "machines": [
             {
                 "name": one.name,

@@ -16,7 +16,7 @@ from ncgear.design.keys.gears import SIZES, Gears
 from ncgear.design.keys.linkages import Fit, Linkage, NoLinkage
 from ncgear.design.keys.machine import Comparison, Operation, Output, Resistance
 from ncgear.design.keys.masses import Masses, Simulation
-from ncgear.design.keys.optimize import FlywheelRange, Optimize
+from ncgear.design.keys.optimize import FlywheelRange, Lengths, Optimize, Range
 from ncgear.design.keys.outline import FollowedOutline
 from ncgear.design.keys.strength import StrengthKeys
 from ncgear.design.keys.tolerances import AssemblyTolerances
@@ -157,7 +157,7 @@ class Design(Model, Shown):
             return self
         ways = ("mm", "rad") if entry_of(self.linkage).turns else ("rad", "mm")
         groups = {
-            "limits": ("peak_speed_{}_s", "peak_acceleration_{}_s2", "peak_jerk_{}_s3"),
+            "limits": ("peak_speed_{}_s", "peak_acceleration_{}_s2", "peak_jerk_{}_s3", "acceleration_harmonics_{}_s2"),
             "weights": ("acceleration_{}_s2", "jerk_{}_s3"),
         }
         for group, names in groups.items():
@@ -180,6 +180,22 @@ class Design(Model, Shown):
                 "optimize.driven_flywheel_kg_mm2",
                 "given, but without masses there is nothing that a flywheel could take up; give masses",
             )
+        return self
+
+    @property
+    def free_lengths(self) -> Mapping[str, Range]:
+        """The ranges of the mechanism's lengths among which the best are sought, by their keys."""
+        asked = self.optimize and self.optimize.lengths
+        return asked.ranges if asked else {}
+
+    @model_validator(mode="after")
+    def _free_lengths_are_those_of_the_mechanism(self) -> Self:
+        entry = entry_of(self.linkage)
+        own = [name for name in type(self.linkage).model_fields if name in Lengths.model_fields]
+        own.append("stroke_deg" if entry.turns else "stroke_mm")
+        for name in self.free_lengths:
+            if name not in own:
+                raise fault(f"optimize.lengths.{name}", f"given, but this mechanism has {listed(own, 'and')}")
         return self
 
     @model_validator(mode="after")

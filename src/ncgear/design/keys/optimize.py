@@ -8,10 +8,13 @@ from pydantic import Field, model_validator
 
 from ncgear.design.keys.base import Model, fault, given, optional, required
 from ncgear.design.keys.masses import Inertia
-from ncgear.design.keys.types import Length, Positive, Speed
+from ncgear.design.keys.types import Length, Place, Positive, Speed
 from ncgear.design.words import listed
 
 FEWEST_KNOTS, MOST_KNOTS = 12, 720
+
+MOST_ORDER = 40
+"""Laws of 180 knots have harmonics up to the ninetieth."""
 
 
 class Limits(Model):
@@ -36,6 +39,16 @@ class Limits(Model):
     flank_load_n_mm: Positive | None = optional(
         "greatest force between the teeth times the pitch curves' relative curvature times centre distance squared, "
         "in N mm: face width times centre distance squared against pitting is in proportion to it; needs gears"
+    )
+    torque_harmonics_n_m: Positive | None = optional(
+        "greatest r.m.s. in N m of the driving shaft's torque in harmonics above optimize.harmonics_above"
+    )
+    acceleration_harmonics_mm_s2: Positive | None = optional(
+        "greatest r.m.s. in mm/s2 of the slider's acceleration in harmonics above optimize.harmonics_above"
+    )
+    acceleration_harmonics_rad_s2: Positive | None = optional("the same in rad/s2 of an output that turns")
+    center_distance_mm: Length | None = optional(
+        "greatest centre distance in mm; needs gears.teeth and gears.module_mm"
     )
     peak_speed_mm_s: Positive | None = optional("greatest slider speed in mm/s, over the whole cycle")
     peak_acceleration_mm_s2: Positive | None = optional("greatest slider acceleration in mm/s2, over the whole cycle")
@@ -71,6 +84,7 @@ class Weights(Model):
     power_w: Positive | None = optional("peak power in W that counts as 1")
     braking_power_w: Positive | None = optional("peak braking power in W that counts as 1")
     flywheel_kg_mm2: Positive | None = optional("flywheel in kg mm2 that counts as 1")
+    rms_torque_n_m: Positive | None = optional("r.m.s. torque in N m that counts as 1")
     bearing_force_n: Positive | None = optional("bearing force in N that counts as 1")
     shaking_force_n: Positive | None = optional("shaking force in N that counts as 1")
     tooth_force_n: Positive | None = optional("force between the teeth in N that counts as 1")
@@ -85,17 +99,57 @@ class Weights(Model):
         return self
 
 
-class FlywheelRange(Model):
-    """The sizes of a flywheel on the driven shaft among which the best is sought."""
+class Range(Model):
+    """The values of an unknown among which the best is sought."""
 
-    least: Inertia = optional("the least size, by its moment of inertia", 0.0)
-    most: Inertia = required("the greatest size, by its moment of inertia")
+    least: float
+    most: float
 
     @model_validator(mode="after")
     def _a_range(self) -> Self:
         if not self.most > self.least:
             raise fault("most", f"{self.most:g} given; over least, {self.least:g}, is right")
         return self
+
+
+class FlywheelRange(Range):
+    """The sizes of a flywheel on the driven shaft among which the best is sought."""
+
+    least: Inertia = optional("the least size, by its moment of inertia", 0.0)
+    most: Inertia = required("the greatest size, by its moment of inertia")
+
+
+class LengthRange(Range):
+    """The values of a length among which the best is sought."""
+
+    least: Length = required("the least value")
+    most: Length = required("the greatest value")
+
+
+class OffsetRange(Range):
+    """The values of an offset among which the best is sought."""
+
+    least: Place = required("the least value")
+    most: Place = required("the greatest value")
+
+
+class Lengths(Model):
+    """Lengths of the mechanism among which the best are sought; the crank follows from them and from the stroke."""
+
+    stroke_mm: LengthRange | None = optional("the stroke in mm; left out: as given")
+    stroke_deg: LengthRange | None = optional("the swing in degrees of an output that turns; left out: as given")
+    rod_mm: LengthRange | None = optional("the rod of a crank_slider, in mm")
+    offset_mm: OffsetRange | None = optional("the offset of a crank_slider's line, in mm")
+    coupler_mm: LengthRange | None = optional("the coupler of a crank_rocker, in mm")
+    rocker_mm: LengthRange | None = optional("the rocker of a crank_rocker, in mm")
+    ground_mm: LengthRange | None = optional("the distance of a crank_rocker's axes, in mm")
+    pivot_mm: LengthRange | None = optional("the distance of a slotted_lever's axis from the crank's, in mm")
+    lever_mm: LengthRange | None = optional("the lever of a slotted_lever, in mm")
+
+    @property
+    def ranges(self) -> dict[str, Range]:
+        """The ranges that are given, by their keys."""
+        return {name: one for name in type(self).model_fields if (one := getattr(self, name)) is not None}
 
 
 GOALS = Literal[
@@ -111,6 +165,9 @@ GOALS = Literal[
     "least_speed",
     "least_jerk",
     "least_pressure_angle",
+    "least_acceleration_harmonics",
+    "least_torque_harmonics",
+    "least_center_distance",
     "weighted",
 ]
 
@@ -122,14 +179,22 @@ class Optimize(Model):
         "what shall be least: the slider's peak speed, acceleration or jerk; the driving shaft's peak power (and with "
         "it its peak torque), its braking power, its r.m.s. torque, or the flywheel that it needs; the force on the "
         "crank's bearings, on the frame or between the teeth; the load of the flanks, which makes gears large against "
-        "pitting; the pressure angle; or a weighted sum",
+        "pitting; the pressure angle; the r.m.s. of acceleration or torque in harmonics above harmonics_above, which "
+        "are heard; the centre distance of gears.teeth of gears.module_mm; or a weighted sum",
         "least_acceleration",
     )
     weights: Weights | None = optional("the figures that count alike; only for goal weighted, two or more")
     limits: Limits = optional("what the law may nowhere exceed", Limits)
+    harmonics_above: Annotated[int, Field(ge=1, le=MOST_ORDER)] = optional(
+        "harmonics of the output's cycle over this order count where harmonics are least or limited", 10
+    )
     driven_flywheel_kg_mm2: FlywheelRange | None = optional(
         "sizes of a flywheel on the driven shaft, in kg mm2, among which the best is sought together with the law; "
         "left out: the flywheel is masses.driven_flywheel_kg_mm2"
+    )
+    lengths: Lengths | None = optional(
+        "ranges of the mechanism's lengths, among which the best are sought together with the law; a rod or coupler "
+        "keeps its section; left out: they are as linkage says"
     )
     knots: Annotated[int, Field(ge=FEWEST_KNOTS, le=MOST_KNOTS)] = optional(
         "knots of the spline of ln i12 around the turn: more come closer to the limit", 180

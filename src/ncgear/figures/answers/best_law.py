@@ -89,7 +89,7 @@ def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
     for key in felt_keys(best.figures):
         unit = label_and_unit(key)[1]
         rows.append(Row(name_of(key), tuple(f"{felt_text(key, one)} {unit}" for one in found)))
-    rows += _of_flywheel(best)
+    rows += [*_of_lengths(best), *_of_flywheel(best)]
     if best.starts.count > 1:
         rows.append(Row("starts", (starts_text(best),)))
     distance = not_closed(best)
@@ -100,7 +100,7 @@ def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
     if far := limits_not_reached(best):
         named = (f"{key} {shown(limit)} ({to_digits(value, 4)})" for key, (limit, value) in far.items())
         rows.append(Row("not reached", (f"by this law: {listed(list(named), 'and')}",)))
-    if best.task.masses is not None:
+    if best.task.masses is not None and best.design.masses is not None:
         gear = figure("driven_gear_kg_mm2", best.task.masses.driven_inertia_kg_mm2)
         relaxed = "" if distance is None else ", and may lie higher"
         rows.append(Row("masses", (f"count; the limit holds for a driven gear of {gear}{relaxed}",)))
@@ -108,7 +108,7 @@ def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
 
 
 def _where_asked(best: BestLaw) -> dict[str, Callable[[Figures], str]]:
-    """Peak speed, peak jerk and flank load where they are limited or have a price."""
+    """Peak speed, peak jerk, flank load, harmonics and centre distance where they are limited or have a price."""
     wishes, unit = best.wishes, best.task.linkage.OUTPUT.speed.ending
     told: dict[str, Callable[[Figures], str]] = {}
     if wishes.limits.peak_speed_mm_s is not None or wishes.prices.peak_speed_mm_s:
@@ -117,7 +117,34 @@ def _where_asked(best: BestLaw) -> dict[str, Callable[[Figures], str]]:
         told[name_of(f"peak_jerk_{unit}3")] = lambda one: figure(f"peak_jerk_{unit}3", one.peak_jerk_mm_s3)
     if wishes.limits.flank_load_n_mm is not None or wishes.prices.flank_load_n_mm:
         told[name_of("flank_load_n_mm")] = lambda one: figure("flank_load_n_mm", one.flank_load_n_mm)
+    if best.task.harmonics_above is not None:
+        above, heard = (
+            best.task.harmonics_above,
+            f"acceleration_harmonics_{best.task.linkage.OUTPUT.acceleration.ending}",
+        )
+        told[f"acceleration above order {above}"] = lambda one: figure(heard, one.acceleration_harmonics_mm_s2)
+        if best.task.masses is not None:
+            told[f"torque above order {above}"] = lambda one: figure("torque_harmonics_n_m", one.torque_harmonics_n_m)
+    if wishes.center_distance_mm is not None or wishes.prices.center_distance_mm:
+        told[name_of("center_distance_mm")] = lambda one: figure("center_distance_mm", one.center_distance_mm)
     return told
+
+
+def _of_lengths(best: BestLaw) -> list[Row]:
+    """The lengths of the mechanism that were chosen, and the limit with any lengths."""
+    chosen = best.lengths
+    if chosen is None:
+        return []
+    sizes = []
+    for key, value in chosen.values.items():
+        name, unit = label_and_unit(key)
+        asked = best.given.free_lengths[key]
+        sizes.append(f"{name} {to_digits(value, 4)} {unit} ({shown(asked.least)} to {shown(asked.most)})")
+    crank = f"crank {to_digits(best.task.linkage.crank_mm, 4)} mm"
+    with_any = chosen.least_with_any
+    least = f"; with any lengths none has less than {_in_unit(best, with_any)}" if with_any else ""
+    said = f"{listed([*sizes, crank], 'and')}; the limit above holds for these lengths{least}"
+    return [Row("chosen", (said,))]
 
 
 def _of_flywheel(best: BestLaw) -> list[Row]:

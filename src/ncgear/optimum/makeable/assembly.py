@@ -17,7 +17,7 @@ from scipy import sparse
 from ncgear.frozen import dataclass
 from ncgear.optimum.makeable.levels import Level
 from ncgear.optimum.makeable.quantities import Place, Slider
-from ncgear.optimum.makeable.rows import ProgrammeRows, closing_terms, level_terms
+from ncgear.optimum.makeable.rows import ProgrammeRows, WholeLaw, closing_terms, level_terms
 from ncgear.optimum.makeable.spline import NEAR, SplineRows
 
 LOCAL = 3
@@ -47,16 +47,15 @@ def local_terms(levels: Sequence[Level], pairs: int) -> LocalTerms:
     ratio = [casadi.SX.sym("ratio", LOCAL) for _ in range(pairs)]
     length = [casadi.SX.sym("length") for _ in range(pairs)]
     data = casadi.SX.sym("slider", len(Slider._fields))
-    means: list[Any] = []
-
-    def mean_of(term: Any) -> Any:
-        means.append(casadi.SX.sym("mean"))
-        return means[-1]
-
+    whole = _Symbols()
     at = [Place(f, casadi.exp(f), casadi.exp(-f), *rates) for f, *rates in map(casadi.vertsplit, ratio)]
-    terms = level_terms(levels, at, Slider(*casadi.vertsplit(data)), length, mean_of)
+    terms = level_terms(levels, at, Slider(*casadi.vertsplit(data)), length, whole)
     every = casadi.vertcat(*(term for own in terms for term in own), *closing_terms(at))
-    variables, weights = casadi.vertcat(*ratio, *length, *means), casadi.SX.sym("weights", every.shape[0])
+    angle = [whole.angle_rad] if any(level.order is not None for level in levels) else []
+    variables, weights = (
+        casadi.vertcat(*ratio, *length, *whole.unknowns, *angle),
+        casadi.SX.sym("weights", every.shape[0]),
+    )
     slopes = casadi.jacobian(every, variables)
     bends = casadi.triu(casadi.hessian(casadi.dot(weights, every), variables)[0])
     return LocalTerms(
@@ -67,6 +66,31 @@ def local_terms(levels: Sequence[Level], pairs: int) -> LocalTerms:
         np.array(slopes.sparsity().get_triplet(), dtype=int),
         np.array(bends.sparsity().get_triplet(), dtype=int),
     )
+
+
+class _Symbols(WholeLaw):
+    """Variables of the whole law as symbols, in the order in which terms ask for them."""
+
+    def __init__(self) -> None:
+        self.unknowns: list[Any] = []
+        self.angle_rad = casadi.SX.sym("angle")
+
+    def mean_of(self, term: Any) -> Any:
+        """A new symbol."""
+        self.unknowns.append(casadi.SX.sym("unknown"))
+        return self.unknowns[-1]
+
+    def fitted(self, term: Any, waves: Sequence[Any]) -> list[Any]:
+        """New symbols."""
+        return [self.mean_of(term) for _ in waves]
+
+    def size_of(self, square: Any, cycle_rad: float) -> Any:
+        """A new symbol."""
+        return self.mean_of(square)
+
+    def wave(self, angle_rad: Any) -> tuple[Any, Any]:
+        """Cosine and sine."""
+        return casadi.cos(angle_rad), casadi.sin(angle_rad)
 
 
 def _entries(matrix: Any) -> Any:
@@ -128,7 +152,10 @@ class Assembly:
         of_spline = variable < LOCAL * self.pairs
         orders = np.stack([self.basis.value, self.basis.first, self.basis.second])
         spline = self.basis.columns[place] + (variable // LOCAL * self.knots)[:, None]
-        whole = np.full((variable.size, NEAR), self._splines) + (variable - LOCAL * self.pairs)[:, None]
+        number = variable - LOCAL * self.pairs
+        if self.rows.first_angle is not None:
+            number = np.where(number == self.rows.columns.first_level, self.rows.first_angle + place, number)
+        whole = np.full((variable.size, NEAR), self._splines) + number[:, None]
         once = np.array([1.0, 0.0, 0.0, 0.0])
         return (
             np.where(of_spline[:, None], spline, whole),
@@ -216,7 +243,11 @@ class Assembly:
         )
         local = casadi.mtimes(casadi.DM(splines), x[: self._splines])
         wholes = x[self._splines : self._splines + self.rows.columns.first_level]
-        return casadi.vertcat(casadi.reshape(local, every.size, self._places), casadi.repmat(wholes, 1, self._places))
+        at = [casadi.reshape(local, every.size, self._places), casadi.repmat(wholes, 1, self._places)]
+        if self.rows.first_angle is not None:
+            first = self._splines + self.rows.first_angle
+            at.append(x[first : first + self._places].T)
+        return casadi.vertcat(*at)
 
     def _mapped(self, function: Any, at: Any, *more: Any) -> Any:
         """A local function at all places."""

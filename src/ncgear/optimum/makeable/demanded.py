@@ -165,16 +165,30 @@ def _known_prices(task: Task, wishes: Wishes) -> dict[str, float]:
     return {name: price for name, price in vars(wishes.prices).items() if price and name in known}
 
 
+OF_WAY = {"peak_speed_mm_s": (2.0, 1), "peak_acceleration_mm_s2": (16.0, 2), "peak_jerk_mm_s3": (96.0, 3)}
+"""Least peaks of any motion to and fro, whatever makes it: a number times stroke over a power of the cycle time.
+
+A periodic motion whose n-th derivative is at most m swings by at most 2 K m/w^n with w = 2 pi/T and K = pi/2, pi^2/8
+and pi^3/24 (J. Favard, 1937).
+"""
+
+
+def least_of_way(figure: str, stroke_mm: float, cycle_s: float) -> float:
+    """The least peak of a figure in ``OF_WAY`` over a stroke in mm or rad and back, in mm or rad and s."""
+    number, order = OF_WAY[figure]
+    return number * stroke_mm / cycle_s**order
+
+
 OF_STROKE: dict[str, Callable[[Task, Demands], float]] = {
-    "peak_jerk_mm_s3": lambda task, asked: 96.0 * task.linkage.stroke_mm / task.cycle_s**3,
+    "peak_jerk_mm_s3": lambda task, asked: least_of_way("peak_jerk_mm_s3", task.linkage.stroke_mm, task.cycle_s),
     "tooth_force_n": lambda task, asked: _least_tooth_force_n(task),
     "flank_load_n_mm": lambda task, asked: _least_flank_load_n_mm(task, asked.steepness),
+    "center_distance_mm": lambda task, asked: _least_center_distance_mm(task, asked.steepness),
 }
 """Least values of figures in closed form, whatever the other limits are.
 
-A periodic motion whose third derivative is at most j swings by at most 2 pi^3/24 j/w^3 with w = 2 pi/T (J. Favard,
-1937), so a stroke h in the time T of a cycle needs a jerk of 96 h/T^3.  The force between teeth does the work of the
-cycle along the way that the teeth go across the line of centres, and never more than its size times this way.
+The force between teeth does the work of the cycle along the way that the teeth go across the line of centres, and
+never more than its size times this way.
 """
 
 
@@ -194,6 +208,18 @@ def _least_flank_load_n_mm(task: Task, steepness: float) -> float:
     angles = task.gears.rack_angle_rad, task.gears.idle_angle_rad or 0.0
     lever = max(cos(angle) + steepness * sin(angle) for angle in angles)
     return 16.0 * max(task.work_n_mm, 0.0) / ((2.0 * pi + task.cycle_rad) * lever)
+
+
+def _least_center_distance_mm(task: Task, steepness: float) -> float:
+    """The least centre distance in mm of gears with given teeth and module, under a limit of their curves' tangent t.
+
+    A curve is longer than the way across the line of centres by at most 1/cos(atan t); zero without a limit.
+    """
+    size = task.gears
+    if size is None or size.teeth is None or size.module_mm is None:
+        return 0.0
+    apart = replace(size, teeth=None, center_distance_mm=1.0).rolled_mm(task.lobes)
+    return size.rolled_mm(task.lobes) * cos(atan(steepness)) / apart
 
 
 def bound_of_stroke(name: str, price: float, task: Task, asked: Demands) -> Bound | None:
@@ -321,7 +347,12 @@ def start_motion(task: Task, wishes: Wishes, bound: Bound | None = None) -> Moti
     return motion
 
 
-NOT_COVERED = {"peak_jerk_mm_s3": "jerk", "curvature_turns": "least radius or undercut"}
+NOT_COVERED = {
+    "peak_jerk_mm_s3": "jerk",
+    "curvature_turns": "least radius or undercut",
+    "acceleration_harmonics_mm_s2": "harmonics of the acceleration",
+    "center_distance_mm": "the distance of the axes",
+}
 
 
 def not_covered(task: Task, wishes: Wishes) -> list[str]:
@@ -329,7 +360,7 @@ def not_covered(task: Task, wishes: Wishes) -> list[str]:
     found = [said for name, said in NOT_COVERED.items() if getattr(wishes, name) is not None]
     limits = wishes.limits
     loads = {"bearing_force_n": "bearing force", "shaking_force_n": "shaking force", "tooth_force_n": "tooth force"}
-    loads["flank_load_n_mm"] = "flank load"
+    loads |= {"flank_load_n_mm": "flank load", "torque_harmonics_n_m": "harmonics of the torque"}
     found += [said for name, said in loads.items() if getattr(limits, name) is not None]
     if wishes.two_stages is not None:
         found.append("curves and pressure angles of the two pairs")

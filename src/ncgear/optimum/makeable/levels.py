@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from enum import Enum
-from math import inf, pi, sqrt
+from functools import partial
+from math import inf, pi
 from typing import Any
 
 import numpy as np
@@ -51,6 +52,9 @@ class LevelKind(Enum):
     DEVIATION = "deviation"
     """How far every term's integral over the stretch is from ``target``, to either side."""
 
+    RMS = "rms"
+    """The root of the mean square over the driving angle of every term less its harmonics up to ``order``."""
+
     SWING = "swing"
     """The largest less the least value of the running integral of every term less its mean, over the whole turn."""
 
@@ -69,7 +73,8 @@ class Level:
 
     ``group`` is the group of keys that the wish belongs to, with its dot.  Below ``floor`` a level costs no less.
     ``share_of_goal`` is the cost of a unit in shares of the least goal without such levels: soft wishes count like
-    this.
+    this.  ``order`` is for a root mean square over the driving angle ``cycle_rad``: None counts all harmonics and the
+    mean, 0 all without the mean.
     """
 
     wish: str
@@ -85,6 +90,8 @@ class Level:
     group: str = OF_LIMITS
     floor: float = -inf
     share_of_goal: float = 0.0
+    order: int | None = None
+    cycle_rad: float = 2.0 * pi
 
     @property
     def key(self) -> str:
@@ -164,12 +171,15 @@ def of_loads(task: Task, units: MachineScales, limits: Limits, prices: Prices) -
     def driving(at: Place, slider: Slider, _: Term = 0.0) -> Term:
         return quantities.driving_torque(at, slider, speed) / torque
 
-    def level(name: str, words: str, unit: float, sides: Sides, kind: LevelKind = LevelKind.PEAK) -> Iterator[Level]:
+    def level(
+        name: str, words: str, unit: float, sides: Sides, kind: LevelKind = LevelKind.PEAK, **more: Any
+    ) -> Iterator[Level]:
         """The level of a figure with a limit or a price; ``unit`` is the level's unit in units of the figure."""
         limit, price = getattr(limits, name), getattr(prices, name, 0.0)
         if limit is not None or price:
             cap = None if limit is None else limit / unit
-            yield limited(name, words, lambda level: shown_above(level * unit), cap, price * unit, sides, kind=kind)
+            number = partial(_in_unit, unit)
+            yield limited(name, words, number, cap, price * unit, sides, kind=kind, **more)
 
     def size(force: Callable[[Place, Slider, Term], tuple[Term, Term]], unit: float) -> Sides:
         def sides(at: Place, slider: Slider, _: Term) -> tuple[Term, ...]:
@@ -182,18 +192,13 @@ def of_loads(task: Task, units: MachineScales, limits: Limits, prices: Prices) -
     yield from level("peak_power_w", "a peak power of {} W", per_power, lambda *at: (driving(*at),))
     # Nothing is gained by a shaft that never brakes
     yield from level("braking_power_w", "a braking power of {} W", per_power, lambda *at: (-driving(*at), 0.0))
-    limit, unit = limits.rms_torque_n_m, torque * N_M_PER_N_MM
-    if limit is not None or prices.rms_torque_n_m:
-        # The mean of the squared torque: a price on it alone makes the root least too
-        yield limited(
-            "rms_torque_n_m",
-            "an r.m.s. torque of {} N m",
-            lambda level: shown_above(sqrt(max(level, 0.0)) * unit),
-            None if limit is None else (limit / unit) ** 2,
-            prices.rms_torque_n_m,
-            lambda *at: (driving(*at) ** 2 / task.cycle_rad,),
-            kind=LevelKind.INTEGRAL,
-        )
+    unit, rms, cycle = torque * N_M_PER_N_MM, LevelKind.RMS, task.cycle_rad
+    words = "an r.m.s. torque of {} N m"
+    yield from level("rms_torque_n_m", words, unit, lambda *at: (driving(*at),), rms, cycle_rad=cycle)
+    words, order = "an r.m.s. torque of {} N m in high harmonics", task.harmonics_above
+    yield from level(
+        "torque_harmonics_n_m", words, unit, lambda *at: (driving(*at),), rms, order=order, cycle_rad=cycle
+    )
     per_swing = KG_MM2 * torque / (task.speed_fluctuation * speed**2)
     words = "a flywheel of {} kg mm^2"
     yield from level("flywheel_kg_mm2", words, per_swing, lambda *at: (driving(*at),), LevelKind.SWING)
@@ -206,6 +211,11 @@ def of_loads(task: Task, units: MachineScales, limits: Limits, prices: Prices) -
         yield _tooth_force(task, units, limits.tooth_force_n, prices.tooth_force_n)
     if limits.flank_load_n_mm is not None or prices.flank_load_n_mm:
         yield _flank_load(task, units, limits.flank_load_n_mm, prices.flank_load_n_mm)
+
+
+def _in_unit(unit: float, level: float) -> str:
+    """A level in the unit of its limit."""
+    return shown_above(level * unit)
 
 
 def _tooth_force(task: Task, units: MachineScales, limit: float | None, price: float) -> Level:

@@ -20,7 +20,7 @@ from ncgear.optimum.makeable.assembly import Assembly, local_terms
 from ncgear.optimum.makeable.levels import Level, LevelKind
 from ncgear.optimum.makeable.places import Places
 from ncgear.optimum.makeable.quantities import Place
-from ncgear.optimum.makeable.reached import JudgedLaw, ratios, running
+from ncgear.optimum.makeable.reached import SMALLEST, JudgedLaw, ratios, running
 from ncgear.optimum.makeable.rows import ProgrammeRows, rows_of
 from ncgear.optimum.makeable.spline import Knots, SplineRows
 
@@ -108,6 +108,7 @@ class LawProgramme:
         highest, lowest = np.full(given["x0"].shape[0], np.inf), np.full(given["x0"].shape[0], -np.inf)
         highest[of_levels], highest[of_excess], lowest[of_excess] = caps, most, 0.0
         lowest[of_levels] = [level.least for level in self.levels]
+        lowest[size + np.array(columns.sizes, dtype=int)] = SMALLEST
         lowest[:size], highest[:size] = self.coefficient_bounds(size)
         least, greatest = self._row_bounds(caps, most, kept_back, missed)
         # The solver warns of an interrupt; its status says it.
@@ -157,8 +158,10 @@ class LawProgramme:
         judged = JudgedLaw(self.levels, at, law)
         floors = np.array([level.least for level in self.levels])
         whole = np.zeros(self.rows.wholes)
-        whole[: columns.first_mean] = judged.lengths
-        whole[columns.first_mean : columns.first_level] = judged.means
+        whole[: columns.first_unknown] = judged.lengths
+        whole[columns.first_unknown : columns.first_level] = judged.unknowns
+        if self.rows.first_angle is not None:
+            whole[self.rows.first_angle : self.rows.first_angle + at.count] = judged.angle_rad
         whole[columns.first_level : columns.excess] = np.maximum(judged.reached, floors) + AHEAD
         for block in self.rows.blocks:
             if block.base is not None:

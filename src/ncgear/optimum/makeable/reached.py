@@ -8,16 +8,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from functools import cached_property
+from math import sqrt
 
 import numpy as np
 
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.optimum.makeable.levels import Level, LevelKind
+from ncgear.optimum.makeable.levels import TURN, Level, LevelKind
 from ncgear.optimum.makeable.places import Places
 from ncgear.optimum.makeable.quantities import Place, length_rates
-from ncgear.optimum.makeable.rows import RowBlock, closing_terms, level_terms
+from ncgear.optimum.makeable.rows import RowBlock, WholeLaw, closing_terms, level_terms
 from ncgear.optimum.makeable.spline import SplineRows
+
+INTEGRALS = {LevelKind.INTEGRAL, LevelKind.DEVIATION, LevelKind.RMS}
+"""Kinds that are one integral over a stretch."""
+
+SMALLEST = 1e-6
+"""Least root mean square, in its unit: it is told as this where nothing is left."""
 
 CLOSE_RAD = 1e-7
 """Deviation that counts as none: a law's rounded ratios close an angle to a thousandth of this."""
@@ -62,12 +69,19 @@ class JudgedLaw:
     @property
     def terms(self) -> list[list[Array]]:
         """Every level's terms in all cells, shape (n, p + 1) each, as ``rows.level_terms`` gives them."""
-        return self._with_means[0]
+        return self._with_unknowns[0]
 
     @property
-    def means(self) -> list[float]:
-        """Means of the terms of swings, in their order."""
-        return self._with_means[1]
+    def unknowns(self) -> list[float]:
+        """The variables of the whole law that terms ask for, in their order."""
+        return self._with_unknowns[1]
+
+    @cached_property
+    def angle_rad(self) -> Array:
+        """The driving angle at every place, shape (m,)."""
+        angle = np.zeros(self.at.count)
+        angle[self.at.number] = running(self.at, self.law[0].ratio[self.at.number])
+        return angle
 
     @property
     def flat(self) -> list[Array]:
@@ -75,15 +89,11 @@ class JudgedLaw:
         return [term for terms in self.terms for term in terms]
 
     @cached_property
-    def _with_means(self) -> tuple[list[list[Array]], list[float]]:
-        means: list[float] = []
-
-        def mean_of(term: Array) -> float:
-            means.append(over_turn(self.at, term * self.law[0].ratio) / over_turn(self.at, self.law[0].ratio))
-            return means[-1]
-
-        found = level_terms(self.levels, self.law, self.at.slider, self.lengths, mean_of)
-        return [[(term + np.zeros(self.at.count))[self.at.number] for term in terms] for terms in found], means
+    def _with_unknowns(self) -> tuple[list[list[Array]], list[float]]:
+        whole = _Values(self)
+        found = level_terms(self.levels, self.law, self.at.slider, self.lengths, whole)
+        each = [[(term + np.zeros(self.at.count))[self.at.number] for term in terms] for terms in found]
+        return each, whole.unknowns
 
     @cached_property
     def reached(self) -> Array:
@@ -92,9 +102,9 @@ class JudgedLaw:
         return np.array([max(self._reached(level, term) for term in terms) for level, terms in each])
 
     def _reached(self, level: Level, term: Array) -> float:
-        if level.kind in (LevelKind.INTEGRAL, LevelKind.DEVIATION):
+        if level.kind in INTEGRALS:
             found = self.integral(level, term)
-            return found if level.kind is LevelKind.INTEGRAL else abs(found) if abs(found) > CLOSE_RAD else 0.0
+            return found if level.kind is not LevelKind.DEVIATION else abs(found) if abs(found) > CLOSE_RAD else 0.0
         if level.kind is LevelKind.SWING:
             term = running(self.at, term)
         cells = self.at.cells(level.stretch)
@@ -134,7 +144,7 @@ class JudgedLaw:
 
     def _beyond(self, block: RowBlock, level: Level, term: Array, coarse: Places) -> Array:
         cells = coarse.cells(level.stretch)
-        if level.kind in (LevelKind.INTEGRAL, LevelKind.DEVIATION):
+        if level.kind in INTEGRALS:
             roughly = float(np.sum((self._coarsely(coarse, term) * coarse.weight)[cells])) - level.target
             return np.array([block.sense * (self.integral(level, term) - roughly)])
         if level.kind is LevelKind.SWING:
@@ -143,6 +153,42 @@ class JudgedLaw:
             return _rise(block.sense * running(self.at, term), number, cells.size)
         rise = _rise(block.sense * term[cells], coarse.number[cells], coarse.count)
         return rise[block.places]
+
+
+class _Values(WholeLaw):
+    """Variables of the whole law by their values for one law."""
+
+    def __init__(self, judged: JudgedLaw) -> None:
+        self._judged, self.unknowns = judged, list[float]()
+
+    @property
+    def angle_rad(self) -> Array:
+        """The driving angle at every place."""
+        return self._judged.angle_rad
+
+    def mean_of(self, term: Array) -> float:
+        """The term's integral over the driving angle of the turn, over that angle."""
+        at, ratio = self._judged.at, self._judged.law[0].ratio
+        self.unknowns.append(over_turn(at, term * ratio) / over_turn(at, ratio))
+        return self.unknowns[-1]
+
+    def fitted(self, term: Array, waves: Sequence[Array | float]) -> list[float]:
+        """By least squares with the weights of the integral over the driving angle."""
+        at, each = self._judged.at, np.stack([wave + np.zeros(self._judged.at.count) for wave in waves])
+        weight = at.integral_weights(TURN) * self._judged.law[0].ratio
+        found = np.linalg.solve((each * weight) @ each.T, each @ (weight * term)).tolist()
+        self.unknowns += found
+        return list(found)
+
+    def size_of(self, square: Array, cycle_rad: float) -> float:
+        """At least the least size."""
+        mean = over_turn(self._judged.at, square * self._judged.law[0].ratio) / cycle_rad
+        self.unknowns.append(max(sqrt(mean), SMALLEST))
+        return self.unknowns[-1]
+
+    def wave(self, angle_rad: Array) -> tuple[Array, Array]:
+        """Cosine and sine."""
+        return np.cos(angle_rad), np.sin(angle_rad)
 
 
 def running(at: Places, term: Array) -> Array:

@@ -6,8 +6,10 @@ terms depend on, and levels, the excess, bases of spreads and running integrals,
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from math import pi
 from typing import Any
 
 import numpy as np
@@ -18,7 +20,7 @@ from ncgear.optimum.makeable.levels import TURN, Level, LevelKind
 from ncgear.optimum.makeable.places import Places
 from ncgear.optimum.makeable.quantities import Place, Slider, Term, length_rates
 
-RUNNING = {LevelKind.INTEGRAL, LevelKind.DEVIATION, LevelKind.SWING}
+RUNNING = {LevelKind.INTEGRAL, LevelKind.DEVIATION, LevelKind.SWING, LevelKind.RMS}
 """Kinds that are integrals over the driving angle."""
 
 SPANNING = {LevelKind.SPREAD, LevelKind.SWING}
@@ -28,21 +30,74 @@ TWO_SIDED = SPANNING | {LevelKind.DEVIATION}
 """Kinds that hold their terms from above and from below."""
 
 
+UNHEARD = 1e-2
+"""Share of the whole root mean square that high harmonics count beside themselves: of many laws without any this picks
+the law with the least whole."""
+
+
+class WholeLaw(ABC):
+    """Variables of the whole law on which terms depend: symbols of the programme, or the values that a judge computes.
+
+    ``angle_rad`` is the driving angle at a place, which is asked for where harmonics are.
+    """
+
+    angle_rad: Term
+
+    @abstractmethod
+    def mean_of(self, term: Term) -> Term:
+        """The mean of a term over the driving angle."""
+
+    @abstractmethod
+    def fitted(self, term: Term, waves: Sequence[Term]) -> Sequence[Term]:
+        """How much of every wave is in a term, so that the mean square of the rest is least."""
+
+    @abstractmethod
+    def size_of(self, square: Term, cycle_rad: float) -> Term:
+        """The root of a square's mean over the driving angle of a cycle, over zero."""
+
+    @abstractmethod
+    def wave(self, angle_rad: Term) -> tuple[Term, Term]:
+        """Cosine and sine."""
+
+
+def unknowns_of(level: Level) -> int:
+    """Number of variables of the whole law for each term of a level; of a root mean square its size is the last."""
+    if level.kind is LevelKind.RMS:
+        return 1 if level.order is None else 2 * level.order + 2
+    return 1 if level.kind is LevelKind.SWING else 0
+
+
 def level_terms(
-    levels: Sequence[Level],
-    ratios: Sequence[Place],
-    slider: Slider,
-    lengths: Sequence[Term],
-    mean_of: Callable[[Term], Term],
+    levels: Sequence[Level], ratios: Sequence[Place], slider: Slider, lengths: Sequence[Term], whole: WholeLaw
 ) -> list[list[Term]]:
-    """Every level's terms at a place; terms of integrals are per unit of phi2, terms of swings less their means."""
+    """Every level's terms at a place; terms of integrals are per unit of phi2, terms of swings less their means.
+
+    The root of a mean square is the least of (size + mean square/size)/2 over all sizes, so its term is a mean too.
+    """
     found = []
     for level in levels:
         terms = level.terms(ratios, slider, lengths)
         if level.kind is LevelKind.SWING:
-            terms = tuple(term - mean_of(term) for term in terms)
+            terms = tuple(term - whole.mean_of(term) for term in terms)
+        if level.kind is LevelKind.RMS:
+            terms = tuple(_of_root(level, _square(level, term, whole), whole) for term in terms)
         found.append([term * ratios[0].ratio if level.kind in RUNNING else term for term in terms])
     return found
+
+
+def _square(level: Level, term: Term, whole: WholeLaw) -> Term:
+    """The square of a term, or of its rest above the order of a level."""
+    if level.order is None:
+        return term**2
+    turn = 2.0 * pi / level.cycle_rad * whole.angle_rad
+    waves = [1.0, *(wave for order in range(1, level.order + 1) for wave in whole.wave(order * turn))]
+    rest = term - sum(size * wave for size, wave in zip(whole.fitted(term, waves), waves, strict=True))
+    return rest**2 + (UNHEARD * term) ** 2
+
+
+def _of_root(level: Level, square: Term, whole: WholeLaw) -> Term:
+    size = whole.size_of(square, level.cycle_rad)
+    return (size + square / size) / (2.0 * level.cycle_rad)
 
 
 def closing_terms(ratios: Sequence[Place]) -> list[Term]:
@@ -75,11 +130,15 @@ class RowBlock:
 
 @dataclass(frozen=True)
 class WholeColumns:
-    """Where means of swings, levels and the excess are among the variables of the whole; lengths are first."""
+    """Where variables that terms depend on, levels and the excess are among the variables of the whole.
 
-    first_mean: int
+    Lengths are first.  ``sizes`` are those of root mean squares.
+    """
+
+    first_unknown: int
     first_level: int
     excess: int
+    sizes: Sequence[int] = ()
 
 
 @dataclass(eq=False)
@@ -95,6 +154,7 @@ class ProgrammeRows:
     wholes: int
     count: int = 0
     equations: int = 0
+    first_angle: int | None = None
     blocks: list[RowBlock] = field(default_factory=list)
     _local: list[Any] = field(default_factory=list)
     _whole: list[Any] = field(default_factory=list)
@@ -131,8 +191,13 @@ def rows_of(
     """The rows of levels with their terms, for pairs that turn through ``cycles_rad`` per turn of the crank."""
     # First come two equations for every pair: its driving angle and its length
     pairs, of_levels = len(cycles_rad), sum(term_counts)
-    swings = sum(count for level, count in zip(levels, term_counts, strict=True) if level.kind is LevelKind.SWING)
-    columns = WholeColumns(pairs, pairs + swings, pairs + swings + len(levels))
+    unknown, sizes = pairs, []
+    for level, count in zip(levels, term_counts, strict=True):
+        for _ in range(count):
+            unknown += unknowns_of(level)
+            if level.kind is LevelKind.RMS:
+                sizes.append(unknown - 1)
+    columns = WholeColumns(pairs, unknown, unknown + len(levels), sizes)
     rows = ProgrammeRows(at, columns, of_levels + 2 * pairs, columns.excess + 1)
     everywhere, turn = np.arange(at.count), at.integral_weights(TURN)
     for pair, cycle in enumerate(cycles_rad):
@@ -140,6 +205,8 @@ def rows_of(
         row = rows.new(1)
         rows.put_term(row, everywhere, of_levels + pairs + pair, turn)
         rows.put_whole(row, pair, -1.0)
+    if any(level.order is not None for level in levels):
+        rows.first_angle = _angles(rows, of_levels)
     each = [(number, level) for number, level in enumerate(levels) for _ in range(term_counts[number])]
     running = {term: _running(rows, term) for term, (_, level) in enumerate(each) if level.kind is LevelKind.SWING}
     rows.equations = rows.count
@@ -185,6 +252,27 @@ def _running(rows: ProgrammeRows, term: int) -> IndexArray:
     rows.put_whole(row[:-1], column, -1.0)
     rows.put_whole(row[1:], column)
     return column
+
+
+def _angles(rows: ProgrammeRows, ratio: int) -> int:
+    """The first of the columns of the driving angles at all places, which the term ``ratio`` adds up to."""
+    at = rows.at
+    first = int(rows.new_wholes(at.count)[0])
+    rows.put_whole(rows.new(1), first)
+    start, middle, end = at.number.T
+    step = np.diff(at.ends_rad) / 24.0
+    for to, weights in ((middle, (5.0, 8.0, -1.0)), (end, (4.0, 16.0, 4.0))):
+        row = rows.new(start.size)
+        rows.put_whole(row, first + to)
+        rows.put_whole(row, first + start, -1.0)
+        for place, weight in zip((start, middle, end), weights, strict=True):
+            rows.put_term(row, place, ratio, -weight * step)
+    # At the extended dead centre two places have one angle
+    again = np.nonzero(start[1:] != end[:-1])[0]
+    row = rows.new(again.size)
+    rows.put_whole(row, first + start[1:][again])
+    rows.put_whole(row, first + end[:-1][again], -1.0)
+    return first
 
 
 def _matrix(parts: Sequence[Any], shape: tuple[int, int]) -> Any:

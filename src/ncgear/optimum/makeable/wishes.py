@@ -11,11 +11,12 @@ from enum import Enum
 from math import atan, ceil, degrees, exp, inf, log, pi, radians, tan
 
 from ncgear.frozen import dataclass
+from ncgear.kinematics.crank_stretches import CrankStretch
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.certified.refusals import NOT_CONVEX
 from ncgear.optimum.makeable import quantities
-from ncgear.optimum.makeable.levels import Level, MachineScales, limit_offer, limited, of_loads
+from ncgear.optimum.makeable.levels import Level, LevelKind, MachineScales, limit_offer, limited, of_loads
 from ncgear.optimum.makeable.motion_wishes import of_motion_wishes
 from ncgear.optimum.makeable.quantities import Place, Slider, Term
 from ncgear.optimum.task import Limits, Prices, Task
@@ -37,6 +38,9 @@ class Goal(Enum):
     SPEED = "least_speed"
     JERK = "least_jerk"
     PRESSURE_ANGLE = "least_pressure_angle"
+    ACCELERATION_HARMONICS = "least_acceleration_harmonics"
+    TORQUE_HARMONICS = "least_torque_harmonics"
+    CENTER_DISTANCE = "least_center_distance"
     WEIGHTED = "weighted"
 
 
@@ -53,6 +57,9 @@ ALONE = {
     Goal.SPEED: Prices(peak_speed_mm_s=1.0),
     Goal.JERK: Prices(peak_jerk_mm_s3=1.0),
     Goal.PRESSURE_ANGLE: Prices(tangent_rad=degrees(1.0)),
+    Goal.ACCELERATION_HARMONICS: Prices(acceleration_harmonics_mm_s2=1.0),
+    Goal.TORQUE_HARMONICS: Prices(torque_harmonics_n_m=1.0),
+    Goal.CENTER_DISTANCE: Prices(center_distance_mm=1.0),
 }
 """The figure that is least under each goal, without the weighted goal."""
 
@@ -88,6 +95,8 @@ class Wishes:
     goal: Goal = Goal.ACCELERATION
     weights: Prices | None = None
     peak_jerk_mm_s3: float | None = None
+    acceleration_harmonics_mm_s2: float | None = None
+    center_distance_mm: float | None = None
     driven_speed_rad_s: float | None = None
     convex: bool = True
     curvature_turns: float | None = None
@@ -190,6 +199,20 @@ def _of_peaks(wishes: Wishes, scales: Scales) -> Iterator[Level]:
             jerk * prices.peak_jerk_mm_s3,
             lambda at, slider, _: _both(quantities.jerk(at, slider, speed) / jerk),
         )
+    most, price = wishes.acceleration_harmonics_mm_s2, prices.acceleration_harmonics_mm_s2
+    if most is not None or price:
+        yield limited(
+            f"acceleration_harmonics_{told.ending}",
+            f"an r.m.s. acceleration of {{}} {told.text[:-1]}^2 in high harmonics",
+            lambda level: shown_above(level * unit),
+            None if most is None else most / unit,
+            unit * price,
+            lambda at, slider, _: (quantities.acceleration(at, slider, speed) / unit,),
+            kind=LevelKind.RMS,
+            order=scales.task.harmonics_above,
+            cycle_rad=scales.task.cycle_rad,
+        )
+    yield from _center_distance(wishes, scales.task)
     if limits.peak_speed_mm_s is not None or prices.peak_speed_mm_s:
         most_mm_s = limits.peak_speed_mm_s or scales.task.linkage.half_way * speed
         yield limited(
@@ -200,6 +223,25 @@ def _of_peaks(wishes: Wishes, scales: Scales) -> Iterator[Level]:
             most_mm_s * prices.peak_speed_mm_s,
             lambda at, slider, _: _both(quantities.velocity(at, slider, speed) / most_mm_s),
         )
+
+
+def _center_distance(wishes: Wishes, task: Task) -> Iterator[Level]:
+    """The centre distance of gears with given teeth and module: the length of their curves over that for one mm."""
+    most, price, size = wishes.center_distance_mm, wishes.prices.center_distance_mm, task.gears
+    if (most is None and not price) or size is None or size.teeth is None or size.module_mm is None:
+        return
+    around = size.teeth * pi * size.module_mm / task.lobes.driving
+    unit = most or around / pi
+    yield limited(
+        "center_distance_mm",
+        "a centre distance of {} mm",
+        lambda level: shown_above(level * unit),
+        None if most is None else 1.0,
+        unit * price,
+        lambda at, slider, length: (around / length / unit,),
+        # The same at every place
+        stretch=CrankStretch(0.0, 0.0),
+    )
 
 
 def _of_ratio(wishes: Wishes, scales: Scales) -> Iterator[Level]:

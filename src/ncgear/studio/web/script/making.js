@@ -65,6 +65,7 @@ function createMaking(place, send) {
       title.append(button("take over", () => send({ do: "adopt", job: job.job }), "take over the best law"));
     }
     if (job.frontier) found.push(frontierElement(job.frontier));
+    if (job.machines) found.push(...machineElements(job));
     if (job.lines.length) {
       found.push(made("details", { open: !job.running && !job.done && !job.cancelled }, made("summary", {}, "what it says"), made("pre", { tabindex: 0 }, job.lines.join("\n"))));
     }
@@ -91,30 +92,59 @@ function createMaking(place, send) {
   function frontierElement(frontier) {
     const key = Object.keys(frontier.points[0].law).find((name) => name.startsWith("peak_acceleration"));
     const limitKey = Object.keys(frontier.points[0]).find((name) => name.startsWith("limit_acceleration"));
-    const points = frontier.points.map((one) => ({ cap: one.power_cap_w, x: one.law.peak_power_w, y: one.law[key], limit: one[limitKey] }));
-    const scales = { x: range(points.flatMap((one) => [one.x, one.cap])), y: range(points.flatMap((one) => [one.y, one.limit])) };
+    const points = frontier.points.map((one) => {
+      const [x, y] = [one.law.peak_power_w, one.law[key]];
+      const words = [`${digits(x)} W: look for this law`, `take the law of ${digits(x)} W and ${digits(y)}`];
+      return { x, y, words, take: () => send({ do: "point", power_w: one.power_cap_w }) };
+    });
+    const limit = frontier.points.map((one) => ({ x: one.power_cap_w, y: one[limitKey] }));
+    const upwards = key.replace(/peak_acceleration_(cycle_)?/, "peak acceleration in ").replaceAll("_", "/");
+    return scatter(points, limit, ["peak power in W", upwards], "peak power against peak acceleration; each point is a law");
+  }
+
+  // Whole machines side by side, by power and size of the gears; a machine that is clicked becomes the design, and runs.
+  function machineElements(job) {
+    const shown = (one) => `${digits(one.peak_power_w)} W, ${one.teeth} teeth of ${one.module_mm} mm, ${one.face_width_mm} mm wide`;
+    const points = job.machines.machines.map((one) => ({
+      x: one.peak_power_w,
+      y: one.gear_volume_mm3 / 1e6,
+      words: [`${one.name}: ${shown(one)}`, `show ${one.name}: ${shown(one)}`],
+      take: () => send({ do: "adopt", job: job.job, design: one.name }),
+      one,
+    }));
+    const rows = points.map(({ one, words, take }) => {
+      const beside = one.name === job.machines.recommended ? "recommended" : one.beside_recommended;
+      return made("li", {}, button(one.name, take, words[1]), ` ${shown(one)}; ${beside}`);
+    });
+    const picture = scatter(points, [], ["peak power in W", "gears in dm3"], "peak power against size of the gears; each point is a machine");
+    return [picture, made("ul", { class: "machines" }, ...rows)];
+  }
+
+  // Points that can be taken, over a dashed line of a limit.
+  function scatter(points, limit, [along, upwards], name) {
+    const all = [...points, ...limit];
+    const scales = { x: range(all.map((one) => one.x)), y: range(all.map((one) => one.y)) };
     const across = (x) => between(x, scales.x, [BOX.left, BOX.width - BOX.right]);
     const up = (y) => between(y, scales.y, [BOX.height - BOX.bottom, BOX.top]);
     const svg = document.createElementNS(SVG, "svg");
     svg.setAttribute("viewBox", `0 0 ${BOX.width} ${BOX.height}`);
     svg.setAttribute("class", "frontier");
     svg.setAttribute("role", "group");
-    svg.setAttribute("aria-label", "peak power against peak acceleration; each point is a law");
+    svg.setAttribute("aria-label", name);
     svgElement("path", { class: "axis", d: `M${BOX.left} ${BOX.top}V${BOX.height - BOX.bottom}H${BOX.width - BOX.right}` }, svg);
-    svgElement("path", { class: "limit", d: `M${points.map((one) => `${across(one.cap)} ${up(one.limit)}`).join("L")}` }, svg);
-    svgElement("text", { x: BOX.width / 2, y: BOX.height - 4, "text-anchor": "middle" }, svg).textContent = "peak power in W";
-    svgElement("text", { x: 4, y: 10 }, svg).textContent = key.replace("peak_acceleration_cycle_", "peak acceleration in ").replace("peak_acceleration_", "peak acceleration in ").replaceAll("_", "/");
+    if (limit.length) svgElement("path", { class: "limit", d: `M${limit.map((one) => `${across(one.x)} ${up(one.y)}`).join("L")}` }, svg);
+    svgElement("text", { x: BOX.width / 2, y: BOX.height - 4, "text-anchor": "middle" }, svg).textContent = along;
+    svgElement("text", { x: 4, y: 10 }, svg).textContent = upwards;
     for (const end of [0, 1]) {
       svgElement("text", { x: across(scales.x[end]), y: BOX.height - 18, "text-anchor": "middle" }, svg).textContent = digits(scales.x[end]);
       svgElement("text", { x: BOX.left - 4, y: up(scales.y[end]) + 4, "text-anchor": "end" }, svg).textContent = digits(scales.y[end]);
     }
     for (const one of points) {
       const dot = svgElement("circle", { cx: across(one.x), cy: up(one.y), r: 6, tabindex: 0, role: "button" }, svg);
-      dot.setAttribute("aria-label", `take the law of ${digits(one.x)} W and ${digits(one.y)}`);
-      svgElement("title", {}, dot).textContent = `${digits(one.x)} W: look for this law`;
-      const take = () => send({ do: "point", power_w: one.cap });
-      dot.addEventListener("click", take);
-      dot.addEventListener("keydown", (event) => (event.key === "Enter" || event.key === " ") && (event.preventDefault(), take()));
+      dot.setAttribute("aria-label", one.words[1]);
+      svgElement("title", {}, dot).textContent = one.words[0];
+      dot.addEventListener("click", one.take);
+      dot.addEventListener("keydown", (event) => (event.key === "Enter" || event.key === " ") && (event.preventDefault(), one.take()));
     }
     return svg;
   }

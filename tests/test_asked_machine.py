@@ -1,0 +1,106 @@
+"""A file for ``ncgear design`` from ten answers: what each changes, the likely answers, and wrong answers."""
+
+from __future__ import annotations
+
+from math import pi
+from pathlib import Path
+
+import pytest
+
+from commands import Run
+from ncgear.design.asked_machine import QUESTIONS, asked_text, fault_of_answer, likely_answers
+from ncgear.design.template import MachineName, machine_template
+from ncgear.project.drive import Drive
+from ncgear.project.opened import load, loads
+from test_new_command import at_terminal
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("machine", MachineName)
+def test_likely_answers_are_the_machine_of_that_kind(machine: MachineName) -> None:
+    """The flywheel by the exact work or a disc by hand; the file asks for the same machine."""
+    text = machine_template("mine", machine)
+    likely, own = likely_answers(text), Drive(loads(text).design)
+    work_j = own.check.mean_power_w * 60.0 / own.design.operation.speed_rpm
+    stores = 2.0 * work_j / own.machine.speed_rad_s**2
+    # A disc of 1.8 strokes, a twentieth as thick: m r^2/2
+    wide_m = 1.8e-3 * own.linkage.stroke_mm
+    disc = 7850.0 * pi / 4.0 * wide_m**2 * (wide_m / 20.0) * wide_m**2 / 8.0
+    assert float(likely["flywheel"]) == pytest.approx(min(stores, disc), rel=0.06)
+    made = loads(asked_text("mine", machine, {}, likely)).design
+    assert made.resistance == own.design.resistance
+    assert made.masses == own.design.masses
+    assert made.wishes == own.design.wishes
+    assert made.optimize is not None
+    assert made.optimize.goal == "least_power"
+    assert made.optimize.limits.peak_power_w is None
+    assert made.choices is not None
+    assert made.choices.processes == (("printed",) if machine is MachineName.DESK_TOY else ("hobbed",))
+    assert all(fault_of_answer(one, text, likely[one]) is None for one in QUESTIONS)
+
+
+def test_each_answer_changes_its_keys() -> None:
+    text = machine_template("mine", MachineName.PUMP)
+    answers = {
+        "force": "830",
+        "mass": "1.6",
+        "materials": "42CrMo4, 18CrNiMo7-6",
+        "processes": "wire_cut, hobbed",
+        "space": "140",
+        "flywheel": "0.002",
+    }
+    # Delivery at 400 N and 15 N of friction
+    assert likely_answers(text)["force"] == "415"
+    made = loads(asked_text("mine", MachineName.PUMP, {"stroke_mm": 60, "speed_rpm": 120}, answers)).design
+    assert made.resistance is not None
+    assert made.resistance.table.force_n == (0.0, 800.0, 800.0)
+    assert made.resistance.returning.table.force_n == (120.0, 120.0, 0.0)
+    assert made.resistance.friction_n == 30.0
+    assert made.masses.slider_kg == 1.6
+    assert [one.material.name for one in made.choices.materials] == ["42CrMo4", "18CrNiMo7-6"]
+    assert made.choices.processes == ("wire_cut", "hobbed")
+    assert made.choices.center_distance_mm == 140.0
+    assert made.free_flywheel.most == 2000.0
+    none = loads(asked_text("mine", MachineName.PUMP, {}, {"flywheel": "none", "space": "any"})).design
+    assert (none.free_flywheel, none.choices.center_distance_mm) == (None, None)
+
+
+@pytest.mark.parametrize(
+    ("question", "answer", "said"),
+    [
+        ("force", "much", "much given; a number over 0 is right"),
+        ("mass", "-2", "-2 given; a number over 0 is right"),
+        ("materials", "butter", "butter"),
+        ("processes", "milled", "milled"),
+        ("processes", "hobbed, hobbed", "the same is given twice"),
+        ("space", "0", "0 given; a number over 0 is right"),
+        ("flywheel", "heavy", "heavy given"),
+    ],
+)
+def test_wrong_answers(question: str, answer: str, said: str) -> None:
+    assert said in (fault_of_answer(question, machine_template("mine", MachineName.PUMP), answer) or "")
+
+
+@pytest.mark.slow
+def test_ten_questions_at_a_terminal(tmp_path: Path) -> None:
+    answers = ["mine", "pump", "80", "", "none", "600", "", "butter", "", "", "150", "none"]
+    status, shown = at_terminal(["new", "--design"], [f"{answer}\n" for answer in answers], tmp_path)
+    assert (status, shown.splitlines()[-1]) == (0, "mine.yaml")
+    asked = [line for line in shown.splitlines() if "]: " in line]
+    # The name, ten questions, and a question again for butter
+    assert len(asked) == 12
+    assert asked[-1].startswith("largest flywheel on the driven shaft in kg m2, or none [0.0024]")
+    made = load(tmp_path / "mine.yaml").design
+    assert made.linkage.crank_mm == 40.0
+    assert made.resistance.table.force_n[1] == pytest.approx(400.0 * 600.0 / 415.0, rel=1e-4)
+    assert made.choices.center_distance_mm == 150.0
+
+
+def test_options_with_design(run: Run) -> None:
+    assert run("new", "a", "--design", "--machine", "baler", "--speed-rpm", "30") == (0, "a.yaml\n", "")
+    made = load(Path("a.yaml")).design
+    assert made.operation.speed_rpm == 30.0
+    assert made.free_flywheel is not None
+    status, _, err = run("new", "b", "--design", "--teeth", "30")
+    assert (status, err) == (2, "--teeth: given with --design, which finds it; leave it out\n")
+    assert run("new", "b", "--design", "--shape", "heart")[0] == 2
