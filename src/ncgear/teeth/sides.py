@@ -119,10 +119,12 @@ def refuse_sharp_curve(curve: ClosedPitchCurve, module_mm: float, key: str) -> N
     panels = curve.panels_mm
     sharpest = largest_of_each(lambda sigma: np.abs(curve.at_length(sigma).curvature)[None], panels)[0]
     if sharpest.value * least > 1.0:
-        raise NoSuchMechanism(
+        phi1_rad = float(curve.driving_angle(np.array(sharpest.at)))
+        raise RefusedAt(
             f"a pitch curve is curved with a radius of {1.0 / sharpest.value:.4g} mm at phi1 = "
-            f"{in_words(float(curve.driving_angle(np.array(sharpest.at))))}, less than {least:.4g} mm, a quarter of "
+            f"{in_words(phi1_rad)}, less than {least:.4g} mm, a quarter of "
             "the module: no flank rolls over that; rounder curves are needed",
+            phi1_rad=phi1_rad,
             key=key,
         )
 
