@@ -48,7 +48,8 @@ class MovingAxis(TrainKeys):
 
         axes, radius = self._axes()
         gears = self.gears
-        with renamed("motion", "train.distance_mm" if self.distances_mm is None else "train.distances_mm"):
+        given = "train.distance_mm" if self.distances_mm is None else "train.distances_mm"
+        with renamed("motion", given), renamed("motion.ratio", "train.ratio"):
             module = module_mm(axes, gears.teeth)
         if gears.module_mm is not None and abs(gears.module_mm - module) > AGREED * module:
             raise WrongInput(
