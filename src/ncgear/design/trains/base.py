@@ -25,6 +25,10 @@ USUAL_IN_MODULES = 0.01
 """Chord tolerance of small teeth where none is given: a twenty-fifth of a usual tip clearance."""
 
 
+RIM_IN_TOLERANCES = 2.0
+"""The thinnest rim in chord tolerances: chords of the circle outside and of the roots may be one each from theirs."""
+
+
 class TrainKeys(Model):
     """The group ``train`` of a design file; each kind adds its own keys."""
 
@@ -37,7 +41,7 @@ class TrainKeys(Model):
     speed_rpm: Speed = required("speed of the driving part in r/min")
 
     def train(self) -> Train:
-        """The train that the keys ask for; every bore is inside its part.
+        """The train that the keys ask for; every bore is inside its part, and rims are thicker than chords.
 
         Raises WrongInput and NoSuchMechanism with keys that begin with ``train``, as ``train.gears.module_mm``.
         """
@@ -49,6 +53,12 @@ class TrainKeys(Model):
                     f"{part.bore_mm:g} mm leaves no wall in {part.name}; less than "
                     f"{shown_below(part.widest_bore_mm, 4)} mm is right",
                     key="train.gears.bore_mm",
+                )
+            if part.rim_mm is not None and part.rim_mm <= RIM_IN_TOLERANCES * made.tolerance_mm:
+                raise WrongInput(
+                    f"{part.rim_mm:g} mm is lost in the chord tolerance of {made.tolerance_mm:g} mm; over "
+                    f"{RIM_IN_TOLERANCES * made.tolerance_mm:.3g} mm is right",
+                    key="train.gears.rim_mm",
                 )
         return made
 
