@@ -78,7 +78,7 @@ class MovingAxis(TrainKeys):
             return MovingAxes(law, distance), radius
         if self.ratio is None:
             return MovingAxes(uniform_law(lobes), distance), None
-        with renamed("motion", "train.distance_mm" if self.distances_mm is None else "train.distances_mm"):
+        with renamed("motion", "train"):
             return MovingAxes(ratio_expression_law(self.ratio, lobes, scale_to_close=True), distance), None
 
     def _distance(self, lobes: Lobes) -> JetFunction:
