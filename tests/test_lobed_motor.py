@@ -259,6 +259,10 @@ def test_a_curve_by_a_formula_is_the_named_one_and_has_to_repeat() -> None:
     assert rounder.ring_curve.curvature_bounds[1] < curves_of("cosine", *MOTOR[1:]).ring_curve.curvature_bounds[1]
     with pytest.raises(WrongInput, match="must repeat with every lobe"):
         formula_family("1 + e*cos(3*phi)", 4, "train.radius")
+    with pytest.raises(WrongInput, match="has no e"):
+        formula_family("1 + 0.1*cos(4*phi)", 4, "train.radius")
+    with pytest.raises(WrongInput, match=r"the radius is -0.1 at phi = 0.785398"):
+        formula_family("e*cos(4*phi)", 4, "train.radius")
 
 
 def test_a_wrong_ring_is_the_files_fault(tmp_path: Path) -> None:
@@ -268,6 +272,16 @@ def test_a_wrong_ring_is_the_files_fault(tmp_path: Path) -> None:
         load_train(path).file.train.train()
     path.write_text(DESIGN.read_text().replace("teeth_per_lobe: 15", "teeth_per_lobe: 14"))
     with pytest.raises(NoSuchMechanism, match="all gears round"):
+        load_train(path).file.train.train()
+    path.write_text(DESIGN.read_text().replace("rim_mm: 8", "rim_mm: 0.01"))
+    with pytest.raises(WrongInput, match="lost in the chord tolerance"):
+        load_train(path).file.train.train()
+    path.write_text(DESIGN.read_text().replace("rim_mm: 8", "rim_mm: 8\n    backlash_mm: 5"))
+    with pytest.raises(WrongInput, match="takes more than 80%") as fault:
+        load_train(path).file.train.train()
+    assert fault.value.key == "train.gears.backlash_mm"
+    path.write_text(DESIGN.read_text().replace("speed_rpm: 60", "speed_rpm: 60\n  curve: cosine\n  radius: 1+e"))
+    with pytest.raises(WrongInput, match="curve is given as well"):
         load_train(path).file.train.train()
 
 

@@ -170,6 +170,15 @@ def test_teeth_touch_and_do_not_overlap(changes: tuple[tuple[str, str], ...]) ->
         assert poses.x_mm[1] == pytest.approx(GIVEN_MM, rel=1e-14)
 
 
+def test_a_cusp_of_a_pitch_curve_is_refused_where_it_is() -> None:
+    """Where A + A'' vanishes both pitch curves of an even law stand still, here at cos(2 phi) = 2/3."""
+    with pytest.raises(NoSuchMechanism, match="turn too sharply") as fault:
+        train_of((("[60, 64.5, 68, 64.5]", "[60, 20, 60, 20]"),))
+    assert fault.value.key == "train.distances_mm"
+    told = float(str(fault.value).partition("phi1 = ")[2].split()[0])
+    assert told == pytest.approx(np.arccos(2.0 / 3.0) / 2.0, abs=2.0 * pi / 1024)
+
+
 @pytest.mark.slow
 def test_the_same_gears_at_a_fixed_distance_clash() -> None:
     train = train_of()

@@ -459,6 +459,10 @@ def test_other_commands_say_what_works(run: Run, command: str) -> None:
         ("teeth: 18", "teeth: 18.5", "mine.yaml:6:11: train.gears.teeth: 18.5 given; a whole number is needed"),
         ("teeth: 18", "tooth: 18", "mine.yaml:6:11: train.gears.tooth: unknown key"),
         ("module_mm: 2, ", "", "mine.yaml:6:3: train.gears: module_mm or center_distance_mm is missing"),
+        ("teeth: 18", "bore_mm: 40, teeth: 18", "train.gears.bore_mm: 40 mm leaves no wall in sun; less than 2"),
+        ("teeth: 18", "bore_mm: 20, teeth: 18", "train.gears.bore_mm: 20 mm leaves no wall in carrier; less than 1"),
+        ("teeth: 18", "chord_tolerance_mm: 1, teeth: 18", "train.gears.chord_tolerance_mm: 1 mm are 0.5 of the module"),
+        ("backlash_mm: 0.05", "backlash_mm: 9", "train.gears.backlash_mm: 9 mm takes more than 80%"),
     ],
 )
 def test_a_wrong_file_is_told_by_line_and_key(run: Run, old: str, new: str, said: str) -> None:

@@ -27,7 +27,7 @@ def explain(
     ] = None,
     of: Annotated[FileKind, typer.Option(help="The kind of file.")] = FileKind.DESIGN,
 ) -> None:
-    """Say what a key of a design or a balance file means: unit, values, default, an example."""
+    """Say what a key of a design, balance or train file means: unit, values, default, an example."""
     from ncgear.design.told_keys import told_keys
     from ncgear.figures.explained import told, tree
 
@@ -52,11 +52,11 @@ def schema(
         Path | None,
         typer.Option(
             metavar="FOLDER",
-            help="Write the schemas of both kinds into .vscode of a folder, and name them in its settings.",
+            help="Write the schemas of designs and balance files into .vscode of a folder, named in its settings.",
         ),
     ] = None,
 ) -> None:
-    """Print the JSON Schema of a design or a balance file, for editors that complete and check while typing."""
+    """Print the JSON Schema of a design, balance or train file, for editors that complete and check while typing."""
     if vscode is not None:
         _into_settings(vscode)
         return

@@ -12,6 +12,7 @@ from shapely import Polygon
 
 from ncgear.drawings.palette import LIGHT
 from ncgear.drawings.solid_pair import METRE_PER_MM, SURFACE, Y_UP, linear_light
+from ncgear.errors import Unanswered
 from ncgear.figures.csv_text import csv_text, outline_csv
 from ncgear.figures.numbers import json_text
 from ncgear.figures.trains import contact_figures, judged_contacts, poses_figures, train_figures
@@ -98,7 +99,11 @@ def _solid(part: Part, outline_mm: Array, tolerance_mm: float) -> Trimesh:
     section = Polygon(outline_mm, rings)
     if part.rim_mm is not None:
         section = Polygon(circle_points(part.reach_mm, tolerance_mm), [outline_mm])
-    return slab_mesh((Slab(section, 0.0, part.face_width_mm),)).as_trimesh()
+    try:
+        return slab_mesh((Slab(section, 0.0, part.face_width_mm),)).as_trimesh()
+    except Unanswered as fault:
+        problem = f"{part.name}: {fault.problem}; module_mm and face_width_mm nearer to each other are right"
+        raise Unanswered(problem, key="train.gears") from fault
 
 
 def _circle(diameter_mm: float, tolerance_mm: float) -> ComplexArray:

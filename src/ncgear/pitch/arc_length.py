@@ -101,11 +101,10 @@ def arc_maps(speed_of: Callable[[Array], Array], joints_rad: Sequence[float] | A
     return ArcMaps(by_angle, by_length)
 
 
-def too_sharp(phi1_rad: float) -> NoSuchMechanism:
+def too_sharp(phi1_rad: float, remedy: str = "a smaller range of the ratio") -> NoSuchMechanism:
     """The error for a pitch curve that turns faster than numbers of 16 digits can follow."""
     return NoSuchMechanism(
-        f"the pitch curves turn too sharply near phi1 = {in_words(phi1_rad)} to be computed; a smaller "
-        "range of the ratio is needed",
+        f"the pitch curves turn too sharply near phi1 = {in_words(phi1_rad)} to be computed; {remedy} is needed",
         key="motion",
     )
 

@@ -87,7 +87,17 @@ def formula_family(text: str, lobes: int, key: str) -> Family:
 
         return radius
 
+    if not ECCENTRICITY.search(text):
+        raise WrongInput(
+            f"{text!r} has no e, which is found so that the ring closes; 1 + e*cos({lobes}*phi) is an example", key=key
+        )
     plain = composed(ECCENTRICITY.sub(f"({TRIED!r})", text), key, "phi")
+    least = extremes(lambda phi: plain(Jet.variable(phi, 1)), 0.0, 2.0 * pi / lobes)[0]
+    if not least.value > 0.0:
+        raise WrongInput(
+            f"the radius is {least.value:.6g} at phi = {in_words(least.at)} (with e = {TRIED}); it must be over 0",
+            key=key,
+        )
     start, end = (plain(Jet.variable([at], 2)) for at in (0.0, 2.0 * pi / lobes))
     for order, name in enumerate(("radius", "slope of the radius", "second derivative of the radius")):
         before, after = float(end.derivative(order)[0]), float(start.derivative(order)[0])

@@ -13,12 +13,17 @@ import numpy as np
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.plane import across, as_points
-from ncgear.pitch.arc_length import ArcMaps, arc_maps
+from ncgear.pitch.arc_length import ArcMaps, arc_maps, too_sharp
 from ncgear.pitch.curve import ClosedPitchCurve, CurvePoints
 from ncgear.pitch.shape import Gear, Mesh
 
 Path = Callable[[Array], tuple[ComplexArray, ComplexArray, ComplexArray]]
 """From driving angles in rad, shape (n,), to points in mm as complex numbers, and their first two derivatives."""
+
+
+TRIED = 1024
+"""Steps of a lobe at which a curve is looked at for a cusp: one that turns by over 90 deg in a step bears no tooth, and
+its arc length cannot be inverted beside the cusp."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +79,11 @@ def rolled_curve(
 
     Raises NoSuchMechanism as ``arc_maps``.
     """
+    tried = np.linspace(breaks_rad[0], breaks_rad[-1], TRIED + 1)
+    slope = path(tried)[1]
+    turns_back = (slope[1:] * slope[:-1].conj()).real <= 0.0
+    if turns_back.any():
+        raise too_sharp(float(tried[np.argmax(turns_back)]), "a smaller range of the distances, or of the ratio,")
     arc = arc_maps(lambda phi1: np.abs(path(phi1)[1]), breaks_rad)
     return RolledCurve(gear, mesh, arc, lobes, path, turning, breaks_rad[:-1])
 

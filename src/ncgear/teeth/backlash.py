@@ -79,9 +79,8 @@ def play_of(pitch: PitchPair, rack: BasicRack, asked: Backlash) -> Play:
     angle = asked.driven_rad or asked.least_normal_mm / least.value
     cosine = cos(rack.angles_rad[1])
     setback = asked.driving_share * angle * least.value / cosine
-    thinner, allowed = max(setback, angle * largest.value / cosine - setback), MOST_THINNED * rack.pitch_mm / 2.0
-    if thinner >= allowed:
-        raise _too_much(asked, allowed / thinner)
+    thinner = max(setback, angle * largest.value / cosine - setback)
+    allowed = require_teeth(asked, thinner, rack)
     if thinner - lower >= allowed:
         raise WrongInput(
             f"{lower:g} mm and the backlash take more than {MOST_THINNED:.0%} of the thickness off some teeth at the "
@@ -99,6 +98,14 @@ def play_of(pitch: PitchPair, rack: BasicRack, asked: Backlash) -> Play:
     wider_mm = -2.0 * asked.thicker_mm * cosine
     low, high = (Extremum(one.value * angle + wider_mm, one.at) for one in (least, largest))
     return Play(angle, low, high, setback, asked.thicker_mm)
+
+
+def require_teeth(asked: Backlash, thinner_mm: float, rack: BasicRack) -> float:
+    """By how much in mm teeth may be thinner; raises WrongInput where the play that is asked for takes more."""
+    allowed = MOST_THINNED * rack.pitch_mm / 2.0
+    if thinner_mm >= allowed:
+        raise _too_much(asked, allowed / thinner_mm)
+    return allowed
 
 
 def _too_much(asked: Backlash, most: float) -> WrongInput:

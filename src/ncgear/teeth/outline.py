@@ -163,7 +163,9 @@ def _tip_lands(flanks: Flanks, sides: Sides) -> Stretch:
     back = np.arange(0, flanks.count, 2)
     start, end = sides.tip_mm[back], sides.tip_mm[back + 1]
     low = flanks.tip_height_mm[back]
-    rise, rate = (flanks.tip_height_mm[back + 1] - low) / (end - start), 1.0 / (end - start)
+    # A tooth that is pointed has a land of one point.
+    width = np.where(end > start, end - start, np.inf)
+    rise, rate = (flanks.tip_height_mm[back + 1] - low) / width, 1.0 / width
 
     def curve(flank: IndexArray, sigma: Array) -> tuple[Array, Array]:
         tooth = flank // 2

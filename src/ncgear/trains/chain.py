@@ -29,6 +29,7 @@ from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.closed_curve import ClosedCurve, SmoothPart
 from ncgear.ratio.laws.pitch_curve import GivenCurve, closed_law
 from ncgear.ratio.transmission import Lobes, Piece, Transmission
+from ncgear.teeth.backlash import require_teeth
 from ncgear.teeth.fitting import PairTips, least_overlap
 from ncgear.teeth.form import Backlash, Cutter, CutterKind, ToothForm
 from ncgear.teeth.gear import ToothedGear, pair_tips, toothed_gear
@@ -149,6 +150,7 @@ def row_gears(row: Row, form: ToothForm, tolerance_mm: float) -> tuple[list[Toot
         cutter = Cutter(CutterKind.PINION, max(min(most_teeth(pair, form.rack) for pair in row.pairs), 3))
     # Half of the play thins each gear at its idle flanks, which in an idler's next mesh are those that push.
     thinner = form.backlash.least_normal_mm / cos(form.rack.angles_rad[1]) / 2.0
+    require_teeth(form.backlash, thinner, form.rack)
     form = replace(form, cutter=cutter, backlash=Backlash(thickness_mm=(-thinner, -thinner)))
     advance, made = 0.0, list[PairTips]()
     tips = list[Tips]()

@@ -32,9 +32,10 @@ from ncgear.pitch.curve import ClosedPitchCurve
 from ncgear.pitch.lobed import LobedCurves
 from ncgear.pitch.rolled import circle
 from ncgear.pitch.shape import Gear, Mesh
+from ncgear.teeth.backlash import require_teeth
 from ncgear.teeth.fitting import PairTips, fitted_pair, least_overlap
 from ncgear.teeth.flank import flanks_of
-from ncgear.teeth.form import BasicRack, TipLimits
+from ncgear.teeth.form import Backlash, BasicRack, TipLimits
 from ncgear.teeth.fouling import refuse_fouling_cutter
 from ncgear.teeth.gear import ToothedGear, toothed_gear
 from ncgear.teeth.outline import ChordTolerance
@@ -79,6 +80,7 @@ def motor_gears(curves: LobedCurves, teeth: MotorTeeth, tolerance_mm: float) -> 
     quarter, outwards = rack.pitch_mm / 4.0, shift * tan(rack.pressure_angle_rad)
     planet_half, other_half = quarter + outwards, quarter - outwards
     play = teeth.backlash_mm / cos(rack.pressure_angle_rad)
+    require_teeth(Backlash(teeth.backlash_mm), play, rack)
     planet_rack, other_rack = rack.shifted(shift), rack.shifted(-shift)
     limits = TipLimits()
     around, within = (

@@ -16,6 +16,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.pitch.moving_axes import MovingAxes
 from ncgear.pitch.shape import Gear
+from ncgear.teeth.backlash import require_teeth
 from ncgear.teeth.fitting import fitted_pair, least_overlap
 from ncgear.teeth.flank import flanks_of
 from ncgear.teeth.form import ToothForm
@@ -65,7 +66,9 @@ def moving_gears(axes: MovingAxes, teeth: int, form: ToothForm, tolerance_mm: fl
     if first.is_dented or second.is_dented:
         tools = second, first
     quarter = rack.pitch_mm / 4.0
-    thinner = quarter - form.backlash.least_normal_mm / cos(rack.pressure_angle_rad) / 2.0
+    taken = form.backlash.least_normal_mm / cos(rack.pressure_angle_rad) / 2.0
+    require_teeth(form.backlash, taken, rack)
+    thinner = quarter - taken
     tips = fitted_pair(
         flanks_of(first, rack, teeth, tools[0], 0.0, (quarter, thinner)),
         flanks_of(second, rack, teeth * lobes.driven // lobes.driving, tools[1], 2.0 * quarter, (thinner, quarter)),

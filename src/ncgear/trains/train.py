@@ -55,6 +55,14 @@ class Part:
         """Greatest distance of the part from its axis."""
         return float(np.hypot(*self.outline_mm.T).max()) + (self.rim_mm or 0.0)
 
+    @property
+    def widest_bore_mm(self) -> float:
+        """The diameter of the greatest circle about the axis within the outline, 0 where the axis is outside of it."""
+        start = self.outline_mm @ np.array([1.0, 1.0j])
+        along = np.roll(start, -1) - start
+        nearest = np.clip(-(start * along.conj()).real / np.abs(along) ** 2, 0.0, 1.0)
+        return 2.0 * float(np.abs(start + nearest * along).min())
+
     def overlaps(self, other: Part) -> bool:
         """Whether both parts have heights in common."""
         return self.low_mm < other.low_mm + other.face_width_mm and other.low_mm < self.low_mm + self.face_width_mm

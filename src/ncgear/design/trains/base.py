@@ -10,12 +10,23 @@ from pydantic import Field
 
 from ncgear.design.keys.base import Model, optional, required
 from ncgear.design.keys.gears import Rack
+from ncgear.design.keys.machine import CHORD_MM, COARSEST_IN_MODULES, Output
 from ncgear.design.keys.types import Length, Speed
 from ncgear.design.rack import basic_rack
+from ncgear.errors import WrongInput, renamed
+from ncgear.numerics.bounds import shown_below
 
 if TYPE_CHECKING:
     from ncgear.teeth.form import ToothForm
     from ncgear.trains.train import Train
+
+
+USUAL_IN_MODULES = 0.01
+"""Chord tolerance of small teeth where none is given: a twenty-fifth of a usual tip clearance."""
+
+
+RIM_IN_TOLERANCES = 2.0
+"""The thinnest rim in chord tolerances: chords of the circle outside and of the roots may be one each from theirs."""
 
 
 class TrainKeys(Model):
@@ -29,12 +40,31 @@ class TrainKeys(Model):
 
     speed_rpm: Speed = required("speed of the driving part in r/min")
 
-    @abstractmethod
     def train(self) -> Train:
-        """The train that the keys ask for.
+        """The train that the keys ask for; every bore is inside its part, and rims are thicker than chords.
 
         Raises WrongInput and NoSuchMechanism with keys that begin with ``train``, as ``train.gears.module_mm``.
         """
+        with renamed("train.output", "train.gears"):
+            made = self._made()
+        for part in made.parts:
+            if part.bore_mm is not None and part.bore_mm >= part.widest_bore_mm:
+                raise WrongInput(
+                    f"{part.bore_mm:g} mm leaves no wall in {part.name}; less than "
+                    f"{shown_below(part.widest_bore_mm, 4)} mm is right",
+                    key="train.gears.bore_mm",
+                )
+            if part.rim_mm is not None and part.rim_mm <= RIM_IN_TOLERANCES * made.tolerance_mm:
+                raise WrongInput(
+                    f"{part.rim_mm:g} mm is lost in the chord tolerance of {made.tolerance_mm:g} mm; over "
+                    f"{RIM_IN_TOLERANCES * made.tolerance_mm:.3g} mm is right",
+                    key="train.gears.rim_mm",
+                )
+        return made
+
+    @abstractmethod
+    def _made(self) -> Train:
+        """The train as the keys of its kind make it; raises as ``train``."""
 
 
 class TrainGears(Model):
@@ -47,8 +77,9 @@ class TrainGears(Model):
         "least normal backlash of each mesh in mm, taken off both gears in equal parts", 0.0
     )
     bore_mm: Length | None = optional("diameter in mm of the bore of every gear; left out: no bores")
-    chord_tolerance_mm: Annotated[float, Field(gt=0.0, le=1.0)] = optional(
-        "how far the chords of outlines may be from the exact curves in mm", 0.005
+    chord_tolerance_mm: Length | None = optional(
+        f"how far the chords of outlines may be from the exact curves in mm, up to {COARSEST_IN_MODULES:g} modules; "
+        f"left out: {CHORD_MM:g}, or {USUAL_IN_MODULES:g} modules if that is less"
     )
 
     def form(self, module_mm: float) -> ToothForm:
@@ -56,6 +87,13 @@ class TrainGears(Model):
         from ncgear.teeth.form import Backlash, ToothForm
 
         return ToothForm(basic_rack(self.rack, module_mm), backlash=Backlash(self.backlash_mm))
+
+    def chord_mm(self, module_mm: float) -> float:
+        """The chord tolerance of teeth of a module; raises WrongInput for chords so coarse that they are no teeth."""
+        if self.chord_tolerance_mm is None:
+            return min(CHORD_MM, USUAL_IN_MODULES * module_mm)
+        with renamed("output", "train.gears"):
+            return Output(chord_tolerance_mm=self.chord_tolerance_mm).chord_mm(module_mm)
 
     @property
     def pressure_angle_rad(self) -> float:

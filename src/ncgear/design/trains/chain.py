@@ -32,7 +32,7 @@ class Chain(TrainKeys):
     """A row of gears."""
 
     KIND = "chain"
-    MEANING = "chain: a row of gears on fixed axes, each of which meshes with the next"
+    MEANING = "a row of gears on fixed axes, each of which meshes with the next"
 
     lobes: Annotated[Several[Lobe], Field(min_length=2, max_length=MOST_GEARS)] = required(
         "lobes of every gear, from the driving one on, whole numbers; so many gears there are"
@@ -50,7 +50,7 @@ class Chain(TrainKeys):
     )
     gears: ChainGears = required("the teeth and the bodies of all gears")
 
-    def train(self) -> Train:
+    def _made(self) -> Train:
         """The train that the keys ask for; raises WrongInput and NoSuchMechanism where no such gears exist."""
         import numpy as np
 
@@ -70,7 +70,9 @@ class Chain(TrainKeys):
             first = self._first(Lobes(self.lobes[0], self.lobes[1]))
             row = row_of(first, self.lobes, directions, gears.teeth, gears.module_mm)
         form = gears.form(gears.module_mm)
-        return chain_train(row, form, gears.face_width_mm, gears.bore_mm, self.speed_rpm, gears.chord_tolerance_mm)
+        return chain_train(
+            row, form, gears.face_width_mm, gears.bore_mm, self.speed_rpm, gears.chord_mm(gears.module_mm)
+        )
 
     def _first(self, lobes: Lobes) -> Transmission:
         """The law of the first mesh."""

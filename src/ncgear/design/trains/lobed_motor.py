@@ -9,7 +9,7 @@ from pydantic import Field
 from ncgear.design.keys.base import optional, required
 from ncgear.design.keys.types import FORMULA, Expression, Length
 from ncgear.design.trains.base import TrainGears, TrainKeys
-from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.errors import NoSuchMechanism, WrongInput, renamed
 
 if TYPE_CHECKING:
     from ncgear.trains.train import Train
@@ -38,7 +38,7 @@ class LobedMotor(TrainKeys):
     """Lobed sun, round planets, lobed ring."""
 
     KIND = "lobed_motor"
-    MEANING = "lobed_motor: a lobed sun, round planets and a lobed ring, as in hydraulic motors"
+    MEANING = "a lobed sun, round planets and a lobed ring, as in hydraulic motors"
 
     sun_lobes: int = required("lobes of the sun, a whole number", ge=1, le=24)
     ring_lobes: int = required("lobes of the ring, a whole number above those of the sun", ge=2, le=30)
@@ -63,7 +63,7 @@ class LobedMotor(TrainKeys):
     )
     gears: MotorGearKeys = required("the teeth and the bodies of all gears")
 
-    def train(self) -> Train:
+    def _made(self) -> Train:
         """The train that the keys ask for; raises WrongInput and NoSuchMechanism where no such gears exist."""
         from ncgear.pitch.lobed import FAMILIES, formula_family, lobed_curves
         from ncgear.trains.lobed_motor import MotorBodies, MotorTeeth, motor_train
@@ -73,6 +73,8 @@ class LobedMotor(TrainKeys):
                 f"{self.ring_lobes} given; the ring is around the sun, and has more lobes than its {self.sun_lobes}",
                 key="train.ring_lobes",
             )
+        if self.radius is not None and "curve" in self.model_fields_set:
+            raise WrongInput("given, but curve is given as well; one of them is right", key="train.radius")
         if 2 * self.planet_teeth == self.teeth_per_lobe * (self.ring_lobes - self.sun_lobes):
             raise NoSuchMechanism(
                 f"{self.teeth_per_lobe} teeth per lobe make all gears round, and nothing is displaced; more of them, "
@@ -94,4 +96,5 @@ class LobedMotor(TrainKeys):
             gears.backlash_mm,
         )
         bodies = MotorBodies(gears.face_width_mm, gears.rim_mm, gears.bore_mm)
-        return motor_train(curves, teeth, bodies, self.speed_rpm, self.pressure_mpa, gears.chord_tolerance_mm)
+        with renamed("train.gears.teeth", "train.planet_teeth"):
+            return motor_train(curves, teeth, bodies, self.speed_rpm, self.pressure_mpa, gears.chord_mm(module))

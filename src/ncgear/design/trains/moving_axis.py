@@ -28,7 +28,7 @@ class MovingAxis(TrainKeys):
     """A pair of gears on a moving axis."""
 
     KIND = "moving_axis"
-    MEANING = "moving_axis: a pair of gears whose centre distance changes while they turn"
+    MEANING = "a pair of gears whose centre distance changes while they turn"
 
     distances_mm: Annotated[Several[Length], Field(min_length=3, max_length=64)] | None = optional(
         "centre distances in mm at evenly spaced driving angles over a lobe of the driving gear, from 0 on"
@@ -42,13 +42,14 @@ class MovingAxis(TrainKeys):
     driven_lobes: int = optional("lobes of the driven gear, a whole number", 1, ge=1, le=64)
     gears: MovingGearKeys = required("the teeth and the bodies of both gears")
 
-    def train(self) -> Train:
+    def _made(self) -> Train:
         """The train that the keys ask for; raises WrongInput and NoSuchMechanism where no such gears exist."""
         from ncgear.trains.moving_axis import MovingBodies, module_mm, moving_train
 
         axes, radius = self._axes()
         gears = self.gears
-        with renamed("motion", "train"):
+        given = "train.distance_mm" if self.distances_mm is None else "train.distances_mm"
+        with renamed("motion", given), renamed("motion.ratio", "train.ratio"):
             module = module_mm(axes, gears.teeth)
         if gears.module_mm is not None and abs(gears.module_mm - module) > AGREED * module:
             raise WrongInput(
@@ -58,7 +59,7 @@ class MovingAxis(TrainKeys):
             )
         bodies = MovingBodies(gears.face_width_mm, gears.bore_mm)
         return moving_train(
-            axes, gears.teeth, gears.form(module), bodies, self.speed_rpm, gears.chord_tolerance_mm, radius
+            axes, gears.teeth, gears.form(module), bodies, self.speed_rpm, gears.chord_mm(module), radius
         )
 
     def _axes(self) -> tuple[MovingAxes, float | None]:

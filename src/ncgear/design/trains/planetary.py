@@ -11,7 +11,7 @@ from pydantic import Field, Strict, model_validator
 from ncgear.design.keys.base import Model, fault, optional, required
 from ncgear.design.keys.types import Length, Place, Several
 from ncgear.design.trains.base import TrainGears, TrainKeys
-from ncgear.errors import WrongInput, below
+from ncgear.errors import WrongInput, below, renamed
 from ncgear.numerics.units import STANDARD_GRAVITY_M_S2
 
 if TYPE_CHECKING:
@@ -194,7 +194,7 @@ class Planetary(TrainKeys):
             raise fault("sun_turns", "given, but the path is that of an arm about a sun that stands; leave it out")
         return self
 
-    def train(self) -> Train:
+    def _made(self) -> Train:
         """The train that the keys ask for; raises NoSuchMechanism where no such gears exist."""
         from ncgear.trains.planetary import Arm, Bodies, Stand, arm_of, planetary_train, stand_of
         from ncgear.trains.planetary_told import told_of
@@ -204,16 +204,16 @@ class Planetary(TrainKeys):
             with below("train"):
                 wished = self.path.wished()
                 motion = self._motion(self.path, wished)
-        pitches, chain = self._chain(motion)
+        with renamed("train.motion", "train.ratio" if self.path is None else "train.path"):
+            pitches, chain = self._chain(motion)
         arm, stand = None, Stand()
         if motion is not None and wished is not None:
             arm, stand = arm_of(motion, wished), stand_of(motion)
         elif self.arm_mm is not None:
             arm = Arm(self.arm_mm, radians(self.arm_deg))
         bodies = Bodies(self.gears.face_width_mm, self.gears.bore_mm, self.bar_width_mm)
-        made = planetary_train(
-            chain, arm, self.arms, bodies, self.speed_rpm, self.gears.chord_tolerance_mm, self.sun_turns, stand
-        )
+        chord_mm = max(self.gears.chord_mm(pitch.size.module_mm) for pitch in pitches)
+        made = planetary_train(chain, arm, self.arms, bodies, self.speed_rpm, chord_mm, self.sun_turns, stand)
         forward_mm_s = 0.0 if self.path is None else self.path.forward_mm_s
         loads = None if self.masses is None else self._loads(made, self.masses)
         rack_rad = self.gears.pressure_angle_rad
@@ -273,8 +273,10 @@ class Planetary(TrainKeys):
     def _teeth(self, pitch: PitchPair) -> ToothedPair:
         from ncgear.teeth.gear import toothed_pair
 
+        module_mm = pitch.size.module_mm
+        chord_mm = self.gears.chord_mm(module_mm)
         with below("train"):
-            return toothed_pair(pitch, self.gears.form(pitch.size.module_mm), self.gears.chord_tolerance_mm)
+            return toothed_pair(pitch, self.gears.form(module_mm), chord_mm)
 
 
 MM_PER_M = 1000.0

@@ -99,7 +99,7 @@ def meshes_picture(train: Train, outlines_mm: Mapping[str, Array], title: str) -
         for name in (mesh.first, mesh.second):
             number = train.number(name)
             _draw(axes, train.parts[number], outlines_mm[name], poses, number, color_of(train, train.parts[number]))
-            turned = np.degrees(poses.angle_rad[number, 0]) % 360.0
+            turned = round(float(np.degrees(poses.angle_rad[number, 0])), 3) % 360.0
             said.append(f"{name}, {train.parts[number].teeth} teeth, at {turned:.3f} deg")
         axes.set_title("\n".join(said), size=canvas.SMALL, color=canvas.INK)
         axes.set_aspect("equal", adjustable="datalim")
