@@ -101,6 +101,7 @@ def test_a_law_is_possible_and_less_than_the_mean_power_is_not(name: str) -> Non
 # What counts
 
 
+@pytest.mark.judges("whole_machines")
 def test_machines_that_none_beats() -> None:
     points = [(1.0, 5.0), (2.0, 4.0), (3.0, 4.5), (5.0, 1.0), (5.0, 1.0000001), (4.0, 2.0)]
     assert undominated(points, list) == [(1.0, 5.0), (2.0, 4.0), (5.0, 1.0), (4.0, 2.0)]

@@ -5,11 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
 from ncgear.figures.advice.verdict import State
 from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.numbers import micrometres, to_digits
+from ncgear.numerics.units import in_words
 from ncgear.trains.contact import Distance, MeshContact, worst
 from ncgear.trains.train import Condition, Train
 
@@ -88,7 +87,7 @@ def judged_contacts(
         *(_meets(one, "overlap by", one.deepest_mm, one.deepest_at_rad) for one in clashing),
         *(_meets(one, "part by", one.gap_mm, one.gap_at_rad) for one in parted),
     ]
-    room = [f"{one.first} and {one.second} meet at {np.degrees(one.at_rad):.4g} deg" for one in touching]
+    room = [f"{one.first} and {one.second} meet at {in_words(one.at_rad)}" for one in touching]
     least = min(distances, key=lambda one: one.least_mm, default=None)
     passing = "no parts at one height come near to each other"
     if least is not None:
@@ -102,7 +101,7 @@ def judged_contacts(
 
 
 def _meets(one: MeshContact, how: str, value_mm: float, at_rad: float) -> str:
-    return f"{one.first} and {one.second} {how} {to_digits(value_mm, 3)} mm at {np.degrees(at_rad):.4g} deg"
+    return f"{one.first} and {one.second} {how} {to_digits(value_mm, 3)} mm at {in_words(at_rad)}"
 
 
 NOT_BUILT = (

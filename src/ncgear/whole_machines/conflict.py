@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from ncgear.design.keys.choices import Choices
 from ncgear.design.reading.design_file import parsed
@@ -13,14 +14,8 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.bounds import shown_above
 from ncgear.project.strengthening import STRONGER
 from ncgear.whole_machines.gears import GearJob, machine_of
-from ncgear.whole_machines.machine import WholeMachine
+from ncgear.whole_machines.machine import Unfit, WholeMachine
 from ncgear.workers import finished
-
-if TYPE_CHECKING:
-    from ncgear.whole_machines.search import MachineSearch
-
-TRIED = 3
-"""Laws whose gears are tried with a choice that gives way: of the least power, the least flank load and between."""
 
 WIDEST = 30.0
 """Greatest face width in modules that is tried."""
@@ -77,17 +72,24 @@ def _needs(easing: Easing, made: WholeMachine) -> str:
     return f"{told[easing.key]} ({easing.key})"
 
 
-def refusal_of_gears(search: MachineSearch) -> NoSuchMechanism:
-    """The refusal of a search that found laws and no gears, with demands each of which gave a machine by giving way."""
-    laws = sorted(search.laws, key=lambda one: one.found.peak_power_w)
-    some = [laws[0], laws[-1], laws[len(laws) // 2]][:TRIED]
-    material, _ = search.materials[0]
-    jobs = [GearJob(law, material, search.processes_of(material)) for law in dict.fromkeys(some)]
-    own = search.design.gears.material.each[0].name if search.design.gears and search.design.gears.material else ""
-    asked = easings(search.choices, material.name if material else own)
-    found = dict(finished(partial(_tried, search.loaded.text, jobs), asked, *search.where))
+def refusal_of_gears(
+    text: str,
+    choices: Choices,
+    material: str,
+    jobs: list[GearJob],
+    unfit: Sequence[Unfit],
+    scheduler: str | None,
+    processes: int | None,
+) -> NoSuchMechanism:
+    """The refusal of a search that found laws and no gears, with demands each of which gave a machine by giving way.
+
+    ``text`` is the design file, ``material`` the name of the first material, ``jobs`` are gears of a few laws, and
+    ``unfit`` the gears that were no machines.
+    """
+    asked = easings(choices, material)
+    found = dict(finished(partial(_tried, text, jobs), asked, scheduler, processes))
     alone = [(one, made) for one, made in found.items() if made is not None and one.key != "all"]
-    why = "; ".join(dict.fromkeys(why for one in search.unfit for why in one.why))
+    why = "; ".join(dict.fromkeys(why for one in unfit for why in one.why))
     said = f"laws keep all limits, and no gears of them make a machine: {why}"
     if alone:
         offers = ", ".join(_needs(one, made) for one, made in alone)

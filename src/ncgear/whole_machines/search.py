@@ -22,6 +22,7 @@ from ncgear.project.sizing import FEWEST_TEETH
 from ncgear.project.tooth_form import rack_of
 from ncgear.shown import Shown
 from ncgear.strength.materials import TABLE, Plastic
+from ncgear.whole_machines.conflict import refusal_of_gears
 from ncgear.whole_machines.gears import GearJob, machine_of
 from ncgear.whole_machines.laws import FoundLaw, LawJob, flywheel_sizes, laws_of
 from ncgear.whole_machines.limits import Limits, MachineLimits
@@ -129,9 +130,7 @@ class MachineSearch:
         picked = far_apart(candidates, self._guessed, wanted + MORE)
         self._make([GearJob(one.law, one.material, self.processes_of(one.material)) for one in picked])
         if not self.made:
-            from ncgear.whole_machines.conflict import refusal_of_gears
-
-            raise refusal_of_gears(self)
+            raise self._refused_gears()
         return self.proven(self.found)
 
     def proven(self, found: WholeMachines) -> WholeMachines:
@@ -228,6 +227,17 @@ class MachineSearch:
             making = self.choices.cost.making
             able.sort(key=lambda one: float(getattr(making, one)))
         return tuple(able)
+
+    def _refused_gears(self) -> NoSuchMechanism:
+        """Why no gears were a machine; tried with laws of the least power, of the least flank load and between."""
+        laws = sorted(self.laws, key=lambda one: one.found.peak_power_w)
+        some = dict.fromkeys((laws[0], laws[-1], laws[len(laws) // 2]))
+        material, _ = self.materials[0]
+        jobs = [GearJob(law, material, self.processes_of(material)) for law in some]
+        gears = self.design.gears
+        own = gears.material.each[0].name if gears is not None and gears.material else ""
+        name = material.name if material else own
+        return refusal_of_gears(self.loaded.text, self.choices, name, jobs, self.unfit, *self.where)
 
     def _candidates(self, constants: dict[Kind, float]) -> list[Candidate]:
         """Laws with materials that may count: none is guessed to be worse than another one in every figure."""

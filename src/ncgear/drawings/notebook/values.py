@@ -70,6 +70,8 @@ from ncgear.solids.mesh.pair import GearSolid, SolidPair
 from ncgear.strength.answer import Strength
 from ncgear.strength.holding import WantedSafety, weakest_teeth
 from ncgear.teeth.gear import ToothedGear, ToothedPair
+from ncgear.whole_machines.search import WholeMachines
+from ncgear.whole_machines.told import HEADS, machines_answer
 
 ANY_SAFETY = WantedSafety(0.0, 0.0)
 """A strength does not know what was wanted; no tooth is too weak then."""
@@ -342,6 +344,14 @@ def _png(picture_of: bytes) -> Markup:
     return Markup(
         '<img alt="power against acceleration" style="max-width:100%" src="data:image/png;base64,{}">'
     ).format(data)
+
+
+@_pieces.register
+def _whole_machines(found: WholeMachines) -> Iterator[Markup]:
+    """The machines as the command tells them."""
+    answer = machines_answer(found)
+    columns = tuple(Column(head) for head in ("machine", *HEADS))
+    yield table(Table(answer.head, columns, tuple((row.name, *row.texts) for row in answer.rows)))
 
 
 @_pieces.register
