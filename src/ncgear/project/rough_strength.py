@@ -12,6 +12,7 @@ import numpy as np
 from ncgear.errors import DesignError, Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.plane import as_complex
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.project.drive import Drive
 from ncgear.project.service import choices_of
@@ -105,7 +106,7 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
     needs_teeth = _needs_teeth(drive, plan, load, sides) if sides else ""
     if in_series:
         needs_teeth = needs_teeth or "it needs the teeth to tell how hard two pairs in series knock"
-    warm, why = _warm(drive, sides, load.phi1_rad.size), _no_life(drive)
+    warm, why = _warm(drive, sides, load.phi1_rad.size), _no_life(drive, load.phi1_rad)
     jammed = list[RoughSafety]()
     try:
         if (jam := conditions.overload) is not None:
@@ -177,12 +178,13 @@ def rough_damage(found: RoughStrength, one: RoughSafety) -> str:
     return "breaking at once" if found.at_once else one.damage.words
 
 
-def _no_life(drive: Drive) -> str:
+def _no_life(drive: Drive, phi1_rad: Array) -> str:
     """Why no life of these teeth is told under any load."""
     for gear in Gear:
-        wall_mm, thinnest_mm = _given_wall_mm(drive, gear)
-        if wall_mm < thinnest_mm:
-            return f"a wall of {wall_mm:g} mm of the {gear.value} gear is thinner than ISO 6336-3 has a factor for"
+        wall_mm = float(_walls_mm(drive, gear, phi1_rad).min())
+        if wall_mm < _known_wall_mm(drive, gear):
+            wall = f"a wall of {max(wall_mm, 0.0):.2g} mm"
+            return f"{wall} of the {gear.value} gear is thinner than ISO 6336-3 has a factor for"
     return ""
 
 
@@ -244,30 +246,46 @@ def tooth_plan(drive: Drive) -> ToothPlan:
     module, (pushing, idle) = form.rack.module_mm, rack.angles_deg
     shifts = form.driving_shift_mm / module, form.driven_shift_mm / module
     tip = RackTip(rack.dedendum, rack.root_radius)
-    rims = _even_rim(drive, Gear.DRIVING), _even_rim(drive, Gear.DRIVEN)
+    rims = partial(_rims, drive, Gear.DRIVING), partial(_rims, drive, Gear.DRIVEN)
     helix = (drive.helix.angle_rad, drive.helix.largest_advance_mm) if drive.helix else (0.0, 0.0)
     return ToothPlan(tip, rack.addendum, shifts, (radians(pushing), radians(idle)), form.rack.relief, rims, *helix)
 
 
-def _even_rim(drive: Drive, gear: Gear) -> float:
-    """Y_B of a gear by the walls that its keys give; at least so much where they are thinner than what is known."""
-    rack, module = drive.gears.rack, drive.running.module_mm
-    height_mm, ring = module * (rack.addendum + rack.dedendum), drive.pitch.of(gear).is_ring
-    return float(rim_factor(max(_given_wall_mm(drive, gear)), height_mm, module, internal=ring))
+def _rims(drive: Drive, gear: Gear, phi1_rad: Array) -> Array:
+    """Y_B of a gear at driving angles, shape (n,); at least so much where walls are thinner than what is known."""
+    module, ring = drive.running.module_mm, drive.pitch.of(gear).is_ring
+    walls = np.maximum(_walls_mm(drive, gear, phi1_rad), _known_wall_mm(drive, gear))
+    return np.asarray(rim_factor(walls, _height_mm(drive), module, internal=ring))
 
 
-def _given_wall_mm(drive: Drive, gear: Gear) -> tuple[float, float]:
-    """The thinnest wall that the keys of a gear give, and the thinnest one whose Y_B is known.
+def _height_mm(drive: Drive) -> float:
+    return drive.running.module_mm * (drive.gears.rack.addendum + drive.gears.rack.dedendum)
 
-    Walls of a web, a ring and lightening holes, not of a bore; infinite where no key gives one: a rim that the file
-    leaves out is thick enough.
+
+def _known_wall_mm(drive: Drive, gear: Gear) -> float:
+    """The thinnest wall whose Y_B is known."""
+    return thinnest_rim_mm(_height_mm(drive), drive.running.module_mm, internal=drive.pitch.of(gear).is_ring)
+
+
+def _walls_mm(drive: Drive, gear: Gear, phi1_rad: Array) -> Array:
+    """The walls that the keys of a gear give under the roots at driving angles, shape (n,).
+
+    Walls of a web, a ring, lightening holes and the bore without its keyway; infinite where no key gives one: a rim
+    that the file leaves out is thick enough.  All helical teeth count as the one with the thinnest wall.
     """
-    body, module, ring = getattr(drive.gears, gear.value), drive.running.module_mm, drive.pitch.of(gear).is_ring
-    walls = [body.rim_mm] if ring and body.rim_mm is not None else []
-    walls += [body.web.rim_mm] if body.web else []
-    walls += [body.lightening_holes.least_wall_mm] if body.lightening_holes else []
-    height_mm = module * (drive.gears.rack.addendum + drive.gears.rack.dedendum)
-    return min(walls, default=inf), thinnest_rim_mm(height_mm, module, internal=ring)
+    body, module, curve = getattr(drive.gears, gear.value), drive.running.module_mm, drive.pitch.of(gear)
+    given = [body.rim_mm] if curve.is_ring and body.rim_mm is not None else []
+    given += [body.web.rim_mm] if body.web else []
+    given += [body.lightening_holes.least_wall_mm] if body.lightening_holes else []
+    walls = np.full(phi1_rad.shape, min(given, default=inf))
+    if curve.is_ring or not body.bore_mm:
+        return walls
+    form, at = tooth_form_of(drive.gears, drive.pitch.size.module_mm), curve.at_angle(phi1_rad)
+    shift_mm = form.driving_shift_mm if gear is Gear.DRIVING else form.driven_shift_mm
+    deep_mm = drive.gears.rack.dedendum * module - shift_mm
+    roots = as_complex(at.position) - deep_mm * as_complex(at.normal)
+    bored = np.abs(roots) - body.bore_mm / 2.0
+    return np.asarray(np.minimum(walls, bored.min() if drive.helix else bored))
 
 
 def rolled_load(drive: Drive, torque_n_mm: Callable[[Array], Array] | None = None) -> RolledLoad:
