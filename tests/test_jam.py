@@ -279,3 +279,20 @@ def test_flanks_that_only_a_jam_presses_are_not_judged_for_film_and_wear() -> No
         assert set(deciding_loads(made, rating_of(made)).values()) == {"jam"}
         told.append((made.strength.load, dict(surfaces_rows(made, found))["wear"].startswith("not judged, because")))
     assert told == [("jam", True), ("jam", True), ("resistance", False)]
+
+
+def test_a_check_judges_the_jam_of_two_pairs_whose_knocks_only_teeth_can_tell() -> None:
+    """Its safety is that of round gears of the same teeth in one pair, whose second shaft turns alike."""
+    law = "law: harmonic_ratio, cosine: [0], second_stage: {cosine: [0]}"
+    masses = AROUND.partition("drivetrain")[0] + "  shaft_between_kg_mm2: 3000\n"
+    single = rough_strength(drive_of_text(text_of(1.0)))
+    for pair in drive_of_text(text_of(1.0, masses).replace("law: uniform_crank", law)).by_stage:
+        found = rough_strength(pair)
+        assert found is not None
+        assert single is not None
+        assert "knock" in found.needs_teeth
+        (weak,) = {one.safety for one in found.weak}
+        assert weak == pytest.approx(min(one.safety for one in single.weak), rel=1e-6)
+        told = rough(pair)
+        assert isinstance(told, Advice)
+        assert "safety about" in told.brief

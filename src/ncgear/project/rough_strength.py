@@ -48,8 +48,8 @@ class RoughStrength:
     ``unjudged`` says why the teeth are not judged for the wanted life.  ``at_once`` says that the safeties are against
     breaking at once instead; there are no safeties where even these are not known.  ``needs_teeth`` says why the
     safeties are right within a factor of two and a half only.  Both are words that follow "because", and empty where
-    there is no such reason.  ``vibration`` is what is told of the mesh where the life of its teeth
-    is judged.
+    there is no such reason; ``settled`` are the safeties that it does not touch.  ``vibration`` is what
+    is told of the mesh where the life of its teeth is judged.
     """
 
     safeties: tuple[RoughSafety, ...]
@@ -57,17 +57,20 @@ class RoughStrength:
     needs_teeth: str = ""
     at_once: bool = False
     vibration: ToldVibration | None = None
+    settled: tuple[RoughSafety, ...] = ()
 
-    @property
-    def sure(self) -> float:
-        """Share of the wanted safety under which teeth do not hold for certain."""
-        return 0.4 if self.needs_teeth else 1.0
+    def needs_teeth_for(self, one: RoughSafety) -> str:
+        """Why one of the safeties is right within a factor only; empty where it is not."""
+        return "" if one in self.settled else self.needs_teeth
+
+    def share(self, one: RoughSafety) -> float:
+        """A safety over that under which teeth do not hold for certain."""
+        return one.safety / (one.wanted * (0.4 if self.needs_teeth_for(one) else 1.0))
 
     @property
     def weak(self) -> list[RoughSafety]:
         """The safeties of teeth that do not hold, the weakest first."""
-        found = [one for one in self.safeties if one.safety < self.sure * one.wanted]
-        return sorted(found, key=lambda one: one.safety / one.wanted)
+        return sorted((one for one in self.safeties if self.share(one) < 1.0), key=self.share)
 
 
 @lru_cache(maxsize=2)
@@ -104,6 +107,7 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
     if asked.loads_return:
         sides = [*sides, *shared_loads(rolled_load(drive, asked.returning_n_mm), plan, running, drive.materials)]
     needs_teeth = _needs_teeth(drive, plan, load, sides) if sides else ""
+    knows_jam = not needs_teeth
     if in_series:
         needs_teeth = needs_teeth or "it needs the teeth to tell how hard two pairs in series knock"
     warm, why = _warm(drive, sides, load.phi1_rad.size), _no_life(drive, load.phi1_rad)
@@ -136,7 +140,8 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
                 if mesh is None
                 else told_vibration(drive, drive.vibration, mesh, phi1, np.concatenate(shaken), force)
             )
-            return RoughStrength((*found, *jammed), needs_teeth=needs_teeth, vibration=told)
+            settled = tuple(jammed) if knows_jam else ()
+            return RoughStrength((*found, *jammed), needs_teeth=needs_teeth, vibration=told, settled=settled)
         uneven = _uneven(drive, sides, conditions, _even(sides, conditions.dynamic_factor or 1.0))
         found = static_safeties(sides, plan, running, warm, conditions, uneven)
         return RoughStrength((*found, *jammed), why, needs_teeth, True)

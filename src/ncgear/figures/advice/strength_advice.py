@@ -101,10 +101,10 @@ def _roughly(drive: Drive, found: RoughStrength | None) -> Advice | NotJudged | 
     load = "the masses" if design.masses else "the resistance" if design.resistance else "a jam"
     at, damage = degrees(first.phi1_rad), rough_damage(found, first)
     teeth = "the teeth" if drive.stage is None else f"the teeth of stage {drive.stage}"
-    if found.needs_teeth:
+    if needs_teeth := found.needs_teeth_for(first):
         said, stress = f"{teeth} will not hold", ""
         safety = f"under half the safety of {first.wanted:g} that is wanted against {damage}"
-        more = f"; how much under is not told, since {found.needs_teeth}"
+        more = f"; how much under is not told, since {needs_teeth}"
     else:
         said, stress = f"{teeth} will hardly hold", f" with {to_digits(first.stress_mpa, 2)} MPa"
         safety = f"safety about {_under(first.safety, first.wanted)} against {damage}, {first.wanted:g} wanted"
