@@ -93,14 +93,16 @@ def test_a_check_knows_the_walls_that_keys_give() -> None:
 
 
 @pytest.mark.judges("project")
-def test_a_check_knows_the_wall_over_a_bore_of_gears_that_are_not_round() -> None:
+@pytest.mark.parametrize("bore", ["bore_mm: 46", "bore_mm: 36, keyway: {width_mm: 8, depth_mm: 4.6}"])
+def test_a_check_knows_the_wall_over_a_bore_of_gears_that_are_not_round(bore: str) -> None:
     """Its least wall is that under the teeth's own roots, and its safety that of the teeth."""
     text = TEXT.replace("teeth: 24, module_mm: 2", "teeth: 31, module_mm: 2, material: 42CrMo4")
-    text = text.replace("uniform_crank", "harmonic_ratio, cosine: [0.2]").replace("bore_mm: 16", "bore_mm: 46", 1)
+    text = text.replace("uniform_crank", "harmonic_ratio, cosine: [0.2]").replace("bore_mm: 16", bore, 1)
     one = drive_of_text(text)
     (driving, _), (rim, _), phi1 = tooth_plan(one).rims, one.rims, np.linspace(0.0, 2.0 * np.pi, 2001)
     assert float(driving(phi1).max()) > 1.0
-    assert float(driving(phi1).max()) == pytest.approx(rim.factor.max(), rel=0.02)
+    # No root need stand where the wall is the thinnest, as over a corner of the keyway.
+    assert 0.98 < float(driving(phi1).max()) / rim.factor.max() < 1.06
     found = rough_strength(one)
     assert found is not None
     rough = min(tooth.safety for tooth in found.safeties if tooth.damage is Damage.BENDING)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache, partial
-from math import ceil, inf, lcm, pi, radians, sin
+from math import ceil, inf, isfinite, lcm, pi, radians, sin
 
 import numpy as np
 
@@ -275,22 +275,44 @@ def _known_wall_mm(drive: Drive, gear: Gear) -> float:
 def _walls_mm(drive: Drive, gear: Gear, phi1_rad: Array) -> Array:
     """The walls that the keys of a gear give under the roots at driving angles, shape (n,).
 
-    Walls of a web, a ring, lightening holes and the bore without its keyway; infinite where no key gives one: a rim
+    Walls of a web, a ring, lightening holes and the bore with its keyway; infinite where no key gives one: a rim
     that the file leaves out is thick enough.  All helical teeth count as the one with the thinnest wall.
     """
-    body, module, curve = getattr(drive.gears, gear.value), drive.running.module_mm, drive.pitch.of(gear)
+    body, curve = getattr(drive.gears, gear.value), drive.pitch.of(gear)
     given = [body.rim_mm] if curve.is_ring and body.rim_mm is not None else []
     given += [body.web.rim_mm] if body.web else []
     given += [body.lightening_holes.least_wall_mm] if body.lightening_holes else []
     walls = np.full(phi1_rad.shape, min(given, default=inf))
     if curve.is_ring or not body.bore_mm:
         return walls
-    form, at = tooth_form_of(drive.gears, drive.pitch.size.module_mm), curve.at_angle(phi1_rad)
-    shift_mm = form.driving_shift_mm if gear is Gear.DRIVING else form.driven_shift_mm
-    deep_mm = drive.gears.rack.dedendum * module - shift_mm
-    roots = as_complex(at.position) - deep_mm * as_complex(at.normal)
-    bored = np.abs(roots) - body.bore_mm / 2.0
+    bored = _bored_mm(drive, gear, phi1_rad)
+    if body.keyway:
+        # Its edges are near few roots: of a tooth that touches here both lie within a pitch.
+        step_rad = 2.0 * pi / drive.pitch.size.driving_teeth * AROUND
+        turns = phi1_rad + step_rad[:, None]
+        end = drive.pitch.toothed.covered_rad if drive.pitch.toothed is not None else inf
+        bored = _bored_mm(drive, gear, np.clip(turns, 0.0 if isfinite(end) else -inf, end)).min(axis=0)
     return np.asarray(np.minimum(walls, bored.min() if drive.helix else bored))
+
+
+AROUND = np.linspace(-1.0, 1.0, 9)
+"""Pitches from where teeth touch to where walls over a keyway are looked at."""
+
+
+def _bored_mm(drive: Drive, gear: Gear, phi1_rad: Array) -> Array:
+    """The walls between the roots at driving angles, of any shape, and a bore with its keyway along +x."""
+    body, at = getattr(drive.gears, gear.value), drive.pitch.of(gear).at_angle(phi1_rad)
+    form = tooth_form_of(drive.gears, drive.pitch.size.module_mm)
+    shift_mm = form.driving_shift_mm if gear is Gear.DRIVING else form.driven_shift_mm
+    deep_mm = drive.gears.rack.dedendum * drive.running.module_mm - shift_mm
+    roots = as_complex(at.position) - deep_mm * as_complex(at.normal)
+    radius_mm = body.bore_mm / 2.0
+    wall = np.abs(roots) - radius_mm
+    if body.keyway is None:
+        return np.asarray(wall)
+    beyond = np.maximum(roots.real - radius_mm - body.keyway.depth_mm, 0.0)
+    beside = np.maximum(np.abs(roots.imag) - body.keyway.width_mm / 2.0, 0.0)
+    return np.asarray(np.where(roots.real > 0.0, np.minimum(wall, np.hypot(beyond, beside)), wall))
 
 
 def rolled_load(drive: Drive, torque_n_mm: Callable[[Array], Array] | None = None) -> RolledLoad:
