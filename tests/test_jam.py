@@ -15,10 +15,10 @@ from ncgear.figures.advice.drivetrain_advice import around
 from ncgear.figures.advice.strength_advice import rough, strength
 from ncgear.figures.advice.values import Advice
 from ncgear.figures.flanks import surfaces_rows
-from ncgear.figures.strong import deciding_forces, deciding_loads
+from ncgear.figures.strong import deciding_forces
 from ncgear.pitch.shape import Gear
 from ncgear.project.rough_strength import rough_strength
-from ncgear.project.strengthening import rating_of
+from ncgear.project.strengthening import deciding_loads, rating_of
 from ncgear.strength.conditions import face_load_factor_of_roots
 from ncgear.strength.holding import Damage
 
@@ -296,3 +296,4 @@ def test_a_check_judges_the_jam_of_two_pairs_whose_knocks_only_teeth_can_tell() 
         told = rough(pair)
         assert isinstance(told, Advice)
         assert "safety about" in told.brief
+        assert "the load of a jam" in told.line

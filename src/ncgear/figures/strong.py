@@ -26,7 +26,7 @@ from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.face_load import FaceLoading
-from ncgear.project.strengthening import Rating
+from ncgear.project.strengthening import Rating, deciding_loads
 from ncgear.strength.answer import Strength
 from ncgear.strength.conditions import GRADE
 from ncgear.strength.holding import Damage, Weakest, lives_of
@@ -96,22 +96,6 @@ def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rat
 
 DECIDING: dict[Load, str] = {"law": "what the law asks", "knocks": "knocks", "jam": "the jam"}
 """The words for the load under which a part is the weakest."""
-
-
-def deciding_loads(drive: Drive, rating: Rating) -> dict[tuple[Gear, Damage], Load]:
-    """Which load the weakest tooth of each gear is the weakest under, by damage: that of the law, knocks or a jam."""
-    judged, found = drive.judged_teeth(rating.strength.method), dict[tuple[Gear, Damage], Load]()
-    for one in rating.weakest:
-        jammed = None if judged.jammed is None else lives_of(judged.jammed, one.gear)[one.damage]
-        borne, here = rating.loading.borne, np.array([one.phi1_rad])
-        if jammed is not None and jammed.safety[one.tooth - 1] == one.safety:
-            found[one.gear, one.damage] = "jam"
-        elif borne is None:
-            found[one.gear, one.damage] = "law"
-        else:
-            torques: dict[Load, float] = {"law": abs(borne.asked(here)[0]), "knocks": abs(borne.at(here)[0])}
-            found[one.gear, one.damage] = deciding(torques)
-    return found
 
 
 def deciding_words(drive: Drive, rating: Rating) -> str:

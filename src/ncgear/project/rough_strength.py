@@ -48,8 +48,8 @@ class RoughStrength:
     ``unjudged`` says why the teeth are not judged for the wanted life.  ``at_once`` says that the safeties are against
     breaking at once instead; there are no safeties where even these are not known.  ``needs_teeth`` says why the
     safeties are right within a factor of two and a half only.  Both are words that follow "because", and empty where
-    there is no such reason; ``settled`` are the safeties that it does not touch.  ``vibration`` is what
-    is told of the mesh where the life of its teeth is judged.
+    there is no such reason; ``jammed`` are the safeties in a jam, for which it is ``jam_needs_teeth``.  ``vibration``
+    is what is told of the mesh where the life of its teeth is judged.
     """
 
     safeties: tuple[RoughSafety, ...]
@@ -57,11 +57,12 @@ class RoughStrength:
     needs_teeth: str = ""
     at_once: bool = False
     vibration: ToldVibration | None = None
-    settled: tuple[RoughSafety, ...] = ()
+    jammed: tuple[RoughSafety, ...] = ()
+    jam_needs_teeth: str = ""
 
     def needs_teeth_for(self, one: RoughSafety) -> str:
         """Why one of the safeties is right within a factor only; empty where it is not."""
-        return "" if one in self.settled else self.needs_teeth
+        return self.jam_needs_teeth if one in self.jammed else self.needs_teeth
 
     def share(self, one: RoughSafety) -> float:
         """A safety over that under which teeth do not hold for certain."""
@@ -107,7 +108,7 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
     if asked.loads_return:
         sides = [*sides, *shared_loads(rolled_load(drive, asked.returning_n_mm), plan, running, drive.materials)]
     needs_teeth = _needs_teeth(drive, plan, load, sides) if sides else ""
-    knows_jam = not needs_teeth
+    jam_needs_teeth = needs_teeth
     if in_series:
         needs_teeth = needs_teeth or "it needs the teeth to tell how hard two pairs in series knock"
     warm, why = _warm(drive, sides, load.phi1_rad.size), _no_life(drive, load.phi1_rad)
@@ -125,7 +126,8 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
             else:
                 jammed = rough_safeties(borne, plan, running, warm, few, uneven, still)
             if not sides:
-                return RoughStrength(tuple(jammed), why, _needs_teeth(drive, plan, pressed, borne), bool(why))
+                needs_teeth = _needs_teeth(drive, plan, pressed, borne)
+                return RoughStrength(tuple(jammed), why, needs_teeth, bool(why), None, tuple(jammed), needs_teeth)
         if not why:
             mesh = rough_mesh(drive, sides, load)
             shaken = [drive.vibration.factors(one.load.phi1_rad, one.load.force_n, mesh, conditions) for one in sides]
@@ -140,11 +142,11 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
                 if mesh is None
                 else told_vibration(drive, drive.vibration, mesh, phi1, np.concatenate(shaken), force)
             )
-            settled = tuple(jammed) if knows_jam else ()
-            return RoughStrength((*found, *jammed), needs_teeth=needs_teeth, vibration=told, settled=settled)
+            every = *found, *jammed
+            return RoughStrength(every, "", needs_teeth, False, told, tuple(jammed), jam_needs_teeth)
         uneven = _uneven(drive, sides, conditions, _even(sides, conditions.dynamic_factor or 1.0))
         found = static_safeties(sides, plan, running, warm, conditions, uneven)
-        return RoughStrength((*found, *jammed), why, needs_teeth, True)
+        return RoughStrength((*found, *jammed), why, needs_teeth, True, None, tuple(jammed), jam_needs_teeth)
     except Unanswered as error:
         return RoughStrength((), error.problem)
 

@@ -17,6 +17,7 @@ from ncgear.project.strengthening import (
     SERIES_I_MM,
     WIDEST_MODULES,
     Rating,
+    deciding_loads,
     known_rating,
 )
 from ncgear.strength.holding import Damage, Weakest, face_width_factor, module_factor, worst
@@ -44,7 +45,7 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
     first = worst(weak)
     at = degrees(first.phi1_rad)
     also = [_least(one) for one in weak if one is not first]
-    load = LOADS[rating.strength.load]
+    load = LOADS["jam" if deciding_loads(drive, rating)[first.gear, first.damage] == "jam" else rating.strength.load]
     return Advice(
         Kind.STRENGTH,
         (Where(first.gear.value, (first.tooth,), ((at, at),)),),
@@ -98,7 +99,8 @@ def _roughly(drive: Drive, found: RoughStrength | None) -> Advice | NotJudged | 
     if not weak:
         return _not_judged(drive, found)
     design, first = drive.design, weak[0]
-    load = "the masses" if design.masses else "the resistance" if design.resistance else "a jam"
+    load = "the masses" if design.masses else "the resistance"
+    load = "a jam" if first in found.jammed else load
     at, damage = degrees(first.phi1_rad), rough_damage(found, first)
     teeth = "the teeth" if drive.stage is None else f"the teeth of stage {drive.stage}"
     if needs_teeth := found.needs_teeth_for(first):
