@@ -9,16 +9,16 @@ import pytest
 
 from commands import Run, on_text
 from drives import drive_of_text
-from ncgear.drivetrain.jam import Jam
+from ncgear.drivetrain.jam import HELD, Jam, deciding
 from ncgear.errors import WrongInput
 from ncgear.figures.advice.drivetrain_advice import around
 from ncgear.figures.advice.strength_advice import rough, strength
 from ncgear.figures.advice.values import Advice
 from ncgear.figures.flanks import surfaces_rows
-from ncgear.figures.strong import deciding_loads
+from ncgear.figures.strong import deciding_forces
 from ncgear.pitch.shape import Gear
 from ncgear.project.rough_strength import rough_strength
-from ncgear.project.strengthening import rating_of
+from ncgear.project.strengthening import deciding_loads, rating_of
 from ncgear.strength.conditions import face_load_factor_of_roots
 from ncgear.strength.holding import Damage
 
@@ -134,6 +134,58 @@ def test_shafts_keys_and_bearings_bear_a_jam_as_by_hand() -> None:
     near, far = np.abs(loads.crank_n[[0, 2]])
     assert near < 3.0 * far  # Without a bound it would be a hundred times as much.
 
+    # Peaks of all joints: the pin bears what the rod passes on, the guide what the rod leans, and 30 degrees of its
+    # fastest way bound both.
+    told, phi1 = one.jam.peaks(), np.linspace(0.0, 2.0 * np.pi, 100_001)
+    beta = np.arcsin(40.0 * np.sin(phi1) / 150.0)
+    way = np.abs(40.0 * np.sin(phi1) - 40.0 * np.cos(phi1) * np.tan(beta))
+    held = 1e3 * TORQUE_N_M / np.maximum(way, HELD * fastest)
+    assert told.joints_n["pin"].value == pytest.approx((held / np.cos(beta)).max(), rel=1e-5)
+    assert told.joints_n["wrist"].value == pytest.approx(told.joints_n["pin"].value)
+    assert told.guide_n.value == pytest.approx(np.abs(held * np.tan(beta)).max(), rel=1e-5)
+    assert told.mesh.force_n.value == pytest.approx(force)
+
+
+def test_the_load_that_is_named_first_decides_among_equal_ones() -> None:
+    assert deciding({"law": 1.0, "knocks": 1.0 + 1e-9}) == "law"
+    assert deciding({"law": 1.0, "knocks": 1.01, "jam": 1.01}) == "knocks"
+    assert deciding({"law": 1.0, "knocks": 1.01, "jam": 2.0}) == "jam"
+    assert deciding({"law": 0.0, "jam": 0.0}) == "law"
+
+
+@pytest.mark.slow
+@pytest.mark.judges("drivetrain")
+@pytest.mark.parametrize(
+    ("decides", "speed_rpm", "force_n", "torque_n_m"),
+    [("law", 10, 3000, 20), ("knocks", 300, 0, 0.5), ("jam", 120, 0, 300)],
+)
+def test_shafts_keys_bearings_and_joints_tell_which_load_decides(
+    decides: str, speed_rpm: float, force_n: float, torque_n_m: float
+) -> None:
+    """A press by its own force, a fast machine by its knocks, a stuck one by its jam.
+
+    The gear stands in the middle of its shaft: either bearing bears half the mesh force, of a jam T / (r cos 20 deg).
+    """
+    text = text_of(1.0, AROUND).replace(f"{TORQUE_N_M:g}", f"{torque_n_m:g}").replace("[50]", f"[{force_n}]")
+    backlash = "42CrMo4, backlash_mm: 0.2}"
+    text = text.replace("rpm: 60", f"rpm: {speed_rpm}").replace("42CrMo4}", "42CrMo4}" if force_n else backlash)
+    one = drive_of_text(text)
+    found, knocking = one.drivetrain, one.knocking_peaks
+    halves = {
+        "law": one.rigid.peaks.mesh.force_n.value / 2.0,
+        "jam": 1e3 * torque_n_m / (48.0 * np.cos(np.radians(20.0))),
+    }
+    halves |= {"knocks": knocking.mesh.force_n.value / 2.0} if knocking else {}
+    assert max(halves, key=halves.__getitem__) == decides
+    for shaft in (found.driving_shaft, found.driven_shaft):
+        for part, load in shaft.decided_by.items():
+            if part.endswith("life") or part == "fatigue":  # Nothing tires of a jam.
+                assert load != "jam"
+                assert decides == "jam" or load == decides
+            else:
+                assert (part, load) == (part, decides)
+    assert {load for _, load in deciding_forces(one).values()} == {decides}
+
 
 @pytest.mark.slow
 def test_what_a_jam_dents_is_told() -> None:
@@ -227,3 +279,21 @@ def test_flanks_that_only_a_jam_presses_are_not_judged_for_film_and_wear() -> No
         assert set(deciding_loads(made, rating_of(made)).values()) == {"jam"}
         told.append((made.strength.load, dict(surfaces_rows(made, found))["wear"].startswith("not judged, because")))
     assert told == [("jam", True), ("jam", True), ("resistance", False)]
+
+
+def test_a_check_judges_the_jam_of_two_pairs_whose_knocks_only_teeth_can_tell() -> None:
+    """Its safety is that of round gears of the same teeth in one pair, whose second shaft turns alike."""
+    law = "law: harmonic_ratio, cosine: [0], second_stage: {cosine: [0]}"
+    masses = AROUND.partition("drivetrain")[0] + "  shaft_between_kg_mm2: 3000\n"
+    single = rough_strength(drive_of_text(text_of(1.0)))
+    for pair in drive_of_text(text_of(1.0, masses).replace("law: uniform_crank", law)).by_stage:
+        found = rough_strength(pair)
+        assert found is not None
+        assert single is not None
+        assert "knock" in found.needs_teeth
+        (weak,) = {one.safety for one in found.weak}
+        assert weak == pytest.approx(min(one.safety for one in single.weak), rel=1e-6)
+        told = rough(pair)
+        assert isinstance(told, Advice)
+        assert "safety about" in told.brief
+        assert "the load of a jam" in told.line

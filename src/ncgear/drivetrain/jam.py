@@ -1,15 +1,18 @@
-"""What shafts, keys and bearings bear when the machine jams: the output is held, and the driving shaft turns on.
+"""What shafts, keys, bearings and joints bear in a jam: the output is held, and the driving shaft turns on.
 
 The torque T1 at the driving gear makes T1 / (dphi2/dphi1) at the driven one, and the mesh force of both.  What holds
 the output presses on the crank with that torque over the way of the output for each rad of the crank.  Near its dead
 centres that way vanishes, and no torque bounds the force: there it counts as where the output moves HELD of its
 fastest, which a plain crank does 30 degrees before its dead centre, where presses are rated.  Nothing moves, so that no
-mass counts; friction is left out.
+mass counts; friction is left out.  What is the weakest in a jam need not be so under the law or in knocks: ``deciding``
+says which load it is.
 """
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import inf, pi
+from typing import Literal
 
 import numpy as np
 
@@ -17,14 +20,32 @@ from ncgear.drivetrain.bearings import Bearing, bearing_forces, bending_moment_n
 from ncgear.drivetrain.cycle import ShaftLoads
 from ncgear.drivetrain.shafts import ShaftSection
 from ncgear.dynamics.loaded_machine import RigidMachine
-from ncgear.dynamics.mesh_force import mesh_force
+from ncgear.dynamics.mesh_force import MeshForce, mesh_force
+from ncgear.dynamics.rigid import LoadPeaks, MeshPeak
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.forces import EvenPace
-from ncgear.numerics.arrays import Array
+from ncgear.mechanisms.forces import EvenPace, JointForces
+from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.highest import largest_of_each
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.plane import Vector
 from ncgear.pitch.shape import Gear
+
+Load = Literal["law", "knocks", "jam"]
+"""What a part bears: the forces that the law asks for, those where teeth knock, those of a jam."""
+
+MORE = 1e-6
+"""Share by which a load is more than another, beyond rounding errors."""
+
+
+def deciding(sizes: Mapping[Load, float]) -> Load:
+    """The load under which a part bears most, by the sizes of its stress or force under each.
+
+    Of sizes that are the same but for MORE it is the load that is named first.
+    """
+    most = max(sizes.values())
+    return next(load for load, size in sizes.items() if size * (1.0 + MORE) >= most)
+
 
 HELD = 0.5
 """Share of the output's fastest way from which on its force in a jam follows from the torque."""
@@ -46,31 +67,64 @@ class Jam:
     @classmethod
     def of(cls, rigid: RigidMachine, driving_n_mm: float, places_rad: Array) -> Jam:
         """The jam of a machine; its fastest place is searched."""
-        (fastest,) = largest_of_each(lambda phi1: np.abs(_held(rigid, phi1)[1])[None], places_rad)
+        (fastest,) = largest_of_each(lambda phi1: np.abs(_held(rigid, phi1).torque_n_mm.value)[None], places_rad)
         return cls(rigid, driving_n_mm, places_rad, HELD * fastest.value)
 
     def loads(self, gear: Gear, phi1_rad: Array) -> ShaftLoads:
         """What the shaft of a gear bears at driving angles, shape (n,)."""
-        place, transmission = self.rigid.place, self.rigid.machine.transmission
+        force, torque, place = self._mesh(phi1_rad), self._driven_n_mm(phi1_rad), self.rigid.place
         assert place is not None
-        angle = transmission.driven_angle(phi1_rad, 2)
-        torque = self.driving_n_mm / angle.derivative(1)
-        force = mesh_force(place, angle.differentiated(), Jet(torque[None])).force
-        mesh = force.x.value + 1j * force.y.value
+        mesh = _complex(force.force)
         if gear is Gear.DRIVING:
             turned = -place.mesh.sense * phi1_rad
             return ShaftLoads(turned, -mesh, np.zeros_like(mesh), np.full(phi1_rad.shape, self.driving_n_mm))
-        axis, way = _held(self.rigid, phi1_rad)
+        turned = -self.rigid.machine.transmission.driven_angle(phi1_rad, 0).value
+        held, output = self._held(phi1_rad)
+        return ShaftLoads(turned, mesh, -_complex(held.crank_axis) * output, torque)
+
+    def peaks(self) -> LoadPeaks:
+        """The largest forces of a cycle, as a machine tells them that runs."""
+        linkage = self.rigid.machine.linkage
+
+        def sizes(phi1: Array) -> Array:
+            held, output = self._held(phi1)
+            bearing = -_complex(held.crank_axis) * output + _complex(self._mesh(phi1).force)
+            joints = (_complex(held.joints[name]) * output for name in linkage.JOINTS)
+            guide = np.zeros(phi1.shape) + held.guide_n.value * output
+            return np.asarray(np.abs(np.stack([*joints, bearing, _complex(self._mesh(phi1).force), guide])))
+
+        *joints, bearing, mesh, guide = largest_of_each(sizes, self.places_rad)
+        steep = self._mesh(np.array([mesh.at])).pressure_angle_rad.value
+        return LoadPeaks(
+            dict(zip(linkage.JOINTS, joints, strict=True)), bearing, guide, MeshPeak(mesh, float(steep[0]))
+        )
+
+    def _driven_n_mm(self, phi1_rad: Array) -> Array:
+        return np.asarray(self.driving_n_mm / self.rigid.machine.transmission.driven_angle(phi1_rad, 1).derivative(1))
+
+    def _mesh(self, phi1_rad: Array) -> MeshForce:
+        """The force on the driven gear."""
+        place, torque = self.rigid.place, Jet(self._driven_n_mm(phi1_rad)[None])
+        assert place is not None
+        return mesh_force(place, self.rigid.machine.transmission.driven_angle(phi1_rad, 2).differentiated(), torque)
+
+    def _held(self, phi1_rad: Array) -> tuple[JointForces, Array]:
+        """The forces of 1 N (or N mm) against the output, and how much holds it, shape (n,)."""
+        held = _held(self.rigid, phi1_rad)
+        way = held.torque_n_mm.value
         counted = np.where(way < 0.0, -1.0, 1.0) * np.maximum(np.abs(way), self.least_way_mm)
-        return ShaftLoads(-angle.value, mesh, -axis * torque / counted, torque)
+        return held, self._driven_n_mm(phi1_rad) / counted
 
 
-def _held(rigid: RigidMachine, phi1_rad: Array) -> tuple[Array, Array]:
-    """What 1 N (or N mm) against the output makes: the force x + i y on the crank's axis, and the crank's torque."""
+def _held(rigid: RigidMachine, phi1_rad: Array) -> JointForces:
+    """The forces in the joints, without masses, of 1 N (or N mm) against the output."""
     linkage, angle = rigid.machine.linkage, rigid.machine.transmission.driven_angle(phi1_rad, 2)
     one = Jet(np.ones((1, phi1_rad.size)))
-    held = linkage.joint_forces(angle, linkage.MASSES(), EvenPace(rigid.machine.speed_rad_s), one)
-    return held.crank_axis.x.value + 1j * held.crank_axis.y.value, held.torque_n_mm.value
+    return linkage.joint_forces(angle, linkage.MASSES(), EvenPace(rigid.machine.speed_rad_s), one)
+
+
+def _complex(force: Vector) -> ComplexArray:
+    return np.asarray(force.x.value + 1j * force.y.value)
 
 
 @dataclass(frozen=True)

@@ -88,7 +88,7 @@ def _shaft(found: ShaftResult) -> dict[str, Any]:
         if found.jammed_key is not None:
             jam["key_safety"] = known(found.jammed_key.safety)
         told["jam"] = jam
-    return told
+    return {**told, "decided_by": dict(found.decided_by)}
 
 
 def _bearing(found: BearingLife) -> dict[str, Any]:

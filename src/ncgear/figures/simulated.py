@@ -33,6 +33,9 @@ from ncgear.numerics.units import KG_M2, N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.project.drive import Drive
 from ncgear.strength.stiffness import SOFTER, STIFFER
 
+SAME_AS_MESH = "peak_driving_bearing_force_n"
+"""The bearings of the driving shaft bear the mesh force together."""
+
 
 def rigid_table(drive: Drive, own: Loads, uniform: Loads) -> dict[str, Array]:
     """The motion, the loads of the design's own machine, and those of the uniform crank."""
@@ -141,7 +144,7 @@ def _mesh(mesh: MeshPeak | None) -> dict[str, Any]:
     return {
         **extreme("peak_mesh_force", "n", mesh.force_n),
         "pressure_angle_at_peak_mesh_force_deg": degrees(mesh.pressure_angle_rad),
-        **extreme("peak_driving_bearing_force", "n", mesh.force_n),
+        **extreme(SAME_AS_MESH.removesuffix("_n"), "n", mesh.force_n),
     }
 
 

@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from math import degrees, inf, isfinite
 from typing import Any
 
 import numpy as np
 
 from ncgear.design.keys.base import listed
+from ncgear.drivetrain.jam import Load, deciding
 from ncgear.dynamics.flank_changes import Knock
+from ncgear.dynamics.rigid import LoadPeaks
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.flanks import hours_words, surfaces_figures, surfaces_rows
 from ncgear.figures.numbers import fixed, known, shown, to_digits
 from ncgear.figures.quantities import figure
-from ncgear.figures.simulated import force_figures
+from ncgear.figures.simulated import SAME_AS_MESH, force_figures
 from ncgear.figures.summary.check_summary import stages_summary, verdict_summary
 from ncgear.figures.tables import Column, Table
 from ncgear.figures.vibration import vibration_figures, vibration_of_rating
@@ -23,7 +26,7 @@ from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.face_load import FaceLoading
-from ncgear.project.strengthening import Rating
+from ncgear.project.strengthening import Rating, deciding_loads
 from ncgear.strength.answer import Strength
 from ncgear.strength.conditions import GRADE
 from ncgear.strength.holding import Damage, Weakest, lives_of
@@ -75,7 +78,7 @@ def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rat
             "decided_by": {
                 f"{gear.value}_{damage.value}": load for (gear, damage), load in deciding_loads(drive, rating).items()
             },
-            **({} if (peaks := drive.knocking_peaks) is None else {"with_knocks": force_figures(drive.linkage, peaks)}),
+            **_force_figures(drive),
         },
         "gears": {"module_mm": size.module_mm, "face_width_mm": drive.gears.face_width_mm},
         "strength": strength_summary(rating, drive),
@@ -91,26 +94,8 @@ def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rat
     }
 
 
-MORE = 1e-6
-"""Share by which a torque is more than another, beyond rounding errors."""
-
-DECIDING = {"law": "what the law asks", "knocks": "knocks", "jam": "the jam"}
-"""The words for the load that the weakest tooth has most of."""
-
-
-def deciding_loads(drive: Drive, rating: Rating) -> dict[tuple[Gear, Damage], str]:
-    """Which load the weakest tooth of each gear is the weakest under, by damage: that of the law, knocks or a jam."""
-    judged, found = drive.judged_teeth(rating.strength.method), dict[tuple[Gear, Damage], str]()
-    for one in rating.weakest:
-        jammed = None if judged.jammed is None else lives_of(judged.jammed, one.gear)[one.damage]
-        borne, here = rating.loading.borne, np.array([one.phi1_rad])
-        if jammed is not None and jammed.safety[one.tooth - 1] == one.safety:
-            found[one.gear, one.damage] = "jam"
-        elif borne is not None and abs(borne.at(here)[0]) > (1.0 + MORE) * abs(borne.asked(here)[0]):
-            found[one.gear, one.damage] = "knocks"
-        else:
-            found[one.gear, one.damage] = "law"
-    return found
+DECIDING: dict[Load, str] = {"law": "what the law asks", "knocks": "knocks", "jam": "the jam"}
+"""The words for the load under which a part is the weakest."""
 
 
 def deciding_words(drive: Drive, rating: Rating) -> str:
@@ -118,9 +103,55 @@ def deciding_words(drive: Drive, rating: Rating) -> str:
     if not rating.loading.knocks and drive.conditions.overload is None:
         return ""
     found = deciding_loads(drive, rating)
-    if len(set(found.values())) == 1:
-        return f"by {DECIDING[next(iter(found.values()))]}, in all rows"
-    return ", ".join(f"{gear.value} {damage.words} by {DECIDING[load]}" for (gear, damage), load in found.items())
+    return decided_words({f"{gear.value} {damage.words}": load for (gear, damage), load in found.items()}, "rows")
+
+
+def decided_words(found: Mapping[str, Load], parts: str) -> str:
+    """By which load each of the ``parts`` is decided, in a line."""
+    by = Counter(found.values())
+    (most, _), *others = by.most_common()
+    if not others:
+        return f"by {DECIDING[most]}, in all {parts}"
+    named = [
+        f"{listed([part for part in found if found[part] == load], 'and')} by {DECIDING[load]}" for load, _ in others
+    ]
+    return f"{', '.join(named)}; all other {parts} by {DECIDING[most]}"
+
+
+def deciding_forces(drive: Drive) -> dict[str, tuple[float, Load]]:
+    """The largest forces in joints and bearings of law, knocks and jam, by their keys, each with its load.
+
+    Empty where there are neither knocks nor a jam, and without masses, where the forces of the law are not known.
+    """
+    beside = _peaks_beside_the_law(drive)
+    if not beside:
+        return {}
+    found = {load: force_figures(drive.linkage, peaks) for load, peaks in beside.items()}
+    found = {"law": force_figures(drive.linkage, drive.rigid.peaks), **found}
+    sizes = {
+        key: {load: float(of[key]) for load, of in found.items()}
+        for key in found["law"]
+        if key.endswith("_force_n") and key not in ("peak_mesh_force_n", SAME_AS_MESH)
+    }
+    return {key: (max(of.values()), deciding(of)) for key, of in sizes.items()}
+
+
+def _peaks_beside_the_law(drive: Drive) -> dict[Load, LoadPeaks]:
+    if drive.design.masses is None:
+        return {}
+    found: dict[Load, LoadPeaks | None] = {
+        "knocks": drive.knocking_peaks,
+        "jam": None if drive.jam is None else drive.jam.peaks(),
+    }
+    return {load: peaks for load, peaks in found.items() if peaks is not None}
+
+
+def _force_figures(drive: Drive) -> dict[str, Any]:
+    """The forces in joints and bearings with knocks and in a jam, and which load makes the largest."""
+    names = {"knocks": "with_knocks", "jam": "in_jam"}
+    told = {names[load]: force_figures(drive.linkage, of) for load, of in _peaks_beside_the_law(drive).items()}
+    decided = {key.removesuffix("_n"): load for key, (_, load) in deciding_forces(drive).items()}
+    return {**told, "forces_decided_by": decided} if told else {}
 
 
 def _knock_figures(knocks: Sequence[Knock] | None) -> dict[str, Any]:

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from ncgear.contact.designed.extremes import ContactExtremes, Range
     from ncgear.contact.pair import PairContact, SidesInContact
     from ncgear.contact.written.as_written import Outlines
+    from ncgear.drivetrain.jam import Jam
     from ncgear.drivetrain.stall import Stall
     from ncgear.dynamics.flank_changes import BorneTorque, Knock
     from ncgear.dynamics.knocking import KnockingMachine
@@ -213,10 +214,21 @@ class Drive(Geared):
 
         if self.design.drivetrain is None:
             raise WrongInput("missing; it tells bearings, shafts, motor and more around the gears", key="drivetrain")
-        rigid, knocking = self.rigid, self.knocking
+        rigid, knocking, jam = self.rigid, self.knocking, self.jam
         touching = None if self.helix else TouchingTeeth(self.teeth, self.pitch, self.designed_contact)
         with self.stopwatch("drivetrain"):
-            return drivetrain_of(self.design, rigid, touching, knocking, self.conditions.overload)
+            return drivetrain_of(self.design, rigid, touching, knocking, jam)
+
+    @computed
+    def jam(self) -> Jam | None:
+        """The machine whose output is held; None where no overload is given, and of two pairs in series."""
+        from ncgear.drivetrain.jam import Jam
+        from ncgear.kinematics.motion import sample_angles
+
+        overload = self.conditions.overload
+        if overload is None or self.design.stages > 1:
+            return None
+        return Jam.of(self.rigid.machine, overload.driving_n_mm, sample_angles(self.pair.transmission))
 
     @computed
     def knocks(self) -> tuple[Knock, ...] | None:

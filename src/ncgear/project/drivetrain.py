@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import replace
+from collections.abc import Callable, Mapping
+from dataclasses import field, replace
+from math import inf
 
 import numpy as np
 
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.drivetrain import DrivenShaft, DrivingShaft, PowerTakeOff
 from ncgear.drivetrain.bearings import (
+    Bearing,
     BearingLife,
     Bend,
     WantedLife,
@@ -21,7 +23,7 @@ from ncgear.drivetrain.bearings import (
 )
 from ncgear.drivetrain.cycle import Cycle, cycle_of, with_knocks
 from ncgear.drivetrain.demand import Demand
-from ncgear.drivetrain.jam import Jam, JammedShaft, jammed_shaft
+from ncgear.drivetrain.jam import Jam, JammedShaft, Load, deciding, jammed_shaft
 from ncgear.drivetrain.losses import TouchingTeeth, mesh_loss_factor
 from ncgear.drivetrain.pto import Excursion, running_ahead, slipping
 from ncgear.drivetrain.shafts import (
@@ -45,7 +47,6 @@ from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.pitch.shape import Gear
 from ncgear.project.face_load import bearing_of
 from ncgear.project.motor import MotorResult, demand_of, motor_of
-from ncgear.strength.conditions import Overload
 
 N_MM_PER_N_M = 1000.0
 
@@ -54,6 +55,8 @@ N_MM_PER_N_M = 1000.0
 class ShaftResult:
     """The bearings, the shaft with its largest moment, and the key of one gear; each None where it is not given.
 
+    They are those of the law or of knocks, whichever is worse; ``decided_by`` has that load of each part, or the jam
+    where a part bears most in it.
     ``enough_mm`` is the diameter with which a shaft holds that does not; None where it holds, and where none does.
     ``jammed`` and ``jammed_key`` are shaft, bearings and key in a jam; None where none is counted.
     """
@@ -65,6 +68,7 @@ class ShaftResult:
     enough_mm: float | None = None
     jammed: JammedShaft | None = None
     jammed_key: KeySafety | None = None
+    decided_by: Mapping[str, Load] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,29 +104,30 @@ def drivetrain_of(
     rigid: Rigid,
     touching: TouchingTeeth | None,
     knocking: KnockingMachine | None,
-    overload: Overload | None,
+    jam: Jam | None,
 ) -> DrivetrainResult:
     """The drivetrain of a design that has the section; ``touching`` is None where the teeth are helical.
 
-    Shafts, keys and bearings bear the loads of ``knocking``, or where that is None of the law, and beside them a jam,
-    the ``overload``.  The motor does not feel the knocks: its shaft goes on evenly.  Raises WrongInput where a part
-    lacks what it needs of the gears.
+    Shafts, keys and bearings bear the loads of the law, or of ``knocking`` where these are worse, and beside them the
+    ``jam``.  The motor does not feel the knocks: its shaft goes on evenly.  Raises WrongInput where a part lacks what
+    it needs of the gears.
     """
     given, masses = design.drivetrain, design.masses
     assert given is not None
     assert masses is not None
     wanted = WantedLife(given.life_h, given.reliability_percent)
     demand = demand_of(design, rigid, None if touching is None else _loss_factor(touching, cycle_of(rigid)))
-    cycle = with_knocks(demand.cycle, knocking) if knocking else demand.cycle
-    jam = Jam.of(cycle.rigid, overload.driving_n_mm, demand.cycle.places_rad) if overload else None
+    cycles: dict[Load, Cycle] = {"law": demand.cycle}
+    if knocking:
+        cycles["knocks"] = with_knocks(demand.cycle, knocking)
     needed = demand.fluctuation.flywheel_kg_mm2(masses.flywheel.speed_fluctuation)
     missing = needed - rigid.machine.masses.driving_shaft_kg_mm2 - demand.added_kg_mm2
     diameter = given.flywheel_diameter_mm
     return DrivetrainResult(
         wanted=wanted,
         demand=demand,
-        driving_shaft=_shaft(design, Gear.DRIVING, given.driving_shaft, 0.0, cycle, wanted, jam),
-        driven_shaft=_driven_shaft(design, given.driven_shaft, cycle, wanted, jam),
+        driving_shaft=_shaft(design, Gear.DRIVING, given.driving_shaft, 0.0, cycles, wanted, jam),
+        driven_shaft=_driven_shaft(design, given.driven_shaft, cycles, wanted, jam),
         wanted_fluctuation=masses.flywheel.speed_fluctuation,
         flywheel_kg_mm2=needed,
         disc=disc(missing, diameter, demand.speed_rad_s) if diameter and missing > 0.0 else None,
@@ -140,9 +145,9 @@ def _loss_factor(touching: TouchingTeeth, cycle: Cycle) -> float:
 
 
 def _driven_shaft(
-    design: Design, given: DrivenShaft | None, cycle: Cycle, wanted: WantedLife, jam: Jam | None
+    design: Design, given: DrivenShaft | None, cycles: Mapping[Load, Cycle], wanted: WantedLife, jam: Jam | None
 ) -> ShaftResult | None:
-    return _shaft(design, Gear.DRIVEN, given, given.crank_at_mm if given else 0.0, cycle, wanted, jam)
+    return _shaft(design, Gear.DRIVEN, given, given.crank_at_mm if given else 0.0, cycles, wanted, jam)
 
 
 def _shaft(
@@ -150,25 +155,93 @@ def _shaft(
     gear: Gear,
     given: DrivingShaft | None,
     crank_at_mm: float,
-    cycle: Cycle,
+    cycles: Mapping[Load, Cycle],
     wanted: WantedLife,
     jam: Jam | None,
 ) -> ShaftResult | None:
-    """The shaft of a gear; raises WrongInput where its diameter or its keyway is missing."""
+    """The shaft of a gear under the worst of all loads; raises WrongInput where diameter or keyway is missing."""
     if given is None:
         return None
-    gears, name = design.gears, gear.value
-    assert gears is not None
     if given.bearing_a is None or given.bearing_b is None:
         return ShaftResult(None, None, None, None)
     bearings = bearing_of(given.bearing_a), bearing_of(given.bearing_b)
+    results = {
+        load: _shaft_of(design, gear, given, bearings, crank_at_mm, cycle, wanted) for load, cycle in cycles.items()
+    }
+    sizes = {load: _sizes(one) for load, one in results.items()}
+    law, *knocks = results.values()
+    found = _worse(law, *knocks) if knocks else law
+    if jam is not None:
+        section = found.shaft.section if found.shaft else None
+        jammed = jammed_shaft(jam, gear, bearings, crank_at_mm, section)
+        key = _key(design, gear, given, section, np.array([jammed.most_n_mm])) if section else None
+        found = replace(found, jammed=jammed, jammed_key=key)
+        sizes["jam"] = _sizes_in_jam(jammed, key)
+    decided = {part: deciding({load: of[part] for load, of in sizes.items() if part in of}) for part in sizes["law"]}
+    return replace(found, decided_by=decided)
+
+
+def _sizes(found: ShaftResult) -> dict[str, float]:
+    """How much each part bears, by forces and stresses that grow as it becomes weaker."""
+    sizes = dict[str, float]()
+    for letter, bearing in zip("ab", found.bearings or (), strict=False):
+        sizes |= {f"bearing_{letter}_life": bearing.equivalent_n, f"bearing_{letter}_force": bearing.largest_n.value}
+    if found.shaft is not None:
+        sizes |= {"fatigue": 1.0 / found.shaft.fatigue, "yielding": 1.0 / found.shaft.yielding}
+    return sizes if found.key is None else {**sizes, "key": found.key.pressure_mpa}
+
+
+def _sizes_in_jam(jammed: JammedShaft, key: KeySafety | None) -> dict[str, float]:
+    """The same of what a jam loads: nothing tires of it."""
+    sizes = {f"bearing_{letter}_force": most.value for letter, most in zip("ab", jammed.largest_n, strict=True)}
+    if jammed.yielding is not None:
+        sizes["yielding"] = 1.0 / jammed.yielding
+    return sizes if key is None else {**sizes, "key": key.pressure_mpa}
+
+
+def _worse(law: ShaftResult, knocks: ShaftResult) -> ShaftResult:
+    """Each part as it is worse: a knock may also lighten a bearing."""
+    assert law.bearings is not None
+    assert knocks.bearings is not None
+    first, second = (_worse_bearing(*of) for of in zip(law.bearings, knocks.bearings, strict=True))
+    bends = [one.most_bent for one in (law, knocks) if one.most_bent is not None]
+    found = replace(knocks, bearings=(first, second), most_bent=max(bends, key=lambda bend: bend.moment_n_mm))
+    if law.shaft is not None and knocks.shaft is not None:
+        shafts = law.shaft, knocks.shaft
+        tired = min(shafts, key=lambda shaft: shaft.fatigue)
+        weaker = min((law, knocks), key=lambda one: min(one.shaft.fatigue, one.shaft.yielding) if one.shaft else inf)
+        safety = replace(tired, yielding=min(shaft.yielding for shaft in shafts))
+        found = replace(found, shaft=safety, enough_mm=weaker.enough_mm)
+    if law.key is not None and knocks.key is not None:
+        key = min(law.key, knocks.key, key=lambda one: one.safety)
+        found = replace(found, key=replace(key, both_senses=law.key.both_senses or knocks.key.both_senses))
+    return found
+
+
+def _worse_bearing(law: BearingLife, knocks: BearingLife) -> BearingLife:
+    lives = max(law, knocks, key=lambda one: one.equivalent_n)
+    bears = max(law, knocks, key=lambda one: one.largest_n.value)
+    return replace(lives, largest_n=bears.largest_n, static_safety=bears.static_safety)
+
+
+def _shaft_of(
+    design: Design,
+    gear: Gear,
+    given: DrivingShaft,
+    bearings: tuple[Bearing, Bearing],
+    crank_at_mm: float,
+    cycle: Cycle,
+    wanted: WantedLife,
+) -> ShaftResult:
+    """The same under the loads of one cycle."""
+    gears, name = design.gears, gear.value
+    assert gears is not None
     places = peak_places_rad(cycle, gear, bearings, crank_at_mm)
     loads = shaft_loads(cycle, gear, places)
     lives = bearing_lives(cycle, gear, bearings, crank_at_mm, wanted)
     bent = most_bent(loads, bearings, crank_at_mm)
     if not given.has_strength:
-        jammed = jammed_shaft(jam, gear, bearings, crank_at_mm, None) if jam else None
-        return ShaftResult(lives, bent, None, None, jammed=jammed)
+        return ShaftResult(lives, bent, None, None)
     body = gears.driving if gear is Gear.DRIVING else gears.driven
     diameter = given.diameter_mm or body.bore_mm
     if diameter is None:
@@ -185,11 +258,7 @@ def _shaft(
         return shaft_safety(thick, borne, places, _cycles_rad(gear, cycle))
 
     safety, key = of_diameter(diameter), _key(design, gear, given, section, loads.torque_n_mm)
-    found = ShaftResult(lives, bent, safety, key, _thick_enough_mm(of_diameter, diameter, safety))
-    if jam is None:
-        return found
-    jammed = jammed_shaft(jam, gear, bearings, crank_at_mm, section)
-    return replace(found, jammed=jammed, jammed_key=_key(design, gear, given, section, np.array([jammed.most_n_mm])))
+    return ShaftResult(lives, bent, safety, key, _thick_enough_mm(of_diameter, diameter, safety))
 
 
 MOST_TIMES, GROWN = 10.0, 1.002

@@ -5,13 +5,14 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache, partial
-from math import ceil, inf, lcm, pi, radians, sin
+from math import ceil, inf, isfinite, lcm, pi, radians, sin
 
 import numpy as np
 
 from ncgear.errors import DesignError, Unanswered
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.plane import as_complex
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.project.drive import Drive
 from ncgear.project.service import choices_of
@@ -47,8 +48,8 @@ class RoughStrength:
     ``unjudged`` says why the teeth are not judged for the wanted life.  ``at_once`` says that the safeties are against
     breaking at once instead; there are no safeties where even these are not known.  ``needs_teeth`` says why the
     safeties are right within a factor of two and a half only.  Both are words that follow "because", and empty where
-    there is no such reason.  ``vibration`` is what is told of the mesh where the life of its teeth
-    is judged.
+    there is no such reason; ``jammed`` are the safeties in a jam, for which it is ``jam_needs_teeth``.  ``vibration``
+    is what is told of the mesh where the life of its teeth is judged.
     """
 
     safeties: tuple[RoughSafety, ...]
@@ -56,17 +57,21 @@ class RoughStrength:
     needs_teeth: str = ""
     at_once: bool = False
     vibration: ToldVibration | None = None
+    jammed: tuple[RoughSafety, ...] = ()
+    jam_needs_teeth: str = ""
 
-    @property
-    def sure(self) -> float:
-        """Share of the wanted safety under which teeth do not hold for certain."""
-        return 0.4 if self.needs_teeth else 1.0
+    def needs_teeth_for(self, one: RoughSafety) -> str:
+        """Why one of the safeties is right within a factor only; empty where it is not."""
+        return self.jam_needs_teeth if one in self.jammed else self.needs_teeth
+
+    def share(self, one: RoughSafety) -> float:
+        """A safety over that under which teeth do not hold for certain."""
+        return one.safety / (one.wanted * (0.4 if self.needs_teeth_for(one) else 1.0))
 
     @property
     def weak(self) -> list[RoughSafety]:
         """The safeties of teeth that do not hold, the weakest first."""
-        found = [one for one in self.safeties if one.safety < self.sure * one.wanted]
-        return sorted(found, key=lambda one: one.safety / one.wanted)
+        return sorted((one for one in self.safeties if self.share(one) < 1.0), key=self.share)
 
 
 @lru_cache(maxsize=2)
@@ -103,9 +108,10 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
     if asked.loads_return:
         sides = [*sides, *shared_loads(rolled_load(drive, asked.returning_n_mm), plan, running, drive.materials)]
     needs_teeth = _needs_teeth(drive, plan, load, sides) if sides else ""
+    jam_needs_teeth = needs_teeth
     if in_series:
         needs_teeth = needs_teeth or "it needs the teeth to tell how hard two pairs in series knock"
-    warm, why = _warm(drive, sides, load.phi1_rad.size), _no_life(drive)
+    warm, why = _warm(drive, sides, load.phi1_rad.size), _no_life(drive, load.phi1_rad)
     jammed = list[RoughSafety]()
     try:
         if (jam := conditions.overload) is not None:
@@ -120,7 +126,8 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
             else:
                 jammed = rough_safeties(borne, plan, running, warm, few, uneven, still)
             if not sides:
-                return RoughStrength(tuple(jammed), why, _needs_teeth(drive, plan, pressed, borne), bool(why))
+                needs_teeth = _needs_teeth(drive, plan, pressed, borne)
+                return RoughStrength(tuple(jammed), why, needs_teeth, bool(why), None, tuple(jammed), needs_teeth)
         if not why:
             mesh = rough_mesh(drive, sides, load)
             shaken = [drive.vibration.factors(one.load.phi1_rad, one.load.force_n, mesh, conditions) for one in sides]
@@ -135,10 +142,11 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
                 if mesh is None
                 else told_vibration(drive, drive.vibration, mesh, phi1, np.concatenate(shaken), force)
             )
-            return RoughStrength((*found, *jammed), needs_teeth=needs_teeth, vibration=told)
+            every = *found, *jammed
+            return RoughStrength(every, "", needs_teeth, False, told, tuple(jammed), jam_needs_teeth)
         uneven = _uneven(drive, sides, conditions, _even(sides, conditions.dynamic_factor or 1.0))
         found = static_safeties(sides, plan, running, warm, conditions, uneven)
-        return RoughStrength((*found, *jammed), why, needs_teeth, True)
+        return RoughStrength((*found, *jammed), why, needs_teeth, True, None, tuple(jammed), jam_needs_teeth)
     except Unanswered as error:
         return RoughStrength((), error.problem)
 
@@ -177,12 +185,13 @@ def rough_damage(found: RoughStrength, one: RoughSafety) -> str:
     return "breaking at once" if found.at_once else one.damage.words
 
 
-def _no_life(drive: Drive) -> str:
+def _no_life(drive: Drive, phi1_rad: Array) -> str:
     """Why no life of these teeth is told under any load."""
     for gear in Gear:
-        wall_mm, thinnest_mm = _given_wall_mm(drive, gear)
-        if wall_mm < thinnest_mm:
-            return f"a wall of {wall_mm:g} mm of the {gear.value} gear is thinner than ISO 6336-3 has a factor for"
+        wall_mm = float(_walls_mm(drive, gear, phi1_rad).min())
+        if wall_mm < _known_wall_mm(drive, gear):
+            wall = f"a wall of {max(wall_mm, 0.0):.2g} mm"
+            return f"{wall} of the {gear.value} gear is thinner than ISO 6336-3 has a factor for"
     return ""
 
 
@@ -244,30 +253,68 @@ def tooth_plan(drive: Drive) -> ToothPlan:
     module, (pushing, idle) = form.rack.module_mm, rack.angles_deg
     shifts = form.driving_shift_mm / module, form.driven_shift_mm / module
     tip = RackTip(rack.dedendum, rack.root_radius)
-    rims = _even_rim(drive, Gear.DRIVING), _even_rim(drive, Gear.DRIVEN)
+    rims = partial(_rims, drive, Gear.DRIVING), partial(_rims, drive, Gear.DRIVEN)
     helix = (drive.helix.angle_rad, drive.helix.largest_advance_mm) if drive.helix else (0.0, 0.0)
     return ToothPlan(tip, rack.addendum, shifts, (radians(pushing), radians(idle)), form.rack.relief, rims, *helix)
 
 
-def _even_rim(drive: Drive, gear: Gear) -> float:
-    """Y_B of a gear by the walls that its keys give; at least so much where they are thinner than what is known."""
-    rack, module = drive.gears.rack, drive.running.module_mm
-    height_mm, ring = module * (rack.addendum + rack.dedendum), drive.pitch.of(gear).is_ring
-    return float(rim_factor(max(_given_wall_mm(drive, gear)), height_mm, module, internal=ring))
+def _rims(drive: Drive, gear: Gear, phi1_rad: Array) -> Array:
+    """Y_B of a gear at driving angles, shape (n,); at least so much where walls are thinner than what is known."""
+    module, ring = drive.running.module_mm, drive.pitch.of(gear).is_ring
+    walls = np.maximum(_walls_mm(drive, gear, phi1_rad), _known_wall_mm(drive, gear))
+    return np.asarray(rim_factor(walls, _height_mm(drive), module, internal=ring))
 
 
-def _given_wall_mm(drive: Drive, gear: Gear) -> tuple[float, float]:
-    """The thinnest wall that the keys of a gear give, and the thinnest one whose Y_B is known.
+def _height_mm(drive: Drive) -> float:
+    return drive.running.module_mm * (drive.gears.rack.addendum + drive.gears.rack.dedendum)
 
-    Walls of a web, a ring and lightening holes, not of a bore; infinite where no key gives one: a rim that the file
-    leaves out is thick enough.
+
+def _known_wall_mm(drive: Drive, gear: Gear) -> float:
+    """The thinnest wall whose Y_B is known."""
+    return thinnest_rim_mm(_height_mm(drive), drive.running.module_mm, internal=drive.pitch.of(gear).is_ring)
+
+
+def _walls_mm(drive: Drive, gear: Gear, phi1_rad: Array) -> Array:
+    """The walls that the keys of a gear give under the roots at driving angles, shape (n,).
+
+    Walls of a web, a ring, lightening holes and the bore with its keyway; infinite where no key gives one: a rim
+    that the file leaves out is thick enough.  All helical teeth count as the one with the thinnest wall.
     """
-    body, module, ring = getattr(drive.gears, gear.value), drive.running.module_mm, drive.pitch.of(gear).is_ring
-    walls = [body.rim_mm] if ring and body.rim_mm is not None else []
-    walls += [body.web.rim_mm] if body.web else []
-    walls += [body.lightening_holes.least_wall_mm] if body.lightening_holes else []
-    height_mm = module * (drive.gears.rack.addendum + drive.gears.rack.dedendum)
-    return min(walls, default=inf), thinnest_rim_mm(height_mm, module, internal=ring)
+    body, curve = getattr(drive.gears, gear.value), drive.pitch.of(gear)
+    given = [body.rim_mm] if curve.is_ring and body.rim_mm is not None else []
+    given += [body.web.rim_mm] if body.web else []
+    given += [body.lightening_holes.least_wall_mm] if body.lightening_holes else []
+    walls = np.full(phi1_rad.shape, min(given, default=inf))
+    if curve.is_ring or not body.bore_mm:
+        return walls
+    bored = _bored_mm(drive, gear, phi1_rad)
+    if body.keyway:
+        # Its edges are near few roots: of a tooth that touches here both lie within a pitch.
+        step_rad = 2.0 * pi / drive.pitch.size.driving_teeth * AROUND
+        turns = phi1_rad + step_rad[:, None]
+        end = drive.pitch.toothed.covered_rad if drive.pitch.toothed is not None else inf
+        bored = _bored_mm(drive, gear, np.clip(turns, 0.0 if isfinite(end) else -inf, end)).min(axis=0)
+    return np.asarray(np.minimum(walls, bored.min() if drive.helix else bored))
+
+
+AROUND = np.linspace(-1.0, 1.0, 9)
+"""Pitches from where teeth touch to where walls over a keyway are looked at."""
+
+
+def _bored_mm(drive: Drive, gear: Gear, phi1_rad: Array) -> Array:
+    """The walls between the roots at driving angles, of any shape, and a bore with its keyway along +x."""
+    body, at = getattr(drive.gears, gear.value), drive.pitch.of(gear).at_angle(phi1_rad)
+    form = tooth_form_of(drive.gears, drive.pitch.size.module_mm)
+    shift_mm = form.driving_shift_mm if gear is Gear.DRIVING else form.driven_shift_mm
+    deep_mm = drive.gears.rack.dedendum * drive.running.module_mm - shift_mm
+    roots = as_complex(at.position) - deep_mm * as_complex(at.normal)
+    radius_mm = body.bore_mm / 2.0
+    wall = np.abs(roots) - radius_mm
+    if body.keyway is None:
+        return np.asarray(wall)
+    beyond = np.maximum(roots.real - radius_mm - body.keyway.depth_mm, 0.0)
+    beside = np.maximum(np.abs(roots.imag) - body.keyway.width_mm / 2.0, 0.0)
+    return np.asarray(np.where(roots.real > 0.0, np.minimum(wall, np.hypot(beyond, beside)), wall))
 
 
 def rolled_load(drive: Drive, torque_n_mm: Callable[[Array], Array] | None = None) -> RolledLoad:

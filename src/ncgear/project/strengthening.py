@@ -10,6 +10,7 @@ from collections.abc import Callable
 from math import ceil
 from typing import TYPE_CHECKING, Literal
 
+import numpy as np
 from pydantic import ValidationError
 
 from ncgear.errors import DesignError, WrongInput
@@ -18,10 +19,20 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import Changes, changed_drive
 from ncgear.project.drive import Drive
 from ncgear.strength.answer import Strength
-from ncgear.strength.holding import NOTHING_MPA, WantedSafety, Weakest, face_width_factor, module_factor, weakest_teeth
+from ncgear.strength.holding import (
+    NOTHING_MPA,
+    Damage,
+    WantedSafety,
+    Weakest,
+    face_width_factor,
+    lives_of,
+    module_factor,
+    weakest_teeth,
+)
 from ncgear.strength.materials import ASSUMED
 
 if TYPE_CHECKING:
+    from ncgear.drivetrain.jam import Load
     from ncgear.strength.loading import Loading
 
 SERIES_I_MM = (1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16.0, 20.0, 25.0, 32.0, 40.0, 50.0)
@@ -194,3 +205,21 @@ def _enough(
         if found.holds:
             return tried
     return {}
+
+
+def deciding_loads(drive: Drive, rating: Rating) -> dict[tuple[Gear, Damage], Load]:
+    """Which load the weakest tooth of each gear is the weakest under, by damage: that of the law, knocks or a jam."""
+    from ncgear.drivetrain.jam import Load, deciding
+
+    judged, found = drive.judged_teeth(rating.strength.method), dict[tuple[Gear, Damage], Load]()
+    for one in rating.weakest:
+        jammed = None if judged.jammed is None else lives_of(judged.jammed, one.gear)[one.damage]
+        borne, here = rating.loading.borne, np.array([one.phi1_rad])
+        if jammed is not None and jammed.safety[one.tooth - 1] == one.safety:
+            found[one.gear, one.damage] = "jam"
+        elif borne is None:
+            found[one.gear, one.damage] = "law"
+        else:
+            torques: dict[Load, float] = {"law": abs(borne.asked(here)[0]), "knocks": abs(borne.at(here)[0])}
+            found[one.gear, one.damage] = deciding(torques)
+    return found

@@ -18,6 +18,7 @@ sides of a tooth.  It is there to tell in milliseconds, and was compared with th
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 from math import atan, ceil, cos, pi, sin, tan
 
@@ -101,12 +102,16 @@ class RolledLoad:
         return position % count if self.closed else np.clip(position, 0, count - 1)
 
 
+AtAngles = Callable[[Array], Array]
+"""A value at driving angles in rad, shape (n,)."""
+
+
 @dataclass(frozen=True)
 class ToothPlan:
     """How teeth would be cut: rack and both gears' shifts in modules, angles of both sides, relief in mm.
 
-    ``rims`` are Y_B of both gears.  ``advance_mm`` is how far helical teeth advance along the pitch line over the face
-    width (of herringbone teeth: over half of it).
+    ``rims`` are Y_B of both gears by driving angles in rad, shape (n,).  ``advance_mm`` is how far helical teeth
+    advance along the pitch line over the face width (of herringbone teeth: over half of it).
     """
 
     rack: RackTip
@@ -114,7 +119,7 @@ class ToothPlan:
     shifts: tuple[float, float]
     angles_rad: tuple[float, float]
     relief: TipRelief | None
-    rims: tuple[float, float] = (1.0, 1.0)
+    rims: tuple[AtAngles, AtAngles] = (np.ones_like, np.ones_like)
     helix_rad: float = 0.0
     advance_mm: float = 0.0
 
@@ -353,7 +358,7 @@ def _root_stress(one: SharedLoad, gear: Gear, plan: ToothPlan, running: Running)
     rack = replace(plan.rack, dedendum=plan.rack.dedendum / slender)
     section = root_section(teeth, shift, rack, across)
     factors = root_factors(section, teeth, shift, teeth + over / slender, across)
-    nominal = plan.rims[place] * one.line_n_mm * cos(angle) / (running.module_mm * slender)
+    nominal = plan.rims[place](one.load.phi1_rad) * one.line_n_mm * cos(angle) / (running.module_mm * slender)
     return np.asarray(np.max(nominal * factors.form * factors.notch, axis=0))
 
 

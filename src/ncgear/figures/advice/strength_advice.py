@@ -17,6 +17,7 @@ from ncgear.project.strengthening import (
     SERIES_I_MM,
     WIDEST_MODULES,
     Rating,
+    deciding_loads,
     known_rating,
 )
 from ncgear.strength.holding import Damage, Weakest, face_width_factor, module_factor, worst
@@ -44,7 +45,7 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
     first = worst(weak)
     at = degrees(first.phi1_rad)
     also = [_least(one) for one in weak if one is not first]
-    load = LOADS[rating.strength.load]
+    load = LOADS["jam" if deciding_loads(drive, rating)[first.gear, first.damage] == "jam" else rating.strength.load]
     return Advice(
         Kind.STRENGTH,
         (Where(first.gear.value, (first.tooth,), ((at, at),)),),
@@ -98,13 +99,14 @@ def _roughly(drive: Drive, found: RoughStrength | None) -> Advice | NotJudged | 
     if not weak:
         return _not_judged(drive, found)
     design, first = drive.design, weak[0]
-    load = "the masses" if design.masses else "the resistance" if design.resistance else "a jam"
+    load = "the masses" if design.masses else "the resistance"
+    load = "a jam" if first in found.jammed else load
     at, damage = degrees(first.phi1_rad), rough_damage(found, first)
     teeth = "the teeth" if drive.stage is None else f"the teeth of stage {drive.stage}"
-    if found.needs_teeth:
+    if needs_teeth := found.needs_teeth_for(first):
         said, stress = f"{teeth} will not hold", ""
         safety = f"under half the safety of {first.wanted:g} that is wanted against {damage}"
-        more = f"; how much under is not told, since {found.needs_teeth}"
+        more = f"; how much under is not told, since {needs_teeth}"
     else:
         said, stress = f"{teeth} will hardly hold", f" with {to_digits(first.stress_mpa, 2)} MPa"
         safety = f"safety about {_under(first.safety, first.wanted)} against {damage}, {first.wanted:g} wanted"

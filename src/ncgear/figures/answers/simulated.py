@@ -11,6 +11,8 @@ from ncgear.figures.answers.answer import Answer, Row, difference, faults_of, ro
 from ncgear.figures.answers.machine import THIS, head_of
 from ncgear.figures.numbers import to_digits
 from ncgear.figures.quantities import figure, name_of
+from ncgear.figures.simulated import SAME_AS_MESH
+from ncgear.figures.strong import decided_words
 from ncgear.figures.summary.check_summary import uniform_key
 from ncgear.figures.terminal import PLACE
 from ncgear.project.drive import Drive
@@ -41,9 +43,6 @@ COMPARED = (
     "peak_mesh_force_n",
 )
 """What is told of both machines at the rigid level, besides the peaks of forces in joints."""
-
-SAME_AS_MESH = "peak_driving_bearing_force_n"
-"""The bearings of the driving shaft bear the mesh force together."""
 
 IN_BAND = ("peak_tooth_force_n", "peak_depth_mm", "transmission_error_rad")
 LOADED = ("peak_driving_torque_n_m", "most_pairs", "contact_ratio_mean", "contact_ratio_min")
@@ -129,7 +128,8 @@ def _around(found: Mapping[str, Any]) -> list[Row]:
     bearings = [one for shaft in shafts for name, one in shaft.items() if name.startswith("bearing")]
     lives = [one["life_h"] for one in bearings if one["life_h"] is not None]
     strong = [shaft["estimate_of_shaft"] for shaft in shafts if "estimate_of_shaft" in shaft]
-    safeties = [one[key] for one in strong for key in ("fatigue_safety", "yield_safety") if one[key] is not None]
+    strong += [shaft["jam"] for shaft in shafts if "jam" in shaft]
+    safeties = [one[key] for one in strong for key in ("fatigue_safety", "yield_safety") if one.get(key) is not None]
     said = []
     if lives:
         said.append(f"bearings last {figure('life_h', min(lives))} or more")
@@ -139,4 +139,13 @@ def _around(found: Mapping[str, Any]) -> list[Row]:
         turning = found["motor"].get("with_flywheel", found["motor"]["even_speed"])
         said.append(f"motor at {to_digits(turning['rms_torque_of_rated'], 3)} of its torque")
     efficiency = f"{figure('efficiency', losses['efficiency'])}, {name_of(power)} {figure(power, losses[power])}"
-    return [Row("efficiency", (efficiency,)), *([Row("drivetrain", (", ".join(said),))] if said else [])]
+    decided = {
+        f"{name.replace('_', ' ')} {part.replace('_', ' ')}": load
+        for name in ("driving_shaft", "driven_shaft")
+        for part, load in found.get(name, {}).get("decided_by", {}).items()
+    }
+    return [
+        Row("efficiency", (efficiency,)),
+        *([Row("drivetrain", (", ".join(said),))] if said else []),
+        *([Row("decided", (decided_words(decided, "parts"),))] if set(decided.values()) - {"law"} else []),
+    ]

@@ -9,15 +9,15 @@ from ncgear.design.keys.base import listed
 from ncgear.figures.advice.values import Advice, Kind, Remedy, changed
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.answer import Answer, Fault, Row, faults_of
-from ncgear.figures.answers.simulated import SAME_AS_MESH
 from ncgear.figures.flanks import surfaces_rows
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
-from ncgear.figures.simulated import force_figures
 from ncgear.figures.sized import parts_that_fail, sized_rows
 from ncgear.figures.strong import (
+    DECIDING,
     HEADS,
     LOADS,
+    deciding_forces,
     deciding_words,
     face_load_words,
     holding_words,
@@ -120,18 +120,16 @@ def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
                 else "not judged, because only a jam presses the teeth",
             ),
         ),
-        *([Row(f"{of}with knocks", (words,))] if (words := _forces_words(drive)) else []),
+        *([Row(f"{of}joints", (words,))] if (words := _forces_words(drive)) else []),
     ]
 
 
 def _forces_words(drive: Drive) -> str:
-    """The peak forces in joints and bearings where teeth knock; empty where they do not."""
-    peaks = drive.knocking_peaks
-    if peaks is None:
-        return ""
-    figures = force_figures(drive.linkage, peaks)
-    joints = [key for key in figures if key.endswith("_force_n") and key not in ("peak_mesh_force_n", SAME_AS_MESH)]
-    return ", ".join(f"{name_of(key)} {figure(key, figures[key])}" for key in joints)
+    """The largest forces in joints and bearings and the load of each; empty without knocks and a jam."""
+    return ", ".join(
+        f"{name_of(key)} {figure(key, force_n)} by {DECIDING[load]}"
+        for key, (force_n, load) in deciding_forces(drive).items()
+    )
 
 
 def _herringbone_words(one: Sized | Literal["none"]) -> str:
