@@ -40,7 +40,8 @@ PAGE = """\
 Written by `python benchmarks/knocks.py`: {count} machines of the designs with masses, at 0.5 to 1.6 times their speed,
 with 0.5 to 2 times their slider's mass and backlash of 0.03 to 0.3 mm. The largest force of a pair of teeth in N on
 pushing flanks and on their backs, by `ncgear strength` and by the motion in time over two turns; "K_V" is the
-largest force with the vibration that strength adds over the largest without, and the motion in time holds vibration as well.
+largest force with the vibration that strength adds over the largest without, and the motion in time holds vibration as
+well.
 
 | machine | r/min | backlash, mm | knocks a turn | strength, N | in time, N | share | with K_V | s of processors |
 |---|---|---|---|---|---|---|---|---|
