@@ -103,8 +103,11 @@ def above(law: KeptLaw, kind: str, asked: Demands) -> float:
 NO_LAW = {
     "designs/asymmetric-ellipse",
     "designs/desk-toy",
+    "designs/fish",
+    "designs/heart",
     "designs/internal-1-2",
     "designs/log-generator",
+    "designs/logo",
     "designs/offset-ellipse",
     "designs/oval-flow-meter",
     "designs/pump-1-2",
