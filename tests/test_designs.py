@@ -69,6 +69,10 @@ PINNED = {
     "rounded-square": [("teeth.module_mm", 4.9231, 5e-5), ("ratio.min", 150.0 / 84.7233 - 1.0, 1e-4)],
     # The points were made of 30 + 5 cos + 1.5 cos 2 - 0.4 sin 3 mm, up to 0.02 mm and their rounding off.
     "traced-egg": [("pitch.center_distance_mm", 60.955, 0.03), ("drive.points_missed_by_mm", 0.025, 0.025)],
+    # Distances at which r/(a - r) makes one turn, and lengths, by the trapezium rule over scipy's B-spline of the file.
+    "heart": [("pitch.center_distance_mm", 57.49257360, 1e-8), ("pitch.length_driving_mm", 187.05473584, 1e-8)],
+    "fish": [("pitch.center_distance_mm", 47.21087282, 1e-8), ("pitch.length_driving_mm", 152.24812355, 1e-8)],
+    "logo": [("pitch.center_distance_mm", 52.56602697, 1e-8), ("pitch.length_driving_mm", 176.57241407, 1e-8)],
     # Shifts of nine teeth, repeated, with which no tooth is undercut at the sharp ends; the pitch length is z pi m.
     "asymmetric-ellipse": [
         ("teeth.profile_shift_driving_mm", [0.2, 0.2, 0.2, 0.0, 0.0, 0.0, 0.0, 0.2, 0.2] * 2, 0),

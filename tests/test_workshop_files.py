@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
+import shutil
 import subprocess
 import sys
 from functools import cache
@@ -456,6 +458,34 @@ def test_the_gears_of_the_scene_turn_by_their_law(name: str) -> None:
     for gear, expected in (("driving", phi1), ("driven", sense * one.transmission.driven_angle(phi1).value)):
         missed = (turns[gear] - expected + np.pi) % (2.0 * np.pi) - np.pi
         assert np.abs(missed).max() < 1e-4, gear
+
+
+@pytest.mark.slow
+def test_each_stretch_that_a_mesh_reads_is_named_for_its_use() -> None:
+    """Numbers of glTF 2.0, table 5.11.4: 34962 for values of corners, 34963 for facets; nothing else has one."""
+    image = pygltflib.GLTF2.load_from_bytes(files("ellipse")["pair.glb"])
+    primitives = [one for mesh in image.meshes for one in mesh.primitives]
+    expected = {image.accessors[one.attributes.POSITION].bufferView: pygltflib.ARRAY_BUFFER for one in primitives}
+    expected |= {image.accessors[one.indices].bufferView: pygltflib.ELEMENT_ARRAY_BUFFER for one in primitives}
+    assert {place: view.target for place, view in enumerate(image.bufferViews) if view.target} == expected
+
+
+VALIDATED = """
+require("gltf-validator").validateBytes(new Uint8Array(require("fs").readFileSync("pair.glb")))
+  .then(told => console.log(JSON.stringify(told.issues.messages)))
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["ellipse", "internal-1-2", "log-generator"])
+def test_the_validator_of_the_format_finds_nothing(name: str, tmp_path: Path) -> None:
+    """Neither errors nor hints, by the Khronos group's own program (npm install gltf-validator; NODE_PATH)."""
+    node = shutil.which("node")
+    if node is None or subprocess.run([node, "-e", 'require("gltf-validator")'], capture_output=True).returncode:
+        pytest.skip("gltf-validator is not installed (npm install gltf-validator, its folder in NODE_PATH)")
+    (tmp_path / "pair.glb").write_bytes(files(name)["pair.glb"])
+    done = subprocess.run([node, "-e", VALIDATED], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert json.loads(done.stdout) == []
 
 
 @pytest.mark.tiers(slow=["internal-1-2"], rest="long")

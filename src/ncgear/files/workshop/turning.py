@@ -24,6 +24,9 @@ PER_DEGREE = 1
 FLOAT = 5126
 """Number of single precision among the types of glTF."""
 
+CORNERS, FACETS = 34962, 34963
+"""Numbers of what a stretch of the file holds for meshes: values of corners, and the corners of facets."""
+
 JSON, BINARY = 0x4E4F534A, 0x004E4942
 """Kinds of chunks of a GLB file."""
 
@@ -60,6 +63,7 @@ def moving(glb: bytes, seconds: Array, ways: Mapping[str, tuple[Array, Array | N
     the frame of the file, shape (n, 3); None where it stays at its place.
     """
     content, binary = _chunks(glb)
+    _tell_what_meshes_read(content)
     numbers, moved = [seconds[:, None]], []
     for name, (turned, places) in ways.items():
         node = next(one for one in content["nodes"] if one.get("name") == name)
@@ -96,6 +100,14 @@ def moving(glb: bytes, seconds: Array, ways: Mapping[str, tuple[Array, Array | N
         }
     ]
     return _file(content, binary)
+
+
+def _tell_what_meshes_read(content: dict[str, Any]) -> None:
+    """Name what each stretch that a mesh reads is for, as the format's validator wants it of a file."""
+    for primitive in (one for mesh in content["meshes"] for one in mesh["primitives"]):
+        read = [(place, CORNERS) for place in primitive["attributes"].values()] + [(primitive["indices"], FACETS)]
+        for place, target in read:
+            content["bufferViews"][content["accessors"][place]["bufferView"]]["target"] = target
 
 
 def _parted(node: dict[str, Any]) -> Array:
