@@ -13,7 +13,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ncgear.errors import NoSuchMechanism, RefusedAt
+from ncgear.errors import RefusedAt
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import chord_crossings, refined_crossings, zoomed_crossings
