@@ -110,8 +110,8 @@ def outlines_of(train: Train) -> dict[str, Array]:
 
 
 @pytest.mark.judges("trains")
-@pytest.mark.thorough
-@pytest.mark.parametrize("changes", [(), *(pytest.param(one, marks=pytest.mark.slow) for one in OTHERS)])
+@pytest.mark.slow
+@pytest.mark.parametrize("changes", [(), *OTHERS])
 def test_every_idler_meshes_with_both_of_its_mates(changes: tuple[tuple[str, str], ...]) -> None:
     """By polygons over a cycle; concave curves and lobes of all kinds, too."""
     train = train_of(changes)

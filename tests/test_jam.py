@@ -103,7 +103,7 @@ drivetrain:
 """
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_shafts_keys_and_bearings_bear_a_jam_as_by_hand() -> None:
     """T / (r cos 20 deg) at the gear, half of it at either bearing; the rod of a held slider, by its own triangle."""
     one = drive_of_text(text_of(1.0, AROUND))

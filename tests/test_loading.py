@@ -440,6 +440,7 @@ def test_twice_the_width_is_twice_as_stiff_and_half_the_modulus_half() -> None:
     assert ratio.max() < 0.53
 
 
+@pytest.mark.slow
 def test_a_refusal_is_found_once_and_raised_each_time(monkeypatch: pytest.MonkeyPatch) -> None:
     known, asked = drives.drive("baler"), list[str]()
     fresh = Drive(known.design)

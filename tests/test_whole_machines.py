@@ -52,7 +52,7 @@ def with_choices(choices: str) -> str:
 
 
 @pytest.mark.judges("optimum")
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_least_power_without_masses_has_a_closed_form() -> None:
     """With the power and the ratio alone the fastest crank has s = min(1/i_min, P/(w F |x'|)) everywhere."""
     task, _ = machine("pusher")
