@@ -13,7 +13,7 @@ from scipy.special import mathieu_a, mathieu_b
 from drives import drive_of_text
 from ncgear.dynamics.swinging_mesh import SwingingMesh, swings
 from ncgear.figures.advice import vibration_advice
-from ncgear.figures.advice.values import Advice, NotJudged
+from ncgear.figures.advice.values import Advice
 from ncgear.figures.vibration import speeds_csv, vibration_of_rating
 from ncgear.project.drive import Drive
 from ncgear.project.rough_strength import rough_strength
@@ -267,11 +267,10 @@ HELIX = "42CrMo4, helix: {angle_deg: 20, kind: helical, hand: left}}"
 @pytest.mark.slow
 def test_round_helical_gears_have_one_resonance_ratio_and_the_stiffness_of_iso_6336() -> None:
     """c_gamma = c' (0.75 e + 0.25) with c' = 0.8 C_B cos(beta) / (0.04723 + 0.15551 2 / z_n), as for solid gears; the
-    estimate of teeth has no C_M of 0.8.  A check leaves it to the teeth."""
+    estimate of teeth has no C_M of 0.8."""
     drive = drive_of_text(ROUND.replace("42CrMo4}", HELIX))
     mesh, beta = _mesh(drive), radians(20.0)
-    (why,) = vibration_advice.rough(drive)
-    assert isinstance(why, NotJudged)
+    assert list(vibration_advice.rough(drive)) == []
     assert list(vibration_advice.vibration(drive)) == []
     found = drive.vibration.resonance(mesh.phi1_rad, mesh)
     # Where the crank asks for little, teeth bend less and fewer touch early.
