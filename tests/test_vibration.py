@@ -294,7 +294,10 @@ def test_round_helical_gears_have_one_resonance_ratio_and_the_stiffness_of_iso_6
         *(1e3 * one for one in drive.vibration.deviations_mm),
         overlap,
     )
-    assert shaken[row] == pytest.approx(expected, rel=1e-3)
+    # What vibration adds presses all sections evenly, whatever they bear.
+    here = (contacts.position == contacts.position[row]) & (contacts.section == contacts.section[row])
+    even = whole * contacts.share[row] / contacts.force_n[here].sum()
+    assert shaken[row] == pytest.approx(1.0 + (expected - 1.0) * even, rel=1e-3)
     told = vibration_of_rating(drive, rating_of(drive))
     assert told is not None
     # The largest force is that of a pair in all its sections.
