@@ -150,6 +150,12 @@ def test_what_is_not_offered_is_refused_by_its_key() -> None:
         MachineSearch(parsed(bare, Path("wish.yaml")))
 
 
+def test_a_way_of_making_that_suits_no_material_is_refused() -> None:
+    with pytest.raises(DesignError, match="printed given, which makes teeth of no material"):
+        MachineSearch(parsed(with_choices("{processes: [printed]}"), Path("wish.yaml")))
+    MachineSearch(parsed(with_choices("{processes: [printed], materials: [POM]}"), Path("wish.yaml")))
+
+
 # One machine
 
 

@@ -112,6 +112,12 @@ class MachineSearch:
         self.made: list[WholeMachine] = []
         self.unfit: list[Unfit] = []
         self.lengths: Mapping[str, float] = {}
+        if not any(self.processes_of(material) for material, _ in self.materials):
+            problem = (
+                f"{', '.join(self.choices.processes)} given, which makes teeth of no material that may be chosen: "
+                "printed teeth are of plastics, and no wire cuts plastics"
+            )
+            raise WrongInput(problem, key="choices.processes")
 
     def run(self) -> WholeMachines:
         """The machines; raises NoSuchMechanism where there is no law, or no gears of any law, with what would do."""
