@@ -20,8 +20,10 @@ from commands import new_folder
 from ncgear.design.keys.design import Design, design_model
 from ncgear.design.reading.design_file import LoadedDesign, load
 from ncgear.design.reading.text import has_train
+from ncgear.design.reading.train_file import load_train
 from ncgear.files.build import build
 from ncgear.project.drive import Drive
+from ncgear.trains.train import Train
 
 DESIGNS = Path(__file__).parents[1] / "designs"
 
@@ -34,6 +36,20 @@ MACHINES, TRAINS = (
     for of_train in (False, True)
 )
 """The files of designs/ by their names: machines of one motion, and trains of gears."""
+
+
+@cache
+def train_of(name: str, changes: tuple[tuple[str, str], ...] = ()) -> Train:
+    """The train of a file of designs/ with texts in place of others."""
+    text = TRAINS[name].read_text(encoding="utf-8")
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "changed.yaml"
+        path.write_text(text, encoding="utf-8")
+        return load_train(path).file.train.train()
+
 
 FILES = {
     "summary.json",

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
+from functools import partial
 from math import pi, radians
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
 from mpmath import mp, mpf
 
-from ncgear.design.reading.train_file import load_train
+import drives
 from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
@@ -22,21 +20,9 @@ from ncgear.trains.chain import row_of
 from ncgear.trains.contact import contacts_of
 from ncgear.trains.train import Poses, Train
 
-DESIGN = Path(__file__).parents[1] / "designs" / "idler-chain.yaml"
 SHAPE = "idler_radius: 5*cos(phi) + sqrt(40**2 - (5*sin(phi))**2)"
 
-
-@cache
-def train_of(changes: tuple[tuple[str, str], ...] = ()) -> Train:
-    text = DESIGN.read_text()
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new)
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "changed.yaml"
-        path.write_text(text)
-        return load_train(path).file.train.train()
-
+train_of = partial(drives.train_of, "idler-chain")
 
 OTHERS = (
     ((SHAPE, "ratio: 1 + 0.25*cos(phi)"), ("bends_deg: [40, -70]", "bends_deg: [-35, 20]"), ("teeth: 36", "teeth: 40")),

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
+from functools import partial
 from math import pi
-from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
 from mpmath import mp, mpc, mpf
 
-from ncgear.design.reading.train_file import load_train
+import drives
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
@@ -24,23 +22,11 @@ from ncgear.ratio.laws.expression import ratio_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 from ncgear.trains.contact import contacts_of
-from ncgear.trains.train import Poses, Train
+from ncgear.trains.train import Poses
 
-DESIGN = Path(__file__).parents[1] / "designs" / "moving-axis.yaml"
 GIVEN_MM = np.array([60.0, 64.5, 68.0, 64.5])
 
-
-@cache
-def train_of(changes: tuple[tuple[str, str], ...] = ()) -> Train:
-    text = DESIGN.read_text()
-    for old, new in changes:
-        assert old in text
-        text = text.replace(old, new)
-    with TemporaryDirectory() as folder:
-        path = Path(folder) / "changed.yaml"
-        path.write_text(text)
-        return load_train(path).file.train.train()
-
+train_of = partial(drives.train_of, "moving-axis")
 
 ROUND = (("  distances_mm", "  round_driving: true\n  distances_mm"),)
 UNEVEN = (("distances_mm: [60, 64.5, 68, 64.5]", "distance_mm: 64 - 3*cos(phi)\n  ratio: 1 + 0.2*sin(phi)"),)
