@@ -205,6 +205,7 @@ def test_outlines_with_corners_are_followed(outline: Array, most_mm: float) -> N
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_the_greatest_deviation_is_less_when_it_is_asked_for() -> None:
     usual, least = (ncgear.fit(square(), teeth=48, criterion=name) for name in ("root_mean_square", "greatest"))
     assert least.deviation.greatest_mm < usual.deviation.greatest_mm
@@ -220,6 +221,7 @@ def test_the_axis_stays_and_the_module_is_kept() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.long
 def test_an_inlet_is_lost_and_told() -> None:
     """No ray may meet a pitch curve twice, so the inlet is filled; the greatest deviation is in it."""
     found = ncgear.fit(HOOK, teeth=72, gears={"drives": "both_ways"})
