@@ -260,6 +260,24 @@ def test_a_studio_leaves_no_process_of_its_own_or_of_its_commands(
         assert process.wait() == status
 
 
+WAITING = """
+import threading, signal, uvicorn
+from ncgear.studio import server
+server.LAST_SECONDS = 0.2
+server._Server(uvicorn.Config(None)).handle_exit(signal.SIGHUP, None)
+lock = threading.Lock()
+lock.acquire()
+print("waits", flush=True)
+lock.acquire()
+"""
+
+
+@pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs a timer that interrupts")
+def test_a_server_that_was_ended_waits_for_no_thread_for_good() -> None:
+    ended = subprocess.run([sys.executable, "-c", WAITING], capture_output=True, timeout=60, check=False)
+    assert (ended.returncode, ended.stdout) == (129, b"waits\n")
+
+
 MOMENTS = int(os.environ.get("NCGEAR_MOMENTS", "20"))
 
 

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import asyncio
 import json
+import os
 import secrets
 import signal
 import socket
@@ -348,6 +349,10 @@ def serve(path: Path | None, out: Path, bound: socket.socket, begun: Callable[[s
             signal.raise_signal(signal.SIGHUP)
 
 
+LAST_SECONDS = 10.0
+"""Time after the signal that ends a server, two of them for its conversations, from which nothing is waited for."""
+
+
 class _Server(uvicorn.Server):
     """A server that knows the signal by which it is ended."""
 
@@ -357,4 +362,9 @@ class _Server(uvicorn.Server):
         """End by the first signal, within two seconds; a second one would only cut off the telling of it."""
         if not self.ended_by:
             self.ended_by = sig
+            if hasattr(signal, "setitimer"):
+                # A thread that waits for a process that is gone would keep this process for good.
+                status = 0 if sig == signal.SIGINT else 128 + sig
+                signal.signal(signal.SIGALRM, lambda *_: os._exit(status))
+                signal.setitimer(signal.ITIMER_REAL, LAST_SECONDS)
             super().handle_exit(sig, frame)
