@@ -66,6 +66,7 @@ OF_EXTRAS: dict[str, tuple[str, tuple[str, ...] | str]] = {
     "optimize {0}.yaml": ("optimize", STROKES),
     "fit {0}.yaml": ("optimize", DRAWN),
     "frontier ellipse.yaml": ("optimize", "resistance: missing"),
+    "design ellipse.yaml": ("optimize", "resistance: missing"),
     "measured ellipse.yaml --driving points.xlsx": ("tables", "points.xlsx: cannot be read"),
     "build {0}.yaml --format step --out step": ("step", DESIGNS),
     "animate {0}.yaml --out film.mp4": ("video", DESIGNS),
