@@ -37,11 +37,6 @@ def around(drive: Drive) -> Iterator[Advice | NotJudged]:
     yield from _of_crank(drive)
     if found.pto:
         yield from _of_pto(found.pto, N_M_PER_N_MM * found.demand.torque_range_n_mm[1].value)
-    yield from _of_knocks(drive)
-
-
-def _of_knocks(drive: Drive) -> Iterator[NotJudged]:
-    """That shafts, keys and bearings may bear more where teeth knock that are not followed."""
     if drive.knocks is None and drive.rigid.fluctuation.flank_changes_rad.size:
         yield NotJudged(
             "shafts, keys and bearings are not judged for the knocks of teeth whose load changes flanks, which are "
