@@ -78,7 +78,7 @@ SEEN_FROM_RAD = -0.8
 """Angle by which the camera is turned about x: from above the nearer side of both gears."""
 
 FIELD_DEG, NEAREST = (60.0, 45.0), 0.01
-"""What the camera sees to the sides and up, and how far away at least; the viewer makes angles those of its frame."""
+"""Angles of view to the sides and up, which the viewer fits to its frame, and the least distance that is seen."""
 
 DISTANCE = 1.05
 """Distance of the camera from the middle, as a share of the diagonal of the box around both gears."""

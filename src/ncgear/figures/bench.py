@@ -46,7 +46,7 @@ COLUMNS = ("stage", "varied", "setting", "size", "time_s", "error", "error_unit"
 
 
 def bench_csv(stages: Sequence[BenchStage]) -> str:
-    """A row for each trial; ``recommended`` is 1 for the one that is."""
+    """A row for each trial; ``recommended`` is 1 for the recommended trial, else 0."""
     rows = (
         (
             of.name,

@@ -72,7 +72,7 @@ def unit_of_goal(best: BestLaw) -> str:
 
 
 def _named(values: dict[str, Any], beside: SoughtMachine) -> dict[str, Any]:
-    """Plain values with keys that end in the units of the output: those of the code end in the ones of a slider."""
+    """Plain values with keys that end in the units of the output; in the code keys end in the units of a slider."""
     if not beside.task.linkage.OUTPUT.angular:
         return values
     return {key.replace("_mm_s", "_rad_s"): value for key, value in values.items()}
@@ -144,7 +144,7 @@ FREE_FLYWHEEL = FREE.format("flywheel that was", "every flywheel of the range")
 FREE_LENGTHS = FREE.format("lengths that were", "all lengths of the ranges")
 
 REACHED = 0.99
-"""Share of a limit from which a law counts as near to it: laws of few knots stay a little under what binds them."""
+"""From this share of a limit on, a law counts as near to the limit: laws of few knots stay a little under it."""
 
 
 def limits_not_reached(best: BestLaw) -> dict[str, tuple[float, float]]:

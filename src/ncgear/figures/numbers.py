@@ -48,7 +48,7 @@ largest of their machine before they are told, and those of the smallest machine
 
 
 NOTHING_MM = 1e-9
-"""A length of which nothing is drawn: far below the smallest teeth, and above the rounding errors of a metre."""
+"""A length that no drawing shows: far below the smallest teeth, and above the rounding errors of a metre."""
 
 
 def rounded(value: float, decimals: int) -> float:

@@ -216,7 +216,7 @@ def knock_words(knocks: Sequence[Knock] | None) -> str:
 
 
 def _face_load_figures(drive: Drive, rating: Rating) -> dict[str, Any]:
-    """The load along the width as far as it is computed; teeth are those of the driving gear."""
+    """The load along the width, as far as it is computed; teeth have the numbers of the driving gear."""
     told = drive.told_face_load_by(rating.strength.method)
     if told is None:
         return {}
@@ -266,7 +266,7 @@ def _rigid_words(loading: FaceLoading) -> str:
 def strength_summary(rating: Rating, drive: Drive) -> dict[str, Any]:
     """The method, the load, and the least safeties of both gears with the numbers of their teeth.
 
-    ``face_load_factor`` is that of the place that bears most for each mm of width.
+    ``face_load_factor`` belongs to the place that bears the largest force for each mm of width.
     """
     least: dict[str, dict[str, Any]] = {gear.value: {} for gear in Gear}
     for one in rating.weakest:
@@ -371,7 +371,7 @@ WEAR = "No tooth breaks: no safety is under the wanted one; dry metal wears."
 
 
 def holding_words(wears: bool) -> str:
-    """What is said of teeth of which no safety is under the wanted one; ``wears`` as of the strength."""
+    """What is said of teeth that hold; ``wears`` tells whether they are of metal and run dry."""
     return WEAR if wears else HOLD
 
 

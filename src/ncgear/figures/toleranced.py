@@ -115,13 +115,13 @@ def _percentiles(told: Mapping[str, Array], nominal: Mapping[str, Array]) -> dic
 
 
 def share_words(share: Share) -> str:
-    """``1.2 % (0.9 to 1.6 %)``: the share, and where that of all assemblies lies with 95 % confidence."""
+    """``1.2 % (0.9 to 1.6 %)``: the share, and the range of the share of all assemblies with 95 % confidence."""
     value, least, largest = (to_digits(100.0 * one, 3) for one in (share.value, share.least, share.largest))
     return f"{value} % ({least} to {largest} % of all)"
 
 
 MOST_OFF = 0.1
-"""Error of the linear model, as a share of what flanks are displaced by, from which it is a warning."""
+"""From this error on the linear model is a warning; the error is a share of the displacement of the flanks."""
 
 
 NOT_JUDGED = "Not judged: all but assembly, knocking and the linear model (ncgear build)"
@@ -246,7 +246,7 @@ def _checks(pair: PairStudy) -> dict[str, Any]:
 
 
 def assemblies_csv(tolerated: Tolerated) -> str:
-    """One row for each assembly; of two pairs, the figures of each after those of the machine."""
+    """One row for each assembly; of two pairs, the figures of each pair follow the figures of the machine."""
     told = figures_of(tolerated.assemblies, tolerated)
     if len(tolerated.pairs) > 1:
         for pair in tolerated.pairs:
@@ -287,7 +287,7 @@ def _of(pair: PairStudy) -> str:
 
 
 def jam_words(tolerated: Tolerated) -> str:
-    """The share that jams, and that of each of two pairs."""
+    """The share of assemblies that jams, and of two pairs the share of each pair."""
     words = share_words(tolerated.jam)
     if len(tolerated.pairs) == 1:
         return words

@@ -131,7 +131,7 @@ def outline_of_csv(data: bytes) -> Array:
 
 
 def outline_of_stl(data: bytes, height_mm: float, *, hole: bool = False) -> Array:
-    """The outer boundary of a solid's section, or with ``hole`` that of its largest hole, in mm, shape (n, 2).
+    """The outer boundary of a solid's section, or with ``hole`` the boundary of its largest hole, in mm, shape (n, 2).
 
     The boundary runs counter-clockwise.  The section is at a height above z = 0.  Raises ValueError unless the mesh is
     closed there.

@@ -93,7 +93,7 @@ def mesh_forces(drive: Drive, own: Loads, uniform: Loads) -> list[Chart]:
 
 
 def drawn_angles_rad(drive: Drive) -> Array:
-    """Driving angles of the charts of the rigid level, rising, shape (n,): those of its table, and of its peaks."""
+    """Rising driving angles of the charts of the rigid level, shape (n,): the angles of its table and of its peaks."""
     peaks, torque = drive.rigid.peaks, drive.rigid.driving.torque_range_n_mm
     mesh = [] if peaks.mesh is None else [peaks.mesh.force_n]
     found = [*peaks.joints_n.values(), peaks.crank_bearing_n, peaks.guide_n, *torque, *mesh]
@@ -129,7 +129,7 @@ SIMULATED = "simulated"
 
 
 def output_in_time(shown: History, output: Output, apart_deg: Array) -> list[Chart]:
-    """The output's motion beside that of the law; ``apart_deg`` (shape (k, 2)) is that of ``Chart``."""
+    """The output's motion beside the motion of the law; ``apart_deg`` (shape (k, 2)) as in ``Chart``."""
     charts = []
     for quantity in MOTION:
         own, law = (quantity.values(slide, output) for slide in (shown.slide, shown.law))
@@ -188,7 +188,7 @@ class Simulated:
 def simulate(drive: Drive, level: Level) -> Simulated:
     """Simulate a machine at a level; raises WrongInput where the design lacks what the level needs.
 
-    Its verdict is that of a build but for the rigid level, which makes no teeth unless a drivetrain asks for them.
+    The verdict is the verdict of a build; at the rigid level, which makes teeth only for a drivetrain, of a check.
     """
     table, figures, pictures = _at_level(drive, level)
     with_teeth = drive.design.gears is not None and (level is not Level.RIGID or drive.design.drivetrain is not None)

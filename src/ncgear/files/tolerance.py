@@ -30,7 +30,7 @@ COLORS = canvas.DRIVING, canvas.DRIVEN, canvas.REFERENCE, canvas.HIGHLIGHT
 
 @dataclass(frozen=True, eq=False)
 class Spread:
-    """A figure of many assemblies (shape (n,)), with its value as designed and a limit, on one side of which is bad.
+    """A figure of many assemblies (shape (n,)), with its value as designed and a limit; one side of the limit is bad.
 
     ``below`` tells whether assemblies below the limit are bad, else those above; ``beyond`` says what they do.
     """
@@ -109,7 +109,7 @@ SHOWN = {"least_play_mm": "least play", "transmission_error_mm": "transmission e
 
 
 def tolerance_files(tolerated: Tolerated) -> dict[str, bytes]:
-    """JSON, CSV and pictures; that of sources only where something varies, those of two pairs in their folders."""
+    """JSON, CSV and pictures; a picture of sources where something varies, pictures of two pairs in their folders."""
     files = {
         "tolerance.json": json_text(tolerance_json(tolerated)).encode(),
         "assemblies.csv": assemblies_csv(tolerated).encode(),
@@ -130,7 +130,7 @@ def tolerance_files(tolerated: Tolerated) -> dict[str, bytes]:
 
 
 def _spreads(tolerated: Tolerated) -> bytes:
-    """The machine's figures; those of plays too of a single pair, and the play of both together of two."""
+    """The figures of the machine: of a single pair all plays, of two pairs the play of both together."""
     found, nominal, output = tolerated.assemblies, tolerated.nominal, tolerated.drive.linkage.OUTPUT
     place, pair = output.place, tolerated.pairs[0]
 

@@ -59,7 +59,7 @@ def _colors(colors: Mapping[str, str]) -> str:
 
 
 def style() -> str:
-    """The style sheet of every output, without that of the scene."""
+    """The style sheet of every output, without the style of the scene."""
     dark = ", ".join(f"{page} .ncgear" for page in DARK_PAGES)
     css = (files("ncgear.drawings.notebook") / "notebook.css").read_text(encoding="utf-8")
     return f".ncgear {{ {_colors(LIGHT)} }}\n{dark} {{ {_colors(DARK)} }}\n{css}"
@@ -203,7 +203,7 @@ FINENESS = 2e-4
 """Tolerance of a drawn outline as a share of the picture's size: a tenth of a pixel."""
 
 ROOM = 1.04
-"""Size of the picture divided by that of what is on it."""
+"""Size of the picture divided by the size of the outlines on it."""
 
 
 RING = 1.1
@@ -221,7 +221,7 @@ class Outline(NamedTuple):
 
 
 def _outline(curve: ClosedPitchCurve, points_mm: Array, axis_mm: float) -> Outline:
-    """The outline of a gear by its pitch curve or teeth: that of a ring is around them."""
+    """The outline of a gear by its pitch curve or teeth; the outline of a ring is around them."""
     if not curve.is_ring:
         return Outline(curve.gear, (points_mm,), axis_mm)
     radius = RING * float(np.hypot(*points_mm.T).max())
@@ -230,7 +230,7 @@ def _outline(curve: ClosedPitchCurve, points_mm: Array, axis_mm: float) -> Outli
 
 
 def pitch_outlines(pitch: PitchPair) -> list[Outline]:
-    """Both pitch curves; those of gears that turn less than once are closed by straight sides to the axis."""
+    """Both pitch curves; curves of gears that turn less than once are closed by straight sides to the axis."""
     outlines = []
     for curve, axis in ((pitch.driving, 0.0), (pitch.driven, pitch.center_distance_mm)):
         points = curve.drawn(CURVE_POINTS).position

@@ -94,7 +94,7 @@ def html(value: object) -> str:
 
 
 def _as_far_as_made(value: object) -> Iterator[Markup]:
-    """The pieces of a value up to one that cannot be made, in the place of which its refusal stands."""
+    """The pieces of a value, up to a piece that cannot be made; the refusal stands in the place of that piece."""
     try:
         yield from _pieces(value)
     except Exception as error:

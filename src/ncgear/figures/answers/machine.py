@@ -39,7 +39,7 @@ def check_answer(drive: Drive, file: str, notes: tuple[str, ...] = ()) -> Answer
 
 
 def build_answer(drive: Drive, verdict: Verdict, then: str, notes: tuple[str, ...] = ()) -> Answer:
-    """What a build found; ``verdict`` is that of all pairs, ``then`` is what to do next."""
+    """What a build found; ``verdict`` is the verdict on all pairs, ``then`` is what to do next."""
     gears = [one for pair in drive.by_stage for one in _gears(pair)]
     return _answer(drive, (*gears, *_published(drive), *_motion(drive), *_ratios(drive)[:1]), verdict, then, notes)
 
@@ -79,7 +79,7 @@ IN_FULL = ("rms_torque_n_m", "energy_swing_j")
 
 
 def compared_rows(drive: Drive) -> list[Row]:
-    """The peaks of the machine beside those of the same machine with an even crank, at equal driving speed."""
+    """The peaks of the machine beside the peaks of the same machine with an even crank, at equal driving speed."""
     returns = drive.linkage.RETURNS
     own, uniform = peaks(drive.check, returns=returns), peaks(drive.uniform_check, returns=returns)
     powered = drive.design.resistance is not None or drive.check.with_masses is not None
@@ -146,7 +146,7 @@ def _motion(drive: Drive) -> list[Row]:
 
 
 def _ratios(drive: Drive) -> list[Row]:
-    """The ratio and, where there are two pairs of gears, that of each with its greatest pressure angle."""
+    """The ratio; where there are two pairs of gears, also the ratio and the greatest pressure angle of each pair."""
     rows = [Row("ratio", (_ratio(drive.transmission),))]
     for pair in drive.by_stage if drive.design.stages > 1 else ():
         found = [f"ratio {_ratio(pair.pair.transmission)}"]

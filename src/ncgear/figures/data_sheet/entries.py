@@ -41,7 +41,7 @@ class Entry:
 
     @property
     def texts(self) -> tuple[str, ...]:
-        """The value of the pair, or those of both gears, for reading, to the decimals of their unit."""
+        """The value of the pair, or the values of both gears, as text with the decimals of the unit."""
         values = (self.pair,) if self.of_pair else (self.driving, self.driven)
         return tuple(cell_text(value, self.unit) for value in values)
 

@@ -67,7 +67,7 @@ OFF = [1, 3, 4]
 """The columns whose interpolation is judged: phi2 and both radii."""
 
 PROBES, KNOWN = 4, 1e-3
-"""Places between two rows from which the greatest error is looked for, and the share to which it is known."""
+"""Places between two rows where the search for the greatest error begins, and the accuracy of that error as a share."""
 
 
 def _interpolated(pitch: PitchPair, phi1_deg: Array) -> str:

@@ -16,7 +16,7 @@ from ncgear.project.drive import Drive
 
 
 def check_summary(drive: Drive, verdict: Verdict | None = None) -> dict[str, Any]:
-    """Kinematics and power.  The ratio is that of the drive's own stage, or else of the whole.
+    """Kinematics and power.  The ratio belongs to the drive's own stage, or to the whole machine.
 
     ``verdict`` is another one than what a check can judge.
     """
@@ -94,7 +94,7 @@ def _range_and_angle(drive: Drive) -> dict[str, Any]:
 def masses_note(drive: Drive) -> str:
     """How masses count in the figures of power where that is to be told; empty where they count as the file gives them.
 
-    A design that gives neither resistance nor masses has no power of which anything could be said.
+    A design that gives neither resistance nor masses has no power, and nothing is told of power.
     """
     why = drive.masses_left_out
     if why is not None:
@@ -122,7 +122,7 @@ def uniform_key(drive: Drive) -> str:
 
 
 def peaks(check: KinematicCheck, *, returns: bool) -> dict[str, Any]:
-    """Peaks of a check with the driving angle of each; those of a working stroke only where there is a return."""
+    """Peaks of a check with the driving angle of each; peaks of the working stroke only where there is a return."""
     speed, acceleration = check.output.speed.ending, check.output.acceleration.ending
     working = {
         f"peak_acceleration_working_{acceleration}": check.peak_acceleration_working.value,
@@ -156,7 +156,7 @@ def comparison_rows(drive: Drive) -> list[dict[str, Any]]:
 
 
 def _saved(what: str, own_w: float, other_w: float | None) -> str:
-    """Words for a peak power of this design against that of another machine; empty where that has none."""
+    """Words for a peak power of this design against the power of another machine; empty where the other has none."""
     if not other_w:
         return ""
     saving = 100.0 * (1.0 - own_w / other_w)
