@@ -46,8 +46,7 @@ def alone_mm(outline: ExactOutline, feet: Feet) -> Array:
     stands alone (``are_judged``), and of a rough gear none either (``rough_points``).
     """
     off, same = _standing_off(outline, feet)
-    found: Array = off[same] if _are_few(off) else np.zeros(same.size)
-    return found
+    return off[same] if _are_few(off) else np.zeros(same.size)
 
 
 def rough_points(outline: ExactOutline, feet: Feet) -> int:
@@ -90,8 +89,7 @@ def are_judged(outline: ExactOutline, feet: Feet) -> Mask:
     """Which points have enough beside them on their curve to tell whether they stand alone, shape (n,)."""
     one, same = _places(feet)
     _, curve, places = np.unique(_curves(outline, feet.kept(one)), return_inverse=True, return_counts=True)
-    judged: Mask = (places[curve] >= FEWEST_PLACES)[same]
-    return judged
+    return (places[curve] >= FEWEST_PLACES)[same]
 
 
 def _medians(among: Array) -> Array:
@@ -118,5 +116,4 @@ def _places(feet: Feet) -> tuple[IndexArray, IndexArray]:
 def _curves(outline: ExactOutline, feet: Feet) -> IndexArray:
     """A number for the curve that each point is on: a flank is one, however many rows it has; shape (n,)."""
     on_flank = outline.part[feet.row] == FLANK_CURVE
-    numbers: IndexArray = np.where(on_flank, outline.flank[feet.row], outline.gear.flanks.count + feet.row)
-    return numbers
+    return np.where(on_flank, outline.flank[feet.row], outline.gear.flanks.count + feet.row)

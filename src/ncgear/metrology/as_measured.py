@@ -58,8 +58,7 @@ def is_metal(outline: ExactOutline, fit: BestFit) -> Mask:
     """Which points the outline as measured goes through, shape (n,)."""
     feet = fit.feet
     beside_edge = (outline.part[feet.row] == TIP_LAND_CURVE) & (np.abs(feet.share - 0.5) > 1.0 / 6.0)
-    metal: Mask = ~is_astray(outline, feet) & ~fit.alone & ~feet.at_end & ~beside_edge
-    return metal
+    return ~is_astray(outline, feet) & ~fit.alone & ~feet.at_end & ~beside_edge
 
 
 def _flank_ends(outline: ExactOutline, row: IndexArray, place: Array, error: Array) -> tuple[Array, ComplexArray]:

@@ -76,8 +76,7 @@ class Pose:
 
     def of_gear(self, points: ComplexArray) -> ComplexArray:
         """Points of the file in the gear's own frame."""
-        moved: ComplexArray = (points - self.shift_mm) * np.exp(-1j * self.angle_rad)
-        return moved
+        return (points - self.shift_mm) * np.exp(-1j * self.angle_rad)
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,8 +98,7 @@ class BestFit:
     @property
     def alone(self) -> Mask:
         """Which points stand alone, shape (n,)."""
-        found: Mask = self.alone_mm != 0.0
-        return found
+        return self.alone_mm != 0.0
 
     @property
     def rms_mm(self) -> float:
@@ -296,8 +294,7 @@ def _spread(slopes: Array, left: Array, scale: Array) -> Array:
             "around, or --fit rotation, are right"
         )
     free = max(left.size - scale.size, 1)
-    spread: Array = scale * np.sqrt(np.diag(np.linalg.inv(normal)) * float(left @ left) / free)
-    return spread
+    return scale * np.sqrt(np.diag(np.linalg.inv(normal)) * float(left @ left) / free)
 
 
 def on_flanks(outline: ExactOutline, feet: Feet) -> Mask:
@@ -307,11 +304,9 @@ def on_flanks(outline: ExactOutline, feet: Feet) -> Mask:
     deep = AT_END_IN_MODULES * outline.gear.flanks.rack.module_mm - outline.gear.tips.met_depth_mm[flank]
     works = outline.height_mm(feet.row, feet.share) > deep
     inside = np.minimum(feet.share, 1.0 - feet.share) > AT_END
-    found: Mask = on_flank & works & inside & ~is_astray(outline, feet)
-    return found
+    return on_flank & works & inside & ~is_astray(outline, feet)
 
 
 def is_astray(outline: ExactOutline, feet: Feet) -> Mask:
     """Which points are so far from the outline that they are of bore, hub or something else."""
-    astray: Mask = np.abs(feet.distance_mm) >= _astray_mm(outline)
-    return astray
+    return np.abs(feet.distance_mm) >= _astray_mm(outline)

@@ -57,8 +57,7 @@ class FlankDeviations:
     @property
     def measured(self) -> Mask:
         """Which flanks have points."""
-        found: Mask = self.points > 0
-        return found
+        return self.points > 0
 
     def side(self, values: Array, front: bool) -> Array:
         """The values of one side's flanks, shape (z,)."""

@@ -136,8 +136,7 @@ class ExactOutline:
     def height_mm(self, row: IndexArray, share: Array) -> Array:
         """Height over the rack's pitch line of feet on flanks, shape (n,); means nothing elsewhere."""
         flanks, number = self.stretches[FLANK_CURVE], np.where(self.part[row] == FLANK_CURVE, self.number[row], 0)
-        height: Array = flanks.start[number] + share * (flanks.end - flanks.start)[number]
-        return height
+        return flanks.start[number] + share * (flanks.end - flanks.start)[number]
 
     def feet(self, points: ComplexArray) -> Feet:
         """The nearest places of the outline to points, shape (n,)."""

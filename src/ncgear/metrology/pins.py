@@ -144,16 +144,14 @@ def _held(center: Array, radius: float, outline: Array, astray: float) -> Mask:
     ring = shapely.linearrings(outline)
     # Of a prepared ring only what is near a pin is looked at.
     shapely.prepare(ring)
-    held: Mask = shapely.dwithin(ring, shapely.points(center), radius - 2.0 * astray)
-    return held
+    return shapely.dwithin(ring, shapely.points(center), radius - 2.0 * astray)
 
 
 def _stands_out(working: WorkingFlanks, space: IndexArray, center: Array, radius: float, outwards: Array) -> Mask:
     """Whether pins in spaces (numbered from 0, shape (n,)) reach farther in directions (n, 2) than the tips beside."""
     beside = working.tips_mm[(space[:, None] + np.arange(2)) % len(working.tips_mm)]
     highest = np.einsum("ntpk,nk->ntp", beside, outwards).max(axis=(1, 2))
-    reached: Mask = np.einsum("nk,nk->n", center, outwards) + radius > highest
-    return reached
+    return np.einsum("nk,nk->n", center, outwards) + radius > highest
 
 
 @dataclass(frozen=True, eq=False)

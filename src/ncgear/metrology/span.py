@@ -207,8 +207,7 @@ class _Way:
 
     def inwards(self, at: CurvePoints) -> Array:
         """Directions of chords that begin at points."""
-        directions: Array = cos(self.angle_rad) * at.tangent - sin(self.angle_rad) * at.normal
-        return directions
+        return cos(self.angle_rad) * at.tangent - sin(self.angle_rad) * at.normal
 
 
 def _tried(way: _Way) -> tuple[Array, Array, IndexArray]:
@@ -253,8 +252,7 @@ def _end_of(way: _Way, start: Array, low: Array, high: Array) -> Array:
     def short(sigma: Array) -> Array:
         at = way.curve.at_length(sigma)
         outwards = cos(angle) * at.tangent + sin(angle) * at.normal
-        lacking: Array = way.sense * cross(wanted, outwards)
-        return lacking
+        return way.sense * cross(wanted, outwards)
 
     return zeros_between(short, low, high)
 
@@ -282,5 +280,4 @@ def _closed_in(way: _Way, tried: tuple[Array, Array], change: IndexArray) -> tup
 def _is_least(way: _Way, start: Array, end: Array) -> Mask:
     first, last = way.start(start), way.curve.at_length(end)
     radii = 1.0 / first.curvature + 1.0 / last.curvature
-    least: Mask = sin(way.angle_rad) * radii > np.linalg.norm(last.position - first.position, axis=1)
-    return least
+    return sin(way.angle_rad) * radii > np.linalg.norm(last.position - first.position, axis=1)

@@ -272,8 +272,7 @@ def nodes(left: Array, right: Array, degree: int = DEGREE) -> Array:
 
 def _largest(coefficients: Array) -> Array:
     """Largest magnitude of each panel's coefficients, shape (m,)."""
-    largest: Array = np.abs(coefficients).max(axis=(0, *range(2, coefficients.ndim)))
-    return largest
+    return np.abs(coefficients).max(axis=(0, *range(2, coefficients.ndim)))
 
 
 def panel_coefficients(function: Callable[[Array], Array], left: Array, right: Array, degree: int) -> Array:
@@ -300,8 +299,7 @@ def _assembled(parts: list[tuple[Array, Array]], end: float) -> PiecewiseChebysh
 
 @cache
 def _unit_nodes(degree: int) -> Array:
-    points: Array = chebyshev.chebpts1(degree + 1)
-    return points
+    return chebyshev.chebpts1(degree + 1)
 
 
 @cache
@@ -309,23 +307,20 @@ def _transform(degree: int) -> Array:
     """Matrix from values at the first-kind points to coefficients, by discrete orthogonality."""
     weights = np.full(degree + 1, 2.0 / (degree + 1))
     weights[0] /= 2.0
-    matrix: Array = chebyshev.chebvander(_unit_nodes(degree), degree).T * weights[:, None]
-    return matrix
+    return chebyshev.chebvander(_unit_nodes(degree), degree).T * weights[:, None]
 
 
 @cache
 def differentiation_matrix(degree: int) -> Array:
     """Matrix from coefficients to those of the derivative on [-1, 1], square, its last row zero."""
-    matrix: Array = np.pad(chebyshev.chebder(np.eye(degree + 1), axis=0), ((0, 1), (0, 0)))
-    return matrix
+    return np.pad(chebyshev.chebder(np.eye(degree + 1), axis=0), ((0, 1), (0, 0)))
 
 
 @cache
 def integration_matrix(degree: int) -> Array:
     """Matrix from values at the first-kind points of [-1, 1] to the integrals from -1 to each of them, square."""
     integrals = chebyshev.chebint(np.eye(degree + 1), lbnd=-1, axis=0)
-    matrix: Array = chebyshev.chebvander(_unit_nodes(degree), degree + 1) @ integrals @ _transform(degree)
-    return matrix
+    return chebyshev.chebvander(_unit_nodes(degree), degree + 1) @ integrals @ _transform(degree)
 
 
 def on_panels(coefficients: Array, panel: IndexArray, local: Array) -> Array:
@@ -334,8 +329,7 @@ def on_panels(coefficients: Array, panel: IndexArray, local: Array) -> Array:
     older = newer = np.zeros(local.shape)
     for row in coefficients[:0:-1]:
         older, newer = newer, row[panel] + twice * newer - older
-    total: Array = coefficients[0][panel] + local * newer - older
-    return total
+    return coefficients[0][panel] + local * newer - older
 
 
 def polynomials(local: Array, count: int) -> Array:

@@ -111,8 +111,7 @@ class _Samples:
         values, rises = self.values[beside], LEADING * np.abs(self.slopes[beside]) * np.diff(self.points)[step]
         # What is no number is looked at.
         within = (values + rises < self.values.max()) & (values - rises > self.values.min())
-        leads: IndexArray = step[~within.all(axis=0)]
-        return leads
+        return step[~within.all(axis=0)]
 
 
 def _sampled_each(functions: Functions, grid: Array) -> list[_Samples]:
@@ -234,15 +233,13 @@ def _missed(points: Array, values: Array, slopes: Array, triples: tuple[IndexArr
     """How far each middle sample is from the cubic with the values and slopes of its two neighbours."""
     low, middle, high = triples
     cubic = (values[low] + values[high]) / 2.0 + (points[high] - points[low]) * (slopes[low] - slopes[high]) / 8.0
-    missed: Array = np.abs(values[middle] - cubic)
-    return missed
+    return np.abs(values[middle] - cubic)
 
 
 def _may_be_extreme(values: Array, missed: Array, middle: IndexArray) -> Mask:
     """Whether the function about each middle sample may go beyond all samples, judged by how far it ``missed``."""
     reach = BEYOND * missed
-    beyond: Mask = (values[middle] + reach > np.max(values)) | (values[middle] - reach < np.min(values))
-    return beyond
+    return (values[middle] + reach > np.max(values)) | (values[middle] - reach < np.min(values))
 
 
 def extremes(

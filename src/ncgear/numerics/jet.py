@@ -50,13 +50,11 @@ class Jet:
     @property
     def value(self) -> Array:
         """The function's values, shape (n,)."""
-        values: Array = self.coefficients[0]
-        return values
+        return self.coefficients[0]
 
     def derivative(self, k: int = 1) -> Array:
         """The k-th derivative, shape (n,); k at most ``order``."""
-        values: Array = self.coefficients[k] * factorial(k)
-        return values
+        return self.coefficients[k] * factorial(k)
 
     def differentiated(self) -> Jet:
         """The derivative as a jet of one order less."""
@@ -198,16 +196,14 @@ def _counted(rows: Array) -> Array:
 
 def _slopes(coefficients: Array) -> Array:
     """The coefficients of the derivative."""
-    slopes: Array = coefficients[1:] * _counted(coefficients[1:])
-    return slopes
+    return coefficients[1:] * _counted(coefficients[1:])
 
 
 def _paired(rising: Array, falling: Array) -> Array:
     """Sum of products of rows: the first of one times the last of the other and so on; shape (n,)."""
     if len(rising) == 1:
         return np.asarray(rising[0] * falling[0])
-    total: Array = (rising * falling[::-1]).sum(axis=0)
-    return total
+    return (rising * falling[::-1]).sum(axis=0)
 
 
 def _whole_power(base: Jet, exponent: int) -> Jet:

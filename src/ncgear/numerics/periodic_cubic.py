@@ -160,8 +160,7 @@ def _cyclic(before: Array, after: Array, right: Array) -> Array:
     spike[0], spike[-1] = -pivot, after[-1]
     plain, spiked = _tridiagonal(before, diagonal, after, right), _tridiagonal(before, diagonal, after, spike)
     factor = (plain[0] + share * plain[-1]) / (1.0 + spiked[0] + share * spiked[-1])
-    solution: Array = plain - factor * spiked
-    return solution
+    return plain - factor * spiked
 
 
 def _tridiagonal(below: Array, diagonal: Array, above: Array, right: Array) -> Array:

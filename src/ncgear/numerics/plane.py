@@ -18,32 +18,27 @@ def as_complex(points: Array) -> ComplexArray:
     """Points of shape (..., 2) as x + i y, shape (...): the same memory, where x and y are next to each other."""
     pairs = np.asarray(points, dtype=float)
     near = pairs if pairs.strides[-1] == pairs.itemsize else np.ascontiguousarray(pairs)
-    flat: ComplexArray = near.view(complex)[..., 0]
-    return flat
+    return near.view(complex)[..., 0]
 
 
 def as_points(places: ComplexArray) -> Array:
     """The inverse of ``as_complex``."""
-    points: Array = np.ascontiguousarray(places)[..., None].view(float)
-    return points
+    return np.ascontiguousarray(places)[..., None].view(float)
 
 
 def square(vector: ComplexArray) -> Array:
     """Squared length."""
-    squared: Array = vector.real * vector.real + vector.imag * vector.imag
-    return squared
+    return vector.real * vector.real + vector.imag * vector.imag
 
 
 def along(direction: ComplexArray, vector: ComplexArray) -> Array:
     """Scalar product; shapes broadcast."""
-    product: Array = direction.real * vector.real + direction.imag * vector.imag
-    return product
+    return direction.real * vector.real + direction.imag * vector.imag
 
 
 def across(direction: ComplexArray, vector: ComplexArray) -> Array:
     """Vector product, positive where ``vector`` points to the left of ``direction``; shapes broadcast."""
-    product: Array = direction.real * vector.imag - direction.imag * vector.real
-    return product
+    return direction.real * vector.imag - direction.imag * vector.real
 
 
 def angle_between(first: ComplexArray, second: ComplexArray) -> Array:
@@ -53,8 +48,7 @@ def angle_between(first: ComplexArray, second: ComplexArray) -> Array:
 
 def cross(first: Array, second: Array) -> Array:
     """As ``across``, for vectors of shape (..., 2)."""
-    product: Array = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
-    return product
+    return first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
 
 
 def turned(vectors: Array, angle_rad: Array) -> Array:

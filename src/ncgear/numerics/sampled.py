@@ -47,8 +47,7 @@ are bracketed."""
 @cache
 def shares(count: int) -> Array:
     """Chebyshev points of [0, 1], ends included, shape (count,)."""
-    points: Array = (1.0 - np.cos(np.linspace(0.0, pi, count))) / 2.0
-    return points
+    return (1.0 - np.cos(np.linspace(0.0, pi, count))) / 2.0
 
 
 @cache
@@ -56,14 +55,12 @@ def integration(count: int) -> Array:
     """Matrix from values at the points to the integrals from 0 to each of them, shape (count, count)."""
     values = chebyshev.chebvander(2.0 * shares(count) - 1.0, count)
     integrals = chebyshev.chebint(np.eye(count), lbnd=-1, axis=0) / 2.0
-    matrix: Array = values @ integrals @ _coefficients(count)
-    return matrix
+    return values @ integrals @ _coefficients(count)
 
 
 def integrated(values: Array) -> Array:
     """Integral over all pieces of values per share of the piece, shape (pieces, count, n), as shape (n,)."""
-    total: Array = (integration(values.shape[-2])[-1] @ values).sum(axis=0)
-    return total
+    return (integration(values.shape[-2])[-1] @ values).sum(axis=0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,14 +72,12 @@ class Functions:
     @cached_property
     def low(self) -> Array:
         """Smallest value at the points, shape (p, n)."""
-        low: Array = self.values.min(axis=1)
-        return low
+        return self.values.min(axis=1)
 
     @cached_property
     def high(self) -> Array:
         """Largest value at the points, shape (p, n)."""
-        high: Array = self.values.max(axis=1)
-        return high
+        return self.values.max(axis=1)
 
     @property
     def size(self) -> Array:
@@ -100,8 +95,7 @@ class Functions:
         """By how much a function may exceed its largest value at the points, shape (p, n)."""
         steps = np.diff(self.values, axis=1)
         bends = np.subtract(steps[:, 1:], steps[:, :-1], out=steps[:, 1:])
-        higher: Array = HIGHER * np.maximum(bends.max(axis=1), -bends.min(axis=1))
-        return higher
+        return HIGHER * np.maximum(bends.max(axis=1), -bends.min(axis=1))
 
 
 class Sought(NamedTuple):
@@ -225,5 +219,4 @@ def _series(count: int) -> tuple[Array, Array, Array]:
 @cache
 def _slopes(count: int) -> Array:
     """Matrix from values at the points to slopes there."""
-    slopes: Array = chebyshev.chebvander(2.0 * shares(count) - 1.0, count - 1) @ _series(count)[1]
-    return slopes
+    return chebyshev.chebvander(2.0 * shares(count) - 1.0, count - 1) @ _series(count)[1]

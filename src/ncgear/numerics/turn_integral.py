@@ -49,8 +49,7 @@ class TurnIntegral:
         """F at arguments in [0, 2 pi], shape (n,), with the same relative accuracy at 1e-9 as at 1."""
         node = np.searchsorted(self.starts, arguments, side="right") - 1
         swing, _ = _integral_and_rate(self._pairs[..., node], arguments - self.nodes[node])
-        there: Array = self.values[node] + swing
-        return there
+        return self.values[node] + swing
 
     def inverse(self, values: Array) -> Array:
         """Arguments in [0, 2 pi] at which F has the values (shape (n,), within [0, 2 pi]).

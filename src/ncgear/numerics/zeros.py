@@ -143,8 +143,7 @@ def _real_roots(coefficients: Array) -> Array:
     """Real zeros of a Chebyshev series in [-1, 1]."""
     kept = series.chebtrim(coefficients, NEGLIGIBLE * np.abs(coefficients).max())
     roots = np.atleast_1d(series.chebroots(kept))
-    real: Array = roots.real[(np.abs(roots.imag) <= REAL) & (np.abs(roots.real) <= 1.0)]
-    return real
+    return roots.real[(np.abs(roots.imag) <= REAL) & (np.abs(roots.real) <= 1.0)]
 
 
 MOST_STEPS = 200

@@ -278,8 +278,7 @@ def _merit(family: Family, least: Peak, cap: float, points: Array) -> Array:
     found = sampled_laws(family, points)
     peak, other = (np.abs(found.of(kind)).max(axis=1) for kind in (least, _capped(least)))
     excess = np.maximum(other / cap - 1.0, 0.0) if isfinite(cap) else np.where(np.isfinite(other), 0.0, inf)
-    merit: Array = peak * (1.0 + PENALTY * excess)
-    return merit
+    return peak * (1.0 + PENALTY * excess)
 
 
 def _starts(family: Family, least: Peak, cap: float, random: np.random.Generator, count: int) -> list[Array]:
@@ -309,8 +308,7 @@ class _Descent:
     def values(self, variables: Array) -> Array:
         """Values that must not be negative: peak minus samples, and cap minus samples."""
         self._see(variables[:-1])
-        values: Array = self._values + variables[-1] * self._is_peak
-        return values
+        return self._values + variables[-1] * self._is_peak
 
     def slopes(self, variables: Array) -> Array:
         """Derivatives of ``values``, shape (constraints, variables)."""
@@ -345,8 +343,7 @@ def _descended(family: Family, least: Peak, cap: float, start: Array) -> Array:
         method="SLSQP",
         options={"maxiter": 150, "ftol": 1e-8},
     )
-    point: Array = np.clip(result.x[:-1], 0.0, 1.0)
-    return point
+    return np.clip(result.x[:-1], 0.0, 1.0)
 
 
 def _under_cap(family: Family, least: Peak, cap: float, point: Array) -> FamilyOptimum | None:

@@ -124,8 +124,7 @@ class LengthSearch:
 
     def _shares(self, values: Sequence[float]) -> Array:
         """Places of values in their ranges, 0 to 1, shape (unknowns,)."""
-        shares: Array = np.clip((np.array(values) - self._least) / self._width, 0.0, 1.0)
-        return shares
+        return np.clip((np.array(values) - self._least) / self._width, 0.0, 1.0)
 
     def _rounded(self, shares: Array) -> Values:
         """Values at places in their ranges, with digits that a workshop can read; ends and given values stay."""

@@ -87,20 +87,17 @@ class _Chords(Columns):
         Across the chord the curve is taken as a cubic that starts and ends on the chord: with the distance d and the
         slope d' in the middle, it strays by sqrt(d^2 + d'^2 / 8) or less.
         """
-        strayed: Array = np.sqrt(self.off**2 + self.tilt**2 / 8.0)
-        return strayed
+        return np.sqrt(self.off**2 + self.tilt**2 / 8.0)
 
     @cached_property
     def is_first(self) -> Mask:
         """Which chords are the first of their rows."""
-        first: Mask = np.diff(self.row, prepend=-1) != 0
-        return first
+        return np.diff(self.row, prepend=-1) != 0
 
     @cached_property
     def is_last(self) -> Mask:
         """Which chords are the last of their rows."""
-        last: Mask = np.diff(self.row, append=-1) != 0
-        return last
+        return np.diff(self.row, append=-1) != 0
 
     def halved(self, stretch: Stretch, cut: IndexArray) -> _Chords:
         """The chords; chords numbered ``cut`` are cut in two halves."""
@@ -282,8 +279,7 @@ def _refuse_too_many(needed: Array, rows: IndexArray) -> None:
 
 def _left(direction: ComplexArray) -> ComplexArray:
     """Unit vectors to the left of directions."""
-    left: ComplexArray = 1j * direction / np.maximum(np.abs(direction), 1e-300)
-    return left
+    return 1j * direction / np.maximum(np.abs(direction), 1e-300)
 
 
 def _most_needed(stretch: Stretch, tolerance: Array) -> Array:
@@ -321,5 +317,4 @@ def _inverse_rows(needed: Array, row: IndexArray, fraction: Array) -> Array:
     target = fraction * needed[row, -1]
     step = np.sum(needed[row, 1:-1] <= target[:, None], axis=1)
     low, high = needed[row, step], needed[row, step + 1]
-    placed: Array = SHARES[step] + (SHARES[step + 1] - SHARES[step]) * (target - low) / (high - low)
-    return placed
+    return SHARES[step] + (SHARES[step + 1] - SHARES[step]) * (target - low) / (high - low)

@@ -145,8 +145,7 @@ def _perhaps_plain(points: ComplexArray, within_mm: float) -> Mask:
     area = 2.0 * across(near, far)
     off = 1j * (near * square(far) - far * square(near)) / np.where(area == 0.0, np.inf, area)
     round_ = np.abs(np.abs(points - start - off) - np.abs(off)) <= 2.0 * within_mm
-    perhaps: Mask = straight.all(axis=1) | round_.all(axis=1)
-    return perhaps
+    return straight.all(axis=1) | round_.all(axis=1)
 
 
 def _bridged(curves: list[Curve], module: float) -> list[Curve]:

@@ -109,8 +109,7 @@ class Flanks:
     @property
     def is_made(self) -> Mask:
         """Which flanks are made, shape (2 z,)."""
-        made: Mask = np.arange(self.count) < 2 * self.teeth
-        return made
+        return np.arange(self.count) < 2 * self.teeth
 
     @property
     def tooth(self) -> IndexArray:
@@ -125,8 +124,7 @@ class Flanks:
     @cached_property
     def idle(self) -> Mask:
         """Which flanks do not push: the driving gear pushes with its back flanks onto the driven front flanks."""
-        idle: Mask = self.side > 0.0 if self.curve.gear is Gear.DRIVING else self.side < 0.0
-        return idle
+        return self.side > 0.0 if self.curve.gear is Gear.DRIVING else self.side < 0.0
 
     @cached_property
     def slant(self) -> Slant:
@@ -244,8 +242,7 @@ class Flanks:
         """Which flanks bounds of the curvature prove regular from the pitch line to given heights, shape (n,)."""
         ends = np.sort([self.crossing_mm[flank], self.rolled_mm(flank, height_mm)], axis=0)
         least = np.min([height_mm * bound for bound in self.curve.curvature_between(*ends)], axis=0)
-        regular: Mask = self.slant.of(flank).sine ** 2 + np.minimum(least, 0.0) > 0.0
-        return regular
+        return self.slant.of(flank).sine ** 2 + np.minimum(least, 0.0) > 0.0
 
     def fillet_regularity(self, flank: IndexArray, sigma_mm: Array) -> Array:
         """K (D + rho) - rho v / D^2: positive where the fillet bounds the tooth."""
@@ -326,8 +323,7 @@ class Flanks:
 
 def _fillet_regularity(turning: Array, v: Array, distance: Array, radius: Array) -> Array:
     """How fast fillets run along themselves, times the distance of the rounding's centre."""
-    regularity: Array = turning * (distance + radius) - radius * v / (distance * distance)
-    return regularity
+    return turning * (distance + radius) - radius * v / (distance * distance)
 
 
 def _turned(curve: tuple[Array, Array], angle_rad: Array, rate: Array | float) -> tuple[Array, Array]:

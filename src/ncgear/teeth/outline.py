@@ -92,8 +92,7 @@ def _near_fillets(tips: Tips, tolerance_mm: float) -> Mask:
         return np.ones(flanks.count, dtype=bool)
     module = flanks.rack.module_mm
     clear = min(sqrt(2.0 * module * tolerance_mm), module / 10.0)
-    near: Mask = flanks.flank_depth_mm - tips.met_depth_mm < clear
-    return near
+    return flanks.flank_depth_mm - tips.met_depth_mm < clear
 
 
 def _is_hollow(flanks: Flanks) -> bool:

@@ -73,8 +73,7 @@ def folded_fillets(flanks: Flanks) -> Mask:
     length, joints = flanks.rounding.lowest_mm - start, _joints(flanks)
     cuts = _cuts(np.ones(flanks.count), (joints - start[:, None]) / length[:, None])
     regular = first_zeros(lambda i, share: flanks.fillet_regularity(i, start[i] + length[i] * share), cuts)
-    folded: Mask = regular < 1.0 - CLEAR
-    return folded
+    return regular < 1.0 - CLEAR
 
 
 def _never_folds(flanks: Flanks) -> bool:

@@ -178,8 +178,7 @@ def _refuse_folded_tips(flanks: Flanks, sides: Sides) -> None:
 
 def _probes(start: Array, end: Array) -> Array:
     """Arc lengths along lands, shape (z, PROBES)."""
-    probes: Array = start[:, None] + (end - start)[:, None] * np.linspace(0.0, 1.0, PROBES)
-    return probes
+    return start[:, None] + (end - start)[:, None] * np.linspace(0.0, 1.0, PROBES)
 
 
 def _worst(values: Array) -> tuple[int, int]:
@@ -371,8 +370,7 @@ def _about_runs(values: Array, marked: Mask, count: int) -> Array:
 def _folded(flanks: Flanks, owner: IndexArray, parameter: Array, kind: int) -> Mask:
     """Whether curves fail to bound the tooth, at parameters of shape (n, m)."""
     regularity = flanks.regularity if kind == FLANK else flanks.fillet_regularity
-    folded: Mask = regularity(owner[:, None], parameter) < -FLAT
-    return folded
+    return regularity(owner[:, None], parameter) < -FLAT
 
 
 def _trimmed(paths: _Paths) -> _Trimmed:

@@ -334,8 +334,7 @@ def sweep_of(roots: Roots, start_mm: Array) -> Sweep:
 def _widths(places: Array) -> Array:
     """The part of its row that each place stands for, shape (n, m)."""
     steps = np.diff(places, axis=1, prepend=places[:, :1], append=places[:, -1:])
-    widths: Array = (steps[:, :-1] + steps[:, 1:]) / 2.0
-    return widths
+    return (steps[:, :-1] + steps[:, 1:]) / 2.0
 
 
 def _feet(flanks: Flanks, flank: IndexArray, center: Array, edge: Array, start: Array) -> Array:

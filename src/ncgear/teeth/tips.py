@@ -191,8 +191,7 @@ def _within_play(edges: _Edges) -> Array:
     edge = turned(flanks.offset(edges.at_mm, height)[0], turn)
     over = nearest(flanks.curve, edge, edges.at_mm, AGREEMENT * flanks.rack.module_mm)[1] - height
     allowed = CLEARANCE_SHARE * (flanks.rack.dedendum_mm - flanks.rack.addendum_mm)
-    free: Array = height - np.maximum(over - allowed, 0.0)
-    return free
+    return height - np.maximum(over - allowed, 0.0)
 
 
 def _lowered(edges: _Edges, allowed: Array) -> Array:

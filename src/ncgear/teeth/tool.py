@@ -78,20 +78,17 @@ class PinionCircle:
         its distance to the base circle's tangent point is R sin(alpha) + f / sin(alpha) - rho.
         """
         tangent = self._tangent(slant, depth_mm, radius_mm)
-        depth: Array = slant.sine * (tangent - self.radius_mm * slant.sine + radius_mm)
-        return depth
+        return slant.sine * (tangent - self.radius_mm * slant.sine + radius_mm)
 
     def flank_depth_per_radius(self, slant: Slant, depth_mm: Array, radius_mm: Array) -> Array:
         """How fast that depth grows with the radius."""
         out = self.radius_mm + depth_mm - radius_mm
-        rate: Array = slant.sine * (1.0 - out / self._tangent(slant, depth_mm, radius_mm))
-        return rate
+        return slant.sine * (1.0 - out / self._tangent(slant, depth_mm, radius_mm))
 
     def _tangent(self, slant: Slant, depth_mm: Array, radius_mm: Array) -> Array:
         """Distance of the rounding's centre from the point where its flank's normal touches the base circle."""
         out, base = self.radius_mm + depth_mm - radius_mm, self.radius_mm * slant.cosine
-        tangent: Array = np.sqrt(out**2 - base**2)
-        return tangent
+        return np.sqrt(out**2 - base**2)
 
 
 Tool = RackLine | PinionCircle | ClosedPitchCurve

@@ -128,8 +128,7 @@ def _in_short(values: Values) -> Values:
 def _tightest(touching: IndexArray, stretch: int) -> IndexArray:
     """In each ``stretch`` of positions, the position at which most places touch; ``touching`` is their number."""
     padded = np.append(touching, np.full(-touching.size % stretch, -1)).reshape(-1, stretch)
-    tightest: IndexArray = np.arange(0, touching.size, stretch) + padded.argmax(axis=1)
-    return tightest
+    return np.arange(0, touching.size, stretch) + padded.argmax(axis=1)
 
 
 def _overlapping(places: ContactPlaces, placement: Placement, further: int) -> ContactPlaces:

@@ -287,8 +287,7 @@ def signs_of(torque_n_mm: Array) -> Array:
     known = np.flatnonzero(sign)
     if not known.size:
         return sign
-    kept: Array = sign[known[np.searchsorted(known, np.arange(sign.size), side="right") - 1]]
-    return kept
+    return sign[known[np.searchsorted(known, np.arange(sign.size), side="right") - 1]]
 
 
 FINER, MOST_POSITIONS = 8, 20_000

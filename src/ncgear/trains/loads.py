@@ -141,5 +141,4 @@ def _derivative(values: ComplexArray, order: int, period: float) -> ComplexArray
     waves = np.fft.fftfreq(values.size, period / values.size) * 2j * pi
     # The highest wave has no derivative of odd order at these places.
     waves[values.size // 2] *= 1 - order % 2
-    found: ComplexArray = np.fft.ifft(np.fft.fft(values) * waves**order)
-    return found
+    return np.fft.ifft(np.fft.fft(values) * waves**order)

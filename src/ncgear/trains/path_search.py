@@ -126,8 +126,7 @@ def segment_distances(a: ComplexArray, b: ComplexArray, c: ComplexArray, d: Comp
     def from_end(p: ComplexArray, q: ComplexArray, r: ComplexArray) -> Array:
         step = q - p
         share = np.clip(((r - p) * step.conj()).real / np.abs(step) ** 2, 0.0, 1.0)
-        distance: Array = np.abs(r - p - share * step)
-        return distance
+        return np.abs(r - p - share * step)
 
     cross = (side(a, b, c) * side(a, b, d) < 0.0) & (side(c, d, a) * side(c, d, b) < 0.0)
     least = np.min([from_end(a, b, c), from_end(a, b, d), from_end(c, d, a), from_end(c, d, b)], axis=0)

@@ -122,8 +122,7 @@ class TipMotion:
     def tip_where(self, w: Array, u: Array) -> ComplexArray:
         """The path where planet and carrier have turned by w and u, shape (n,) all."""
         there = self.carrier_mm * np.exp(1j * u) + self.arm_mm * np.exp(1j * (u - w))
-        path: ComplexArray = self.axis + (there.conj() if self.clockwise else there)
-        return path
+        return self.axis + (there.conj() if self.clockwise else there)
 
     def ratio(self, count: int) -> tuple[Array, Array]:
         """Angles w that divide a turn evenly, and du/dw there, shape (count,) each."""
@@ -292,8 +291,7 @@ def distances_mm(points: ComplexArray, places: ComplexArray) -> Array:
     start, step = places[:-1], np.diff(places)
     from_start = points[:, None] - start
     share = np.clip((from_start * step.conj()).real / np.abs(step) ** 2, 0.0, 1.0)
-    distance: Array = np.abs(from_start - share * step).min(axis=1)
-    return distance
+    return np.abs(from_start - share * step).min(axis=1)
 
 
 FINE = 2880

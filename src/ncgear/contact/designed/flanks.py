@@ -193,8 +193,7 @@ class FlankContacts:
         inside = (first > GAP) & (last < self.placement.steps - GAP)
         ahead = self.meetings.driving_ahead_mm
         crosses = np.any((ahead[:, :-1] >= 0.0) & (ahead[:, 1:] <= 0.0) & self._steps_there, axis=1)
-        whole: Mask = np.where(lasting.any(axis=(0, 2)), inside, crosses)
-        return whole
+        return np.where(lasting.any(axis=(0, 2)), inside, crosses)
 
     @property
     def reach_ends(self) -> Array:
@@ -219,8 +218,7 @@ class FlankContacts:
         behind_mm = (foremost[0, near.side, near.position] - near.lead_rad) * near.lever_mm
         apart = ~(near.flanks & (behind_mm <= touching_mm(self.placement)))
         parted[near.side[apart], near.position[apart]] = True
-        beside: Mask = parted | np.roll(parted, 1, axis=1) | np.roll(parted, -1, axis=1)
-        return beside
+        return parted | np.roll(parted, 1, axis=1) | np.roll(parted, -1, axis=1)
 
     @cached_property
     def _reaching(self) -> tuple[Array, Array]:
@@ -229,8 +227,7 @@ class FlankContacts:
         return enters, np.where(self._steps_there, leaves, enters)
 
     def _arcs(self, enters: Array, leaves: Array) -> Array:
-        lasting: Array = np.maximum(leaves - enters, 0.0).sum(axis=(0, 2)) / self.placement.per_tooth
-        return lasting
+        return np.maximum(leaves - enters, 0.0).sum(axis=(0, 2)) / self.placement.per_tooth
 
 
 def _fewest(starts: Array, ends: Array, steps: int) -> int:

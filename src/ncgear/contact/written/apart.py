@@ -242,8 +242,7 @@ def _together(placement: Placement, steps: float) -> IndexArray:
     run, part = counted_up(np.zeros_like(parts), parts)
     first, last = (begin[run] + count[run] * one // parts[run] for one in (part, part + 1))
     within = np.arange(int((last - first).max()))
-    together: IndexArray = np.minimum(first[:, None] + within, last[:, None] - 1)
-    return together
+    return np.minimum(first[:, None] + within, last[:, None] - 1)
 
 
 def _moving(placement: Placement, position: IndexArray) -> tuple[ComplexArray, Array, Array]:
@@ -335,8 +334,7 @@ def _placed(placement: Placement, pairs: _Pairs, position: IndexArray) -> tuple[
 
 def _places(row: IndexArray, number: IndexArray, positions: int) -> IndexArray:
     """Numbers of positions within the block, from flat numbers in arrays of shape (pairs, positions)."""
-    place: IndexArray = row[number // positions] * positions + number % positions
-    return place
+    return row[number // positions] * positions + number % positions
 
 
 def _least_turns(

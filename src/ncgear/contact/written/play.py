@@ -122,8 +122,7 @@ class _Crossings:
     @property
     def leading_out(self) -> Mask:
         """Whether the vertex would come out of the other gear there."""
-        out: Mask = np.signbit(self.turn_rad) == self.entering
-        return out
+        return np.signbit(self.turn_rad) == self.entering
 
 
 def facing_outlines(driving_mm: Array, driven_mm: Array, placement: Placement) -> Facing:
@@ -270,15 +269,13 @@ def _turned(vertex_rad: Array, heading_rad: Array, aside_mm: Array, radius_mm: A
     """Angles, from -pi to pi, from vertices along their circles to chords; see ``headings``."""
     share = np.clip(aside_mm / radius_mm, -1.0, 1.0)
     turn = heading_rad + np.arcsin(share) - vertex_rad
-    turned: Array = turn - TURN * np.rint(turn / TURN)
-    return turned
+    return turn - TURN * np.rint(turn / TURN)
 
 
 def _across(turn_rad: Array, radius_mm: Array, aside_mm: Array) -> Array:
     """Distances across chords of vertices that angles turn onto them, to first order in the angle."""
     lever = np.sqrt(np.maximum((radius_mm - aside_mm) * (radius_mm + aside_mm), 0.0))
-    across: Array = np.abs(turn_rad) * lever
-    return across
+    return np.abs(turn_rad) * lever
 
 
 def _numbered(position: IndexArray, entry: IndexArray, entries: int, positions: int) -> tuple[IndexArray, IndexArray]:

@@ -158,8 +158,7 @@ def _over_cells(task: Task, angles: Array, step: Array, integrand: Callable[[Arr
     unit, weight = np.polynomial.legendre.leggauss(GAUSS)
     inner = starts[:, None] + width[:, None] * (1.0 + unit) / 2.0
     parts = integrand(inner.ravel()).reshape(inner.shape) @ weight * (width / 2.0)
-    integrals: Array = np.add.reduceat(parts, np.searchsorted(starts, angles))
-    return integrals
+    return np.add.reduceat(parts, np.searchsorted(starts, angles))
 
 
 def _cuts(task: Task, step_rad: float) -> Array:

@@ -230,8 +230,7 @@ def _trials(problem: LimitProblem, least_value: LeastValue, name: str) -> Trials
 
 def q_of(q: Linear, variables: Array) -> Array:
     """q at the places, never zero."""
-    values: Array = np.maximum(variables[q.columns[0]], 1e-9)
-    return values
+    return np.maximum(variables[q.columns[0]], 1e-9)
 
 
 def motion_of(on: CrankCycle, q: Array) -> Motion:

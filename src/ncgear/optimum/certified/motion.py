@@ -149,8 +149,7 @@ class MotionProgramme:
     def _slope(self) -> Linear:
         """The mean along the way of the acceleration in each cell, over crank w^2, positive where the speed rises."""
         per = 1.0 / self.length
-        slope: Linear = self.energy[self.next] * per - self.energy * per
-        return slope
+        return self.energy[self.next] * per - self.energy * per
 
     def limit_decelerations(self) -> None:
         """Wished decelerations over stretches: the mean over each whole cell, and the deceleration at a dead centre.
@@ -266,8 +265,7 @@ class MotionProgramme:
     def _slower(self) -> Linear:
         """What s is no less than at the places: its chord in q over the range."""
         slow, fast = np.sqrt(self.lowest), np.sqrt(np.maximum(self.highest, self.lowest))
-        chord: Linear = (self.q - self.lowest) * (1.0 / (slow + fast)) + slow
-        return chord
+        return (self.q - self.lowest) * (1.0 / (slow + fast)) + slow
 
     def _swing(self, given: Linear, total: float, swing: LimitedFigure) -> None:
         """The energy at each place less the mean torque's stays within a band."""

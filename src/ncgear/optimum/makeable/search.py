@@ -99,8 +99,7 @@ class LawSearch:
         pairs, random = len(self.programme.cycles_rad), np.random.default_rng(number)
         angle = np.linspace(0.0, 2.0 * pi, begun.size // pairs, endpoint=False)
         waves = np.array([shape(wave * angle) / wave for wave in STRAYING_WAVES for shape in (np.cos, np.sin)])
-        strayed: Array = begun + (STRAYING * random.normal(size=(pairs, len(waves))) @ waves).ravel()
-        return strayed
+        return begun + (STRAYING * random.normal(size=(pairs, len(waves))) @ waves).ravel()
 
     def judged(self, ratio: Array) -> JudgedLaw:
         """A law by its ratios at the knots, shape (pairs, n), at the judge's places."""
