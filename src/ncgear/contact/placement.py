@@ -221,8 +221,7 @@ def _law_at(pitch: PitchPair, rolled_mm: Array) -> tuple[Array, Array, Array]:
 REACH_IN_PITCHES = 2.0
 """A pair of flanks is looked at over this rolled length before and after it crosses the pitch point.  It is twice the
 length that a rack tooth as high as the module covers at 20 degrees, since corners touch beyond the flanks' own
-contact.
-"""
+contact."""
 
 
 NEARLY_IN_PITCHES = 1e-6

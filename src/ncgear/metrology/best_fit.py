@@ -51,8 +51,7 @@ NEARLY = 1.5
 ALIKE = 1.02
 """A fit is as good as the best one where its r.m.s. is at most this many times that; the one that turns least is taken.
 
-A gear that repeats itself fits as often as it has lobes, and its noise must not choose among them.
-"""
+A gear that repeats itself fits as often as it has lobes, and its noise must not choose among them."""
 
 ROUNDING_IN_MODULES = 3e-10
 """What rounding leaves of the distances of exact points."""

@@ -160,3 +160,23 @@ def _cut(whole: _Intervals, inner: Array, found: Array) -> _Intervals:
     owner = np.repeat(whole.owner, SHARES)
     columns = places[:, :-1], places[:, 1:], values[:, :-1], values[:, 1:], before, after
     return _Intervals(owner, stayed.ravel(), *(column.ravel() for column in columns))
+
+
+GOLDEN = (5.0**0.5 - 1.0) / 2.0
+
+
+def golden_section(function: Callable[[float], float], low: float, high: float, within: float) -> list[Extremum]:
+    """Two values next to the least value of a function that falls and then rises between two places.
+
+    The sections end where the places about the two are no more than ``within`` apart.
+    """
+    places = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)]
+    values = [function(place) for place in places]
+    while high - low > within:
+        if values[0] <= values[1]:
+            high, places = places[1], [places[1] - GOLDEN * (places[1] - low), places[0]]
+            values = [function(places[0]), values[0]]
+        else:
+            low, places = places[0], [places[1], places[0] + GOLDEN * (high - places[0])]
+            values = [values[1], function(places[1])]
+    return [Extremum(value, place) for value, place in zip(values, places, strict=True)]

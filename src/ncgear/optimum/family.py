@@ -87,11 +87,6 @@ class Family:
         task = self.task
         return task.loaded(Machine(uniform_law(task.lobes), task.linkage, task.load, task.speed_rad_s))
 
-    @property
-    def return_takes_power(self) -> bool:
-        """Whether the driving shaft is asked for power in the return as well."""
-        return self.task.masses is not None or self.task.load.loads_return
-
 
 @dataclass(frozen=True, eq=False)
 class SampledLaws:
@@ -128,10 +123,7 @@ def sampled_laws(family: Family, points: Array) -> SampledLaws:
 
 
 def _power_w(family: Family, strokes: WorkingStrokes[Array], out: SampledMotion, back: ReturnSamples) -> Array:
-    """The power of the driving shaft in W, shape (n, points), negative where it brakes.
-
-    Without masses it is the load's alone, at points of the return only where anything loads it.
-    """
+    """The power of the driving shaft in W, shape (n, points); without masses in the return only where it is loaded."""
     task = family.task
     if task.masses is not None:
         return _power_with_masses_w(family, strokes, out, back)
@@ -218,10 +210,7 @@ IMPOSSIBLE = 1e6
 
 @dataclass(frozen=True, eq=False)
 class FamilyOptimum:
-    """The best law found: its stroke, as ``solve_for: v2`` of a design file.
-
-    ``constant`` is the e of its return, None for ``e: least_acceleration``.
-    """
+    """The best law: its stroke, as ``solve_for: v2``, and the e of its return, None for ``least_acceleration``."""
 
     request: StrokeRequest
     inverse: bool
@@ -367,11 +356,11 @@ def _under_cap(family: Family, least: Peak, cap: float, point: Array) -> FamilyO
 def _made(family: Family, point: Array) -> list[FamilyOptimum]:
     """The laws of a point of the unit box as a design file makes them, with their exact peaks; none where it cannot.
 
-    The first has the return of least acceleration.  Where the return takes power, the second has the return of the
-    point.
+    The first has the return of least acceleration; where the return takes power, the second has the point's own.
     """
     constants: list[float | None] = [None]
-    if family.return_takes_power and isfinite(own := constant_at(family, point)):
+    takes_power = family.task.masses is not None or family.task.load.loads_return
+    if takes_power and isfinite(own := constant_at(family, point)):
         constants.append(own)
     made = []
     for constant in constants:

@@ -58,8 +58,7 @@ class Tried:
 class LengthSearch:
     """The laws found so far, by the values of the unknowns.
 
-    ``machine`` makes the machine and its wishes from values, and raises a DesignError where there is none; ``tell`` is
-    called with the number of laws searched for so far.
+    ``machine`` makes machine and wishes of values, or raises a DesignError; ``tell`` takes the number of searches.
     """
 
     def __init__(

@@ -38,8 +38,7 @@ MOST_CHORDS, MOST_OF_ONE = 30_000, 25
 """Chords of all curves of a kind together, and of each where there are very many: 3 GB of all that follows, and many
 minutes of a build, which takes four times as long with twice as many.
 
-Teeth of a usual module take some twenty points each; their number grows with the root of module over tolerance.
-"""
+Teeth of a usual module take some twenty points each; their number grows with the root of module over tolerance."""
 
 HALVINGS = 12
 """Rounds of halving chords that stray too far: near a cusp the turning is not seen by the probes."""
@@ -169,8 +168,7 @@ the curve where it ends on it."""
 
 HOLLOW = 0.8
 """Share of the tolerance for which chords of curves that may be hollow are placed.  Where such a curve begins to bulge,
-a chord strays by its sagitta and by the offset of its ends.
-"""
+a chord strays by its sagitta and by the offset of its ends."""
 
 
 def sampled_within(stretch: Stretch, tolerance: Array, material: float) -> tuple[Array, Array]:

@@ -77,13 +77,11 @@ CURVES_SHARE = 0.1
 """Share of the chord tolerance by which curves in files may differ from the exact curves.
 
 The working flanks of an outline have a share of at least 0.15.  So faces and arcs are closer than outlines of chords,
-and gears made from them miss the law by no more.
-"""
+and gears made from them miss the law by no more."""
 
 SAME_IN_MODULES = 3e-8
 """A curve this near to a line or a circle becomes a line or an arc.  It is about the distance at which programs for
-solids merge two points of teeth of module 3.
-"""
+solids merge two points of teeth of module 3."""
 
 SHORTEST_IN_MODULES = 100.0 * SAME_IN_MODULES
 """Curves shorter than this are left out, and the curve before ends where the curve after begins: a face so narrow would
@@ -187,8 +185,7 @@ PROBES = np.array([0.25, 0.5, 0.75])
 
 INSIDE = np.array([1e-9, 1.0 - 1e-9])
 """Shares at which the slopes at both ends are taken.  At a joint of the pitch curve itself the slope may belong to the
-joint's other side; at this distance from the joint the slope is wrong by a billionth.
-"""
+joint's other side; at this distance from the joint the slope is wrong by a billionth."""
 
 
 @dataclass(frozen=True, eq=False)

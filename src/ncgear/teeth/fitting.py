@@ -31,8 +31,7 @@ leave the least flat."""
 
 TURNS = 8
 """Turns of shortening one gear's tips after the other's.  After these turns tips count as fouling at any height; three
-turns are usually enough.
-"""
+turns are usually enough."""
 
 PairTips = tuple[Tips, Tips]
 """The driving and the driven gear's tips."""
@@ -228,3 +227,9 @@ def least_overlap(tips: PairTips) -> float:
     mates = mating_flanks(tips[0].flanks.count // 2, tips[1].flanks.count // 2)
     front, back = (tip.height_mm[flank].reshape(2, -1) for tip, flank in zip(tips, mates, strict=True))
     return float(min(np.min(back[0] + np.roll(front[0], -1)), np.min(front[1] + np.roll(back[1], -1))))
+
+
+def least_contact_ratio(tips: PairTips) -> float:
+    """How many pairs of teeth are in mesh at least: the overlap in pitches."""
+    rack = tips[0].flanks.rack
+    return least_overlap(tips) / (float(rack.slants[0].height_per_rolled) * rack.pitch_mm)

@@ -17,8 +17,7 @@ from ncgear.teeth.tool import RackLine
 
 CLEAR_OF_CUSPS = 0.99
 """Share of the height up to a cusp that is used.  At the cusp the flank's radius of curvature is zero; a hundredth of
-the height before it, the radius is a tenth of the radius at the pitch curve.
-"""
+the height before it, the radius is a tenth of the radius at the pitch curve."""
 
 CLEAR = 1e-9
 """A zero that lies before a fillet's end by less than this share of its rolled length is at the end: rounding."""

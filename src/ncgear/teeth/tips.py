@@ -34,8 +34,7 @@ fitted tips are held against the exact cusp."""
 FAR, FARTHEST = 3.0, 8.0
 """Flanks are followed up to the first number of tip heights; flanks of low tips step by step up to the second number,
 but no farther than flanks of full tips.  On a circle they lean so much that they reach the tip land within 2; where the
-curvature changes on the way they may need more.
-"""
+curvature changes on the way they may need more."""
 
 LOWEST = 0.05
 """Share of a pointed tip's height at which the search for the height of the least land begins."""

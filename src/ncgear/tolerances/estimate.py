@@ -34,8 +34,7 @@ some three milliseconds."""
 
 SHAPE = 16.0
 """Shape of the gamma distribution of the backlash that bores, tilts and teeth need.  Its skewness is 2 / sqrt(SHAPE) =
-0.5: the greatest value at many teeth has a longer tail than a normal distribution.
-"""
+0.5: the greatest value at many teeth has a longer tail than a normal distribution."""
 
 FARTHEST = 12.0
 """Standard deviations above the mean beyond which a gamma distribution of that shape has nothing left to speak of."""

@@ -121,19 +121,14 @@ def loads_of(train: Train, density_kg_m3: float, put: Sequence[PutMass], gravity
         force -= inertia
         moment -= ((center - axis).conj() * inertia).imag + body.kg_mm2 * faster * speed**2
         total += body.kg
-    way = np.sign(_carrier_way(train, poses.angle_rad))
-    around = np.exp(1j * way * driving)
+    carrier = poses.angle_rad[train.number(train.driving)]
+    around = np.exp(1j * np.sign(carrier[-1] - carrier[0]) * driving)
     weight = complex(-np.mean(force * around.conj())) / speed**2
     left = force + weight * speed**2 * around
     # kg mm2/s2 are uN m, kg mm/s2 are mN
     return TrainLoads(
         driving, torque / MM_PER_M**2, force / MM_PER_M, moment / MM_PER_M**2, weight, left / MM_PER_M, total
     )
-
-
-def _carrier_way(train: Train, angles_rad: Array) -> float:
-    turned = angles_rad[train.number(train.driving)]
-    return float(turned[-1] - turned[0])
 
 
 def _derivative(values: ComplexArray, order: int, period: float) -> ComplexArray:

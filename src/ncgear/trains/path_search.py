@@ -21,9 +21,8 @@ from ncgear.trains.tip_path import GRID, NOT_PASSED, Refused, TipMotion, WishedP
 class PathLimits:
     """What the train has to keep: the largest tangent angle of the pitch curves in rad, the teeth, and the lengths.
 
-    Of curvatures times module the gears bear ``CONCAVE`` to ``CONVEX``.  The middle lines of ``arms`` arms, evenly
-    spread, stay ``apart_mm`` from each other.  The carrier's axis is sought between two corners, ``low`` and ``high``,
-    or anywhere where they are None.
+    The middle lines of ``arms`` evenly spread arms stay ``apart_mm`` apart.  The carrier's axis is sought between
+    the corners ``low`` and ``high``, or anywhere where they are None.
     """
 
     tangent_rad: float
@@ -46,8 +45,7 @@ class PathLimits:
 CONCAVE, CONVEX = 0.16, 0.45
 """Curvature times module that teeth bear on dented and on bulging stretches.
 
-Of 144 random pitch curves within these all had gears.
-"""
+Of 144 random pitch curves within these all had gears."""
 
 
 def pair_figures(motion: TipMotion) -> Array:
@@ -232,7 +230,6 @@ def _tool_errors(motion: TipMotion, path: WishedPath) -> Array:
 
 
 def _accepted(found: TipMotion | Refused, path: WishedPath, limits: PathLimits) -> TipMotion:
-    """The motion, or a refusal with where and why and what helps."""
     helps = "another order of the points, more distance between them, a larger tolerance_mm, or leave axis_mm out"
     if isinstance(found, Refused):
         raise NoSuchMechanism(f"no carrier passes the points: {found.words}; {helps}", key="path.points_mm")

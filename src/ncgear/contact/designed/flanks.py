@@ -16,15 +16,13 @@ from ncgear.teeth.gear import ToothedGear, ToothedPair
 
 BEYOND_IN_PITCHES = 0.15
 """Flanks are also solved over this rolled length beyond their ends, so that the ends lie between solved positions.  It
-is three positions long, which also covers the shift by backlash.
-"""
+is three positions long, which also covers the shift by backlash."""
 
 END_IN_MODULES = 1e-9
 """Height beyond its end at which a flank still counts as touching: rounding errors where an end meets a position."""
 
 TOUCHING_IN_PITCHES = 1e-4
-"""Distance that the lightest load closes, so teeth touch with the first teeth: a micrometre for module 3.
-"""
+"""Distance that the lightest load closes, so teeth touch with the first teeth: a micrometre for module 3."""
 
 GAP = 1e-3
 """Share of a step between positions: a pair must part so much before the next pair meets for a gap to count.  Beside

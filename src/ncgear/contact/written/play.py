@@ -25,8 +25,7 @@ always the first reach finds its nearer side.  Where nothing is in reach, or an 
 DEEP_IN_PITCHES = 0.05
 """Overlap from which vertices are followed over the greater reach.  A vertex that is too deep inside for the first
 reach has other vertices beside it, which the first reach shows to be this deep.  This holds if no chord is longer than
-the first reach beyond this depth; where a chord is longer, there is no first reach.
-"""
+the first reach beyond this depth; where a chord is longer, there is no first reach."""
 
 BLOCK = 128
 """Positions treated at once, so few that their arrays stay in the processor's cache."""

@@ -154,8 +154,7 @@ class MotionProgramme:
     def limit_decelerations(self) -> None:
         """Wished decelerations over stretches: the mean over each whole cell, and the deceleration at a dead centre.
 
-        A law that keeps the deceleration at every point also keeps it in the mean, so the rows hold for every such law.
-        They miss the swing of the deceleration within a cell, which is of first order in the step.
+        A law that keeps the deceleration at every point keeps the mean too; the swing within a cell is of first order.
         """
         on = self.on
         for limit in self.asked.requirements(DecelerationWithin):
@@ -250,10 +249,7 @@ class MotionProgramme:
         return self.priced.get(name, LimitedFigure(self.constant(np.ones(1)), 1.0, most))
 
     def _limit_flow(self, name: str, given: Linear) -> None:
-        """The energy given in each cell takes its time at a peak power.
-
-        The product of the power's share and the time lies below both planes of McCormick.
-        """
+        """Cells take their time at a peak power; its share times the time lies below both planes of McCormick."""
         power = self._limit(name)
         if power is None:
             return

@@ -138,10 +138,7 @@ def everywhere(
 
 
 def _leaning(known: Array, angle_rad: Array, steepness: float) -> tuple[Array, Array]:
-    """Greatest q at places from known places, and in the cells, where 1 + s changes by exp(t d) at most over d rad.
-
-    With a negative steepness, the least q.
-    """
+    """Greatest q at places and in cells where 1 + s changes by exp(t d) over d rad; the least where t is negative."""
     sign = 1.0 if steepness > 0.0 else -1.0
     far, height = abs(steepness) * angle_rad, sign * np.log1p(np.sqrt(known))
     onward = np.minimum.accumulate(height - far) + far
