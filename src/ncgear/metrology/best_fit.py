@@ -176,15 +176,13 @@ def nearness_mm(outline: ExactOutline, points: ComplexArray, probe_mm: float) ->
 
 
 def _nearness_mm(outline: ExactOutline, points: ComplexArray, probe_mm: float, pose: Pose) -> float:
-    away = np.minimum(np.abs(outline.near_mm(pose.of_gear(points)) - probe_mm), _astray_mm(outline))
+    astray = ASTRAY_IN_MODULES * outline.gear.flanks.rack.module_mm
+    away = np.minimum(np.abs(outline.near_mm(pose.of_gear(points)) - probe_mm), astray)
     return sqrt(float(np.mean(away**2)))
 
 
 def _beginnings(outline: ExactOutline, points: ComplexArray, probe_mm: float, rigid: bool) -> list[Pose]:
-    """The poses from which fits are made: the best of many, each better than those beside it.
-
-    With ``rigid`` the axis is looked for too where the middle of the points says that it is.
-    """
+    """The poses from which fits are made, the best of many; if ``rigid`` also about the middle of the points."""
     poses = _chosen(_begun(outline, points, probe_mm))
     return poses + (_chosen(_begun(outline, points, probe_mm, by_middle=True)) if rigid else [])
 
@@ -201,19 +199,12 @@ def _chosen(begun: list[tuple[float, Pose]]) -> list[Pose]:
 def _begun(
     outline: ExactOutline, points: ComplexArray, probe_mm: float, *, by_middle: bool = False
 ) -> list[tuple[float, Pose]]:
-    """Poses at many angles from -pi to pi, each with its nearness; angle 0 is one of them.
-
-    The axis is at the origin or, by the middle, where the mean of the points is that of the outline.
-    """
+    """Poses at many angles from -pi to pi, 0 among them, and their nearness; the axis at 0 or by the points' mean."""
     count = BEGUN_PER_TOOTH * (outline.gear.flanks.count // 2)
     angles = [step * 2.0 * pi / count for step in range(-(count // 2), count - count // 2)]
     middle, own = (complex(points.mean()), outline.middle_mm) if by_middle else (0j, 0j)
     poses = [Pose(angle, middle - own * complex(np.exp(1j * angle))) for angle in angles]
     return [(_nearness_mm(outline, points, probe_mm, pose), pose) for pose in poses]
-
-
-def _astray_mm(outline: ExactOutline) -> float:
-    return ASTRAY_IN_MODULES * outline.gear.flanks.rack.module_mm
 
 
 def _fitted(
@@ -308,4 +299,4 @@ def on_flanks(outline: ExactOutline, feet: Feet) -> Mask:
 
 def is_astray(outline: ExactOutline, feet: Feet) -> Mask:
     """Which points are so far from the outline that they are of bore, hub or something else."""
-    return np.abs(feet.distance_mm) >= _astray_mm(outline)
+    return np.abs(feet.distance_mm) >= ASTRAY_IN_MODULES * outline.gear.flanks.rack.module_mm

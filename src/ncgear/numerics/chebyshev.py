@@ -135,10 +135,7 @@ class Cells:
 
 
 def cells_of(form: PiecewiseChebyshev) -> Cells:
-    """The cells of a form of several columns; its polynomials are halved until ``CELL_DEGREE`` is enough.
-
-    Halving a polynomial divides its coefficient of degree k by about 2^k, so few rounds are enough.
-    """
+    """The cells of a form of several columns, whose polynomials are halved until ``CELL_DEGREE`` is enough."""
     degree = len(form.coefficients) - 1
     both = halves(degree)
     left, right, series = form.breaks[:-1], form.breaks[1:], form.coefficients
@@ -160,10 +157,7 @@ def cells_of(form: PiecewiseChebyshev) -> Cells:
 
 @cache
 def halves(degree: int) -> tuple[Array, Array]:
-    """Matrices from the coefficients of a series to those of its left and its right half, (degree + 1) square each.
-
-    T_k((x -+ 1) / 2) follows from the recurrence of Chebyshev polynomials; all numbers are exact.
-    """
+    """Matrices from a series' coefficients to those of its halves, by the recurrence of T_k((x -+ 1) / 2); exact."""
     both = []
     for side in (-1.0, 1.0):
         columns = [np.eye(degree + 1)[0], np.array([side / 2.0, 0.5, *[0.0] * (degree - 1)])]
@@ -178,8 +172,8 @@ def halves(degree: int) -> tuple[Array, Array]:
 def falls_below(series: Array, level: float) -> bool:
     """Whether a function falls below a level somewhere; its coefficients on panels have shape (degree + 1, m).
 
-    Panels are halved until their coefficients prove them above it, or an end is below it.  What is neither after
-    ``HALVINGS`` touches the level but for rounding errors, and counts as above.
+    Panels are halved until coefficients or an end tell; what still touches the level after ``HALVINGS`` counts as
+    above.
     """
     both = halves(len(series) - 1)
     for _ in range(HALVINGS):

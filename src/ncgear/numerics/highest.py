@@ -79,10 +79,10 @@ class _Intervals(Columns):
 
 
 def largest_of_each(functions: Callable[[Array], Array], places: Array, missed: Array | float = 0.0) -> list[Extremum]:
-    """The largest value of each of q functions between the first and the last of rising places, shape (n,), n > 1.
+    """The largest value of each of q functions between rising places, (n,), n > 1; one-sided limits at jumps count.
 
-    ``functions`` maps places (shape (m,)) to values (shape (q, m)).  One-sided limits at jumps count.  Largest
-    values are known to the share EVEN of themselves, or to ``missed`` where this is more, shape (q,) or one for all.
+    ``functions`` maps places (m,) to values (q, m).  Values are known to EVEN of themselves, or to ``missed``, (q,)
+    or one.
     """
     values = _evaluated(functions, places)
     return largest_from(functions, places, values, np.broadcast_to(missed, len(values)))

@@ -69,10 +69,6 @@ class Jet:
         """The same series cut at ``order``."""
         return Jet(self.coefficients[: order + 1])
 
-    def compressed(self, mask: Mask) -> Jet:
-        """The series at the points where ``mask`` (shape (n,)) is true."""
-        return Jet(self.coefficients[:, mask])
-
     def __neg__(self) -> Jet:
         return Jet(-self.coefficients)
 
@@ -255,10 +251,7 @@ def arctan2(sine_side: Jet, cosine_side: Jet) -> Jet:
 
 
 def polynomial(coefficients: Sequence[float] | Array, argument: Jet) -> Jet:
-    """Polynomial with ``coefficients`` from the constant term upwards, by Horner's rule.
-
-    ``coefficients`` have shape (m,), or (m, n) where each point has a polynomial of its own.
-    """
+    """Polynomial by Horner, ``coefficients`` from the constant term up, (m,), or (m, n) for one of each point."""
     if len(coefficients) == 1:
         return argument * 0.0 + coefficients[0]
     result = argument * coefficients[-1] + coefficients[-2]

@@ -59,10 +59,7 @@ def turned(vectors: Array, angle_rad: Array) -> Array:
 
 
 def signed_area(ring: Array) -> Array:
-    """Areas, shape (...), of closed polygons, shape (..., n, 2), whose first point is not repeated.
-
-    The area is positive where the points run counter-clockwise.
-    """
+    """Areas, (...), of closed polygons, (..., n, 2), first point not repeated; positive counter-clockwise."""
     x, y = ring[..., 0], ring[..., 1]
     return np.asarray(np.sum(x * np.roll(y, -1, axis=-1) - y * np.roll(x, -1, axis=-1), axis=-1) / 2.0)
 
@@ -100,10 +97,7 @@ class Vector:
 
 
 def bow_middles(points: Array, bulges: Array) -> Array:
-    """Middles of the lines and arcs of a closed contour, shape (n, 2), whose points (n, 2) are not repeated.
-
-    ``bulges`` (n,) are the tangents of a quarter of the angle that each turns by, positive counter-clockwise.
-    """
+    """Middles of lines and arcs of a closed contour, (n, 2), by points (n, 2) and bulges (n,) (teeth/arcs.py)."""
     chord = np.roll(points, -1, axis=0) - points
     across = np.stack([chord[:, 1], -chord[:, 0]], axis=1)
     return np.asarray(points + (chord + bulges[:, None] * across) / 2.0)

@@ -112,10 +112,7 @@ class Sought(NamedTuple):
 
 
 def extremes(sought: Sequence[Sought]) -> list[Array]:
-    """The largest value, with any of the signs, over all functions of each owner, shape (n,) for each that is sought.
-
-    Functions that count have finite values.  Without any function results are minus infinity.
-    """
+    """The largest value with any of the signs of each owner's functions, (n,) for each sought; -inf without any."""
     best, chosen, owners = list[Array](), list[Array](), list[IndexArray]()
     for functions, there, signs, limit in sought:
         ends = [np.where(there, functions.high if sign > 0.0 else -functions.low, -np.inf) for sign in signs]
@@ -132,10 +129,7 @@ def extremes(sought: Sequence[Sought]) -> list[Array]:
 
 
 def turning_points(values: Array) -> tuple[IndexArray, Array, Array]:
-    """Both ends of each function (shape (count, r)) and the places between where its slope changes its sign.
-
-    The function's number, the place in [0, 1] and the value there, shape (k,) each.
-    """
+    """Both ends of functions (count, r) and places of slopes' changes of sign: number, place in [0, 1], value; (k,)."""
     slopes = _slopes(len(values)) @ values
     place, row = np.nonzero((slopes[:-1] > 0.0) != (slopes[1:] > 0.0))
     at, there = _turned(values[:, row], slopes, row, place)

@@ -73,19 +73,12 @@ class _Chords(Columns):
 
     @cached_property
     def tilt(self) -> Array:
-        """Slopes of the curves there off the chords, by the share of the chord.
-
-        A cubic goes to both sides of its chord if that is more than twice the distance.
-        """
+        """Slopes of the curves off the chords there; with more than twice ``off`` a cubic goes to both sides."""
         return along(self.across, self.middle_slope) * (self.high - self.low)
 
     @cached_property
     def strayed(self) -> Array:
-        """How far curves stray at most from their chords.
-
-        Across the chord the curve is taken as a cubic that starts and ends on the chord: with the distance d and the
-        slope d' in the middle, it strays by sqrt(d^2 + d'^2 / 8) or less.
-        """
+        """How far curves stray at most from chords: a cubic over the chord strays by sqrt(d^2 + d'^2 / 8) or less."""
         return np.sqrt(self.off**2 + self.tilt**2 / 8.0)
 
     @cached_property
@@ -133,10 +126,7 @@ def _chords(stretch: Stretch, row: IndexArray, share: Array) -> _Chords:
 
 
 def _near(stretch: Stretch, chords: _Chords, allowed: Array, tolerance: Array) -> _Chords:
-    """The chords, halved until none strays too far from its curve.
-
-    A given chord may stray by its ``allowed``, a halved chord by the tolerance of its row.
-    """
+    """The chords, halved until none strays too far: a given chord by its ``allowed``, a half by its row's tolerance."""
     for _ in range(HALVINGS):
         cut = np.nonzero(chords.strayed > allowed)[0]
         if not cut.size:
@@ -153,10 +143,7 @@ def _written(stretch: Stretch, chords: _Chords, off: ComplexArray | float) -> tu
 
 
 def sampled(stretch: Stretch, tolerance: Array) -> tuple[Array, Array]:
-    """Points of a stretch, without the last point of each curve, and keys that order them along the outline.
-
-    No chord strays farther from its curve than the tolerance of its row, shape (n,).
-    """
+    """Points of a stretch without the last of each curve, within each row's tolerance (n,), and their keys."""
     chords = _placed(stretch, tolerance)
     return _written(stretch, _near(stretch, chords, tolerance[chords.row], tolerance), 0.0)
 
@@ -205,10 +192,10 @@ def _both_sides(chords: _Chords, material: float) -> tuple[Array, Array]:
 
 
 def straddled(stretch: Stretch, tolerance: Array) -> tuple[Array, Array]:
-    """As ``sampled``, with chords that stray to both sides of the curves, by at most the tolerance.
+    """As ``sampled``, with chords that stray to both sides of the curves, by at most the tolerance, and so are longer.
 
-    A chord may then be longer by the square root of 2.  Points stand off the curves by half of the chords' sagitta;
-    the ends of the curves, and points where a curve bends the other way, are on the curves.
+    Points stand off the curves by half of the chords' sagitta, but for ends of curves and places where a curve
+    bends the other way.
     """
     chords = _placed(stretch, 2.0 * tolerance)
     most = tolerance[chords.row]
@@ -225,11 +212,7 @@ def straddled(stretch: Stretch, tolerance: Array) -> tuple[Array, Array]:
 
 
 def _standing_off(chords: _Chords, sagitta: Array, most: Array) -> Array:
-    """How far to the left of its curve each chord's beginning is put: half the smaller sagitta of the chords beside it.
-
-    At ``most`` as far as given; zero at the beginning of a row, and where the two chords lie on different sides of the
-    curve.
-    """
+    """How far to the left of its curve each chord's beginning is put: half the smaller sagitta, or ``most``."""
     before = np.roll(sagitta, 1)
     inner = ~chords.is_first & (before * sagitta > 0.0)
     off = np.minimum(np.minimum(np.abs(before), np.abs(sagitta)) / 2.0, most)
@@ -268,7 +251,6 @@ class TooManyChords(WrongInput):
 
 
 def _refuse_too_many(needed: Array, rows: IndexArray) -> None:
-    """Raise TooManyChords for the kind of curves that most exceeds the number of chords."""
     most = np.maximum(MOST_CHORDS, MOST_OF_ONE * rows)
     if np.any(needed > most):
         worst = int(np.argmax(needed / most))
@@ -296,10 +278,7 @@ def _most_needed(stretch: Stretch, tolerance: Array) -> Array:
 
 
 def _chords_needed(stretch: Stretch, rows: IndexArray, tolerance: Array) -> Array:
-    """Number of chords needed from the start of each of m rows to each of its probes, shape (m, PROBES).
-
-    The curves' slopes give the turning from probe to probe exactly.
-    """
+    """Number of chords needed from the start of each of m rows to each of its probes, shape (m, PROBES)."""
     needed = np.zeros((rows.size, PROBES))
     if rows.size:
         shares = np.broadcast_to(SHARES, needed.shape)

@@ -28,10 +28,9 @@ numbers left to tell its sides apart."""
 
 
 def regular_height(flanks: Flanks, limit_mm: float | Array, which: IndexArray | None = None) -> Array:
-    """Height over the pitch line, at most ``limit_mm``, up to which all or the numbered flanks are regular.
+    """Height over the pitch line, at most ``limit_mm`` (n,), up to which all or the numbered flanks are regular.
 
-    Both limits and heights have shape (n,); a single limit holds for all flanks.  Raises NoSuchMechanism where the
-    pitch curve bends many times along the height of one tooth.
+    Raises NoSuchMechanism where the pitch curve bends many times along the height of one tooth.
     """
     return _reach(flanks, limit_mm, 1.0, which)
 
@@ -76,11 +75,7 @@ def folded_fillets(flanks: Flanks) -> Mask:
 
 
 def _never_folds(flanks: Flanks) -> bool:
-    """Whether both terms of the fillets' condition are positive for certain.
-
-    They are where the roundings stand below the pitch line, and the tool is either the mate, whose curve rolls with a
-    positive sum of curvatures, or a rack on a curve without a concave stretch.
-    """
+    """Whether no fillet folds: roundings below the pitch line, cut by the mate or by a rack without dents."""
     below = flanks.flank_depth_mm > flanks.root_radius_mm * flanks.slant.sine
     mated = isinstance(flanks.tool, ClosedPitchCurve)
     straight = isinstance(flanks.tool, RackLine) and not flanks.curve.is_dented
@@ -88,9 +83,7 @@ def _never_folds(flanks: Flanks) -> bool:
 
 
 def _joints(flanks: Flanks) -> Array:
-    """Arc lengths between which a polynomial follows the rolling curve: its curvature and the slope of the curvature
-    may jump there.
-    """
+    """Arc lengths at which the rolling curve's curvature or the slope of the curvature may jump."""
     return np.empty(0) if flanks.equivalent else flanks.curve.panels_around_mm
 
 
