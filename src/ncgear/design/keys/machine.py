@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from math import inf
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from ncgear.design.keys.base import Model, fault, given, optional, require, require_rising, required
+from ncgear.design.keys.base import Faults, Model, fault, given, not_rising, optional, required, unkept
 from ncgear.design.keys.types import (
     CSV_FILE,
     FORMULA,
@@ -57,11 +57,9 @@ class Published(Model):
         scaled = {key: getattr(self, key) * factor ** FIGURES[key] for key in given(self, FIGURES)}
         return self.model_copy(update={"speed_rpm": speed_rpm, **scaled})
 
-    @model_validator(mode="after")
-    def _figures(self) -> Self:
+    def _faults(self) -> Faults:
         if not given(self, FIGURES):
-            raise fault("", f"no figure to compare; give at least one of {listed(FIGURES)}")
-        return self
+            yield fault("", f"no figure to compare; give at least one of {listed(FIGURES)}")
 
 
 class Comparison(Model):
@@ -90,16 +88,14 @@ class LoadTable(Model):
     COLUMNS: ClassVar[tuple[str, str]]
     """The keys of the places and of the loads."""
 
-    @model_validator(mode="after")
-    def _columns(self) -> Self:
+    def _faults(self) -> Faults:
         for key in self.COLUMNS:
             if getattr(self, key) is None:
                 needed = listed(self.COLUMNS, "and")
-                raise fault(key, f"missing; give it: a table needs {needed}, or a file that has both")
+                yield fault(key, f"missing; give it: a table needs {needed}, or a file that has both")
         places, loads = self.COLUMNS
-        require(self, f"{loads} as many as {places}")
-        require_rising(places, getattr(self, places), NEAREST_MM, f"{label_and_unit(places)[0]}s")
-        return self
+        yield from unkept(self, f"{loads} as many as {places}")
+        yield from not_rising(places, getattr(self, places), NEAREST_MM, f"{label_and_unit(places)[0]}s")
 
 
 class ResistanceTable(LoadTable):
@@ -133,11 +129,9 @@ class Load(Model):
     FRICTION: ClassVar[str] = ""
     """The key of a load against either sense of motion; with it, or with a load on the way back, no form is needed."""
 
-    @model_validator(mode="after")
-    def _one_form(self) -> Self:
+    def _faults(self) -> Faults:
         beside = getattr(self, "returning", None) is not None or self.FRICTION in self.model_fields_set
-        require(self, f"{'at most one' if beside else 'one'} of {' '.join(self.FORMS)}")
-        return self
+        yield from unkept(self, f"{'at most one' if beside else 'one'} of {' '.join(self.FORMS)}")
 
 
 class TurningLoad(Load):

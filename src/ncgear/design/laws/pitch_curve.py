@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal
 
-from pydantic import model_validator
-
-from ncgear.design.keys.base import angle, fault, given, optional, required
+from ncgear.design.keys.base import Faults, angle, fault, given, optional, required
 from ncgear.design.keys.pitch_shapes import (
     HIGHEST_DEGREE,
     KEY,
@@ -152,24 +150,22 @@ class PitchCurve(LawKeys):
         """The key of the shape whose value is found; empty for the centre distance and the scale."""
         return self._shape.solvable.get(self.solve_for, "") if self._shape else ""
 
-    @model_validator(mode="after")
-    def _one_unknown(self) -> Self:
+    def _faults(self) -> Faults:
         shape, wanted = given(self, SHAPES)[0], self.solve_for
         solvable: Mapping[str, str] = self._shape.solvable if self._shape else {}
         if wanted not in ("center_distance", "scale", *solvable):
             names = listed(("center_distance", "scale", *solvable))
-            raise fault("solve_for", f"{wanted} given, but {shape} has none; {names} is right")
+            yield fault("solve_for", f"{wanted} given, but {shape} has none; {names} is right")
         if wanted == "center_distance" and self.center_distance_mm is not None:
-            raise fault("center_distance_mm", "given, but solve_for finds it; leave it out")
+            yield fault("center_distance_mm", "given, but solve_for finds it; leave it out")
         if wanted not in ("center_distance", "scale") and self.center_distance_mm is None:
-            raise fault("", "center_distance_mm is missing; only solve_for: center_distance or scale can do without it")
+            yield fault("", "center_distance_mm is missing; only solve_for: center_distance or scale can do without it")
         for name, key in solvable.items():
             value = getattr(self._shape, key)
             if name == wanted and value is not None:
-                raise fault(f"{shape}.{key}", f"{value:g} given, but solve_for finds it; leave it out")
+                yield fault(f"{shape}.{key}", f"{value:g} given, but solve_for finds it; leave it out")
             if name != wanted and value is None:
-                raise fault(shape, f"{key} is missing; only solve_for: {name} can do without it")
-        return self
+                yield fault(shape, f"{key} is missing; only solve_for: {name} can do without it")
 
     def law_on(self, linkage: Mechanism, lobes: Lobes, *, ring: bool = False) -> Law:
         """The law with its centre distance, and what was found as facts."""

@@ -5,11 +5,9 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 from math import radians
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal
 
-from pydantic import model_validator
-
-from ncgear.design.keys.base import fault, optional, required
+from ncgear.design.keys.base import Faults, fault, optional, required
 from ncgear.design.keys.types import FORMULA, SMOOTH_LAW, Expression
 from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawNumber, RangeDeg
 
@@ -74,13 +72,11 @@ class RatioExpression(LawKeys):
         "out: gears that turn on and on"
     )
 
-    @model_validator(mode="after")
-    def _one_formula(self) -> Self:
+    def _faults(self) -> Faults:
         if self.range_deg is not None and self.scale_to_close:
-            raise fault("scale_to_close", "true, but the gears turn over range_deg and do not close; leave it out")
+            yield fault("scale_to_close", "true, but the gears turn over range_deg and do not close; leave it out")
         if self.scale_to_close and self.ratio is None:
-            raise fault("scale_to_close", "true, but there is no ratio to scale; leave it out, or give ratio")
-        return self
+            yield fault("scale_to_close", "true, but there is no ratio to scale; leave it out, or give ratio")
 
     @property
     def is_open(self) -> bool:

@@ -2,11 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from ncgear.design.keys.base import FULL_TURN, angle, fault, given, key_of, optional, require, require_rising, required
+from ncgear.design.keys.base import (
+    FULL_TURN,
+    Faults,
+    angle,
+    fault,
+    given,
+    key_of,
+    not_rising,
+    optional,
+    required,
+    unkept,
+)
 from ncgear.design.keys.types import CSV_FILE, FileName, Numbers
 from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawPoint
 from ncgear.design.words import spellings
@@ -48,23 +59,19 @@ class TableLaw(LawKeys):
         "true: multiply the ratio by the constant that makes the driven gear come round", False
     )
 
-    @model_validator(mode="after")
-    def _columns(self) -> Self:
+    def _columns(self) -> Faults:
         if self.scale_to_close and self.ratio is None:
-            raise fault("scale_to_close", "true, but there is no ratio to scale; leave it out, or give ratio")
-        require(self, f"{given(self, VALUE_COLUMNS)[0]} as many as {key_of(self, 'phi1')}")
-        return self
+            yield fault("scale_to_close", "true, but there is no ratio to scale; leave it out, or give ratio")
+        yield from unkept(self, f"{given(self, VALUE_COLUMNS)[0]} as many as {key_of(self, 'phi1')}")
 
-    @model_validator(mode="after")
-    def _angles_rise_within_a_turn(self) -> Self:
+    def _angles_rise_within_a_turn(self) -> Faults:
         key = key_of(self, "phi1")
         angles: tuple[float, ...] = getattr(self, key)
         turn = FULL_TURN[key.removeprefix("phi1_")]
         for i, one in enumerate(angles):
             if not 0.0 <= one <= turn:
-                raise fault(f"{key}.{i}", f"{one:g} is outside the cycle; 0 to {shown_below(turn)} is right")
-        require_rising(key, angles, NEAREST_TURNS * turn)
-        return self
+                yield fault(f"{key}.{i}", f"{one:g} is outside the cycle; 0 to {shown_below(turn)} is right")
+        yield from not_rising(key, angles, NEAREST_TURNS * turn)
 
     @property
     def gives_slider(self) -> bool:

@@ -12,9 +12,9 @@ from abc import abstractmethod
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Protocol, Self, TypeVar
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from ncgear.design.keys.base import Model, fault, optional, required
+from ncgear.design.keys.base import Faults, Model, fault, optional, required
 from ncgear.design.keys.types import LONGEST_MM, Positive
 
 if TYPE_CHECKING:
@@ -115,18 +115,17 @@ class WishKeys(Model):
         """The weight of a soft wish; None for a hard one."""
         return None if self.hard else self.weight or 1.0
 
-    @model_validator(mode="after")
-    def _weight_of_the_soft(self) -> Self:
+    def _faults(self) -> Faults:
         if self.hard and self.weight is not None:
-            raise fault("weight", "given, but the wish is hard; hard: false is right with a weight, or leave it out")
-        return self
+            yield fault("weight", "given, but the wish is hard; hard: false is right with a weight, or leave it out")
 
     def refuse(self, key: str, on: On) -> None:
         """Refuse what else no motion can do, by a WrongInput."""
 
     @classmethod
-    def require_agreement(cls, own: Sequence[Self]) -> None:
-        """Refuse wishes of the kind that contradict each other by a fault, whose key counts from ``wishes``."""
+    def disagreements(cls, own: Sequence[Self]) -> Faults:
+        """What contradicts each other among wishes of the kind; keys count from ``wishes``."""
+        yield from ()
 
     @classmethod
     def refuse_together(cls, wishes: Wished, on: On) -> None:

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from ncgear.design.keys.base import Model, optional
+from ncgear.design.keys.base import Faults, Model, optional
 from ncgear.design.keys.types import Several
 from ncgear.design.wishes.base import Kind
 from ncgear.design.wishes.registry import KINDS
@@ -44,11 +44,9 @@ class Wishes(KeysOfKinds):
             return several
         return () if found is None else (found,)
 
-    @model_validator(mode="after")
-    def _each_kind_agrees(self) -> Self:
+    def _faults(self) -> Faults:
         for kind in KINDS:
-            kind.require_agreement(self.of(kind))
-        return self
+            yield from kind.disagreements(self.of(kind))
 
 
 class TurningWishes(Wishes, turns=True):
