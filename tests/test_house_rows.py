@@ -131,25 +131,21 @@ def swung_angle(swing, lobes, phi1, order):
     return (around - swing * jet.sin_cos(around)[0]) * (1.0 / lobes.driven)
 ''',
         "design/laws/dummy.py": '''\
-from typing import Literal
-
 from ncgear.design.keys.base import required
-from ncgear.design.laws.base import Begins, DesignLaw, LawKeys
+from ncgear.design.laws.base import Begins, LawKeys
 
 
 class Dummy(LawKeys):
     """A swing about an even ratio."""
 
-    law: Literal["dummy"] = required("the name of this law: dummy")
+    CHOICE = "a swing about an even ratio"
+    BEGINS = Begins.FORMULA
     swing: float = required("swing of the inverse ratio, 0 to under 1", ge=0.0, lt=1.0)
 
     def transmission(self, linkage, lobes):
         from ncgear.ratio.laws.dummy import swung_law
 
         return swung_law(self.swing, lobes)
-
-
-LAW = DesignLaw(keys=Dummy, choice="a swing about an even ratio", begins=Begins.FORMULA)
 ''',
         "design/templates/laws/dummy.yaml": "motion:                    # a swing\n  law: dummy\n  swing: 0.25\n",
     },

@@ -16,7 +16,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from ncgear.design.keys.design import Design, design_models
-from ncgear.design.laws.registry import DEFAULT_LAW, LawName, design_law
+from ncgear.design.laws.registry import DEFAULT_LAW, LawName, law_keys
 from ncgear.design.reading.messages import fields_of, models_in
 from ncgear.design.reading.places import Document
 from ncgear.design.reading.yaml import read_yaml
@@ -310,7 +310,7 @@ def _value(key: Key, root: type[Any]) -> str:
 
 def _known(key: Key) -> str:
     """The example of a key from its law, or from KNOWN by the longest end of its path; empty where there is none."""
-    if key.law and key.name in (examples := design_law(LawName(key.law)).examples):
+    if key.law and key.name in (examples := law_keys(LawName(key.law)).EXAMPLES):
         return examples[key.name]
     ends = [end for end in KNOWN if f".{key.path}".endswith(f".{end}")]
     return KNOWN[max(ends, key=len)] if ends else ""

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
-from ncgear.design.keys.base import Faults, angle, fault, given, optional, required
+from ncgear.design.keys.base import Faults, angle, fault, given, optional
 from ncgear.design.keys.pitch_shapes import (
     HIGHEST_DEGREE,
     KEY,
@@ -22,7 +22,7 @@ from ncgear.design.keys.pitch_shapes import (
     drawn_points,
 )
 from ncgear.design.keys.types import FORMULA, Expression, Length
-from ncgear.design.laws.base import Begins, DesignLaw, LawKeys
+from ncgear.design.laws.base import Begins, LawKeys
 from ncgear.design.words import listed
 from ncgear.errors import WrongInput
 
@@ -52,9 +52,21 @@ SHAPES = (
 class PitchCurve(LawKeys):
     """The pitch curve of one gear, by a formula, points, a drawing or a named shape; the mate rolls on it."""
 
+    CHOICE = "the pitch curve of one gear, whose mate follows"
+    BEGINS = Begins.SHAPE
+    EXAMPLES: ClassVar[dict[str, str]] = {
+        "expression_mm": '"30 + 4*cos(phi)"',
+        "points": "{file: points.csv, tolerance_mm: 0.05}",
+        "b_spline": "{x_mm: [30, 0, -30, 0], y_mm: [0, 20, 0, -20]}",
+        "dxf": "{file: contour.dxf, unit: mm}",
+        "svg": "{file: contour.svg}",
+        "picture": "{file: silhouette.png, width_mm: 60, tolerance_mm: 0.1}",
+        "modified_ellipse": "{semi_latus_rectum_mm: 30, eccentricity: 0.3, modification: 1.2}",
+        "rounded_polygon": "{sides: 4, side_mm: 130, corner_radius_mm: 25}",
+    }
+    NARROWER_RATIO = "bring the axis nearer to the middle of the curve, or make the curve rounder"
     RULES = (f"one of {' '.join(SHAPES)}",)
 
-    law: Literal["pitch_curve"] = required("the name of this law: pitch_curve")
     gear: Literal["driving", "driven"] = optional("the gear whose pitch curve is given", "driving")
     expression_mm: Expression | None = optional(
         "radius in mm where the curve faces the mate, as a formula of phi (= the angle in rad, 0 to 2 pi, "
@@ -224,21 +236,3 @@ class PitchCurve(LawKeys):
             assert self._shape is not None
             curve = self._shape.curve(key)
         return lambda _: curve, None, facts
-
-
-LAW = DesignLaw(
-    keys=PitchCurve,
-    choice="the pitch curve of one gear, whose mate follows",
-    begins=Begins.SHAPE,
-    examples={
-        "expression_mm": '"30 + 4*cos(phi)"',
-        "points": "{file: points.csv, tolerance_mm: 0.05}",
-        "b_spline": "{x_mm: [30, 0, -30, 0], y_mm: [0, 20, 0, -20]}",
-        "dxf": "{file: contour.dxf, unit: mm}",
-        "svg": "{file: contour.svg}",
-        "picture": "{file: silhouette.png, width_mm: 60, tolerance_mm: 0.1}",
-        "modified_ellipse": "{semi_latus_rectum_mm: 30, eccentricity: 0.3, modification: 1.2}",
-        "rounded_polygon": "{sides: 4, side_mm: 130, corner_radius_mm: 25}",
-    },
-    narrower_ratio="bring the axis nearer to the middle of the curve, or make the curve rounder",
-)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 from math import radians
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
-from ncgear.design.keys.base import Faults, fault, optional, required
+from ncgear.design.keys.base import Faults, fault, optional
 from ncgear.design.keys.types import FORMULA, SMOOTH_LAW, Expression
-from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawNumber, RangeDeg
+from ncgear.design.laws.base import Begins, LawKeys, LawNumber, RangeDeg
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -52,9 +52,10 @@ def _is_whole(node: ast.AST) -> bool:
 class RatioExpression(LawKeys):
     """A law written as a formula of phi1: the transmission ratio, or the driven angle."""
 
+    CHOICE = "the ratio of the gears as a formula of the driving angle"
+    BEGINS = Begins.FORMULA
     RULES = ("one of ratio driven_angle",)
 
-    law: Literal["ratio_expression"] = required("the name of this law: ratio_expression")
     ratio: Expression | None = optional(
         'transmission ratio i12 = dphi1/dphi2 as a formula of phi (= phi1 in rad): "1 + 0.3*cos(phi)", '
         f"{FORMULA}; {SMOOTH_LAW}"
@@ -110,10 +111,3 @@ class RatioExpression(LawKeys):
         if self.is_open:
             return {"ratio": f"({self.ratio})**{share:g}"}
         return {"ratio": f"({self.ratio})**{share:g}", "scale_to_close": True}
-
-
-LAW = DesignLaw(
-    keys=RatioExpression,
-    choice="the ratio of the gears as a formula of the driving angle",
-    begins=Begins.FORMULA,
-)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from math import pi
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
 from pydantic import Field
 
@@ -20,7 +20,7 @@ from ncgear.design.keys.base import (
     unkept,
 )
 from ncgear.design.keys.types import Numbers, Positive, Several
-from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawPoint
+from ncgear.design.laws.base import Begins, LawKeys, LawPoint
 from ncgear.numerics.bounds import shown_below
 
 if TYPE_CHECKING:
@@ -50,9 +50,14 @@ class SecondStageRatios(Model):
 class SplineRatio(LawKeys):
     """The logarithm of the ratio as a smooth curve over the driven angle; the cycle is closed by a common factor."""
 
+    CHOICE = "the ratio as a smooth curve over the driven angle"
+    BEGINS = Begins.POINTS
+    EXAMPLES: ClassVar[dict[str, str]] = {
+        "driven_angle_rad": "[0, 1.5, 3, 4.5]",
+        "driven_angle_pi": "[0, 0.5, 1, 1.5]",
+    }
     RULES = ("second_stage.ratio as many as ratio",)
 
-    law: Literal["spline_ratio"] = required("the name of this law: spline_ratio")
     ratio: Ratios = required(
         "transmission ratios i12 = dphi1/dphi2 at the driven angles, up to a common factor that closes the cycle"
     )
@@ -117,14 +122,3 @@ class SplineRatio(LawKeys):
         if self.second_stage is not None:
             return {}
         return {"ratio": tuple(value**share for value in self.ratio)}
-
-
-LAW = DesignLaw(
-    keys=SplineRatio,
-    choice="the ratio as a smooth curve over the driven angle",
-    begins=Begins.POINTS,
-    examples={
-        "driven_angle_rad": "[0, 1.5, 3, 4.5]",
-        "driven_angle_pi": "[0, 0.5, 1, 1.5]",
-    },
-)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 from pydantic import Field
 
@@ -15,11 +15,10 @@ from ncgear.design.keys.base import (
     key_of,
     not_rising,
     optional,
-    required,
     unkept,
 )
 from ncgear.design.keys.types import CSV_FILE, FileName, Numbers
-from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawPoint
+from ncgear.design.laws.base import Begins, LawKeys, LawPoint
 from ncgear.design.words import spellings
 from ncgear.errors import WrongInput
 from ncgear.numerics.bounds import shown_below
@@ -40,12 +39,20 @@ VALUE_COLUMNS = ("displacement_mm", "displacement_deg", "ratio")
 Column = Annotated[Numbers, Field(min_length=FEWEST_POINTS, max_length=MOST_POINTS)]
 
 
-class TableLaw(LawKeys):
+class Table(LawKeys):
     """Points of the law. Points from a CSV file stand in the same columns once the file is loaded."""
 
+    CHOICE = "the ratio or the displacement point by point"
+    BEGINS = Begins.POINTS
+    EXAMPLES: ClassVar[dict[str, str]] = {
+        "phi1_rad": "[0, 1.5, 3, 4.5]",
+        "phi1_deg": "[0, 90, 180, 270]",
+        "phi1_pi": "[0, 0.5, 1, 1.5]",
+        "displacement_mm": "[0, 380, 760, 380]",
+        "displacement_deg": "[0, 20, 40, 20]",
+    }
     RULES = (f"one of {' '.join(VALUE_COLUMNS)}",)
 
-    law: Literal["table"] = required("the name of this law: table")
     phi1: tuple[float, ...] = angle(
         "driving angles {unit}, strictly rising, 0 to {turn}", needed=True, of=Column, absent=()
     )
@@ -113,17 +120,3 @@ class TableLaw(LawKeys):
             displacement = np.array(places) / linkage.OUTPUT.place.factor
             return displacement_table_law(phi1, displacement, linkage, lobes)
         return ratio_table_law(phi1, np.array(self.ratio), lobes, scale_to_close=self.scale_to_close)
-
-
-LAW = DesignLaw(
-    keys=TableLaw,
-    choice="the ratio or the displacement point by point",
-    begins=Begins.POINTS,
-    examples={
-        "phi1_rad": "[0, 1.5, 3, 4.5]",
-        "phi1_deg": "[0, 90, 180, 270]",
-        "phi1_pi": "[0, 0.5, 1, 1.5]",
-        "displacement_mm": "[0, 380, 760, 380]",
-        "displacement_deg": "[0, 20, 40, 20]",
-    },
-)

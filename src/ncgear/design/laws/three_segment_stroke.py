@@ -14,7 +14,7 @@ from pydantic import BeforeValidator
 
 from ncgear.design.keys.base import Faults, Model, angle, fault, given, key_of, optional, required
 from ncgear.design.keys.types import Length, Positive, Speed
-from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawPoint
+from ncgear.design.laws.base import Begins, LawKeys, LawPoint
 from ncgear.design.reading.text import quoted
 from ncgear.design.words import listed
 from ncgear.errors import WrongInput
@@ -64,7 +64,11 @@ class ReturnOptions(Model):
 class ThreeSegmentStroke(LawKeys):
     """The working stroke in three segments: by way of v1 to v2, constant v2, down to rest; then the return."""
 
-    law: Literal["three_segment_stroke"] = required("the name of this law: three_segment_stroke")
+    CHOICE = "the slider works in three segments: it goes, presses at constant speed, slows down"
+    BEGINS = Begins.WISH
+    ASKED_LENGTH = "stroke_mm"
+    GROWS_WITH_MACHINE = ("v2_mm_s", "a1_mm_s2", "law_speed_rpm")
+    NARROWER_RATIO = "move theta4, or change a1 or the speed at which a1 is stated (a1_speed_rpm), in small steps"
     solve_for: SolveFor = required(
         "the quantity found from the others, its own key left out: law_speed, v1, v2, a1 or stroke"
     )
@@ -269,13 +273,3 @@ def out_of_order(angles_rad: Sequence[float]) -> tuple[str, str] | None:
         f"{wrong} must be {needed}; the angles, in multiples of pi, are {', '.join(in_pi)}; "
         "0 < theta1 < theta2 <= theta3 < theta4 < 2 is right"
     )
-
-
-LAW = DesignLaw(
-    keys=ThreeSegmentStroke,
-    choice="the slider works in three segments: it goes, presses at constant speed, slows down",
-    begins=Begins.WISH,
-    asked_length="stroke_mm",
-    grows_with_machine=("v2_mm_s", "a1_mm_s2", "law_speed_rpm"),
-    narrower_ratio="move theta4, or change a1 or the speed at which a1 is stated (a1_speed_rpm), in small steps",
-)
