@@ -204,7 +204,7 @@ def whole(masses):
 ''',
     },
     {
-        "design/keys/linkages.py": {"class RockerKeys(": "class DummyKeys(CrankKeys):\n    pass\n\n"},
+        "design/keys/machine.py": {"class RockerKeys(": "class DummyKeys(CrankKeys):\n    pass\n\n"},
         "design/keys/masses.py": {
             "class Masses(": """\
 class DummyMasses(ShaftMasses, first=True):
@@ -214,7 +214,7 @@ class DummyMasses(ShaftMasses, first=True):
 """
         },
         "design/mechanisms.py": {
-            "from ncgear.errors ": "from ncgear.design.keys.linkages import DummyKeys\n"
+            "from ncgear.errors ": "from ncgear.design.keys.machine import DummyKeys\n"
             "from ncgear.design.keys.masses import DummyMasses",
             '    "crank_rocker":': '    "dummy": Entry("dummy", DummyKeys, DummyMasses),',
         },
@@ -495,7 +495,7 @@ def test_a_dummy_that_is_added_where_its_row_says_works(dummy: Dummy) -> None:
         (LAW, "formulas/laws.py", "KeyError: <function swung_angle"),
         (LAW, TOLD_KEYS, r"motion\.swing: unknown key"),
         (MECHANISM, "mechanisms/dummy.py", "No module named 'ncgear.mechanisms.dummy'"),
-        (MECHANISM, "design/keys/linkages.py", "cannot import name 'DummyKeys'"),
+        (MECHANISM, "design/keys/machine.py", "cannot import name 'DummyKeys'"),
         (MECHANISM, "design/keys/masses.py", "cannot import name 'DummyMasses'"),
         (MECHANISM, "design/mechanisms.py", r"linkage\.kind: 'dummy' given"),
         (MECHANISM, "formulas/linkages.py", "KeyError: <class 'ncgear.mechanisms.dummy.Dummy'>"),

@@ -30,7 +30,7 @@ WISHABLE = ("motion_wishes",)
 
 def examples_to_complete(incomplete: str) -> list[str]:
     """Examples whose name begins with the typed text."""
-    from ncgear.design.examples import examples
+    from ncgear.design.template import examples
 
     return [name for name in examples() if name.startswith(incomplete)]
 
@@ -165,7 +165,7 @@ def _require_alone(alone: str, chosen: str, given: Mapping[str, object]) -> None
 
 def _write_example(example: str, name: str | None) -> None:
     """Write the files of an example; raises WrongInput, before any is written, where one would replace another."""
-    from ncgear.design.examples import example_files
+    from ncgear.design.template import example_files
 
     if name is not None:
         _require_name(name)

@@ -19,7 +19,7 @@ from ncgear.design.reading.text import quoted, whole
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.rewritten import rewritten
 from ncgear.design.template import MachineName, machine_template, template
-from ncgear.design.wishes.group import Wishes
+from ncgear.design.wishes.registry import Wishes
 from ncgear.design.words import listed
 from ncgear.errors import WrongInput
 

@@ -6,10 +6,25 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from ncgear.design.keys.base import Faults, Model, fault, given, optional, required
-from ncgear.design.keys.linkages import Linkage
+from ncgear.design.keys.base import (
+    FILE_FORMAT,
+    LONGEST_MM,
+    Faults,
+    FileFormat,
+    FileName,
+    Length,
+    Model,
+    Place,
+    Several,
+    Share,
+    Speed,
+    fault,
+    given,
+    optional,
+    required,
+)
+from ncgear.design.keys.machine import Linkage
 from ncgear.design.keys.masses import HEAVIEST_KG, Mass, Masses
-from ncgear.design.keys.types import FILE_FORMAT, LONGEST_MM, FileFormat, FileName, Length, Place, Several, Share, Speed
 from ncgear.design.words import NAME_PATTERN, listed
 
 MOST_COUNT = 10_000

@@ -6,8 +6,7 @@ from typing import Annotated
 
 from pydantic import Field
 
-from ncgear.design.keys.base import Faults, Model, fault, optional, required
-from ncgear.design.keys.types import Length
+from ncgear.design.keys.base import Faults, Length, Model, fault, optional, required
 
 MOST_HOLES = 100
 

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
-from ncgear.design.keys.base import Faults, Model, fault, given, optional, required
+from ncgear.design.keys.base import Faults, Length, Model, Positive, Several, fault, given, optional, required
 from ncgear.design.keys.strength import WrittenMaterial
-from ncgear.design.keys.types import Length, Positive, Several
 
 FEWEST_MACHINES, MOST_MACHINES = 1, 20
 

@@ -9,24 +9,22 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 
 from pydantic import Field, TypeAdapter, create_model
 
-from ncgear.design.keys.base import Faults, Model, fault, given, optional, required
+from ncgear.design.keys.base import FILE_FORMAT, Faults, FileFormat, Model, fault, given, optional, required
 from ncgear.design.keys.choices import Choices
 from ncgear.design.keys.drivetrain import Drivetrain
 from ncgear.design.keys.gears import SIZES, Gears
-from ncgear.design.keys.linkages import Fit, Linkage, NoLinkage
-from ncgear.design.keys.machine import Comparison, Operation, Output, Resistance
+from ncgear.design.keys.machine import Comparison, Fit, Linkage, NoLinkage, Operation, Output, Resistance
 from ncgear.design.keys.masses import Masses, Simulation
 from ncgear.design.keys.optimize import FlywheelRange, Lengths, Optimize, Range
 from ncgear.design.keys.outline import FollowedOutline
 from ncgear.design.keys.strength import StrengthKeys
 from ncgear.design.keys.tolerances import AssemblyTolerances
-from ncgear.design.keys.types import FILE_FORMAT, FileFormat
 from ncgear.design.laws.base import LawKeys
 from ncgear.design.laws.registry import law_models
 from ncgear.design.mechanisms import MECHANISMS, NO_LINKAGE, entry_of, kind_named
 from ncgear.design.reading.text import quoted
 from ncgear.design.trains.registry import TrainFile, train_models
-from ncgear.design.wishes.group import Wishes
+from ncgear.design.wishes.registry import Wishes
 from ncgear.design.words import LONGEST_DESCRIPTION, NAME_PATTERN, listed
 from ncgear.errors import WrongInput
 from ncgear.shown import Shown

@@ -9,8 +9,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from ncgear.design.keys.base import Faults, Model, fault, optional, required
-from ncgear.design.keys.types import Length, Place, Positive, Speed
+from ncgear.design.keys.base import Faults, Length, Model, Place, Positive, Speed, fault, optional, required
 
 Share = Annotated[float, Field(gt=0.0, le=1.0)]
 Coefficient = Annotated[float, Field(ge=0.0, le=2.0)]

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from math import pi, radians
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field
 
-from ncgear.design.keys.base import Faults, Model, fault, optional, required
+from ncgear.design.keys.base import Faults, Length, Model, Several, fault, optional, required
 from ncgear.design.keys.bodies import DrivenBody, GearBody
 from ncgear.design.keys.strength import WrittenMaterials
-from ncgear.design.keys.types import Length, Several
 from ncgear.design.words import listed
 from ncgear.teeth.root_radius import fitting_root_radius, largest_root_radius
+
+if TYPE_CHECKING:
+    from ncgear.teeth.form import BasicRack
 
 MOST_TEETH = 10_000
 
@@ -122,6 +124,17 @@ class Rack(Model):
         """Pressure angles of the pushing and of the idle flanks."""
         pushing, idle = self.pressure_angle_deg, self.idle_pressure_angle_deg
         return pushing, pushing if idle is None else idle
+
+    def in_mm(self, module_mm: float) -> BasicRack:
+        """The basic rack in mm for a given module."""
+        from ncgear.teeth.form import BasicRack
+        from ncgear.teeth.form import TipRelief as Relief
+
+        pushing, idle = map(radians, self.angles_deg)
+        sizes = (one * module_mm for one in (self.addendum, self.dedendum, self.root_radius))
+        tip, full = self.tip_relief, self.addendum * module_mm
+        relief = None if tip is None else Relief(tip.amount * module_mm, tip.start * module_mm, full)
+        return BasicRack(module_mm, pushing, *sizes, relief=relief, idle_angle_rad=idle)
 
 
 class Housing(Model):

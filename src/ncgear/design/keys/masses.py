@@ -13,8 +13,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from ncgear.design.keys.base import Faults, Model, fault, optional, required
-from ncgear.design.keys.types import Place, Positive, Speed
+from ncgear.design.keys.base import Faults, Model, Place, Positive, Speed, fault, optional, required
 from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import STANDARD_GRAVITY_M_S2
 

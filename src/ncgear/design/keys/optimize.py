@@ -6,9 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from ncgear.design.keys.base import Faults, Model, fault, given, optional, required
+from ncgear.design.keys.base import Faults, Length, Model, Place, Positive, Speed, fault, given, optional, required
 from ncgear.design.keys.masses import Inertia
-from ncgear.design.keys.types import Length, Place, Positive, Speed
 from ncgear.design.words import listed
 
 FEWEST_KNOTS, MOST_KNOTS = 12, 720

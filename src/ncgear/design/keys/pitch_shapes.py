@@ -9,8 +9,23 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
 from pydantic import Field
 
-from ncgear.design.keys.base import Faults, Model, angle, fault, given, optional, required, unkept
-from ncgear.design.keys.types import CSV_FILE, LONGEST_MM, FileName, Length, Numbers, Place, Several
+from ncgear.design.keys.base import (
+    CSV_FILE,
+    LONGEST_MM,
+    Faults,
+    FileName,
+    Length,
+    Model,
+    Numbers,
+    Place,
+    Several,
+    angle,
+    fault,
+    given,
+    optional,
+    required,
+    unkept,
+)
 from ncgear.design.words import listed, spellings
 from ncgear.errors import WrongInput
 from ncgear.numerics.bounds import shown_below

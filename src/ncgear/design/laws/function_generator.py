@@ -5,8 +5,7 @@ from __future__ import annotations
 from math import radians
 from typing import TYPE_CHECKING
 
-from ncgear.design.keys.base import required
-from ncgear.design.keys.types import FORMULA, Expression
+from ncgear.design.keys.base import FORMULA, Expression, required
 from ncgear.design.laws.base import Begins, LawKeys, RangeDeg
 
 if TYPE_CHECKING:

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 
-from ncgear.design.keys.base import Model, optional
-from ncgear.design.keys.types import Several
+from ncgear.design.keys.base import Model, Several, optional
 from ncgear.design.laws.base import Begins, LawKeys, LawPoint
 
 if TYPE_CHECKING:

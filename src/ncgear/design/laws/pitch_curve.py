@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
-from ncgear.design.keys.base import Faults, angle, fault, given, optional
+from ncgear.design.keys.base import FORMULA, Expression, Faults, Length, angle, fault, given, optional
 from ncgear.design.keys.pitch_shapes import (
     HIGHEST_DEGREE,
     KEY,
@@ -21,7 +21,6 @@ from ncgear.design.keys.pitch_shapes import (
     SvgContour,
     drawn_points,
 )
-from ncgear.design.keys.types import FORMULA, Expression, Length
 from ncgear.design.laws.base import Begins, LawKeys
 from ncgear.design.words import listed
 from ncgear.errors import WrongInput

@@ -7,8 +7,7 @@ from collections.abc import Iterator
 from math import radians
 from typing import TYPE_CHECKING, Any
 
-from ncgear.design.keys.base import Faults, fault, optional
-from ncgear.design.keys.types import FORMULA, SMOOTH_LAW, Expression
+from ncgear.design.keys.base import FORMULA, SMOOTH_LAW, Expression, Faults, fault, optional
 from ncgear.design.laws.base import Begins, LawKeys, LawNumber, RangeDeg
 
 if TYPE_CHECKING:

@@ -11,6 +11,9 @@ from ncgear.design.keys.base import (
     FULL_TURN,
     Faults,
     Model,
+    Numbers,
+    Positive,
+    Several,
     angle,
     fault,
     key_of,
@@ -19,7 +22,6 @@ from ncgear.design.keys.base import (
     required,
     unkept,
 )
-from ncgear.design.keys.types import Numbers, Positive, Several
 from ncgear.design.laws.base import Begins, LawKeys, LawPoint
 from ncgear.numerics.bounds import shown_below
 

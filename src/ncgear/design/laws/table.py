@@ -7,8 +7,11 @@ from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 from pydantic import Field
 
 from ncgear.design.keys.base import (
+    CSV_FILE,
     FULL_TURN,
     Faults,
+    FileName,
+    Numbers,
     angle,
     fault,
     given,
@@ -17,7 +20,6 @@ from ncgear.design.keys.base import (
     optional,
     unkept,
 )
-from ncgear.design.keys.types import CSV_FILE, FileName, Numbers
 from ncgear.design.laws.base import Begins, LawKeys, LawPoint
 from ncgear.design.words import spellings
 from ncgear.errors import WrongInput

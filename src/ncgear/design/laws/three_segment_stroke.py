@@ -12,8 +12,19 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from pydantic import BeforeValidator
 
-from ncgear.design.keys.base import Faults, Model, angle, fault, given, key_of, optional, required
-from ncgear.design.keys.types import Length, Positive, Speed
+from ncgear.design.keys.base import (
+    Faults,
+    Length,
+    Model,
+    Positive,
+    Speed,
+    angle,
+    fault,
+    given,
+    key_of,
+    optional,
+    required,
+)
 from ncgear.design.laws.base import Begins, LawKeys, LawPoint
 from ncgear.design.reading.text import quoted
 from ncgear.design.words import listed

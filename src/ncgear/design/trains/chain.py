@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from pydantic import Field
 
-from ncgear.design.keys.base import optional, required
-from ncgear.design.keys.types import FORMULA, Expression, Length, Several
+from ncgear.design.keys.base import FORMULA, Expression, Length, Several, optional, required
 from ncgear.design.trains.base import TrainGears, TrainKeys
 from ncgear.errors import WrongInput, renamed
 

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
-from ncgear.design.keys.base import optional, required
-from ncgear.design.keys.types import FORMULA, Expression, Length
+from ncgear.design.keys.base import FORMULA, Expression, Length, optional, required
 from ncgear.design.trains.base import TrainGears, TrainKeys
 from ncgear.errors import NoSuchMechanism, WrongInput, renamed
 

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field, Strict
 
-from ncgear.design.keys.base import Faults, Model, fault, optional, required
-from ncgear.design.keys.types import Length, Place, Several
+from ncgear.design.keys.base import Faults, Length, Model, Place, Several, fault, optional, required
 from ncgear.design.trains.base import TrainGears, TrainKeys
 from ncgear.errors import WrongInput, below, renamed
 from ncgear.numerics.units import STANDARD_GRAVITY_M_S2

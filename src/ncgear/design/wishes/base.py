@@ -14,8 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple,
 
 from pydantic import Field
 
-from ncgear.design.keys.base import Faults, Model, fault, optional, required
-from ncgear.design.keys.types import LONGEST_MM, Positive
+from ncgear.design.keys.base import LONGEST_MM, Faults, Model, Positive, fault, optional, required
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import Field
 
-from ncgear.design.keys.base import Faults, fault, optional, required, unkept
-from ncgear.design.keys.types import Length, Positive
+from ncgear.design.keys.base import Faults, Length, Positive, fault, optional, required, unkept
 from ncgear.design.wishes.base import On, StrokeName, WishKeys
 
 if TYPE_CHECKING:

@@ -5,8 +5,7 @@ from __future__ import annotations
 from math import degrees
 from typing import TYPE_CHECKING, Any, Literal
 
-from ncgear.design.keys.base import angle, required
-from ncgear.design.keys.types import Positive
+from ncgear.design.keys.base import Positive, angle, required
 from ncgear.design.wishes.base import On, Way, Wished, WishKeys
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.bounds import shown_above

@@ -6,8 +6,7 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Self
 
-from ncgear.design.keys.base import Faults, angle, fault, key_of, optional, required
-from ncgear.design.keys.types import Length, Positive
+from ncgear.design.keys.base import Faults, Length, Positive, angle, fault, key_of, optional, required
 from ncgear.design.wishes.base import On, StrokeName, Way, WishKeys
 
 if TYPE_CHECKING:

@@ -5,8 +5,7 @@ from __future__ import annotations
 from math import inf
 from typing import TYPE_CHECKING, Any, Literal
 
-from ncgear.design.keys.base import Faults, fault, given, optional, required, unkept
-from ncgear.design.keys.types import Length, Positive
+from ncgear.design.keys.base import Faults, Length, Positive, fault, given, optional, required, unkept
 from ncgear.design.wishes.base import On, StrokeName, WishKeys
 
 if TYPE_CHECKING:

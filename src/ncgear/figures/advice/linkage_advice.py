@@ -10,7 +10,7 @@ from ncgear.design.mechanisms import lengths_of
 from ncgear.errors import WrongInput
 from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
 from ncgear.figures.numbers import fixed, placed, to_digits
-from ncgear.kinematics.over_stretches import driving_rad
+from ncgear.kinematics.crank_stretches import driving_rad
 from ncgear.mechanisms.mechanism import Mechanism, RodMechanism
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.project.drive import Drive
