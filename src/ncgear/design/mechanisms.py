@@ -57,8 +57,7 @@ class Entry:
     def load(self) -> type[Mechanism]:
         """Its class."""
         module = import_module(f"ncgear.mechanisms.{self.module}")
-        made: type[Mechanism] = getattr(module, self.module.title().replace("_", ""))
-        return made
+        return getattr(module, self.module.title().replace("_", ""))
 
     @property
     def stroke_key(self) -> str | None:

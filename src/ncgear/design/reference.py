@@ -53,8 +53,7 @@ class Key:
     @property
     def rule(self) -> dict[str, Any]:
         """The JSON Schema of its value."""
-        rule: dict[str, Any] = _schema(self.model)["properties"][self.name]
-        return rule
+        return _schema(self.model)["properties"][self.name]
 
     @property
     def group(self) -> list[type[BaseModel]]:
@@ -124,8 +123,7 @@ def _keys(model: type[BaseModel], above: str, law: str) -> Iterator[Key]:
 
 def law_of(model: type[BaseModel]) -> str:
     """The name of the law whose keys are in ``model``."""
-    name: str = _schema(model)["properties"]["law"]["const"]
-    return name
+    return _schema(model)["properties"]["law"]["const"]
 
 
 BUILDING = Lock()

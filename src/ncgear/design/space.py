@@ -145,8 +145,7 @@ def _latin_hypercube(dimensions: int, count: int, seed: int) -> Array:
     """All points, which each process computes once."""
     from scipy.stats.qmc import LatinHypercube
 
-    points: Array = LatinHypercube(dimensions, rng=np.random.default_rng(seed)).random(count)
-    return points
+    return LatinHypercube(dimensions, rng=np.random.default_rng(seed)).random(count)
 
 
 def varied_of(text: str) -> Listed | Ranged:

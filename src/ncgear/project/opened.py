@@ -240,8 +240,7 @@ def _real(given: Any, shape: tuple[int, ...]) -> Array:
     found = np.asarray(given)
     if found.shape != shape or found.dtype.kind not in "fiubO":
         raise TypeError(f"it gives {type(given[0] if isinstance(given, list) else given).__name__}")
-    numbers: Array = found.astype(float)
-    return numbers
+    return found.astype(float)
 
 
 def _with_top(phi1: Array, values: Array, function: Function, key: str) -> Array:
@@ -258,8 +257,7 @@ def _with_top(phi1: Array, values: Array, function: Function, key: str) -> Array
 def _between(phi1: Array, cycle: float) -> Array:
     """Angles between the points at which a law is compared with its function."""
     width = np.diff(np.append(phi1, cycle))
-    angles: Array = (phi1[:, None] + width[:, None] * (np.arange(BETWEEN) + 0.5) / BETWEEN).ravel()
-    return angles
+    return (phi1[:, None] + width[:, None] * (np.arange(BETWEEN) + 0.5) / BETWEEN).ravel()
 
 
 def _off(drive: Drive, at: Array, wanted: Array, motion: Mapping[str, Any], key: str) -> Array:
@@ -270,8 +268,7 @@ def _off(drive: Drive, at: Array, wanted: Array, motion: Mapping[str, Any], key:
         found *= np.median(wanted / found) if motion.get("scale_to_close") else 1.0
     else:
         found = drive.linkage.OUTPUT.place.factor * drive.machine.displacement(at, 0).value
-    off: Array = np.abs(found - wanted) / np.max(np.abs(wanted))
-    return off
+    return np.abs(found - wanted) / np.max(np.abs(wanted))
 
 
 def load(given: str | Path | Mapping[str, Any]) -> Drive:

@@ -51,8 +51,7 @@ SOUGHT_LAW = LawName.HARMONIC_RATIO
 
 def law_keys(name: LawName) -> type[LawKeys]:
     """The keys and the questions of a law: the class of its name in words, as ``HarmonicRatio``."""
-    law: type[LawKeys] = getattr(import_module(f"{__package__}.{name}"), name.title().replace("_", ""))
-    return law
+    return getattr(import_module(f"{__package__}.{name}"), name.title().replace("_", ""))
 
 
 def law_models() -> dict[str, type[LawKeys]]:

@@ -63,7 +63,6 @@ class LobedMotor(TrainKeys):
     gears: MotorGearKeys = required("the teeth and the bodies of all gears")
 
     def _made(self) -> Train:
-        """The train that the keys ask for; raises WrongInput and NoSuchMechanism where no such gears exist."""
         from ncgear.pitch.lobed import FAMILIES, formula_family, lobed_curves
         from ncgear.trains.lobed_motor import MotorBodies, MotorTeeth, motor_train
 

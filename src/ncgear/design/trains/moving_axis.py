@@ -27,6 +27,7 @@ class MovingAxis(TrainKeys):
     """A pair of gears on a moving axis."""
 
     KIND = "moving_axis"
+    RULES = ("one of distances_mm distance_mm",)
     MEANING = "a pair of gears whose centre distance changes while they turn"
 
     distances_mm: Annotated[Several[Length], Field(min_length=3, max_length=64)] | None = optional(
@@ -42,7 +43,6 @@ class MovingAxis(TrainKeys):
     gears: MovingGearKeys = required("the teeth and the bodies of both gears")
 
     def _made(self) -> Train:
-        """The train that the keys ask for; raises WrongInput and NoSuchMechanism where no such gears exist."""
         from ncgear.trains.moving_axis import MovingBodies, module_mm, moving_train
 
         axes, radius = self._axes()
@@ -88,8 +88,6 @@ class MovingAxis(TrainKeys):
         from ncgear.numerics.jet import Jet
         from ncgear.pitch.moving_axes import even_distances, require_distances
 
-        if (self.distances_mm is None) == (self.distance_mm is None):
-            raise WrongInput("one of distances_mm and distance_mm is needed", key="train")
         if self.distances_mm is not None:
             return require_distances(
                 even_distances(np.array(self.distances_mm), lobes.driving), lobes, "train.distances_mm"

@@ -10,6 +10,7 @@ from __future__ import annotations
 import re
 from abc import abstractmethod
 from collections.abc import Sequence
+from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Protocol, Self, TypeVar
 
 from pydantic import Field
@@ -45,10 +46,7 @@ class On(NamedTuple):
 
 
 class WishKeys(Model):
-    """What every wish has: whether it must be kept.
-
-    A class with ``turns=True`` is that of an output that turns: places and speeds of its base are in deg and rad/s.
-    """
+    """What every wish has: whether it must be kept."""
 
     KIND: ClassVar[str]
     """Its key under ``wishes``."""
@@ -58,9 +56,6 @@ class WishKeys(Model):
 
     SEVERAL: ClassVar[bool] = True
     """Whether a design has a list of them."""
-
-    TURNING: ClassVar[type[WishKeys]]
-    """The class for an output that turns."""
 
     INSIDE: ClassVar[tuple[str, ...]] = ()
     REACHING: ClassVar[tuple[str, ...]] = ()
@@ -79,26 +74,28 @@ class WishKeys(Model):
         "many percent of what is to be least; left out: 1"
     )
 
-    def __init_subclass__(cls, turns: bool = False, **kwargs: Any) -> None:
-        """Annotate the fields of an output that turns, before pydantic reads the annotations.
-
-        A field in mm of the base is one in deg or rad/s here, and its own name is no field any more.
-        """
-        cls.TURNING = cls
-        if turns:
-            cls.PLACE, cls.SPEED = "deg", "rad_s"
-            base: Any = cls.__mro__[1]
-            base.TURNING = cls
-            for name, annotation in base.__annotations__.items():
-                key = re.sub("_mm$", "_deg", re.sub("_mm(?=_s)", "_rad", name))
-                if key != name:
-                    kind, _, absent = annotation.partition(" | ")
-                    of: Any = TURNED.get(kind, Positive)
-                    words = re.sub(r"\bmm\b(?=/)", "rad", base.model_fields[name].description)
-                    words = words.replace(" mm", " deg").replace("slider", "output")
-                    cls.__annotations__ |= {name: ClassVar[None], key: of | None if absent else of}
-                    setattr(cls, key, optional(words) if absent else required(words))
-        super().__init_subclass__(**kwargs)
+    @classmethod
+    @cache
+    def turning(cls) -> type[WishKeys]:
+        """The class for an output that turns, with places in deg and speeds in rad/s; the class itself without any."""
+        made: dict[str, Any] = {}
+        annotations: dict[str, Any] = {}
+        for name, annotation in cls.__annotations__.items():
+            key = re.sub("_mm$", "_deg", re.sub("_mm(?=_s)", "_rad", name))
+            if key != name:
+                kind, _, absent = annotation.partition(" | ")
+                of: Any = TURNED.get(kind, Positive)
+                words = re.sub(r"\bmm\b(?=/)", "rad", cls.model_fields[name].description or "")
+                words = words.replace(" mm", " deg").replace("slider", "output")
+                # A field of the base is no field any more
+                annotations |= {name: ClassVar[None], key: of | None if absent else of}
+                made[key] = optional(words) if absent else required(words)
+        if not made:
+            return cls
+        words = (cls.__doc__ or "").replace("slider", "output")
+        made |= {"PLACE": "deg", "SPEED": "rad_s", "__annotations__": annotations}
+        made |= {"__doc__": words, "__module__": cls.__module__, "__qualname__": f"Turning{cls.__name__}"}
+        return type(cls)(f"Turning{cls.__name__}", (cls,), made, first=True)
 
     def place(self, quantity: str) -> Any:
         """The value of a key of a place, such as ``from`` or ``at``, in the unit of the file; None where left out."""

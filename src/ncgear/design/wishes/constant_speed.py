@@ -72,7 +72,3 @@ class ConstantSpeed(WishKeys):
             speed_mm_s=self.speed("speed"),
             **common,
         )
-
-
-class TurningConstantSpeed(ConstantSpeed, turns=True, first=True):
-    """Even speed of an output that turns from one place to another."""

@@ -68,7 +68,3 @@ class Dwell(WishKeys):
 
         within = on.mm(self.place("within"))
         return Value(end=End(self.at), within_mm=within, for_rad=self.for_angle_rad, **common)
-
-
-class TurningDwell(Dwell, turns=True, first=True):
-    """A near-dwell of an output that turns."""

@@ -132,7 +132,3 @@ class GentleStop(WishKeys):
         stroke = None if self.stroke == "both" else Stroke(self.stroke)
         common |= {"from_mm": start, "to_mm": end, "stroke": stroke, "driving": driving}
         return GentleSpeed(most_mm_s=most, **common) if bounded == "speed" else Value(most_mm_s2=most, **common)
-
-
-class TurningGentleStop(GentleStop, turns=True, first=True):
-    """A gentle stop of an output that turns."""

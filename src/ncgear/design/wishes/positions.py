@@ -75,10 +75,6 @@ class Position(WishKeys):
         )
 
 
-class TurningPosition(Position, turns=True, first=True):
-    """A place that an output that turns passes at a driving angle."""
-
-
 def strokes_of(positions: Sequence[Position]) -> Iterator[StrokeName]:
     """The stroke of each position: as given, or the working one until a displacement falls."""
     stroke: StrokeName = "working"

@@ -49,7 +49,7 @@ class KeysOfKinds(Model):
     def __init_subclass__(cls, turns: bool = False, **kwargs: Any) -> None:
         """Annotate the fields before pydantic reads the annotations; kinds of which there is one come first."""
         for kind in sorted(KINDS, key=lambda kind: kind.SEVERAL):
-            keys: Any = kind.TURNING if turns else kind
+            keys: Any = kind.turning() if turns else kind
             several = Annotated[Several[keys], Field(max_length=MOST_WISHES)]
             cls.__annotations__[kind.KIND] = several if kind.SEVERAL else keys | None
             setattr(cls, kind.KIND, optional(kind.MEANING, () if kind.SEVERAL else None))
@@ -67,8 +67,7 @@ class Wishes(KeysOfKinds):
         """The wishes of a kind."""
         found = getattr(self, kind.KIND)
         if kind.SEVERAL:
-            several: Sequence[Kind] = found
-            return several
+            return found
         return () if found is None else (found,)
 
     def _faults(self) -> Faults:

@@ -49,7 +49,3 @@ class SpeedAt(WishKeys):
             return ExtremeSpeed(at_mm=at, stroke=stroke, fastest=self.make == "fastest", **common)
         least, most = self.speed("at_least") or 0.0, self.speed("at_most") or inf
         return Value(at_mm=at, stroke=stroke, least_mm_s=least, most_mm_s=most, **common)
-
-
-class TurningSpeedAt(SpeedAt, turns=True, first=True):
-    """The speed of an output that turns at one place."""

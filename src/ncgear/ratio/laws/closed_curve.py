@@ -122,8 +122,7 @@ class Radius:
 
         def counted(parameter: Array) -> Array:
             """Angles from the start of this radius on."""
-            found: Array = self.start_rad + (stretch.polar(parameter, 0)[0].value - first) / self._stretched
-            return found
+            return self.start_rad + (stretch.polar(parameter, 0)[0].value - first) / self._stretched
 
         angles = counted(grid)
 
