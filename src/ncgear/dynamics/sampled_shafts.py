@@ -42,13 +42,12 @@ class CrankTable:
 
     def torque_n_mm(self, crank_rad: Array, slope: Array, first: Array, speed_rad_s: Array) -> Array:
         """What masses and weights ask of the driving shaft, for s and f' at crank angles, shape (..., n)."""
-        node = np.rint(crank_rad * (NODES / (2.0 * pi)))
-        beyond = crank_rad - node * (2.0 * pi / NODES)
-        terms = self.series[:, :, node.astype(np.intp) % NODES]
-        values: Array = terms[-1]
-        for term in terms[-2::-1]:
+        place = np.rint(crank_rad * (NODES / (2.0 * pi)))
+        beyond, node = crank_rad - place * (2.0 * pi / NODES), place.astype(np.intp) % NODES
+        values = self.series[-1].take(node, axis=1)
+        for term in self.series[-2::-1]:
             values *= beyond
-            values += term
+            values += term.take(node, axis=1)
         turned = speed_rad_s * slope
         torque: Array = slope * (turned * turned * (values[0] - values[1] * first) + values[2])
         return torque

@@ -94,8 +94,8 @@ class Sampled:
     """Samples of n laws and what is known of them besides, shape (n,) each where nothing else is said.
 
     Driven angles, and the slider's velocities in mm/rad and accelerations in mm/rad^2 of the driving angle, have the
-    shape of the samples, displacements in mm that of the first w pieces, which make the working stroke.  ``closing_error_rad`` is by how much
-    a cycle misses its angle, from other points than the samples.
+    shape of the samples, displacements in mm that of the first w pieces, which make the working stroke.
+    ``closing_error_rad`` is by how much a cycle misses its angle, from other points than the samples.
     """
 
     samples: Samples
@@ -306,13 +306,12 @@ def _segments(strokes: WorkingStrokes[Array], fineness: Fineness) -> list[Array]
 
 
 def _broken(strokes: WorkingStrokes[Array], way: Callable[..., Advance], ends: Array, kinks_mm: Array) -> Array:
-    """Ends of pieces, besides those given, where the output passes places; a place on no piece is an end of all."""
+    """Ends of pieces with those at which the output of any stroke passes a place, which are none of the others."""
     low, high = ends[0], ends[-1]
     least, most = (way(strokes, one, 0)[0].value for one in (low, high))
-    at = [np.clip(kink, least, most) for kink in kinks_mm]
+    at = [np.clip(kink, least, most) for kink in kinks_mm if np.any((least < kink) & (kink < most))]
     found = [zeros_between(lambda phi1, one=one: way(strokes, phi1, 0)[0].value - one, low, high) for one in at]
-    broken: Array = np.sort(np.stack([*ends, *found]), axis=0)
-    return broken
+    return np.sort([*ends, *found], axis=0) if found else ends
 
 
 def _slowest(strokes: WorkingStrokes[Array]) -> Array:
