@@ -36,7 +36,7 @@ def explain(
 
 def examples() -> None:
     """List the worked designs that come with ncgear; `ncgear new --example NAME` writes one here."""
-    from ncgear.design.examples import description_of, examples
+    from ncgear.design.template import description_of, examples
     from ncgear.figures.tables import WIDTH
 
     found = examples()

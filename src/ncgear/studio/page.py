@@ -17,7 +17,7 @@ import ncgear
 from ncgear import __version__
 from ncgear.design.beginning import begun
 from ncgear.design.laws.base import Begins
-from ncgear.design.laws.registry import SOUGHT_LAW, LawName, design_law
+from ncgear.design.laws.registry import SOUGHT_LAW, LawName, law_keys
 from ncgear.design.mechanisms import NO_LINKAGE
 from ncgear.design.reading.design_file import parsed
 from ncgear.design.rewritten import design_copy
@@ -124,7 +124,7 @@ def beginnings() -> list[Beginning]:
             Beginning(machine, one.value, CHOICES[one], partial(begun, beginning=one, answers={}))
             for one in MachineName
         ),
-        *(_by_law(law, *by_law[design_law(law).begins]) for law in LawName),
+        *(_by_law(law, *by_law[law_keys(law).BEGINS]) for law in LawName),
         *(Beginning(shape, one, f"a {one} to print, and its mate", partial(_of_shape, one)) for one in SHAPES),
         *(Beginning(wish, name, words, partial(_of_wish, wishes)) for name, (words, wishes) in WISHES.items()),
         *(Beginning(worked, path.stem, words, partial(_copied, path)) for path, words in _worked()),
@@ -154,7 +154,7 @@ def begin(key: str, folder: Path) -> Path:
 
 
 def _by_law(law: LawName, group: str, text: Callable[[LawName, str], str]) -> Beginning:
-    return Beginning(group, law.value.replace("_", "-"), design_law(law).choice, partial(text, law))
+    return Beginning(group, law.value.replace("_", "-"), law_keys(law).CHOICE, partial(text, law))
 
 
 def _of_law(law: LawName, name: str) -> str:

@@ -12,7 +12,7 @@ from ncgear.errors import DesignError, WrongInput
 from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy, Where
 from ncgear.figures.numbers import fixed, placed, to_digits
 from ncgear.figures.wished import missed_by
-from ncgear.kinematics.over_stretches import driving_rad
+from ncgear.kinematics.crank_stretches import driving_rad
 from ncgear.mechanisms.mechanism import Mechanism, RodMechanism
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.project.drive import Drive
