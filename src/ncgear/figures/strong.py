@@ -20,7 +20,7 @@ from ncgear.figures.numbers import fixed, known, shown, to_digits
 from ncgear.figures.quantities import figure
 from ncgear.figures.simulated import SAME_AS_MESH, force_figures
 from ncgear.figures.summary.check_summary import stages_summary, verdict_summary
-from ncgear.figures.tables import Column, Table
+from ncgear.figures.tables import Table, columns_of
 from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -334,10 +334,7 @@ def materials_words(drive: Drive, strength: Strength) -> str:
     return " on ".join(names) + assumed + "".join(hot)
 
 
-HEADS = tuple(
-    Column(*head.split(", "))
-    for head in ("", "", "safety", "wanted", "tooth", "phi1, deg", "stress, MPa", "endured, MPa", "life")
-)
+HEADS = columns_of("", "", "safety", "wanted", "tooth", "phi1, deg", "stress, MPa", "endured, MPa", "life")
 """Columns of the table of weakest teeth."""
 
 

@@ -15,7 +15,7 @@ from ncgear.figures.data_sheet.measured_tables import cut_table, pin_tables, spa
 from ncgear.figures.data_sheet.pitch_table import pitch_table
 from ncgear.figures.numbers import micrometres, shown, to_digits
 from ncgear.figures.quantities import OF_GEAR, figure, name_of
-from ncgear.figures.tables import Cells, Column, Table, Value, markdown, markdown_text
+from ncgear.figures.tables import Cells, Table, Value, columns_of, markdown, markdown_text
 from ncgear.figures.thickness import TITLE, band_table
 from ncgear.frozen import dataclass
 from ncgear.pitch.curve import PitchCurve
@@ -163,13 +163,8 @@ def _ends(name: str, ends: Iterable[tuple[float, float]]) -> list[Entry]:
     ]
 
 
-SHIFTED = (
-    Column("tooth"),
-    Column("profile shift coefficient of the driving gear"),
-    Column("thickness on the driving pitch curve", "mm"),
-    Column("profile shift coefficient of the driven gear"),
-    Column("thickness on the driven pitch curve", "mm"),
-)
+OF_SHIFTED = "profile shift coefficient of the {0} gear", "thickness on the {0} pitch curve, mm"
+SHIFTED = columns_of("tooth", *(head.format(gear.value) for gear in Gear for head in OF_SHIFTED))
 
 
 def shifted_teeth(drive: Drive) -> tuple[Table, ...]:
