@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from math import degrees
 from typing import Any
 
@@ -65,7 +65,7 @@ def gear_figures(one: ComparedGear) -> dict[str, Any]:
         }
         for front, side in enumerate(SIDES)
     }
-    ends = {"mean": thickness.mean, "least": thickness.min, "greatest": thickness.max}
+    ends: dict[str, Callable[[Array], Any]] = {"mean": np.mean, "least": np.min, "greatest": np.max}
     return {
         "file": one.file.file,
         "points": len(one.file.lines),
@@ -84,7 +84,7 @@ def gear_figures(one: ComparedGear) -> dict[str, Any]:
         **({} if fit.shift_error_mm is None else moved),
         "rms_mm": fit.rms_mm,
         **{f"{name}_{side}_mm": value for side, of in sides.items() for name, value in of.items()},
-        **{f"thickness_{end}_mm": float(of()) if thickness.size else None for end, of in ends.items()},
+        **{f"thickness_{end}_mm": float(of(thickness)) if thickness.size else None for end, of in ends.items()},
     }
 
 

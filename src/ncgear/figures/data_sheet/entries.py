@@ -109,8 +109,8 @@ def bodies(drive: Drive) -> tuple[Entry, ...]:
     if any((gears.index_holes, *_each(both, "lightening_holes"), gears.driven.crank_pin)):
         plans = drive.solids.driving.plan, drive.solids.driven.plan
         pin, holes = plans[1].crank_pin, _each(plans, "lightening_holes")
-        rows.append(Entry("diameter of the crank pin's hole", "mm", driven=pin and pin.diameter_mm))
-        rows.append(Entry("centre of the crank pin's hole, x and y", "mm", driven=pin and _place(pin)))
+        rows.append(Entry("diameter of the crank pin's hole", "mm", driven=pin.diameter_mm if pin else None))
+        rows.append(Entry("centre of the crank pin's hole, x and y", "mm", driven=_place(pin) if pin else None))
         sizes = (f"{len(one)} x {_mm(one[0].diameter_mm)}" if one else None for one in holes)
         rows.append(_of_both("lightening holes, number x diameter", *sizes))
         if gears.index_holes:

@@ -57,7 +57,7 @@ def _drive(drive: Drive) -> dict[str, Any]:
         found |= {"crank_mm": linkage.crank_mm, f"stroke_{place.ending}": place.factor * linkage.stroke_mm}
         found["working_crank_angle_deg"] = degrees(linkage.working_angle_rad)
         found["working_driving_angle_deg"] = degrees(drive.machine.extended_rad)
-    return found | (drive.law.stroke.facts if drive.law.stroke else {}) | drive.law.facts
+    return {**found, **(drive.law.stroke.facts if drive.law.stroke else {}), **drive.law.facts}
 
 
 def stages_summary(drive: Drive) -> dict[str, Any]:
