@@ -102,10 +102,7 @@ class LineDrive:
 
 @dataclass(frozen=True, eq=False)
 class SpeedCourse:
-    """The periodic motion: ``energy`` in N mm over the driving angle of one cycle, and what follows from it.
-
-    ``unsettled`` is the share of the largest energy by which the last finer panels have moved it.
-    """
+    """The periodic motion: ``energy`` in N mm over a cycle; the last finer panels moved it by ``unsettled``."""
 
     demand: Demand
     drive: LineDrive

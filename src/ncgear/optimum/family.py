@@ -137,7 +137,6 @@ def _power_w(family: Family, strokes: WorkingStrokes[Array], out: SampledMotion,
 def _power_with_masses_w(
     family: Family, strokes: WorkingStrokes[Array], out: SampledMotion, back: ReturnSamples
 ) -> Array:
-    """The power of the driving shaft with all masses at all points of the cycle."""
     task = family.task
     phi1, driven = working_angles(strokes, task.linkage, SEGMENT_POINTS, 2)
     start = strokes.theta4_rad[:, None]
@@ -372,7 +371,6 @@ def _made(family: Family, point: Array) -> list[FamilyOptimum]:
 
 
 def _law_of(family: Family, request: StrokeRequest, constant: float | None) -> FamilyOptimum:
-    """One law; raises NoSuchMechanism where it cannot be made."""
     task = family.task
     stroke = solved_stroke(request)
     law = stroke_law(stroke, task.linkage, task.lobes, constant=constant, inverse_basis=family.inverse)

@@ -53,7 +53,10 @@ class LawPoint:
 
 @dataclass(frozen=True)
 class FamilyPoint:
-    """The best law of the three-segment family under a cap, if any, and the motion of a design file that makes it."""
+    """The best law found of the three-segment family under a cap on the power; None where none was found.
+
+    ``motion`` is the block of a design file that makes it.
+    """
 
     cap_w: float
     peak_power_w: float | None
@@ -129,7 +132,6 @@ def motion_of(best: FamilyOptimum) -> dict[str, Any]:
 
 
 def _best_figures(task: Task, wishes: Wishes, bound: Bound | None = None) -> Figures:
-    """Exact figures of the best makeable law, from the motion of a limit."""
     from ncgear.optimum.makeable.law import makeable_law
 
     law = makeable_law(task, wishes, start_motion(task, wishes, bound))

@@ -309,7 +309,6 @@ def _pair(task: Task, pair: Pair) -> PitchPair:
 
 
 def _place_of(task: Task, size: GearSize, pair: PitchPair) -> MeshPlace:
-    """How the gears lie at their own size."""
     lobes, length = task.lobes, pair.arc.period * task.lobes.driving
     own = solved_size(length, lobes, size.teeth, size.module_mm, size.center_distance_mm)
     # The direction of the centre line turns the force and leaves its size

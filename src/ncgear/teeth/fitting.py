@@ -67,7 +67,6 @@ def _most(count: int, mates: Mates, of_mate: Array) -> Array:
 def _fitted_to_cutter(
     gears: tuple[Flanks, Flanks], mates: tuple[Mates, Mates], limits: TipLimits, clearance: float
 ) -> PairTips:
-    """Spaces as the cutter leaves them, then tips that fit into them."""
     (driving, undercut1), (driven, undercut2) = (cut_spaces(gear, limits.avoid_undercut) for gear in gears)
     tips = (
         _tips_in(driving, driven, mates[0], undercut1, undercut2, limits, clearance),

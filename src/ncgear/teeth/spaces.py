@@ -161,7 +161,6 @@ def _largest_fitting(flats: ByRadius, most_mm: Array, least_mm: float, within_mm
 
 
 def _pointed(flanks: Flanks, flank: int) -> NoSuchMechanism:
-    """The error for a tool's tooth that is pointed before it is as deep as the space beside a flank."""
     if not isinstance(flanks.tool, PinionCircle):
         return no_root(flanks, flank, "the mate's tooth is pointed before its depth")
     return NoSuchMechanism(

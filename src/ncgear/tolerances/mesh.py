@@ -186,10 +186,7 @@ class LinearMesh:
 
 
 def mesh_of(face: Face, placement: Placement, within_mm: float, *, both_ways: bool = False) -> LinearMesh:
-    """The linear mesh of a pair, with all places that touch when the first places are pressed in by ``within_mm``.
-
-    With ``both_ways`` backs carry and wear as pushing flanks do.
-    """
+    """The linear mesh of all places touching when first ones are pressed in ``within_mm``; backs too ``both_ways``."""
     found = []
     for teeth, height in zip(face.sections, face.heights_mm, strict=True):
         touching = Contacts.joined(contacts_within(teeth, placement, within_mm))

@@ -224,7 +224,6 @@ def _of_curves_and_wishes(problem: LimitProblem) -> Refused:
 
 
 def _without(problem: LimitProblem, wish: WishDemand) -> LimitProblem:
-    """The problem without one of its wishes."""
     return problem.under(wishes=tuple(one for one in problem.asked.wishes if one is not wish))
 
 

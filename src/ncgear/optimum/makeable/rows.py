@@ -227,7 +227,6 @@ def _places_of(level: Level, at: Places) -> IndexArray:
 
 
 def _hold(rows: ProgrammeRows, level: Level, block: RowBlock) -> None:
-    """Add the rows of a block."""
     at, sense, columns = rows.at, block.sense, rows.columns
     row = rows.new(block.places.size, -sense * level.target)
     if level.kind is LevelKind.SWING:
