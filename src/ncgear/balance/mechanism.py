@@ -234,10 +234,7 @@ class Accelerations:
 
 
 def accelerations(mechanism: DrivenCrank) -> Accelerations:
-    """The seven functions of a mechanism, resolved to rounding error; its masses have no part in them.
-
-    Raises NotSmooth where the law's second derivative is not finite.
-    """
+    """The seven functions of a mechanism, whatever its masses; raises NotSmooth if the law's bend is infinite."""
     return Accelerations(chebyshev.fitted(lambda phi1: functions_at(mechanism, phi1), mechanism.breaks_rad))
 
 

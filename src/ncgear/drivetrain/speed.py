@@ -181,10 +181,7 @@ class SpeedCourse:
 
 
 def speed_course(demand: Demand, drive: LineDrive) -> SpeedCourse:
-    """The periodic motion of a machine whose driving shaft has inertia.
-
-    Raises NoSuchMechanism where the motor stops, and Unanswered where solutions do not settle.
-    """
+    """The periodic motion with inertia; raises NoSuchMechanism if the motor stops, Unanswered if unsettled."""
     own = demand.cycle.breaks_rad
     places, breaks, before = demand.cycle.loads.phi1_rad, own, None
     moved, found = inf, None

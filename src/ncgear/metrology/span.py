@@ -208,10 +208,7 @@ class _Way:
 
 
 def _tried(way: _Way) -> tuple[Array, Array, IndexArray]:
-    """Starts over one turn, the ends after a turning of 2 alpha, and how many steps of dents the ends have leapt over.
-
-    Shape (n,) each.
-    """
+    """Starts over one turn, ends after a turning of 2 alpha, and steps of dents that ends have leapt over, (n,)."""
     curve = way.curve
     step = curve.length_mm / STEPS
     grid = np.linspace(-curve.length_mm, 2.0 * curve.length_mm, 3 * STEPS + 1)

@@ -90,10 +90,7 @@ class Family:
 
 @dataclass(frozen=True, eq=False)
 class SampledLaws:
-    """Sampled accelerations in mm/s^2 and driving powers in W, shape (n, points) each; infinite where there is no law.
-
-    Power that flows back to the motor counts as zero.
-    """
+    """Accelerations in mm/s^2 and powers in W (0 where they flow back), (n, points); infinite without a law."""
 
     acceleration: Array
     power: Array

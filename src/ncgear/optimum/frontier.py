@@ -53,10 +53,7 @@ class LawPoint:
 
 @dataclass(frozen=True)
 class FamilyPoint:
-    """The best law found of the three-segment family under a cap on the power; None where none was found.
-
-    ``motion`` is the block of a design file that makes it.
-    """
+    """The family's best law under a cap on the power, if any; ``motion`` is the design file's block that makes it."""
 
     cap_w: float
     peak_power_w: float | None

@@ -184,10 +184,7 @@ def _raised(own: Flanks, mate: Tips, mates: Mates) -> Flanks:
 
 
 def _freed(tips: PairTips, paths: tuple[TipPaths, TipPaths] | None, first: int) -> PairTips:
-    """Tips that do not foul each other, the gear numbered ``first`` shortened first; the same pair if none fouls.
-
-    Raises NoSuchMechanism, naming the tooth, where that leaves no tip.
-    """
+    """Tips that do not foul each other, gear ``first`` shortened first; the same if none fouls, or NoSuchMechanism."""
     if paths is None:
         return tips
     both, unchanged = list(tips), 0

@@ -201,7 +201,7 @@ Loop = tuple[float, float]
 
 
 def trimmed_sides(flanks: Flanks, sides: Sides, irregular: Mask) -> Sides:
-    """The sides, with those of ``irregular`` flanks replaced by their trimmed paths.
+    """The sides; sides of ``irregular`` flanks are replaced by their trimmed paths.
 
     Raises NoSuchMechanism, naming the tooth, where nothing is left of a side or it cannot be untangled.
     """

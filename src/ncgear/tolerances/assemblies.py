@@ -26,7 +26,7 @@ import numpy as np
 from ncgear.contact.placement import BACK, PUSHING
 from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import Machine
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.arrays import Array, Columns, IndexArray
 from ncgear.numerics.jet import Jet
 from ncgear.ratio.transmission import Pair
 from ncgear.tolerances.drawn import COUNT, Chances, Limits, Source, chances_of, drawn, sources_of, with_source
@@ -155,7 +155,7 @@ class Follower:
 
 
 @dataclass(frozen=True, eq=False)
-class PairAssemblies:
+class PairAssemblies(Columns):
     """What one pair of N assemblies does over a cycle of meetings, shape (N,) each.
 
     ``transmission_error_rad`` and ``transmission_error_mm`` are peak to peak: the driven shaft's angle, and this angle
@@ -171,11 +171,6 @@ class PairAssemblies:
     largest_play_mm: Array
     reversal_play_mm: Array
     least_arc: Array
-
-    @classmethod
-    def joined(cls, parts: Sequence[PairAssemblies]) -> PairAssemblies:
-        """Those of all parts, in their order."""
-        return cls(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(cls)))
 
 
 @dataclass(frozen=True, eq=False)

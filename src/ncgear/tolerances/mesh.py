@@ -155,10 +155,7 @@ class LinearMesh:
         return np.asarray(np.maximum.reduceat(lead, self.first, axis=0).reshape(2, self.phi1_rad.size, -1))
 
     def least_arcs(self, of: Deviations) -> Array:
-        """The least arc of contact of any pair of flanks on either side of the teeth, in pitches, shape (N,).
-
-        It is infinite where all pairs touch at an end of a range.
-        """
+        """Least arc of contact of any pair of flanks in pitches, (N,); inf where all touch at an end of a range."""
         arcs: Array = self.arcs[:, None] + self.arc_rates @ of.rigid[:DISPLACING]
         return np.asarray(np.maximum(arcs.min(axis=0, initial=np.inf), 0.0))
 

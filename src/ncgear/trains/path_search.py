@@ -136,10 +136,7 @@ LEAST_RATIO = 0.02
 
 
 def found_motion(path: WishedPath, limits: PathLimits, axis: complex | None) -> TipMotion:
-    """The motion with the least burden among all axes, or about a given one.
-
-    Raises NoSuchMechanism with where and why none is possible, key ``path``.
-    """
+    """The motion of least burden about any axis or the given one; raises NoSuchMechanism, with where and why."""
     from scipy.optimize import minimize
 
     size = float(np.abs(path.points - path.points.mean()).max())

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import ComplexArray
 from ncgear.numerics.plane import as_complex
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
@@ -166,7 +166,7 @@ def _of_path(
 
 
 def _over_ground(
-    places: Array, speed: Array, train: Train, forward_mm_s: float
+    places: ComplexArray, speed: ComplexArray, train: Train, forward_mm_s: float
 ) -> tuple[tuple[str, str], dict[str, Any]]:
     """How the tip moves over the ground where it is lowest, and how far its places there are from each other."""
     lowest = int(np.argmin(places.imag))

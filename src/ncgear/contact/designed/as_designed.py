@@ -227,10 +227,7 @@ def pairs_under_load(
 
 @dataclass(frozen=True, eq=False)
 class _Candidates:
-    """What may touch: the contacts of ``flanks``, and ``hits``, the corners before curves.
-
-    ``first_rad`` (shape (2, n)) is the lead with which flanks first touch.
-    """
+    """What may touch: contacts of flanks, corners before curves, leads (2, n) with which flanks first touch."""
 
     flanks: FlankContacts
     first_rad: Array

@@ -125,10 +125,7 @@ def _demands(task: Task, wish: Wish, asked: Requirement, ratio_max: float) -> It
 
 
 def certified_limit(task: Task, wishes: Wishes) -> Bound | None:
-    """The limit of a goal, in the goal's unit; None for a goal that no limit is known of.
-
-    Raises NoSuchMechanism where certainly no law keeps the limits.
-    """
+    """The limit of a goal in its unit, if one is known; raises NoSuchMechanism where certainly no law is left."""
     return _limit(task, wishes, demands_of(task, wishes))
 
 

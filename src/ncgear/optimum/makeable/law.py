@@ -314,10 +314,7 @@ def _freed_together(
 
 
 def found_together(task: Task, wishes: Wishes, *, limits_alone: bool) -> Eased | None:
-    """Limits that, eased together, leave a law that keeps all other wishes and limits everywhere; None without a law.
-
-    Wishes give way as well unless ``limits_alone``.
-    """
+    """Limits (and wishes, unless ``limits_alone``) that, eased together, leave a law that keeps all others."""
     found = (_found_together(search, limits_alone) for search in _few_knots(task, wishes))
     return next((one for one in found if one is not None), None)
 

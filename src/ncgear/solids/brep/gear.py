@@ -127,10 +127,7 @@ def _screw_drill(plan: BodyPlan) -> list[TopoDS_Shape]:
 
 
 def _helical_shape(patches: Patches, *, herringbone: bool) -> TopoDS_Shape:
-    """The toothed solid without anything cut into it, from z = 0 up.
-
-    Raises Unanswered where the surfaces do not close.
-    """
+    """The toothed solid alone, from z = 0 up; raises Unanswered where the surfaces do not close."""
     halves = [patches.poles_mm]
     if herringbone:
         top = float(patches.poles_mm[..., 2].max())

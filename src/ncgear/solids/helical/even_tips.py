@@ -36,20 +36,14 @@ Fits = list[tuple[Tips, Tips]]
 
 
 def with_even_tips(pitch: PitchPair, form: ToothForm, helix: Helix) -> ToothForm:
-    """The form with one way for all sections, and with ceilings over the tips of both gears.
-
-    Raises NoSuchMechanism, naming the height, where no tooth can stand.
-    """
+    """The form with one way and ceilings for all sections; raises NoSuchMechanism with the height without teeth."""
     heights, step = heights_fitted(helix, form.rack.pitch_mm)
     way, fits = _best_fits(pitch, form, helix, heights)
     return replace(form, limits=replace(form.limits, way=way, ceilings=ceilings_over(fits, step)))
 
 
 def heights_fitted(helix: Helix, pitch_mm: float) -> tuple[Array, float]:
-    """Heights of the sections that are fitted, and the rolled length in mm from one to the next.
-
-    Over the whole helix or, without its end, over the first pitch of advance.
-    """
+    """Heights of fitted sections, up to the end or the first pitch of advance, and the rolled step in mm."""
     share = min(1.0, pitch_mm / helix.largest_advance_mm)
     advance = share * helix.largest_advance_mm
     steps = max(FEWEST, ceil(PER_PITCH * advance / pitch_mm))

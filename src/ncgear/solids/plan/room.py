@@ -73,10 +73,7 @@ def require_room(
 def largest_bore_mm(
     disc: Polygon, bore: Bore, wall_mm: float, chord_tolerance_mm: float, clearance_mm: float = 0.0
 ) -> float:
-    """Largest diameter in mm, up to ``bore``'s own, at which it fits with the same keyway; 0 when none does.
-
-    A bore lies within every larger one with the same keyway, so that what fits is one interval.
-    """
+    """Largest diameter up to ``bore``'s own, in mm, that fits with the same keyway; 0 when none does."""
 
     def fits(diameter: float) -> bool:
         return _has_room(disc, replace(bore, diameter_mm=diameter).widened(clearance_mm), wall_mm, chord_tolerance_mm)
