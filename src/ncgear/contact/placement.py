@@ -68,10 +68,10 @@ class Placement:
         """These positions and then the positions of ``other``, of the same cycle."""
         return replace(
             self,
-            **{
-                name: np.concatenate([getattr(self, name), getattr(other, name)])
-                for name in ("rolled_mm", "phi1_rad", "phi2_rad", "speed")
-            },
+            rolled_mm=np.concatenate([self.rolled_mm, other.rolled_mm]),
+            phi1_rad=np.concatenate([self.phi1_rad, other.phi1_rad]),
+            phi2_rad=np.concatenate([self.phi2_rad, other.phi2_rad]),
+            speed=np.concatenate([self.speed, other.speed]),
         )
 
     @property
