@@ -7,6 +7,7 @@ are then as deep as the mate's tips reach.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -121,6 +122,7 @@ def _fitted_to_mates(
     undercut = regular[0][1], regular[1][1]
     plain = _regular_tips(gears, bounds, undercut, limits)
     raised = (_raised(gears[0], plain[1], mates[0]), _raised(gears[1], plain[0], mates[1]))
+    same = [tips if own is gear else None for tips, own, gear in zip(plain, raised, gears, strict=True)]
     paths = None
     if min(gear.curve.curvature_bounds[0] for gear in gears) < 0.0:
         paths = paths_near_concave(gears, mates)
@@ -128,7 +130,7 @@ def _fitted_to_mates(
     refusals: list[NoSuchMechanism] = []
     for way in WAYS if limits.way is None else (limits.way,):
         try:
-            tips = _regular_tips(raised, bounds, undercut, limits) if way.raised else plain
+            tips = _regular_tips(raised, bounds, undercut, limits, same) if way.raised else plain
             free = _freed(tips, paths, way.first)
             first, second = _below_ceilings(free, limits)
             one, other = _deepened(first, second, mates[0], clearance), _deepened(second, first, mates[1], clearance)
@@ -165,11 +167,16 @@ def _bounds(own: Flanks, mate: Spaces, mates: Mates) -> Bounds:
 
 
 def _regular_tips(
-    gears: tuple[Flanks, Flanks], bounds: tuple[Bounds, Bounds], undercut: tuple[Mask, Mask], limits: TipLimits
+    gears: tuple[Flanks, Flanks],
+    bounds: tuple[Bounds, Bounds],
+    undercut: tuple[Mask, Mask],
+    limits: TipLimits,
+    known: Sequence[Tips | None] = (None, None),
 ) -> PairTips:
+    """Tips that meet regular flanks only; of a gear whose tips are known, these."""
     first, second = (
-        fitted_tips(own, allowed, marked, max(limits.least_land_mm, BLUNT * own.rack.module_mm))
-        for own, allowed, marked in zip(gears, bounds, undercut, strict=True)
+        tips or fitted_tips(own, allowed, marked, max(limits.least_land_mm, BLUNT * own.rack.module_mm))
+        for own, allowed, marked, tips in zip(gears, bounds, undercut, known, strict=True)
     )
     return first, second
 
@@ -178,6 +185,8 @@ def _raised(own: Flanks, mate: Tips, mates: Mates) -> Flanks:
     """The gear with tips longer by the height that the mate's tips lost to avoid undercut: less contact is lost."""
     short = np.where(mate.limit == Limit.UNDERCUT, mate.flanks.full_tip_mm - mate.flanks.tip_height_mm, 0.0)
     missing = _most(own.count, mates, short)
+    if not missing.any():
+        return own
     # Contact passes from tooth to tooth: a tip also makes up for contact that the next tooth's pair has lost.
     most = np.max([np.roll(missing, shift) for shift in range(-2, 3)], axis=0)
     return replace(own, tip_height_mm=own.tip_height_mm + most)

@@ -99,17 +99,7 @@ class MachineLimits:
         # With a large flywheel the work of a cycle by itself may tell more
         of_work = bound_of_stroke("flank_load_n_mm", 1.0, self.task, self.sweeps.asked)
         bounds = np.maximum(bounds, 0.0 if of_work is None else of_work.value)
-        return [self._limit(one, float(bound)) for one, bound in zip(self.machines, bounds, strict=True)]
-
-    def _limit(self, one: WholeMachine, bound: float) -> MachineLimit:
-        has = one.figures
-        if not bound > 0.0:
-            return MachineLimit(0.0, inf, 0.0, inf)
-        # Of materials without figures for pitting no gears' volume follows from the flank load
-        pits = has.contact_share < inf
-        volume = has.gear_volume_mm3 / has.contact_share**2 * bound / has.flank_load_n_mm if pits else 0.0
-        gap = has.gear_volume_mm3 / volume - 1.0 if volume > 0.0 else inf
-        return MachineLimit(bound, has.flank_load_n_mm / bound - 1.0, volume, gap)
+        return [machine_limit(one, float(bound)) for one, bound in zip(self.machines, bounds, strict=True)]
 
     def _flywheel_parts(self) -> Array:
         """Parts of the range of flywheels with the gears' inertia, shape (2, parts)."""
@@ -164,3 +154,15 @@ class MachineLimits:
         guess = guessed_figures(law, flywheel_kg_mm2, volume_mm3 * factor, speed)
         guess = replace(guess, peak_power_w=power_w, peak_torque_n_m=power_w / speed)
         return min(cost_of(choices, guess, motor_for(choices, guess), "", one) or 0.0 for one in choices.processes)
+
+
+def machine_limit(one: WholeMachine, bound_n_mm: float) -> MachineLimit:
+    """What follows for a machine's gears from a flank load that no law is under."""
+    has = one.figures
+    if not bound_n_mm > 0.0:
+        return MachineLimit(0.0, inf, 0.0, inf)
+    # Of materials without figures for pitting no gears' volume follows from the flank load
+    pits = has.contact_share < inf
+    volume = has.gear_volume_mm3 / has.contact_share**2 * bound_n_mm / has.flank_load_n_mm if pits else 0.0
+    gap = has.gear_volume_mm3 / volume - 1.0 if volume > 0.0 else inf
+    return MachineLimit(bound_n_mm, has.flank_load_n_mm / bound_n_mm - 1.0, volume, gap)

@@ -19,7 +19,6 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.project.law_task import refuse_guide_friction
 from ncgear.project.sizing import FEWEST_TEETH
-from ncgear.project.tooth_form import rack_of
 from ncgear.shown import Shown
 from ncgear.strength.materials import TABLE, Plastic
 from ncgear.whole_machines.conflict import refusal_of_gears
@@ -205,7 +204,7 @@ class MachineSearch:
         """The driving teeth from which on the pitch curves of a law undercut none."""
         gears = self.design.gears
         assert gears is not None
-        rack = rack_of(gears, 1.0)
+        rack = gears.rack.in_mm(1.0)
         angle = min(rack.angles_rad)
         depth = rack.dedendum_mm - rack.root_radius_mm * (1.0 - sin(angle))
         return ceil(gears.lobes.driving * law.found.curvature_turns * depth / (pi * sin(angle) ** 2))

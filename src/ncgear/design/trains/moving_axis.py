@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from pydantic import Field
 
-from ncgear.design.keys.base import optional, required
-from ncgear.design.keys.types import FORMULA, Expression, Length, Several
+from ncgear.design.keys.base import FORMULA, Expression, Length, Several, optional, required
 from ncgear.design.trains.base import TrainGears, TrainKeys
 from ncgear.errors import WrongInput, renamed
 
@@ -28,6 +27,7 @@ class MovingAxis(TrainKeys):
     """A pair of gears on a moving axis."""
 
     KIND = "moving_axis"
+    RULES = ("one of distances_mm distance_mm",)
     MEANING = "a pair of gears whose centre distance changes while they turn"
 
     distances_mm: Annotated[Several[Length], Field(min_length=3, max_length=64)] | None = optional(
@@ -87,8 +87,6 @@ class MovingAxis(TrainKeys):
         from ncgear.numerics.jet import Jet
         from ncgear.pitch.moving_axes import even_distances, require_distances
 
-        if (self.distances_mm is None) == (self.distance_mm is None):
-            raise WrongInput("one of distances_mm and distance_mm is needed", key="train")
         if self.distances_mm is not None:
             return require_distances(
                 even_distances(np.array(self.distances_mm), lobes.driving), lobes, "train.distances_mm"
