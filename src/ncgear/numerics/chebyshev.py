@@ -34,8 +34,9 @@ width w at x has 1e-16 x/w of it: 1e-9 is reached where a force changes within 0
 HALVINGS = 40
 
 MOST_PANELS = 1 << 12
-"""Most panels per piece, on average over the pieces, that are halved at once; a function that needs more is taken for
-noise.  Beside a pole or a corner only a few are halved, and only a wave of over 5000 turns along a piece needs more."""
+"""Most panels per piece, on average over the pieces, that are halved at once, and most of all pieces together where
+halving makes the tails of most no smaller; a function that needs more is taken for noise.  Beside a pole or a corner
+only a few are halved, and only a wave of over 5000 turns along a piece needs more."""
 
 
 class NotSmooth(Unanswered):
@@ -251,7 +252,8 @@ def fitted(
         left, right = left[~resolved], right[~resolved]
         if not left.size:
             return _assembled(done, float(edges[-1]))
-        if left.size > MOST_PANELS * (edges.size - 1):
+        stagnant = np.count_nonzero(tails[~resolved] > 0.5 * coarser[~resolved]) > left.size // 2
+        if left.size > MOST_PANELS * (1 if stagnant else edges.size - 1):
             break
         middle, coarser = (left + right) / 2.0, np.tile(tails[~resolved], 2)
         left, right = np.concatenate([left, middle]), np.concatenate([middle, right])
