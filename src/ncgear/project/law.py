@@ -24,7 +24,9 @@ def law_of(design: Design) -> Law:
     motion, lobes = design.motion, lobes_of(design)
     if motion.gives_stroke:
         return motion.law_on(mechanism_of_stroke(design.linkage, motion.solved_stroke_mm), lobes)
-    law = motion.law_on(mechanism_of(design.linkage), lobes, ring=_has_ring(design))
+    law = motion.law_on(
+        mechanism_of(design.linkage), lobes, ring=design.gears is not None and design.gears.mesh == "internal"
+    )
     covered, linkage = law.transmission.lobes.range, law.linkage
     if covered is None and not linkage.RETURNS and not linkage.OUTPUT.angular:
         raise WrongInput(
@@ -42,10 +44,6 @@ def law_of(design: Design) -> Law:
             key="motion",
         )
     return law
-
-
-def _has_ring(design: Design) -> bool:
-    return design.gears is not None and design.gears.mesh == "internal"
 
 
 def require_whole_turns(design: Design, what: str) -> None:

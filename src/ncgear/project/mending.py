@@ -403,7 +403,7 @@ def _shifted(drive: Drive) -> list[Changes]:
     from ncgear.teeth.gear import shift_against_undercut
 
     given = drive.gears.profile_shift
-    gears = changed_gears(drive.gears, fitted_root_radius(drive.gears, min(drive.gears.rack.angles_deg)))
+    gears = changed_gears(drive.gears, _fitted(drive))
     own = given.driving if given.driving is not None else -(given.driven or 0.0)
     sizes = [(pair.pitch, pair.pitch.size.module_mm) for pair in drive.by_stage]
     best = [shift_against_undercut(pitch, gears.rack.in_mm(module)) / module for pitch, module in sizes]
