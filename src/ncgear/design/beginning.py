@@ -139,7 +139,7 @@ def _crank_mm(answers: Mapping[str, float], usual: Mapping[str, float]) -> float
 
 
 def _values(document: Document, beginning: Beginning, answers: Mapping[str, float]) -> Iterator[tuple[str, Any]]:
-    """The values that differ from those of the text, by dotted key."""
+    """The values that differ from the values of the text, by dotted key."""
     usual, own = usual_answers(beginning), proportioned(answers, beginning)
     keys = {answer: key for answer, key in ANSWERS.items() if document.at(key) is not None}
     yield from ((key, own[answer]) for answer, key in keys.items() if own[answer] != usual[answer])
@@ -169,7 +169,7 @@ def _grown(data: Mapping[str, Any], longer: float, faster: float) -> Iterator[tu
         unit = next((unit for unit in GROWTH if key.endswith(unit)), None)
         if unit is None:
             return value
-        # Driving speeds may be the one that a person has given, with all its digits.
+        # A person may have given the driving speed, with all its digits.
         digits = 12 if unit == "_rpm" else 4
         return _rounded(value * longer ** GROWTH[unit][0] * faster ** GROWTH[unit][1], digits)
 

@@ -133,7 +133,7 @@ def swinging_inertia(meshing: Meshing, driving_n_mm_s2: float, driven_n_mm_s2: f
 
 
 def mean_inertia(load: CrankLoad) -> float:
-    """The mean inertia of what the crank turns over a turn of it, in N mm s^2."""
+    """The inertia in N mm s^2 of all that the crank turns, as a mean over a turn."""
     crank_rad = np.linspace(0.0, 2.0 * pi, SAMPLES, endpoint=False)
     return float(np.mean(load.table.at(crank_rad)[0][..., 0]))
 

@@ -438,7 +438,7 @@ class Geared(Moving):
 
     @computed
     def drawn_motions(self) -> tuple[OutputMotion, OutputMotion]:
-        """Both motions at the angles of ``motion`` and at those of ``extremes_rad``, for charts."""
+        """Both motions at the angles of ``motion`` and of ``extremes_rad``, for charts."""
         phi1 = distinct(np.concatenate([sample_angles(self.transmission), self.extremes_rad]))
         return self.motion_of(self.machine, phi1), self.motion_of(self.uniform_machine, phi1)
 

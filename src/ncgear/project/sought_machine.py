@@ -73,5 +73,5 @@ class GearsAsGiven(SoughtMachine):
 
     @cached_property
     def task(self) -> Task:
-        """The machine; a gear whose moment of inertia is left out has that which the design's own law makes."""
+        """The machine; a moment of inertia that is left out follows from the gear that the design's own law makes."""
         return task_of(self.design, inertia_as_given(self.design))

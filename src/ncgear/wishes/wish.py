@@ -35,7 +35,7 @@ Value = float | bool
 class Offer:
     """What could be asked for instead, in words, and the dotted keys of a design file with the values that ask for it.
 
-    ``key`` is that of the wish or limit that is eased, where messages name it.
+    ``key`` is the key of the wish or limit that is eased, where messages name it.
     """
 
     said: str
