@@ -11,6 +11,7 @@ from ncgear.errors import DesignError, located
 
 Value = TypeVar("Value", covariant=True)
 Found = TypeVar("Found")
+By = TypeVar("By", bound=str)
 
 
 class computed(cached_property[Value]):
@@ -32,11 +33,11 @@ class computed(cached_property[Value]):
             return super().__get__(instance, owner)
 
 
-def computed_by(method: Callable[[Any, str], Found]) -> Callable[[Any, str], Found]:
+def computed_by(method: Callable[[Any, By], Found]) -> Callable[[Any, By], Found]:
     """A method of a drive that is computed, or refused, once for each value of its argument."""
 
     @wraps(method)
-    def known(drive: Any, by: str) -> Found:
+    def known(drive: Any, by: By) -> Found:
         results: dict[str, Found | DesignError] = vars(drive).setdefault(f"_{method.__name__}", {})
         if by not in results:
             try:

@@ -95,7 +95,8 @@ class WishKeys(Model):
         words = (cls.__doc__ or "").replace("slider", "output")
         made |= {"PLACE": "deg", "SPEED": "rad_s", "__annotations__": annotations}
         made |= {"__doc__": words, "__module__": cls.__module__, "__qualname__": f"Turning{cls.__name__}"}
-        return type(cls)(f"Turning{cls.__name__}", (cls,), made, first=True)
+        of_models: Any = type(cls)
+        return of_models(f"Turning{cls.__name__}", (cls,), made, first=True)
 
     def place(self, quantity: str) -> Any:
         """The value of a key of a place, such as ``from`` or ``at``, in the unit of the file; None where left out."""
