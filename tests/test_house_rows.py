@@ -299,7 +299,7 @@ def quick(drive):
         "figures/advice/verdict.py": {
             "from ncgear.figures.advice.values ": "from ncgear.figures.advice import dummy_advice",
             "    Kind.SPEEDS:": "    Kind.DUMMY: Condition("
-            '"slowness", "it is slow", lambda _: True, _one(dummy_advice.quick), of_pair=False),',
+            '"slowness", "it is slow", lambda _: True, dummy_advice.quick, of_pair=False),',
         },
     },
 )
@@ -340,7 +340,7 @@ def dummy() -> None:
     typer.echo("a dummy")
 '''
     },
-    {"cli/app.py": {"from ncgear.cli.formulas ": "from ncgear.cli.dummy import dummy", "    balance,": "    dummy,"}},
+    {"cli/app.py": {"from ncgear.cli.study ": "from ncgear.cli.dummy import dummy", "    balance,": "    dummy,"}},
 )
 
 

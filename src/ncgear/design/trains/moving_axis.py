@@ -43,7 +43,8 @@ class MovingAxis(TrainKeys):
     gears: MovingGearKeys = required("the teeth and the bodies of both gears")
 
     def _made(self) -> Train:
-        from ncgear.trains.moving_axis import MovingBodies, module_mm, moving_train
+        """The train that the keys ask for; raises WrongInput and NoSuchMechanism where no such gears exist."""
+        from ncgear.trains.moving_axis import module_mm, moving_train
 
         axes, radius = self._axes()
         gears = self.gears
@@ -56,10 +57,8 @@ class MovingAxis(TrainKeys):
                 f"{module:.9g} mm; leave it out, or change distances or teeth",
                 key="train.gears.module_mm",
             )
-        bodies = MovingBodies(gears.face_width_mm, gears.bore_mm)
-        return moving_train(
-            axes, gears.teeth, gears.form(module), bodies, self.speed_rpm, gears.chord_mm(module), radius
-        )
+        form, sizes = gears.form(module), (gears.face_width_mm, gears.bore_mm)
+        return moving_train(axes, gears.teeth, form, *sizes, self.speed_rpm, gears.chord_mm(module), radius)
 
     def _axes(self) -> tuple[MovingAxes, float | None]:
         """The law on its moving axis, and the radius of a round driving gear."""

@@ -318,8 +318,12 @@ def pin_beside_hub(drive: Drive) -> Advice | None:
     )
 
 
-def concave(drive: Drive, gear: Gear) -> Advice | None:
-    """A pitch curve that is dented; where a hob does no harm to its flanks, that is only a remark."""
+def concave(drive: Drive) -> list[Advice | None]:
+    """Pitch curves that are dented; where a hob does no harm to the flanks, that is only a remark."""
+    return [_dented(drive, gear) for gear in Gear]
+
+
+def _dented(drive: Drive, gear: Gear) -> Advice | None:
     # A check needs no module that makes teeth.
     from ncgear.teeth.tool import HARMLESS, gouged_mm
 
