@@ -13,8 +13,7 @@ import numpy as np
 
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.forces import CrankBody, JointForces, Pace, crank_forces
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import CrankBody, JointForces, Masses, Pace, crank_forces
 from ncgear.mechanisms.mechanism import Link, Mechanism, MovingMass, Output
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.jet import Jet

@@ -16,7 +16,7 @@ from ncgear.design.mechanisms import entry_of
 from ncgear.errors import DesignError, WrongInput
 from ncgear.kinematics.check import KinematicCheck, at_speed, both_sides_rad, load_extremes_rad
 from ncgear.kinematics.motion import Machine, OutputMotion, sample_angles
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import Masses
 from ncgear.numerics.arrays import Array, distinct
 from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM

@@ -11,8 +11,15 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.bounds import rounded_up, shown_above, shown_below
 from ncgear.project.alternatives import Changes, changed_drive
 from ncgear.project.drive import Drive
-from ncgear.project.tolerance_limits import MOST_JAMMED, TURNING, backlash_key, left_of_backlash, limits_of
-from ncgear.project.usual_tolerances import Process, tolerances_of
+from ncgear.project.tolerance_limits import (
+    MOST_JAMMED,
+    TURNING,
+    Process,
+    backlash_key,
+    left_of_backlash,
+    limits_of,
+    tolerances_of,
+)
 from ncgear.tolerances.estimate import Needed, Teeth, enough, needed, plays_of
 
 MOST_BACKLASH = 0.25

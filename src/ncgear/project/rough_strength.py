@@ -99,8 +99,7 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
     asked = asked_of(drive)
     if asked.knocks_are_judged:
         # Checks of machines without masses load nothing of contact.
-        from ncgear.project.forces import borne_by
-        from ncgear.project.rough_meshing import rough_meshing
+        from ncgear.project.forces import borne_by, rough_meshing
 
         load = rolled_load(drive, borne_by(asked, rough_meshing(drive, asked, sides)).at)
         sides = shared_loads(load, plan, running, drive.materials)
