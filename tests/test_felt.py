@@ -16,7 +16,7 @@ from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.dynamics.rigid import load_peaks
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import RodMasses
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.loads import machine_loads

@@ -11,7 +11,7 @@ import pytest
 from mechanisms import AMPLITUDE, OFFSET, oracle, sampled, uneven
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import Masses, RodMasses
+from ncgear.mechanisms.forces import Masses, RodMasses
 from ncgear.mechanisms.scotch_yoke import ScotchYoke
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
