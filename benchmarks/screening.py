@@ -22,7 +22,7 @@ from typing import Any
 import numpy as np
 
 from ncgear.design.reading.design_file import load
-from ncgear.design.varied import checked_design
+from ncgear.design.space import checked_design
 from ncgear.errors import DesignError, WrongInput
 from ncgear.memory import begin_worker
 from ncgear.numerics.arrays import Array

@@ -7,7 +7,7 @@ from math import sqrt
 import pytest
 
 from drives import design_of, loaded
-from ncgear.figures.data_sheet.accuracy import tolerances
+from ncgear.figures.data_sheet.entries import tolerances
 from ncgear.project.drive import Drive
 from ncgear.tolerances.iso286 import STANDARD_UM, UP_TO_MM, hole_text, standard_tolerance_mm
 

@@ -14,9 +14,8 @@ import pytest
 import ncgear
 from conftest import Run
 from ncgear.errors import WrongInput
-from ncgear.kinematics.crank_stretches import CrankStretch
+from ncgear.kinematics.crank_stretches import CrankStretch, crank_rad
 from ncgear.kinematics.motion import Machine
-from ncgear.kinematics.over_stretches import crank_rad
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.mechanisms.slider_load import SliderLoad

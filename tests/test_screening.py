@@ -14,7 +14,7 @@ import pytest
 
 from drives import loaded
 from ncgear.design.keys.design import Design, design_model
-from ncgear.design.varied import accepted, checked_design
+from ncgear.design.space import accepted, checked_design
 from ncgear.errors import DesignError, WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.sampled import integrated

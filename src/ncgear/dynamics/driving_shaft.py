@@ -23,9 +23,8 @@ from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import PiecewiseChebyshev, fitted
 from ncgear.numerics.extrema import Extremum, extremes
 from ncgear.numerics.jet import Jet
-from ncgear.numerics.quadrature import gauss_points
+from ncgear.numerics.quadrature import gauss_points, rms_above
 from ncgear.numerics.units import N_M_PER_N_MM
-from ncgear.numerics.waves import rms_above
 from ncgear.numerics.zeros import all_zeros
 
 NODES = 25
