@@ -123,8 +123,8 @@ def main() -> None:
     """Draw, judge, tell."""
     asked = argparse.ArgumentParser(description=__doc__)
     asked.add_argument("--tests", choices=MARKS, default="readme")
-    asked.add_argument("--each", type=int, default=4, help="mutations of each room")
-    asked.add_argument("--seed", type=int, default=0)
+    asked.add_argument("--each", type=int, default=8, help="mutations of each room")
+    asked.add_argument("--seed", type=int, default=38)
     asked.add_argument("--room", nargs="*", help="only these rooms")
     asked.add_argument("--processes", type=int, default=2)
     asked.add_argument("--kept", type=Path, default=ROOT / "export" / "mutants")
