@@ -147,7 +147,9 @@ def test_it_does_not_matter_from_where_phases_are_counted(turn: float) -> None:
     for name in ("weight", "tight", "slack"):
         ends = [(getattr(one, name).low, getattr(one, name).high) for one in (found, before)]
         assert ends[0] == pytest.approx(ends[1], abs=1e-12)
-    at = [predicted(one, two, 0.3 + more).amplitude for one, two, more in ((found, phases, turn), (before, PHASES, 0.0))]
+    at = [
+        predicted(one, two, 0.3 + more).amplitude for one, two, more in ((found, phases, turn), (before, PHASES, 0.0))
+    ]
     assert at[0] == pytest.approx(at[1], rel=1e-12)
 
 
