@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from at_once import at_once
 from commands import Run
 from ncgear.design.asked_machine import QUESTIONS, asked_text, fault_of_answer, likely_answers
 from ncgear.design.template import MachineName, machine_template
@@ -65,7 +66,7 @@ def test_each_answer_changes_its_keys() -> None:
     assert (none.free_flywheel, none.choices.center_distance_mm) == (None, None)
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("question", "answer", "said"),
     [
         ("force", "much", "much given; a number over 0 is right"),

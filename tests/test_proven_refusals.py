@@ -14,6 +14,7 @@ import shapely
 from scipy.spatial import cKDTree
 from shapely import Polygon
 
+from at_once import at_once
 from commands import Run
 from deep_designs import deep_design
 from drives import design_of
@@ -295,7 +296,7 @@ SIZES = [
 ]
 
 
-@pytest.mark.parametrize("data", SIZES, ids=["law", "law of few teeth", "ellipse", "lobes", "teeth left out"])
+@at_once("data", SIZES)
 def test_each_size_that_is_advised_is_consistent(data: Data) -> None:
     """Each is accepted in the place of what is given; a thousandth more is not."""
     gears = {key: value for key, value in data["gears"].items() if value is not None}

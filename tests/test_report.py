@@ -17,6 +17,7 @@ from lxml.html import HtmlElement
 
 import drives
 import reports
+from at_once import at_once
 from commands import ROOT, Run, python
 from ncgear.contact.written.as_written import Outlines
 from ncgear.drawings import palette
@@ -325,9 +326,7 @@ def test_a_cursor_that_is_off_is_seen() -> None:
     assert farthest_from_curve(reports.motion("baler")[0], (0.0, 361.0)) > DRAWN_OFF
 
 
-@pytest.mark.parametrize(
-    ("largest", "decimals"), [(760.0, 1), (1.87, 3), (0.0187, 5), (12345.0, 0), (0.0, 0), (1000.0, 0)]
-)
+@at_once(("largest", "decimals"), [(760.0, 1), (1.87, 3), (0.0187, 5), (12345.0, 0), (0.0, 0), (1000.0, 0)])
 def test_four_digits_of_the_largest_value_are_shown(largest: float, decimals: int) -> None:
     assert decimals_of(largest, DIGITS) == decimals
 

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 import yaml
 
+from at_once import at_once
 from commands import Run, on_text
 from drives import MACHINES, design_of, drive, drive_of_text
 from ncgear.figures.advice.law_advice import NO_BORE
@@ -307,7 +308,7 @@ def test_a_silent_force_leaves_the_power_as_it_is_without_it() -> None:
         assert (power > 0.0) is acts
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("places", "idle"),
     [
         ([90, 130], "all 2"),
