@@ -16,7 +16,7 @@ from ncgear.project.opened import load, loads
 from test_new_command import at_terminal
 
 
-@pytest.mark.thorough
+@pytest.mark.tiers(thorough=["pump"], rest="slow")
 @pytest.mark.parametrize("machine", MachineName)
 def test_likely_answers_are_the_machine_of_that_kind(machine: MachineName) -> None:
     """The flywheel by the exact work or a disc by hand; the file asks for the same machine."""

@@ -102,7 +102,7 @@ def test_the_macro_shows_a_design_in_freecad_and_follows_it(tmp_path: Path) -> N
     assert bored == pytest.approx(6.0 * pi * 2.5**2, rel=0.01)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_an_answer_has_the_same_solids_and_pitch_curves() -> None:
     pytest.importorskip("OCP")
     from io import BytesIO

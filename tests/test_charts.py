@@ -128,7 +128,7 @@ def test_the_note_of_a_picture_tells_the_peak_that_a_check_tells() -> None:
     assert axes.texts[0].get_text() == f"{made.check.peak_acceleration_cycle.value:.0f} mm/s\u00b2 at 331\u00b0"
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_notes_of_loads_tell_the_peaks_that_a_simulation_tells() -> None:
     made = drives.drive("baler-real")
     loads = [rigid.machine.at(drawn_angles_rad(made)) for rigid in (made.rigid, made.uniform_rigid)]

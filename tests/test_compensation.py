@@ -83,7 +83,9 @@ def test_value_and_slope_of_the_ratio_join_the_working_stroke(name: str, kind: s
 
 
 @pytest.mark.judges("ratio")
-@every_return
+@pytest.mark.tiers(quick=["baler"], rest="slow")
+@pytest.mark.parametrize("name", LINKAGES)
+@at_once("kind", KINDS)
 def test_the_driven_angle_closes_by_exact_quadrature(name: str, kind: str) -> None:
     law, ends = law_of(name, kind), ends_of(name)
     assert abs(law.closure_error_rad) <= 1e-12  # the closure promised

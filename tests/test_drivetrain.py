@@ -629,7 +629,7 @@ def test_a_large_flywheel_has_the_fluctuation_of_the_energy_swing() -> None:
     assert course.fluctuation == pytest.approx(predicted, rel=0.01)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_motor_that_is_too_weak_is_refused() -> None:
     with pytest.raises(NoSuchMechanism, match="stopped"):
         speed_course(demand(), LineDrive(StraightLine(1e3, 150.0), Gearbox(24.5, 1.0)))

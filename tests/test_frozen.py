@@ -160,6 +160,7 @@ def test_classes_that_can_be_changed_are_refused() -> None:
         dataclass(frozen=False)
 
 
+@pytest.mark.slow
 def test_every_frozen_class_of_a_module_without_others_is_made_here() -> None:
     """Files with dataclasses that can be changed take both from ``dataclasses``."""
     for path in sorted((ROOT / "src").rglob("*.py")):

@@ -303,7 +303,7 @@ SAMPLED = 1e-6
 """Energies by trapezes of 1.6e-4 rad, over the size of the terms of a row."""
 
 
-@pytest.mark.thorough
+@pytest.mark.tiers(thorough=["0", "5"], rest="slow")
 @pytest.mark.parametrize("seed", range(8))
 def test_a_convex_law_with_mass_keeps_what_its_own_figures_demand(seed: int) -> None:
     """All four figures are priced, with ranges wider than the law's own."""

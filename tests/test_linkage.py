@@ -65,6 +65,7 @@ def crank_pins_mm(linkage: CrankSlider, crank_angle_rad: Array) -> Array:
 
 
 @pytest.mark.judges("mechanisms")
+@pytest.mark.tiers(quick=["(380.0, 960.0, 100.0)", "(100.0, 130.0, -29.0)"], rest="slow")
 @pytest.mark.parametrize("lengths", LENGTHS, ids=str)
 def test_displacement_and_four_derivatives_against_the_vector_loop(lengths: Lengths) -> None:
     points = np.concatenate([np.linspace(0.0, 2.0 * pi, 9), [1e-9, 0.01, 3.0, 3.3, 6.2]])

@@ -221,7 +221,7 @@ def test_gears_that_turn_less_than_once_have_no_wishes(run: Run, law: LawName) -
     assert "wishes: given, but it is not offered for gears that turn to and fro" in problem
 
 
-@pytest.mark.tiers(thorough=["three_segment_stroke", "table"], rest="slow")
+@pytest.mark.tiers(thorough=["table"], rest="slow")
 @pytest.mark.parametrize("law", [law for law in LawName if law not in LESS_THAN_ONCE])
 def test_wishes_are_those_of_the_file(run: Run, tmp_path: Path, law: LawName) -> None:
     """As under ``wishes`` in a file that somebody writes by hand."""

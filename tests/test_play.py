@@ -143,7 +143,7 @@ def test_overlap_is_as_deep_as_shapely_finds(name: str) -> None:
         assert depth > 0.02
 
 
-@pytest.mark.thorough
+@pytest.mark.tiers(thorough=["*-sine"], rest="slow")
 @pytest.mark.parametrize("name", ["uniform", "sine", "baler"])
 @pytest.mark.parametrize("ahead_rad", [0.01, -0.01])
 def test_driven_gear_turned_too_far_overlaps(name: str, ahead_rad: float) -> None:

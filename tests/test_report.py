@@ -221,11 +221,13 @@ def test_a_design_that_makes_no_gears_is_refused_in_place(run: Run, tmp_path: Pa
 
 
 def test_the_page_says_what_the_design_is() -> None:
-    tree = parsed(reports.page("baler"))
+    tree = parsed(reports.page("ellipse"))
     text = tree.text_content()
-    assert tree.xpath("//h1")[0].text == "baler"
-    assert tree.xpath("//pre")[0].text_content() == (ROOT / "designs" / "baler.yaml").read_text()
-    for words in ("Lei et al. 2012", "uniform crank", "undercut", "gears.teeth: 86", "74.885", "numpy", "python"):
+    assert tree.xpath("//h1")[0].text == "ellipse"
+    assert tree.xpath("//pre")[0].text_content() == (ROOT / "designs" / "ellipse.yaml").read_text()
+    # Two axes of an ellipse whose perimeter is that of 37 teeth: 4 a E(0.35^2) = 37 pi 2 mm
+    distance_mm = 37 * pi / float(ellipe(0.35**2))
+    for words in ("Equal elliptical gears", "uniform crank", "undercut", f"{distance_mm:.4f}", "numpy", "python"):
         assert words in text, words
 
 

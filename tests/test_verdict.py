@@ -67,7 +67,7 @@ def test_every_kind_of_advice_is_a_condition_in_the_same_order() -> None:
     assert len({condition.name for condition in CONDITIONS.values()}) == len(CONDITIONS)
 
 
-@pytest.mark.tiers(quick=["ellipse", "pusher", "feeder-wishes"], long=["baler-*"], rest="slow")
+@pytest.mark.tiers(quick=["ellipse", "feeder-wishes"], long=["baler-*"], rest="slow")
 @pytest.mark.parametrize("name", DESIGNS)
 def test_no_warnings_is_said_only_where_all_was_judged(name: str) -> None:
     one = drive(name)

@@ -253,7 +253,7 @@ def test_swings_without_end_leave_their_cell_empty() -> None:
     assert speeds_csv(replace(sweep, load_factor=None)).endswith("1.0,1.0,1.0,\n")
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_dynamic_factor_that_is_given_is_taken_everywhere() -> None:
     drive = drive_of_text(ELLIPSE + "strength: {dynamic_factor: 1.4}\n")
     factors = rating_of(drive).strength.stresses.dynamic_factor

@@ -100,7 +100,7 @@ def test_the_even_stretch_of_an_even_yoke(tolerance: float) -> None:
         assert sorted([found.start_mm, found.end_mm]) == pytest.approx(ends, rel=1e-6)
 
 
-@pytest.mark.thorough
+@pytest.mark.tiers(thorough=["0-*"], rest="slow")
 @pytest.mark.parametrize("stroke", Stroke, ids=lambda stroke: stroke.value)
 @pytest.mark.parametrize("seed", range(3))
 def test_the_even_stretch_of_laws_at_random(seed: int, stroke: Stroke) -> None:
