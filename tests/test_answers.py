@@ -27,10 +27,9 @@ from ncgear.figures.answers.answer import (
 )
 from ncgear.figures.answers.machine import build_answer, check_answer, head_of
 from ncgear.figures.data_sheet.sheet import data_sheet
-from ncgear.figures.every_figure import _table
 from ncgear.figures.quantities import NAMES, SIZES, name_of
 from ncgear.figures.summary.build_summary import build_summary
-from ncgear.figures.terminal import summary_text
+from ncgear.figures.terminal import _table, summary_text
 from ncgear.project.drive import Drive
 from tiers import long_but
 
@@ -328,7 +327,7 @@ def test_the_names_are_in_no_other_list() -> None:
     source = ROOT / "src" / "ncgear"
     files = [path for path in source.rglob("*.py") if path.name != "quantities.py"]
     own = {"centre distance", "greatest pressure angle", "peak acceleration, working stroke", "play of the driven gear"}
-    held = {path.name: [name for name in own if f'"{name}"' in path.read_text(encoding="utf-8")] for path in files}
+    held = {str(path): [name for name in own if f'"{name}"' in path.read_text(encoding="utf-8")] for path in files}
     assert {name: found for name, found in held.items() if found} == {}
 
 

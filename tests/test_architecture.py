@@ -157,11 +157,10 @@ WRITERS = {
     "files/train.py",
     "files/workshop/dxf.py",
     "files/workshop/solid_files.py",
-    "drawings/page/solid_view.py",
+    "drawings/solid_pair.py",
     "studio/chains.py",
-    "studio/entrance.py",
+    "studio/server.py",
     "studio/worker.py",
-    "studio/zipped.py",
 }
 """What may write files: whole sets of files; a new design file, of which the path is free; lines of finished points;
 the temporary file that leads a browser to the studio.  And what calls the same of a library, for a text in memory, or

@@ -21,9 +21,8 @@ from drives import DESIGNS, drive
 from ncgear.design.keys.balance import Balance
 from ncgear.design.keys.design import json_schema
 from ncgear.design.reading.balance_file import load_balance
-from ncgear.figures.answers.shaken import balance_answer
-from ncgear.figures.balance.parts import figures_of
-from ncgear.figures.every_figure import full_text
+from ncgear.figures.balance.parts import balance_answer, figures_of
+from ncgear.figures.terminal import full_text
 from ncgear.files.balance import balance_files
 from ncgear.project.balancing import Balancing
 

@@ -686,7 +686,7 @@ def test_streams_that_take_nothing_do_not_change_what_a_status_means(tmp_path: P
 @pytest.mark.thorough
 def test_a_file_does_not_get_the_number_of_a_closed_stream(tmp_path: Path) -> None:
     """Whatever opens a file first after the start, here the design file, would otherwise take number 2."""
-    code = "from ncgear.cli.streams import open_streams; open_streams(); print(open('right.yaml').fileno() > 2)"
+    code = "from ncgear.cli.run import open_streams; open_streams(); print(open('right.yaml').fileno() > 2)"
     (tmp_path / "right.yaml").write_text("")
     shell = f'"{sys.executable}" -c "{code}" 2>&- <&-'
     done = subprocess.run(["bash", "-c", shell], capture_output=True, text=True, cwd=tmp_path, env=environment())

@@ -21,7 +21,7 @@ from ncgear.errors import WrongInput
 from ncgear.figures.summary.check_summary import check_summary
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.traced import NotTraced, formula_of
-from ncgear.project.function_laws import DIED, _decay
+from ncgear.project.opened import DIED, _decay
 
 pytestmark = pytest.mark.judges("design")
 

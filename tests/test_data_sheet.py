@@ -19,7 +19,7 @@ from ncgear.drawings.charts.chart import joints_up_to
 from ncgear.drawings.page.tables import sheet_tables
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.data_sheet import sheet as sheet_module
-from ncgear.figures.data_sheet.entry import Entry
+from ncgear.figures.data_sheet.entries import Entry
 from ncgear.figures.data_sheet.pitch_table import pitch_csv, turn_deg
 from ncgear.figures.data_sheet.sheet import DataSheet, data_sheet, sheet_text
 from ncgear.figures.tables import Table

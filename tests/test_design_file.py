@@ -17,7 +17,7 @@ from ncgear.design.keys.gears import PROFILES, Rack
 from ncgear.design.laws.ellipse import Ellipse
 from ncgear.design.laws.ratio_expression import RatioExpression
 from ncgear.design.laws.registry import LawName
-from ncgear.design.laws.table import MOST_POINTS, TableLaw
+from ncgear.design.laws.table import MOST_POINTS, Table
 from ncgear.design.laws.three_segment_stroke import SOLVED_KEYS, ThreeSegmentStroke
 from ncgear.design.reading.design_file import LoadedDesign, load
 from ncgear.design.reading.text import plain_value
@@ -242,11 +242,11 @@ def test_errors_get_their_place_and_keep_a_known_one(tmp_path: Path) -> None:
     assert caught_elsewhere.value.location == "other:1:1"
 
 
-def points(folder: Path, csv: str, more: str = "") -> TableLaw:
+def points(folder: Path, csv: str, more: str = "") -> Table:
     """The table law of a design file that names a CSV file holding ``csv``."""
     (folder / "p.csv").write_text(csv)
     motion = loaded(folder, f"{HEAD}motion:\n  law: table\n  file: p.csv\n{more}").design.motion
-    assert isinstance(motion, TableLaw)
+    assert isinstance(motion, Table)
     return motion
 
 

@@ -18,8 +18,8 @@ from at_once import at_once
 from documented.installing import ROOT
 from documented.pages import PAGES
 from made import command_heads, drawings, figures, gallery, key_pages, kinds_page, material_page
+from ncgear.design.keys.base import FORMULA
 from ncgear.design.keys.design import Design
-from ncgear.design.keys.types import FORMULA
 from ncgear.design.mechanisms import MECHANISMS
 from ncgear.design.reference import keys_of
 from ncgear.errors import NoSuchMechanism

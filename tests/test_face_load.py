@@ -18,7 +18,7 @@ from ncgear.drivetrain.bearings import Bearing, stiffness_n_mm
 from ncgear.drivetrain.cycle import cycle_of
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.advice.given_advice import without_effect
-from ncgear.figures.data_sheet.accuracy import tolerances
+from ncgear.figures.data_sheet.entries import tolerances
 from ncgear.figures.strong import _rigid_words, strength_summary
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 from math import cos, pi, radians
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,8 +20,9 @@ from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.masses import RodMasses
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array
+from ncgear.optimum import task
 from ncgear.optimum.loads import machine_loads
-from ncgear.optimum.task import Felt, GearSize, Task, felt, figures, tooth_force_n
+from ncgear.optimum.task import GearSize, Task, figures, tooth_force_n
 from ncgear.pitch.shape import Mesh
 from ncgear.project.law_task import task_of
 from ncgear.project.moving_masses import TrainInertia
@@ -34,6 +36,10 @@ SWAYING = 0.08
 
 WHOLE = RodMasses(150.0, 30.0, 430.0, 2.8e6, 40.0, 120.0, 1.6e6, 800.0, 800.0, 0.0, (0.0, -9.80665))
 """The masses of designs/baler-dynamics.yaml."""
+
+
+def felt(rigid: RigidMachine, fluctuation: float) -> SimpleNamespace:
+    return SimpleNamespace(**task.felt(rigid, fluctuation))
 
 
 @cache
@@ -104,7 +110,7 @@ def sampled() -> tuple[Array, Array, Array]:
 
 
 @cache
-def found() -> Felt:
+def found() -> SimpleNamespace:
     return felt(RigidMachine(swaying(), WHOLE), 0.05)
 
 

@@ -8,7 +8,7 @@ import pytest
 
 from at_once import at_once
 from drives import design_of, loaded
-from ncgear.figures.data_sheet.accuracy import tolerances
+from ncgear.figures.data_sheet.entries import tolerances
 from ncgear.project.drive import Drive
 from ncgear.tolerances.iso286 import STANDARD_UM, UP_TO_MM, hole_text, standard_tolerance_mm
 

@@ -25,8 +25,7 @@ from ncgear.project.best_law import BestLaw
 from ncgear.project.drive import Drive
 from ncgear.project.free_lengths import with_lengths
 from ncgear.project.law_task import inertia_as_given, task_of, wishes_of
-from ncgear.whole_machines.laws import LawJob, laws_of
-from ncgear.whole_machines.lengths import with_best_lengths
+from ncgear.whole_machines.laws import LawJob, laws_of, with_best_lengths
 
 ASKED = """
 optimize:

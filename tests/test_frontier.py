@@ -24,8 +24,8 @@ from ncgear.drawings.plots import frontier_plot as picture
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.answers.best_law import frontier_answer
 from ncgear.figures.best_law import frontier_csv, frontier_figures, other_mechanisms
-from ncgear.figures.every_figure import full_text
-from ncgear.files.frontier import frontier_files
+from ncgear.figures.terminal import full_text
+from ncgear.files.searched import frontier_files
 from ncgear.optimum.family import (
     Family,
     Peak,

@@ -15,9 +15,8 @@ import ncgear
 from at_once import at_once
 from conftest import Run
 from ncgear.errors import WrongInput
-from ncgear.kinematics.crank_stretches import CrankStretch
+from ncgear.kinematics.crank_stretches import CrankStretch, crank_rad
 from ncgear.kinematics.motion import Machine
-from ncgear.kinematics.over_stretches import crank_rad
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.mechanisms.slider_load import SliderLoad

@@ -16,7 +16,7 @@ from at_once import at_once
 from drives import design_of, drive, loaded
 from ncgear.design.keys.tolerances import AssemblyTolerances, GearTolerances, Temperatures
 from ncgear.errors import DesignError
-from ncgear.figures.advice.assembly_advice import jams
+from ncgear.figures.advice.teeth_advice import jams
 from ncgear.figures.advice.values import Advice, Kind, NotJudged
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive

@@ -14,7 +14,7 @@ import pytest
 from at_once import at_once
 from drives import design_of, drive
 from ncgear.errors import NoSuchMechanism
-from ncgear.figures.advice.linkage_advice import FLATTEST_DEG, FRICTION, transmission_angle
+from ncgear.figures.advice.machine_advice import FLATTEST_DEG, FRICTION, transmission_angle
 from ncgear.figures.numbers import to_digits
 from ncgear.project.drive import Drive
 

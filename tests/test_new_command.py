@@ -21,7 +21,7 @@ from ncgear.design.laws.registry import LawName
 from ncgear.design.rewritten import rewritten
 from ncgear.design.template import SHAPES, MachineName, machine_template, shape_template, template
 from ncgear.design.wishes.dwell import Dwell
-from ncgear.design.wishes.group import Wishes
+from ncgear.design.wishes.registry import Wishes
 from ncgear.design.wishes.time_ratio import TimeRatio
 from ncgear.project.opened import load, loads
 from tiers import long_but

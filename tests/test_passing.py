@@ -18,8 +18,8 @@ from drives import design_of, drive, drive_of_text
 from ncgear.errors import WrongInput
 from ncgear.figures.advice.law_advice import NO_BORE, crank_pin, pin_beside_hub, rods
 from ncgear.figures.advice.values import Advice
+from ncgear.figures.data_sheet.entries import passed_rows, passed_summary
 from ncgear.figures.data_sheet.sheet import data_sheet
-from ncgear.figures.passed import passed_rows, passed_summary
 from ncgear.kinematics.motion import Machine
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet

@@ -17,7 +17,7 @@ from drives import built, drive_of_text
 from ncgear.design.reading.design_file import load
 from ncgear.drawings.charts.teeth_charts import strength_charts
 from ncgear.dynamics.level import Level
-from ncgear.figures.vibration import vibration_of_rating
+from ncgear.figures.flanks import vibration_of_rating
 from ncgear.files.simulation import simulate
 from ncgear.files.strength import tooth_rows
 from ncgear.pitch.shape import Gear

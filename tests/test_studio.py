@@ -34,15 +34,13 @@ from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.interrupts import quiet_of_interrupts
 from ncgear.project.drive import Drive
 from ncgear.studio import editing, open_page, worker
-from ncgear.studio.answers import Answer, Answers, guarded
 from ncgear.studio.chains import Chains
-from ncgear.studio.editing import History, difference, edited
-from ncgear.studio.emptied import lacking
-from ncgear.studio.followed import Followed
+from ncgear.studio.editing import Followed, History, difference, edited, lacking
 from ncgear.studio.form import form
 from ncgear.studio.gear_answers import contact_answers, gear_answers
 from ncgear.studio.handles import handles
 from ncgear.studio.jobs import Job
+from ncgear.studio.messages import Answer, Answers, guarded
 from ncgear.studio.motion_answers import motion_answers
 from ncgear.studio.worker import GEARS, MOTION, PICTURES, answers_of
 

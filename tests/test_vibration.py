@@ -13,9 +13,9 @@ from scipy.special import mathieu_a, mathieu_b
 from at_once import at_once
 from drives import drive_of_text
 from ncgear.dynamics.swinging_mesh import SwingingMesh, swings
-from ncgear.figures.advice import vibration_advice
+from ncgear.figures.advice import strength_advice
 from ncgear.figures.advice.values import Advice
-from ncgear.figures.vibration import speeds_csv, vibration_of_rating
+from ncgear.figures.flanks import speeds_csv, vibration_of_rating
 from ncgear.project.drive import Drive
 from ncgear.project.rough_strength import rough_strength
 from ncgear.project.strengthening import rating_of
@@ -129,10 +129,10 @@ def test_a_mesh_is_said_to_resonate_where_it_does_and_nowhere_else() -> None:
     assert told.resonates_deg == ()
     assert told.critical_rpm is not None
     low, high = told.critical_rpm
-    assert list(vibration_advice.vibration(drive)) == []
+    assert list(strength_advice.vibration(drive)) == []
     for speed in (1.2 * low, 0.8 * high):
         fast = drive_of_text(ELLIPSE.replace("900", f"{speed:.0f}"))
-        (advice,) = vibration_advice.vibration(fast)
+        (advice,) = strength_advice.vibration(fast)
         assert isinstance(advice, Advice)
         assert advice.matters
         assert advice.brief.startswith("the mesh resonates (N from 0.85 to 1.15) between phi1 = ")
@@ -141,11 +141,11 @@ def test_a_mesh_is_said_to_resonate_where_it_does_and_nowhere_else() -> None:
         assert rough is not None
         assert rough.vibration is not None
         assert rough.vibration.greatest == pytest.approx(told.greatest * speed / 900.0, rel=0.1)
-        assert any(isinstance(one, Advice) for one in vibration_advice.rough(fast))
+        assert any(isinstance(one, Advice) for one in strength_advice.rough_vibration(fast))
         inside = drive.vibration.resonance(np.radians([sum(advice.where[0].angles_deg[0]) / 2.0]), _mesh(drive))
         assert 0.85 <= float(inside[0]) * speed / 900.0 <= 1.15
     still = drive_of_text(ELLIPSE.replace("900", f"{0.9 * low:.0f}"))
-    assert list(vibration_advice.vibration(still)) == []
+    assert list(strength_advice.vibration(still)) == []
 
 
 def _mesh(drive: Drive) -> MeshStiffness:
@@ -271,8 +271,8 @@ def test_round_helical_gears_have_one_resonance_ratio_and_the_stiffness_of_iso_6
     estimate of teeth has no C_M of 0.8."""
     drive = drive_of_text(ROUND.replace("42CrMo4}", HELIX))
     mesh, beta = _mesh(drive), radians(20.0)
-    assert list(vibration_advice.rough(drive)) == []
-    assert list(vibration_advice.vibration(drive)) == []
+    assert list(strength_advice.rough_vibration(drive)) == []
+    assert list(strength_advice.vibration(drive)) == []
     found = drive.vibration.resonance(mesh.phi1_rad, mesh)
     # Where the crank asks for little, teeth bend less and fewer touch early.
     assert np.ptp(found) < 0.05 * found.mean()

@@ -13,8 +13,9 @@ from pathlib import Path
 
 from mutants.collected import TESTS, Collected, Test, collect
 from mutants.covering import Covering, covering, hashed
-from mutants.drawn import ROOT, SOURCE, Mutant, drawn, rooms
+from mutants.drawn import ROOT, Mutant, drawn, rooms
 from mutants.forked import Work, results
+from mutants.mutations import Mutation
 from mutants.survivors import Verdict, page
 
 MARKS = {"quick": "not thorough and not slow", "readme": "not slow"}
@@ -76,7 +77,7 @@ class Judge:
             elif result["failed"]:
                 # A test that fails without the mutation too, since it measures time, say, has found nothing.
                 test = self._tests[result["failed"]]
-                same = replace(mutant, source=(SOURCE / mutant.module).read_bytes())
+                same = replace(mutant, mutation=Mutation(0, 0, "", mutant.line))
                 do = partial(self._collected.under, same, [test])
                 works.appendleft(Work((mutant, test), do, self._longest_s([test])))
             else:

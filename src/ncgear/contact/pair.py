@@ -73,12 +73,10 @@ def pair_contact(
 
 CHORDS_OVERLAP = 1.1
 """Overlap, in chord tolerances, that outlines may show.  Chords of flanks stay within the material; chords of fillets
-that a rack leaves may stand out by a tolerance where a mate's corner passes.  A tenth is for rounding in the files.
-"""
+that a rack leaves may stand out by a tolerance where a mate's corner passes.  A tenth is for rounding in the files."""
 
 CHORDS_ASTRAY = 4.0
-"""Distance of contact, in chord tolerances, from the designed contact: twice the error of both chords.
-"""
+"""Distance of contact, in chord tolerances, from the designed contact: twice the error of both chords."""
 
 CAUSES = {
     Mesh.EXTERNAL: "tips of a concave stretch foul the mating gear there; more teeth of a smaller module are needed, "

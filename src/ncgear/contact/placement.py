@@ -159,8 +159,7 @@ class Placement:
 
     def fixed_directions(self, vectors: ComplexArray, row: IndexArray, ahead_rad: Array) -> ComplexArray:
         """Directions of the driven gear's frame in the fixed frame, where the gear is ``ahead_rad`` of the law."""
-        turned: ComplexArray = vectors * np.exp(1j * self.mesh.sense * (self.phi2_rad[row] + ahead_rad))
-        return turned
+        return vectors * np.exp(1j * self.mesh.sense * (self.phi2_rad[row] + ahead_rad))
 
     def relative_velocity(self, points: ComplexArray, row: IndexArray) -> ComplexArray:
         """Velocity of the driving gear against the driven gear at points of the fixed frame, in mm per rad of phi1."""
@@ -174,14 +173,12 @@ class Placement:
     @cached_property
     def _turn(self) -> ComplexArray:
         """The driving gear's turning as the driven gear sees it."""
-        turn: ComplexArray = np.exp(1j * (self.phi1_rad - self.mesh.sense * self.phi2_rad))
-        return turn
+        return np.exp(1j * (self.phi1_rad - self.mesh.sense * self.phi2_rad))
 
     @cached_property
     def _driving_axis(self) -> ComplexArray:
         """The driving axis in the driven gear's frame."""
-        axis: ComplexArray = -self.center_distance_mm * np.exp(-1j * self.mesh.sense * self.phi2_rad)
-        return axis
+        return -self.center_distance_mm * np.exp(-1j * self.mesh.sense * self.phi2_rad)
 
 
 def placed(pitch: PitchPair, per_tooth: int | None = None) -> Placement:
@@ -224,8 +221,7 @@ def _law_at(pitch: PitchPair, rolled_mm: Array) -> tuple[Array, Array, Array]:
 REACH_IN_PITCHES = 2.0
 """A pair of flanks is looked at over this rolled length before and after it crosses the pitch point.  It is twice the
 length that a rack tooth as high as the module covers at 20 degrees, since corners touch beyond the flanks' own
-contact.
-"""
+contact."""
 
 
 NEARLY_IN_PITCHES = 1e-6

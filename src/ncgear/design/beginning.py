@@ -11,7 +11,7 @@ from typing import Any, get_origin
 from pydantic import ValidationError
 
 from ncgear.design.keys.design import Design
-from ncgear.design.laws.registry import DEFAULT_LAW, LawName, design_law
+from ncgear.design.laws.registry import DEFAULT_LAW, LawName, law_keys
 from ncgear.design.mechanisms import usual_mechanism
 from ncgear.design.reading.messages import problems
 from ncgear.design.reading.places import Document, with_value
@@ -19,7 +19,7 @@ from ncgear.design.reading.text import quoted, whole
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.rewritten import rewritten
 from ncgear.design.template import MachineName, machine_template, template
-from ncgear.design.wishes.group import Wishes
+from ncgear.design.wishes.registry import Wishes
 from ncgear.design.words import listed
 from ncgear.errors import WrongInput
 
@@ -145,8 +145,8 @@ def _values(document: Document, beginning: Beginning, answers: Mapping[str, floa
     yield from ((key, own[answer]) for answer, key in keys.items() if own[answer] != usual[answer])
     longer, faster = (own[one] / usual[one] for one in ("crank_mm", "speed_rpm"))
     if (longer, faster) != (1.0, 1.0):
-        law = design_law(LawName(document.at("motion.law")))
-        moved = {key: value for key, value in document.data["motion"].items() if key in law.grows_with_machine}
+        law = law_keys(LawName(document.at("motion.law")))
+        moved = {key: value for key, value in document.data["motion"].items() if key in law.GROWS_WITH_MACHINE}
         yield from _grown({**{group: document.data.get(group) for group in SIZED}, "motion": moved}, longer, faster)
     gears = own["teeth"] * own["module_mm"] / (usual["teeth"] * usual["module_mm"])
     if gears != 1.0:

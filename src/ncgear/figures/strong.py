@@ -15,13 +15,12 @@ from ncgear.dynamics.flank_changes import Knock
 from ncgear.dynamics.rigid import LoadPeaks
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.csv_text import rows_text
-from ncgear.figures.flanks import hours_words, surfaces_figures, surfaces_rows
+from ncgear.figures.flanks import hours_words, surfaces_figures, surfaces_rows, vibration_figures, vibration_of_rating
 from ncgear.figures.numbers import fixed, known, shown, to_digits
 from ncgear.figures.quantities import figure
 from ncgear.figures.simulated import SAME_AS_MESH, force_figures
 from ncgear.figures.summary.check_summary import stages_summary, verdict_summary
 from ncgear.figures.tables import Column, Table
-from ncgear.figures.vibration import vibration_figures, vibration_of_rating
 from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive

@@ -14,9 +14,8 @@ from ncgear.mechanisms.mechanism import Output
 from ncgear.numerics.arrays import Array, distinct
 from ncgear.numerics.extrema import Extremum, extremes_on, grid_between
 from ncgear.numerics.jet import Jet
-from ncgear.numerics.quadrature import gauss_points
+from ncgear.numerics.quadrature import gauss_points, rms_above
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.numerics.waves import rms_above
 from ncgear.shown import Shown
 
 

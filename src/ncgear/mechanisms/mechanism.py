@@ -224,8 +224,7 @@ class Mechanism(Mechanisms[float]):
     def many(cls, **lengths: Array) -> Mechanisms[Array]:
         """Many mechanisms of this kind, whether or not their cranks turn fully; lengths of shape (n,)."""
         made: Any = cls
-        found: Mechanisms[Array] = made(**lengths)
-        return found
+        return made(**lengths)
 
     @classmethod
     @abstractmethod

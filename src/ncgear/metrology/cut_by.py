@@ -174,10 +174,8 @@ def _tried(teeth: ToothedPair, gear: Gear, tool: RackLine | PinionCircle) -> tup
     shallow = (cut.flank_depth_mm < own.tips.met_depth_mm - near)[mine]
     shallow |= cut.root_depth_mm[mine] < mate.flanks.tip_height_mm[its] + near
     if shallow.any():
-        return (
-            CutVerdict.NOT,
-            f"it is not as deep beside tooth {flanks.tooth[mine[shallow]].min()} as the mate's tips reach",
-        )
+        tooth = flanks.tooth[mine[shallow]].min()
+        return CutVerdict.NOT, f"it is not as deep beside tooth {tooth} as the mate's tips reach"
     return CutVerdict.FLANKS, ""
 
 

@@ -50,13 +50,11 @@ class Jet:
     @property
     def value(self) -> Array:
         """The function's values, shape (n,)."""
-        values: Array = self.coefficients[0]
-        return values
+        return self.coefficients[0]
 
     def derivative(self, k: int = 1) -> Array:
         """The k-th derivative, shape (n,); k at most ``order``."""
-        values: Array = self.coefficients[k] * factorial(k)
-        return values
+        return self.coefficients[k] * factorial(k)
 
     def differentiated(self) -> Jet:
         """The derivative as a jet of one order less."""
@@ -70,10 +68,6 @@ class Jet:
     def truncated(self, order: int) -> Jet:
         """The same series cut at ``order``."""
         return Jet(self.coefficients[: order + 1])
-
-    def compressed(self, mask: Mask) -> Jet:
-        """The series at the points where ``mask`` (shape (n,)) is true."""
-        return Jet(self.coefficients[:, mask])
 
     def __neg__(self) -> Jet:
         return Jet(-self.coefficients)
@@ -198,16 +192,14 @@ def _counted(rows: Array) -> Array:
 
 def _slopes(coefficients: Array) -> Array:
     """The coefficients of the derivative."""
-    slopes: Array = coefficients[1:] * _counted(coefficients[1:])
-    return slopes
+    return coefficients[1:] * _counted(coefficients[1:])
 
 
 def _paired(rising: Array, falling: Array) -> Array:
     """Sum of products of rows: the first of one times the last of the other and so on; shape (n,)."""
     if len(rising) == 1:
         return np.asarray(rising[0] * falling[0])
-    total: Array = (rising * falling[::-1]).sum(axis=0)
-    return total
+    return (rising * falling[::-1]).sum(axis=0)
 
 
 def _whole_power(base: Jet, exponent: int) -> Jet:
@@ -259,10 +251,7 @@ def arctan2(sine_side: Jet, cosine_side: Jet) -> Jet:
 
 
 def polynomial(coefficients: Sequence[float] | Array, argument: Jet) -> Jet:
-    """Polynomial with ``coefficients`` from the constant term upwards, by Horner's rule.
-
-    ``coefficients`` have shape (m,), or (m, n) where each point has a polynomial of its own.
-    """
+    """Polynomial by Horner, ``coefficients`` from the constant term up, (m,), or (m, n) for one of each point."""
     if len(coefficients) == 1:
         return argument * 0.0 + coefficients[0]
     result = argument * coefficients[-1] + coefficients[-2]

@@ -58,8 +58,7 @@ class Affine:
         """The values, of the arrays' shape, for q and its derivative ``rate`` = dq/dphi2, shape (n,) each."""
         shape = (-1,) + (1,) * (self.static.ndim - 1)
         moving = self.by_q * q.reshape(shape) + self.by_rate * (rate.reshape(shape) / 2.0)
-        values: Array = self.static + speed_rad_s**2 * moving
-        return values
+        return self.static + speed_rad_s**2 * moving
 
 
 @dataclass(frozen=True, eq=False)

@@ -150,8 +150,7 @@ class Chambers:
 
     def places_rad(self, alpha_rad: Array) -> Array:
         """Places of all planets at angles of the sun, shape (planets, n)."""
-        found: Array = np.arange(self.count)[:, None] * self.step_rad - alpha_rad
-        return found
+        return np.arange(self.count)[:, None] * self.step_rad - alpha_rad
 
     def flow_mm3(self, alpha_rad: Array) -> Array:
         """What growing chambers take up in mm^3 per rad of the sun, shape (n,): also the torque in N mm per N/mm^2."""
@@ -230,5 +229,4 @@ class Chambers:
 def _continued(form: PiecewiseChebyshev, phi: Array, period: float) -> Array:
     """An antiderivative of a periodic function, beyond its period as well."""
     periods, local = np.divmod(phi, period)
-    found: Array = periods * form.final + form(local)
-    return found
+    return periods * form.final + form(local)

@@ -88,5 +88,4 @@ def passed_mm(inner: ComplexArray, ring: ComplexArray, driving: PitchCurve, phi1
     seen = inner * np.exp(1j * phi1[:, None]) - driving.center_distance_mm
     from_ring_axis = seen * np.exp(-1j * phi2[:, None])
     there = np.interp(np.angle(from_ring_axis), np.angle(ring), np.abs(ring), period=2.0 * np.pi)
-    beyond: Array = np.abs(from_ring_axis) - there
-    return beyond
+    return np.abs(from_ring_axis) - there

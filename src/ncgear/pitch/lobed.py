@@ -211,8 +211,7 @@ class LobedCurves:
     def centre_mm(self, phi: Array) -> ComplexArray:
         """A planet's centre in the sun's frame, as complex numbers, at polar angles of the contact, shape (n,)."""
         r = self.radius(phi, 0).value
-        found: ComplexArray = np.exp(1j * phi) * (r + self.planet_radius_mm * np.exp(-1j * self.lean_rad(phi)))
-        return found
+        return np.exp(1j * phi) * (r + self.planet_radius_mm * np.exp(-1j * self.lean_rad(phi)))
 
     @cached_property
     def sun_curve(self) -> RolledCurve:

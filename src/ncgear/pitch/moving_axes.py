@@ -142,8 +142,7 @@ class MovingAxes:
     def turning(self, phi: Array) -> Array:
         """The sum of both curvatures in 1/mm."""
         _, v, _, slope = self._velocity(phi)
-        found: Array = (1.0 + slope) / np.abs(v)
-        return found
+        return (1.0 + slope) / np.abs(v)
 
     def curve(self, gear: Gear) -> RolledCurve:
         """The pitch curve of a gear."""

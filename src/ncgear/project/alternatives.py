@@ -23,7 +23,6 @@ from ncgear.errors import DesignError, WrongInput
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.project.drive import Drive
 from ncgear.project.in_common import drive_like
-from ncgear.project.tooth_form import rack_of
 from ncgear.ratio.transmission import Transmission
 from ncgear.teeth.form import BasicRack
 from ncgear.teeth.root_radius import fitting_root_radius, largest_root_radius
@@ -251,7 +250,7 @@ def steeper_rack(drive: Drive, steepest_deg: float) -> Changes:
     for angle in range(least, most + 1):
         changes = rack_at(drive.gears, float(angle))
         try:
-            rack = rack_of(changed_gears(drive.gears, changes), drive.rack.module_mm)
+            rack = changed_gears(drive.gears, changes).rack.in_mm(drive.rack.module_mm)
         except WrongInput:
             continue
         driving, driven = rack.shifted(form.driving_shift_mm), rack.shifted(form.driven_shift_mm)

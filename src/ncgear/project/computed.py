@@ -27,8 +27,7 @@ class computed(cached_property[Value]):
         if instance is None:
             return self
         with located(instance.places):
-            found: Value = super().__get__(instance, owner)
-            return found
+            return super().__get__(instance, owner)
 
 
 def take_over(names: Iterable[str], source: Any, target: Any) -> None:

@@ -185,8 +185,7 @@ def loaded_places_rad(phi1_rad: Array, meshing: Meshing, rigid: RigidMachine) ->
     """
     breaks = [rigid.breaks(stretch) for stretch in stretches(rigid.machine)]
     places = distinct(np.concatenate([phi1_rad, meshing.gaps.table.breaks, *breaks]))
-    kept: Array = places[places <= phi1_rad[-1]]
-    return kept
+    return places[places <= phi1_rad[-1]]
 
 
 def drive_line_of(given: Simulation, masses: Masses, speed_rad_s: float) -> DriveLine:

@@ -29,7 +29,6 @@ from ncgear.project.tooth_form import (
     backlash_of,
     helix_of,
     mesh_place,
-    rack_of,
     reach_in_pitches,
     require_pushing_flanks,
     thickness_limits_mm,
@@ -128,7 +127,7 @@ class Geared(Moving):
     @computed
     def rack(self) -> BasicRack:
         """The basic rack at the module."""
-        return rack_of(self.gears, self.pitch.size.module_mm)
+        return self.gears.rack.in_mm(self.pitch.size.module_mm)
 
     @computed
     def play(self) -> Play:

@@ -22,7 +22,6 @@ from ncgear.optimum.makeable.wishes import ALONE, CurvatureWish, Goal, TwoStages
 from ncgear.project.law import kept_size, load_of, lobes_of, require_whole_turns
 from ncgear.project.motion_wishes import motion_wishes_of
 from ncgear.project.moving_masses import TrainInertia, masses_of
-from ncgear.project.tooth_form import rack_of
 
 RACK_ANGLE_DEG = 20.0
 """Pressure angle of the rack where a design has no gears, as in ISO 53."""
@@ -266,7 +265,7 @@ def _of_undercut(limits: Limits, gears: Gears | None) -> Iterator[_Curvature]:
         return
     if gears is None or gears.teeth is None:
         raise WrongInput("true, but of how many teeth? give gears.teeth", key="optimize.limits.free_of_undercut")
-    rack = rack_of(gears, 1.0)
+    rack = gears.rack.in_mm(1.0)
     # The flanks of the angle that is undercut first.
     undercut = (
         sin(angle) ** 2

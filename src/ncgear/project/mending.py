@@ -37,7 +37,7 @@ from ncgear.project.alternatives import (
 )
 from ncgear.project.drive import Drive
 from ncgear.project.finer import FINER_STEP, MOST_FINER, fewest, require_made
-from ncgear.project.tooth_form import rack_of, require_pushing_flanks
+from ncgear.project.tooth_form import require_pushing_flanks
 from ncgear.shown import Shown
 
 MOST_SECONDS = 5.0
@@ -406,7 +406,7 @@ def _shifted(drive: Drive) -> list[Changes]:
     gears = changed_gears(drive.gears, fitted_root_radius(drive.gears, min(drive.gears.rack.angles_deg)))
     own = given.driving if given.driving is not None else -(given.driven or 0.0)
     sizes = [(pair.pitch, pair.pitch.size.module_mm) for pair in drive.by_stage]
-    best = [shift_against_undercut(pitch, rack_of(gears, module)) / module for pitch, module in sizes]
+    best = [shift_against_undercut(pitch, gears.rack.in_mm(module)) / module for pitch, module in sizes]
     if not given.against_undercut and any(abs(modules - own) > SAME_SHIFT for modules in best):
         return [shifted_against_undercut(drive.gears)]
     dropped: Changes = {f"gears.profile_shift.{key}": None for key in given.model_fields_set}

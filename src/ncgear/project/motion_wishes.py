@@ -9,8 +9,7 @@ from ncgear.design.keys.base import key_of
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.optimize import Optimize
 from ncgear.design.wishes.base import On, WishKeys
-from ncgear.design.wishes.group import Wishes
-from ncgear.design.wishes.registry import KINDS
+from ncgear.design.wishes.registry import KINDS, Wishes
 from ncgear.errors import WrongInput
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.bounds import shown_below

@@ -439,8 +439,7 @@ def _made(design: Design, curve: Rolled, limits: Limits) -> _Made:
 def _places(curve: Rolled, at: CurvePoints) -> Array:
     """Arc lengths of the curve at points of its gear's pitch curve."""
     polar = np.mod(np.arctan2(at.position[:, 1], at.position[:, 0]), 2.0 * pi)
-    found: Array = np.interp(polar, curve.phi_rad, curve.arc_mm, period=2.0 * pi)
-    return found
+    return np.interp(polar, curve.phi_rad, curve.arc_mm, period=2.0 * pi)
 
 
 def _with_contact(made: _Made, gear: ToothedGear, gears: Gears) -> _Made:

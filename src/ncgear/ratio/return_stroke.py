@@ -108,8 +108,7 @@ class ReturnLaw:
     @property
     def polynomial(self) -> Polynomial:
         """The polynomial in powers of tau."""
-        whole: Polynomial = self.local(Polynomial([-self.about, 1.0])) + self.correction
-        return whole
+        return self.local(Polynomial([-self.about, 1.0])) + self.correction
 
     @property
     def extrapolated_ratio(self) -> float:
@@ -173,8 +172,7 @@ narrow, in returns, as the ratio is small, and STANDSTILL refuses one narrower t
 @cache
 def _even_panels() -> Array:
     """Edges of 16 panels of [0, 1], which are shorter towards the ends."""
-    edges: Array = (1.0 - np.cos(np.linspace(0.0, np.pi, 17))) / 2.0
-    return edges
+    return (1.0 - np.cos(np.linspace(0.0, np.pi, 17))) / 2.0
 
 
 @cache

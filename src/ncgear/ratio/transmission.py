@@ -136,11 +136,6 @@ class WholeTurns(Lobes):
     driven_turns: int = field(kw_only=True)
 
     @property
-    def teeth_step(self) -> int:
-        """The number of which driving teeth are a multiple, so that the driven gear has whole teeth as well."""
-        return self.driving // gcd(self.driving, self.driven)
-
-    @property
     def driving_period_rad(self) -> float:
         """Driving angle of one period."""
         return 2.0 * pi * self.driving_turns

@@ -22,12 +22,10 @@ from ncgear.errors import WrongInput
 from ncgear.studio.chains import Chains
 from ncgear.studio.drafts import Draft, draft_left
 from ncgear.studio.drawing import with_dropped
-from ncgear.studio.editing import History, difference, edited, in_line_ends_of
-from ncgear.studio.emptied import lacking
-from ncgear.studio.faults import words_of
+from ncgear.studio.editing import History, difference, edited, in_line_ends_of, lacking
 from ncgear.studio.form import form
 from ncgear.studio.jobs import COMMANDS, Job, require_command
-from ncgear.studio.messages import read_message
+from ncgear.studio.messages import read_message, words_of
 from ncgear.studio.on_disk import LARGEST_MB, DesignOnDisk, NotSaved, design_on_disk, kept_words, require_same_place
 
 MOST_CHANGES = 200

@@ -92,10 +92,7 @@ modules apart: they could pass by a sharper place."""
 
 
 def refuse_sharp_places(pitch: PitchPair) -> None:
-    """Refuse pitch curves that are curved too sharply anywhere for any tooth, however short the place is.
-
-    Raises NoSuchMechanism with the radius and the angle.
-    """
+    """Refuse pitch curves too sharp anywhere for any tooth; raises NoSuchMechanism with the radius and the angle."""
     least = SHARPEST * pitch.size.module_mm
     for gear in Gear:
         if max(map(abs, pitch.of(gear).curvature_bounds)) * least <= 1.0:
@@ -177,13 +174,10 @@ def _refuse_folded_tips(flanks: Flanks, sides: Sides) -> None:
 
 
 def _probes(start: Array, end: Array) -> Array:
-    """Arc lengths along lands, shape (z, PROBES)."""
-    probes: Array = start[:, None] + (end - start)[:, None] * np.linspace(0.0, 1.0, PROBES)
-    return probes
+    return start[:, None] + (end - start)[:, None] * np.linspace(0.0, 1.0, PROBES)
 
 
 def _worst(values: Array) -> tuple[int, int]:
-    """Row and column of the largest value."""
     row, column = np.unravel_index(int(np.argmax(values)), values.shape)
     return int(row), int(column)
 
@@ -209,7 +203,7 @@ Loop = tuple[float, float]
 
 
 def trimmed_sides(flanks: Flanks, sides: Sides, irregular: Mask) -> Sides:
-    """The sides; sides of ``irregular`` flanks are replaced by their trimmed paths.
+    """The sides, with those of ``irregular`` flanks replaced by their trimmed paths.
 
     Raises NoSuchMechanism, naming the tooth, where nothing is left of a side or it cannot be untangled.
     """
@@ -243,7 +237,6 @@ class _Trimmed:
 
 
 def _with_trimmed(sides: Sides, owner: IndexArray, trimmed: _Trimmed) -> Sides:
-    """The sides with the runs of flanks ``owner`` replaced."""
     kept = ~np.isin(sides.owner, owner)
     runs = np.concatenate([sides.owner[kept], owner[trimmed.row]])
     order = np.argsort(runs, kind="stable")
@@ -295,11 +288,7 @@ class _Paths:
     def reaches(
         self, row: IndexArray, kind1: IndexArray, first: Array, kind2: IndexArray, second: Array
     ) -> tuple[Array, Array]:
-        """How far, in parameters, the crossings of the curves may be from the crossings of their chords.
-
-        On both curves one and a half times the longer chord: where a coarse chord crosses fine chords, its sagitta
-        shifts the crossing by many of them.
-        """
+        """How far in parameters crossings may be from those of chords: 1.5 of the longer chords, for sagittas."""
         spacing1, length1 = self._chord(row, kind1, first)
         spacing2, length2 = self._chord(row, kind2, second)
         longer = 1.5 * np.maximum(length1, length2)
@@ -325,10 +314,7 @@ class _Paths:
 
 
 def _paths(flanks: Flanks, owner: IndexArray, top_mm: Array, root_mm: Array, count: int) -> _Paths:
-    """The paths of the flanks ``owner``, with ``count`` points on each curve.
-
-    They go from the heights ``top_mm`` to the fillets' ends at arc lengths ``root_mm``, shape (n,) each.
-    """
+    """The paths of the flanks ``owner``, ``count`` points on each curve, from heights to ends of fillets, (n,)."""
     depth = flanks.flank_depth_mm[owner]
     start = np.column_stack([top_mm, flanks.rolled_mm(owner, -depth)])
     end = np.column_stack([-depth, root_mm])
@@ -338,11 +324,7 @@ def _paths(flanks: Flanks, owner: IndexArray, top_mm: Array, root_mm: Array, cou
 
 
 def _spread(flanks: Flanks, owner: IndexArray, start: Array, end: Array, kind: int, count: int) -> Array:
-    """Parameters from start to end, shape (n, count), dense where loops may be small.
-
-    A fillet crosses near its flank, the nearer the slighter the undercut is.  Where a curve folds, half of its points
-    stand about the folds.
-    """
+    """Parameters from start to end, (n, count), dense near the flank, where loops are small, and about folds."""
     even = np.linspace(0.0, 1.0, count)
     share = even**3 if kind == FILLET else even
     spread = start[:, None] + (end - start)[:, None] * share
@@ -371,8 +353,7 @@ def _about_runs(values: Array, marked: Mask, count: int) -> Array:
 def _folded(flanks: Flanks, owner: IndexArray, parameter: Array, kind: int) -> Mask:
     """Whether curves fail to bound the tooth, at parameters of shape (n, m)."""
     regularity = flanks.regularity if kind == FLANK else flanks.fillet_regularity
-    folded: Mask = regularity(owner[:, None], parameter) < -FLAT
-    return folded
+    return regularity(owner[:, None], parameter) < -FLAT
 
 
 def _trimmed(paths: _Paths) -> _Trimmed:

@@ -151,8 +151,7 @@ class Follower:
         value, rate, change = error
         first, second, third = self.output[:, :, None]
         speed, acceleration = self.driven[0][:, None] + rate, self.driven[1][:, None] + change
-        seconds: Array = (second + third * value) * speed**2 + (first + second * value) * acceleration
-        return seconds
+        return (second + third * value) * speed**2 + (first + second * value) * acceleration
 
     def slow(self, error_rad: Array) -> Array:
         """The slow part of errors at the positions (shape (p, N)) and its two derivatives, shape (3, g, N)."""

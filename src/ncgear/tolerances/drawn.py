@@ -241,8 +241,7 @@ def deviating(limits: Limits, pair: Array, teeth: Array) -> Deviations:
         return np.stack([length * np.cos(angle), length * np.sin(angle)])
 
     def single(source: str) -> Array:
-        numbers: Array = pair[rows_of(source)][0]
-        return numbers
+        return pair[rows_of(source)][0]
 
     low, high = limits.temperature_c
     housing = low + (high - low) * single("temperature") - MADE_C

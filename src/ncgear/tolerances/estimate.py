@@ -34,8 +34,7 @@ some three milliseconds."""
 
 SHAPE = 16.0
 """Shape of the gamma distribution of the backlash that bores, tilts and teeth need.  Its skewness is 2 / sqrt(SHAPE) =
-0.5: the greatest value at many teeth has a longer tail than a normal distribution.
-"""
+0.5: the greatest value at many teeth has a longer tail than a normal distribution."""
 
 FARTHEST = 12.0
 """Standard deviations above the mean beyond which a gamma distribution of that shape has nothing left to speak of."""
@@ -128,8 +127,7 @@ def _in_short(values: Values) -> Values:
 def _tightest(touching: IndexArray, stretch: int) -> IndexArray:
     """In each ``stretch`` of positions, the position at which most places touch; ``touching`` is their number."""
     padded = np.append(touching, np.full(-touching.size % stretch, -1)).reshape(-1, stretch)
-    tightest: IndexArray = np.arange(0, touching.size, stretch) + padded.argmax(axis=1)
-    return tightest
+    return np.arange(0, touching.size, stretch) + padded.argmax(axis=1)
 
 
 def _overlapping(places: ContactPlaces, placement: Placement, further: int) -> ContactPlaces:

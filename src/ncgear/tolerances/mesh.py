@@ -182,8 +182,7 @@ class LinearMesh:
         side = np.repeat(np.arange(self.first.size), np.diff(self.first, append=self.lead.size))
         # The last of each group by rising lead.
         order = np.lexsort((self.lead, side))
-        foremost: IndexArray = order[np.append(self.first[1:], self.lead.size) - 1].reshape(2, -1)
-        return foremost
+        return order[np.append(self.first[1:], self.lead.size) - 1].reshape(2, -1)
 
 
 def mesh_of(face: Face, placement: Placement, within_mm: float, *, both_ways: bool = False) -> LinearMesh:

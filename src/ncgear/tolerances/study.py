@@ -34,8 +34,7 @@ JAMMED_RAD = 1e-9
 
 ALONE = 3e9
 """Places of contact times assemblies up to which this process computes alone, unless processes are asked for.  They
-take some ten seconds, and other processes would hardly have begun by then.
-"""
+take some ten seconds, and other processes would hardly have begun by then."""
 
 OnDone = Callable[[int, int], None]
 
@@ -287,14 +286,12 @@ def signs_of(torque_n_mm: Array) -> Array:
     known = np.flatnonzero(sign)
     if not known.size:
         return sign
-    kept: Array = sign[known[np.searchsorted(known, np.arange(sign.size), side="right") - 1]]
-    return kept
+    return sign[known[np.searchsorted(known, np.arange(sign.size), side="right") - 1]]
 
 
 FINER, MOST_POSITIONS = 8, 20_000
 """How many times as many positions tell the missed figures, at least twice as many, and the largest number of
-positions.
-"""
+positions."""
 
 CHECKED = 2
 """How many assemblies are checked by their outlines besides the assembly with the least play."""

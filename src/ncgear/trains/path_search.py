@@ -21,9 +21,8 @@ from ncgear.trains.tip_path import GRID, NOT_PASSED, Refused, TipMotion, WishedP
 class PathLimits:
     """What the train has to keep: the largest tangent angle of the pitch curves in rad, the teeth, and the lengths.
 
-    Of curvatures times module the gears bear ``CONCAVE`` to ``CONVEX``.  The middle lines of ``arms`` arms, evenly
-    spread, stay ``apart_mm`` from each other.  The carrier's axis is sought between two corners, ``low`` and ``high``,
-    or anywhere where they are None.
+    The middle lines of ``arms`` evenly spread arms stay ``apart_mm`` apart.  The carrier's axis is sought between
+    the corners ``low`` and ``high``, or anywhere where they are None.
     """
 
     tangent_rad: float
@@ -46,8 +45,7 @@ class PathLimits:
 CONCAVE, CONVEX = 0.16, 0.45
 """Curvature times module that teeth bear on dented and on bulging stretches.
 
-Of 144 random pitch curves within these all had gears.
-"""
+Of 144 random pitch curves within these all had gears."""
 
 
 def pair_figures(motion: TipMotion) -> Array:
@@ -126,8 +124,7 @@ def segment_distances(a: ComplexArray, b: ComplexArray, c: ComplexArray, d: Comp
     def from_end(p: ComplexArray, q: ComplexArray, r: ComplexArray) -> Array:
         step = q - p
         share = np.clip(((r - p) * step.conj()).real / np.abs(step) ** 2, 0.0, 1.0)
-        distance: Array = np.abs(r - p - share * step)
-        return distance
+        return np.abs(r - p - share * step)
 
     cross = (side(a, b, c) * side(a, b, d) < 0.0) & (side(c, d, a) * side(c, d, b) < 0.0)
     least = np.min([from_end(a, b, c), from_end(a, b, d), from_end(c, d, a), from_end(c, d, b)], axis=0)
@@ -233,7 +230,6 @@ def _tool_errors(motion: TipMotion, path: WishedPath) -> Array:
 
 
 def _accepted(found: TipMotion | Refused, path: WishedPath, limits: PathLimits) -> TipMotion:
-    """The motion, or a refusal with where and why and what helps."""
     helps = "another order of the points, more distance between them, a larger tolerance_mm, or leave axis_mm out"
     if isinstance(found, Refused):
         raise NoSuchMechanism(f"no carrier passes the points: {found.words}; {helps}", key="path.points_mm")

@@ -6,10 +6,9 @@ from collections.abc import Mapping, Sequence
 from math import floor, log10
 
 from ncgear.frozen import dataclass
-from ncgear.kinematics.crank_stretches import End, Stroke, about_end
+from ncgear.kinematics.crank_stretches import End, Stroke, about_end, taken_rad, time_ratio
 from ncgear.kinematics.even_speed import EvenStretch, longest_even_stretch
 from ncgear.kinematics.motion import Machine
-from ncgear.kinematics.over_stretches import taken_rad, time_ratio
 from ncgear.wishes.wish import Outcome, Wish
 
 EVEN = 0.005

@@ -6,10 +6,9 @@ from dataclasses import replace
 from math import exp, tanh
 
 from ncgear.frozen import dataclass
-from ncgear.kinematics.crank_stretches import CrankStretch, Stroke, crank_angle_rad
+from ncgear.kinematics.crank_stretches import CrankStretch, Stroke, crank_angle_rad, speeds_mm_s
 from ncgear.kinematics.even_speed import spread
 from ncgear.kinematics.motion import Machine
-from ncgear.kinematics.over_stretches import speeds_mm_s
 from ncgear.mechanisms.mechanism import Mechanism, Unit
 from ncgear.numerics.bounds import shown_above
 from ncgear.wishes.requirements import EvenSpeed, Requirement, SpeedWithin

@@ -34,8 +34,7 @@ CLOSE_IN_MODULES = 1e-10
 
 SURELY = 2.0
 """How far the angle at which a curve holds its corner may be from the chord's angle, in strays over the lever: a curve
-leans from its chord, and its arm is a little shorter.
-"""
+leans from its chord, and its arm is a little shorter."""
 
 CUBIC_STEPS = 2
 """Steps of Newton's method from a chord to a circle along the cubic that has the curve's slopes at the chord's ends."""

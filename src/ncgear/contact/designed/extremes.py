@@ -24,8 +24,7 @@ from ncgear.teeth.gear import ToothedPair
 KNOWN, CLOSELY = 1e-3, 1e-6
 """Shares of its variation over the cycle to which an extreme is known at least.  The first is for an error, which has a
 kink at every change of teeth and is known only as far as angles are free of rounding.  The second is for a pressure
-angle, the sliding or the lever, which is a one-sided limit where the teeth change at the extreme.
-"""
+angle, the sliding or the lever, which is a one-sided limit where the teeth change at the extreme."""
 
 
 @dataclass(frozen=True)

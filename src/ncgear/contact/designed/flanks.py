@@ -16,15 +16,13 @@ from ncgear.teeth.gear import ToothedGear, ToothedPair
 
 BEYOND_IN_PITCHES = 0.15
 """Flanks are also solved over this rolled length beyond their ends, so that the ends lie between solved positions.  It
-is three positions long, which also covers the shift by backlash.
-"""
+is three positions long, which also covers the shift by backlash."""
 
 END_IN_MODULES = 1e-9
 """Height beyond its end at which a flank still counts as touching: rounding errors where an end meets a position."""
 
 TOUCHING_IN_PITCHES = 1e-4
-"""Distance that the lightest load closes, so teeth touch with the first teeth: a micrometre for module 3.
-"""
+"""Distance that the lightest load closes, so teeth touch with the first teeth: a micrometre for module 3."""
 
 GAP = 1e-3
 """Share of a step between positions: a pair must part so much before the next pair meets for a gap to count.  Beside
@@ -193,8 +191,7 @@ class FlankContacts:
         inside = (first > GAP) & (last < self.placement.steps - GAP)
         ahead = self.meetings.driving_ahead_mm
         crosses = np.any((ahead[:, :-1] >= 0.0) & (ahead[:, 1:] <= 0.0) & self._steps_there, axis=1)
-        whole: Mask = np.where(lasting.any(axis=(0, 2)), inside, crosses)
-        return whole
+        return np.where(lasting.any(axis=(0, 2)), inside, crosses)
 
     @property
     def reach_ends(self) -> Array:
@@ -219,8 +216,7 @@ class FlankContacts:
         behind_mm = (foremost[0, near.side, near.position] - near.lead_rad) * near.lever_mm
         apart = ~(near.flanks & (behind_mm <= touching_mm(self.placement)))
         parted[near.side[apart], near.position[apart]] = True
-        beside: Mask = parted | np.roll(parted, 1, axis=1) | np.roll(parted, -1, axis=1)
-        return beside
+        return parted | np.roll(parted, 1, axis=1) | np.roll(parted, -1, axis=1)
 
     @cached_property
     def _reaching(self) -> tuple[Array, Array]:
@@ -229,8 +225,7 @@ class FlankContacts:
         return enters, np.where(self._steps_there, leaves, enters)
 
     def _arcs(self, enters: Array, leaves: Array) -> Array:
-        lasting: Array = np.maximum(leaves - enters, 0.0).sum(axis=(0, 2)) / self.placement.per_tooth
-        return lasting
+        return np.maximum(leaves - enters, 0.0).sum(axis=(0, 2)) / self.placement.per_tooth
 
 
 def _fewest(starts: Array, ends: Array, steps: int) -> int:

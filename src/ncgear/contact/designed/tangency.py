@@ -187,8 +187,7 @@ def _state(facing: FacingFlanks, driving_mm: Array, driven_mm: Array, turn_rad: 
 
 
 def _met(state: _State, module_mm: float) -> Mask:
-    met: Mask = (square(state.gap) <= (AGREEMENT * module_mm) ** 2) & (np.abs(state.bend_rad) <= PARALLEL_RAD)
-    return met
+    return (square(state.gap) <= (AGREEMENT * module_mm) ** 2) & (np.abs(state.bend_rad) <= PARALLEL_RAD)
 
 
 def _stepped(facing: FacingFlanks, at: _State) -> _State:
@@ -254,8 +253,7 @@ def _about_joints(facing: FacingFlanks, state: _State) -> Mask:
     unequal = np.maximum(np.abs(state.driving_mm - facing.driving_mm), np.abs(state.driven_mm - facing.driven_mm))
     reach = ABOUT_JOINTS * unequal / flanks.slant.of(facing.driving).height_per_rolled
     rolled = flanks.rolled_mm(facing.driving, state.driving_mm)
-    about: Mask = np.searchsorted(joints, rolled + reach) > np.searchsorted(joints, rolled - reach)
-    return about
+    return np.searchsorted(joints, rolled + reach) > np.searchsorted(joints, rolled - reach)
 
 
 def _touches(state: _State) -> Touches:

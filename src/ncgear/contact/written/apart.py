@@ -30,13 +30,11 @@ GRAIN_IN_PITCHES = 0.04
 """The grain of outlines, by which the sizes below count, is the mean length of their chords, and this at most."""
 
 LONGEST = 4.0
-"""Grains from which on driving chords are cut into pieces: a long chord would give all chords many pairs.
-"""
+"""Grains from which on driving chords are cut into pieces: a long chord would give all chords many pairs."""
 
 CELL, MOST_CELLS = 4.0, 2000
 """Size in grains of the cells by which pairs are found, and most cells across an outline.  Smaller cells find fewer
-pairs that are not near, and take longer to make.
-"""
+pairs that are not near, and take longer to make."""
 
 SPANS_IN_STEPS, MOST_TOGETHER = (9.0, 3.0, 1.0, 0.25), 9
 """Steps of the cycle's even positions that a stretch spans, of which the greatest is taken that leaves chords near each
@@ -242,8 +240,7 @@ def _together(placement: Placement, steps: float) -> IndexArray:
     run, part = counted_up(np.zeros_like(parts), parts)
     first, last = (begin[run] + count[run] * one // parts[run] for one in (part, part + 1))
     within = np.arange(int((last - first).max()))
-    together: IndexArray = np.minimum(first[:, None] + within, last[:, None] - 1)
-    return together
+    return np.minimum(first[:, None] + within, last[:, None] - 1)
 
 
 def _moving(placement: Placement, position: IndexArray) -> tuple[ComplexArray, Array, Array]:
@@ -335,8 +332,7 @@ def _placed(placement: Placement, pairs: _Pairs, position: IndexArray) -> tuple[
 
 def _places(row: IndexArray, number: IndexArray, positions: int) -> IndexArray:
     """Numbers of positions within the block, from flat numbers in arrays of shape (pairs, positions)."""
-    place: IndexArray = row[number // positions] * positions + number % positions
-    return place
+    return row[number // positions] * positions + number % positions
 
 
 def _least_turns(

@@ -95,8 +95,7 @@ def require_reached(outlines: Outlines, play: WrittenPlay, *tips_mm: float) -> N
 
 PER_CHORD = 2
 """Places of a land per chord, from which the nearest place is searched: between two vertices lands part or near each
-other evenly, apart from the turning of a chord.
-"""
+other evenly, apart from the turning of a chord."""
 
 INSET = 1e-9
 """Share of a land at its ends that is left out, so that a rounding error leads to no flank."""

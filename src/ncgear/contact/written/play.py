@@ -25,8 +25,7 @@ always the first reach finds its nearer side.  Where nothing is in reach, or an 
 DEEP_IN_PITCHES = 0.05
 """Overlap from which vertices are followed over the greater reach.  A vertex that is too deep inside for the first
 reach has other vertices beside it, which the first reach shows to be this deep.  This holds if no chord is longer than
-the first reach beyond this depth; where a chord is longer, there is no first reach.
-"""
+the first reach beyond this depth; where a chord is longer, there is no first reach."""
 
 BLOCK = 128
 """Positions treated at once, so few that their arrays stay in the processor's cache."""
@@ -122,8 +121,7 @@ class _Crossings:
     @property
     def leading_out(self) -> Mask:
         """Whether the vertex would come out of the other gear there."""
-        out: Mask = np.signbit(self.turn_rad) == self.entering
-        return out
+        return np.signbit(self.turn_rad) == self.entering
 
 
 def facing_outlines(driving_mm: Array, driven_mm: Array, placement: Placement) -> Facing:
@@ -270,15 +268,13 @@ def _turned(vertex_rad: Array, heading_rad: Array, aside_mm: Array, radius_mm: A
     """Angles, from -pi to pi, from vertices along their circles to chords; see ``headings``."""
     share = np.clip(aside_mm / radius_mm, -1.0, 1.0)
     turn = heading_rad + np.arcsin(share) - vertex_rad
-    turned: Array = turn - TURN * np.rint(turn / TURN)
-    return turned
+    return turn - TURN * np.rint(turn / TURN)
 
 
 def _across(turn_rad: Array, radius_mm: Array, aside_mm: Array) -> Array:
     """Distances across chords of vertices that angles turn onto them, to first order in the angle."""
     lever = np.sqrt(np.maximum((radius_mm - aside_mm) * (radius_mm + aside_mm), 0.0))
-    across: Array = np.abs(turn_rad) * lever
-    return across
+    return np.abs(turn_rad) * lever
 
 
 def _numbered(position: IndexArray, entry: IndexArray, entries: int, positions: int) -> tuple[IndexArray, IndexArray]:

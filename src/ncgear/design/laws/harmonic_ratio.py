@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from math import cos, pi, sin
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 
-from ncgear.design.keys.base import Model, optional, required
-from ncgear.design.keys.types import Several
-from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawPoint
+from ncgear.design.keys.base import Model, Several, optional
+from ncgear.design.laws.base import Begins, LawKeys, LawPoint
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -38,7 +37,8 @@ class SecondStage(Model):
 class HarmonicRatio(LawKeys):
     """The logarithm of the ratio by harmonics of the driven angle; what closes the cycle is added."""
 
-    law: Literal["harmonic_ratio"] = required("the name of this law: harmonic_ratio")
+    CHOICE = "the ratio by harmonics of the driven angle"
+    BEGINS = Begins.FORMULA
     cosine: Coefficients = optional(
         "coefficients of cos(phi2), cos(2 phi2), ... in ln i12, phi2 being the driven angle", ()
     )
@@ -98,10 +98,3 @@ class HarmonicRatio(LawKeys):
         if self.second_stage is not None:
             return {}
         return {"cosine": tuple(share * c for c in self.cosine), "sine": tuple(share * s for s in self.sine)}
-
-
-LAW = DesignLaw(
-    keys=HarmonicRatio,
-    choice="the ratio by harmonics of the driven angle",
-    begins=Begins.FORMULA,
-)

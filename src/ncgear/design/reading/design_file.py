@@ -1,7 +1,7 @@
 """Reading a design: a file, or a mapping of Python in its place, checked against the schema.
 
 Every fault has its line and column; of a mapping, whose arrays may stand for lists, it has its key.  Functions stay in
-``plain``, for ``ncgear.project.function_laws``.
+``plain``, for ``ncgear.project.opened``.
 """
 
 from __future__ import annotations

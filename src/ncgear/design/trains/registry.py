@@ -17,8 +17,7 @@ from typing import Any, Literal
 
 from pydantic import create_model
 
-from ncgear.design.keys.base import Model, optional, required
-from ncgear.design.keys.types import FILE_FORMAT, FileFormat
+from ncgear.design.keys.base import FILE_FORMAT, FileFormat, Model, optional, required
 from ncgear.design.reading.text import quoted
 from ncgear.design.trains.base import TrainKeys
 from ncgear.design.trains.chain import Chain

@@ -10,12 +10,12 @@ from __future__ import annotations
 import re
 from abc import abstractmethod
 from collections.abc import Sequence
+from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Protocol, Self, TypeVar
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from ncgear.design.keys.base import Model, fault, optional, required
-from ncgear.design.keys.types import LONGEST_MM, Positive
+from ncgear.design.keys.base import LONGEST_MM, Faults, Model, Positive, fault, optional, required
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -46,10 +46,7 @@ class On(NamedTuple):
 
 
 class WishKeys(Model):
-    """What every wish has: whether it must be kept.
-
-    A class with ``turns=True`` is that of an output that turns: places and speeds of its base are in deg and rad/s.
-    """
+    """What every wish has: whether it must be kept."""
 
     KIND: ClassVar[str]
     """Its key under ``wishes``."""
@@ -59,9 +56,6 @@ class WishKeys(Model):
 
     SEVERAL: ClassVar[bool] = True
     """Whether a design has a list of them."""
-
-    TURNING: ClassVar[type[WishKeys]]
-    """The class for an output that turns."""
 
     INSIDE: ClassVar[tuple[str, ...]] = ()
     REACHING: ClassVar[tuple[str, ...]] = ()
@@ -80,26 +74,28 @@ class WishKeys(Model):
         "many percent of what is to be least; left out: 1"
     )
 
-    def __init_subclass__(cls, turns: bool = False, **kwargs: Any) -> None:
-        """Annotate the fields of an output that turns, before pydantic reads the annotations.
-
-        A field in mm of the base is one in deg or rad/s here, and its own name is no field any more.
-        """
-        cls.TURNING = cls
-        if turns:
-            cls.PLACE, cls.SPEED = "deg", "rad_s"
-            base: Any = cls.__mro__[1]
-            base.TURNING = cls
-            for name, annotation in base.__annotations__.items():
-                key = re.sub("_mm$", "_deg", re.sub("_mm(?=_s)", "_rad", name))
-                if key != name:
-                    kind, _, absent = annotation.partition(" | ")
-                    of: Any = TURNED.get(kind, Positive)
-                    words = re.sub(r"\bmm\b(?=/)", "rad", base.model_fields[name].description)
-                    words = words.replace(" mm", " deg").replace("slider", "output")
-                    cls.__annotations__ |= {name: ClassVar[None], key: of | None if absent else of}
-                    setattr(cls, key, optional(words) if absent else required(words))
-        super().__init_subclass__(**kwargs)
+    @classmethod
+    @cache
+    def turning(cls) -> type[WishKeys]:
+        """The class for an output that turns, with places in deg and speeds in rad/s; the class itself without any."""
+        made: dict[str, Any] = {}
+        annotations: dict[str, Any] = {}
+        for name, annotation in cls.__annotations__.items():
+            key = re.sub("_mm$", "_deg", re.sub("_mm(?=_s)", "_rad", name))
+            if key != name:
+                kind, _, absent = annotation.partition(" | ")
+                of: Any = TURNED.get(kind, Positive)
+                words = re.sub(r"\bmm\b(?=/)", "rad", cls.model_fields[name].description or "")
+                words = words.replace(" mm", " deg").replace("slider", "output")
+                # A field of the base is no field any more
+                annotations |= {name: ClassVar[None], key: of | None if absent else of}
+                made[key] = optional(words) if absent else required(words)
+        if not made:
+            return cls
+        words = (cls.__doc__ or "").replace("slider", "output")
+        made |= {"PLACE": "deg", "SPEED": "rad_s", "__annotations__": annotations}
+        made |= {"__doc__": words, "__module__": cls.__module__, "__qualname__": f"Turning{cls.__name__}"}
+        return type(cls)(f"Turning{cls.__name__}", (cls,), made, first=True)
 
     def place(self, quantity: str) -> Any:
         """The value of a key of a place, such as ``from`` or ``at``, in the unit of the file; None where left out."""
@@ -115,18 +111,17 @@ class WishKeys(Model):
         """The weight of a soft wish; None for a hard one."""
         return None if self.hard else self.weight or 1.0
 
-    @model_validator(mode="after")
-    def _weight_of_the_soft(self) -> Self:
+    def _faults(self) -> Faults:
         if self.hard and self.weight is not None:
-            raise fault("weight", "given, but the wish is hard; hard: false is right with a weight, or leave it out")
-        return self
+            yield fault("weight", "given, but the wish is hard; hard: false is right with a weight, or leave it out")
 
     def refuse(self, key: str, on: On) -> None:
         """Refuse what else no motion can do, by a WrongInput."""
 
     @classmethod
-    def require_agreement(cls, own: Sequence[Self]) -> None:
-        """Refuse wishes of the kind that contradict each other by a fault, whose key counts from ``wishes``."""
+    def disagreements(cls, own: Sequence[Self]) -> Faults:
+        """What contradicts each other among wishes of the kind; keys count from ``wishes``."""
+        yield from ()
 
     @classmethod
     def refuse_together(cls, wishes: Wished, on: On) -> None:

@@ -22,7 +22,6 @@ from ncgear.drawings.page.data import paces, page_data
 from ncgear.drawings.page.motion_charts import motion_charts
 from ncgear.drawings.page.page_charts import gear_charts
 from ncgear.drawings.page.scene_svg import scene_svg
-from ncgear.drawings.page.solid_view import solid_view
 from ncgear.drawings.page.tables import (
     ToothLinks,
     comparison_tables,
@@ -34,6 +33,7 @@ from ncgear.drawings.page.tables import (
 )
 from ncgear.drawings.scene.scene import scene_of
 from ncgear.drawings.scene.standing import views
+from ncgear.drawings.solid_pair import solid_view
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.machine import gear_facts, machine_facts
 from ncgear.figures.data_sheet.sheet import data_sheet

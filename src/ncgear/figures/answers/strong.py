@@ -9,7 +9,7 @@ from ncgear.design.keys.base import listed
 from ncgear.figures.advice.values import Advice, Kind, Remedy, changed
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.answer import Answer, Fault, Row, faults_of
-from ncgear.figures.flanks import surfaces_rows
+from ncgear.figures.flanks import surfaces_rows, vibration_of_rating, vibration_words
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.sized import parts_that_fail, sized_rows
@@ -29,7 +29,6 @@ from ncgear.figures.strong import (
     teeth_words,
     weakest_cells,
 )
-from ncgear.figures.vibration import vibration_of_rating, vibration_words
 from ncgear.project.drive import Drive
 from ncgear.project.sizing import Sized
 from ncgear.project.strengthening import Rating

@@ -10,13 +10,10 @@ from typing import TYPE_CHECKING
 
 from ncgear.design.keys.gears import PROFILES
 from ncgear.errors import DesignError
-from ncgear.figures.data_sheet.accuracy import tolerances
-from ncgear.figures.data_sheet.bodies import bodies
-from ncgear.figures.data_sheet.entry import Entry
+from ncgear.figures.data_sheet.entries import Entry, bodies, passed_rows, tolerances
 from ncgear.figures.data_sheet.measured_tables import cut_table, pin_tables, span_table
 from ncgear.figures.data_sheet.pitch_table import pitch_table
 from ncgear.figures.numbers import micrometres, shown, to_digits
-from ncgear.figures.passed import passed_rows
 from ncgear.figures.quantities import OF_GEAR, figure, name_of
 from ncgear.figures.tables import Cells, Column, Table, Value, markdown, markdown_text
 from ncgear.figures.thickness import TITLE, band_table

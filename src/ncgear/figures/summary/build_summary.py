@@ -20,9 +20,9 @@ from ncgear.contact.written.as_written import AsWritten
 from ncgear.contact.written.extremes import WrittenExtremes
 from ncgear.errors import DesignError
 from ncgear.figures.advice.verdict import Verdict
+from ncgear.figures.data_sheet.entries import passed_summary
 from ncgear.figures.flanks import surfaces_figures
 from ncgear.figures.numbers import known
-from ncgear.figures.passed import passed_summary
 from ncgear.figures.quantities import extreme
 from ncgear.figures.strong import strength_summary
 from ncgear.figures.summary.check_summary import check_summary

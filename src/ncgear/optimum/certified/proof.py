@@ -258,5 +258,4 @@ class Proof:
         flat = each.size - 3 * self.cones
         three = each[flat:].reshape(-1, 3)
         three[:, 0], three[:, 1:] = three.sum(axis=1), 0.0
-        let_out: Array = each
-        return let_out
+        return each

@@ -278,8 +278,7 @@ def smoothed_points(
     closed = np.append(angles, angles[0] + period), np.append(radii, radii[0])
 
     def missed(spline: BSpline) -> Array:
-        distance: Array = np.abs(spline(folded, extrapolate="periodic") - radius_mm)
-        return distance
+        return np.abs(spline(folded, extrapolate="periodic") - radius_mm)
 
     sum_ = angles.size * tolerance_mm**2
     for halving in range(SMOOTHINGS):

@@ -168,8 +168,7 @@ class TurnedBy:
 
         def slope(at: Array) -> Array:
             radius, angle = self.weighted(at).T
-            values: Array = self.mate.turned_per(radius, center_distance_mm) * angle
-            return values
+            return self.mate.turned_per(radius, center_distance_mm) * angle
 
         return chebyshev.fitted(slope, self.weighted.breaks).integrated().final
 

@@ -226,8 +226,7 @@ def falls(lower_mm: Array, upper_mm: Array) -> Mask:
     """Whether quadrilaterals between rings (..., c, 2) are folded from an upper point to the next lower one."""
     falling = np.roll(lower_mm, -1, axis=-2) - upper_mm
     rising = np.roll(upper_mm, -1, axis=-2) - lower_mm
-    shorter: Mask = np.sum(falling**2, axis=-1) < np.sum(rising**2, axis=-1)
-    return shorter
+    return np.sum(falling**2, axis=-1) < np.sum(rising**2, axis=-1)
 
 
 @dataclass(frozen=True, eq=False)

@@ -142,8 +142,7 @@ def section_rings(vertices: Array, faces: IndexArray, height: float) -> list[Arr
 
 def _edge_keys(start: IndexArray, end: IndexArray, count: int) -> IndexArray:
     """A number for each edge, which is the same in both facets that the edge joins."""
-    keys: IndexArray = np.minimum(start, end) * count + np.maximum(start, end)
-    return keys
+    return np.minimum(start, end) * count + np.maximum(start, end)
 
 
 def _cycles(following: list[int]) -> Iterator[list[int]]:
