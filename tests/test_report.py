@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import replace
-from math import degrees
+from math import degrees, pi
 from pathlib import Path
 from typing import Any
 
@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 import shapely
 from lxml.html import HtmlElement
+from mpmath import ellipe
 
 import drives
 import reports
