@@ -120,7 +120,7 @@ def frontier(
         from ncgear.files.searched import flywheel_files, frontier_files
         from ncgear.project.frontier_run import frontier as frontier_of
         from ncgear.project.frontier_run import over_flywheels
-        from ncgear.project.sought_machine import GearsAsGiven
+        from ncgear.project.law_task import GearsAsGiven
 
         folder = prepared(out, f"{loaded.design.name}-frontier")
         if flywheel:

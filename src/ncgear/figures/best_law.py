@@ -31,7 +31,7 @@ from ncgear.project.best_law import BestLaw
 from ncgear.project.free_lengths import changed_keys
 from ncgear.project.frontier_run import Frontier
 from ncgear.project.law import kept_size
-from ncgear.project.sought_machine import SoughtMachine
+from ncgear.project.law_task import SoughtMachine
 
 UNITS = {
     Goal.POWER: "W",

@@ -8,8 +8,7 @@ from typing import Any
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.kinematics.crank_stretches import End, Stroke
 from ncgear.mechanisms.mechanism import Mechanism, Unit
-from ncgear.wishes.achieved import EVEN, Achieved
-from ncgear.wishes.wish import Outcome
+from ncgear.wishes.wish import EVEN, Achieved, Outcome
 
 DIGITS = 4
 """Significant digits of what is achieved; what is missed has three."""

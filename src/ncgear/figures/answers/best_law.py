@@ -26,7 +26,7 @@ from ncgear.optimum.makeable.wishes import Goal
 from ncgear.optimum.task import Figures
 from ncgear.project.best_law import BestLaw
 from ncgear.project.frontier_run import Frontier
-from ncgear.project.sought_machine import SoughtMachine
+from ncgear.project.law_task import SoughtMachine
 
 GOALS = {Goal.WEIGHTED: "least weighted sum"}
 """Words for goals whose own name says too little."""

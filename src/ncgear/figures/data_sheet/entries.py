@@ -13,7 +13,7 @@ from ncgear.frozen import dataclass
 from ncgear.project.drive import Drive
 from ncgear.project.gear_solids import rim_mm_of
 from ncgear.project.passing import CRANK_PIN
-from ncgear.project.usual_tolerances import Process, tolerances_of
+from ncgear.project.tolerance_limits import Process, tolerances_of
 from ncgear.tolerances.drawn import MADE_C
 from ncgear.tolerances.iso286 import distance_deviation_mm, hole_text
 
