@@ -12,6 +12,7 @@ import pytest
 from scipy.stats import norm
 
 import ncgear
+from at_once import at_once
 from drives import design_of, drive, loaded
 from ncgear.design.keys.tolerances import AssemblyTolerances, GearTolerances, Temperatures
 from ncgear.errors import DesignError
@@ -278,7 +279,7 @@ def test_a_backlash_with_which_teeth_are_pointed_is_not_advised(eccentricity_mm:
             _ = wider.teeth
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("gears", "process"),
     [
         ({}, Process.GENERATED),

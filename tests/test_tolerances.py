@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from shapely import Polygon, affinity
 
+from at_once import at_once
 from commands import Run
 from drives import DESIGNS, design_of, drive, drive_of_text, loaded
 from ncgear.contact.placement import BACK, PUSHING, Placement, placed
@@ -75,7 +76,7 @@ def test_grades_are_those_of_iso_1328() -> None:
     assert [rounded_um(float(one)) for one in figures] == [9.0, 29.0, 12.0]
 
 
-@pytest.mark.parametrize(("value_um", "told"), [(4.94, 4.9), (4.96, 5.0), (7.3, 7.5), (10.4, 10.0), (28.8, 29.0)])
+@at_once(("value_um", "told"), [(4.94, 4.9), (4.96, 5.0), (7.3, 7.5), (10.4, 10.0), (28.8, 29.0)])
 def test_grades_are_rounded_as_on_drawings(value_um: float, told: float) -> None:
     assert rounded_um(1e-3 * value_um) == told
 
@@ -164,7 +165,7 @@ def error_of(moved: dict[str, float]) -> tuple[float, float]:
 
 
 @pytest.mark.judges("tolerances")
-@pytest.mark.parametrize("name", CASES)
+@at_once("name", CASES)
 def test_displaced_circular_gears_touch_as_in_closed_form(name: str) -> None:
     """What is left is of second order: a quarter of the deviation leaves a sixteenth of it, and it is some per cent."""
     error, size = error_of(CASES[name])

@@ -65,11 +65,6 @@ class BatchKind:
     masses: Masses | None
 
     @property
-    def cycle_rad(self) -> float:
-        """Driving angle of a cycle of the output."""
-        return self.lobes.driven * self.lobes.driving_period_rad
-
-    @property
     def has_return(self) -> bool:
         """Whether a polynomial return closes the laws."""
         return self.law[0] == STROKE
