@@ -10,13 +10,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from at_once import at_once
 from drives import drive, drive_of_text, loaded
 from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.dynamics.rigid import load_peaks
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import RodMasses
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.loads import machine_loads
@@ -48,7 +49,7 @@ def swaying(offset_mm: float = 60.0) -> Machine:
 
 
 @pytest.mark.judges("optimum")
-@pytest.mark.parametrize(
+@at_once(
     ("name", "mass_kg", "power_w", "braking_w"),
     [
         ("uniform-crank", 0.0, 26_068.0, 0.0),
@@ -213,7 +214,7 @@ resistance: {polynomial_n: [1000]}
 """
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("more", "masses"),
     [
         ("", None),

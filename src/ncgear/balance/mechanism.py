@@ -29,7 +29,7 @@ import numpy as np
 
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import RodMasses
 from ncgear.mechanisms.mechanism import RodMechanism
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, ComplexArray

@@ -19,7 +19,7 @@ from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.kinematics.check import acceleration_rms_above, kinematic_check, peak_jerk
 from ncgear.kinematics.motion import Machine, Stretch
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import Masses
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics import jet
