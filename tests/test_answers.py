@@ -262,7 +262,7 @@ def in_sheet(name: str) -> dict[str, str]:
 def in_answer(name: str) -> dict[str, str]:
     """Names and figures of the screen, with those that stand behind others in one row."""
     made = drive(name)
-    rows = build_answer(made, reports.contacts(name), judged(made, Known.TEETH), "").rows
+    rows = build_answer(made, judged(made, Known.TEETH), "").rows
     found = {row.name: row.texts[0] for row in rows}
     for row in rows:
         first, *others = row.texts[0].split(", ")

@@ -26,8 +26,7 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.jamming import jamming_of
 from ncgear.project.strengthening import rating_of
-from ncgear.project.tolerance_limits import limits_of
-from ncgear.project.usual_tolerances import tolerances_of
+from ncgear.project.tolerance_limits import limits_of, tolerances_of
 from ncgear.strength.holding import Damage
 from oracles import conditions as outside
 from oracles.meshing import Pair

@@ -34,8 +34,7 @@ from ncgear.balance.mechanism import Carrier, Counterweight, DrivenCrank, JointM
 from ncgear.balance.shaking import shaking, track, two_term_formula
 from ncgear.errors import WrongInput
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.forces import EvenPace
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import EvenPace, RodMasses
 from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.transmission import Lobes
 from pairs import baler_law, sine_law

@@ -21,7 +21,7 @@ from ncgear.balance.excitation import (
     of_slider,
 )
 from ncgear.balance.mechanism import DrivenCrank
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import RodMasses
 from pairs import baler_law
 from published import BALER_LINKAGE, RPM
 

@@ -22,8 +22,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
 from ncgear.project.jamming import backlash_needed, jamming_of
 from ncgear.project.tolerance import lot_of
-from ncgear.project.tolerance_limits import left_of_backlash, limits_of
-from ncgear.project.usual_tolerances import Process, process_of, tolerances_of
+from ncgear.project.tolerance_limits import Process, left_of_backlash, limits_of, process_of, tolerances_of
 from ncgear.tolerances.estimate import Needed, Teeth, enough, needed, plays_of
 from ncgear.tolerances.study import Workers, assemblies_of, drawn_evenly
 

@@ -16,7 +16,7 @@ from scipy.optimize import brentq
 
 from at_once import at_once
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import RodMasses
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.certified import proof
 from ncgear.optimum.certified.cycle import CrankCycle, cycle

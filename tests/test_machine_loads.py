@@ -12,7 +12,7 @@ from at_once import at_once
 from mechanisms import AMPLITUDE, OFFSET, oracle, sampled, uneven
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import Masses, RodMasses
+from ncgear.mechanisms.forces import Masses, RodMasses
 from ncgear.mechanisms.scotch_yoke import ScotchYoke
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet

@@ -11,8 +11,7 @@ import pytest
 from at_once import at_once
 from ncgear import extras
 from ncgear.design.reading.measured_file import read_measured
-from ncgear.design.reading.points import Columns, read_points
-from ncgear.design.reading.table import column_name
+from ncgear.design.reading.points import Columns, column_name, read_points
 from ncgear.errors import WrongInput
 from ncgear.project.opened import load
 

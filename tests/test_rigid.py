@@ -22,8 +22,7 @@ from ncgear.dynamics.rigid import Rigid, load_peaks, rigid_level
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.forces import CrankPace
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import CrankPace, RodMasses
 from ncgear.mechanisms.resistance import PolynomialResistance, TableResistance
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array

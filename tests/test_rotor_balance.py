@@ -140,6 +140,20 @@ def test_ranges_hold_every_run() -> None:
             assert found.slack.low - 1e-12 <= slack <= found.slack.high + 1e-12
 
 
+@pytest.mark.parametrize("turn", [0.4, 1.9])
+def test_it_does_not_matter_from_where_phases_are_counted(turn: float) -> None:
+    runs = [WeightRun(run.phase_rad + turn, run.reading * exp(1j * turn)) for run in RUNS]
+    phases = ChainPhases(PHASES.wrap_rad + turn, PHASES.tight_rad + turn, PHASES.slack_rad + turn)
+    found, before = chain_unbalance(runs, phases), chain_unbalance(RUNS, PHASES)
+    for name in ("weight", "tight", "slack"):
+        ends = [(getattr(one, name).low, getattr(one, name).high) for one in (found, before)]
+        assert ends[0] == pytest.approx(ends[1], abs=1e-12)
+    at = [
+        predicted(one, two, 0.3 + more).amplitude for one, two, more in ((found, phases, turn), (before, PHASES, 0.0))
+    ]
+    assert at[0] == pytest.approx(at[1], rel=1e-12)
+
+
 @pytest.mark.parametrize(("at", "amplitude"), [(30.0, 1.24), (270.0, 1.4)])
 def test_the_published_predictions(at: float, amplitude: float) -> None:
     found = predicted(PUBLISHED, PHASES, radians(at))

@@ -24,8 +24,7 @@ from ncgear.balance.mechanism import (
 from ncgear.balance.shaking import Shaking, Speed, shaking, two_term_formula
 from ncgear.errors import WrongInput
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.forces import EvenPace
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import EvenPace, RodMasses
 from pairs import baler_law
 from published import BALER_LINKAGE, RPM
 

@@ -23,8 +23,7 @@ from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.tolerance import PER_TOOTH, face_of, lot_of, tolerated
-from ncgear.project.tolerance_limits import limits_of
-from ncgear.project.usual_tolerances import USUAL, Process
+from ncgear.project.tolerance_limits import USUAL, Process, limits_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Pair, on_driving_shaft
 from ncgear.teeth.form import Backlash, ToothForm

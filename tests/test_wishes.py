@@ -25,7 +25,6 @@ from ncgear.numerics.jet import Jet
 from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
-from ncgear.wishes.achieved import EVEN, achieved, near_mm
 from ncgear.wishes.constant_speed import ConstantSpeed
 from ncgear.wishes.dwell import Dwell
 from ncgear.wishes.gentle_stop import GentleSpeed, GentleStop
@@ -33,7 +32,7 @@ from ncgear.wishes.positions import Position
 from ncgear.wishes.requirements import DrivingRange, EvenSpeed, Requirement, SpeedWithin, TimeWithin
 from ncgear.wishes.speed_at import ExtremeSpeed, SpeedAt
 from ncgear.wishes.time_ratio import TimeRatio
-from ncgear.wishes.wish import Wish
+from ncgear.wishes.wish import EVEN, Wish, achieved, near_mm
 from ncgear.wishes.working_stroke import WorkingStroke
 
 pytestmark = pytest.mark.judges("kinematics", "wishes")

@@ -15,7 +15,7 @@ import numpy as np
 from ncgear.dynamics.crank_load import of_crank_angle
 from ncgear.dynamics.driving_shaft import counted
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import Masses
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.sampled import Functions, Sought, extremes, integrated, integration
@@ -66,16 +66,14 @@ def crank_table(linkage: Mechanism, masses: Masses) -> CrankTable:
     return CrankTable(np.where(unsure[:, None], np.nan, series))
 
 
-def torque_figures(
-    torque: Functions, turning: Array, there: Mask, cycle_rad: float, speed_rad_s: Array
-) -> dict[str, Array]:
+def torque_figures(torque: Functions, turning: Array, there: Mask, speed_rad_s: Array) -> dict[str, Array]:
     """The figures of power of ``kinematics.check`` by their keys, shape (n,) each, from torques in N mm.
 
     ``turning`` is the driving angle per share of a piece, of the torques' shape; ``there`` (shape (p, n)) says which
     pieces count.
     """
-    work = integrated(torque.values * turning)
-    mean, square = work / cycle_rad, integrated(torque.values**2 * turning) / cycle_rad
+    cycle_rad = integrated(turning)
+    mean, square = (integrated(values * turning) / cycle_rad for values in (torque.values, torque.values**2))
     inner = integration(turning.shape[1]) @ ((mean - torque.values) * turning)
     stored = Functions(inner + (np.cumsum(inner[:, -1:], axis=0) - inner[:, -1:]))
     sought = [Sought(of, there, (sign,)) for of in (torque, stored) for sign in (1.0, -1.0)]

@@ -27,7 +27,7 @@ from ncgear.dynamics.crank_load import crank_angles_rad
 from ncgear.dynamics.sampled_shafts import CrankTable, crank_table
 from ncgear.errors import DesignError, WrongInput
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import Masses
 from ncgear.mechanisms.mechanism import Mechanism, Mechanisms, Output
 from ncgear.mechanisms.resistance import Resistance, TableResistance
 from ncgear.numerics.arrays import Array, IndexArray, Mask
@@ -63,11 +63,6 @@ class BatchKind:
     lobes: Lobes
     resistance: Resistance
     masses: Masses | None
-
-    @property
-    def cycle_rad(self) -> float:
-        """Driving angle of a cycle of the output."""
-        return self.lobes.driven * self.lobes.driving_period_rad
 
     @property
     def has_return(self) -> bool:

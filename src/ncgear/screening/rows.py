@@ -19,7 +19,7 @@ from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
 from ncgear.kinematics.check import OF_MASSES, power_figures
 from ncgear.mechanisms.resistance import Resistance
-from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.numerics.arrays import Array, IndexArray, Mask, chosen
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.sampled import Functions, Sought, extremes, integrated, integration, sums_at, turning_points
 from ncgear.numerics.units import RAD_S_PER_RPM
@@ -131,8 +131,6 @@ def single_figures(design: Design) -> dict[str, float]:
 WITH_MASSES = tuple(f"check.{key}" for key in OF_MASSES if not key.endswith("_at_rad"))
 """Keys of the figures that only designs with masses have."""
 
-POWERS = "check.peak_power_w", *WITH_MASSES[1:], "check.mean_power_w"
-"""Keys of the figures that masses change."""
 
 PITCH: dict[str, Callable[[Drive], float]] = {
     "pitch.center_distance_mm": lambda drive: drive.pitch.center_distance_mm,
@@ -231,7 +229,7 @@ def _pushes(tangent: Array, steeper_deg: Array) -> Mask:
 
 
 def _measured(found: Sampled, batch: Batch, steeper_deg: Array, speed_rad_s: Array) -> dict[str, Array]:
-    """The extremes and integrals of laws of a batch, shape (n,) each, by names of this module and keys of power.
+    """The extremes and integrals of laws, shape (n,) each, by names of this module; power with masses by its keys.
 
     ``drawn`` is 1 where the figures of the pitch curves hold, ``resolved`` where all of them do.  ``steepest_rad`` is
     the driving angle at which curves are steepest, where teeth with flanks of ``steeper_deg`` could not push there.
@@ -269,10 +267,11 @@ def _measured(found: Sampled, batch: Batch, steeper_deg: Array, speed_rad_s: Arr
     most = dict(zip(sought, extremes([*sought.values()]), strict=True))
     steepest_rad, steep = np.zeros(drawn.size), np.nonzero(drawn & ~_pushes(most["tangent"], steeper_deg))[0]
     if steep.size:
-        steepest_rad[steep] = _steepest(samples.kept(steep), batch.kind.lobes)
+        steepest_rad[steep] = _steepest(chosen(samples, steep), batch.kind.lobes)
     driven = {}
     if torque is not None:
-        driven = torque_figures(torque, samples.turning * samples.ratio, there, batch.kind.cycle_rad, speed_rad_s)
+        angles = samples.turning * samples.ratio
+        driven = {f"check.{key}": one for key, one in torque_figures(torque, angles, there, speed_rad_s).items()}
     return {
         **most,
         **driven,
@@ -333,11 +332,12 @@ def _check_figures(batch: Batch, measured: dict[str, Array]) -> dict[str, Array]
     kind, speed_rad_s = batch.kind, batch.column("operation.speed_rpm") * RAD_S_PER_RPM
     resisted = np.maximum(measured["power"], 0.0) * speed_rad_s / 1000.0
     if kind.masses is None:
+        cycle = kind.lobes.driven * kind.lobes.driving_period_rad
         work = kind.resistance.work_n_mm(stroke_mm, float(stroke_mm.max())) / 1000.0
-        power = {"check.peak_power_w": resisted, "check.mean_power_w": work * speed_rad_s / kind.cycle_rad}
+        power = {"check.peak_power_w": resisted, "check.mean_power_w": work * speed_rad_s / cycle}
     else:
-        power = {name: measured[name.partition(".")[2]] for name in POWERS}
-        power["check.peak_power_resistance_w"] = resisted
+        with_masses = {name: values for name, values in measured.items() if name.startswith("check.")}
+        power = {**with_masses, "check.peak_power_resistance_w": resisted}
     return {
         **power,
         "check.peak_speed_mm_s": measured["velocity"] * speed_rad_s,

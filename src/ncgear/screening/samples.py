@@ -84,10 +84,6 @@ class Samples:
     turning: Array
     there: Mask
 
-    def kept(self, rows: IndexArray) -> Samples:
-        """Some of the laws."""
-        return Samples(*(values[..., rows] for values in vars(self).values()))
-
 
 @dataclass(frozen=True, eq=False)
 class Sampled:
