@@ -19,6 +19,9 @@ Test = Callable[..., None]
 def at_once(names: str | Sequence[str], values: Iterable[Any]) -> Callable[[Test], Test]:
     """Give a test all values of some arguments, as ``pytest.mark.parametrize`` does, and fail with all that fail."""
     given = [names] if isinstance(names, str) else list(names)
+    values = list(values)
+    if any(isinstance(value, type(pytest.param())) for value in values):
+        raise TypeError("cases with ids or marks of their own are for pytest.mark.parametrize")
     cases = [dict(zip(given, [value] if isinstance(names, str) else value, strict=True)) for value in values]
 
     def decorated(test: Test) -> Test:

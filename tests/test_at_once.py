@@ -33,6 +33,11 @@ def test_a_fault_that_is_expected_and_does_not_come_is_told_too() -> None:
         refused()
 
 
+def test_cases_with_marks_are_refused() -> None:
+    with pytest.raises(TypeError, match="marks of their own"):
+        at_once("value", [1, pytest.param(2, marks=pytest.mark.slow)])
+
+
 @at_once(("first", "second"), [(1, 2), (3, 4)])
 @pytest.mark.parametrize("times", [1, 2])
 @at_once("third", range(2))

@@ -67,7 +67,7 @@ def test_behaves_as_a_frozen_dataclass(maker: Maker) -> None:
         point()
 
 
-@at_once("maker", BOTH)
+@pytest.mark.parametrize("maker", BOTH)
 @at_once("name", ["x", "hidden", "length", "new"])
 def test_nothing_can_be_changed(maker: Maker, name: str) -> None:
     one = of(maker)(1.0)
@@ -103,8 +103,8 @@ def test_own_functions_of_a_class_stay(maker: Maker) -> None:
     assert hash(made(0.25)) == hash((0.25,))
 
 
-@at_once("maker", BOTH)
-@at_once("base_maker", BOTH)
+@pytest.mark.parametrize("maker", BOTH)
+@pytest.mark.parametrize("base_maker", BOTH)
 def test_fields_of_a_base_class_come_first(maker: Maker, base_maker: Maker) -> None:
     base = of(base_maker)
 

@@ -91,7 +91,7 @@ BOUNDS = {
 }
 
 
-@pytest.mark.tiers(long=["lasts", "dented"], rest="slow")
+@pytest.mark.tiers(long=["lasts", "dented", "the key of", "r.m.s."], rest="slow")
 @pytest.mark.parametrize("words", BOUNDS)
 def test_the_bound_that_is_told_is_enough_and_not_much_more(words: str) -> None:
     data = of(BOUNDS[words])
@@ -112,7 +112,7 @@ def test_a_motor_faster_than_it_gives_its_torque_is_told(ratio: float, told_so: 
         assert drivetrain(with_value(data, *told(warning)), "faster than") == []
 
 
-@pytest.mark.slow
+@pytest.mark.tiers(slow=["runs at"], rest="long")
 @pytest.mark.parametrize("words", ["r.m.s.", "runs at"])
 def test_a_motor_of_falling_torque_runs_as_is_told(words: str) -> None:
     gearbox = {"ratio": 1.2} if words == "runs at" else {}
