@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import reports
+from at_once import at_once
 from commands import ROOT, Run
 from drives import DESIGNS, MACHINES, designs_with, drive, loaded
 from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
@@ -202,14 +203,14 @@ def test_the_most_serious_comes_first_and_remarks_are_left_out() -> None:
     assert [fault.what for fault in faults_of(verdict)] == ["stage 2: strength", "ring"]
 
 
-@pytest.mark.parametrize("name", [*QUICK, "baler-66-two-stage", "feeder-wishes"])
+@at_once("name", [*QUICK, "baler-66-two-stage", "feeder-wishes"])
 def test_every_warning_of_a_check_is_a_fault(name: str) -> None:
     made = drive(name)
     verdict = judged(made, Known.MOTION)
     assert len(faults_of(verdict)) == len(verdict.warnings)
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("own", "other", "words"),
     [
         (6315.1, 8689.4, "27.3 % lower"),
@@ -261,7 +262,7 @@ def in_sheet(name: str) -> dict[str, str]:
 def in_answer(name: str) -> dict[str, str]:
     """Names and figures of the screen, with those that stand behind others in one row."""
     made = drive(name)
-    rows = build_answer(made, reports.contacts(name), judged(made, Known.TEETH), "").rows
+    rows = build_answer(made, judged(made, Known.TEETH), "").rows
     found = {row.name: row.texts[0] for row in rows}
     for row in rows:
         first, *others = row.texts[0].split(", ")

@@ -10,6 +10,7 @@ from pathlib import Path
 import networkx
 import pytest
 
+from at_once import at_once
 from commands import ROOT, loaded_by, modules_after
 from drives import loaded
 from every_command import completing
@@ -269,7 +270,7 @@ def test_a_check_makes_no_tooth(name: str) -> None:
     assert made == ["law", "machine", "check", "uniform_check", "pitch"]
 
 
-@pytest.mark.parametrize("name", [name for name in VALUES if name != "solids"])
+@at_once("name", [name for name in VALUES if name != "solids"])
 def test_asking_twice_for_a_value_computes_once(name: str) -> None:
     drive = Drive(loaded("ellipse").design)
     first = getattr(drive, name)

@@ -13,7 +13,7 @@ from documented.installing import ROOT
 from drives import drive, loaded
 from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.kinematics.motion import Machine
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import RodMasses
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.task import felt
 from ncgear.project.best_law import BestLaw

@@ -13,6 +13,7 @@ import trimesh
 from pydantic import ValidationError
 from shapely import Point, Polygon
 
+from at_once import at_once
 from drives import built, design_of, drive, loaded
 from ncgear.drawings.charts.chart import joints_up_to
 from ncgear.drawings.page.tables import sheet_tables
@@ -91,7 +92,7 @@ def test_the_pitch_table_has_a_row_for_each_tooth_and_radii_that_meet(name: str)
     assert abs(rows[0, 1]) < 1e-12
 
 
-@pytest.mark.parametrize(("teeth", "rows"), [(37, 73), (73, 91), (100, 121), (10_000, 10_001)])
+@at_once(("teeth", "rows"), [(37, 73), (73, 91), (100, 121), (10_000, 10_001)])
 def test_the_step_of_the_pitch_table_follows_the_teeth(teeth: int, rows: int) -> None:
     assert turn_deg(teeth).size == rows
 

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from at_once import at_once
 from ncgear.design.keys.design import Design, json_schema
 from ncgear.design.keys.gears import PROFILES, Rack
 from ncgear.design.laws.ellipse import Ellipse
@@ -75,14 +76,14 @@ def test_defaults(tmp_path: Path) -> None:
     assert not design.design.motion.gives_slider
 
 
-@pytest.mark.parametrize("profile", "ABCD")
+@at_once("profile", "ABCD")
 def test_rack_takes_its_coefficients_from_the_profile(profile: str) -> None:
     rack = Rack.model_validate({"profile": profile, "root_radius": 0.1})
     assert (rack.addendum, rack.dedendum, rack.root_radius) == (1.0, PROFILES[profile].dedendum, 0.1)
     assert Rack.model_validate({"profile": profile}).root_radius == PROFILES[profile].root_radius
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("asked", "radius"),
     [
         # (pi/4 - 1.25 tan 25) / tan 32.5 = 0.3178 and (pi/4 - 1.4 tan 25) / tan 32.5 = 0.2081, hundredths below.
@@ -188,7 +189,7 @@ def test_design_cannot_be_changed(tmp_path: Path) -> None:
         setattr(design, field, "b")
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("text", "value"),
     [
         ("1e-3", 1e-3),

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import drives
+from at_once import at_once
 from commands import Run, on_text
 from ncgear.design.keys.design import Design
 from ncgear.design.mechanisms import mechanism_of
@@ -81,7 +82,7 @@ def test_the_best_of_lengths_by_known_functions() -> None:
         chosen(lambda a: inf, rod)
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("name", "values"),
     [
         ("baler-holds", {"rod_mm": 1300.0, "offset_mm": 250.0}),
@@ -118,7 +119,7 @@ def test_a_longer_rod_keeps_its_section() -> None:
         with_lengths(given, {"rod_mm": 390.0, "offset_mm": 200.0})
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("lengths", "said"),
     [
         ("{coupler_mm: {least: 1, most: 2}}", "this mechanism has rod_mm, offset_mm and stroke_mm"),

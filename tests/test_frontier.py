@@ -35,9 +35,8 @@ from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, law_point, mo
 from ncgear.optimum.task import Figures
 from ncgear.project.drive import Drive
 from ncgear.project.frontier_run import POINTS_FILE, FinishedPoints, Frontier, frontier
-from ncgear.project.law_task import task_of, wishes_of
+from ncgear.project.law_task import GearsAsGiven, task_of, wishes_of
 from ncgear.project.moving_masses import TrainInertia
-from ncgear.project.sought_machine import GearsAsGiven
 from published import FIT
 
 RESISTANCE = {"polynomial_n": FIT}

@@ -177,7 +177,7 @@ from dataclasses import replace
 from typing import ClassVar
 
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import Masses
 from ncgear.mechanisms.scotch_yoke import ScotchYoke
 
 

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from mpmath import mp
 from numpy.polynomial import Polynomial
 
+from at_once import at_once
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
@@ -75,7 +76,7 @@ def miss(found: Array, exact: Array) -> float:
 
 
 @pytest.mark.judges("numerics")
-@pytest.mark.parametrize("name", CASES)
+@at_once("name", CASES)
 def test_every_operation_has_the_exact_taylor_series(name: str) -> None:
     function, oracle, low, high = CASES[name]
     points = np.random.default_rng(7).uniform(low, high, 12)
@@ -84,7 +85,7 @@ def test_every_operation_has_the_exact_taylor_series(name: str) -> None:
     assert miss(found, taylor(oracle, points)) <= ROUNDING
 
 
-@pytest.mark.parametrize("name", CASES)
+@at_once("name", CASES)
 def test_points_may_lie_in_an_array_of_more_axes(name: str) -> None:
     function, _, low, high = CASES[name]
     points = np.random.default_rng(7).uniform(low, high, (2, 3, 4))
@@ -118,7 +119,7 @@ def test_the_comparison_would_see_a_wrong_fifth_derivative() -> None:
     assert miss(wrong, exact) > ROUNDING
 
 
-@pytest.mark.parametrize("order", range(ORDER + 1))
+@at_once("order", range(ORDER + 1))
 def test_a_shorter_series_is_the_longer_one_cut(order: int) -> None:
     points = np.linspace(-2.0, 2.0, 9)
     function = CASES["all of them"][0]

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from at_once import at_once
 from commands import ROOT
 from ncgear.design.keys.design import Design
 from ncgear.design.laws.registry import LawName, law_keys
@@ -28,7 +29,7 @@ def test_every_law_has_a_reference_of_its_own() -> None:
     assert list(REFERENCES) == list(LawName)
 
 
-@pytest.mark.parametrize("law", LawName)
+@at_once("law", LawName)
 def test_the_module_of_a_law_describes_the_law_of_its_name(law: LawName) -> None:
     found = law_keys(law)
     assert law_of(found) == law
@@ -36,7 +37,7 @@ def test_the_module_of_a_law_describes_the_law_of_its_name(law: LawName) -> None
     assert found.CHOICE
 
 
-@pytest.mark.parametrize("law", LawName)
+@at_once("law", LawName)
 def test_what_a_law_says_of_its_template_is_there(law: LawName) -> None:
     found, motion = law_keys(law), read_yaml(template("a", law), "template").data["motion"]
     assert set(found.GROWS_WITH_MACHINE) <= set(motion)

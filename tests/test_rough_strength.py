@@ -336,7 +336,7 @@ def test_dry_metal_is_not_said_to_hold(run: Run) -> None:
 def test_a_build_tells_a_safety_where_its_strength_is_refused() -> None:
     """And never points to a warning that may not be there."""
     made = drive_of_text(HELICAL.replace("1500", "40").replace("dynamic_factor: 1.0", "method: elements"))
-    rows = build_answer(made, [made.designed_contact], Verdict(()), "").rows
+    rows = build_answer(made, Verdict(()), "").rows
     safety = next(row.texts[0] for row in rows if row.name == "safety")
     assert safety.startswith("about ")
     assert safety.endswith(" (1 wanted)")

@@ -10,6 +10,7 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.special import mathieu_a, mathieu_b
 
+from at_once import at_once
 from drives import drive_of_text
 from ncgear.dynamics.swinging_mesh import SwingingMesh, swings
 from ncgear.figures.advice import strength_advice
@@ -43,8 +44,8 @@ def by_hand(n: float, w: float, c_gamma: float, across: float, f_pb: float, f_f:
 
 
 @pytest.mark.judges("strength")
-@pytest.mark.parametrize(("e", "overlap"), [(1.4, 0.0), (1.7, 0.0), (2.3, 0.0), (1.4, 0.3), (1.5, 1.2)])
-@pytest.mark.parametrize("line", [40.0, 300.0])
+@at_once(("e", "overlap"), [(1.4, 0.0), (1.7, 0.0), (2.3, 0.0), (1.4, 0.3), (1.5, 1.2)])
+@at_once("line", [40.0, 300.0])
 def test_dynamic_factor_by_hand(e: float, overlap: float, line: float) -> None:
     """Of straight and helical teeth, and one figure worked on paper.
 
@@ -252,7 +253,7 @@ def test_swings_without_end_leave_their_cell_empty() -> None:
     assert speeds_csv(replace(sweep, load_factor=None)).endswith("1.0,1.0,1.0,\n")
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_dynamic_factor_that_is_given_is_taken_everywhere() -> None:
     drive = drive_of_text(ELLIPSE + "strength: {dynamic_factor: 1.4}\n")
     factors = rating_of(drive).strength.stresses.dynamic_factor

@@ -139,7 +139,7 @@ def build(
         else:
             shown = folder / f"{loaded.design.name}.yaml" if made.text else design_file
             then = f"open {folder / REPORT_FILE}" if report else f"ncgear report {pasted(shown)}"
-            answer = build_answer(drive, built.contacts, built.verdict, then, made.said)
+            answer = build_answer(drive, built.verdict, then, made.said)
             typer.echo(answer_text(answer, paths, kept))
         if timing:
             print_times(drive)

@@ -48,7 +48,7 @@ def optimize(
         from ncgear.figures.answers.best_law import optimized_answer
         from ncgear.figures.best_law import SUFFIX, certificate, optimized_design
         from ncgear.figures.numbers import json_text
-        from ncgear.files.searched import OUTLINE_PICTURE, limit_picture
+        from ncgear.files.searched import PICTURE, limit_picture
         from ncgear.project.best_law import BestLaw
 
         name = ending_in(SUFFIX, loaded.design.name)
@@ -82,7 +82,7 @@ def optimize(
             files = {f"{name}.yaml": written.encode(), "certificate.json": json_text(figures).encode()}
             if best.limit_points:
                 on_step("picture")
-                files[OUTLINE_PICTURE] = limit_picture(best)
+                files[PICTURE] = limit_picture(best)
         # The best law of another design in the same folder stays.
         run = publish_run(folder, files, f"optimize {name}")
         command, file = "build" if best.design.gears else "check", pasted(folder / f"{name}.yaml")
@@ -120,7 +120,7 @@ def frontier(
         from ncgear.files.searched import flywheel_files, frontier_files
         from ncgear.project.frontier_run import frontier as frontier_of
         from ncgear.project.frontier_run import over_flywheels
-        from ncgear.project.sought_machine import GearsAsGiven
+        from ncgear.project.law_task import GearsAsGiven
 
         folder = prepared(out, f"{loaded.design.name}-frontier")
         if flywheel:

@@ -37,7 +37,7 @@ def refuse_options(design_file: Path, options: Mapping[str, object]) -> None:
 
 def check_train(design_file: Path, *, as_json: bool, verbose: bool) -> None:
     """Compute a train, and tell what it is and what its kind judges; nothing is written."""
-    from ncgear.design.reading.train_file import load_train
+    from ncgear.design.reading.design_file import load_train
     from ncgear.figures.trains import NOT_BUILT, train_answer, train_figures
 
     keep_freed_memory()
@@ -56,7 +56,7 @@ def animated_train(
     design_file: Path, out: Path | None, kind: AnimationFormat, form: tuple[int, float, int]
 ) -> tuple[Path, bytes]:
     """The place and the bytes of a GIF or MP4 of a moving train; ``form`` has frames, seconds and width in pixels."""
-    from ncgear.design.reading.train_file import load_train
+    from ncgear.design.reading.design_file import load_train
     from ncgear.files.publish import prepare_file
 
     keep_freed_memory()
@@ -76,7 +76,7 @@ def animated_train(
 
 def build_train(design_file: Path, out: Path | None, *, as_json: bool, verbose: bool) -> None:
     """Write all files of a train into a folder, and tell what was written and whether it meets."""
-    from ncgear.design.reading.train_file import load_train
+    from ncgear.design.reading.design_file import load_train
 
     keep_freed_memory()
     loaded = load_train(design_file)

@@ -83,7 +83,7 @@ def keys_of(root: type[BaseModel]) -> list[Key]:
     """All keys of a file whose model is ``root``, a group before its keys; for designs and
     trains, the keys of all mechanisms and kinds.
 
-    A key that several of them have is that of the first of them.
+    Of a key that several mechanisms or kinds have, the first counts.
     """
     found: dict[tuple[str, str], Key] = {}
     kinds: dict[type[BaseModel], Callable[[], Mapping[str, type[BaseModel]]]]
@@ -325,7 +325,7 @@ def _read_template(law: LawName) -> Document:
 
 
 def _group(key: Key, root: type[Any]) -> str:
-    """A group with its required keys, or else with its first key; of several models, the one with the fewest keys."""
+    """A group with its required keys, or else with its first key; of several models, the model with the fewest keys."""
     model = min(key.group, key=lambda one: len(fields_of(one)))
     law = law_of(model) if len(key.group) > 1 else key.law
     keys = [Key(f"{key.path}.{name}", law, model, field) for name, field in fields_of(model).items()]

@@ -78,7 +78,7 @@ def shape_template(name: str, shape: str) -> str:
     if shape in SHAPES:
         return f"{_head(name)}{_text('shape', drawn=_text(f'shapes/{shape}'), backlash='0.15')}"
     # Reads as keys are written, which takes the library of YAML.
-    from ncgear.design.drawn import shape_of_file
+    from ncgear.design.beginning import shape_of_file
     from ncgear.design.rewritten import flow_text
 
     kind, keys = shape_of_file(shape, "--shape")
@@ -133,9 +133,9 @@ def description_of(path: Path) -> str:
 
 
 def example_files(example: str, name: str | None = None) -> dict[str, bytes]:
-    """The files of an example by their paths, that of the design first: it, and those that it names.
+    """The files of an example by their paths: the design first, then the files that it names.
 
-    With a ``name`` the design has that one.  Raises WrongInput for an example that there is not.
+    A ``name`` becomes the name of the design.  Raises WrongInput where there is no such example.
     """
     known = examples()
     if example not in known:

@@ -78,7 +78,7 @@ SEEN_FROM_RAD = -0.8
 """Angle by which the camera is turned about x: from above the nearer side of both gears."""
 
 FIELD_DEG, NEAREST = (60.0, 45.0), 0.01
-"""What the camera sees to the sides and up, and how far away at least; the viewer makes angles those of its frame."""
+"""Angles of view to the sides and up, which the viewer fits to its frame, and the least distance that is seen."""
 
 DISTANCE = 1.05
 """Distance of the camera from the middle, as a share of the diagonal of the box around both gears."""
@@ -97,17 +97,9 @@ def solid_view(solids: SolidPair, center_distance_mm: float, title: str) -> Soli
     """The view of a pair."""
     # The viewer shows shares of light as they are, without the coding of screens.
     scene = pair_scene(solids, center_distance_mm, as_on_screen)
-    _set_camera(scene)
-    html = asset("viewer/viewer.html").replace(SCENE, b64encode(scene.export(file_type="glb")).decode())
-    (script,) = re.findall(r"<script>(.*?)</script>", html, re.DOTALL)
-    packed = b64encode(gzip.compress(html.encode(), mtime=0)).decode()
-    return SolidView(title, packed if len(packed) <= MOST_BYTES else "", hash_of(script))
-
-
-def _set_camera(scene: Scene) -> None:
-    """The camera, turned by ``SEEN_FROM_RAD``, at its distance from the middle of the box around both gears."""
     from trimesh.scene.cameras import Camera
 
+    # The camera is turned by ``SEEN_FROM_RAD``, at its distance from the middle of the box around both gears.
     cos_x, sin_x = cos(SEEN_FROM_RAD), sin(SEEN_FROM_RAD)
     place = np.eye(4)
     place[1:3, 1:3] = [[cos_x, -sin_x], [sin_x, cos_x]]
@@ -115,3 +107,7 @@ def _set_camera(scene: Scene) -> None:
     place[:3, 3] = (low + high) / 2.0 + DISTANCE * float(np.linalg.norm(high - low)) * place[:3, 2]
     scene.camera = Camera("camera", fov=FIELD_DEG, z_near=NEAREST)
     scene.camera_transform = place
+    html = asset("viewer/viewer.html").replace(SCENE, b64encode(scene.export(file_type="glb")).decode())
+    (script,) = re.findall(r"<script>(.*?)</script>", html, re.DOTALL)
+    packed = b64encode(gzip.compress(html.encode(), mtime=0)).decode()
+    return SolidView(title, packed if len(packed) <= MOST_BYTES else "", hash_of(script))

@@ -28,7 +28,7 @@ import numpy as np
 
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import Masses
 from ncgear.mechanisms.mechanism import Mechanism, MovingMass
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array, IndexArray, Number

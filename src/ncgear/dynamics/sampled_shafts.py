@@ -15,7 +15,7 @@ import numpy as np
 from ncgear.dynamics.crank_load import of_crank_angle
 from ncgear.dynamics.driving_shaft import counted
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import Masses
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.sampled import Functions, Sought, extremes, integrated, integration

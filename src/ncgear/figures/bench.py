@@ -46,26 +46,23 @@ COLUMNS = ("stage", "varied", "setting", "size", "time_s", "error", "error_unit"
 
 
 def bench_csv(stages: Sequence[BenchStage]) -> str:
-    """A row for each trial; ``recommended`` is 1 for the one that is."""
-    return rows_text(COLUMNS, _rows(stages))
-
-
-def _rows(stages: Sequence[BenchStage]) -> list[list[object]]:
-    return [
-        [
-            stage.name,
-            stage.varied,
-            trial.setting,
-            trial.size,
-            trial.time_s,
-            trial.error,
-            stage.unit,
-            stage.asked,
-            int(trial is stage.recommended),
-        ]
-        for stage in stages
-        for trial in stage.trials
-    ]
+    """A row for each trial; ``recommended`` is 1 for the recommended trial, else 0."""
+    rows = (
+        (
+            of.name,
+            of.varied,
+            one.setting,
+            one.size,
+            one.time_s,
+            one.error,
+            of.unit,
+            of.asked,
+            int(one is of.recommended),
+        )
+        for of in stages
+        for one in of.trials
+    )
+    return rows_text(COLUMNS, rows)
 
 
 def setting_words(stage: BenchStage, setting: float) -> str:
@@ -81,9 +78,6 @@ def error_words(stage: BenchStage, error: float) -> str:
 def time_words(time_s: float) -> str:
     """A time in s or ms."""
     return f"{to_digits(time_s, 3)} s" if time_s >= 1.0 else f"{to_digits(1e3 * time_s, 2)} ms"
-
-
-_HEADS = ("recommended", "a build uses", "error", "asked", "time", "share")
 
 
 def bench_answer(stages: Sequence[BenchStage], name: str, then: str) -> Answer:
@@ -121,7 +115,7 @@ def bench_answer(stages: Sequence[BenchStage], name: str, then: str) -> Answer:
             if trial is None
         ),
         "Recommended: the coarsest whose measured error, and that of all finer ones, is within what is asked",
-        heads=_HEADS,
+        heads=("recommended", "a build uses", "error", "asked", "time", "share"),
         good="Every stage reaches what is asked.",
         then=then,
     )

@@ -53,15 +53,19 @@ def gear_figures(one: ComparedGear) -> dict[str, Any]:
     metal = fit.counted | is_metal(one.outline, fit)
     flanks, thickness = found.flanks, found.thickness_mm[np.isfinite(found.thickness_mm)]
     shift = fit.pose.shift_mm
-    moved = (
-        {}
-        if fit.shift_error_mm is None
-        else {
-            "shift_x_mm": shift.real,
-            "shift_y_mm": shift.imag,
-            "shift_standard_deviation_mm": fit.shift_error_mm,
+    moved = {"shift_x_mm": shift.real, "shift_y_mm": shift.imag, "shift_standard_deviation_mm": fit.shift_error_mm}
+    sides = {
+        side: {
+            "single_pitch": flanks.largest(flanks.side(flanks.single_pitch_mm, bool(front))),
+            "cumulative_pitch": flanks.cumulative_mm(bool(front)),
+            **{
+                f"profile_{name}": flanks.largest(flanks.side(getattr(flanks, f"{name}_mm"), bool(front)))
+                for name in ("slope", "form", "total")
+            },
         }
-    )
+        for front, side in enumerate(SIDES)
+    }
+    ends = {"mean": thickness.mean, "least": thickness.min, "greatest": thickness.max}
     return {
         "file": one.file.file,
         "points": len(one.file.lines),
@@ -77,22 +81,10 @@ def gear_figures(one: ComparedGear) -> dict[str, Any]:
         "teeth_with_missing_points": found.missing_teeth,
         "turned_rad": fit.pose.angle_rad,
         "turned_standard_deviation_rad": fit.angle_error_rad,
-        **moved,
+        **({} if fit.shift_error_mm is None else moved),
         "rms_mm": fit.rms_mm,
-        **{
-            f"{name}_{side}_mm": value
-            for front, side in enumerate(SIDES)
-            for name, value in (
-                ("single_pitch", flanks.largest(flanks.side(flanks.single_pitch_mm, bool(front)))),
-                ("cumulative_pitch", flanks.cumulative_mm(bool(front))),
-                ("profile_slope", flanks.largest(flanks.side(flanks.slope_mm, bool(front)))),
-                ("profile_form", flanks.largest(flanks.side(flanks.form_mm, bool(front)))),
-                ("profile_total", flanks.largest(flanks.side(flanks.total_mm, bool(front)))),
-            )
-        },
-        "thickness_mean_mm": float(thickness.mean()) if thickness.size else None,
-        "thickness_least_mm": float(thickness.min()) if thickness.size else None,
-        "thickness_greatest_mm": float(thickness.max()) if thickness.size else None,
+        **{f"{name}_{side}_mm": value for side, of in sides.items() for name, value in of.items()},
+        **{f"thickness_{end}_mm": float(of()) if thickness.size else None for end, of in ends.items()},
     }
 
 
@@ -130,20 +122,8 @@ def alone_points(one: ComparedGear) -> list[AlonePoint]:
     ]
 
 
-COLUMNS = (
-    "gear",
-    "tooth",
-    "side",
-    "points",
-    "mean_mm",
-    "least_mm",
-    "greatest_mm",
-    "slope_mm",
-    "form_mm",
-    "position_mm",
-    "single_pitch_mm",
-    "thickness_mm",
-)
+DEVIATIONS = ("mean_mm", "least_mm", "greatest_mm", "slope_mm", "form_mm", "position_mm", "single_pitch_mm")
+COLUMNS = ("gear", "tooth", "side", "points", *DEVIATIONS, "thickness_mm")
 
 
 def compared_csv(pair: ComparedPair) -> str:
@@ -153,7 +133,7 @@ def compared_csv(pair: ComparedPair) -> str:
 
 def _rows(one: ComparedGear) -> Iterable[list[object]]:
     flanks = one.deviations.flanks
-    columns: list[Array] = [getattr(flanks, name) for name in COLUMNS[4:-1]]
+    columns: list[Array] = [getattr(flanks, name) for name in DEVIATIONS]
     for flank in range(flanks.points.size):
         values = [known(column[flank]) for column in columns]
         thickness = known(one.deviations.thickness_mm[flank // 2])
@@ -189,62 +169,44 @@ MOST_TEETH = 5
 
 def compared_answer(pair: ComparedPair, name: str, fit: Fit, then: str) -> Answer:
     """Deviations of each gear in columns, the contact of both, and where they jam."""
-    told = {one.gear: gear_figures(one) for one in pair.gears}
-    found = list(told.values())
-    both = [
-        Row(label, tuple(_sides(one, key) for one in found))
-        for label, key in (
-            ("single pitch", "single_pitch"),
-            ("cumulative pitch", "cumulative_pitch"),
-            ("profile slope", "profile_slope"),
-            ("profile form", "profile_form"),
-        )
-    ]
-    moved = (
-        [Row("axis at", tuple(f"{fixed(one['shift_x_mm'], 4)}, {fixed(one['shift_y_mm'], 4)} mm" for one in found))]
-        if fit is Fit.RIGID
-        else []
-    )
+    found = [gear_figures(one) for one in pair.gears]
+    tolds = {
+        "points on flanks": [f"{one['points_on_flanks']} of {one['points']}" for one in found],
+        "turned by": [turned_words(one) for one in pair.gears],
+        "axis at": [
+            f"{fixed(one['shift_x_mm'], 4)}, {fixed(one['shift_y_mm'], 4)} mm" for one in found if fit is Fit.RIGID
+        ],
+        "r.m.s. deviation": [length_words(one["rms_mm"]) for one in found],
+        **{
+            name: [
+                " / ".join(length_words(one[f"{name.replace(' ', '_')}_{side}_mm"]) for side in SIDES) for one in found
+            ]
+            for name in ("single pitch", "cumulative pitch", "profile slope", "profile form")
+        },
+        "thickness, mean": [length_words(one["thickness_mean_mm"]) for one in found],
+        "thickness, range": [
+            " to ".join(length_words(one[f"thickness_{end}_mm"]) for end in ("least", "greatest")) for one in found
+        ],
+    }
+    play, exact_play = (_play(pair, measured=measured) for measured in (True, False))
+    heads = tuple(one.gear.value for one in pair.gears)
+    # A single column stands under its head as several do.
+    empty = ("",) if len(heads) == 1 else ()
     rows = (
-        Row("points on flanks", tuple(f"{one['points_on_flanks']} of {one['points']}" for one in found)),
-        Row("turned by", tuple(turned_words(one) for one in pair.gears)),
-        *moved,
-        Row("r.m.s. deviation", tuple(length_words(one["rms_mm"]) for one in found)),
-        *both,
-        Row("thickness, mean", tuple(length_words(one["thickness_mean_mm"]) for one in found)),
-        Row(
-            "thickness, range",
-            tuple(
-                f"{length_words(one['thickness_least_mm'])} to {length_words(one['thickness_greatest_mm'])}"
-                for one in found
-            ),
-        ),
-        Row("least play", (f"{_play(pair, measured=True)}; {_play(pair, measured=False)} of the exact outlines",)),
+        *(Row(name, (*texts, *empty)) for name, texts in tolds.items() if texts),
+        Row("least play", (f"{play}; {exact_play} of the exact outlines",)),
         Row("transmission error", (_errors(pair),)),
     )
-    # A single column stands under its head as several do.
-    heads = tuple(one.gear.value for one in pair.gears)
-    if len(heads) == 1:
-        heads, rows = (*heads, ""), tuple(_widened(row, rows) for row in rows)
     return Answer(
         f"{name}: measured gears against the exact ones, best fit by {fit.value}",
         rows,
         (*_jams(pair), *(fault for one in pair.gears for fault in (*_missing(one), *_alone(one)))),
         "Deviations are positive where there is metal in excess; back and front flanks are told apart",
-        heads=heads,
+        heads=(*heads, *empty),
         good="The pair as measured turns; all flanks were measured.",
         not_judged=_not_judged(pair, found),
         then=then,
     )
-
-
-def _widened(row: Row, rows: tuple[Row, ...]) -> Row:
-    return row if row in rows[-2:] else Row(row.name, (*row.texts, ""))
-
-
-def _sides(found: dict[str, object], key: str) -> str:
-    """The worst deviation of back and of front flanks."""
-    return " / ".join(length_words(found[f"{key}_{side}_mm"]) for side in SIDES)  # type: ignore[arg-type]
 
 
 def _play(pair: ComparedPair, *, measured: bool) -> str:

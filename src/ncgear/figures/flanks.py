@@ -19,7 +19,7 @@ from ncgear.strength.vibration import RESONANCE
 if TYPE_CHECKING:
     from ncgear.project.strengthening import Rating
     from ncgear.project.vibration import SpeedSweep, ToldVibration
-    from ncgear.strength.surfaces import Creep, Film, Place, Surfaces, Wear
+    from ncgear.strength.surfaces import Film, Place, Surfaces
 
 REGIMES = {
     Regime.FULL: "full film",
@@ -89,40 +89,43 @@ def _at(name: str, place: Place) -> dict[str, Any]:
 
 def surfaces_rows(drive: Drive, found: Surfaces) -> list[tuple[str, str]]:
     """Names and texts of what is told: wear of all, film and scuffing of metal in oil, heat of plastics."""
+    wear, film, creep = found.wear, found.film, found.creep
+    told = "none: a film parts the flanks"
+    if not found.judged:
+        told = ONLY_A_JAM
+    elif wear.deepest_mm > 0.0:
+        grows = f"backlash grows by up to {to_digits(wear.play_mm, 2)} mm"
+        ends = grows if wear.holds else f"a tenth of the module is gone after {hours_words(wear.life_h)}"
+        told = f"{to_digits(wear.deepest_mm, 2)} mm in {hours_words(wear.wanted_h)}, within a factor of ten; {ends}"
+    rows = [("wear", told)]
+    if not found.judged and drive.conditions.lubrication != "dry" and not any(found.warm):
+        rows.append(("film", ONLY_A_JAM))
+    if film is not None:
+        rows += [("film", _film_words(drive, film)), ("scuffing", _scuffing_words(drive, film, found))]
     heat = [
         f"{gear.value} gear {fixed(one.flank_c, 0)} \u00b0C at flanks, {fixed(one.root_c, 0)} at roots"
         for gear, one in zip(Gear, found.warm, strict=True)
         if one is not None
     ]
-    rows = [("wear", _wear_words(found.wear) if found.judged else ONLY_A_JAM)]
-    if not found.judged and drive.conditions.lubrication != "dry" and not any(found.warm):
-        rows.append(("film", ONLY_A_JAM))
-    if found.film is not None:
-        rows += [("film", _film_words(drive, found.film)), ("scuffing", _scuffing_words(drive, found.film, found))]
     if not heat or not found.judged:
         return rows
-    return [*rows, ("heat", f"{'; '.join(heat)} (VDI 2736)"), ("creep", _creep_words(found.creep))]
-
-
-def _creep_words(creep: Creep | None) -> str:
-    """How far plastic teeth give way at once and after the wanted life; no limit is known that it is judged by."""
-    if creep is None:
-        return "not judged, because no creep modulus of these plastics is known here"
-    ways = f"{to_digits(creep.at_once_mm, 2)} mm at once, {to_digits(creep.after_mm, 2)} mm"
-    return (
-        f"teeth give way by {ways} after {hours_words(creep.loaded_h)} under load, at {CREEP_C:g} \u00b0C; more where "
-        "they are warmer"
-    )
+    gives_way = "not judged, because no creep modulus of these plastics is known here"
+    if creep is not None:
+        # No limit is known by which it is judged
+        ways = f"{to_digits(creep.at_once_mm, 2)} mm at once, {to_digits(creep.after_mm, 2)} mm"
+        lasting = f"after {hours_words(creep.loaded_h)} under load, at {CREEP_C:g} \u00b0C; more where they are warmer"
+        gives_way = f"teeth give way by {ways} {lasting}"
+    return [*rows, ("heat", f"{'; '.join(heat)} (VDI 2736)"), ("creep", gives_way)]
 
 
 def _film_words(drive: Drive, film: Film) -> str:
     """The regime with the least film and its place, and the oil's temperature."""
     assumed = " assumed" if drive.design.strength.temperature_c is None else ""
-    least, place = to_digits(film.thickness.value, 2), angle_words(film.thickness)
-    return (
-        f"{REGIMES[film.regime]}: {least} of the roughness at {place}, "
-        f"{drive.conditions.lubrication} at {film.oil_c:g} \u00b0C{assumed}"
+    least, oil = (
+        to_digits(film.thickness.value, 2),
+        f"{drive.conditions.lubrication} at {film.oil_c:g} \u00b0C{assumed}",
     )
+    return f"{REGIMES[film.regime]}: {least} of the roughness at {angle_words(film.thickness)}, {oil}"
 
 
 def _scuffing_words(drive: Drive, film: Film, found: Surfaces) -> str:
@@ -133,16 +136,6 @@ def _scuffing_words(drive: Drive, film: Film, found: Surfaces) -> str:
     assumed = "" if "oil_fzg_stage" in drive.design.strength.model_fields_set else " assumed"
     fails = f"oil fails at {fixed(found.scuffing_c, 0)} \u00b0C (FZG stage {drive.conditions.oil_fzg_stage:g}{assumed})"
     return f"safety {to_digits(found.scuffing_safety, 3)}, {hottest}, {fails}"
-
-
-def _wear_words(wear: Wear) -> str:
-    """The deepest place after the wanted life and what that adds to the backlash, or when the limit is reached."""
-    if wear.deepest_mm == 0.0:
-        return "none: a film parts the flanks"
-    told = f"{to_digits(wear.deepest_mm, 2)} mm in {hours_words(wear.wanted_h)}, within a factor of ten"
-    if wear.holds:
-        return f"{told}; backlash grows by up to {to_digits(wear.play_mm, 2)} mm"
-    return f"{told}; a tenth of the module is gone after {hours_words(wear.life_h)}"
 
 
 def angle_words(place: Place) -> str:

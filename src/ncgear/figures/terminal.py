@@ -79,7 +79,7 @@ def check_text(drive: Drive) -> str:
 
 
 def build_text(summaries: Sequence[Mapping[str, Any]], paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
-    """The results of a build: the summary of every pair, the files written, and those of others that were kept."""
+    """The results of a build: the summary of every pair, the files written, and the kept files of others."""
     return "\n\n".join([*map(summary_text, summaries), "\n".join(written_lines(paths, kept))])
 
 

@@ -24,18 +24,11 @@ from ncgear.tolerances.drawn import Source
 from ncgear.tolerances.iso1328 import rounded_um
 from ncgear.tolerances.study import PairStudy, Share
 
+OF_GEAR = {"eccentricity": "bore off", "tilt": "bore tilted", "index": "keyway"}
 SOURCES = {
     "center_distance": name_of("center_distance_mm"),
-    "eccentricity_driving": "driving bore off",
-    "eccentricity_driven": "driven bore off",
-    "tilt_driving": "driving bore tilted",
-    "tilt_driven": "driven bore tilted",
-    "index_driving": "driving keyway",
-    "index_driven": "driven keyway",
-    "temperature": "temperature",
-    "wear": "wear",
-    "pitch": "pitch",
-    "profile": "profile",
+    **{f"{key}_{gear}": f"{gear} {words}" for key, words in OF_GEAR.items() for gear in ("driving", "driven")},
+    **{name: name for name in ("temperature", "wear", "pitch", "profile")},
 }
 """What may deviate, in words."""
 
@@ -59,40 +52,34 @@ def figures_of(found: Assemblies, tolerated: Tolerated) -> dict[str, Array]:
     torque never turns round, and where no load is known; ``play_max_rad`` of a single pair; ``contact_ratio_min`` where
     all flanks touch at an end of a range.
     """
-    output = tolerated.drive.linkage.OUTPUT
-    told = {
+    place, acceleration = (getattr(tolerated.drive.linkage.OUTPUT, of) for of in ("place", "acceleration"))
+    reverses, two = tolerated.knock is not None and tolerated.loaded, len(tolerated.pairs) > 1
+    told = _of_flanks(found, reverses, found.play_max_rad if two else None)
+    if not np.isfinite(found.least_arc).all():
+        del told["contact_ratio_min"]
+    told[f"motion_error_{place.ending}"] = place.factor * found.motion_error
+    return told | {f"peak_acceleration_{acceleration.ending}": found.peak_acceleration}
+
+
+def _of_flanks(found: Assemblies | PairAssemblies, reverses: bool, turned_rad: Array | None = None) -> dict[str, Array]:
+    """The figures that a machine and a pair have; ``reverses`` tells whether a known load turns the torque round.
+
+    ``turned_rad`` is the play of the last driven gear, where it is told.
+    """
+    return {
         "least_play_mm": found.least_play_mm,
         "largest_play_mm": found.largest_play_mm,
-        "reversal_play_mm": found.reversal_play_mm,
-        "play_max_rad": found.play_max_rad,
+        **({"reversal_play_mm": found.reversal_play_mm} if reverses else {}),
+        **({} if turned_rad is None else {"play_max_rad": turned_rad}),
         "transmission_error_mm": found.transmission_error_mm,
         "transmission_error_rad": found.transmission_error_rad,
         "contact_ratio_min": found.least_arc,
-        f"motion_error_{output.place.ending}": output.place.factor * found.motion_error,
-        f"peak_acceleration_{output.acceleration.ending}": found.peak_acceleration,
     }
-    if tolerated.knock is None or not tolerated.loaded:
-        del told["reversal_play_mm"]
-    if len(tolerated.pairs) == 1:
-        del told["play_max_rad"]
-    if not np.isfinite(found.least_arc).all():
-        del told["contact_ratio_min"]
-    return told
 
 
 def pair_figures(found: PairAssemblies, of: PairStudy, *, loaded: bool) -> dict[str, Array]:
     """The same figures of one of two pairs, as far as a pair has them; ``loaded`` tells whether any load is known."""
-    told = {
-        "least_play_mm": found.least_play_mm,
-        "largest_play_mm": found.largest_play_mm,
-        "reversal_play_mm": found.reversal_play_mm,
-        "transmission_error_mm": found.transmission_error_mm,
-        "transmission_error_rad": found.transmission_error_rad,
-        "contact_ratio_min": found.least_arc,
-    }
-    if of.knock is None or not loaded:
-        del told["reversal_play_mm"]
-    return told
+    return _of_flanks(found, of.knock is not None and loaded)
 
 
 def worst_is_least(key: str) -> bool:
@@ -128,13 +115,13 @@ def _percentiles(told: Mapping[str, Array], nominal: Mapping[str, Array]) -> dic
 
 
 def share_words(share: Share) -> str:
-    """``1.2 % (0.9 to 1.6 %)``: the share, and where that of all assemblies lies with 95 % confidence."""
+    """``1.2 % (0.9 to 1.6 %)``: the share, and the range of the share of all assemblies with 95 % confidence."""
     value, least, largest = (to_digits(100.0 * one, 3) for one in (share.value, share.least, share.largest))
     return f"{value} % ({least} to {largest} % of all)"
 
 
 MOST_OFF = 0.1
-"""Error of the linear model, as a share of what flanks are displaced by, from which it is a warning."""
+"""From this error on the linear model is a warning; the error is a share of the displacement of the flanks."""
 
 
 NOT_JUDGED = "Not judged: all but assembly, knocking and the linear model (ncgear build)"
@@ -153,52 +140,31 @@ class AssembliesJudged:
 
 def judged_assemblies(tolerated: Tolerated) -> list[AssembliesJudged]:
     """The verdict on the assemblies, the most serious condition first."""
-    needed, jam, knock = (
-        tolerated.needed,
-        tolerated.jam.value,
-        0.0 if tolerated.knock is None else tolerated.knock.value,
-    )
+    needed, jam, knock = tolerated.needed, tolerated.jam.value, tolerated.knock.value if tolerated.knock else 0.0
     off = max(one.error_mm / max(one.displaced_mm, 1e-12) for pair in tolerated.pairs for one in pair.errors)
     enough = () if needed is None or needed.jammed is None else (f"gears.{needed.key}: {needed.value:g}",)
-    broken = (
-        jam > MOST_JAMMED and f"{to_digits(100.0 * jam, 3)} % of the assemblies jam",
-        knock > 0.0 and f"{to_digits(100.0 * knock, 3)} % of the assemblies knock",
-        off > MOST_OFF
-        and f"the linear model is off by up to {fixed(100.0 * off, 0)} %: these tolerances are large for such teeth",
-    )
-    conditions = (
-        (str(Kind.JAMS), CONDITIONS[Kind.JAMS].kept, enough),
-        ("knock", "no assembly knocks", ("less backlash, or finer tolerances",)),
-        ("linear_model", f"the linear model is off by {100.0 * MOST_OFF:g} % at the most", ()),
-    )
+    jams = f"{to_digits(100.0 * jam, 3)} % of the assemblies jam" if jam > MOST_JAMMED else ""
+    knocks = f"{to_digits(100.0 * knock, 3)} % of the assemblies knock" if knock > 0.0 else ""
+    large = f"the linear model is off by up to {fixed(100.0 * off, 0)} %: these tolerances are large for such teeth"
+    kept = f"the linear model is off by {100.0 * MOST_OFF:g} % at the most"
     return [
-        AssembliesJudged(name, kept, said or "", cures)
-        for (name, kept, cures), said in zip(conditions, broken, strict=True)
+        AssembliesJudged(str(Kind.JAMS), CONDITIONS[Kind.JAMS].kept, jams, enough),
+        AssembliesJudged("knock", "no assembly knocks", knocks, ("less backlash, or finer tolerances",)),
+        AssembliesJudged("linear_model", kept, large if off > MOST_OFF else ""),
     ]
 
 
 def _verdict(tolerated: Tolerated) -> dict[str, Any]:
     """The verdict in full, in the form of that on a machine."""
     judged = judged_assemblies(tolerated)
-    return {
-        "warnings": [
-            ". To change it: ".join([one.broken, *(["; or ".join(one.cures)] if one.cures else [])])
-            for one in judged
-            if one.broken
-        ],
-        "remarks": [],
-        "verdict": [
-            {
-                "condition": one.condition,
-                "stage": None,
-                "says": one.kept,
-                "verdict": "broken" if one.broken else "kept",
-                "because": one.broken,
-                "remark": "",
-            }
-            for one in judged
-        ],
-    }
+    rows = [
+        {"condition": one.condition, "stage": None, "says": one.kept, "verdict": "broken" if one.broken else "kept"}
+        | {"because": one.broken, "remark": ""}
+        for one in judged
+    ]
+    to_change = [f". To change it: {'; or '.join(one.cures)}" if one.cures else "" for one in judged]
+    warnings = [f"{one.broken}{cure}" for one, cure in zip(judged, to_change, strict=True) if one.broken]
+    return {"warnings": warnings, "remarks": [], "verdict": rows}
 
 
 def tolerance_json(tolerated: Tolerated) -> dict[str, Any]:
@@ -280,7 +246,7 @@ def _checks(pair: PairStudy) -> dict[str, Any]:
 
 
 def assemblies_csv(tolerated: Tolerated) -> str:
-    """One row for each assembly; of two pairs, the figures of each after those of the machine."""
+    """One row for each assembly; of two pairs, the figures of each pair follow the figures of the machine."""
     told = figures_of(tolerated.assemblies, tolerated)
     if len(tolerated.pairs) > 1:
         for pair in tolerated.pairs:
@@ -321,7 +287,7 @@ def _of(pair: PairStudy) -> str:
 
 
 def jam_words(tolerated: Tolerated) -> str:
-    """The share that jams, and that of each of two pairs."""
+    """The share of assemblies that jams, and of two pairs the share of each pair."""
     words = share_words(tolerated.jam)
     if len(tolerated.pairs) == 1:
         return words

@@ -21,8 +21,8 @@ from ncgear.optimum.flywheels import FlywheelPoint
 from ncgear.optimum.frontier import limit_points
 from ncgear.project.best_law import BestLaw
 from ncgear.project.frontier_run import Frontier
+from ncgear.project.law_task import SoughtMachine
 from ncgear.project.outline_fit import OutlineFit
-from ncgear.project.sought_machine import SoughtMachine
 from ncgear.whole_machines.search import WholeMachines
 from ncgear.whole_machines.told import machines_figures
 

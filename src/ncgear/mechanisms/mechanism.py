@@ -22,8 +22,7 @@ import numpy as np
 
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.forces import CrankBody, JointForces, Pace
-from ncgear.mechanisms.masses import Masses, RodMasses
+from ncgear.mechanisms.forces import CrankBody, JointForces, Masses, Pace, RodMasses
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, Mask, Number
 from ncgear.numerics.jet import Jet

@@ -204,7 +204,7 @@ class FormulaResistance(Resistance):
     Of an output that is ``turning`` the expression is a torque in N m over the angle in rad.
 
     Raises WrongInput for what is no expression, or no continuous function over the stroke, smooth but for corners;
-    ``key`` is the one of the design file that it names.
+    the error names ``key`` of the design file.
     """
 
     text: str

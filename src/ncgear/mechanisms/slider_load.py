@@ -86,7 +86,7 @@ class SliderLoad:
         return Jet(np.where(returning, 0.0 - back.coefficients, out.coefficients))
 
     def smooth_curves_n(self, returning: bool) -> tuple[Callable[[Jet], Jet], ...]:
-        """Functions of the displacement's jet; the largest of their values and 0 is that of the force against motion.
+        """Functions of the displacement's jet; the largest of their values and 0 is the force against the motion.
 
         They have no corner where the resistance sets in.  A stroke without load has none.
         """

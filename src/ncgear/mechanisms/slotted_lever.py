@@ -23,8 +23,7 @@ import numpy as np
 
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.forces import JointForces, Pace, crank_forces, moving_force, place
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import JointForces, Masses, Pace, crank_forces, moving_force, place
 from ncgear.mechanisms.mechanism import Link, Mechanism, Mechanisms, MovingMass, Output, Point, Shape
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, Mask, Number

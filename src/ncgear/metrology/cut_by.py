@@ -115,12 +115,9 @@ def _hob(pitch: PitchPair, teeth: ToothedPair, gear: Gear) -> CutBy:
     rack = teeth.of(gear).flanks.rack
     radius = pitch.least_concave_radius_mm(gear)
     if radius is not None and (depth := gouged_mm(pitch.of(gear), rack)) > HARMLESS * rack.module_mm:
-        reason = (
-            f"the pitch curve is concave with a radius of {radius:.4g} mm: a hob cuts {depth:.3g} mm too deep there"
-        )
-        return CutBy(Tool.HOB, CutVerdict.NOT, reason)
-    verdict, reason = _tried(teeth, gear, RackLine())
-    return CutBy(Tool.HOB, verdict, reason)
+        hollow = f"the pitch curve is concave with a radius of {radius:.4g} mm"
+        return CutBy(Tool.HOB, CutVerdict.NOT, f"{hollow}: a hob cuts {depth:.3g} mm too deep there")
+    return CutBy(Tool.HOB, *_tried(teeth, gear, RackLine()))
 
 
 def _shaper(pitch: PitchPair, teeth: ToothedPair, gear: Gear) -> CutBy:

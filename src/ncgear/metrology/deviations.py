@@ -77,7 +77,11 @@ class FlankDeviations:
 
 @dataclass(frozen=True, eq=False)
 class GearDeviations:
-    """Flanks, tooth thicknesses ((z,), NaN where a side is missing) and counts of points beside, by places."""
+    """What a measured gear is like: its flanks, its tooth thicknesses (shape (z,), NaN where a side is missing).
+
+    ``beside`` counts the points that are on no working flank, by where they are: ``root``, ``tip``, ``astray`` (bore,
+    hub and whatever is far from the outline).
+    """
 
     flanks: FlankDeviations
     thickness_mm: Array
@@ -136,7 +140,6 @@ def _profiles(outline: ExactOutline, flank: IndexArray, height_mm: Array, error_
 
 
 def _beside(outline: ExactOutline, fit: BestFit) -> dict[str, int]:
-    """Points on no working flank, by where they are."""
     rest = fit.feet.kept(~fit.counted & ~fit.alone)
     astray = is_astray(outline, rest)
     on_tip = (outline.part[rest.row] == TIP_LAND_CURVE) | (

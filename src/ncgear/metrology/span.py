@@ -177,7 +177,10 @@ def measuring_chords(curve: ClosedPitchCurve, angle_rad: float, turn_rad: float 
     offset, length = _offset(way, *found)
     first, last = (one[np.abs(offset) <= EVEN * length] for one in found)
     arcs = _middles(even, neighbours)
-    least = np.concatenate([_is_least(way, first, last), np.ones(arcs.size, dtype=bool)])
+    begun, ended = way.start(first), way.curve.at_length(last)
+    radii = 1.0 / begun.curvature + 1.0 / ended.curvature
+    is_least = sin(angle_rad) * radii > np.linalg.norm(ended.position - begun.position, axis=1)
+    least = np.concatenate([is_least, np.ones(arcs.size, dtype=bool)])
     return MeasuringChords(np.concatenate([first, start[arcs]]), np.concatenate([last, end[arcs]]), least)
 
 
@@ -205,10 +208,7 @@ class _Way:
 
 
 def _tried(way: _Way) -> tuple[Array, Array, IndexArray]:
-    """Starts over one turn, the ends after a turning of 2 alpha, and how many steps of dents the ends have leapt over.
-
-    Shape (n,) each.
-    """
+    """Starts over one turn, ends after a turning of 2 alpha, and steps of dents that ends have leapt over, (n,)."""
     curve = way.curve
     step = curve.length_mm / STEPS
     grid = np.linspace(-curve.length_mm, 2.0 * curve.length_mm, 3 * STEPS + 1)
@@ -266,9 +266,3 @@ def _closed_in(way: _Way, tried: tuple[Array, Array], change: IndexArray) -> tup
 
     found = zeros_between(offset, start[change], start[change + 1])
     return found, _end_of(way, found, low, high)
-
-
-def _is_least(way: _Way, start: Array, end: Array) -> Mask:
-    first, last = way.start(start), way.curve.at_length(end)
-    radii = 1.0 / first.curvature + 1.0 / last.curvature
-    return sin(way.angle_rad) * radii > np.linalg.norm(last.position - first.position, axis=1)

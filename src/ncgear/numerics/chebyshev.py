@@ -195,7 +195,6 @@ def _to_powers(degree: int) -> Array:
 
 
 def _powers(local: Array, count: int) -> Array:
-    """1, x, x^2, ... at n points, shape (n, count)."""
     powers = np.empty((count, local.size))
     powers[0], powers[1] = 1.0, local
     known = 2
@@ -267,7 +266,6 @@ def nodes(left: Array, right: Array, degree: int = DEGREE) -> Array:
 
 
 def _largest(coefficients: Array) -> Array:
-    """Largest magnitude of each panel's coefficients, shape (m,)."""
     return np.abs(coefficients).max(axis=(0, *range(2, coefficients.ndim)))
 
 

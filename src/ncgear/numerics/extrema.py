@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -119,7 +118,7 @@ def _sampled_each(functions: Functions, grid: Array) -> list[_Samples]:
     return [
         _beside_flat(one, _sampled(one, grid, first))
         for number, first in enumerate(functions(grid))
-        for one in (partial(_one_of, functions, number),)
+        for one in (lambda points, number=number: functions(points)[number],)
     ]
 
 
@@ -136,10 +135,6 @@ def _stationary(functions: Functions, samples: list[_Samples], changes: list[Ind
         for of, zeros in zip(samples, _changes_of_sign(functions, brackets), strict=True)
         for inner in ((of.slopes[1:-1] == 0.0) | ~np.isfinite(of.slopes[1:-1]),)
     ]
-
-
-def _one_of(functions: Functions, number: int, points: Array) -> Jet:
-    return functions(points)[number]
 
 
 def _changes_of_sign(functions: Functions, brackets: list[Array]) -> list[Array]:
@@ -188,8 +183,7 @@ def _sampled(function: Callable[[Array], Jet], grid: Array, jet: Jet) -> _Sample
         middle, jet = points.size + np.arange(between.size), function(between)
         points = np.concatenate([points, between])
         values, slopes = np.concatenate([values, jet.value]), np.concatenate([slopes, jet.derivative(1)])
-    order = np.argsort(points, kind="stable")
-    found = _Samples(points[order], values[order], slopes[order])
+    found = _ordered(points, values, slopes)
     step = np.diff(found.points)
     rise = np.abs(found.slopes) * np.maximum(np.append(step, 0.0), np.append(0.0, step))
     return replace(found, slopes=np.where(rise <= found.rise, 0.0, found.slopes))
@@ -209,9 +203,12 @@ def _beside_flat(function: Callable[[Array], Jet], known: _Samples) -> _Samples:
         return known
     beside = [grid[flat] - NEXT * (grid[flat] - grid[flat - 1]), grid[flat] + NEXT * (grid[flat + 1] - grid[flat])]
     jets = [function(points) for points in beside]
-    points = np.concatenate([grid, *beside])
     values = np.concatenate([known.values, *(jet.value for jet in jets)])
     slopes = np.concatenate([known.slopes, *(jet.derivative(1) for jet in jets)])
+    return _ordered(np.concatenate([grid, *beside]), values, slopes)
+
+
+def _ordered(points: Array, values: Array, slopes: Array) -> _Samples:
     order = np.argsort(points, kind="stable")
     return _Samples(points[order], values[order], slopes[order])
 
@@ -244,10 +241,8 @@ def extremes_on(functions: Functions, grid: Array) -> list[tuple[Extremum, Extre
     found = []
     for number, (points, jet) in enumerate(zip(places, functions(np.concatenate(places)), strict=True)):
         values = jet.value[ends[number] - points.size : ends[number]]
-        low, high = int(np.argmin(values)), int(np.argmax(values))
-        found.append(
-            (Extremum(float(values[low]), float(points[low])), Extremum(float(values[high]), float(points[high])))
-        )
+        low, high = (Extremum(float(values[at]), float(points[at])) for at in (np.argmin(values), np.argmax(values)))
+        found.append((low, high))
     return found
 
 

@@ -118,7 +118,6 @@ def _quotient(over: Jet | float, under: Jet | float) -> Jet:
 
 
 def _either(condition: Jet, negative: Jet | float, otherwise: Jet | float) -> Jet:
-    """One jet where a condition is negative, another one elsewhere."""
     sides = [side if isinstance(side, Jet) else condition * 0.0 + side for side in (negative, otherwise)]
     return Jet(np.where(condition.value < 0.0, sides[0].coefficients, sides[1].coefficients))
 

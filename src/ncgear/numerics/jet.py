@@ -148,28 +148,25 @@ def sqrt(argument: Jet) -> Jet:
 
 def sin_cos(argument: Jet) -> tuple[Jet, Jet]:
     """Sine and cosine together, since each one's recurrence needs the other."""
-    a = argument.coefficients
+    return _pair(argument.coefficients, np.sin, np.cos, -1.0)
+
+
+def sinh_cosh(argument: Jet) -> tuple[Jet, Jet]:
+    """Hyperbolic sine and cosine together, since each one's recurrence needs the other."""
+    return _pair(argument.coefficients, np.sinh, np.cosh, 1.0)
+
+
+def _pair(a: Array, odd: np.ufunc, even: np.ufunc, sign: float) -> tuple[Jet, Jet]:
+    """Two functions, the derivative of the odd one being the even one, and the other way round times the sign."""
     sine, cosine = np.empty_like(a), np.empty_like(a)
-    sine[0], cosine[0] = np.sin(a[0]), np.cos(a[0])
+    sine[0], cosine[0] = odd(a[0]), even(a[0])
     slopes = _slopes(a)
     # A straight argument, which is the usual one, has a single slope.
     count = len(slopes) if a[2:].any() else 1
     for k in range(1, len(a)):
         last = max(k - count, 0)
         sine[k] = _paired(slopes[: k - last], cosine[last:k]) / k
-        cosine[k] = -_paired(slopes[: k - last], sine[last:k]) / k
-    return Jet(sine), Jet(cosine)
-
-
-def sinh_cosh(argument: Jet) -> tuple[Jet, Jet]:
-    """Hyperbolic sine and cosine together, since each one's recurrence needs the other."""
-    a = argument.coefficients
-    sine, cosine = np.empty_like(a), np.empty_like(a)
-    sine[0], cosine[0] = np.sinh(a[0]), np.cosh(a[0])
-    slopes = _slopes(a)
-    for k in range(1, len(a)):
-        sine[k] = _paired(slopes[:k], cosine[:k]) / k
-        cosine[k] = _paired(slopes[:k], sine[:k]) / k
+        cosine[k] = sign * _paired(slopes[: k - last], sine[last:k]) / k
     return Jet(sine), Jet(cosine)
 
 
@@ -191,7 +188,6 @@ def _counted(rows: Array) -> Array:
 
 
 def _slopes(coefficients: Array) -> Array:
-    """The coefficients of the derivative."""
     return coefficients[1:] * _counted(coefficients[1:])
 
 

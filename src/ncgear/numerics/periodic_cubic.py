@@ -73,8 +73,8 @@ class PeriodicCubic:
             inside = (zeros > 0.0) & (zeros < widths[cells])
         points = np.concatenate([self.knots[:-1], self.knots[cells[inside]] + zeros[inside]])
         values = np.concatenate([self.coefficients[0], self._moved(cells[inside], zeros[inside])[0]])
-        low, high = int(np.argmin(values)), int(np.argmax(values))
-        return Extremum(float(values[low]), float(points[low])), Extremum(float(values[high]), float(points[high]))
+        low, high = (Extremum(float(values[at]), float(points[at])) for at in (np.argmin(values), np.argmax(values)))
+        return low, high
 
     def places(self, swing: float) -> Array:
         """The knots, and places between them so that the spline changes by ``swing`` at most from one to the next."""

@@ -66,7 +66,6 @@ def integrated_slope(function: Callable[[Array], Jet], breaks: Array) -> float:
 
 
 def _panels(left: Array, right: Array, nodes: int) -> tuple[Array, Array]:
-    """Points and weights of each panel, shape (m, nodes) each."""
     unit, weights = _rule(nodes)
     half = (right - left)[:, None] / 2.0
     return (left + right)[:, None] / 2.0 + half * unit, half * weights

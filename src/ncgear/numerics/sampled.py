@@ -199,7 +199,6 @@ def _sums(coefficients: Array, share: Array) -> Array:
 
 @cache
 def _coefficients(count: int) -> Array:
-    """Matrix from values at the points to Chebyshev coefficients."""
     return np.asarray(np.linalg.inv(chebyshev.chebvander(2.0 * shares(count) - 1.0, count - 1)), dtype=np.float64)
 
 
@@ -212,5 +211,4 @@ def _series(count: int) -> tuple[Array, Array, Array]:
 
 @cache
 def _slopes(count: int) -> Array:
-    """Matrix from values at the points to slopes there."""
     return chebyshev.chebvander(2.0 * shares(count) - 1.0, count - 1) @ _series(count)[1]

@@ -137,7 +137,6 @@ def _first_zero(coefficients: Array) -> float:
 
 
 def _real_roots(coefficients: Array) -> Array:
-    """Real zeros of a Chebyshev series in [-1, 1]."""
     kept = series.chebtrim(coefficients, NEGLIGIBLE * np.abs(coefficients).max())
     roots = np.atleast_1d(series.chebroots(kept))
     return roots.real[(np.abs(roots.imag) <= REAL) & (np.abs(roots.real) <= 1.0)]
@@ -206,7 +205,6 @@ def _zero_at_an_end(ends: tuple[Array, Array], low: Array, high: Array) -> tuple
 
 
 def _no_zero(failed: Mask, low: Array, high: Array, why: str) -> Unanswered:
-    """The error for brackets in which no zero was found."""
     rows = np.flatnonzero(failed)
     ends = f"{low[rows[0]]:.6g} and {high[rows[0]]:.6g}"
     return Unanswered(f"no zero was found between {ends}, at which a function {why}", rows=rows.tolist())

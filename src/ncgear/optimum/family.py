@@ -90,10 +90,7 @@ class Family:
 
 @dataclass(frozen=True, eq=False)
 class SampledLaws:
-    """Sampled accelerations in mm/s^2 and driving powers in W, shape (n, points) each; infinite where there is no law.
-
-    Power that flows back to the motor counts as zero.
-    """
+    """Accelerations in mm/s^2 and powers in W (0 where they flow back), (n, points); infinite without a law."""
 
     acceleration: Array
     power: Array
@@ -137,7 +134,6 @@ def _power_w(family: Family, strokes: WorkingStrokes[Array], out: SampledMotion,
 def _power_with_masses_w(
     family: Family, strokes: WorkingStrokes[Array], out: SampledMotion, back: ReturnSamples
 ) -> Array:
-    """The power of the driving shaft with all masses at all points of the cycle."""
     task = family.task
     phi1, driven = working_angles(strokes, task.linkage, SEGMENT_POINTS, 2)
     start = strokes.theta4_rad[:, None]
@@ -372,7 +368,6 @@ def _made(family: Family, point: Array) -> list[FamilyOptimum]:
 
 
 def _law_of(family: Family, request: StrokeRequest, constant: float | None) -> FamilyOptimum:
-    """One law; raises NoSuchMechanism where it cannot be made."""
     task = family.task
     stroke = solved_stroke(request)
     law = stroke_law(stroke, task.linkage, task.lobes, constant=constant, inverse_basis=family.inverse)

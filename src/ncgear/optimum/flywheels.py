@@ -214,16 +214,12 @@ class FlywheelPoint:
 def flywheel_points(
     task: Task, wishes: Wishes, least_kg_mm2: float, most_kg_mm2: float, count: int, tell: Callable[[int], None]
 ) -> list[FlywheelPoint]:
-    """Least power against the flywheel's size, by laws of few knots; a limit of the power itself is left out.
-
-    Raises NoSuchMechanism where no law is found with any size.
-    """
+    """Least power by flywheel with laws of few knots, power unlimited; raises NoSuchMechanism without a law."""
     limits = replace(wishes.limits, peak_power_w=None)
     search = FlywheelSearch(task, replace(wishes, goal=Goal.POWER, weights=None, limits=limits), tell)
-    return [_point(search, one) for one in search.of_sizes(least_kg_mm2, most_kg_mm2, count)]
-
-
-def _point(search: FlywheelSearch, found: FlywheelLaw) -> FlywheelPoint:
-    task = with_flywheel(search.task, found.flywheel_kg_mm2)
-    limit = least_power(task, demands_of(task, search.wishes))
-    return FlywheelPoint(found.flywheel_kg_mm2, limit.value, figures(task, found.law.train(task.lobes)))
+    points = []
+    for one in search.of_sizes(least_kg_mm2, most_kg_mm2, count):
+        wheeled = with_flywheel(task, one.flywheel_kg_mm2)
+        limit = least_power(wheeled, demands_of(wheeled, search.wishes))
+        points.append(FlywheelPoint(one.flywheel_kg_mm2, limit.value, figures(wheeled, one.law.train(task.lobes))))
+    return points

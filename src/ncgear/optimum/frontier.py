@@ -53,7 +53,7 @@ class LawPoint:
 
 @dataclass(frozen=True)
 class FamilyPoint:
-    """The best law of the three-segment family under a cap, if any, and the motion of a design file that makes it."""
+    """The family's best law under a cap on the power, if any; ``motion`` is the design file's block that makes it."""
 
     cap_w: float
     peak_power_w: float | None
@@ -129,7 +129,6 @@ def motion_of(best: FamilyOptimum) -> dict[str, Any]:
 
 
 def _best_figures(task: Task, wishes: Wishes, bound: Bound | None = None) -> Figures:
-    """Exact figures of the best makeable law, from the motion of a limit."""
     from ncgear.optimum.makeable.law import makeable_law
 
     law = makeable_law(task, wishes, start_motion(task, wishes, bound))

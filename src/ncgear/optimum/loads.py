@@ -25,8 +25,7 @@ import numpy as np
 
 from ncgear.dynamics.crank_load import reduced_inertia
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.forces import CrankPace, JointForces, shaking_force
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import CrankPace, JointForces, Masses, shaking_force
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet

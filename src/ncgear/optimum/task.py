@@ -10,15 +10,16 @@ from __future__ import annotations
 from dataclasses import field, replace
 from functools import partial
 from math import degrees, inf, pi, tan
+from typing import Any
 
 from ncgear.dynamics.driving_shaft import DrivingShaft
-from ncgear.dynamics.loaded_machine import IDLE, Loads, RigidMachine, broken_cycle, largest_over, range_over
+from ncgear.dynamics.loaded_machine import IDLE, RigidMachine, broken_cycle, largest_over, range_over
 from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.kinematics.check import acceleration_rms_above, kinematic_check, peak_jerk
 from ncgear.kinematics.motion import Machine, Stretch
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import Masses
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics import jet
@@ -224,10 +225,7 @@ class Figures:
 
 @dataclass(frozen=True)
 class Prices:
-    """The cost of a unit of each figure in a goal; names and units are as in ``Figures``.
-
-    Raises WrongInput for an endless price.
-    """
+    """The costs of a unit of each figure in a goal, as in ``Figures``; raises WrongInput for an endless price."""
 
     peak_acceleration_mm_s2: float = 0.0
     peak_power_w: float = 0.0
@@ -309,7 +307,6 @@ def _pair(task: Task, pair: Pair) -> PitchPair:
 
 
 def _place_of(task: Task, size: GearSize, pair: PitchPair) -> MeshPlace:
-    """How the gears lie at their own size."""
     lobes, length = task.lobes, pair.arc.period * task.lobes.driving
     own = solved_size(length, lobes, size.teeth, size.module_mm, size.center_distance_mm)
     # The direction of the centre line turns the force and leaves its size
@@ -320,7 +317,7 @@ def _wrong(key: str, value: float, needed: str) -> WrongInput:
     return WrongInput(f"{value:g} given; {needed}", key=f"optimize.{key}")
 
 
-def felt(rigid: RigidMachine, speed_fluctuation: float) -> dict[str, float]:
+def felt(rigid: RigidMachine, speed_fluctuation: float) -> dict[str, Any]:
     """Figures of a machine over one cycle, by their names in ``Figures``; the speed fluctuation is over 0 to about 0.2.
 
     The braking power is the largest power that flows back to the motor, 0 where none does.  The r.m.s. torque is over
@@ -337,13 +334,11 @@ def felt(rigid: RigidMachine, speed_fluctuation: float) -> dict[str, float]:
         "rms_torque_n_m": shaft.rms_torque_n_m,
         "flywheel_kg_mm2": shaft.fluctuation.flywheel_kg_mm2(speed_fluctuation),
         "bearing_force_n": largest_over(rigid, cycle, lambda loads: loads.crank_bearing).value,
-        "shaking_force_n": largest_over(inert, broken_cycle(inert), _on_frame).value,
+        # What the frame feels without weights and resistance: the reactions of bearings and guide
+        "shaking_force_n": largest_over(
+            inert, broken_cycle(inert), lambda loads: Vector(loads.crank_bearing.x, loads.crank_bearing.y + loads.guide)
+        ).value,
     }
-
-
-def _on_frame(loads: Loads) -> Vector:
-    """What the frame feels of a machine without weights and resistance: the reactions of bearings and guide."""
-    return Vector(loads.crank_bearing.x, loads.crank_bearing.y + loads.guide)
 
 
 def tooth_force_n(rigid: RigidMachine) -> float:

@@ -19,7 +19,7 @@ from ncgear.balance.mechanism import (
 )
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import RodMasses
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.papers.entry import (

@@ -74,10 +74,7 @@ Family = Callable[[float, float, int], PolarRadius]
 
 
 def formula_family(text: str, lobes: int, key: str) -> Family:
-    """Curves of a shape that is written as a formula of phi and e, in any unit.
-
-    Raises WrongInput, for the key, where the formula cannot be read, or does not repeat with every lobe.
-    """
+    """Curves by a formula of phi and e in any unit; raises WrongInput for the key if unread or not periodic."""
 
     def family(size_mm: float, eccentricity: float, lobes: int) -> PolarRadius:
         formula = composed(ECCENTRICITY.sub(f"({eccentricity!r})", text), key, "phi")
@@ -180,10 +177,7 @@ class LobedCurves:
         return arc_maps(lambda phi: 1.0 + self.ring(phi, 0)[1].value, [0.0, self.lobe_rad])
 
     def require_whole(self) -> None:
-        """Refuse a ring that crosses itself and a planet that does not fit into the sun's hollows.
-
-        Raises NoSuchMechanism with the sun's polar angle.
-        """
+        """Refuse a crossing ring and planets too large for the sun; raises NoSuchMechanism with the angle."""
         rho = self.planet_radius_mm
         room = self._least(lambda phi: 1.0 + rho * self.sun(phi, 1)[2])
         if room.value <= 0.0:

@@ -19,7 +19,7 @@ from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.masses import DrivenShaftMasses, Gravity, ShaftMasses
 from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import Masses
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
 

@@ -316,7 +316,7 @@ SKEW = Polynomial([-1.0, 2.0])
 def return_with_constant(ends: ReturnEnds, constant: float, *, inverse: bool = False) -> ReturnLaw:
     """The published return: i12 polynomial whose value extrapolated to phi1 = 0 is ``constant`` (the paper's e).
 
-    With ``inverse`` it is the same of 1/i12.  Raises NoSuchMechanism when no such polynomial closes the cycle with a
+    With ``inverse`` the polynomial is 1/i12.  Raises NoSuchMechanism when no such polynomial closes the cycle with a
     positive ratio.
     """
     base, direction = published_family(ends.inverted() if inverse else ends, constant)
@@ -434,7 +434,7 @@ def are_positive(coefficients: Array) -> Mask:
 
 @cache
 def _to_bernstein(degree: int) -> Array:
-    """Matrix from coefficients of powers to those of Bernstein's polynomials on each part between PLACES in turn."""
+    """Matrix from coefficients of powers to coefficients of Bernstein's polynomials, for each part between PLACES."""
     power = range(degree + 1)
     whole = np.array([[comb(i, j) / comb(degree, j) for j in power] for i in power])
     length = 1.0 / (PLACES.size - 1)

@@ -27,7 +27,7 @@ from ncgear.dynamics.crank_load import crank_angles_rad
 from ncgear.dynamics.sampled_shafts import CrankTable, crank_table
 from ncgear.errors import DesignError, WrongInput
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import Masses
 from ncgear.mechanisms.mechanism import Mechanism, Mechanisms, Output
 from ncgear.mechanisms.resistance import Resistance, TableResistance
 from ncgear.numerics.arrays import Array, IndexArray, Mask

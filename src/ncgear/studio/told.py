@@ -14,13 +14,9 @@ from ncgear.errors import DesignError
 from ncgear.figures.advice.values import Advice
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.answer import difference
-from ncgear.figures.answers.best_law import GOALS
 from ncgear.figures.answers.machine import compared_rows, machine_facts, safeties
-from ncgear.figures.best_law import unit_of_goal
 from ncgear.figures.numbers import fixed, to_digits
 from ncgear.figures.tables import Table
-from ncgear.optimum.makeable.wishes import Goal
-from ncgear.project.best_law import BestLaw
 from ncgear.project.drive import Drive
 from ncgear.studio.messages import Answer
 
@@ -113,6 +109,11 @@ def saved(design: Design) -> dict[str, str] | None:
     None where nothing can be said beforehand: no law is sought for the mechanism, no limit of its goal is known, the
     wishes contradict each other, lengths or the flywheel are free, or the extra of the optimiser is not installed.
     """
+    from ncgear.figures.answers.best_law import GOALS
+    from ncgear.figures.best_law import unit_of_goal
+    from ncgear.optimum.makeable.wishes import Goal
+    from ncgear.project.best_law import BestLaw
+
     best = BestLaw(design)
     if design.free_flywheel is not None or design.free_lengths:
         # The search for them takes too long here

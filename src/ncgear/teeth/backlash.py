@@ -67,10 +67,7 @@ NO_PLAY = Play(0.0, Extremum(0.0, 0.0), Extremum(0.0, 0.0), 0.0)
 
 @lru_cache(maxsize=1)
 def play_of(pitch: PitchPair, rack: BasicRack, asked: Backlash) -> Play:
-    """The play that is asked for, on pitch curves of a size; raises WrongInput where it leaves no teeth.
-
-    The last play is kept, since all sections of helical teeth ask for the same.
-    """
+    """The play asked for on pitch curves, kept for all sections; raises WrongInput where it leaves no teeth."""
     lower, upper = asked.thickness_mm
     if not (asked.least_normal_mm or asked.driven_rad or lower or upper):
         return NO_PLAY

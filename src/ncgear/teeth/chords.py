@@ -258,7 +258,6 @@ def _refuse_too_many(needed: Array, rows: IndexArray) -> None:
 
 
 def _left(direction: ComplexArray) -> ComplexArray:
-    """Unit vectors to the left of directions."""
     return 1j * direction / np.maximum(np.abs(direction), 1e-300)
 
 

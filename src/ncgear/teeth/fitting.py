@@ -68,7 +68,6 @@ def _most(count: int, mates: Mates, of_mate: Array) -> Array:
 def _fitted_to_cutter(
     gears: tuple[Flanks, Flanks], mates: tuple[Mates, Mates], limits: TipLimits, clearance: float
 ) -> PairTips:
-    """Spaces as the cutter leaves them, then tips that fit into them."""
     (driving, undercut1), (driven, undercut2) = (cut_spaces(gear, limits.avoid_undercut) for gear in gears)
     tips = (
         _tips_in(driving, driven, mates[0], undercut1, undercut2, limits, clearance),
@@ -194,10 +193,7 @@ def _raised(own: Flanks, mate: Tips, mates: Mates) -> Flanks:
 
 
 def _freed(tips: PairTips, paths: tuple[TipPaths, TipPaths] | None, first: int) -> PairTips:
-    """Tips that do not foul each other, the gear numbered ``first`` shortened first; the same pair if none fouls.
-
-    Raises NoSuchMechanism, naming the tooth, where that leaves no tip.
-    """
+    """Tips that do not foul each other, gear ``first`` shortened first; the same if none fouls, or NoSuchMechanism."""
     if paths is None:
         return tips
     both, unchanged = list(tips), 0

@@ -212,7 +212,8 @@ class Flanks:
     def curvature(self, flank: IndexArray, height_mm: Array) -> Array:
         """Curvature of flanks in 1/mm at heights, positive where they bulge out of the tooth; shapes broadcast.
 
-        On tip relief, the change of k also changes its slope, which is left out.
+        The tangent turns with the rolling curve's tangent, by k per mm rolled, while the flank runs along itself.  On
+        tip relief, the change of k also changes its slope, which is left out.
         """
         slant = self.slant.of(flank)
         turning = self.at_rolled(flank, self.rolled_mm(flank, height_mm)).curvature

@@ -212,7 +212,11 @@ class Cutter:
 
 
 class Way(NamedTuple):
-    """A way to shorten fouling tips: ``raised`` by the mate's loss to undercut or not, and whose tips ``first``."""
+    """One way to shorten tips that foul each other.
+
+    ``raised`` says whether a gear's tips are first raised by the height that the mate's tips have lost to avoid
+    undercut.  ``first`` says which gear's tips are shortened first: 0 the driving gear's, 1 the driven gear's.
+    """
 
     raised: bool
     first: int

@@ -80,10 +80,7 @@ class ToothedGear(Shown):
 
 @dataclass(frozen=True, eq=False)
 class ToothedPair(Shown):
-    """Both gears, and the kind of tool that cuts them.
-
-    At phi1 = 0 a tooth of the driving gear stands in a space of the driven gear on the line of centres.
-    """
+    """Both gears and the cutter; at phi1 = 0 a driving tooth stands in a driven space on the line of centres."""
 
     driving: ToothedGear
     driven: ToothedGear

@@ -143,7 +143,6 @@ def _side_runs(flanks: Flanks, sides: Sides, kind: int) -> Stretch:
 
 
 def _most_turning(flanks: Flanks) -> float:
-    """How fast the pitch curve turns at most, in rad per mm."""
     return max(map(abs, flanks.curve.curvature_bounds))
 
 

@@ -17,6 +17,7 @@ from ncgear.errors import RefusedAt
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import chord_crossings, refined_crossings, zoomed_crossings
+from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.highest import largest_of_each
 from ncgear.numerics.units import in_words
 from ncgear.pitch.curve import ClosedPitchCurve
@@ -99,13 +100,7 @@ def refuse_sharp_places(pitch: PitchPair) -> None:
             continue
         sharpest = max(pitch.curvature_range[gear], key=lambda extremum: abs(extremum.value))
         if abs(sharpest.value) * least > 1.0:
-            raise RefusedAt(
-                f"the {gear.value} pitch curve is curved with a radius of {1.0 / abs(sharpest.value):.4g} mm at phi1 = "
-                f"{in_words(sharpest.at)}, less than {least:.4g} mm, a quarter of the module: no flank rolls over "
-                "that; a law that changes more slowly there is needed",
-                phi1_rad=sharpest.at,
-                key="motion",
-            )
+            raise _too_sharp(f"the {gear.value}", sharpest, least, "a law that changes more slowly there is", "motion")
 
 
 def refuse_sharp_curve(curve: ClosedPitchCurve, module_mm: float, key: str) -> None:
@@ -116,14 +111,18 @@ def refuse_sharp_curve(curve: ClosedPitchCurve, module_mm: float, key: str) -> N
     panels = curve.panels_mm
     sharpest = largest_of_each(lambda sigma: np.abs(curve.at_length(sigma).curvature)[None], panels)[0]
     if sharpest.value * least > 1.0:
-        phi1_rad = float(curve.driving_angle(np.array(sharpest.at)))
-        raise RefusedAt(
-            f"a pitch curve is curved with a radius of {1.0 / sharpest.value:.4g} mm at phi1 = "
-            f"{in_words(phi1_rad)}, less than {least:.4g} mm, a quarter of "
-            "the module: no flank rolls over that; rounder curves are needed",
-            phi1_rad=phi1_rad,
-            key=key,
-        )
+        at = Extremum(sharpest.value, float(curve.driving_angle(np.array(sharpest.at))))
+        raise _too_sharp("a", at, least, "rounder curves are", key)
+
+
+def _too_sharp(which: str, sharpest: Extremum, least_mm: float, remedy: str, key: str) -> RefusedAt:
+    return RefusedAt(
+        f"{which} pitch curve is curved with a radius of {1.0 / abs(sharpest.value):.4g} mm at phi1 = "
+        f"{in_words(sharpest.at)}, less than {least_mm:.4g} mm, a quarter of the module: no flank rolls over that; "
+        f"{remedy} needed",
+        phi1_rad=sharpest.at,
+        key=key,
+    )
 
 
 PROBES = 17
@@ -178,8 +177,7 @@ def _probes(start: Array, end: Array) -> Array:
 
 
 def _worst(values: Array) -> tuple[int, int]:
-    row, column = np.unravel_index(int(np.argmax(values)), values.shape)
-    return int(row), int(column)
+    return divmod(int(np.argmax(values)), values.shape[1])
 
 
 def _angle(flanks: Flanks, sigma: float) -> float:
@@ -203,7 +201,7 @@ Loop = tuple[float, float]
 
 
 def trimmed_sides(flanks: Flanks, sides: Sides, irregular: Mask) -> Sides:
-    """The sides, with those of ``irregular`` flanks replaced by their trimmed paths.
+    """The sides; sides of ``irregular`` flanks are replaced by their trimmed paths.
 
     Raises NoSuchMechanism, naming the tooth, where nothing is left of a side or it cannot be untangled.
     """

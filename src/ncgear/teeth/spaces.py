@@ -161,7 +161,6 @@ def _largest_fitting(flats: ByRadius, most_mm: Array, least_mm: float, within_mm
 
 
 def _pointed(flanks: Flanks, flank: int) -> NoSuchMechanism:
-    """The error for a tool's tooth that is pointed before it is as deep as the space beside a flank."""
     if not isinstance(flanks.tool, PinionCircle):
         return no_root(flanks, flank, "the mate's tooth is pointed before its depth")
     return NoSuchMechanism(
@@ -320,10 +319,7 @@ def _widths(places: Array) -> Array:
 
 
 def _feet(flanks: Flanks, flank: IndexArray, center: Array, edge: Array, start: Array) -> Array:
-    """Arc lengths at which the perpendicular from the pitch point to the edge goes through the centres, shape (n,).
-
-    Raises NoSuchMechanism, naming the tooth, where there is none.
-    """
+    """Arc lengths where perpendiculars from the pitch point to the edge meet centres, (n,); or NoSuchMechanism."""
     sigma, agreement = start, AGREEMENT * flanks.rack.module_mm
     for _ in range(STEPS):
         tool = flanks.tool.at_length(sigma)

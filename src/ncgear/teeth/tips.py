@@ -188,7 +188,6 @@ def _within_play(edges: _Edges) -> Array:
 
 
 def _lowered(edges: _Edges, allowed: Array) -> Array:
-    """Tip heights, lowered where the flank would touch higher than ``allowed``."""
     flanks, height = edges.flanks, edges.flanks.tip_height_mm
     chosen = np.nonzero(~edges.met | (edges.top_mm > allowed))[0]
     if not chosen.size:

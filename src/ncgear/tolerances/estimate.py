@@ -60,11 +60,7 @@ class Teeth:
 
 @dataclass(frozen=True, eq=False)
 class Plays:
-    """The least plays of N assemblies in rad of the driven gear, ``least_rad`` (shape (N,)).
-
-    ``shared`` (shape (3, N)) are the numbers that are the same at all positions: of centre distance, temperature and
-    wear.
-    """
+    """Least plays in rad of N driven gears, and ``shared`` (3, N): centre distance, temperature and wear."""
 
     least_rad: Array
     shared: Array

@@ -37,10 +37,7 @@ NARROWED = 8e-3
 
 @dataclass(frozen=True)
 class MeshContact:
-    """How two parts in mesh meet over a cycle: greatest penetration and greatest gap in mm, with their driving angles.
-
-    ``deepest_mm`` is 0 where nothing overlaps.
-    """
+    """How two parts in mesh meet over a cycle: greatest penetration (or 0) and gap in mm, with driving angles."""
 
     first: str
     second: str
@@ -224,7 +221,7 @@ def _distance(train: Train, first: Part, second: Part, outlines_mm: Mapping[str,
     return Distance(first.name, second.name, -worst, at_rad)
 
 
-def _signed_distance(area: Polygon, points: Array) -> float:
+def _signed_distance(area: Polygon, points: ComplexArray) -> float:
     """Distance of a polygon from the polygon of complex points; where they overlap, minus the root of that area."""
     import shapely
 

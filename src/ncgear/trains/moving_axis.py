@@ -37,10 +37,7 @@ class MovingGears:
 
 
 def module_mm(axes: MovingAxes, teeth: int) -> float:
-    """The module with which the driving gear has so many teeth.
-
-    Raises NoSuchMechanism where the driven gear would not have a whole number.
-    """
+    """The module of so many driving teeth; raises NoSuchMechanism where driven ones would not be whole."""
     lobes = axes.lobes
     if teeth * lobes.driven % lobes.driving:
         raise NoSuchMechanism(

@@ -136,10 +136,7 @@ LEAST_RATIO = 0.02
 
 
 def found_motion(path: WishedPath, limits: PathLimits, axis: complex | None) -> TipMotion:
-    """The motion with the least burden among all axes, or about a given one.
-
-    Raises NoSuchMechanism with where and why none is possible, key ``path``.
-    """
+    """The motion of least burden about any axis or the given one; raises NoSuchMechanism, with where and why."""
     from scipy.optimize import minimize
 
     size = float(np.abs(path.points - path.points.mean()).max())
@@ -212,12 +209,6 @@ TOOL_WEIGHT = 5.0
 
 def tool_mount(motion: TipMotion, path: WishedPath) -> tuple[float, float]:
     """The angle of the tool against the arm with which its angles are missed least, and the most that one is missed."""
-    errors = _tool_errors(motion, path)
-    return float(errors.max() + errors.min()) / 2.0, float(errors.max() - errors.min()) / 2.0
-
-
-def _tool_errors(motion: TipMotion, path: WishedPath) -> Array:
-    """Angles of the tool that are wished for less those of the arm at the nearest places, rad, shape (k,)."""
     w, u = motion.turn
     places, sense = motion.tip_where(w, u), -1.0 if motion.clockwise else 1.0
     arm = sense * (u - w)
@@ -225,8 +216,8 @@ def _tool_errors(motion: TipMotion, path: WishedPath) -> Array:
     for number, angle in path.tool_rad:
         nearest = int(np.argmin(np.abs(places - path.points[number])))
         found.append(angle - arm[nearest])
-    first = found[0]
-    return np.array([first + np.angle(np.exp(1j * (one - first))) for one in found])
+    errors = found[0] + np.angle(np.exp(1j * (np.array(found) - found[0])))
+    return float(errors.max() + errors.min()) / 2.0, float(errors.max() - errors.min()) / 2.0
 
 
 def _accepted(found: TipMotion | Refused, path: WishedPath, limits: PathLimits) -> TipMotion:

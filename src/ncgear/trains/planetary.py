@@ -272,23 +272,16 @@ def planetary_train(
         offset = 2.0 * pi * number / arms
         return driving + stand.start_rad + offset, against * driving + offset
 
-    def way_of_gear(gear: GearOfChain, number: int) -> Callable[[Array], tuple[Array, Array]]:
+    def way_of(place: complex, angle: OfAngle, number: int) -> Callable[[Array], tuple[Array, Array]]:
         def way(driving: Array) -> tuple[Array, Array]:
             direction, u = chain_rad(driving, number)
-            return gear.place * np.exp(1j * direction), direction + gear.angle(u)
-
-        return way
-
-    def way_of_arm(arm: Arm, number: int) -> Callable[[Array], tuple[Array, Array]]:
-        def way(driving: Array) -> tuple[Array, Array]:
-            direction, u = chain_rad(driving, number)
-            return chain.carrier_mm * np.exp(1j * direction), direction - chain.planet_rad(u) + arm.angle_rad
+            return place * np.exp(1j * direction), direction + angle(u)
 
         return way
 
     fixed = GROUND if sun_turns == 0.0 else ""
     parts.append(Part(sun.name, sun.outline_mm, width, sun.teeth, bore_mm=bodies.bore_mm, fixed_to=fixed))
-    ways.append(way_of_gear(sun, 0))
+    ways.append(way_of(sun.place, sun.angle, 0))
     traces = []
     for number in range(arms):
         end = f"_{number + 1}" if arms > 1 else ""
@@ -300,13 +293,13 @@ def planetary_train(
                     named[gear.name], gear.outline_mm, width, gear.teeth, step * gear.layer, bodies.bore_mm, None, body
                 )
             )
-            ways.append(way_of_gear(gear, number))
+            ways.append(way_of(gear.place, gear.angle, number))
         meshes += [GearMesh(named[one], named[other]) for one, other in chain.meshes]
         if arm is not None:
             outline = _bar_mm([0j, complex(arm.length_mm)], bodies.bar_width_mm, tolerance_mm)
             name, low = f"arm{end}", step * layers
             parts.append(Part(name, outline, width, 0, low, bodies.bore_mm, None, named["planet"]))
-            ways.append(way_of_arm(arm, number))
+            ways.append(way_of(chain.carrier_mm, lambda u: arm.angle_rad - chain.planet_rad(u), number))
             traces.append(Trace(f"path{end}", name, (arm.length_mm, 0.0), arm.wished_mm))
     parts.append(_carrier(chain, arms, bodies, tolerance_mm))
     ways.append(lambda driving: (np.zeros_like(driving, dtype=complex), driving + stand.start_rad))

@@ -167,10 +167,7 @@ class Refused:
 def motion_from(
     path: WishedPath, axis: complex, beyond_mm: tuple[float, float], *, clockwise: bool
 ) -> TipMotion | Refused:
-    """The smoothest motion about an axis whose path passes the points.
-
-    ``beyond_mm`` is by how much the path goes beyond the farthest and the nearest point.
-    """
+    """The smoothest motion about an axis through all points, with how far it goes beyond the outermost two."""
     seen = path.mirrored if clockwise else path
     arms = seen.points - (axis.conjugate() if clockwise else axis)
     r, theta = np.abs(arms), np.unwrap(np.angle(arms))

@@ -44,10 +44,7 @@ OUTSIDE = (
 
 @dataclass(frozen=True)
 class MachineLimit:
-    """For one machine, with its flywheel and power: the flank load that no law is under, and what follows for gears.
-
-    Both are zero where nothing is known.
-    """
+    """The flank load that no law of a machine's flywheel and power is under, and its gears; 0 where unknown."""
 
     flank_load_n_mm: float
     flank_load_gap: float

@@ -296,5 +296,4 @@ def _brakes(law: FoundLaw) -> bool:
 
 
 def _numbered_machine(text: str, jobs: Sequence[GearJob], number: int) -> WholeMachine | Unfit:
-    """The machine of one job, computed in its own process."""
     return machine_of(text, jobs[number])

@@ -82,7 +82,6 @@ def machines_answer(found: WholeMachines, then: str = "") -> Answer:
 
 
 def _sizes(lengths: Mapping[str, float]) -> Iterator[tuple[str, str, float]]:
-    """Names, units and values."""
     for key, value in lengths.items():
         yield (*label_and_unit(key), value)
 

@@ -41,7 +41,7 @@ class ConstantSpeed(Wish):
         return (SpeedWithin(stretch, least, most),)
 
     def outcome(self, machine: Machine) -> Outcome:
-        """The share by which the speed leaves the wished one, or, where none is wished, the one that suits it best."""
+        """The share by which the speed leaves the wished speed or, where none is wished, the best suited speed."""
         (least, most), speed = speeds_mm_s(machine, self.stretch(machine.linkage)), self.speed_mm_s
         if speed is None:
             share, speed = (most - least) / (most + least), (most + least) / 2.0

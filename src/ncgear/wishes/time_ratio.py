@@ -1,4 +1,4 @@
-"""A quick return: the time of the working stroke over that of the return."""
+"""A quick return: the time of the working stroke over the time of the return."""
 
 from __future__ import annotations
 

@@ -40,10 +40,7 @@ NOWHERE_MM = 1e9
 
 @dataclass(frozen=True, eq=False)
 class _Heights:
-    """What is left of each flank: up to r runs between heights in mm, shape (r, flanks).
-
-    A run that does not exist has its top below its bottom.
-    """
+    """What is left of each flank: up to r runs between heights in mm, (r, flanks); no run where top < bottom."""
 
     top: Array
     bottom: Array
@@ -229,10 +226,7 @@ class FlankContacts:
 
 
 def _fewest(starts: Array, ends: Array, steps: int) -> int:
-    """Least number of stretches that cover a place anywhere; parts shorter than a gap may be are left out.
-
-    Both ``starts`` and ``ends`` are in order.
-    """
+    """Least number of ordered stretches that cover any place; parts shorter than a gap may be are left out."""
     place = np.concatenate([starts, ends])
     order = np.argsort(place, kind="stable")
     number = np.cumsum(np.repeat([1, -1], starts.size)[order])
@@ -255,10 +249,7 @@ def flank_contacts(teeth: ToothedPair, placement: Placement, met: Meetings) -> F
 
 
 def foremost_two(contacts: Contacts, placement: Placement) -> Array:
-    """The first and the next lead of contacts on both sides of the teeth at each position, shape (2, 2, n).
-
-    They are -inf where there is none.
-    """
+    """First and next lead of contacts on both sides at each position, (2, 2, n); -inf where there is none."""
     count = len(URGE) * placement.count
     lead, place = contacts.lead_rad, contacts.place(placement)
     foremost = largest_rows(lead, place, count)

@@ -278,7 +278,7 @@ class Design(Model, Shown):
 
 
 def design_model(data: Any) -> type[Design]:
-    """The model of a design file's data, whose keys are those of the mechanism that ``linkage.kind`` names."""
+    """The model of a design file's data, with the keys of the mechanism that ``linkage.kind`` names."""
     names = tuple(MECHANISMS)
     name = kind_named(data)
     return _design_of(name if name in names else names[0], names)

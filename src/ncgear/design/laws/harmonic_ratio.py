@@ -21,14 +21,14 @@ LARGEST_COEFFICIENT = 10.0
 """Largest coefficient of ln i12: one harmonic of 7 alone has a range of 1:1e6, and the driven gear stands still."""
 
 MOST_POINTS = 31
-"""Points by which the curve of a series is bent: those of 15 harmonics."""
+"""Points by which the curve of a series is bent: as many as 15 harmonics have."""
 
 Coefficient = Annotated[float, Field(ge=-LARGEST_COEFFICIENT, le=LARGEST_COEFFICIENT)]
 Coefficients = Annotated[Several[Coefficient], Field(max_length=MOST_HARMONICS)]
 
 
 class SecondStage(Model):
-    """The share of the second of two pairs in series, the one that drives the crank; the first has the rest."""
+    """The share of the second of two pairs in series, which drives the crank; the first pair has the rest."""
 
     cosine: Coefficients = optional("coefficients of cos(phi2), cos(2 phi2), ... in ln of the second pair's ratio", ())
     sine: Coefficients = optional("coefficients of sin(phi2), sin(2 phi2), ... in ln of the second pair's ratio", ())

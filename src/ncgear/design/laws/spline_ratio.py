@@ -42,7 +42,7 @@ Angles = Annotated[Numbers, Field(min_length=FEWEST_POINTS, max_length=MOST_POIN
 
 
 class SecondStageRatios(Model):
-    """The share of the second of two pairs in series, the one that drives the crank; the first has the rest."""
+    """The share of the second of two pairs in series, which drives the crank; the first pair has the rest."""
 
     ratio: Ratios = required(
         "ratios of the second pair at the same driven angles, up to a common factor that closes the cycle"
@@ -93,7 +93,7 @@ class SplineRatio(LawKeys):
 
     @property
     def law_points(self) -> tuple[LawPoint, ...]:
-        """Every point of the ratio; none of two pairs in series, whose first one has what the second one leaves."""
+        """Every point of the ratio; no points of two pairs in series, which share the ratio."""
         if self.second_stage is not None:
             return ()
         return tuple(

@@ -176,7 +176,7 @@ class ThreeSegmentStroke(LawKeys):
     def solved_stroke_mm(self, mechanism: type[Mechanism]) -> float:
         """The stroke in mm or rad that follows from the other quantities.
 
-        Raises WrongInput where the keys are not those of the mechanism's output, NoSuchMechanism where there is none.
+        Raises WrongInput where the keys do not suit the mechanism's output, NoSuchMechanism where there is no stroke.
         """
         self._refuse_other_units(mechanism)
         return self._stroke(None, mechanism.OUTPUT).stroke_mm
@@ -184,7 +184,7 @@ class ThreeSegmentStroke(LawKeys):
     def law_on(self, linkage: Mechanism, lobes: Lobes, *, ring: bool = False) -> Law:
         """The closed law, with the figures of its stroke and its return.
 
-        Raises WrongInput where the stroke in the file is not that of the mechanism.
+        Raises WrongInput where the mechanism has another stroke than the file.
         """
         from ncgear.ratio.transmission import Law, PrescribedStroke, single
 
@@ -252,7 +252,7 @@ class ThreeSegmentStroke(LawKeys):
 
 
 def require_stroke_of(stroke: float | None, linkage: Mechanism) -> None:
-    """Refuse a stroke in the file, in mm or rad, that differs from that of the mechanism; raises WrongInput."""
+    """Refuse a stroke in the file, in mm or rad, that differs from the mechanism's stroke; raises WrongInput."""
     if stroke is not None and not isclose(stroke, linkage.stroke_mm, rel_tol=SAME_STROKE):
         relation, place = "longer" if stroke > linkage.stroke_mm else "shorter", linkage.OUTPUT.place
         told, right = (f"{place.factor * one:.9g} {place.text}" for one in (stroke, linkage.stroke_mm))

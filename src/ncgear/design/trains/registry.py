@@ -40,7 +40,7 @@ class TrainFile(Model):
 
 
 def train_model(data: Mapping[str, Any]) -> type[TrainFile]:
-    """The model of a train file's data, whose keys are those of the kind that ``train.kind`` names.
+    """The model of a train file's data, with the keys of the kind that ``train.kind`` names.
 
     Raises WrongInput for a train of no known kind.
     """

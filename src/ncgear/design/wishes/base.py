@@ -1,6 +1,6 @@
 """What the keys of every kind of wish have, and how they become its value.
 
-Places and speeds of an output that slides are in mm and mm/s, those of one that turns in deg and rad/s.  A kind with a
+An output that slides has places in mm and speeds in mm/s, an output that turns in deg and rad/s.  A kind with a
 place has a twin for an output that turns, whose keys and words follow from its own.  The values are imported where they
 are made, so that reading a design file loads no numerical library.
 """
@@ -25,7 +25,7 @@ Way = Annotated[float, Field(ge=0.0, le=LONGEST_MM)]
 StrokeName = Literal["working", "return"]
 
 TURNED = {"Way": Annotated[float, Field(ge=0.0, lt=360.0)], "Length": Annotated[float, Field(gt=0.0, lt=360.0)]}
-"""The types of places in deg, by the names of those of places in mm; speeds have one type."""
+"""The types of places in deg, by the names of the types of places in mm; all speeds have the same type."""
 
 
 class On(NamedTuple):
@@ -66,7 +66,7 @@ class WishKeys(Model):
 
     PLACE: ClassVar[str] = "mm"
     SPEED: ClassVar[str] = "mm_s"
-    """The units of places and of speeds, at the ends of keys; a 2 follows in those of decelerations."""
+    """The units of places and of speeds, at the ends of keys; keys of decelerations add a 2."""
 
     hard: bool = optional("true: the law must keep it; false: it has a weight in the goal", True)
     weight: Positive | None = optional(
@@ -95,7 +95,8 @@ class WishKeys(Model):
         words = (cls.__doc__ or "").replace("slider", "output")
         made |= {"PLACE": "deg", "SPEED": "rad_s", "__annotations__": annotations}
         made |= {"__doc__": words, "__module__": cls.__module__, "__qualname__": f"Turning{cls.__name__}"}
-        return type(cls)(f"Turning{cls.__name__}", (cls,), made, first=True)
+        of_models: Any = type(cls)
+        return of_models(f"Turning{cls.__name__}", (cls,), made, first=True)
 
     def place(self, quantity: str) -> Any:
         """The value of a key of a place, such as ``from`` or ``at``, in the unit of the file; None where left out."""

@@ -44,7 +44,7 @@ MOST_WISHES = 50
 
 
 class KeysOfKinds(Model):
-    """The base that gives a class a key for each kind; with ``turns=True`` those of an output that turns."""
+    """The base that gives a class a key for each kind; with ``turns=True`` for an output that turns."""
 
     def __init_subclass__(cls, turns: bool = False, **kwargs: Any) -> None:
         """Annotate the fields before pydantic reads the annotations; kinds of which there is one come first."""

@@ -48,7 +48,7 @@ JSON_FORM = {"separators": (",", ":"), "sort_keys": False, "allow_nan": False}
 def report_page(
     drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairContact], verdict: Verdict, drawer: Drawer = HERE
 ) -> bytes:
-    """The whole page; ``contacts`` are those of the drive's pairs, none for a design without gears.
+    """The whole page; ``contacts`` has the contact of each pair of gears, and is empty for a design without gears.
 
     ``verdict`` is that on the machine, ``drawer`` draws the charts.  The same design gives the
     same bytes.  Raises WrongInput or NoSuchMechanism as the drive does.

@@ -63,7 +63,7 @@ def _too_wide(transmission: Transmission) -> bool:
 
 
 def speeds(drive: Drive) -> Advice | None:
-    """A remark where the machine runs at another speed than the one at which its law's velocities hold.
+    """A remark where the machine runs at another speed than the speed at which the velocities of its law hold.
 
     The machine's speed is always given by a person, and so are the velocities: it says what holds at that speed.
     """
@@ -373,7 +373,7 @@ def _stretch(ends_deg: tuple[float, float]) -> str:
 
 
 def _convex(drive: Drive, gear: Gear) -> tuple[Remedy, ...]:
-    """Laws that leave no dent; none of a ring, which no hob cuts either way."""
+    """Laws that leave no dent; no remedy for a ring, which no hob cuts in any case."""
     mesh = drive.pitch.mesh
     if shape.is_ring(gear, mesh):
         return ()

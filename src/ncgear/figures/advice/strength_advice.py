@@ -1,4 +1,4 @@
-"""What is said of teeth that do not hold the load that is known of them, or of which that is not judged."""
+"""Advices about loaded teeth: strength, scuffing and wear of flanks, vibration of the mesh."""
 
 from __future__ import annotations
 
@@ -154,7 +154,7 @@ is larger by what this takes."""
 
 
 def _rough_remedies(drive: Drive, found: RoughStrength) -> tuple[Remedy, ...]:
-    """Sizes by how stresses scale; ncgear size finds none of teeth whose strength is not computed."""
+    """Sizes by how stresses scale; `ncgear size` finds no sizes for teeth whose strength is not computed."""
     short = [(one, SAFE_SIDE * one.wanted / one.safety) for one in found.weak]
     wider = max(times ** (1.0 if one.damage is Damage.BENDING else 2.0) for one, times in short)
     larger = max(times ** (0.5 if one.damage is Damage.BENDING else 1.0) for one, times in short)

@@ -343,7 +343,7 @@ class Verdict:
 
 
 def together(verdicts: Iterable[Verdict]) -> Verdict:
-    """The verdict on a machine from those of its pairs, each of which says the same of the whole machine."""
+    """The verdict on a machine from the verdicts on its pairs; each of them says the same of the whole machine."""
     rows = {(row.kind, row.stage): row for verdict in verdicts for row in verdict.rows}
     serious = list(CONDITIONS)
     return Verdict(tuple(sorted(rows.values(), key=lambda row: (serious.index(row.kind), row.stage or 0))))
@@ -352,7 +352,7 @@ def together(verdicts: Iterable[Verdict]) -> Verdict:
 def judged(
     drive: Drive, known: Known, found: Sequence[Advice] = (), seconds: float = tried_advice.MOST_SECONDS
 ) -> Verdict:
-    """The verdict on a machine and its pairs of gears, or that of one pair with what it says of the whole machine.
+    """The verdict on a machine and its pairs of gears, or on one pair and the whole machine.
 
     ``found`` is what a command itself has found of the whole machine.  Values of remedies that only trials tell are
     searched for with so many ``seconds`` of processor time at the most.

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from math import degrees
 from typing import TYPE_CHECKING, Any
 
-from ncgear.design.keys.bodies import GearBody, Hub, Web
 from ncgear.design.keys.tolerances import AssemblyTolerances
 from ncgear.figures.numbers import drawn
 from ncgear.figures.tables import Value, cell_text
@@ -13,12 +13,12 @@ from ncgear.frozen import dataclass
 from ncgear.project.drive import Drive
 from ncgear.project.gear_solids import rim_mm_of
 from ncgear.project.passing import CRANK_PIN
-from ncgear.project.usual_tolerances import Process, tolerances_of
+from ncgear.project.tolerance_limits import Process, tolerances_of
 from ncgear.tolerances.drawn import MADE_C
 from ncgear.tolerances.iso286 import distance_deviation_mm, hole_text
 
 if TYPE_CHECKING:
-    from ncgear.solids.plan.body import BodyPlan, RoundHole
+    from ncgear.solids.plan.body import RoundHole
 
 
 @dataclass(frozen=True)
@@ -41,7 +41,7 @@ class Entry:
 
     @property
     def texts(self) -> tuple[str, ...]:
-        """The value of the pair, or those of both gears, for reading, to the decimals of their unit."""
+        """The value of the pair, or the values of both gears, as text with the decimals of the unit."""
         values = (self.pair,) if self.of_pair else (self.driving, self.driven)
         return tuple(cell_text(value, self.unit) for value in values)
 
@@ -70,7 +70,7 @@ def tolerances(drive: Drive) -> tuple[Entry, ...]:
         Entry("roughness Ra of flanks; elsewhere", "\u00b5m", pair=f"{given.flank_ra_um:g}; {given.ra_um:g}"),
         Entry("note", pair=given.note or None),
     )
-    return tuple(row for row in rows if row.of_pair or row.driving or row.driven)
+    return _given(rows)
 
 
 def distance_text(drive: Drive) -> str | None:
@@ -94,77 +94,55 @@ def general_text(drive: Drive) -> str:
 
 
 def bodies(drive: Drive) -> tuple[Entry, ...]:
-    """Bores, keyways and the other parts of the bodies."""
-    driving, driven = drive.gears.driving, drive.gears.driven
-    rim = rim_mm_of(drive.gears, drive.rack.module_mm) if drive.pitch.driven.is_ring else None
+    """Bores, keyways and the other parts of the bodies; solids are made only where a gear has round holes."""
+    gears, both, clearance = drive.gears, (drive.gears.driving, drive.gears.driven), drive.gears.process_clearance_mm
     rows = [
-        Entry("bore", "mm", driving=driving.bore_mm, driven=driven.bore_mm),
-        Entry("keyway, width x depth", "mm", driving=_keyway(driving), driven=_keyway(driven)),
-        Entry("hub, diameter x height", "mm", driving=_hub(driving.hub), driven=_hub(driven.hub)),
-        Entry("thickness of web", "mm", driving=_thickness(driving.web), driven=_thickness(driven.web)),
-        *_round_holes(drive),
-        Entry("pin of the end stop, diameter, distance from the axis", "mm", None, _stop(driving), _stop(driven)),
-        Entry("rim outside the deepest root", "mm", driven=rim),
-        Entry("bevel of the edges at z = 0", "mm", pair=drive.gears.first_layer_chamfer_mm or None),
-        _process(drive.gears.process_clearance_mm),
+        _of_both("bore", *(body.bore_mm for body in both)),
+        _of_both(
+            "keyway, width x depth", *(x and f"{_mm(x.width_mm)} x {_mm(x.depth_mm)}" for x in _each(both, "keyway"))
+        ),
+        _of_both(
+            "hub, diameter x height", *(x and f"{_mm(x.diameter_mm)} x {_mm(x.height_mm)}" for x in _each(both, "hub"))
+        ),
+        _of_both("thickness of web", *(x and x.thickness_mm for x in _each(both, "web"))),
     ]
+    if any((gears.index_holes, *_each(both, "lightening_holes"), gears.driven.crank_pin)):
+        plans = drive.solids.driving.plan, drive.solids.driven.plan
+        pin, holes = plans[1].crank_pin, _each(plans, "lightening_holes")
+        rows.append(Entry("diameter of the crank pin's hole", "mm", driven=pin and pin.diameter_mm))
+        rows.append(Entry("centre of the crank pin's hole, x and y", "mm", driven=pin and _place(pin)))
+        sizes = (f"{len(one)} x {_mm(one[0].diameter_mm)}" if one else None for one in holes)
+        rows.append(_of_both("lightening holes, number x diameter", *sizes))
+        if gears.index_holes:
+            marks = _each(plans, "index_hole")
+            rows.append(_of_both("diameter of index hole", *(x.diameter_mm if x else "no room for one" for x in marks)))
+            rows.append(_of_both("centre of index hole, x and y", *(x and _place(x) for x in marks)))
+    stops = (x and f"{_mm(x.pin_mm)}, {_mm(x.radius_mm)}" for x in _each(both, "end_stop"))
+    rim = rim_mm_of(gears, drive.rack.module_mm) if drive.pitch.driven.is_ring else None
+    rows.append(_of_both("pin of the end stop, diameter, distance from the axis", *stops))
+    rows.append(Entry("rim outside the deepest root", "mm", driven=rim))
+    rows.append(Entry("bevel of the edges at z = 0", "mm", gears.first_layer_chamfer_mm or None))
+    kerf = Entry("kerf that drawings allow for, half on each side of the lines", "mm", -2.0 * clearance)
+    rows.append(kerf if clearance < 0.0 else Entry("clearance for the process", "mm", clearance or None))
+    return _given(rows)
+
+
+def _of_both(label: str, driving: Value, driven: Value) -> Entry:
+    return Entry(label, "mm", None, driving, driven)
+
+
+def _each(both: Iterable[object], name: str) -> list[Any]:
+    """What each gear has under a name."""
+    return [getattr(one, name) for one in both]
+
+
+def _given(rows: Iterable[Entry]) -> tuple[Entry, ...]:
+    """The rows that say something."""
     return tuple(row for row in rows if row.of_pair or row.driving or row.driven)
-
-
-def _process(clearance_mm: float) -> Entry:
-    if clearance_mm < 0.0:
-        return Entry("kerf that drawings allow for, half on each side of the lines", "mm", -2.0 * clearance_mm)
-    return Entry("clearance for the process", "mm", pair=clearance_mm or None)
-
-
-def _keyway(body: GearBody) -> Value:
-    return f"{_mm(body.keyway.width_mm)} x {_mm(body.keyway.depth_mm)}" if body.keyway else None
 
 
 def _mm(size_mm: float) -> str:
     return drawn(size_mm, "mm")
-
-
-def _hub(hub: Hub | None) -> Value:
-    return f"{_mm(hub.diameter_mm)} x {_mm(hub.height_mm)}" if hub else None
-
-
-def _stop(body: GearBody) -> Value:
-    return f"{_mm(body.end_stop.pin_mm)}, {_mm(body.end_stop.radius_mm)}" if body.end_stop else None
-
-
-def _thickness(web: Web | None) -> Value:
-    return web.thickness_mm if web else None
-
-
-def _round_holes(drive: Drive) -> list[Entry]:
-    """The round holes as they are made; solids are made only where a gear has some."""
-    gears = drive.gears
-    asked = gears.index_holes, gears.driving.lightening_holes, gears.driven.lightening_holes, gears.driven.crank_pin
-    if not any(asked):
-        return []
-    driving, driven = drive.solids.driving.plan, drive.solids.driven.plan
-    pin = driven.crank_pin
-    rows = [
-        Entry("diameter of the crank pin's hole", "mm", driven=pin.diameter_mm if pin else None),
-        Entry("centre of the crank pin's hole, x and y", "mm", driven=_place(pin) if pin else None),
-        Entry("lightening holes, number x diameter", "mm", driving=_lightening(driving), driven=_lightening(driven)),
-    ]
-    if gears.index_holes:
-        sizes, places = zip(_marked(driving.index_hole), _marked(driven.index_hole), strict=True)
-        rows.append(Entry("diameter of index hole", "mm", None, *sizes))
-        rows.append(Entry("centre of index hole, x and y", "mm", None, *places))
-    return rows
-
-
-def _lightening(plan: BodyPlan) -> Value:
-    holes = plan.lightening_holes
-    return f"{len(holes)} x {_mm(holes[0].diameter_mm)}" if holes else None
-
-
-def _marked(hole: RoundHole | None) -> tuple[Value, Value]:
-    """Diameter and centre of an index hole."""
-    return ("no room for one", None) if hole is None else (hole.diameter_mm, _place(hole))
 
 
 def _place(hole: RoundHole) -> str:

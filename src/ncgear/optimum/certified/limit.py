@@ -145,7 +145,10 @@ def least_of(task: Task, asked: Demands, name: str, places: int | None = None, g
     about the mean power. Raises NoSuchMechanism as ``least_acceleration`` does.
     """
     problem = problem_of(task, asked, places).under(**{name: inf})
-    found = turning_point(lambda value: problem.under(**{name: value}).excess, guess or _mean_power_w(task), BISECTED)
+    # The mean power, or about the power that moves the masses, if more
+    moving = task.moving.slider_kg * task.linkage.stroke_mm**2 / task.cycle_s**3 / 1e6
+    guess = guess or max(abs(task.work_n_mm) / 1000.0 / task.cycle_s, moving, 1e-3)
+    found = turning_point(lambda value: problem.under(**{name: value}).excess, guess, BISECTED)
     if found is None:
         raise refusal(problem)
     certain, enough = found
@@ -155,12 +158,6 @@ def least_of(task: Task, asked: Demands, name: str, places: int | None = None, g
         if near is not None:
             break
     return Bound(certain, problem.on.count, None if near is None else motion_of(problem.on, near))
-
-
-def _mean_power_w(task: Task) -> float:
-    """Mean power over the cycle in W, or about the power that moves the masses, if more: a first guess of any limit."""
-    moving = task.moving.slider_kg * task.linkage.stroke_mm**2 / task.cycle_s**3 / 1e6
-    return max(abs(task.work_n_mm) / 1000.0 / task.cycle_s, moving, 1e-3)
 
 
 LeastValue = Callable[[LimitProblem, Ranges | NearMotion | None], TriedMotion]

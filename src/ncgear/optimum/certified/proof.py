@@ -139,10 +139,7 @@ class ConicAnswer:
 
 
 def least(programme: ConicProgramme, goal: Linear) -> ConicAnswer:
-    """The least value of a goal, a single expression, and variables that come near it.
-
-    Raises WrongInput where Clarabel is not installed.
-    """
+    """The least of a goal, a single expression, and variables near it; raises WrongInput without Clarabel."""
     require("clarabel", "optimize", "a certified limit")
     import clarabel
 

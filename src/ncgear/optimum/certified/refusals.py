@@ -224,7 +224,6 @@ def _of_curves_and_wishes(problem: LimitProblem) -> Refused:
 
 
 def _without(problem: LimitProblem, wish: WishDemand) -> LimitProblem:
-    """The problem without one of its wishes."""
     return problem.under(wishes=tuple(one for one in problem.asked.wishes if one is not wish))
 
 
@@ -251,10 +250,7 @@ def _nearest_wish(free: LimitProblem, wish: WishDemand) -> list[Offer]:
 
 
 def _eased(problem: LimitProblem, demands: Callable[[float], dict[str, Any]], guess: float) -> float:
-    """The least value with which demands that follow from it can be kept, to a share of EASED; infinite where none is.
-
-    A grid of few places tells where to look.
-    """
+    """The least value with which demands that follow can be kept, to a share of EASED; infinite where none is."""
 
     def turned(on: LimitProblem, guess: float, step: float) -> tuple[float, float] | None:
         return turning_point(lambda value: on.under(**demands(value)).excess, guess, EASED, step)

@@ -173,8 +173,6 @@ def _raised_on(
 
 
 def _trials(problem: LimitProblem, prices: Mapping[str, float]) -> Trials:
-    """The programmes of motions by the sum of priced figures."""
-
     def programme(
         curve: Ranges | NearMotion | None, figures: FigureRanges, below: float
     ) -> tuple[MotionProgramme, Linear]:

@@ -50,7 +50,7 @@ LOWERED, STEPS_DOWN = 0.998, 20
 ROUNDING = 1e-7
 """Share of the time of a cycle, and of levels, that rounding errors may make."""
 
-STANDING = 1e-9
+STANDING = 1e-7
 """Share of the stroke under which the way for an angle of the crank is that of a dead centre."""
 
 

@@ -73,7 +73,6 @@ def demands_of(task: Task, wishes: Wishes, case: Case = NO_CASE) -> Demands:
 
 
 def _least_ratio(task: Task, wishes: Wishes) -> float:
-    """The least ratio i12 that the limits let a law have."""
     slowest = 0.0 if wishes.driven_speed_rad_s is None else task.speed_rad_s / wishes.driven_speed_rad_s
     return max(wishes.limits.ratio_min, slowest)
 
@@ -126,10 +125,7 @@ def _demands(task: Task, wish: Wish, asked: Requirement, ratio_max: float) -> It
 
 
 def certified_limit(task: Task, wishes: Wishes) -> Bound | None:
-    """The limit of a goal, in the goal's unit; None for a goal that no limit is known of.
-
-    Raises NoSuchMechanism where certainly no law keeps the limits.
-    """
+    """The limit of a goal in its unit, if one is known; raises NoSuchMechanism where certainly no law is left."""
     return _limit(task, wishes, demands_of(task, wishes))
 
 
@@ -157,7 +153,6 @@ def _limit(task: Task, wishes: Wishes, asked: Demands) -> Bound | None:
 
 
 def _known_prices(task: Task, wishes: Wishes) -> dict[str, float]:
-    """The prices of the figures that the limit knows."""
     known = DEMANDS if knows_loads(task, wishes) else ("peak_acceleration_mm_s2", "peak_speed_mm_s")
     return {name: price for name, price in vars(wishes.prices).items() if price and name in known}
 

@@ -64,7 +64,10 @@ BETWEEN = "a law was found that keeps all limits at the places of the search, an
 
 @dataclass(frozen=True, eq=False)
 class MakeableLaw:
-    """Ratios i12 (and iB: ``second``) at driven angles in rad, (knots,), and the levels that they reach."""
+    """Ratios i12 at driven angles in rad, shape (knots,) both, and the levels that the spline through them reaches.
+
+    With two stages, ``second`` holds the second stage's ratios at the same angles.
+    """
 
     driven_angle_rad: Array
     ratio: Array
@@ -264,7 +267,6 @@ def found_instead(task: Task, wishes: Wishes, over: float = NO_EXCESS) -> list[E
 
 
 def _few_knots(task: Task, wishes: Wishes) -> Iterator[LawSearch]:
-    """The searches for laws of few knots, one after the other."""
     return (searched(task, replace(wishes, knots=wishes.knots // ceil(wishes.knots / most))) for most in FEW_KNOTS)
 
 
@@ -312,10 +314,7 @@ def _freed_together(
 
 
 def found_together(task: Task, wishes: Wishes, *, limits_alone: bool) -> Eased | None:
-    """Limits that, eased together, leave a law that keeps all other wishes and limits everywhere; None without a law.
-
-    Wishes give way as well unless ``limits_alone``.
-    """
+    """Limits (and wishes, unless ``limits_alone``) that, eased together, leave a law that keeps all others."""
     found = (_found_together(search, limits_alone) for search in _few_knots(task, wishes))
     return next((one for one in found if one is not None), None)
 
@@ -359,7 +358,6 @@ def _without(search: LawSearch, wishes: Sequence[str], price: float, near: Solut
 
 
 def _shares(search: LawSearch, near: Solution) -> Iterator[tuple[Level, float]]:
-    """Every level, with its share in keeping up the excess."""
     return zip(search.programme.levels, near.pressing.tolist(), strict=True)
 
 

@@ -84,6 +84,10 @@ class LawProgramme:
         """A law, which always exists, that oversteps all caps by one excess of a price: none where caps can be kept."""
         return self._solved(caps, np.append(weights, price), start, np.inf, 0.0, 0.0)
 
+    def coefficient_bounds(self, size: int) -> tuple[Array, Array]:
+        """Least and greatest values of the coefficients, shape (size,) each: they are free."""
+        return np.full(size, -np.inf), np.full(size, np.inf)
+
     def _solved(
         self,
         caps: Array,
@@ -103,6 +107,7 @@ class LawProgramme:
         lowest[of_levels] = [level.least for level in self.levels]
         lowest[size + np.array(columns.sizes, dtype=int)] = SMALLEST
 
+        lowest[:size], highest[:size] = self.coefficient_bounds(size)
         least, greatest = self._row_bounds(caps, most, kept_back, missed)
         # The solver warns of an interrupt; its status says it.
         with redirect_stderr(StringIO()):

@@ -237,16 +237,12 @@ def _of_ratio(wishes: Wishes, scales: Scales) -> Iterator[Level]:
     def slow(at: Place, *_: object) -> tuple[Term, ...]:
         return (at.log,)
 
-    def of_fast(level: float) -> str:
-        return shown_below(exp(-level))
-
-    def of_slow(level: float) -> str:
-        return shown_above(exp(level))
-
     # With two stages the limits hold for the ratio of the whole and for each pair's
     for of_pairs in (False, True)[: wishes.pairs]:
-        yield limited("ratio_min", "a least ratio of {}", of_fast, -log(low), free, fast, of_pairs=of_pairs)
-        yield limited("ratio_max", "a greatest ratio of {}", of_slow, log(high), free, slow, of_pairs=of_pairs)
+        words, number = "a least ratio of {}", lambda level: shown_below(exp(-level))
+        yield limited("ratio_min", words, number, -log(low), free, fast, of_pairs=of_pairs)
+        words, number = "a greatest ratio of {}", lambda level: shown_above(exp(level))
+        yield limited("ratio_max", words, number, log(high), free, slow, of_pairs=of_pairs)
     if wishes.driven_speed_rad_s is not None:
         top, rpm = log(wishes.driven_speed_rad_s / scales.task.speed_rad_s), scales.task.speed_rad_s / RAD_S_PER_RPM
         words = "a driven gear at {} r/min"

@@ -14,7 +14,7 @@ from ncgear.balance.frame import Chassis, DynamicCounterweights, dynamic_counter
 from ncgear.balance.mechanism import CompleteBalance, DrivenCrank, complete_balance
 from ncgear.balance.shaking import two_term_formula
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import RodMasses
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet

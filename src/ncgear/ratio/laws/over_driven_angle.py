@@ -79,7 +79,7 @@ class LogRatioLaw:
 
 @dataclass(frozen=True, eq=False)
 class StagedLaw:
-    """A law shared by two pairs in series, one lobe each: the law of the whole, and that of the second pair."""
+    """A law shared by two pairs in series, one lobe each: the law of the whole, and the law of the second pair."""
 
     whole: LogRatioLaw
     second: LogRatioLaw

@@ -272,10 +272,7 @@ def spread_columns(sections: Sequence[Pieces], limits: StrayLimits) -> Columns:
 
 
 def close_columns(columns: Columns, sections: Sequence[Pieces], limits: StrayLimits) -> Columns:
-    """The columns with others halfway between them until the limits are kept on all sections.
-
-    Raises Unanswered if they cannot be kept so.
-    """
+    """The columns with others halfway between until all sections keep the limits; raises Unanswered else."""
     for _ in range(COLUMN_HALVINGS):
         wide = _wanted(columns, sections, limits) > 1.0
         if not wide.any():
@@ -285,10 +282,7 @@ def close_columns(columns: Columns, sections: Sequence[Pieces], limits: StrayLim
 
 
 def _wanted(columns: Columns, sections: Sequence[Pieces], limits: StrayLimits) -> Array:
-    """Into how many parts each interval would have to be divided, shape (c,).
-
-    A sagitta falls with the square of the interval, a twist in proportion to it.
-    """
+    """Parts into which intervals would have to be divided, (c,): sagittas fall with squares, twists evenly."""
     rings = columns.rings(sections)
     sagitta = np.max([sagittas(columns, *pair) for pair in zip(sections, rings, strict=True)], axis=0)
     return np.asarray(np.maximum(np.sqrt(sagitta / limits.sagitta_mm), twists(rings) / limits.twist_mm))
