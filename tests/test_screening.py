@@ -143,6 +143,17 @@ def test_designs_with_masses_are_screened_together(
     assert np.ptp(found.figures["check.peak_power_w"] / found.figures["check.peak_power_resistance_w"]) > 0.1
 
 
+def test_a_rack_on_harmonics_is_screened_alone(alone: list[Design]) -> None:
+    """It has no dead centres, and no stroke that may miss its place."""
+    data = data_of("baler-drivetrain") | {"linkage": {"kind": "rack_pinion", "radius_mm": 100.0}}
+    wishes = ("wishes", "comparison", "fit", "optimize", "simulation")
+    data = {key: value for key, value in data.items() if key not in wishes}
+    values = np.array([[20.0]])
+    found = screened_block(data, ["operation.speed_rpm"], values)
+    assert len(alone) == 1
+    assert disagreement(found, data, ["operation.speed_rpm"], values) == 0.0
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "data",

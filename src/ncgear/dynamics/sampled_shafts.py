@@ -55,7 +55,8 @@ class CrankTable:
 
 def crank_table(linkage: Mechanism, masses: Masses) -> CrankTable:
     """The table of a mechanism with its masses."""
-    inertia, change, weight = of_crank_angle(linkage, masses, np.arange(ANGLES) * (2.0 * pi / ANGLES))
+    even = np.linspace(0.0, 2.0 * pi, ANGLES, endpoint=False)
+    inertia, change, weight = of_crank_angle(linkage, masses, even)
     rows = np.stack([change * (N_PER_KG_MM_S2 / 2.0), inertia * N_PER_KG_MM_S2, weight.derivative(1)])
     waves = np.fft.rfft(rows) * (NODES / ANGLES)
     order = 1j * np.arange(waves.shape[1])

@@ -77,9 +77,11 @@ class BatchKind:
 
 def kind_of(design: Design) -> BatchKind | None:
     """The batch that a design belongs to; None where it must be computed by itself."""
-    law = _law(design)
+    law, entry = _law(design), entry_of(design.linkage)
     # Batches know outputs that slide and return.
-    if law is None or entry_of(design.linkage).turns or (design.gears is not None and design.gears.mesh == "internal"):
+    if law is None or entry.turns or not entry.load().RETURNS:
+        return None
+    if design.gears is not None and design.gears.mesh == "internal":
         return None
     load, given, around = load_of(design), design.masses, design.drivetrain
     if given is not None:
@@ -91,7 +93,7 @@ def kind_of(design: Design) -> BatchKind | None:
         # Batches know the displacement in the working stroke only.  The bend of a table's force jumps at its points,
         # which no series along a piece resolves.
         return None
-    masses = None if given is None else masses_of(given, entry_of(design.linkage).load(), stated_inertia(given))
+    masses = None if given is None else masses_of(given, entry.load(), stated_inertia(given))
     return BatchKind(type(design.linkage), law, lobes_of(design), load.working, masses)
 
 

@@ -306,8 +306,11 @@ def _broken(strokes: WorkingStrokes[Array], way: Callable[..., Advance], ends: A
     low, high = ends[0], ends[-1]
     least, most = (way(strokes, one, 0)[0].value for one in (low, high))
     at = [np.clip(kink, least, most) for kink in kinks_mm if np.any((least < kink) & (kink < most))]
-    found = [zeros_between(lambda phi1, one=one: way(strokes, phi1, 0)[0].value - one, low, high) for one in at]
-    return np.sort([*ends, *found], axis=0) if found else ends
+
+    def passes(place: Array) -> Array:
+        return zeros_between(lambda phi1: way(strokes, phi1, 0)[0].value - place, low, high)
+
+    return np.sort([*ends, *map(passes, at)], axis=0) if at else ends
 
 
 def _slowest(strokes: WorkingStrokes[Array]) -> Array:
