@@ -53,6 +53,10 @@ FINER = 1.0, 1.04, 1.08
 """How many times as fine the steps are with which knocks are followed.  Where they differ from turn to turn, as a ball
 that bounces, so do they with any change of the steps: each is a turn of its own, and the hardest count."""
 
+FEW = 2000
+"""Swings in a cycle up to which all of it is followed: teeth that come to bear and cease to swing the driven side, more
+than a few per cent only where some twenty swings or less fall into a pitch."""
+
 HARDEST = 20.0
 """Times the largest torque that is asked to which pairs are counted in a knock."""
 
@@ -133,25 +137,27 @@ def borne_torque(
     steps = cycle_rad / SAMPLES / speed_rad_s * driven.swings_rad_s(phi1)
     hurried = np.abs(np.roll(jump, -1) - jump) > SETTLED * most * np.minimum(steps, steps**2)
     rows = np.flatnonzero((flank != np.roll(flank, -1)) | (np.abs(jump) > JUMP * most) | hurried)
-    if not most or not rows.size:
+    whole = float(steps.sum()) < 2.0 * pi * FEW
+    if not most or not (whole or rows.size):
         return BorneTorque(asked, cycle_rad, knocks=())
+    rows = rows if rows.size else np.zeros(1, dtype=int)
     # The longest stretch without a turn or a jump comes last: there the teeth have most time to settle.
     rows = np.roll(rows, -int(np.argmax(np.diff(rows, prepend=rows[-1] - SAMPLES))))
     starts, width_rad = driven.closer(phi1[rows] + cycle_rad * (rows < rows[0]), cycle_rad / SAMPLES)
     end_rad = starts[0] + 2.0 * cycle_rad
 
-    def once(driven: _DrivenSide) -> BorneTorque:
+    def once(driven: _DrivenSide, least_rad: float) -> BorneTorque:
         found = list[Stretch]()
         for start_rad, on in zip(starts, flank[rows], strict=True):
             if not found or start_rad > found[-1].phi1_rad[-1]:
-                found.append(driven.followed(float(start_rad), float(on), (start_rad + 2.0 * width_rad, end_rad)))
+                found.append(driven.followed(float(start_rad), float(on), (start_rad + least_rad, end_rad)))
         return joined(found, asked, cycle_rad)
 
     first, *others = finer
-    followed = once(replace(driven, finer=first))
+    followed = once(replace(driven, finer=first), cycle_rad if whole else 2.0 * width_rad)
     if not followed.knocks:
         return followed
-    return replace(followed, others=tuple(once(replace(driven, finer=one)) for one in others))
+    return replace(followed, others=tuple(once(replace(driven, finer=one), 2.0 * width_rad) for one in others))
 
 
 def flanks_of(torque: Array, idle: float) -> Array:
@@ -253,13 +259,14 @@ class _DrivenSide:
         A state is the driven angle beyond the law's and its momentum.  Then the row and the speed of flanks that meet.
         """
         (ahead_rad, momentum), met, every = state, list[tuple[int, float]](), list[float]()
-        borne = moment_n_mm(self.meshing.impact, pairs[0], ahead_rad, momentum / float(inertia[0]))
+        impact, later_s = self.meshing.impact, [step_s * (step + 1 - HELD / 2) for step in range(HELD)]
+        borne = moment_n_mm(impact, pairs[0], ahead_rad, momentum / float(inertia[0]), -step_s * HELD / 2)
         for row, (near, mass, load) in enumerate(zip(pairs, inertia.tolist(), asked.tolist(), strict=True)):
-            for _ in range(HELD):
+            for later in later_s:
                 momentum += 0.5 * step_s * (borne - load)
                 speed_rad_s = momentum / mass
                 ahead_rad += step_s * speed_rad_s
-                before, borne = borne, moment_n_mm(self.meshing.impact, near, ahead_rad, speed_rad_s)
+                before, borne = borne, moment_n_mm(impact, near, ahead_rad, speed_rad_s, later)
                 momentum += 0.5 * step_s * (borne - load)
                 if borne and not before:
                     met.append((row, abs(speed_rad_s)))
@@ -285,18 +292,21 @@ class _DrivenSide:
         Then the inertia of the driven side and the torque that is asked, shape (n,) each.
         """
         inertia: Array = self.load.table.at(self.meshing.law.at(phi1_rad)[0])[0][..., 0]
-        return *near_pairs(self.meshing, phi1_rad, self.most_n_mm), inertia, self.asked(phi1_rad)
+        return *near_pairs(self.meshing, phi1_rad, self.speed_rad_s, self.most_n_mm), inertia, self.asked(phi1_rad)
 
 
 NearPairs = list[list[float]] | Array
-"""The arm, the touching angle and the stiffness of each of some pairs; of many, as an array of shape (3, pairs)."""
+"""The arm, the touching angle, the stiffness and the rate of the touching angle in rad/s of each of some pairs; of many,
+as an array of shape (4, pairs)."""
 
 MANY = 16
 """Pairs, as helical teeth have in their sections, of which arrays are quicker than plain numbers."""
 
 
-def near_pairs(meshing: Meshing, phi1_rad: Array, most_n_mm: float) -> tuple[Sequence[NearPairs], Array]:
-    """The pairs at driving angles, shape (n,), and their largest lever.
+def near_pairs(
+    meshing: Meshing, phi1_rad: Array, speed_rad_s: Array | float, most_n_mm: float
+) -> tuple[Sequence[NearPairs], Array]:
+    """The pairs at driving angles and speeds of the driving gear, shape (n,), and their largest lever.
 
     Those count that a torque of HARDEST times the largest one presses together.
     """
@@ -306,26 +316,33 @@ def near_pairs(meshing: Meshing, phi1_rad: Array, most_n_mm: float) -> tuple[Seq
     first = np.stack([np.where(near.urge == side, ahead, -np.inf).max(axis=-1) for side in (1.0, -1.0)])
     behind = np.where(near.urge > 0.0, first[0][:, None], first[1][:, None]) - ahead
     reached = np.any((arm != 0.0) & (behind <= HARDEST * most_n_mm / turning.min()), axis=0)
-    pairs = np.stack([one[:, reached] for one in (arm, near.error_rad, near.stiffness)], axis=1)
+    rate = near.slopes[0] * np.reshape(speed_rad_s, (-1, 1))
+    pairs = np.stack([one[:, reached] for one in (arm, near.error_rad, near.stiffness, rate)], axis=1)
     levers: Array = near.lever_mm.max(axis=-1)
     return list(pairs) if pairs.shape[-1] > MANY else np.moveaxis(pairs, 1, -1).tolist(), levers
 
 
-def moment_n_mm(impact: Impact, pairs: NearPairs, ahead_rad: float, speed_rad_s: float) -> float:
-    """The moment of the pairs that touch on the driven side, this far beyond the law and this much faster."""
+def moment_n_mm(
+    impact: Impact, pairs: NearPairs, ahead_rad: float, speed_rad_s: float, later_s: float = 0.0
+) -> float:
+    """The moment of the pairs that touch on the driven side, this far beyond the law and this much faster.
+
+    The pairs are known for a time that is so much ``later_s`` now.
+    """
     if isinstance(pairs, np.ndarray):
-        arms, errors, _ = pairs
-        depths = arms * (errors - ahead_rad)
+        arms, errors, _, rates = pairs
+        depths = arms * (errors + later_s * rates - ahead_rad)
         touching = depths > 0.0
-        (arms, _, stiffnesses), depths = pairs[:, touching], depths[touching]
-        damped = -impact.damping(depths) * arms * speed_rad_s
+        (arms, _, stiffnesses, rates), depths = pairs[:, touching], depths[touching]
+        damped = impact.damping(depths) * arms * (rates - speed_rad_s)
         return float(arms @ impact.force_n(impact.elastic_n(depths, stiffnesses), damped))
     total = 0.0
-    for arm, error_rad, stiffness in pairs:
-        depth = arm * (error_rad - ahead_rad)
+    for arm, error_rad, stiffness, rate_rad_s in pairs:
+        depth = arm * (error_rad + later_s * rate_rad_s - ahead_rad)
         if depth > 0.0:
             elastic = impact.elastic_n(depth, stiffness)
-            total += arm * impact.force_n(elastic, -impact.damping(depth) * arm * speed_rad_s)
+            damped = impact.damping(depth) * arm * (rate_rad_s - speed_rad_s)
+            total += arm * impact.force_n(elastic, damped)
     return total
 
 

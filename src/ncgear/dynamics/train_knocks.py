@@ -146,9 +146,10 @@ class KnockingTrain:
             step_rad = self.speed_rad_s * step_s
             middles = phi1[-1][-1] + HELD * step_rad * (np.arange(SWINGS * PER_SWING // HELD) + 0.5)
             along = self._at(middles)
+            speeds = self.speed_rad_s, self.speed_rad_s * self.pairs[0].meshing.law.at(middles)[1]
             pairs = [
-                near_pairs(one.meshing, angle, top)
-                for one, angle, top in zip(self.pairs, along.angle_rad, most, strict=True)
+                near_pairs(one.meshing, angle, speed, top)
+                for one, angle, speed, top in zip(self.pairs, along.angle_rad, speeds, most, strict=True)
             ]
             done = False
             for first in range(0, middles.size, CHECKED * PER_SWING // HELD):
