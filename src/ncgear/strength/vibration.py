@@ -18,6 +18,9 @@ strength/iso6336.py, and two more that agree), with the load w = F_t K_A / b for
 where the factors Cv follow from the total contact ratio, e and the overlap ratio of helical teeth, the deviations f are
 without what running in takes off, and B_k is 1, as of grades from 6 on without tip relief for the load.  K_V is 1 at
 least, here: teeth that pass a resonance in every turn never settle above it.
+
+Where the motion of the driven side is followed (``ncgear.dynamics.flank_changes``), the loads swing by the stiffness
+already, and K_V is 1 and what the deviations add: K_V less K_V without deviations.
 """
 
 from __future__ import annotations
