@@ -47,14 +47,15 @@ with 0.5 to 2 times their slider's mass and backlash of 0.03 to 0.3 mm. The larg
 pushing flanks and on their backs, by the estimate of `ncgear strength` for flanks without deviations and by the motion
 in time over two turns. Teeth that bounce are as sensitive as a ball: where both differ by more than 10 %, the motion in
 time is the hardest of three, with the backlash and with 1 % less and more. It counts no friction of guides, so that
-the machines have none; friction between the teeth it counts. Deviations of grade {grade} press them more, as K_V says: "told" is the share with them.
+the machines have none; friction between the teeth it counts. Deviations of grade {grade} press them more, as K_V says:
+"told" is the share with them.
 
 | machine | r/min | backlash, mm | knocks a turn | strength, N | in time, N | share | told | s of processors |
 |---|---|---|---|---|---|---|---|---|
 {rows}
 
 Shares of the largest force of each machine: {least:.2f} to {most:.2f}, half of them within {low:.2f} to {high:.2f};
-with deviations {told_least:.2f} to {told_most:.2f}. {within} of {count} are within 15 %, and what is told is on the safe
+with deviations {told_least:.2f} to {told_most:.2f}. {within} of {count} are within 15 %; what is told is on the safe
 side of {safe}.
 """
 

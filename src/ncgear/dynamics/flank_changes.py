@@ -297,8 +297,8 @@ class _DrivenSide:
 
 
 NearPairs = list[list[float]] | Array
-"""The arm, the touching angle, the stiffness and the rate of the touching angle in rad/s of each of some pairs; of many,
-as an array of shape (4, pairs)."""
+"""The arm, the touching angle, the stiffness and the rate of that angle in rad/s of each of some pairs; of many, as an
+array of shape (4, pairs)."""
 
 MANY = 16
 """Pairs, as helical teeth have in their sections, of which arrays are quicker than plain numbers."""

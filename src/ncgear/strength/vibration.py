@@ -155,8 +155,8 @@ class Vibration:
     ) -> Array:
         """K_V at driving angles where all pairs together bear a normal force, shape (n,) each.
 
-        It is that of ``conditions`` where they give one.  Forces of a motion that is ``followed`` swing by the stiffness
-        already: what deviations add is left.
+        It is that of ``conditions`` where they give one.  Forces of a motion that is ``followed`` swing by the
+        stiffness already: what deviations add is left.
         """
         if conditions.dynamic_factor is not None or mesh is None:
             return np.full(force_n.shape, conditions.dynamic_factor or 1.0)
