@@ -45,8 +45,8 @@ PAGE = """\
 Written by `python benchmarks/knocks.py`: {count} machines of the designs with masses, at 0.5 to 1.6 times their speed,
 with 0.5 to 2 times their slider's mass and backlash of 0.03 to 0.3 mm. The largest force of a pair of teeth in N on
 pushing flanks and on their backs, by the estimate of `ncgear strength` for flanks without deviations and by the motion
-in time over two turns. Teeth that bounce are as sensitive as a ball: where both differ by more than 10 %, the motion in
-time is the hardest of three, with the backlash and with 1 % less and more. It counts no friction of guides, so that
+in time over two turns. Teeth that bounce to and fro are as sensitive as a ball: where both differ by more than 10 %, the
+motion in time is the hardest of three, with the backlash and with 1 % less and more. It counts no friction of guides, so that
 the machines have none; friction between the teeth it counts. Deviations of grade {grade} press them more, as K_V says:
 "told" is the share with them.
 
@@ -144,7 +144,7 @@ def compared(name: str, design: dict[str, Any]) -> Compared:
     begun = process_time()
     each = [in_time_n(design, 1.0)]
     followed_s = process_time() - begun
-    if abs(max(estimated) / max(each[0]) - 1.0) > DIFFERENT:
+    if min(each[0]) > 0.0 and abs(max(estimated) / max(each[0]) - 1.0) > DIFFERENT:
         each += [in_time_n(design, play) for play in PLAYS]
     return Compared(
         name,

@@ -54,7 +54,7 @@ FINER = 1.0, 1.04, 1.08
 """How many times as fine the steps are with which knocks are followed.  Where they differ from turn to turn, as a ball
 that bounces, so do they with any change of the steps: each is a turn of its own, and the hardest count."""
 
-FEW = 2000
+FEW = 4000
 """Swings in a cycle up to which all of it is followed.  Pairs that come and go swing the driven side, the less the
 slower they pass: by 30 % of the torque with 17 swings to a pitch, by 20 % with 30 (a shaper at 57 and 32 r/min)."""
 
