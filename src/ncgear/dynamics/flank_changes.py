@@ -54,8 +54,9 @@ FINER = 1.0, 1.04, 1.08
 """How many times as fine the steps are with which knocks are followed.  Where they differ from turn to turn, as a ball
 that bounces, so do they with any change of the steps: each is a turn of its own, and the hardest count."""
 
-FEW = 4000
-"""Swings in a cycle up to which all of it is followed.  Pairs that come and go swing the driven side, the less the
+FEW, FEWEST = 4000, 300
+"""Swings in a cycle up to and from which all of it is followed.  With fewer, as beside a flywheel on the driven shaft,
+they are about as slow as teeth pass, which K_V knows as a resonance.  Pairs that come and go swing the driven side, the less the
 slower they pass: by 30 % of the torque with 17 swings to a pitch, by 20 % with 30 (a shaper at 57 and 32 r/min)."""
 
 HARDEST = 20.0
@@ -138,7 +139,7 @@ def borne_torque(
     steps = cycle_rad / SAMPLES / speed_rad_s * driven.swings_rad_s(phi1)
     hurried = np.abs(np.roll(jump, -1) - jump) > SETTLED * most * np.minimum(steps, steps**2)
     rows = np.flatnonzero((flank != np.roll(flank, -1)) | (np.abs(jump) > JUMP * most) | hurried)
-    whole = float(steps.sum()) < 2.0 * pi * FEW
+    whole = FEWEST < float(steps.sum()) / (2.0 * pi) < FEW
     if not most or not (whole or rows.size):
         return BorneTorque(asked, cycle_rad, knocks=())
     rows = rows if rows.size else np.zeros(1, dtype=int)
