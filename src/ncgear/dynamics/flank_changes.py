@@ -56,8 +56,8 @@ that bounces, so do they with any change of the steps: each is a turn of its own
 
 FEW, FEWEST = 4000, 300
 """Swings in a cycle up to and from which all of it is followed.  With fewer, as beside a flywheel on the driven shaft,
-they are about as slow as teeth pass, which K_V knows as a resonance.  Pairs that come and go swing the driven side, the less the
-slower they pass: by 30 % of the torque with 17 swings to a pitch, by 20 % with 30 (a shaper at 57 and 32 r/min)."""
+they are about as slow as teeth pass, which K_V knows as a resonance.  Pairs that come and go swing the driven side, the
+less the slower they pass: by 30 % of the torque with 17 swings to a pitch, by 20 % with 30 (a shaper)."""
 
 HARDEST = 20.0
 """Times the largest torque that is asked to which pairs are counted in a knock."""
@@ -158,7 +158,7 @@ def borne_torque(
     first, *others = finer
     followed = once(replace(driven, finer=first), cycle_rad if whole else 2.0 * width_rad)
     if not followed.knocks:
-        return followed
+        return followed if whole else BorneTorque(asked, cycle_rad, knocks=())
     return replace(followed, others=tuple(once(replace(driven, finer=one), 2.0 * width_rad) for one in others))
 
 
