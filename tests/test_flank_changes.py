@@ -97,9 +97,57 @@ def test_teeth_without_play_bear_what_is_asked() -> None:
 
 
 def test_a_torque_that_neither_turns_nor_jumps_is_borne_as_it_is() -> None:
-    found = borne_torque(teeth(), load(), lambda phi1: 2e5 + 1e5 * np.sin(phi1), SPEED, TURN)
-    assert found.phi1_rad.size == 0
-    assert found.knocks == ()
+    angles = np.linspace(0.0, TURN, 5001)
+    for speed_rad_s in (SPEED, SPEED / 100.0):
+        found = borne_torque(teeth(), load(), lambda phi1: 2e5 + 1e5 * np.sin(phi1), speed_rad_s, TURN)
+        assert found.at(angles) == pytest.approx(found.asked(angles), rel=0.01)
+        assert found.knocks == ()
+
+
+@pytest.mark.slow
+def test_a_pair_that_comes_and_goes_swings_the_driven_side_as_by_another_solver() -> None:
+    """Radau follows J x.. = M - T with a second pair whose gap closes within a swing, and opens as fast."""
+    comes, goes, fast, far = 2.0, 4.0, 0.02, 6e-3
+    torque, breaks = 2e5, np.array([0.0, comes, comes + fast, goes, goes + fast, TURN])
+    behind, slopes = np.array([-far, -far, 0.0, 0.0, -far]), np.array([0.0, far / fast, 0.0, -far / fast, 0.0])
+    pair = np.broadcast_to([0.0, LEVER_MM, 0.0, 0.0, STIFFNESS], (2, 5, 2, 5)).copy()
+    pair[0] = 0.0
+    pair[0, :, 1, 0], pair[1, :, 1, 0] = slopes, behind
+    gaps = Gaps(
+        PeriodicTable(breaks, pair),
+        np.ones((5, 2)),
+        np.zeros((5, 2, 2), dtype=int),
+        np.full(5, np.inf),
+        np.zeros(2, dtype=int),
+    )
+    mesh = Meshing(teeth().law, gaps, Impact(1.0, DAMPED, 1e-6), Friction(0.0, 0.0, 1.0, 2.0))
+    found = borne_torque(mesh, load(), lambda phi1: np.full(phi1.shape, torque), SPEED, TURN)
+
+    def moment(time_s: float, x: float, v: float) -> float:
+        row = min(int(np.searchsorted(breaks, SPEED * time_s, side="right")) - 1, 4)
+        rate = slopes[row] * SPEED
+        gap = behind[row] + slopes[row] * (SPEED * time_s - breaks[row])
+        total = 0.0
+        for error, closing in ((0.0, -v), (gap, rate - v)):
+            depth = LEVER_MM * (error - x)
+            if depth > 0.0:
+                ramp = min(depth / 1e-6, 1.0)
+                force = STIFFNESS * depth + DAMPED * ramp**2 * (3.0 - 2.0 * ramp) * LEVER_MM * closing
+                total += LEVER_MM * max(force, 0.0)
+        return total
+
+    def change(time_s: float, state: np.ndarray) -> list[float]:
+        return [state[1], (moment(time_s, *state) - torque) / INERTIA]
+
+    solved = solve_ivp(
+        change, (0.0, TURN / SPEED), [-torque / TURNING, 0.0], method="Radau", rtol=1e-5, atol=1e-9, max_step=2e-3
+    )
+    borne = np.array([moment(*one) for one in zip(solved.t, *solved.y, strict=True)])
+    for low, high in ((comes, 3.0), (goes, 5.0)):
+        inside = (SPEED * solved.t > low) & (SPEED * solved.t < high)
+        most = float(borne[inside].max())
+        assert most > 1.2 * torque
+        assert highest(found, low, high, 1.0) == pytest.approx(most, rel=0.03)
 
 
 @pytest.mark.parametrize("speed_rad_s", [SPEED, SPEED / 100.0])

@@ -157,4 +157,4 @@ def test_the_motion_in_time_presses_teeth_as_hard(play_mm: float) -> None:
     in_time = float(one.course.machine.answer(states).teeth.normal_n.max())
     assert 0.95 * in_time < peak_n(one) < 1.15 * in_time
     bearing = one.peaks_of(one.course).forces_n[CRANK_BEARING].value
-    assert 0.95 * bearing < one.knocking_peaks.crank_bearing_n.value < 1.4 * bearing
+    assert 0.95 * bearing < one.knocking_peaks.crank_bearing_n.value < 1.5 * bearing

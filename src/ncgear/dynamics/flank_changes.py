@@ -1,4 +1,4 @@
-"""The torque of the teeth where the load changes flanks: they part, cross the play, knock, and settle.
+"""The torque of the teeth of a machine with masses: they swing, part, cross the play, knock, and settle.
 
 At constant driving speed the driven side is a body of one degree of freedom.  With x its angle beyond the law's, T the
 torque that the law asks of the teeth, J the inertia of the driven side reduced to its shaft and M the moment of the
@@ -6,14 +6,14 @@ pairs that touch,
 
     (J(phi2) x.). = M(phi1, x, x.) - T(phi1),   phi1 = w t
 
-so that the driven side flies freely across the play where T turns round (M = 0), and swings where T jumps.  This is
-Lagrange's equation of ``ncgear.dynamics.crank_load`` to the first order of x., without what x itself changes of J and
-of the load.  M is that of ``ncgear.dynamics.meshing`` without friction.  The driving shaft's own inertia is left out: a
-shaft that gives way makes knocks softer.
+so that the driven side flies freely across the play where T turns round (M = 0), and swings where T jumps and where
+pairs come and go.  This is Lagrange's equation of ``ncgear.dynamics.crank_load`` to the first order of x., without
+what x itself changes of J and of the load.  M is that of ``ncgear.dynamics.meshing`` without friction.  The driving
+shaft's own inertia is left out: a shaft that gives way makes knocks softer.
 
 The equation is integrated for x and the momentum p = J x. by Verlet's method (Stoermer's rule; e.g. E. Hairer, C.
-Lubich, G. Wanner, Acta Numerica 12 (2003), 399-450), but only from where the torque turns round or jumps to where the
-teeth have settled; elsewhere they bear T.
+Lubich, G. Wanner, Acta Numerica 12 (2003), 399-450): over the whole cycle, or where that takes too many swings, only
+from where the torque turns round or jumps to where the teeth have settled; elsewhere they bear T.
 """
 
 from __future__ import annotations
@@ -44,7 +44,8 @@ PER_SWING = 24
 pairs are far from the 3.2 steps at which the method fails."""
 
 HELD = 4
-"""Steps for which pairs, loads and inertia are held at what they are in the middle: a sixth of a swing."""
+"""Steps for which arms, stiffness, loads and inertia are held at what they are in the middle: a sixth of a swing.  Gaps
+go on closing: those of teeth that come to bear do so by many times the depth to which load presses them."""
 
 SWINGS, CHECKED = 96, 4
 """Swings whose pairs and loads are found at once, and those after which it is seen whether the teeth have settled."""
@@ -52,6 +53,11 @@ SWINGS, CHECKED = 96, 4
 FINER = 1.0, 1.04, 1.08
 """How many times as fine the steps are with which knocks are followed.  Where they differ from turn to turn, as a ball
 that bounces, so do they with any change of the steps: each is a turn of its own, and the hardest count."""
+
+FEW, FEWEST = 4000, 300
+"""Swings in a cycle up to and from which all of it is followed.  With fewer, as beside a flywheel on the driven shaft,
+they are about as slow as teeth pass, which K_V knows as a resonance.  Pairs that come and go swing the driven side, the
+less the slower they pass: by 30 % of the torque with 17 swings to a pitch, by 20 % with 30 (a shaper)."""
 
 HARDEST = 20.0
 """Times the largest torque that is asked to which pairs are counted in a knock."""
@@ -121,8 +127,8 @@ def borne_torque(
 ) -> BorneTorque:
     """The torque that the teeth bear where the law asks for ``asked`` at a constant driving speed.
 
-    It is ``asked`` itself where this neither turns round nor jumps.  Where teeth knock it is followed once for each of
-    ``finer``, of which the first tells the knocks.
+    It is ``asked`` itself where this neither turns round nor jumps in a cycle of more than FEW swings.  Where teeth
+    knock it is followed once for each of ``finer``, of which the first tells the knocks and follows the whole cycle.
     """
     phi1 = np.linspace(0.0, cycle_rad, SAMPLES, endpoint=False)
     torque = asked(phi1)
@@ -133,25 +139,27 @@ def borne_torque(
     steps = cycle_rad / SAMPLES / speed_rad_s * driven.swings_rad_s(phi1)
     hurried = np.abs(np.roll(jump, -1) - jump) > SETTLED * most * np.minimum(steps, steps**2)
     rows = np.flatnonzero((flank != np.roll(flank, -1)) | (np.abs(jump) > JUMP * most) | hurried)
-    if not most or not rows.size:
+    whole = FEWEST < float(steps.sum()) / (2.0 * pi) < FEW
+    if not most or not (whole or rows.size):
         return BorneTorque(asked, cycle_rad, knocks=())
+    rows = rows if rows.size else np.zeros(1, dtype=int)
     # The longest stretch without a turn or a jump comes last: there the teeth have most time to settle.
     rows = np.roll(rows, -int(np.argmax(np.diff(rows, prepend=rows[-1] - SAMPLES))))
     starts, width_rad = driven.closer(phi1[rows] + cycle_rad * (rows < rows[0]), cycle_rad / SAMPLES)
     end_rad = starts[0] + 2.0 * cycle_rad
 
-    def once(driven: _DrivenSide) -> BorneTorque:
+    def once(driven: _DrivenSide, least_rad: float) -> BorneTorque:
         found = list[Stretch]()
         for start_rad, on in zip(starts, flank[rows], strict=True):
             if not found or start_rad > found[-1].phi1_rad[-1]:
-                found.append(driven.followed(float(start_rad), float(on), (start_rad + 2.0 * width_rad, end_rad)))
+                found.append(driven.followed(float(start_rad), float(on), (start_rad + least_rad, end_rad)))
         return joined(found, asked, cycle_rad)
 
     first, *others = finer
-    followed = once(replace(driven, finer=first))
+    followed = once(replace(driven, finer=first), cycle_rad if whole else 2.0 * width_rad)
     if not followed.knocks:
-        return followed
-    return replace(followed, others=tuple(once(replace(driven, finer=one)) for one in others))
+        return followed if whole else BorneTorque(asked, cycle_rad, knocks=())
+    return replace(followed, others=tuple(once(replace(driven, finer=one), 2.0 * width_rad) for one in others))
 
 
 def flanks_of(torque: Array, idle: float) -> Array:
@@ -253,13 +261,14 @@ class _DrivenSide:
         A state is the driven angle beyond the law's and its momentum.  Then the row and the speed of flanks that meet.
         """
         (ahead_rad, momentum), met, every = state, list[tuple[int, float]](), list[float]()
-        borne = moment_n_mm(self.meshing.impact, pairs[0], ahead_rad, momentum / float(inertia[0]))
+        impact, later_s = self.meshing.impact, [step_s * (step + 1 - HELD / 2) for step in range(HELD)]
+        borne = moment_n_mm(impact, pairs[0], ahead_rad, momentum / float(inertia[0]), -step_s * HELD / 2)
         for row, (near, mass, load) in enumerate(zip(pairs, inertia.tolist(), asked.tolist(), strict=True)):
-            for _ in range(HELD):
+            for later in later_s:
                 momentum += 0.5 * step_s * (borne - load)
                 speed_rad_s = momentum / mass
                 ahead_rad += step_s * speed_rad_s
-                before, borne = borne, moment_n_mm(self.meshing.impact, near, ahead_rad, speed_rad_s)
+                before, borne = borne, moment_n_mm(impact, near, ahead_rad, speed_rad_s, later)
                 momentum += 0.5 * step_s * (borne - load)
                 if borne and not before:
                     met.append((row, abs(speed_rad_s)))
@@ -285,18 +294,21 @@ class _DrivenSide:
         Then the inertia of the driven side and the torque that is asked, shape (n,) each.
         """
         inertia: Array = self.load.table.at(self.meshing.law.at(phi1_rad)[0])[0][..., 0]
-        return *near_pairs(self.meshing, phi1_rad, self.most_n_mm), inertia, self.asked(phi1_rad)
+        return *near_pairs(self.meshing, phi1_rad, self.speed_rad_s, self.most_n_mm), inertia, self.asked(phi1_rad)
 
 
 NearPairs = list[list[float]] | Array
-"""The arm, the touching angle and the stiffness of each of some pairs; of many, as an array of shape (3, pairs)."""
+"""The arm, the touching angle, the stiffness and the rate of that angle in rad/s of each of some pairs; of many, as an
+array of shape (4, pairs)."""
 
 MANY = 16
 """Pairs, as helical teeth have in their sections, of which arrays are quicker than plain numbers."""
 
 
-def near_pairs(meshing: Meshing, phi1_rad: Array, most_n_mm: float) -> tuple[Sequence[NearPairs], Array]:
-    """The pairs at driving angles, shape (n,), and their largest lever.
+def near_pairs(
+    meshing: Meshing, phi1_rad: Array, speed_rad_s: Array | float, most_n_mm: float
+) -> tuple[Sequence[NearPairs], Array]:
+    """The pairs at driving angles and speeds of the driving gear, shape (n,), and their largest lever.
 
     Those count that a torque of HARDEST times the largest one presses together.
     """
@@ -306,26 +318,33 @@ def near_pairs(meshing: Meshing, phi1_rad: Array, most_n_mm: float) -> tuple[Seq
     first = np.stack([np.where(near.urge == side, ahead, -np.inf).max(axis=-1) for side in (1.0, -1.0)])
     behind = np.where(near.urge > 0.0, first[0][:, None], first[1][:, None]) - ahead
     reached = np.any((arm != 0.0) & (behind <= HARDEST * most_n_mm / turning.min()), axis=0)
-    pairs = np.stack([one[:, reached] for one in (arm, near.error_rad, near.stiffness)], axis=1)
+    rate = near.slopes[0] * np.reshape(speed_rad_s, (-1, 1))
+    pairs = np.stack([one[:, reached] for one in (arm, near.error_rad, near.stiffness, rate)], axis=1)
     levers: Array = near.lever_mm.max(axis=-1)
     return list(pairs) if pairs.shape[-1] > MANY else np.moveaxis(pairs, 1, -1).tolist(), levers
 
 
-def moment_n_mm(impact: Impact, pairs: NearPairs, ahead_rad: float, speed_rad_s: float) -> float:
-    """The moment of the pairs that touch on the driven side, this far beyond the law and this much faster."""
+def moment_n_mm(impact: Impact, pairs: NearPairs, ahead_rad: float, speed_rad_s: float, later_s: float = 0.0) -> float:
+    """The moment of the pairs that touch on the driven side, this far beyond the law and this much faster.
+
+    The pairs are known for a time that is so much ``later_s`` now.
+    """
     if isinstance(pairs, np.ndarray):
-        arms, errors, _ = pairs
-        depths = arms * (errors - ahead_rad)
+        arms, errors, _, rates = pairs
+        depths = arms * (errors + later_s * rates - ahead_rad)
         touching = depths > 0.0
-        (arms, _, stiffnesses), depths = pairs[:, touching], depths[touching]
-        damped = -impact.damping(depths) * arms * speed_rad_s
+        (arms, _, stiffnesses, rates), depths = pairs[:, touching], depths[touching]
+        damped = impact.damping(depths) * arms * (rates - speed_rad_s)
         return float(arms @ impact.force_n(impact.elastic_n(depths, stiffnesses), damped))
-    total = 0.0
-    for arm, error_rad, stiffness in pairs:
-        depth = arm * (error_rad - ahead_rad)
+    # Plain numbers, as Impact has them for any: the knocks of a turn ask a hundred thousand times.
+    total, full = 0.0, impact.damping_n_s_mm
+    for arm, error_rad, stiffness, rate_rad_s in pairs:
+        depth = arm * (error_rad + later_s * rate_rad_s - ahead_rad)
         if depth > 0.0:
-            elastic = impact.elastic_n(depth, stiffness)
-            total += arm * impact.force_n(elastic, -impact.damping(depth) * arm * speed_rad_s)
+            damping = full if depth >= impact.full_damping_depth_mm else impact.damping(depth)
+            force = stiffness * depth**impact.exponent + damping * arm * (rate_rad_s - speed_rad_s)
+            if force > 0.0:
+                total += arm * force
     return total
 
 

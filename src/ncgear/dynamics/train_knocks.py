@@ -146,9 +146,10 @@ class KnockingTrain:
             step_rad = self.speed_rad_s * step_s
             middles = phi1[-1][-1] + HELD * step_rad * (np.arange(SWINGS * PER_SWING // HELD) + 0.5)
             along = self._at(middles)
+            speeds = self.speed_rad_s, self.speed_rad_s * self.pairs[0].meshing.law.at(middles)[1]
             pairs = [
-                near_pairs(one.meshing, angle, top)
-                for one, angle, top in zip(self.pairs, along.angle_rad, most, strict=True)
+                near_pairs(one.meshing, angle, speed, top)
+                for one, angle, speed, top in zip(self.pairs, along.angle_rad, speeds, most, strict=True)
             ]
             done = False
             for first in range(0, middles.size, CHECKED * PER_SWING // HELD):
@@ -216,20 +217,21 @@ class KnockingTrain:
             *along.asked[:, part].tolist(),
             strict=True,
         )
+        later_s = [step_s * (step + 1 - HELD / 2) for step in range(HELD)]
         m1 = m2 = None
         for row, (near1, near2, slope, driven, asked1, asked2) in enumerate(rows):
             v1, v2 = p1 / inertia, p2 / driven
             if m1 is None or m2 is None:
-                m1 = moment_n_mm(impacts[0], near1, x1, v1)
-                m2 = moment_n_mm(impacts[1], near2, x2 - slope * x1, v2 - slope * v1)
-            for _ in range(HELD):
+                m1 = moment_n_mm(impacts[0], near1, x1, v1, -step_s * HELD / 2)
+                m2 = moment_n_mm(impacts[1], near2, x2 - slope * x1, v2 - slope * v1, -step_s * HELD / 2)
+            for later in later_s:
                 p1 += half * (m1 - asked1 - slope * (m2 - asked2))
                 p2 += half * (m2 - asked2)
                 v1, v2 = p1 / inertia, p2 / driven
                 x1, x2 = x1 + step_s * v1, x2 + step_s * v2
                 before = m1, m2
-                m1 = moment_n_mm(impacts[0], near1, x1, v1)
-                m2 = moment_n_mm(impacts[1], near2, x2 - slope * x1, v2 - slope * v1)
+                m1 = moment_n_mm(impacts[0], near1, x1, v1, later)
+                m2 = moment_n_mm(impacts[1], near2, x2 - slope * x1, v2 - slope * v1, later)
                 p1 += half * (m1 - asked1 - slope * (m2 - asked2))
                 p2 += half * (m2 - asked2)
                 if m1 and not before[0]:

@@ -31,11 +31,18 @@ from ncgear.strength.conditions import GRADE
 from ncgear.strength.holding import Damage, Weakest, lives_of
 
 LOADS = {
-    "masses": "the machine with its masses, at constant driving speed",
-    "resistance": "the resistance alone: no masses are given, so forces of inertia are not counted",
+    "masses": "the machine with its masses{jam}, at constant driving speed",
+    "resistance": "the resistance{alone}: no masses are given, so forces of inertia are not counted",
     "jam": "a jam alone: nothing else that is given loads the teeth",
 }
-"""The words for what a load follows from."""
+"""The words for what a load follows from, without a jam beside it or with one."""
+
+
+def load_words(drive: Drive, strength: Strength) -> str:
+    """What the load of the teeth follows from."""
+    jam = " and a jam" if drive.conditions.overload else ""
+    return LOADS[strength.load].format(jam=jam, alone=jam or " alone")
+
 
 METHODS = {
     "estimate": "local estimate on the outline of each tooth, after ISO 6336 and VDI 2736, which cover circular gears",
@@ -341,7 +348,8 @@ HEADS = columns_of("", "", "safety", "wanted", "tooth", "phi1, deg", "stress, MP
 def weakest_table(drive: Drive, rating: Rating) -> Table:
     """The weakest tooth of each gear for each kind of damage, with notes on load, method and material."""
     strength = rating.strength
-    notes = [LOADS[strength.load], METHODS[strength.method], ERRORS[strength.method], materials_words(drive, strength)]
+    by = METHODS[strength.method], ERRORS[strength.method]
+    notes = [load_words(drive, strength), *by, materials_words(drive, strength)]
     surfaces = surfaces_rows(drive, drive.surfaces_by(strength.method))
     notes += [f"{name.capitalize()}: {words}" for name, words in surfaces]
     cells = tuple(weakest_cells(one, strength.wears) for one in rating.weakest)

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import lru_cache, partial
 from math import ceil, inf, isfinite, lcm, pi, radians, sin
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -39,6 +40,9 @@ from ncgear.strength.without_teeth import (
     slid_w,
     static_safeties,
 )
+
+if TYPE_CHECKING:
+    from ncgear.dynamics.flank_changes import BorneTorque
 
 
 @dataclass(frozen=True)
@@ -96,12 +100,13 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
         return RoughStrength((), "the teeth cannot push the driven gear at every angle")
     plan, running, conditions = tooth_plan(drive), drive.running, drive.conditions
     sides = shared_loads(load, plan, running, drive.materials)
-    asked = asked_of(drive)
+    asked, borne = asked_of(drive), None
     if asked.knocks_are_judged:
         # Checks of machines without masses load nothing of contact.
         from ncgear.project.forces import borne_by, rough_meshing
 
-        load = rolled_load(drive, borne_by(asked, rough_meshing(drive, asked, sides)).at)
+        borne = borne_by(asked, rough_meshing(drive, asked, sides))
+        load = rolled_load(drive, borne.at)
         sides = shared_loads(load, plan, running, drive.materials)
     in_series = asked.load == "masses" and not asked.knocks_are_judged and len(sides) > 1
     if asked.loads_return:
@@ -117,19 +122,19 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
             pressed = rolled_load(drive, partial(asked.passed_on_n_mm, jam.driving_n_mm))
             jams_h = jam.times * drive.transmission.cycle_rad / running.speed_rad_s / 3600.0
             few = replace(conditions, application_factor=1.0, dynamic_factor=1.0, life_h=jams_h)
-            borne = shared_loads(pressed, plan, running, drive.materials)
-            still = _even(borne, 1.0)
-            uneven = _uneven(drive, borne, few, still)
+            in_jam = shared_loads(pressed, plan, running, drive.materials)
+            still = _even(in_jam, 1.0)
+            uneven = _uneven(drive, in_jam, few, still)
             if why:
-                jammed = static_safeties(borne, plan, running, warm, few, uneven)
+                jammed = static_safeties(in_jam, plan, running, warm, few, uneven)
             else:
-                jammed = rough_safeties(borne, plan, running, warm, few, uneven, still)
+                jammed = rough_safeties(in_jam, plan, running, warm, few, uneven, still)
             if not sides:
-                needs_teeth = _needs_teeth(drive, plan, pressed, borne)
+                needs_teeth = _needs_teeth(drive, plan, pressed, in_jam)
                 return RoughStrength(tuple(jammed), why, needs_teeth, bool(why), None, tuple(jammed), needs_teeth)
         if not why:
             mesh = rough_mesh(drive, sides, load)
-            shaken = [drive.vibration.factors(one.load.phi1_rad, one.load.force_n, mesh, conditions) for one in sides]
+            shaken = [_shaken(drive, one.load, mesh, borne) for one in sides]
             uneven = _uneven(drive, sides, conditions, shaken)
             found = rough_safeties(sides, plan, running, warm, conditions, uneven, shaken)
             phi1, force = (
@@ -210,6 +215,17 @@ def _needs_teeth(drive: Drive, plan: ToothPlan, load: RolledLoad, sides: list[Sh
     if max(float(one.way_mm.max()) for one in sides) > MOST_WAY * module:
         return "it needs the teeth to tell where they give way so far under the load"
     return ""
+
+
+def _shaken(drive: Drive, load: RolledLoad, mesh: MeshStiffness | None, borne: BorneTorque | None) -> Array:
+    """K_V at the positions of a load, shape (n,): by the law's part of it, or by the motion that is followed."""
+    shaken, conditions = drive.vibration.factors, drive.conditions
+    if borne is None or not borne.phi1_rad.size or conditions.dynamic_factor is not None:
+        return shaken(load.phi1_rad, load.force_n, mesh, conditions)
+    asked, most = (np.abs(torque(load.phi1_rad)) for torque in (borne.asked, borne.at))
+    share = asked / np.maximum(most, np.finfo(float).tiny)
+    still = share * shaken(load.phi1_rad, share * load.force_n, mesh, conditions)
+    return np.maximum(still, shaken(load.phi1_rad, load.force_n, mesh, conditions, followed=True))
 
 
 def _even(sides: list[SharedLoad], factor: float) -> list[Array]:

@@ -80,7 +80,8 @@ def judged_teeth(
     cycle_rad = loading.cycle_rad
 
     def found(loads: Loading, under: Conditions) -> Strength:
-        shaken = vibration.of_contacts(loads.contacts, mesh_stiffness(loads, running), under)
+        mesh = mesh_stiffness(loads, running)
+        shaken = vibration.of_contacts(loads.contacts, mesh, under, loads.still is not None)
         uneven = face_loading.of_contacts(loads.contacts, under.application_factor, shaken)
         stresses = stresses_of(loads.contacts, methods, materials, under, running, uneven, shaken)
         return strength_of(loads.contacts, stresses, materials, under, cycle_rad, running, method, load)
@@ -116,7 +117,7 @@ def surfaces_of_teeth(
         return face_loading.of_contacts(contacts, conditions.application_factor, shaken(contacts))
 
     def shaken(contacts: LoadedContacts) -> Array:
-        return vibration.of_contacts(contacts, mesh, conditions)
+        return vibration.of_contacts(contacts, mesh, conditions, judged.loading.still is not None)
 
     choices, warm = choices_of(gears), judged.warm
     return surfaces_of(judged.loading, choices, materials, warm, conditions, running, uneven, shaken)

@@ -65,9 +65,9 @@ class Loading:
     angle beyond the law's) have shape (n,); ``even`` tells the even positions.  ``transmission_error_rad`` is the peak
     to peak variation of the error.  ``contact_ratio`` is the mean number of pairs that bear load, where there is load.
     ``cycle_rad`` is by how much the driving gear turns in the cycle. ``borne`` is the torque with the knocks of a turn
-    of the driven gear; None where nothing is known of them. Of teeth that knock, ``still`` is their loading by what the
-    law asks alone; ``jammed`` is that of a jam, if there is one. Rolled lengths, ``rolled_mm`` of the positions (shape
-    (n,)), go over ``cycle_mm``; ``between`` gives the contacts at any, shape (m,).
+    of the driven gear; None where nothing is known of them. Where a motion is followed, ``still`` is the loading by
+    what the law asks alone; ``jammed`` is that of a jam, if there is one. Rolled lengths, ``rolled_mm`` of the
+    positions (shape (n,)), go over ``cycle_mm``; ``between`` gives the contacts at any, shape (m,).
 
     Gears that turn less than once are not ``closed``: their cycle goes out and, where they bear load then, back.
     """
@@ -160,7 +160,7 @@ def loading_of(
     position, slot = np.nonzero(loaded)
     largest = _largest_of_pairs(meshing, every.phi1_rad[position], slot, found.force_n[position, slot])
     even = np.isin(np.arange(every.count), np.arange(0, solved.count, SOLVED_PER_TOOTH // per_tooth))
-    peaks = _peaks(every.rolled_mm, found.force_n.max(axis=1)) if borne and borne.knocks else position[:0]
+    peaks = _peaks(every.rolled_mm, found.force_n.max(axis=1)) if borne and borne.phi1_rad.size else position[:0]
     chosen = np.flatnonzero(even | np.isin(np.arange(every.count), np.append(position[largest], peaks)))
     chosen = chosen[np.argsort(every.rolled_mm[chosen])]
     phi1 = every.phi1_rad[chosen]

@@ -18,11 +18,15 @@ strength/iso6336.py, and two more that agree), with the load w = F_t K_A / b for
 where the factors Cv follow from the total contact ratio, e and the overlap ratio of helical teeth, the deviations f are
 without what running in takes off, and B_k is 1, as of grades from 6 on without tip relief for the load.  K_V is 1 at
 least, here: teeth that pass a resonance in every turn never settle above it.
+
+Where the motion of the driven side is followed (``ncgear.dynamics.flank_changes``), the loads swing by the stiffness
+already, and K_V is 1 and what the deviations add: K_V less K_V without deviations.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import cos
 
 import numpy as np
@@ -141,15 +145,25 @@ class Vibration:
         swing_s = np.sqrt(self.reduced_kg(phi1_rad) * N_PER_KG_MM_S2 / stiffness)
         return np.asarray(self.passing_rad_s(phi1_rad) * swing_s)
 
-    def factors(self, phi1_rad: Array, force_n: Array, mesh: MeshStiffness | None, conditions: Conditions) -> Array:
+    def factors(
+        self,
+        phi1_rad: Array,
+        force_n: Array,
+        mesh: MeshStiffness | None,
+        conditions: Conditions,
+        followed: bool = False,
+    ) -> Array:
         """K_V at driving angles where all pairs together bear a normal force, shape (n,) each.
 
-        It is that of ``conditions`` where they give one.
+        It is that of ``conditions`` where they give one.  Forces of a motion that is ``followed`` swing by the
+        stiffness already: what deviations add is left.
         """
         if conditions.dynamic_factor is not None or mesh is None:
             return np.full(force_n.shape, conditions.dynamic_factor or 1.0)
         (found,) = self.factors_at_speeds(phi1_rad, force_n, mesh, conditions.application_factor, np.ones(1))
-        return np.asarray(found)
+        if not followed:
+            return np.asarray(found)
+        return 1.0 + found - replace(self, deviations_mm=(0.0, 0.0)).factors(phi1_rad, force_n, mesh, conditions)
 
     def factors_at_speeds(
         self, phi1_rad: Array, force_n: Array, mesh: MeshStiffness, application_factor: float, faster: Array
@@ -162,8 +176,10 @@ class Vibration:
         resonance = faster[:, None] * self.resonance(phi1_rad, mesh)
         return dynamic_factor(resonance, line, stiffness / width, ratio, self.deviations_mm, self.running.overlap_ratio)
 
-    def of_contacts(self, contacts: LoadedContacts, mesh: MeshStiffness | None, conditions: Conditions) -> Array:
-        """K_V of contacts that bear load, shape (n,), from all contacts of their positions.
+    def of_contacts(
+        self, contacts: LoadedContacts, mesh: MeshStiffness | None, conditions: Conditions, followed: bool = False
+    ) -> Array:
+        """K_V of contacts that bear load, shape (n,), from all contacts of their positions, as ``factors``.
 
         What vibration adds presses all sections of helical teeth, also where next to no load rests on a few of them;
         a given K_V multiplies each load.
@@ -173,7 +189,7 @@ class Vibration:
         _, first, row = np.unique(contacts.position, return_index=True, return_inverse=True)
         row = row.ravel()
         force = np.bincount(row, contacts.force_n).astype(float)
-        found = self.factors(contacts.phi1_rad[first], force, mesh, conditions)[row]
+        found = self.factors(contacts.phi1_rad[first], force, mesh, conditions, followed)[row]
         section = row * (int(contacts.section.max()) + 1) + contacts.section
         even = force[row] * contacts.share / np.bincount(section, contacts.force_n)[section]
         return np.asarray(1.0 + (found - 1.0) * even)
