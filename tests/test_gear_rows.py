@@ -144,5 +144,5 @@ def test_round_gears_are_a_plain_row() -> None:
 def test_bends_that_are_not_those_of_the_idlers_are_refused() -> None:
     with pytest.raises(WrongInput, match="4 gears have 2 idlers"):
         train_of((("[40, -70]", "[40]"),))
-    with pytest.raises(WrongInput, match="a ratio is given as well"):
+    with pytest.raises(WrongInput, match="only one of them can count"):
         train_of(((SHAPE, SHAPE + "\n  ratio: 1 + 0*phi"),))

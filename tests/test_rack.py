@@ -57,7 +57,7 @@ def test_rounding_touches_flank_and_tip(basic: BasicRack) -> None:
     assert (on_flank - center) @ normal == pytest.approx(basic.root_radius_mm, rel=1e-13)
     touching = center + basic.root_radius_mm * normal
     assert touching[1] == pytest.approx(-basic.flank_depth_mm, rel=1e-13)
-    assert basic.dedendum_mm - basic.flank_depth_mm == pytest.approx(basic.rounding_height_mm, rel=1e-13)
+    assert basic.dedendum_mm - basic.flank_depth_mm == pytest.approx(basic.root_radius_mm * (1.0 - sin(angle)), rel=1e-13)
 
 
 @at_once("basic", RACKS)
@@ -68,7 +68,7 @@ def test_a_shifted_rack_moves_the_tooth_outwards(basic: BasicRack, coefficient: 
     shifted = basic.shifted(shift)
     assert shifted.tip_height_mm == pytest.approx(basic.addendum_mm + shift, rel=1e-15)
     assert shifted.root_depth_mm == pytest.approx(basic.dedendum_mm - shift, rel=1e-15)
-    unshifted = ("flank_depth_mm", "tip_half_width_mm", "rounding_height_mm", "tooth_half_width_mm")
+    unshifted = ("flank_depth_mm", "tip_half_width_mm", "tooth_half_width_mm")
     assert all(getattr(shifted, name) == getattr(basic, name) for name in unshifted)
 
 

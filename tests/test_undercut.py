@@ -327,8 +327,8 @@ def test_avoided_flanks_of_circular_gears_end_just_above_the_base_circle() -> No
     for gear in both(made(uniform_law(Lobes()), 12)):
         depth = 0.99 * 12.0 * MODULE / 2.0 * sin(radians(20.0)) ** 2
         assert gear.flanks.flank_depth_mm == pytest.approx(depth, rel=1e-9)
-        clearance = 0.25 * MODULE
-        assert gear.flanks.tip_height_mm == pytest.approx(depth + rack().rounding_height_mm - clearance, rel=1e-9)
+        clearance, rounding = 0.25 * MODULE, rack().root_radius_mm * (1.0 - sin(radians(20.0)))
+        assert gear.flanks.tip_height_mm == pytest.approx(depth + rounding - clearance, rel=1e-9)
         assert gear.shortened(Limit.UNDERCUT) == list(range(1, 13))
 
 
