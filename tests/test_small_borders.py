@@ -11,7 +11,13 @@ import pytest
 from ncgear.contact.written.as_written import require_reached
 from ncgear.drawings.charts.teeth_charts import backlash, transmission_error
 from ncgear.drawings.scene.standing import SUPPORT, supports_mm
+from ncgear.dynamics.history import PER_TURN, even_times_s
 from ncgear.errors import NoSuchMechanism
+from ncgear.figures.advice.given_advice import BEYOND_ALL, _is_empty
+from ncgear.figures.advice.strength_advice import THINNEST_WEB, _thin_body
+from ncgear.figures.numbers import to_size
+from ncgear.kinematics.crank_stretches import CrankStretch
+from ncgear.wishes.requirements import TimeWithin
 
 Made: Any = SimpleNamespace
 
@@ -56,3 +62,41 @@ def test_errors_and_play_are_drawn_in_millionths_of_a_rad() -> None:
     assert chart.lines[0].values == pytest.approx([10.0, 20.0, 30.0])
     assert chart.lines[1].values == pytest.approx([7.0, 7.0, 7.0])
     assert backlash(designed).lines[0].values == pytest.approx([400.0, 500.0, 600.0])
+
+
+@pytest.mark.judges("figures")
+def test_lengths_in_files_have_eight_digits_of_the_largest() -> None:
+    assert [to_size(1.23456789, largest) for largest in (1.5, 15.0, 150.0, 0.15)] == [
+        1.2345679,
+        1.234568,
+        1.23457,
+        1.23456789,
+    ]
+
+
+@pytest.mark.judges("figures")
+def test_a_web_is_thin_by_its_share_of_the_face() -> None:
+    for more, thin in ((0.99, True), (1.01, False)):
+        body = Made(web=Made(thickness_mm=more * THINNEST_WEB * 20.0))
+        gears = Made(face_width_mm=20.0, driving=Made(web=None), driven=body)
+        assert bool(_thin_body(Made(gears=gears))) is thin
+
+
+@pytest.mark.judges("figures")
+def test_a_time_is_asked_for_in_vain_where_every_ratio_keeps_it() -> None:
+    """A stretch of 1 rad takes 1 over the greatest ratio to the greatest ratio; the rest of the turn likewise."""
+    cycle, stretch = 2.0 * np.pi, CrankStretch(0.5, 1.5)
+    drive, rest = Made(transmission=Made(cycle_rad=cycle)), cycle - 1.0
+    least, most = max(1.0 / BEYOND_ALL, cycle - rest * BEYOND_ALL), min(BEYOND_ALL, cycle - rest / BEYOND_ALL)
+    assert _is_empty(drive, TimeWithin(stretch, 0.99 * least, 1.01 * most))
+    assert not _is_empty(drive, TimeWithin(stretch, 1.01 * least, 1.01 * most))
+    assert not _is_empty(drive, TimeWithin(stretch, 0.99 * least, 0.99 * most))
+
+
+@pytest.mark.judges("dynamics")
+def test_a_course_is_told_at_even_times_so_many_in_a_turn() -> None:
+    course = Made(states=np.array([[0.5, 0.5 + 5.0 * np.pi]]), time_s=np.array([0.0, 3.0]))
+    times = even_times_s(course)
+    assert (times.size, times[0], times[-1]) == (round(2.5 * PER_TURN) + 1, 0.0, 3.0)
+    assert np.ptp(np.diff(times)) < 1e-12
+    assert even_times_s(course, 9 * PER_TURN).size == 9 * PER_TURN + 1
