@@ -17,6 +17,8 @@ from ncgear.figures.advice.given_advice import BEYOND_ALL, _is_empty
 from ncgear.figures.advice.strength_advice import THINNEST_WEB, _thin_body
 from ncgear.figures.numbers import to_size
 from ncgear.kinematics.crank_stretches import CrankStretch
+from ncgear.mechanisms.rack_pinion import TEETH, RackPinion
+from ncgear.metrology.round_tool import _free
 from ncgear.wishes.requirements import TimeWithin
 
 Made: Any = SimpleNamespace
@@ -100,3 +102,25 @@ def test_a_course_is_told_at_even_times_so_many_in_a_turn() -> None:
     assert (times.size, times[0], times[-1]) == (round(2.5 * PER_TURN) + 1, 0.0, 3.0)
     assert np.ptp(np.diff(times)) < 1e-12
     assert even_times_s(course, 9 * PER_TURN).size == 9 * PER_TURN + 1
+
+
+@pytest.mark.judges("metrology")
+@pytest.mark.parametrize("left", [0.0, 0.3])
+def test_a_free_disc_touches_the_other_point(left: float) -> None:
+    """Its middle is its radius and what is left away along the normal, and its radius away from the other point."""
+    generator = np.random.default_rng(2)
+    point, other = generator.normal(size=(2, 50, 2))
+    turn = generator.uniform(0.0, 6.3, 50)
+    normal = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+    radius = _free(point, normal, other, left)
+    middle = point + normal * (radius + left)[:, None]
+    touching = (radius > 0.0) & np.isfinite(radius)
+    assert touching.sum() > 10
+    assert np.hypot(*(middle - other).T)[touching] == pytest.approx(radius[touching])
+
+
+@pytest.mark.judges("mechanisms")
+def test_a_drawn_pinion_has_the_heights_of_its_rack() -> None:
+    module = 2.0 * 40.0 / TEETH
+    radii = np.hypot(*np.array(RackPinion(40.0)._pinion()).T)
+    assert (radii.min(), radii.max()) == pytest.approx((40.0 - 1.25 * module, 40.0 + module))
