@@ -19,6 +19,7 @@ from ncgear.figures.numbers import to_size
 from ncgear.kinematics.crank_stretches import CrankStretch
 from ncgear.mechanisms.rack_pinion import TEETH, RackPinion
 from ncgear.metrology.round_tool import _free
+from ncgear.tolerances.iso286 import LEAST_MM, standard_tolerance_mm
 from ncgear.wishes.requirements import TimeWithin
 
 Made: Any = SimpleNamespace
@@ -124,3 +125,10 @@ def test_a_drawn_pinion_has_the_heights_of_its_rack() -> None:
     module = 2.0 * 40.0 / TEETH
     radii = np.hypot(*np.array(RackPinion(40.0)._pinion()).T)
     assert (radii.min(), radii.max()) == pytest.approx((40.0 - 1.25 * module, 40.0 + module))
+
+
+@pytest.mark.judges("tolerances")
+def test_widths_below_the_standard_go_with_the_size() -> None:
+    least = standard_tolerance_mm(7, LEAST_MM)
+    assert least is not None
+    assert standard_tolerance_mm(7, LEAST_MM / 4.0) == pytest.approx(least / 4.0)
