@@ -28,7 +28,6 @@ from ncgear.whole_machines.laws import (
     FoundLaw,
     LawJob,
     _Search,
-    _without_worse,
     flywheel_sizes,
     law_design,
     law_wishes,
@@ -286,8 +285,6 @@ def test_caps_of_the_power() -> None:
     assert np.diff(np.log([*found, 20.0])) == pytest.approx(log(20.0 / 10.03) / CAPS)
     assert caps(10.0, 10.1) == []
     assert caps(10.0, 20.0, 25.0, 15.0, 10.02, 12.0, 20.0) == [12.0, 15.0]
-    laws = [found_law(load, peak_power_w=power) for power, load in ((3.0, 6.0), (1.0, 7.0), (2.0, 5.0), (4.0, 5.0))]
-    assert [one.flank_load_n_mm for one in _without_worse(laws)] == [7.0, 5.0]
 
 
 def test_faces_are_widened_until_teeth_hold(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,6 +9,7 @@ from math import degrees, pi, radians
 import numpy as np
 import pytest
 
+from at_once import at_once
 from ncgear.balance.rotor import (
     ChainPhases,
     ChainUnbalance,
@@ -85,7 +86,7 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("name", REFUSED)
+@at_once("name", REFUSED)
 def test_readings_that_say_nothing_are_refused(name: str) -> None:
     runs, key, words = REFUSED[name]
     with pytest.raises(WrongInput, match=words) as error:

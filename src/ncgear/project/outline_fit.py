@@ -105,7 +105,7 @@ class NextSize:
 class MateFit:
     """How near the mate comes to an outline of its own: distances in mm of the pair, places in mm of its drawing.
 
-    ``scale`` is the size of the gears by that of the drawing; ``bound_by`` is as in ``OutlineFit``.
+    ``scale`` is the size of the gears over the size of the drawing; ``bound_by`` is as in ``OutlineFit``.
     """
 
     outline: Outline
@@ -205,7 +205,7 @@ def fit(
     The size of its teeth is given by ``teeth`` or ``module_mm``.  The axis is held at ``axis_mm`` where it is given.
     ``mate_mm`` are points of an outline for the mate, seen from the same side, shape (k, 2), ``mate_weight`` is its
     share in the squared distances of both; it grows or shrinks to the size that suits.
-    ``pressure_angle_deg`` is the greatest one, that of the rack included.
+    ``pressure_angle_deg`` is the greatest pressure angle, with the rack's own.
     ``criterion`` tells whether the root of the mean square of distances or their greatest is least; ``gears`` has
     further keys of the section ``gears`` of a design file.
 
@@ -439,8 +439,7 @@ def _made(design: Design, curve: Rolled, limits: Limits) -> _Made:
 def _places(curve: Rolled, at: CurvePoints) -> Array:
     """Arc lengths of the curve at points of its gear's pitch curve."""
     polar = np.mod(np.arctan2(at.position[:, 1], at.position[:, 0]), 2.0 * pi)
-    found: Array = np.interp(polar, curve.phi_rad, curve.arc_mm, period=2.0 * pi)
-    return found
+    return np.interp(polar, curve.phi_rad, curve.arc_mm, period=2.0 * pi)
 
 
 def _with_contact(made: _Made, gear: ToothedGear, gears: Gears) -> _Made:
@@ -497,7 +496,7 @@ def _most_lacking(made: _Made) -> str:
 
 
 def _between(kept: _Made, refused: _Made | None) -> Limits:
-    """Limits half-way from those of a pair that was made to those of a refused one, or a little eased without one."""
+    """Limits half-way between a pair that was made and a refused pair; a little eased where no pair was refused."""
     share = np.asarray(kept.limits.share)
     if refused is None:
         return replace(kept.limits, share=np.minimum(share * EASED**2, MOST_SHARE))

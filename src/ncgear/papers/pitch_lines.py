@@ -10,20 +10,20 @@ import numpy as np
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import as_complex
 from ncgear.numerics.quadrature import gauss_points
-from ncgear.papers.entry import (
+from ncgear.papers.entry import (  # fmt: skip
     Computed,
     Entry,
     LeftOut,
     Paper,
-    Printed,
     Reason,
     Relation,
     Verdict,
     computed,
     counted,
     equations,
+    printed,
     texts,
-)  # fmt: skip
+)
 from ncgear.pitch.moving_axes import MovingAxes, even_distances
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
@@ -96,43 +96,42 @@ PAPER = Paper(
     "A. Pogacnik, Non-circular gears, KISSsoft AG, 2022",
     promised=(*counted("Fig.", 16), *equations(*range(1, 10))),
     entries=(
-        Entry(("eq. 1",), "ratio from both radii", Relation(), Verdict.REPRODUCED,
+        Entry("eq. 1", "ratio from both radii", Relation(), Verdict.REPRODUCED,
               lambda: _along(lambda r1, r2, slope: 1.0 / slope * r1 / r2 - 1.0)),
-        Entry(("eq. 2",), "radii that make the centre distance", Relation(), Verdict.REPRODUCED,
+        Entry("eq. 2", "radii that make the centre distance", Relation(), Verdict.REPRODUCED,
               lambda: _along(lambda r1, r2, slope: (r1 + r2) / CENTER_DISTANCE_MM - 1.0)),
-        Entry(("eq. 3",), "ratio from one radius", Relation(), Verdict.REPRODUCED,
+        Entry("eq. 3", "ratio from one radius", Relation(), Verdict.REPRODUCED,
               lambda: _along(lambda r1, r2, slope: (CENTER_DISTANCE_MM - r1) / r1 * slope - 1.0)),
-        Entry(("eq. 4",), "curves that roll on each other", Relation(), Verdict.REPRODUCED,
+        Entry("eq. 4", "curves that roll on each other", Relation(), Verdict.REPRODUCED,
               lambda: _along(lambda r1, r2, slope: r1 / (r2 * slope) - 1.0)),
-        Entry(("eq. 5", "eq. 6"), "driven angle as an integral", Relation(), Verdict.REPRODUCED, _integral),
-        Entry(("eq. 7",), "period of the ratio and of both gears", Relation(), Verdict.UNDER_READING,
-              lambda: computed(_pair().transmission.closure_error_rad / (2.0 * np.pi)),
+        Entry("eq. 5, eq. 6", "driven angle as an integral", Relation(), Verdict.REPRODUCED, _integral),
+        Entry("eq. 7", "period of the ratio and of both gears", Relation(), Verdict.UNDER_READING,
+              lambda: _pair().transmission.closure_error_rad / (2.0 * np.pi),
               "The number 7 is printed twice; this is the one of section 2."),
-        Entry(("Fig. 4",), "semi-minor axis, turning about the centre", Printed(("17.20",), "mm"),
-              Verdict.NOT_REPRODUCIBLE, lambda: _semi_minor(0.0, 0.0), f"{READ_OFF} 17.2067 is printed cut off."),
-        Entry(("Fig. 4",), "semi-minor axis, axis at x = 4", Printed(("16.73",), "mm"), Verdict.UNDER_READING,
+        Entry("Fig. 4", "semi-minor axis, turning about the centre", printed("17.20 mm"), Verdict.NOT_REPRODUCIBLE,
+              lambda: _semi_minor(0.0, 0.0), f"{READ_OFF} 17.2067 is printed cut off."),
+        Entry("Fig. 4", "semi-minor axis, axis at x = 4", printed("16.73 mm"), Verdict.UNDER_READING,
               lambda: _semi_minor(4.0, 0.0), READ_OFF),
-        Entry(("Fig. 4",), "semi-minor axis, axis at y = -4", Printed(("16.91",), "mm"), Verdict.UNDER_READING,
+        Entry("Fig. 4", "semi-minor axis, axis at y = -4", printed("16.91 mm"), Verdict.UNDER_READING,
               lambda: _semi_minor(0.0, -4.0), READ_OFF),
-        Entry(("Fig. 4",), "semi-minor axis, axis at x = 4, y = -4", Printed(("16.44",), "mm"), Verdict.UNDER_READING,
+        Entry("Fig. 4", "semi-minor axis, axis at x = 4, y = -4", printed("16.44 mm"), Verdict.UNDER_READING,
               lambda: _semi_minor(4.0, -4.0), READ_OFF),
-        Entry(("Fig. 6", "Fig. 7"), "centre distance that changes with the angle",
-              Printed(texts("60.0 64.5 68.0 64.5"), "mm"), Verdict.GIVEN_BACK, _moving_distances,
-              "The curves are drawn without a number, and their ratio is not told. Of gears that turn evenly these are "
-              "the distances at which both pitch curves touch; designs/moving-axis.yaml gives them teeth."),
-        Entry(("Fig. 14",), "rack of a replacement gear, before and after its fit to one tooth",
-              Printed(texts("1.6123 20 0.61 -0.05 1.6123 23 0.90 0.00")), Verdict.NEEDS_DATA,
+        Entry("Fig. 6, Fig. 7", "centre distance that changes with the angle", printed("60.0 64.5 68.0 64.5 mm"),
+              Verdict.GIVEN_BACK, _moving_distances, "The curves are drawn without a number, and their ratio is not "
+              "told. Of gears that turn evenly these are the distances at which both pitch curves touch; "
+              "designs/moving-axis.yaml gives them teeth."),
+        Entry("Fig. 14", "rack of a replacement gear, before and after its fit to one tooth",
+              printed("1.6123 20 0.61 -0.05 1.6123 23 0.90 0.00"), Verdict.NEEDS_DATA,
               words="The gears and the tooth are drawn without a number."),
     ),
     left_out=(
-        LeftOut(("Fig. 2",), "lobes of six pairs", Reason.GIVEN, texts("1 1 1 2 1 3 1 1 1 1 1 1 2")),
-        LeftOut(("Fig. 4",), "offsets of the axis", Reason.GIVEN, texts("0 4 0 0 -4 4 -4")),
-        LeftOut(("Fig. 6",), "driving angles of four positions", Reason.GIVEN, texts("0 90 180 270")),
-        LeftOut(("Fig. 1", "Fig. 3", "Fig. 5", "Fig. 8", "Fig. 9", "Fig. 10", "Fig. 11", "Fig. 12",
-                 "Fig. 13", "Fig. 15", "Fig. 16"), "curves, teeth, ratios and forces as pictures", Reason.DRAWN),
-        LeftOut(("eq. 8", "eq. 9"), "force and speed of a replacement gear", Reason.DEFINED),
-        LeftOut(("section 2.1",),
-                "an even ratio without an offset, where the figure's goes up and down alike twice a turn",
-                Reason.VAGUE),
+        LeftOut("Fig. 2", "lobes of six pairs", Reason.GIVEN, texts("1 1 1 2 1 3 1 1 1 1 1 1 2")),
+        LeftOut("Fig. 4", "offsets of the axis", Reason.GIVEN, texts("0 4 0 0 -4 4 -4")),
+        LeftOut("Fig. 6", "driving angles of four positions", Reason.GIVEN, texts("0 90 180 270")),
+        LeftOut("Fig. 1, Fig. 3, Fig. 5, Fig. 8, Fig. 9, Fig. 10, Fig. 11, Fig. 12, Fig. 13, Fig. 15, Fig. 16",
+                "curves, teeth, ratios and forces as pictures", Reason.DRAWN),
+        LeftOut("eq. 8, eq. 9", "force and speed of a replacement gear", Reason.DEFINED),
+        LeftOut("section 2.1", "an even ratio without an offset, where the figure's goes up and down alike twice a "
+                "turn", Reason.VAGUE),
     ),
 )  # fmt: skip

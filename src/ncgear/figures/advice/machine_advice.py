@@ -1,19 +1,23 @@
-"""The advice about a linkage whose transmission angle is so small that friction may lock it."""
+"""Advices about a machine: a linkage that may lock, gears that a build refuses, missed wishes, a drawing's unit."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import atan, copysign, degrees, exp, log, pi, radians, sin
 
+from ncgear.design.keys.pitch_shapes import UNIT_MM, DxfContour
 from ncgear.design.mechanisms import lengths_of
-from ncgear.errors import WrongInput
-from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
+from ncgear.errors import DesignError, WrongInput
+from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy, Where
 from ncgear.figures.numbers import fixed, placed, to_digits
-from ncgear.kinematics.over_stretches import driving_rad
+from ncgear.figures.wished import missed_by
+from ncgear.kinematics.crank_stretches import driving_rad
 from ncgear.mechanisms.mechanism import Mechanism, RodMechanism
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.project.drive import Drive
+from ncgear.project.tooth_form import require_pushing_flanks
+from ncgear.ratio.laws.closed_curve import JOINED
 
 FRICTION = 0.25
 """Coefficient of friction of steel on steel at rest without grease, which is 0.15 to 0.3."""
@@ -122,3 +126,109 @@ def _clears(drive: Drive, key: str, value: float, least_rad: float, end_rad: flo
     except WrongInput:
         return False
     return changed.least_transmission(end_rad)[0] >= least_rad
+
+
+def made(drive: Drive) -> Advice | NotJudged:
+    """The refusal of the pitch curves, or of gears that were made for their inertia; else only teeth can tell."""
+    try:
+        require_pushing_flanks(drive.pitch, drive.gears.rack)
+        # Chords out of proportion to the teeth, or to the band of their thickness, are refused
+        _ = drive.chord_tolerance_mm
+    except DesignError as refusal:
+        # A build would try no other teeth, and has no more to say
+        return _refused(refusal, _nearest(drive))
+    if drive.design.masses is not None and not drive.design.motion.is_open:
+        # The masses of the machine ask for bodies where they leave out the inertia of the gears
+        _ = drive.masses
+    refused = drive.gear_refusal
+    return NotJudged(ONLY_TEETH) if refused is None else _refused(refused, (*_nearest(drive), ASK_BUILD))
+
+
+def bodies(drive: Drive) -> Advice | None:
+    """The refusal of the bodies of gears whose teeth are made."""
+    try:
+        _ = drive.finished_plans
+    except DesignError as refusal:
+        return _refused(refusal, (), "what is told here is of their teeth alone")
+    return None
+
+
+ASK_BUILD = Remedy("let ncgear build say what would help", short="ncgear build")
+
+
+FIT = Remedy("let ncgear fit find the nearest pitch curve whose gears can be made", short="ncgear fit")
+
+
+def _nearest(drive: Drive) -> tuple[Remedy, ...]:
+    """The command that follows a drawn outline, where there is one."""
+    return (FIT,) if drive.design.motion.gives_outline else ()
+
+
+WITHOUT_THEM = "what is told here is the motion without them"
+
+
+def _refused(refusal: DesignError, remedies: tuple[Remedy, ...], meaning: str = WITHOUT_THEM) -> Advice:
+    problem = refusal.problem
+    return Advice(
+        Kind.MADE,
+        (Where(),),
+        f"a build refuses these gears: {problem}",
+        meaning,
+        remedies,
+        brief=f"a build refuses these gears: {problem}",
+    )
+
+
+NAMED = 3
+"""Missed wishes that are named in brief, the first with what it misses; how many more there are is told."""
+
+
+def missed_wishes(drive: Drive) -> Advice | None:
+    """The hard wishes that the motion misses, and by how much."""
+    outcomes = drive.achieved.outcomes if drive.achieved else ()
+    hard = [outcome for outcome in outcomes if outcome.wish.hard]
+    missed = [outcome for outcome in hard if not outcome.kept]
+    if not missed:
+        return None
+    count = f"{len(missed)} of {len(hard)} {'' if len(hard) == len(outcomes) else 'hard '}wishes"
+    named = ", ".join(f"{outcome.wish.key} (by {missed_by(outcome)})" for outcome in missed)
+    shortly = [f"{missed[0].wish.key} by {missed_by(missed[0])}"]
+    shortly += [outcome.wish.key.removeprefix("wishes.") for outcome in missed[1:NAMED]]
+    more = [f"{len(missed) - NAMED} more by --verbose"] if len(missed) > NAMED else []
+    return Advice(
+        Kind.MISSED_WISH,
+        (Where(),),
+        f"the motion misses {count}: {named}",
+        f"the {drive.linkage.OUTPUT.name} moves otherwise than is wished",
+        (Remedy("let ncgear optimize look for a law that keeps every hard wish", short="ncgear optimize"),),
+        brief=f"{count} missed: {', '.join([*shortly, *more])}",
+    )
+
+
+def drawing(drive: Drive) -> Iterator[Advice]:
+    """The size by both units, and the greatest gap between parts that count as joined."""
+    given, facts = drive.design.motion.contour, drive.law.facts
+    gap_mm, *sides_mm = (float(facts[f"contour_{name}_mm"] or 0.0) for name in ("gap", "width", "height"))
+    if isinstance(given, DxfContour) and given.drawn_in not in (None, given.unit):
+        yield _of_unit(given, given.drawn_in or "", sides_mm)
+    if gap_mm > JOINED * max(sides_mm):
+        yield _remark(
+            f"parts of the contour miss each other by up to {to_digits(gap_mm, 2)} mm, as its rounded numbers do",
+            "they are put together",
+        )
+
+
+def _of_unit(given: DxfContour, drawn_in: str, sides_mm: Sequence[float]) -> Advice:
+    """That the drawing names another unit, with the size by both."""
+
+    def size(unit: str) -> str:
+        return " by ".join(to_digits(UNIT_MM[unit] / given.unit_mm * one, 3) for one in sides_mm) + " mm"
+
+    return _remark(
+        f"the drawing names {drawn_in} as its unit, and motion.dxf.unit is {given.unit}",
+        f"the contour is taken as about {size(given.unit)}; in {drawn_in} it would be {size(drawn_in)}",
+    )
+
+
+def _remark(what: str, so: str) -> Advice:
+    return Advice(Kind.DRAWING, (Where(),), what, so, matters=False, brief=f"{what}: {so}")
