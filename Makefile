@@ -14,7 +14,7 @@ test: .venv  ## quick and thorough tests
 slow: .venv  ## the tests that take longer
 	$(PYTHON) -m pytest -m slow
 
-mutants: .venv  ## break lines of each room's mathematics, one at a time, and write benchmarks/mutants.md; 20 minutes
+mutants: .venv  ## break lines of each room's mathematics, one at a time, and write benchmarks/mutants.md; 40 minutes
 	PYTHONPATH=tests $(PYTHON) -m mutants
 
 fuzz: .venv  ## ten times as many random designs and formulas as the slow tests have

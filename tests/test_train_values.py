@@ -108,6 +108,29 @@ def test_the_burden_of_even_gears() -> None:
     assert burden(standing, PathLimits(0.8, 20, 1000.0)) > 10.0
 
 
+def test_pitch_curves_of_a_ratio_that_swings_far_are_bent_as_its_samples_say() -> None:
+    """k2 = (1 + s + s'') cos^3 over the driven angle, w of the second pair and v of the first, by waves of s."""
+    known = motion(100.0, 60.0, 0.4)
+    w, ratio = known.ratio(360)
+    root = np.sqrt(ratio)
+    second = root / root.mean()
+    waves = 1j * np.fft.fftfreq(360, 1.0 / 360.0)
+
+    def by_w(values: np.ndarray) -> np.ndarray:
+        return np.fft.ifft(np.fft.fft(values) * waves).real
+
+    for pair, (own, faster) in enumerate(((root * root.mean(), second), (second, np.ones(360)))):
+        s = 1.0 / own
+        slope = by_w(s) / faster
+        tangent = slope / (1.0 + s)
+        bent = (1.0 + s + by_w(slope) / faster) / np.hypot(1.0, tangent) ** 3
+        found = pair_figures(known)[:, pair]
+        assert found[0] == pytest.approx(tangent, abs=1e-6)
+        assert found[2] == pytest.approx(bent, abs=1e-6)
+        assert found[1] + found[2] == pytest.approx((1.0 + s) ** 2 / s / np.hypot(1.0, tangent), abs=1e-6)
+    assert w[1] == pytest.approx(2.0 * pi / 360)
+
+
 @pytest.mark.parametrize(("carrier", "arm", "arms"), [(100.0, 60.0, 2), (100.0, 30.0, 3), (60.0, 100.0, 2)])
 def test_crowding_is_the_distance_of_all_arms_by_shapely(carrier: float, arm: float, arms: int) -> None:
     known = motion(carrier, arm)

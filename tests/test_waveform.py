@@ -32,6 +32,13 @@ def exact_harmonic(k: int) -> complex:
         return complex(total / (2 * mpmath.pi))
 
 
+def test_harmonics_count_from_the_start() -> None:
+    """3 cos(phi - 0.8) + 0.5 from 1.3 on: c_1 is half of 3 exp(i (1.3 - 0.8)), c_0 the mean, and no other is there."""
+    form = waveform(lambda angle: 3.0 * np.cos(angle - 0.8) + 0.5, TURN + 1.3)
+    found = form.harmonics(3)
+    assert found == pytest.approx(np.array([0.5, 1.5 * np.exp(0.5j), 0.0, 0.0]), abs=1e-12)
+
+
 @pytest.mark.slow
 def test_harmonics_of_a_function_with_jumps() -> None:
     found = waveform(parabolas, BREAKS).harmonics(40)

@@ -450,6 +450,27 @@ def test_wishes_that_contradict_are_refused_at_their_key(run: Run, wishes: str, 
     assert said in err
 
 
+BORDERS = [
+    "working_stroke: {angle_deg: 180}, time_ratio: {at_least: 1}",
+    "working_stroke: {angle_deg: 239, tolerance_deg: 1}, time_ratio: {at_least: 2}",
+    "working_stroke: {angle_deg: 359}",
+    "constant_speed: [{from_mm: 300, to_mm: 500}, {from_mm: 100, to_mm: 300}]",
+    "constant_speed: [{from_mm: 300, to_mm: 759}]",
+    "positions: [{at_mm: 760, phi1_deg: 100, tolerance_mm: 1}]",
+    "positions: [{at_mm: 300, phi1_deg: 359, tolerance_mm: 1}]",
+    "speed_at: [{at_mm: 759, at_most_mm_s: 10}]",
+    "speed_at: [{at_mm: 300, at_least_mm_s: 900, at_most_mm_s: 900}]",
+    "dwell: [{at: extended, within_mm: 1, for_deg: 200}, {at: retracted, within_mm: 1, for_deg: 159}]",
+    "gentle_stop: [{from_phi1_deg: -359, to_phi1_deg: 0, speed_at_most_mm_s: 900}]",
+]
+"""Wishes that only just do not contradict each other, the stroke of 760 mm, or the cycle."""
+
+
+@pytest.mark.parametrize("wishes", BORDERS)
+def test_wishes_that_only_just_agree_are_taken(wishes: str) -> None:
+    assert drive_of_text(f"{HEAD}wishes: {{{wishes}}}\n").design.wishes.model_fields_set
+
+
 def check(run: Run, wishes: str) -> tuple[int, str, str]:
     """A check of an evenly turning baler with wishes."""
     Path("d.yaml").write_text(f"{HEAD}wishes: {{{wishes}}}\n", encoding="utf-8")

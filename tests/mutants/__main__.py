@@ -135,9 +135,8 @@ def main() -> None:
     def then(collected: Collected) -> None:
         known = covering(collected, given.kept, given.processes)
         verdicts = Judge(collected, known, given.kept / "judged").verdicts(mutants, given.processes)
-        text = page(verdicts, given.each, given.seed)
-        whole = given.room is None and given.tests == "readme"
-        (PAGE if whole else given.kept / PAGE.name).write_text(text, encoding="utf-8")
+        text = page(verdicts, given.each, given.seed, given.tests)
+        (PAGE if given.room is None else given.kept / PAGE.name).write_text(text, encoding="utf-8")
 
     collect(then, MARKS[given.tests])
 

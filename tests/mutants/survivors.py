@@ -18,9 +18,12 @@ Lines of each room's mathematics are broken one at a time, {each} of each room, 
 run them have to fail ([how it is tested](../docs/how-it-is-tested.md)). An equivalent mutation changes nothing that
 anybody can see; the shares are of the others. `make mutants` writes this page.
 
-| room | drawn | equivalent | quick tests find | README's tests find |
-|---|---|---|---|---|
+| room | drawn | equivalent | {columns} |
+|---|---|---|{rules}|
 """
+
+COLUMNS = {"quick": ("quick tests find",), "readme": ("quick tests find", "README's tests find")}
+"""What is told of each room where these tests were run."""
 
 
 @dataclass(frozen=True)
@@ -44,23 +47,25 @@ class Reason:
     equivalent: bool = False
 
 
-def page(verdicts: Mapping[Mutant, Verdict], each: int, seed: int) -> str:
-    """What stands on the page."""
+def page(verdicts: Mapping[Mutant, Verdict], each: int, seed: int, tests: str) -> str:
+    """What stands on the page where the tests of ``make quick`` were run, or those of README's command."""
+    columns = COLUMNS[tests]
     known = {key: Reason(**one) for key, one in (YAML(typ="safe").load(REASONS) or {}).items()}
     rooms: dict[str, list[tuple[Mutant, Verdict]]] = {}
     for mutant, verdict in verdicts.items():
         rooms.setdefault(mutant.room, []).append((mutant, verdict))
-    rows = [_row(f"`{room}/`", some, known) for room, some in rooms.items()]
-    rows.append(_row("all", list(verdicts.items()), known))
-    told = [line for room, some in rooms.items() for line in _told(room, some, known)]
-    return HEAD.format(each=each, seed=seed) + "\n".join([*rows, *told]) + "\n"
+    rows = [_row(f"`{room}/`", some, known, len(columns)) for room, some in rooms.items()]
+    rows.append(_row("all", list(verdicts.items()), known, len(columns)))
+    told = [line for room, some in rooms.items() for line in _told(room, some, known, tests)]
+    head = HEAD.format(each=each, seed=seed, columns=" | ".join(columns), rules="|".join(["---"] * len(columns)))
+    return head + "\n".join([*rows, *told]) + "\n"
 
 
-def _row(name: str, some: Sequence[tuple[Mutant, Verdict]], known: Mapping[str, Reason]) -> str:
+def _row(name: str, some: Sequence[tuple[Mutant, Verdict]], known: Mapping[str, Reason], columns: int) -> str:
     equivalent = sum(_equivalent(mutant, verdict, known) for mutant, verdict in some)
     real = len(some) - equivalent
     quick, readme = (sum(map(bool, found)) for found in zip(*((one.quick, one.by) for _, one in some), strict=True))
-    shares = (f"{count} ({100 * count / max(real, 1):.0f} %)" for count in (quick, readme))
+    shares = (f"{count} ({100 * count / max(real, 1):.0f} %)" for count in (quick, readme)[:columns])
     return f"| {name} | {len(some)} | {equivalent} | {' | '.join(shares)} |"
 
 
@@ -68,7 +73,7 @@ def _equivalent(mutant: Mutant, verdict: Verdict, known: Mapping[str, Reason]) -
     return not verdict.by and mutant.key in known and known[mutant.key].equivalent
 
 
-def _told(room: str, some: Sequence[tuple[Mutant, Verdict]], known: Mapping[str, Reason]) -> Iterator[str]:
+def _told(room: str, some: Sequence[tuple[Mutant, Verdict]], known: Mapping[str, Reason], tests: str) -> Iterator[str]:
     """Those of a room that quick tests do not find."""
     left = [(mutant, verdict) for mutant, verdict in some if not verdict.quick]
     if left:
@@ -82,6 +87,6 @@ def _told(room: str, some: Sequence[tuple[Mutant, Verdict]], known: Mapping[str,
         elif reason is not None:
             yield f"{line} {'Equivalent: ' if reason.equivalent else ''}{reason.reason}"
         elif not verdict.passed:
-            yield f"{line} No test of README's command runs this line."
+            yield f"{line} {'No quick test' if tests == 'quick' else 'No test of README'} runs this line."
         else:
             yield f"{line} Nobody has looked at it."

@@ -1,0 +1,134 @@
+"""Borders at which a thing is refused, and drawings of a few lines: by hand, where whole designs seldom come."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+from ncgear.contact.written.as_written import require_reached
+from ncgear.drawings.charts.teeth_charts import backlash, transmission_error
+from ncgear.drawings.scene.standing import SUPPORT, supports_mm
+from ncgear.dynamics.history import PER_TURN, even_times_s
+from ncgear.errors import NoSuchMechanism
+from ncgear.figures.advice.given_advice import BEYOND_ALL, _is_empty
+from ncgear.figures.advice.strength_advice import THINNEST_WEB, _thin_body
+from ncgear.figures.numbers import to_size
+from ncgear.kinematics.crank_stretches import CrankStretch
+from ncgear.mechanisms.rack_pinion import TEETH, RackPinion
+from ncgear.metrology.round_tool import _free
+from ncgear.tolerances.iso286 import LEAST_MM, standard_tolerance_mm
+from ncgear.wishes.requirements import TimeWithin
+
+Made: Any = SimpleNamespace
+
+
+@pytest.mark.judges("contact")
+@pytest.mark.parametrize("place", range(3))
+def test_one_clearance_that_is_no_number_is_refused(place: int) -> None:
+    """Play upwards or downwards at one of three positions, or one of two tips."""
+    values = [np.array([0.1, 0.1, 0.1]), np.array([0.1, 0.1, 0.1]), np.array([0.2, 0.2])]
+    outlines = Made(source="csv")
+    require_reached(outlines, Made(up_rad=values[0], down_rad=values[1]), *values[2])
+    values[place][1] = np.nan if place == 2 else np.inf
+    with pytest.raises(NoSuchMechanism, match="do not reach each other"):
+        require_reached(outlines, Made(up_rad=values[0], down_rad=values[1]), *values[2])
+
+
+@pytest.mark.judges("drawings")
+def test_a_support_stands_evenly_under_its_axis() -> None:
+    linkage = Made(crank_mm=100.0, pivots_mm={"first": (0.0, 5.0), "rocker": (210.0, -20.0)}, guides_mm=())
+    lines = supports_mm(linkage)
+    assert len(lines) == 4
+    for (x, y), wedge, ground in zip(linkage.pivots_mm.values(), lines[::2], lines[1::2], strict=True):
+        assert wedge[1] == pytest.approx([x, y])
+        for line in (wedge, ground):
+            assert line[0] + line[-1] == pytest.approx([2.0 * x, 2.0 * (y - SUPPORT * 100.0)])
+            assert line[0, 0] < x < line[-1, 0]
+        assert wedge[2, 0] - wedge[0, 0] == pytest.approx(2.0 * SUPPORT * 100.0)
+
+
+@pytest.mark.judges("drawings")
+def test_errors_and_play_are_drawn_in_millionths_of_a_rad() -> None:
+    angle = np.array([0.0, 1.0, 2.0])
+    placement = Made(phi1_rad=angle, cycle_rad=3.0)
+    designed = Made(
+        placement=placement,
+        phi1_rad=angle,
+        pushing=Made(error_rad=np.array([1e-5, 2e-5, 3e-5])),
+        backlash_rad=np.array([4e-4, 5e-4, 6e-4]),
+    )
+    written = [Made(transmission_error_rad=worst, pushing_rad=worst * np.ones(3)) for worst in (1e-6, 7e-6)]
+    chart = transmission_error(Made(as_designed=designed, as_written=written))
+    assert chart.lines[0].values == pytest.approx([10.0, 20.0, 30.0])
+    assert chart.lines[1].values == pytest.approx([7.0, 7.0, 7.0])
+    assert backlash(designed).lines[0].values == pytest.approx([400.0, 500.0, 600.0])
+
+
+@pytest.mark.judges("figures")
+def test_lengths_in_files_have_eight_digits_of_the_largest() -> None:
+    assert [to_size(1.23456789, largest) for largest in (1.5, 15.0, 150.0, 0.15)] == [
+        1.2345679,
+        1.234568,
+        1.23457,
+        1.23456789,
+    ]
+
+
+@pytest.mark.judges("figures")
+def test_a_web_is_thin_by_its_share_of_the_face() -> None:
+    for more, thin in ((0.99, True), (1.01, False)):
+        body = Made(web=Made(thickness_mm=more * THINNEST_WEB * 20.0))
+        gears = Made(face_width_mm=20.0, driving=Made(web=None), driven=body)
+        assert bool(_thin_body(Made(gears=gears))) is thin
+
+
+@pytest.mark.judges("figures")
+def test_a_time_is_asked_for_in_vain_where_every_ratio_keeps_it() -> None:
+    """A stretch of 1 rad takes 1 over the greatest ratio to the greatest ratio; the rest of the turn likewise."""
+    cycle, stretch = 2.0 * np.pi, CrankStretch(0.5, 1.5)
+    drive, rest = Made(transmission=Made(cycle_rad=cycle)), cycle - 1.0
+    least, most = max(1.0 / BEYOND_ALL, cycle - rest * BEYOND_ALL), min(BEYOND_ALL, cycle - rest / BEYOND_ALL)
+    assert _is_empty(drive, TimeWithin(stretch, 0.99 * least, 1.01 * most))
+    assert not _is_empty(drive, TimeWithin(stretch, 1.01 * least, 1.01 * most))
+    assert not _is_empty(drive, TimeWithin(stretch, 0.99 * least, 0.99 * most))
+
+
+@pytest.mark.judges("dynamics")
+def test_a_course_is_told_at_even_times_so_many_in_a_turn() -> None:
+    course = Made(states=np.array([[0.5, 0.5 + 5.0 * np.pi]]), time_s=np.array([0.0, 3.0]))
+    times = even_times_s(course)
+    assert (times.size, times[0], times[-1]) == (round(2.5 * PER_TURN) + 1, 0.0, 3.0)
+    assert np.ptp(np.diff(times)) < 1e-12
+    assert even_times_s(course, 9 * PER_TURN).size == 9 * PER_TURN + 1
+
+
+@pytest.mark.judges("metrology")
+@pytest.mark.parametrize("left", [0.0, 0.3])
+def test_a_free_disc_touches_the_other_point(left: float) -> None:
+    """Its middle is its radius and what is left away along the normal, and its radius away from the other point."""
+    generator = np.random.default_rng(2)
+    point, other = generator.normal(size=(2, 50, 2))
+    turn = generator.uniform(0.0, 6.3, 50)
+    normal = np.stack([np.cos(turn), np.sin(turn)], axis=-1)
+    radius = _free(point, normal, other, left)
+    middle = point + normal * (radius + left)[:, None]
+    touching = (radius > 0.0) & np.isfinite(radius)
+    assert touching.sum() > 10
+    assert np.hypot(*(middle - other).T)[touching] == pytest.approx(radius[touching])
+
+
+@pytest.mark.judges("mechanisms")
+def test_a_drawn_pinion_has_the_heights_of_its_rack() -> None:
+    module = 2.0 * 40.0 / TEETH
+    radii = np.hypot(*np.array(RackPinion(40.0)._pinion()).T)
+    assert (radii.min(), radii.max()) == pytest.approx((40.0 - 1.25 * module, 40.0 + module))
+
+
+@pytest.mark.judges("tolerances")
+def test_widths_below_the_standard_go_with_the_size() -> None:
+    least = standard_tolerance_mm(7, LEAST_MM)
+    assert least is not None
+    assert standard_tolerance_mm(7, LEAST_MM / 4.0) == pytest.approx(least / 4.0)
