@@ -57,7 +57,9 @@ def test_rounding_touches_flank_and_tip(basic: BasicRack) -> None:
     assert (on_flank - center) @ normal == pytest.approx(basic.root_radius_mm, rel=1e-13)
     touching = center + basic.root_radius_mm * normal
     assert touching[1] == pytest.approx(-basic.flank_depth_mm, rel=1e-13)
-    assert basic.dedendum_mm - basic.flank_depth_mm == pytest.approx(basic.root_radius_mm * (1.0 - sin(angle)), rel=1e-13)
+    assert basic.dedendum_mm - basic.flank_depth_mm == pytest.approx(
+        basic.root_radius_mm * (1.0 - sin(angle)), rel=1e-13
+    )
 
 
 @at_once("basic", RACKS)

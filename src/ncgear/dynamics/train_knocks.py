@@ -146,7 +146,8 @@ class KnockingTrain:
             step_rad = self.speed_rad_s * step_s
             middles = phi1[-1][-1] + HELD * step_rad * (np.arange(SWINGS * PER_SWING // HELD) + 0.5)
             along = self._at(middles)
-            speeds = self.speed_rad_s, self.speed_rad_s * self.pairs[0].meshing.law.at(middles)[1]
+            slope = self.pairs[0].meshing.law.at(middles)[1]
+            speeds = self.speed_rad_s * np.stack([np.ones_like(slope), slope])
             pairs = [
                 near_pairs(one.meshing, angle, speed, top)
                 for one, angle, speed, top in zip(self.pairs, along.angle_rad, speeds, most, strict=True)
