@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import field, replace
+from functools import partial
 from math import pi, radians
 from typing import Any, Literal
 
@@ -40,7 +41,6 @@ from ncgear.pitch.curve import CurvePoints
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.finer import require_made
-from ncgear.teeth.gear import ToothedGear
 
 TRIALS, NEARER = 10, 2
 """Pairs made at most until one is not refused, and how many more are tried between it and the last refusal where it
@@ -370,7 +370,7 @@ class _Search:
     def best(self, teeth: int, start: Rolled | None, on_trial: OnTrial) -> _Made:
         """The nearest of the pairs that were made; raises NoSuchMechanism where all are refused."""
         limits, curve = self.limits, start
-        kept: _Made | None = None
+        good = list[_Made]()
         refused: _Made | None = None
         left = TRIALS
         for trial in range(TRIALS + NEARER):
@@ -380,24 +380,27 @@ class _Search:
             left -= 1
             if made.refusal is not None:
                 refused = made
-            elif kept is None:
-                kept, left = made, NEARER if trial < STUBBORN else 1
-            elif self._away_mm(made) < self._away_mm(kept):
-                kept = made
-            if kept is not None and refused is not None and self._away_mm(kept) < (1 + WORTH) * self._away_mm(refused):
-                break
-            if left == 0:
-                break
-            limits = _between(kept, refused) if kept is not None else _drawn_in(made, trial)
-        if kept is None:
-            assert refused is not None
-            assert refused.refusal is not None
-            raise NoSuchMechanism(
-                f"no pair near the outline can be made with {teeth} teeth{_most_lacking(refused)}; more teeth of a "
-                f"smaller module, or a rounder outline there, are right; at last: {refused.refusal.problem}",
-                key=refused.refusal.key,
-            )
-        return kept
+            elif not good:
+                good, left = [made], NEARER if trial < STUBBORN else 1
+            elif self._away_mm(made) < self._away_mm(good[-1]):
+                good.append(made)
+            near = good and refused is not None and self._away_mm(good[-1]) < (1 + WORTH) * self._away_mm(refused)
+            if near or left == 0:
+                # Written outlines hardly ever refuse what exact teeth allow, and take as long as these.
+                while good:
+                    made = _judged(good.pop(), lambda one: require_made(one.drive))
+                    if made.refusal is None:
+                        return made
+                    refused = made
+                left = TRIALS + NEARER - 1 - trial
+            limits = _between(good[-1], refused) if good else _drawn_in(made, trial)
+        assert refused is not None
+        assert refused.refusal is not None
+        raise NoSuchMechanism(
+            f"no pair near the outline can be made with {teeth} teeth{_most_lacking(refused)}; more teeth of a "
+            f"smaller module, or a rounder outline there, are right; at last: {refused.refusal.problem}",
+            key=refused.refusal.key,
+        )
 
     def _away_mm(self, made: _Made) -> float:
         """What is to be least."""
@@ -420,20 +423,25 @@ def _made(design: Design, curve: Rolled, limits: Limits) -> _Made:
     keys = type(design.motion).model_validate({key: value for key, value in motion.items() if key[:5] != "phase"})
     changes = {"motion": keys, "masses": None, "gears": gears.model_copy(update=size)}
     drive = Drive(design.model_copy(update=changes))
-    made = _Made(curve, limits, drive, motion)
-    gear = _given_gear(motion)
+    return _judged(_Made(curve, limits, drive, motion), partial(_with_contact, gears=gears))
+
+
+def _judged(made: _Made, judge: Callable[[_Made], _Made | None]) -> _Made:
+    """The pair as a judge of it leaves it, or with the refusal that the judge raises, and where it lacks contact."""
+    found = made
     try:
-        made = _with_contact(made, drive.teeth.of(gear), gears)
-        require_made(drive)
+        found = judge(made) or made
+        found.drive.require_sound_teeth()
     except RefusedAt as refusal:
-        at = _places(curve, drive.pitch.of(gear).at_angle(np.array([refusal.phi1_rad])))
+        pitch = made.drive.pitch.of(_given_gear(made.motion))
+        at = _places(made.curve, pitch.at_angle(np.array([refusal.phi1_rad])))
         rows = np.column_stack([at, np.full(1, CLASH)])
-        return replace(made, refusal=refusal, lacking=np.vstack([made.lacking, rows]))
+        return replace(found, refusal=refusal, lacking=np.vstack([found.lacking, rows]))
     except NoSuchMechanism as refusal:
-        short = made.arcs < SHORT
-        rows = np.column_stack([made.meetings_mm[short], SHORT - made.arcs[short]])
-        return replace(made, refusal=refusal, lacking=np.vstack([made.lacking, rows]))
-    return made
+        short = found.arcs < SHORT
+        rows = np.column_stack([found.meetings_mm[short], SHORT - found.arcs[short]])
+        return replace(found, refusal=refusal, lacking=np.vstack([found.lacking, rows]))
+    return found
 
 
 def _places(curve: Rolled, at: CurvePoints) -> Array:
@@ -443,8 +451,9 @@ def _places(curve: Rolled, at: CurvePoints) -> Array:
     return found
 
 
-def _with_contact(made: _Made, gear: ToothedGear, gears: Gears) -> _Made:
-    """The same with how long flanks touch; ``gear`` is the one whose curve is given."""
+def _with_contact(made: _Made, gears: Gears) -> _Made:
+    """The same with how long flanks touch."""
+    gear = made.drive.teeth.of(_given_gear(made.motion))
     contact, placement = made.drive.free_contact, made.drive.free_contact.placement
     sides, own = (contact.pushing, contact.back), gear.flanks.curve.gear.value
     crossing = np.concatenate([gear.flanks.crossing_mm[getattr(side.meetings, own)] for side in sides])

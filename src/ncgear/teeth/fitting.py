@@ -8,6 +8,7 @@ are then as deep as the mate's tips reach.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -124,7 +125,11 @@ def _fitted_to_mates(
     bounds = _bounds(gears[0], regular[1], mates[0]), _bounds(gears[1], regular[0], mates[1])
     undercut = regular[0][1], regular[1][1]
     plain = _regular_tips(gears, bounds, undercut, limits)
-    raised = (_raised(gears[0], plain[1], mates[0]), _raised(gears[1], plain[0], mates[1]))
+    raised = cache(
+        lambda: _regular_tips(
+            (_raised(gears[0], plain[1], mates[0]), _raised(gears[1], plain[0], mates[1])), bounds, undercut, limits
+        )
+    )
     paths = None
     if min(gear.curve.curvature_bounds[0] for gear in gears) < 0.0:
         paths = paths_near_concave(gears, mates)
@@ -132,7 +137,7 @@ def _fitted_to_mates(
     refusals: list[NoSuchMechanism] = []
     for way in WAYS if limits.way is None else (limits.way,):
         try:
-            tips = _regular_tips(raised, bounds, undercut, limits) if way.raised else plain
+            tips = raised() if way.raised else plain
             free = _freed(tips, paths, way.first)
             first, second = _below_ceilings(free, limits)
             deep = _deepened(first, second, mates[0], clearance), _deepened(second, first, mates[1], clearance)
