@@ -16,7 +16,7 @@ from math import radians, tan
 from pathlib import Path
 from time import perf_counter
 
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import RodMasses
 from ncgear.optimum.certified.demands import Demands
 from ncgear.optimum.certified.limit import Bound, least_acceleration, least_power
 from ncgear.optimum.certified.sums import PeakWeights, least_weighted_sum

@@ -25,6 +25,7 @@ from tiers import Collected, tier_of
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
     os.environ.setdefault(name, "1")
 
+gc.disable()
 gc.set_threshold(100_000)
 
 # What typer reads from the functions of all commands is the same in every run; to read it takes 50 ms each time.
@@ -70,8 +71,9 @@ def pytest_itemcollected(item: pytest.Item) -> None:
 
 
 def pytest_collection_finish() -> None:
-    """Leave all that is there before the first test out of what is looked through."""
+    """Leave all that is there before the first test out of what is looked through from now on."""
     gc.freeze()
+    gc.enable()
 
 
 @pytest.fixture

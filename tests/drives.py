@@ -18,9 +18,8 @@ import numpy as np
 
 from commands import new_folder
 from ncgear.design.keys.design import Design, design_model
-from ncgear.design.reading.design_file import LoadedDesign, load
+from ncgear.design.reading.design_file import LoadedDesign, load, load_train
 from ncgear.design.reading.text import has_train
-from ncgear.design.reading.train_file import load_train
 from ncgear.files.build import build
 from ncgear.project.drive import Drive
 from ncgear.trains.train import Train

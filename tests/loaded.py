@@ -16,7 +16,7 @@ from ncgear.dynamics.meshing import Friction, Impact, Meshing
 from ncgear.dynamics.motion_in_time import DriveLine, EvenDrive, ToothedMachine, law_table
 from ncgear.dynamics.pair_places import PairPlaces
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import RodMasses
 from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Number

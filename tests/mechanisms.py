@@ -7,7 +7,7 @@ import numpy as np
 
 from ncgear.balance.mechanism import Carrier, Counterweight, DrivenCrank
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import RodMasses
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
 from pairs import sine_law

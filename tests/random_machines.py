@@ -11,7 +11,7 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism
 from ncgear.mechanisms.crank_rocker import CrankRocker
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import RodMasses
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.resistance import FormulaResistance, PolynomialResistance, Resistance, TableResistance
 from ncgear.mechanisms.scotch_yoke import ScotchYoke

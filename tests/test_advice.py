@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+from at_once import at_once
 from drives import MACHINES, design_of, loaded
 from ncgear.design.beginning import begun, usual_answers
 from ncgear.design.keys.design import json_schema
@@ -311,7 +312,7 @@ def test_values_read_as_text() -> None:
     assert str(Remedy("do it", (Change("a.b", True),), "ncgear optimize")) == "do it (a.b: true, then ncgear optimize)"
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("crank", "driving", "driven", "near"),
     [
         # The axes are 80 mm apart, and the pin is taken to be as thick as the driven shaft
@@ -449,7 +450,7 @@ def test_a_gentler_law_is_not_advised_where_it_would_miss_a_wish_that_is_kept() 
         assert len([one for one in advice.remedies if "swing" in one.text]) == count
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("stretches", "said"),
     [
         ([(71.2, 110.4)], "71..110"),

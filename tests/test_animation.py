@@ -14,6 +14,7 @@ import pytest
 from matplotlib.axes import Axes
 from PIL import Image
 
+from at_once import at_once
 from commands import Run
 from ncgear import extras
 from ncgear.drawings.animation import AnimationFormat, packing, require_shown
@@ -291,7 +292,7 @@ def test_a_gif_too_fast_for_its_viewers_is_refused(
     assert "--frames" in err
 
 
-@pytest.mark.parametrize(("frames", "seconds"), [(50, 1.0), (2, 0.1), (600, 12.0), (37, 0.9), (72, 4.0)])
+@at_once(("frames", "seconds"), [(50, 1.0), (2, 0.1), (600, 12.0), (37, 0.9), (72, 4.0)])
 def test_every_frame_of_a_gif_is_shown_for_at_least_two_hundredths_of_a_second(frames: int, seconds: float) -> None:
     require_shown(AnimationFormat.GIF, frames, seconds)
     durations = Loop(frames, seconds, 320).durations_ms

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 import reports
+from at_once import at_once
 from commands import ROOT, Run
 from drives import DESIGNS, MACHINES, designs_with, drive, loaded
 from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
@@ -26,10 +27,9 @@ from ncgear.figures.answers.answer import (
 )
 from ncgear.figures.answers.machine import build_answer, check_answer, head_of
 from ncgear.figures.data_sheet.sheet import data_sheet
-from ncgear.figures.every_figure import _table
 from ncgear.figures.quantities import NAMES, SIZES, name_of
 from ncgear.figures.summary.build_summary import build_summary
-from ncgear.figures.terminal import summary_text
+from ncgear.figures.terminal import _table, summary_text
 from ncgear.project.drive import Drive
 from tiers import long_but
 
@@ -203,14 +203,14 @@ def test_the_most_serious_comes_first_and_remarks_are_left_out() -> None:
     assert [fault.what for fault in faults_of(verdict)] == ["stage 2: strength", "ring"]
 
 
-@pytest.mark.parametrize("name", [*QUICK, "baler-66-two-stage", "feeder-wishes"])
+@at_once("name", [*QUICK, "baler-66-two-stage", "feeder-wishes"])
 def test_every_warning_of_a_check_is_a_fault(name: str) -> None:
     made = drive(name)
     verdict = judged(made, Known.MOTION)
     assert len(faults_of(verdict)) == len(verdict.warnings)
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("own", "other", "words"),
     [
         (6315.1, 8689.4, "27.3 % lower"),
@@ -262,7 +262,7 @@ def in_sheet(name: str) -> dict[str, str]:
 def in_answer(name: str) -> dict[str, str]:
     """Names and figures of the screen, with those that stand behind others in one row."""
     made = drive(name)
-    rows = build_answer(made, reports.contacts(name), judged(made, Known.TEETH), "").rows
+    rows = build_answer(made, judged(made, Known.TEETH), "").rows
     found = {row.name: row.texts[0] for row in rows}
     for row in rows:
         first, *others = row.texts[0].split(", ")
@@ -327,7 +327,7 @@ def test_the_names_are_in_no_other_list() -> None:
     source = ROOT / "src" / "ncgear"
     files = [path for path in source.rglob("*.py") if path.name != "quantities.py"]
     own = {"centre distance", "greatest pressure angle", "peak acceleration, working stroke", "play of the driven gear"}
-    held = {path.name: [name for name in own if f'"{name}"' in path.read_text(encoding="utf-8")] for path in files}
+    held = {str(path): [name for name in own if f'"{name}"' in path.read_text(encoding="utf-8")] for path in files}
     assert {name: found for name, found in held.items() if found} == {}
 
 

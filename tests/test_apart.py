@@ -12,6 +12,7 @@ import shapely
 from shapely import Polygon
 
 import ncgear.contact.written.apart as search
+from at_once import at_once
 from engaged import made
 from ncgear.contact.placement import Placement, placed
 from ncgear.contact.written.apart import REACHES_IN_PITCHES, Apart, Facing, apart_play
@@ -161,8 +162,8 @@ def test_chords_follow_the_outline_in_pieces_no_longer_than_wanted(longest: floa
     assert chords.length_mm.sum() == pytest.approx(np.abs(np.diff(ring, append=ring[0])).sum(), rel=1e-12)
 
 
-@pytest.mark.parametrize("seed", range(5))
-@pytest.mark.parametrize(("near", "cell"), [(0.3, 0.4), (1.0, 0.2), (0.05, 1.0)])
+@at_once("seed", range(5))
+@at_once(("near", "cell"), [(0.3, 0.4), (1.0, 0.2), (0.05, 1.0)])
 def test_cells_name_all_chords_that_are_near(seed: int, near: float, cell: float) -> None:
     ring = jagged(seed) if seed % 2 else jagged(seed)[::-1]
     chords = chords_of(ring, np.inf)

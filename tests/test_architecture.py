@@ -10,6 +10,7 @@ from pathlib import Path
 import networkx
 import pytest
 
+from at_once import at_once
 from commands import ROOT, loaded_by, modules_after
 from drives import loaded
 from every_command import completing
@@ -156,11 +157,10 @@ WRITERS = {
     "files/train.py",
     "files/workshop/dxf.py",
     "files/workshop/solid_files.py",
-    "drawings/page/solid_view.py",
+    "drawings/solid_pair.py",
     "studio/chains.py",
-    "studio/entrance.py",
+    "studio/server.py",
     "studio/worker.py",
-    "studio/zipped.py",
 }
 """What may write files: whole sets of files; a new design file, of which the path is free; lines of finished points;
 the temporary file that leads a browser to the studio.  And what calls the same of a library, for a text in memory, or
@@ -270,7 +270,7 @@ def test_a_check_makes_no_tooth(name: str) -> None:
     assert made == ["law", "machine", "check", "uniform_check", "pitch"]
 
 
-@pytest.mark.parametrize("name", [name for name in VALUES if name != "solids"])
+@at_once("name", [name for name in VALUES if name != "solids"])
 def test_asking_twice_for_a_value_computes_once(name: str) -> None:
     drive = Drive(loaded("ellipse").design)
     first = getattr(drive, name)

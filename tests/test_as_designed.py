@@ -12,6 +12,7 @@ import shapely
 from scipy.optimize import brentq
 from shapely import LineString, Point, Polygon
 
+from at_once import at_once
 from drives import drive
 from engaged import MODULE, TOLERANCE, designed, made, outlines, read, written
 from ncgear.contact.designed.as_designed import AsDesigned, SideContact, as_designed, contacts_within
@@ -169,7 +170,7 @@ def transverse_contact_ratio(first: float, second: float, angle: float) -> float
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize(
+@at_once(
     ("name", "teeth", "angle_deg"),
     [("uniform", 18, 20.0), ("uniform", 25, 20.0), ("uniform 1:2", 24, 20.0), ("uniform 3:2", 30, 20.0),
      ("uniform", 100, 14.5), ("uniform", 36, 14.5)],

@@ -13,7 +13,7 @@ import pytest
 from commands import ROOT, Run
 from drives import drive_of_text
 from ncgear.cli.app import COMMANDS
-from ncgear.cli.as_json import print_figures
+from ncgear.cli.arguments import print_figures
 from ncgear.errors import Unanswered
 from ncgear.figures.csv_text import outline_csv
 from ncgear.figures.terminal import kept_lines

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from at_once import at_once
 from commands import Run
 from ncgear.design.asked_machine import QUESTIONS, asked_text, fault_of_answer, likely_answers
 from ncgear.design.template import MachineName, machine_template
@@ -15,7 +16,7 @@ from ncgear.project.opened import load, loads
 from test_new_command import at_terminal
 
 
-@pytest.mark.thorough
+@pytest.mark.tiers(thorough=["pump"], rest="slow")
 @pytest.mark.parametrize("machine", MachineName)
 def test_likely_answers_are_the_machine_of_that_kind(machine: MachineName) -> None:
     """The flywheel by the exact work or a disc by hand; the file asks for the same machine."""
@@ -65,7 +66,7 @@ def test_each_answer_changes_its_keys() -> None:
     assert (none.free_flywheel, none.choices.center_distance_mm) == (None, None)
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("question", "answer", "said"),
     [
         ("force", "much", "much given; a number over 0 is right"),

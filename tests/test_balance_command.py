@@ -15,14 +15,14 @@ import numpy as np
 import pytest
 import trimesh
 
+from at_once import at_once
 from commands import Run, changed
 from drives import DESIGNS, drive
 from ncgear.design.keys.balance import Balance
 from ncgear.design.keys.design import json_schema
 from ncgear.design.reading.balance_file import load_balance
-from ncgear.figures.answers.shaken import balance_answer
-from ncgear.figures.balance.parts import figures_of
-from ncgear.figures.every_figure import full_text
+from ncgear.figures.balance.parts import balance_answer, figures_of
+from ncgear.figures.terminal import full_text
 from ncgear.files.balance import balance_files
 from ncgear.project.balancing import Balancing
 
@@ -253,7 +253,7 @@ WRONG: dict[str, tuple[str, str, str]] = {
 }
 
 
-@pytest.mark.parametrize("name", WRONG)
+@at_once("name", WRONG)
 def test_a_wrong_file_is_told_by_place_and_key(name: str, run: Run) -> None:
     text, place, words = WRONG[name]
     Path("a.yaml").write_text(text)
@@ -272,7 +272,7 @@ excitations:
 """
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("given", "place"),
     [
         ({"natural": "1.0e+300"}, "a.yaml:3:16: excitations.natural_hz.0"),
@@ -364,7 +364,7 @@ WRONG_READINGS: dict[str, tuple[str, str, str]] = {
 }
 
 
-@pytest.mark.parametrize("name", WRONG_READINGS)
+@at_once("name", WRONG_READINGS)
 def test_wrong_readings_are_told_by_line(name: str, run: Run) -> None:
     text, place, words = WRONG_READINGS[name]
     Path("a.yaml").write_text(TWO_PLANES)
@@ -375,10 +375,9 @@ def test_wrong_readings_are_told_by_line(name: str, run: Run) -> None:
     assert words in err
 
 
-@pytest.mark.parametrize(
+@at_once(
     "text",
     ["name: a\n---\nname: b\n", "[" * 40, "{a: " * 40, "".join(f"k{i}: 1\n" for i in range(300))],
-    ids=["two documents", "deep list", "deep group", "many keys"],
 )
 def test_faults_of_the_form_do_not_speak_of_a_design(text: str, run: Run) -> None:
     Path("a.yaml").write_text(text)
@@ -400,7 +399,7 @@ WRONG_RUNS: dict[str, tuple[str, str, str]] = {
 }
 
 
-@pytest.mark.parametrize("name", WRONG_RUNS)
+@at_once("name", WRONG_RUNS)
 def test_wrong_measurements_are_told_by_line(name: str, run: Run) -> None:
     text, place, words = WRONG_RUNS[name]
     Path("a.yaml").write_text(CHAIN)

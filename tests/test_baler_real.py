@@ -13,7 +13,7 @@ from documented.installing import ROOT
 from drives import drive, loaded
 from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.kinematics.motion import Machine
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import RodMasses
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.task import felt
 from ncgear.project.best_law import BestLaw
@@ -48,7 +48,7 @@ def law(name: str) -> Transmission:
 def powers(name: str, masses: RodMasses) -> tuple[float, float]:
     """Greatest driving and braking power in W of the driving shaft at 60 r/min."""
     found = felt(RigidMachine(Machine(law(name), BALER_LINKAGE, PRESS, 60.0 * RPM), masses), 0.05)
-    return found.peak_power_w, found.braking_power_w
+    return found["peak_power_w"], found["braking_power_w"]
 
 
 def table() -> dict[str, list[str]]:

@@ -23,7 +23,7 @@ from drives import DESIGNS, drive, drive_of_text
 from ncgear.contact.placement import placed
 from ncgear.contact.written.as_written import Outlines, as_written, reach_mm
 from ncgear.figures.answers.answer import COLUMNS, LINES, answer_text
-from ncgear.figures.answers.bench import bench_answer
+from ncgear.figures.bench import bench_answer
 from ncgear.pitch.shape import Gear
 from ncgear.project import bench
 from ncgear.project.bench import BenchStage, Trial

@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 from scipy.integrate import quad
 from shapely import Point, Polygon
 
+from at_once import at_once
 from drives import DESIGNS, drive, drive_of_text
 from engaged import read
 from ncgear.balance.gears import mesh_body
@@ -122,8 +123,8 @@ def test_a_set_screw_over_the_keyway_is_as_long_as_the_wall_there() -> None:
     assert taken == pytest.approx(hole_volume(1.5, 12.0, None, 6.8), rel=2e-3)
 
 
-@pytest.mark.parametrize("tolerance", [0.05, 0.005])
-@pytest.mark.parametrize("diameter", [1.0, 9.0])
+@at_once("tolerance", [0.05, 0.005])
+@at_once("diameter", [1.0, 9.0])
 def test_the_quadrature_that_judges_a_screw_hole_has_digits_to_spare(tolerance: float, diameter: float) -> None:
     """Against the same cut by booleans, to a tenth of what is allowed."""
     screw = SetScrew(diameter, WIDTH + 6.0, 0.7)
@@ -552,7 +553,7 @@ WRONG = [
 ]
 
 
-@pytest.mark.parametrize(("text", "key", "problem"), WRONG)
+@at_once(("text", "key", "problem"), WRONG)
 def test_wrong_bodies_are_refused_with_their_place(text: str, key: str, problem: str) -> None:
     with pytest.raises(WrongInput, match=problem) as caught:
         asked("  " + text)

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from at_once import at_once
 from drives import drive_of_text
 from ncgear.errors import DesignError
 from ncgear.numerics.bounds import rounded_up, shown_above, shown_below
@@ -60,7 +61,7 @@ BOUNDS: list[tuple[str, str, str]] = [
 ]
 
 
-@pytest.mark.parametrize(("key", "wrong", "told"), BOUNDS)
+@at_once(("key", "wrong", "told"), BOUNDS)
 def test_a_told_bound_is_accepted(key: str, wrong: str, told: str) -> None:
     said = refused(text_with(**{key: wrong}))
     found = re.search(told, said)

@@ -7,6 +7,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from at_once import at_once
 from ncgear.errors import Unanswered
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.zeros import zeros_between, zeros_by_slope
@@ -19,7 +20,7 @@ def test_many_zeros_at_once() -> None:
 
 
 @pytest.mark.judges("numerics")
-@pytest.mark.parametrize(
+@at_once(
     ("function", "low", "high", "zero"),
     [
         (lambda t: t**9, -1.0, 4.0, 0.0),
@@ -94,7 +95,7 @@ def test_a_function_that_is_no_number_has_no_zero() -> None:
         zeros_between(lambda points: points * np.nan, np.zeros(2), np.ones(2))
 
 
-@pytest.mark.parametrize("seed", range(4))
+@at_once("seed", range(4))
 def test_a_zero_that_is_found_early_stays_while_others_are_sought(seed: int) -> None:
     """Functions that are themselves solved for have digits that vary.
 
@@ -127,7 +128,7 @@ def by_slope(function: Callable[[Array], Array], slope: Callable[[Array], Array]
 
 
 @pytest.mark.judges("numerics")
-@pytest.mark.parametrize(
+@at_once(
     ("function", "slope", "good", "bad"),
     [
         (np.cos, lambda t: -np.sin(t), 0.0, 3.0),
@@ -135,7 +136,6 @@ def by_slope(function: Callable[[Array], Array], slope: Callable[[Array], Array]
         (lambda t: np.exp(50.0 * (t - 1.0)) - 1.0, lambda t: 50.0 * np.exp(50.0 * (t - 1.0)), 1.5, -3.0),
         (lambda t: 2.0 - t - 3.0 * np.abs(t - 0.6), lambda t: -1.0 - 3.0 * np.sign(t - 0.6), 0.5, 2.0),
     ],
-    ids=["cosine", "steep", "flat at one end", "kinked"],
 )
 def test_places_beside_zeros_by_slope_are_those_of_bisection(
     function: Callable[[Array], Array], slope: Callable[[Array], Array], good: float, bad: float

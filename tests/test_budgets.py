@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 
+from at_once import at_once
 from ncgear.design.reading import yaml
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.errors import WrongInput
@@ -116,7 +117,7 @@ MOST_BYTES_OF_TEETH = 150e6
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize(
+@at_once(
     ("module_mm", "tolerance_mm", "made"),
     [
         (3.0, USUAL_TOLERANCE_MM, True),

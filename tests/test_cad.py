@@ -12,6 +12,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from at_once import at_once
+
 pytest.importorskip("OCP", reason="python -m pip install 'ncgear[step]' installs what makes exact solids")
 
 from scipy.interpolate import BSpline
@@ -100,7 +102,7 @@ def test_the_macro_shows_a_design_in_freecad_and_follows_it(tmp_path: Path) -> N
     assert bored == pytest.approx(6.0 * pi * 2.5**2, rel=0.01)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_an_answer_has_the_same_solids_and_pitch_curves() -> None:
     pytest.importorskip("OCP")
     from io import BytesIO
@@ -121,8 +123,8 @@ def test_an_answer_has_the_same_solids_and_pitch_curves() -> None:
         assert sum(curve["times"]) == len(curve["poles"]) + 4
 
 
-@pytest.mark.parametrize("name", ["ellipse", "rounded-square", "spiral-pair"])
-@pytest.mark.parametrize("gear", list(Gear))
+@at_once("name", ["ellipse", "rounded-square", "spiral-pair"])
+@at_once("gear", list(Gear))
 @pytest.mark.thorough
 def test_the_spline_of_a_pitch_curve_follows_it_also_at_joints(name: str, gear: Gear) -> None:
     """Distances by many chords of the exact curve at other places than the spline was judged at."""

@@ -16,6 +16,7 @@ from PIL import ImageFont
 import drives
 import ncgear.plots
 import reports
+from at_once import at_once
 from ncgear.drawings.animation.moving_picture import CHART_LOOK
 from ncgear.drawings.charts.chart import Chart, Line, Role
 from ncgear.drawings.charts.drawer import MOTION_LOOK, Look, draw
@@ -127,7 +128,7 @@ def test_the_note_of_a_picture_tells_the_peak_that_a_check_tells() -> None:
     assert axes.texts[0].get_text() == f"{made.check.peak_acceleration_cycle.value:.0f} mm/s\u00b2 at 331\u00b0"
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_notes_of_loads_tell_the_peaks_that_a_simulation_tells() -> None:
     made = drives.drive("baler-real")
     loads = [rigid.machine.at(drawn_angles_rad(made)) for rigid in (made.rigid, made.uniform_rigid)]
@@ -154,7 +155,7 @@ def test_a_level_extreme_is_named_where_it_begins() -> None:
 TEXT = re.compile(r'<text style="[^"]*text-anchor: (\w+);[^"]*" x="([\d.]+)" y="([\d.]+)"[^>]*>([^<]+)<')
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("largest", "size"),
     [(2e-7, CHART), (0.4, OF_REPORT), (8.0, CHART), (1.1e5, CHART), (1.1e5, OF_REPORT), (3e7, CHART), (2e12, CHART)],
 )

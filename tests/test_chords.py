@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import shapely
 
+from at_once import at_once
 from ncgear.teeth.chords import sampled, straddled
 from ncgear.teeth.stretch import Stretch, joined, split
 
@@ -146,8 +147,8 @@ def test_no_curves_have_no_points(sampling: Sampling) -> None:
     assert key.size == 0
 
 
-@pytest.mark.parametrize("sampling", [sampled, straddled])
-@pytest.mark.parametrize("tolerance", [0.5, 0.05, 1e-3])
+@at_once("sampling", [sampled, straddled])
+@at_once("tolerance", [0.5, 0.05, 1e-3])
 def test_a_bound_of_the_turning_changes_no_points(sampling: Sampling, tolerance: float) -> None:
     """Arcs of 1 rad less a little: of small ones, a single chord is known to do without probes."""
     short = replace(stretch("arcs"), end=np.full(3, 1.19), rolled=np.array([np.full(3, 0.2), np.full(3, 1.19)]))

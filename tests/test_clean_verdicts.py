@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from shapely import Polygon
 
+from at_once import at_once
 from clean_designs import design, ready
 from drives import design_of
 from ncgear.errors import DesignError
@@ -25,8 +26,7 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.jamming import jamming_of
 from ncgear.project.strengthening import rating_of
-from ncgear.project.tolerance_limits import limits_of
-from ncgear.project.usual_tolerances import tolerances_of
+from ncgear.project.tolerance_limits import limits_of, tolerances_of
 from ncgear.strength.holding import Damage
 from oracles import conditions as outside
 from oracles.meshing import Pair
@@ -494,7 +494,7 @@ def test_elements_see_loads_that_are_wrongly_judged(load: float) -> None:
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("kind", [Kind.PRESSURE_ANGLE, Kind.RATIO_RANGE, Kind.CRANK_PIN, Kind.ROD])
+@at_once("kind", [Kind.PRESSURE_ANGLE, Kind.RATIO_RANGE, Kind.CRANK_PIN, Kind.ROD])
 def test_a_verdict_that_always_warns_is_seen(kind: Kind) -> None:
     assert JUDGES[kind](seen_of(CLEAN), broken(kind)) is not None
 

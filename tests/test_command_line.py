@@ -16,6 +16,7 @@ import pytest
 
 import ncgear
 import ncgear.cli
+from at_once import at_once
 from commands import Run, changed, environment, fresh
 from ncgear.design.laws.registry import LawName
 from ncgear.design.reading.design_file import parsed
@@ -456,7 +457,7 @@ def test_faults_come_in_file_order_up_to_ten(run: Run, tmp_path: Path) -> None:
 SLIPS = ["misspelt key", "only key of a group", "unknown kind", "keys of another kind", "empty angle", "empty key"]
 
 
-@pytest.mark.parametrize("name", SLIPS)
+@at_once("name", SLIPS)
 def test_one_slip_is_told_once(name: str) -> None:
     with pytest.raises(WrongInput) as refused:
         parsed(BAD[name][0], Path("d.yaml"))
@@ -562,7 +563,7 @@ def test_version(run: Run) -> None:
     assert f"numpy {np.__version__}," in out
 
 
-@pytest.mark.parametrize("arguments", [["nonsense"], ["check"], ["check", "--no"], ["new", "a", "--law", "circle"]])
+@at_once("arguments", [["nonsense"], ["check"], ["check", "--no"], ["new", "a", "--law", "circle"]])
 def test_usage_errors(run: Run, arguments: list[str]) -> None:
     status, out, err = run(*arguments)
     assert (status, out) == (2, "")
@@ -685,7 +686,7 @@ def test_streams_that_take_nothing_do_not_change_what_a_status_means(tmp_path: P
 @pytest.mark.thorough
 def test_a_file_does_not_get_the_number_of_a_closed_stream(tmp_path: Path) -> None:
     """Whatever opens a file first after the start, here the design file, would otherwise take number 2."""
-    code = "from ncgear.cli.streams import open_streams; open_streams(); print(open('right.yaml').fileno() > 2)"
+    code = "from ncgear.cli.run import open_streams; open_streams(); print(open('right.yaml').fileno() > 2)"
     (tmp_path / "right.yaml").write_text("")
     shell = f'"{sys.executable}" -c "{code}" 2>&- <&-'
     done = subprocess.run(["bash", "-c", shell], capture_output=True, text=True, cwd=tmp_path, env=environment())

@@ -14,13 +14,14 @@ import pytest
 from ruamel.yaml import YAML
 
 import ncgear
+from at_once import at_once
 from conftest import Run
 from drives import DESIGNS, drive
 from ncgear.errors import WrongInput
 from ncgear.figures.summary.check_summary import check_summary
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.traced import NotTraced, formula_of
-from ncgear.project.function_laws import DIED, _decay
+from ncgear.project.opened import DIED, _decay
 
 pytestmark = pytest.mark.judges("design")
 
@@ -41,7 +42,7 @@ def test_a_mapping_is_the_file() -> None:
     assert ncgear.load(YAML(typ="safe").load(path.read_text(encoding="utf-8"))).design == ncgear.load(path).design
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("given", "said"),
     [
         ({**EVEN, "operation": {"speed_rpm": -3}}, "operation.speed_rpm: -3 given; a number of 1e-06 or over"),
@@ -125,7 +126,7 @@ def bump(width: float) -> Callable[[float], float]:
     return lambda phi: 1.0 + 0.1 * exp(-(((phi - 2.0) / width) ** 2))
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("ratio", "rough"),
     [
         (lambda phi: 1.0 + 0.2 * abs(sin(phi - 1.0)), [1.0, 1.0 + pi]),
@@ -134,7 +135,6 @@ def bump(width: float) -> Callable[[float], float]:
         (bump(0.005), []),
         (lambda phi: 1.0 + 0.2 * cos(phi) + 0.1 * max(0.0, sin(phi)) ** 9, []),
     ],
-    ids=["corners", "a corner at the end", "small jumps", "a narrow peak", "smooth"],
 )
 def test_where_a_function_is_rough_is_told(ratio: Callable[[float], float], rough: list[float]) -> None:
     """Up to the width of the narrowest pieces; what they resolve is told as well."""
@@ -258,7 +258,7 @@ def test_one_design_is_nothing_to_compare(run: Run) -> None:
     assert err.startswith("none.yaml: cannot be read")
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("function", "said"),
     [
         (lambda phi: 1.0 + 0.05 * phi, "does not come back at the end of the cycle"),

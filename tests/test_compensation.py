@@ -12,6 +12,7 @@ from mpmath import mp
 from numpy.polynomial import Polynomial
 from scipy.integrate import cumulative_simpson
 
+from at_once import at_once
 from commands import stated_angle
 from ncgear.errors import NoSuchMechanism
 from ncgear.mechanisms.crank_slider import CrankSlider
@@ -67,7 +68,7 @@ def law_of(name: str, kind: str) -> ReturnLaw:
 
 
 KINDS = ["0", "1", "-2", "least", "least inverse", "1.5 inverse"]
-every_return = pytest.mark.parametrize(("name", "kind"), [(name, kind) for name in LINKAGES for kind in KINDS])
+every_return = at_once(("name", "kind"), [(name, kind) for name in LINKAGES for kind in KINDS])
 
 
 @pytest.mark.slow
@@ -82,7 +83,9 @@ def test_value_and_slope_of_the_ratio_join_the_working_stroke(name: str, kind: s
 
 
 @pytest.mark.judges("ratio")
-@every_return
+@pytest.mark.tiers(quick=["baler"], rest="slow")
+@pytest.mark.parametrize("name", LINKAGES)
+@at_once("kind", KINDS)
 def test_the_driven_angle_closes_by_exact_quadrature(name: str, kind: str) -> None:
     law, ends = law_of(name, kind), ends_of(name)
     assert abs(law.closure_error_rad) <= 1e-12  # the closure promised
@@ -111,7 +114,7 @@ def test_driven_angle_is_the_integral_of_its_slope(name: str, kind: str) -> None
     assert np.array_equal(law.driven_angle(phi1, 0).value, series.value)
 
 
-@pytest.mark.parametrize("constant", [0.0, 1.0, -2.0, 3.5])
+@at_once("constant", [0.0, 1.0, -2.0, 3.5])
 def test_the_constant_is_the_polynomial_extrapolated_to_zero(constant: float) -> None:
     law = return_with_constant(ends_of("baler"), constant)
     in_tau = Polynomial(law.polynomial.coef)(Polynomial([-law.ends.start_rad, 1.0]) / law.ends.length_rad)
@@ -177,9 +180,9 @@ FARTHER = {"least": 100.0, "least inverse": 1.0}
 """Steps in e are large: it is extrapolated over twice the return's length."""
 
 
-@pytest.mark.parametrize("kind", FARTHER)
-@pytest.mark.parametrize("name", LINKAGES)
-@pytest.mark.parametrize("step", [0.05, 0.2, 1.0, 3.0])
+@at_once("kind", FARTHER)
+@at_once("name", LINKAGES)
+@at_once("step", [0.05, 0.2, 1.0, 3.0])
 def test_no_neighbour_has_less_acceleration(name: str, kind: str, step: float) -> None:
     law, linkage = law_of(name, kind), LINKAGES[name]
     peak = dense_peak(law, linkage)
@@ -204,8 +207,8 @@ def test_the_best_of_a_scan_of_the_family_is_not_better(name: str, kind: str) ->
     assert min(peaks) >= dense_peak(law, linkage) * (1.0 - ON_GRID)
 
 
-@pytest.mark.parametrize("kind", ["least", "least inverse"])
-@pytest.mark.parametrize("name", LINKAGES)
+@at_once("kind", ["least", "least inverse"])
+@at_once("name", LINKAGES)
 def test_least_acceleration_and_its_own_e_are_the_same_law(name: str, kind: str) -> None:
     law = law_of(name, kind)
     again = return_with_constant(law.ends, law.extrapolated_ratio, inverse=law.inverse)
@@ -214,8 +217,8 @@ def test_least_acceleration_and_its_own_e_are_the_same_law(name: str, kind: str)
     assert np.max(np.abs(again.polynomial(tau) - law.polynomial(tau))) <= 1e-10
 
 
-@pytest.mark.parametrize("kind", ["least", "least inverse"])
-@pytest.mark.parametrize("name", LINKAGES)
+@at_once("kind", ["least", "least inverse"])
+@at_once("name", LINKAGES)
 def test_least_is_less_than_the_published_choice(name: str, kind: str) -> None:
     linkage = LINKAGES[name]
     assert dense_peak(law_of(name, kind), linkage) < (1.0 - ON_GRID) * dense_peak(law_of(name, "0"), linkage)
@@ -316,8 +319,8 @@ def test_refusals_say_which_way_a1_must_go(start_ratio: float, towards: str) -> 
         return_with_constant(replace(LEVEL, start_ratio=start_ratio), 0.0)
 
 
-@pytest.mark.parametrize("start_ratio", [2.0, 70.0, 90.0])
-@pytest.mark.parametrize("shift", np.linspace(0.0, 1e-6, 5))
+@at_once("start_ratio", [2.0, 70.0, 90.0])
+@at_once("shift", np.linspace(0.0, 1e-6, 5))
 def test_closure_holds_to_rounding_where_coefficients_dwarf_the_ratio(start_ratio: float, shift: float) -> None:
     """From 90 down to a fortieth and back: coefficients of thousands, whose last digit is more than what closes."""
     ends = replace(LEVEL, start_ratio=start_ratio * (1.0 + shift), start_ratio_slope=10.0 * start_ratio)

@@ -70,6 +70,7 @@ def places_looked_at(backlash_mm: float, monkeypatch: pytest.MonkeyPatch) -> tup
     return sum(sizes), found
 
 
+@pytest.mark.slow
 def test_next_to_no_backlash_is_found_as_quickly(monkeypatch: pytest.MonkeyPatch) -> None:
     """A play of 1e-4 mm varies by rounding errors alone, and is in proportion to that of 0.05 mm."""
     usual, wide = places_looked_at(0.05, monkeypatch)

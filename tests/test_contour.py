@@ -31,7 +31,7 @@ from ncgear.teeth.contour import (
     Curve,
     Line,
     Spline,
-    _joined,
+    _ending,
     contour_of,
     fitted_splines,
     line_or_arc,
@@ -252,7 +252,7 @@ def test_a_slot_as_a_polygon_becomes_its_lines_and_arcs() -> None:
 def test_a_gap_between_curves_is_refused() -> None:
     corners = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
     closed: list[Curve] = [Line(a, b) for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True)]
-    assert len(_joined(closed, 1.0)) == 3
+    assert np.array_equal(_ending(closed[0], closed[1].start, 1.0).end, corners[1])
     moved = Line(corners[0], corners[1] + [0.0, 3.0 * SHORTEST_IN_MODULES])
     with pytest.raises(Unanswered, match="mm apart where they should meet"):
-        _joined([moved, *closed[1:]], 1.0)
+        _ending(moved, closed[1].start, 1.0)

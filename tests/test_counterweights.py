@@ -12,6 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import sparse
 
+from at_once import at_once
 from mechanisms import MASSES, OFFSET, even, sampled, uneven
 from ncgear.balance.counterweights import GAP, bearing_force, least_squares, minimax, sweep
 from ncgear.balance.frame import (
@@ -33,8 +34,7 @@ from ncgear.balance.mechanism import Carrier, Counterweight, DrivenCrank, JointM
 from ncgear.balance.shaking import shaking, track, two_term_formula
 from ncgear.errors import WrongInput
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.forces import EvenPace
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import EvenPace, RodMasses
 from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.transmission import Lobes
 from pairs import baler_law, sine_law
@@ -60,7 +60,7 @@ def of_one_kg_mm(mechanism: DrivenCrank, phi1: np.ndarray) -> np.ndarray:
     )
 
 
-@pytest.mark.parametrize("name", MECHANISMS)
+@at_once("name", MECHANISMS)
 def test_least_squares_is_that_of_a_dense_linear_system(name: str) -> None:
     """The trapezoidal rule of a periodic function is spectral; the baler's law has joints, which cost accuracy."""
     mechanism = MECHANISMS[name]
@@ -252,8 +252,8 @@ def test_the_published_pair_of_cranks(phase: float, eta1: float) -> None:
     assert rotating_share(pan, SIEVE_CRANK) == pytest.approx(0.742, abs=5e-4)
 
 
-@pytest.mark.parametrize("sense", [1, -1])
-@pytest.mark.parametrize("phase", [0.3, 2.0])
+@at_once("sense", [1, -1])
+@at_once("phase", [0.3, 2.0])
 def test_shares_are_the_integrals_they_state(sense: int, phase: float) -> None:
     pan, t = Crank(PAN_JOINTS, phase, sense), (np.arange(100_000) + 0.5) / 100_000 * 2.0 * pi
     first, second = sense * t + phase, t + pi / 2.0

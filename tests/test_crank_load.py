@@ -12,8 +12,7 @@ from loaded import LINKAGE, MASSES, slider_load
 from ncgear.dynamics.crank_load import INTERVALS, crank_angles_rad, crank_load
 from ncgear.errors import WrongInput
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.forces import CrankPace
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import CrankPace, RodMasses
 from ncgear.mechanisms.resistance import PolynomialResistance, TableResistance
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.jet import Jet

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from shapely import LineString
 
+from at_once import at_once
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.crossing import CurveFunction, chord_crossings, circle_crossings, refined_crossings
 
@@ -56,7 +57,7 @@ def test_rows_are_only_compared_with_their_own_row() -> None:
 
 
 @pytest.mark.judges("numerics")
-@pytest.mark.parametrize("points", [2, 17, 18, 33, 100])
+@at_once("points", [2, 17, 18, 33, 100])
 def test_long_polylines_cross_where_each_pair_of_chords_does(points: int) -> None:
     """Shapely tells them pair by pair.  The negative control: polylines that are moved apart cross nowhere."""
     noise = np.random.default_rng(points)
@@ -80,7 +81,7 @@ def test_long_polylines_cross_where_each_pair_of_chords_does(points: int) -> Non
     assert not chord_crossings(first, second + 1e3)[0].size
 
 
-@pytest.mark.parametrize(
+@at_once(
     "second",
     [
         [[0.0, 1.0], [2.0, 3.0]],  # parallel

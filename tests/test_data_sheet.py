@@ -13,12 +13,13 @@ import trimesh
 from pydantic import ValidationError
 from shapely import Point, Polygon
 
+from at_once import at_once
 from drives import built, design_of, drive, loaded
 from ncgear.drawings.charts.chart import joints_up_to
 from ncgear.drawings.page.tables import sheet_tables
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.data_sheet import sheet as sheet_module
-from ncgear.figures.data_sheet.entry import Entry
+from ncgear.figures.data_sheet.entries import Entry
 from ncgear.figures.data_sheet.pitch_table import pitch_csv, turn_deg
 from ncgear.figures.data_sheet.sheet import DataSheet, data_sheet, sheet_text
 from ncgear.figures.tables import Table
@@ -91,7 +92,7 @@ def test_the_pitch_table_has_a_row_for_each_tooth_and_radii_that_meet(name: str)
     assert abs(rows[0, 1]) < 1e-12
 
 
-@pytest.mark.parametrize(("teeth", "rows"), [(37, 73), (73, 91), (100, 121), (10_000, 10_001)])
+@at_once(("teeth", "rows"), [(37, 73), (73, 91), (100, 121), (10_000, 10_001)])
 def test_the_step_of_the_pitch_table_follows_the_teeth(teeth: int, rows: int) -> None:
     assert turn_deg(teeth).size == rows
 

@@ -11,12 +11,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from at_once import at_once
 from ncgear.design.keys.design import Design, json_schema
 from ncgear.design.keys.gears import PROFILES, Rack
 from ncgear.design.laws.ellipse import Ellipse
 from ncgear.design.laws.ratio_expression import RatioExpression
 from ncgear.design.laws.registry import LawName
-from ncgear.design.laws.table import MOST_POINTS, TableLaw
+from ncgear.design.laws.table import MOST_POINTS, Table
 from ncgear.design.laws.three_segment_stroke import SOLVED_KEYS, ThreeSegmentStroke
 from ncgear.design.reading.design_file import LoadedDesign, load
 from ncgear.design.reading.text import plain_value
@@ -75,14 +76,14 @@ def test_defaults(tmp_path: Path) -> None:
     assert not design.design.motion.gives_slider
 
 
-@pytest.mark.parametrize("profile", "ABCD")
+@at_once("profile", "ABCD")
 def test_rack_takes_its_coefficients_from_the_profile(profile: str) -> None:
     rack = Rack.model_validate({"profile": profile, "root_radius": 0.1})
     assert (rack.addendum, rack.dedendum, rack.root_radius) == (1.0, PROFILES[profile].dedendum, 0.1)
     assert Rack.model_validate({"profile": profile}).root_radius == PROFILES[profile].root_radius
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("asked", "radius"),
     [
         # (pi/4 - 1.25 tan 25) / tan 32.5 = 0.3178 and (pi/4 - 1.4 tan 25) / tan 32.5 = 0.2081, hundredths below.
@@ -188,7 +189,7 @@ def test_design_cannot_be_changed(tmp_path: Path) -> None:
         setattr(design, field, "b")
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("text", "value"),
     [
         ("1e-3", 1e-3),
@@ -241,11 +242,11 @@ def test_errors_get_their_place_and_keep_a_known_one(tmp_path: Path) -> None:
     assert caught_elsewhere.value.location == "other:1:1"
 
 
-def points(folder: Path, csv: str, more: str = "") -> TableLaw:
+def points(folder: Path, csv: str, more: str = "") -> Table:
     """The table law of a design file that names a CSV file holding ``csv``."""
     (folder / "p.csv").write_text(csv)
     motion = loaded(folder, f"{HEAD}motion:\n  law: table\n  file: p.csv\n{more}").design.motion
-    assert isinstance(motion, TableLaw)
+    assert isinstance(motion, Table)
     return motion
 
 

@@ -18,6 +18,7 @@ import pytest
 
 import ncgear
 import reports
+from at_once import at_once
 from drives import drive
 from ncgear.errors import Unanswered
 from ncgear.figures.advice.verdict import Known, judged
@@ -182,8 +183,8 @@ def test_no_text_rounds_a_figure_past_the_check_that_it_is_finite() -> None:
     assert len(ROUNDED.findall('f"{100.0 * share:.1f} % and {force[0]:,.5g} N"')) == 2
 
 
-@pytest.mark.parametrize("wrong", [float("nan"), float("-inf"), np.float64("inf")])
-@pytest.mark.parametrize(
+@at_once("wrong", [float("nan"), float("-inf"), np.float64("inf")])
+@at_once(
     "way",
     [
         lambda value: fixed(value, 2),

@@ -14,11 +14,12 @@ from PIL import Image
 
 import drives
 import ncgear
+from at_once import at_once
 from documented.installing import ROOT
 from documented.pages import PAGES
 from made import command_heads, drawings, figures, gallery, key_pages, kinds_page, material_page
+from ncgear.design.keys.base import FORMULA
 from ncgear.design.keys.design import Design
-from ncgear.design.keys.types import FORMULA
 from ncgear.design.mechanisms import MECHANISMS
 from ncgear.design.reference import keys_of
 from ncgear.errors import NoSuchMechanism
@@ -53,13 +54,13 @@ def test_every_command_has_a_page_and_every_page_a_command() -> None:
     assert {page.stem for page in (DOCS / "commands").glob("*.md")} == set(command_heads.NAMES)
 
 
-@pytest.mark.parametrize("name", command_heads.NAMES)
+@at_once("name", command_heads.NAMES)
 def test_heads_are_todays(name: str) -> None:
     page = TEXTS[f"docs/commands/{name}.md"]
     assert command_heads.with_head(page, name) == page, "run `make docs`"
 
 
-@pytest.mark.parametrize("name", command_heads.NAMES)
+@at_once("name", command_heads.NAMES)
 def test_every_command_is_shown_at_work(name: str) -> None:
     by_hand = TEXTS[f"docs/commands/{name}.md"].partition(command_heads.END)[2]
     assert re.search(rf"^\$ ncgear {name}\b", by_hand, flags=re.MULTILINE)
@@ -169,13 +170,13 @@ def test_what_formulas_are_made_of_is_what_is_read() -> None:
     assert steep.work_n_mm(np.array([80.0]), 80.0) == pytest.approx(12_000.0, rel=1e-9)
 
 
-@pytest.mark.parametrize("page", TEXTS)
+@at_once("page", TEXTS)
 def test_links_lead_somewhere(page: str) -> None:
     folder = (ROOT / page).parent
     assert [link for link in links(TEXTS[page]) if link and not (folder / link).exists()] == []
 
 
-@pytest.mark.parametrize("page", TEXTS)
+@at_once("page", TEXTS)
 def test_anchors_exist(page: str) -> None:
     for link in LINK.findall(FENCED.sub("", TEXTS[page])):
         target, _, anchor = link.partition("#")
@@ -259,7 +260,7 @@ def named_and_missing(text: str) -> list[str]:
     return [name for name in NAMED.findall(text) if not any((root / name).exists() for root in (PACKAGE, ROOT))]
 
 
-@pytest.mark.parametrize("page", [page for page in TEXTS if page != "docs/history.md"])
+@at_once("page", [page for page in TEXTS if page != "docs/history.md"])
 def test_files_that_pages_name_are_there(page: str) -> None:
     """But for the history, which names files that have gone."""
     assert named_and_missing(TEXTS[page]) == []

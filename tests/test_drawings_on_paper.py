@@ -279,7 +279,7 @@ def shown(value: float) -> str:
     return f"{value:.4f}".rstrip("0").rstrip(".")
 
 
-@pytest.mark.tiers(quick=["ellipse-*"], rest="thorough")
+@pytest.mark.tiers(quick=["ellipse-*"], rest="slow")
 @pytest.mark.parametrize("sheet", SHEETS)
 @pytest.mark.parametrize("name", DESIGNS)
 def test_a_dxf_file_is_sound_and_shows_its_sheet_on_paper(name: str, sheet: str) -> None:
@@ -389,7 +389,7 @@ def test_no_number_of_a_tooth_lies_in_a_hole(monkeypatch: pytest.MonkeyPatch) ->
 # --- PDF -------------------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.tiers(quick=["ellipse-*"], rest="thorough")
+@pytest.mark.tiers(quick=["ellipse-*"], rest="slow")
 @pytest.mark.parametrize("sheet", SHEETS)
 @pytest.mark.parametrize("name", DESIGNS)
 def test_a_pdf_file_has_one_page_of_a4_with_the_same_texts(name: str, sheet: str) -> None:

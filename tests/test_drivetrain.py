@@ -13,6 +13,7 @@ import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import simpson, solve_ivp
 
+from at_once import at_once
 from commands import Run, on_text, simulated
 from drives import drive, drive_of_text
 from ncgear.design.keys.drivetrain import DrivingShaft
@@ -628,7 +629,7 @@ def test_a_large_flywheel_has_the_fluctuation_of_the_energy_swing() -> None:
     assert course.fluctuation == pytest.approx(predicted, rel=0.01)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_motor_that_is_too_weak_is_refused() -> None:
     with pytest.raises(NoSuchMechanism, match="stopped"):
         speed_course(demand(), LineDrive(StraightLine(1e3, 150.0), Gearbox(24.5, 1.0)))
@@ -813,7 +814,7 @@ def test_a_gearbox_that_gives_another_speed_is_told(run: Run) -> None:
         assert any("with this motor and gearbox the machine runs at" in one for one in warnings) == told
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("section", "message"),
     [
         ("motor: {rated_torque_n_m: 1, rated_speed_rpm: 100, no_load_speed_rpm: 90}", "over 100 r/min is right"),

@@ -12,7 +12,7 @@ import pytest
 from ezdxf.document import Drawing
 
 from ncgear.errors import WrongInput
-from ncgear.figures.advice.drawing_advice import drawing
+from ncgear.figures.advice.machine_advice import drawing
 from test_pitch_curves import from_folder
 
 HEAD = "holds no LINE, ARC, CIRCLE, ELLIPSE, SPLINE, LWPOLYLINE or POLYLINE"

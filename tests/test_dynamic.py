@@ -42,7 +42,7 @@ from ncgear.dynamics.place_by_place import StateByState
 from ncgear.dynamics.quasi_static import loaded_contact
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import RodMasses
 from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array

@@ -11,7 +11,7 @@ import pytest
 
 from commands import ROOT, Run, environment
 from every_command import COMMANDS
-from ncgear.cli.streams import SUBSTITUTED, open_streams
+from ncgear.cli.run import SUBSTITUTED, open_streams
 
 ENCODINGS = "gbk", "cp932", "cp1252", "ascii", "latin-1", "cp437", "koi8-r", "big5", "shift_jis"
 

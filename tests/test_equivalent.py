@@ -7,6 +7,7 @@ from math import pi
 import numpy as np
 import pytest
 
+from at_once import at_once
 from ncgear.pitch.curve import CurvePoints
 from ncgear.pitch.pair import sized_pair
 from ncgear.pitch.shape import Gear
@@ -31,7 +32,7 @@ def touched(curvature: float, turn: float = 0.7) -> CurvePoints:
     return CurvePoints(np.array([[3.0, -2.0]]), tangent, normal, np.array([curvature]))
 
 
-@pytest.mark.parametrize("curvature", [0.3, 1e-3, 1e-9, -1e-3, -0.3])
+@at_once("curvature", [0.3, 1e-3, 1e-9, -1e-3, -0.3])
 def test_points_are_on_the_circle_of_curvature(curvature: float) -> None:
     """At one radius from the centre, an arc from the touching point, the tangent square to the radius."""
     at, rolled = touched(curvature), np.linspace(-4.0, 4.0, 17)

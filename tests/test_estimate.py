@@ -7,6 +7,7 @@ from math import cos, pi, radians, sin, tan
 import numpy as np
 import pytest
 
+from at_once import at_once
 from drives import drive
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import as_complex
@@ -26,7 +27,7 @@ PROFILES = {"A": (1.25, 0.38), "B": (1.25, 0.30), "C": (1.25, 0.25), "D": (1.40,
 
 
 @pytest.mark.judges("strength")
-@pytest.mark.parametrize(
+@at_once(
     ("profile", "teeth", "shift"),
     [
         ("A", 8, 0.0),
@@ -158,7 +159,7 @@ def test_the_tooth_as_a_beam_is_that_of_ross() -> None:
 
 
 @pytest.mark.judges("strength")
-@pytest.mark.parametrize("teeth", [18, 40, 62, 200])
+@at_once("teeth", [18, 40, 62, 200])
 def test_single_stiffness_is_that_of_iso_6336_1(teeth: int) -> None:
     """c'_th at 300 N/mm: its polynomial averages Weber and Banaschek's theory; 2 to 7 % below it here."""
     gear = circular_pair(teeth).driving

@@ -10,10 +10,9 @@ import pytest
 import ncgear
 from commands import ROOT, Run
 from drives import TRAINS
-from ncgear.design.examples import examples
 from ncgear.design.reading.balance_file import load_balance
-from ncgear.design.reading.design_file import load
-from ncgear.design.reading.train_file import load_train
+from ncgear.design.reading.design_file import load, load_train
+from ncgear.design.template import examples
 
 DESIGNS = ROOT / "designs"
 NAMES = sorted(path.relative_to(DESIGNS).with_suffix("").as_posix() for path in DESIGNS.rglob("*.yaml"))

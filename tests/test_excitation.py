@@ -8,6 +8,7 @@ import mpmath
 import numpy as np
 import pytest
 
+from at_once import at_once
 from mechanisms import AMPLITUDE, LINKAGE, even, oracle, uneven
 from ncgear.balance.excitation import (
     Engine,
@@ -20,7 +21,7 @@ from ncgear.balance.excitation import (
     of_slider,
 )
 from ncgear.balance.mechanism import DrivenCrank
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import RodMasses
 from pairs import baler_law
 from published import BALER_LINKAGE, RPM
 
@@ -39,7 +40,7 @@ TABLE_1 = (
 NATURAL = (4.62, 17.26, 29.82, 63.85, 83.73, 141.58)
 
 
-@pytest.mark.parametrize("row", TABLE_1, ids=[row[0] for row in TABLE_1])
+@at_once("row", TABLE_1)
 def test_the_published_frequencies(row: tuple) -> None:
     """The table multiplies rounded fundamentals: 0.005 Hz of rounding times rollers or teeth is its own error."""
     name, speed, rollers, teeth, expected = row

@@ -9,6 +9,7 @@ from typing import Annotated, Any
 import pytest
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 
+from at_once import at_once
 from commands import ROOT, Run
 from drives import TRAINS
 from ncgear.design.keys.balance import Balance
@@ -75,7 +76,7 @@ def test_every_example_is_right() -> None:
 WHOLE = ["linkage", "resistance.table", "comparison.published", "gears.driving.hub", "gears.driving.web"]
 
 
-@pytest.mark.parametrize("path", WHOLE)
+@at_once("path", WHOLE)
 def test_examples_of_groups_with_rules_of_their_own_can_be_copied(path: str) -> None:
     key = next(key for key in keys_of(Design) if key.path == path)
     (value,) = read_yaml(example(key, Design), "example").data.values()
@@ -162,7 +163,7 @@ def test_the_names_of_all_laws(run: Run) -> None:
     assert listed(LawName) in " ".join(out.split())
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("asked", "meant"),
     [
         ("thta2", "motion.theta2"),
@@ -178,7 +179,7 @@ def test_an_unknown_key_is_refused_with_what_was_meant(run: Run, asked: str, mea
     assert re.match(rf"{re.escape(asked)}: unknown key; did you mean .*{re.escape(meant)}", err)
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("asked", "first"),
     [
         ("v1", "motion.v1_mm_s"),
@@ -252,7 +253,7 @@ def test_ranges_in_words() -> None:
     assert words["resistance.table.force_n"] == "a list (2 to 1000) of: a number, -1e+15 or over, up to 1e+15"
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("asked", "said"),
     [
         ("mass", "stands in the section masses"),

@@ -11,6 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.polynomial import Polynomial
 
+from at_once import at_once
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import bounds_on, extremes, extremes_on, grid_between, stationary_points
@@ -38,7 +39,7 @@ def test_sine_over_a_turn() -> None:
     assert (low.at, high.at) == pytest.approx((1.5 * pi, 0.5 * pi), abs=AT)
 
 
-@pytest.mark.parametrize("count", [1, 5, 20, 60])
+@at_once("count", [1, 5, 20, 60])
 def test_every_sign_change_is_found(count: int) -> None:
     points = stationary_points(sine(count), 0.0, 2.0 * pi)
     exact = (np.arange(2 * count) + 0.5) * pi / count

@@ -11,13 +11,14 @@ import numpy as np
 import pytest
 
 import drives
+from at_once import at_once
 from commands import Run
 from drives import DESIGNS, design_of
 from ncgear.drivetrain.bearings import Bearing, stiffness_n_mm
 from ncgear.drivetrain.cycle import cycle_of
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.advice.given_advice import without_effect
-from ncgear.figures.data_sheet.accuracy import tolerances
+from ncgear.figures.data_sheet.entries import tolerances
 from ncgear.figures.strong import _rigid_words, strength_summary
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
@@ -58,7 +59,7 @@ def factor(model: FaceModel, loads: FaceLoads) -> float:
 
 
 @pytest.mark.judges("strength")
-@pytest.mark.parametrize("force_n", [20_000.0, 10_000.0, 9_999.0, 2_000.0, 100.0])
+@at_once("force_n", [20_000.0, 10_000.0, 9_999.0, 2_000.0, 100.0])
 def test_rigid_shafts_with_flanks_askew(force_n: float) -> None:
     """ISO 6336-1, method C: 1 + F c b / (2 F) where all flanks touch, sqrt(2 F c b / F) where a part does."""
     askew, stiffness = 0.01, 2e4
@@ -89,7 +90,7 @@ def test_end_relief_alone() -> None:
     assert factor(model, pressed(1000.0)) == pytest.approx(2.0, rel=1e-3)
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("at", "loaded", "expected"),
     [
         # Simply supported, in the middle, and at a quarter of a load in the middle.
@@ -187,8 +188,8 @@ def by_elements(model: FaceModel, loads: FaceLoads, count: int = 80) -> float:
 SUPPORTS = (Support(-110.0, 1.5e5), Support(110.0, 1.5e5)), (Support(-120.0, 7e5), Support(130.0, inf))
 
 
-@pytest.mark.parametrize("bodies", [1.0, 100.0], ids=["pinions", "wheels"])
-@pytest.mark.parametrize(
+@at_once("bodies", [1.0, 100.0])
+@at_once(
     ("force_n", "crank_n", "askew_mm", "lead"),
     [
         (20_000.0, 30_000.0, 0.0, LeadForm()),

@@ -12,7 +12,7 @@ import pytest
 
 import ncgear.optimum.family as of_family
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import RodMasses
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.sampled import shares

@@ -5,21 +5,24 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import cache
 from math import cos, pi, radians
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from at_once import at_once
 from drives import drive, drive_of_text, loaded
 from ncgear.dynamics.loaded_machine import RigidMachine
 from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.dynamics.rigid import load_peaks
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import RodMasses
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.loads import machine_loads
-from ncgear.optimum.task import Felt, GearSize, Task, felt, figures, tooth_force_n
+from ncgear.optimum.task import GearSize, Task, figures, tooth_force_n
+from ncgear.optimum.task import felt as felt_figures
 from ncgear.pitch.shape import Mesh
 from ncgear.project.law_task import task_of
 from ncgear.project.moving_masses import TrainInertia
@@ -35,6 +38,10 @@ WHOLE = RodMasses(150.0, 30.0, 430.0, 2.8e6, 40.0, 120.0, 1.6e6, 800.0, 800.0, 0
 """The masses of designs/baler-dynamics.yaml."""
 
 
+def felt(rigid: RigidMachine, fluctuation: float) -> SimpleNamespace:
+    return SimpleNamespace(**felt_figures(rigid, fluctuation))
+
+
 @cache
 def swaying(offset_mm: float = 60.0) -> Machine:
     law = driven_angle_expression_law(f"phi - {SWAYING}*sin(2*phi)", Lobes())
@@ -42,7 +49,7 @@ def swaying(offset_mm: float = 60.0) -> Machine:
 
 
 @pytest.mark.judges("optimum")
-@pytest.mark.parametrize(
+@at_once(
     ("name", "mass_kg", "power_w", "braking_w"),
     [
         ("uniform-crank", 0.0, 26_068.0, 0.0),
@@ -103,7 +110,7 @@ def sampled() -> tuple[Array, Array, Array]:
 
 
 @cache
-def found() -> Felt:
+def found() -> SimpleNamespace:
     return felt(RigidMachine(swaying(), WHOLE), 0.05)
 
 
@@ -207,7 +214,7 @@ resistance: {polynomial_n: [1000]}
 """
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("more", "masses"),
     [
         ("", None),

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from mpmath import mp
 
+from at_once import at_once
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.ellipse import elliptical_law
@@ -134,8 +135,8 @@ def envelope(path: Path, rounding: float, sigma: float) -> Array:
         return np.array([float(value) for value in min(both, key=lambda p: mp.hypot(*p))])
 
 
-@pytest.mark.parametrize("gear", Gear)
-@pytest.mark.parametrize(("tool", "center"), [("rack", rack_center), ("pinion", pinion_center)])
+@at_once("gear", Gear)
+@at_once(("tool", "center"), [("rack", rack_center), ("pinion", pinion_center)])
 def test_fillet_of_a_circular_gear_is_the_trochoid_of_the_rounded_tip(
     gear: Gear, tool: str, center: Callable[[Gear, BasicRack, float, float, float], Path]
 ) -> None:
@@ -215,8 +216,8 @@ def fillet_places(own: Flanks, share: float) -> tuple[Array, Array]:
     return every[gap > 0.1 * MODULE], sigma[gap > 0.1 * MODULE]
 
 
-@pytest.mark.parametrize(("name", "tool"), CASES)
-@pytest.mark.parametrize("gear", Gear)
+@at_once(("name", "tool"), CASES)
+@at_once("gear", Gear)
 def test_fillet_touches_the_tools_rounding_wherever_it_is_cut(name: str, tool: str, gear: Gear) -> None:
     """At the distance of the radius from the centre's path, square to it, and on the side of the gear's material."""
     own = cut(name, tool)[gear]
@@ -231,8 +232,8 @@ def test_fillet_touches_the_tools_rounding_wherever_it_is_cut(name: str, tool: s
         assert np.sum(arm * own.curve.at_length(sigma).normal, axis=1).max() < 0.0
 
 
-@pytest.mark.parametrize(("name", "tool"), CASES)
-@pytest.mark.parametrize("gear", Gear)
+@at_once(("name", "tool"), CASES)
+@at_once("gear", Gear)
 def test_derivatives_are_the_limits_of_fourth_order_differences(name: str, tool: str, gear: Gear) -> None:
     own = cut(name, tool)[gear]
     number, sigma = fillet_places(own, 0.4)
@@ -245,8 +246,8 @@ def test_derivatives_are_the_limits_of_fourth_order_differences(name: str, tool:
     assert fine < 1e-4
 
 
-@pytest.mark.parametrize(("name", "tool"), CASES)
-@pytest.mark.parametrize("gear", Gear)
+@at_once(("name", "tool"), CASES)
+@at_once("gear", Gear)
 def test_regularity_is_the_speed_with_which_a_fillet_runs_outwards(name: str, tool: str, gear: Gear) -> None:
     """Outwards with the arc length on front flanks, against it on back flanks, where it bounds the tooth."""
     own = cut(name, tool)[gear]
@@ -287,8 +288,8 @@ def lands_at(roots: Roots, own: Flanks) -> tuple[tuple[Array, Array], tuple[Arra
     return roots.land(every, start), roots.land(every, end)
 
 
-@pytest.mark.parametrize(("name", "tool"), CASES)
-@pytest.mark.parametrize("gear", Gear)
+@at_once(("name", "tool"), CASES)
+@at_once("gear", Gear)
 def test_fillet_passes_into_the_root_land_tangentially(name: str, tool: str, gear: Gear) -> None:
     own = cut(name, tool)[gear]
     roots = roots_of(own)
@@ -303,8 +304,8 @@ def test_fillet_passes_into_the_root_land_tangentially(name: str, tool: str, gea
         assert np.sum(slope[fillets] * land[1], axis=1).max() < 0.0
 
 
-@pytest.mark.parametrize("name", ["uniform", "ellipse", "sine"])
-@pytest.mark.parametrize("gear", Gear)
+@at_once("name", ["uniform", "ellipse", "sine"])
+@at_once("gear", Gear)
 def test_a_rack_of_even_height_leaves_the_parallel_curve_at_its_dedendum(name: str, gear: Gear) -> None:
     own = cut(name, "rack")[gear]
     roots = roots_of(own)
@@ -318,8 +319,8 @@ def test_a_rack_of_even_height_leaves_the_parallel_curve_at_its_dedendum(name: s
     assert end - start == pytest.approx(2.0 * own.rack.tip_half_width_mm, abs=1e-9)
 
 
-@pytest.mark.parametrize(("name", "tool"), CASES)
-@pytest.mark.parametrize("gear", Gear)
+@at_once(("name", "tool"), CASES)
+@at_once("gear", Gear)
 def test_derivative_of_the_root_land_is_its_limit(name: str, tool: str, gear: Gear) -> None:
     own = cut(name, tool)[gear]
     roots = roots_of(own)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from at_once import at_once
 from drives import drive_of_text
 from ncgear.drivetrain.shafts import LEAST_SAFETY
 from ncgear.project.drivetrain import MOST_TIMES, _thick_enough_mm
@@ -11,8 +12,8 @@ from ncgear.project.finer import fewest
 from ncgear.tolerances.iso286 import distance_deviation_mm
 
 
-@pytest.mark.parametrize("each", [1, 3])
-@pytest.mark.parametrize("least", [25, 40, 41, 99, 240])
+@at_once("each", [1, 3])
+@at_once("least", [25, 40, 41, 99, 240])
 def test_the_fewest_that_do_are_found_as_by_trying_all(least: int, each: int) -> None:
     tried = []
 

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.polynomial import chebyshev
 
+from at_once import at_once
 from ncgear.numerics.zeros import _first_zeros_of_series, first_zeros
 
 Array = np.ndarray
@@ -21,7 +22,7 @@ def first_zero(function: Function, *cuts: float) -> float:
     return float(first_zeros(lambda i, t: function(t), [np.array(cuts)])[0])
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("function", "end", "expected"),
     [
         (np.cos, 20.0, np.pi / 2.0),
@@ -31,7 +32,6 @@ def first_zero(function: Function, *cuts: float) -> float:
         (lambda t: np.cos(40.0 * t) + 1.0 - t, 3.0, None),
         (lambda t: 1.0 / (1.0 + 100.0 * (t - 1.0) ** 2) - 0.5, 3.0, 0.0),
     ],
-    ids=["cosine", "exponential", "cubic", "close pair", "wave", "not positive at the start"],
 )
 def test_first_zero_is_the_closed_form(function: Function, end: float, expected: float | None) -> None:
     found = first_zero(function, 0.0, end)

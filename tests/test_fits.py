@@ -6,8 +6,9 @@ from math import sqrt
 
 import pytest
 
+from at_once import at_once
 from drives import design_of, loaded
-from ncgear.figures.data_sheet.accuracy import tolerances
+from ncgear.figures.data_sheet.entries import tolerances
 from ncgear.project.drive import Drive
 from ncgear.tolerances.iso286 import STANDARD_UM, UP_TO_MM, hole_text, standard_tolerance_mm
 
@@ -15,7 +16,7 @@ UNITS = {6: 10.0, 7: 16.0, 8: 25.0, 9: 40.0, 11: 100.0}
 """Tolerance units in each grade (ISO 286-1, annex: IT6 is 10 i, and each fifth grade is ten times as wide)."""
 
 
-@pytest.mark.parametrize("grade", UNITS)
+@at_once("grade", UNITS)
 def test_widths_are_those_of_the_standards_formulas(grade: int) -> None:
     """i = 0.45 D^(1/3) + 0.001 D up to 500 mm, I = 0.004 D + 2.1 beyond, D the geometric mean of a range's ends."""
     for least, most, width in zip((1.0, *UP_TO_MM), UP_TO_MM, STANDARD_UM[grade], strict=False):

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from at_once import at_once
 from ncgear.numerics.plane import as_complex
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
@@ -74,8 +75,8 @@ def wrapped(angle: Array) -> Array:
 # --- circular gears ----------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("gear", Gear)
-@pytest.mark.parametrize("turn_rad", [0.0, 0.003, -0.02])
+@at_once("gear", Gear)
+@at_once("turn_rad", [0.0, 0.003, -0.02])
 def test_flank_of_a_circular_gear_is_the_involute(gear: Gear, turn_rad: float) -> None:
     own, radius = flanks("uniform", gear, turn_rad=turn_rad), pitch_radius(gear)
     number = np.arange(own.count)[:, None]
@@ -146,7 +147,7 @@ class Meeting:
         return np.column_stack([radius, np.zeros_like(radius)])
 
 
-@pytest.mark.parametrize("name", LAWS)
+@at_once("name", LAWS)
 def test_flanks_of_both_gears_touch_in_the_fixed_frame(name: str) -> None:
     meeting = Meeting(name)
     assert np.all(meeting.sides[0] == -meeting.sides[1])
@@ -155,7 +156,7 @@ def test_flanks_of_both_gears_touch_in_the_fixed_frame(name: str) -> None:
     assert np.abs(cross(meeting.own_along, meeting.other_along)).max() < 1e-11
 
 
-@pytest.mark.parametrize("name", LAWS)
+@at_once("name", LAWS)
 def test_common_normal_goes_through_the_pitch_point(name: str) -> None:
     meeting = Meeting(name)
     arm = meeting.own - meeting.pitch_point
@@ -164,7 +165,7 @@ def test_common_normal_goes_through_the_pitch_point(name: str) -> None:
     assert np.linalg.norm(arm, axis=1) == pytest.approx(np.abs(meeting.height) / sin(ALPHA), abs=1e-11)
 
 
-@pytest.mark.parametrize("name", LAWS)
+@at_once("name", LAWS)
 def test_touching_flanks_move_alike_along_their_normal(name: str) -> None:
     """The law of gearing itself, from both bodies' velocities by phi1; the driven gear turns the other way."""
     meeting = Meeting(name)
@@ -200,9 +201,9 @@ def smooth_places(own: Flanks, height: float) -> tuple[Array, Array]:
 RELIEF = TipRelief(0.02 * MODULE, 0.3 * MODULE, MODULE)
 
 
-@pytest.mark.parametrize("name", ["uniform", "ellipse", "baler"])
-@pytest.mark.parametrize("gear", Gear)
-@pytest.mark.parametrize("relief", [None, RELIEF], ids=["plain", "relieved"])
+@at_once("name", ["uniform", "ellipse", "baler"])
+@at_once("gear", Gear)
+@at_once("relief", [None, RELIEF])
 def test_derivatives_are_the_limits_of_fourth_order_differences(
     name: str, gear: Gear, relief: TipRelief | None
 ) -> None:
@@ -249,8 +250,8 @@ def test_mixed_curves_are_the_single_ones(gear: Gear) -> None:
 # --- cusps -----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", LAWS)
-@pytest.mark.parametrize("gear", Gear)
+@at_once("name", LAWS)
+@at_once("gear", Gear)
 def test_speed_of_a_flank_is_its_regularity(name: str, gear: Gear) -> None:
     own, number = flanks(name, gear), np.arange(flanks(name, gear).count)[:, None]
     height = np.linspace(-1.0, 1.0, 21) * MODULE
@@ -304,8 +305,8 @@ def test_regular_flanks_never_turn_back(gear: Gear) -> None:
 # --- where teeth stand -------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", LAWS)
-@pytest.mark.parametrize("gear", Gear)
+@at_once("name", LAWS)
+@at_once("gear", Gear)
 def test_flanks_stand_a_tooth_thickness_apart(name: str, gear: Gear) -> None:
     own = flanks(name, gear, half_widths_mm=(1.7, 1.5))
     thickness = 3.2
@@ -315,8 +316,8 @@ def test_flanks_stand_a_tooth_thickness_apart(name: str, gear: Gear) -> None:
     assert list(own.side[:4]) == [-1.0, 1.0, -1.0, 1.0]
 
 
-@pytest.mark.parametrize("name", LAWS)
-@pytest.mark.parametrize("gear", Gear)
+@at_once("name", LAWS)
+@at_once("gear", Gear)
 def test_loaded_flanks_stand_where_they_would_without_play(name: str, gear: Gear) -> None:
     """Flanks, fillets and all that turned back flanks roll on turn about the axis; front flanks stay as they are."""
     turn = 0.01
@@ -341,8 +342,8 @@ def test_a_gear_advanced_by_whole_turns_keeps_its_teeth_where_they_are() -> None
 # --- tip relief --------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", ["uniform", "baler"])
-@pytest.mark.parametrize("gear", Gear)
+@at_once("name", ["uniform", "baler"])
+@at_once("gear", Gear)
 def test_relief_takes_its_amount_off_the_tip_and_nothing_below_its_start(name: str, gear: Gear) -> None:
     plain, own = flanks(name, gear), flanks(name, gear, replace(rack(), relief=RELIEF))
     number = np.arange(own.count)[:, None]
@@ -374,8 +375,8 @@ def test_relief_begins_tangentially(gear: Gear) -> None:
 # --- the pitch curve ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("name", LAWS)
-@pytest.mark.parametrize("gear", Gear)
+@at_once("name", LAWS)
+@at_once("gear", Gear)
 def test_flank_is_on_the_pitch_curve_at_its_crossing(name: str, gear: Gear) -> None:
     own, every = flanks(name, gear), np.arange(flanks(name, gear).count)
     point = own.flank(every, np.zeros(own.count))[0]

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from drives import drive, drive_of_text
-from ncgear.figures.advice.flank_advice import flanks
+from ncgear.figures.advice.strength_advice import flanks
 from ncgear.figures.advice.values import Advice
 from ncgear.figures.flanks import surfaces_rows
 from ncgear.numerics.arrays import Array

@@ -15,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import mp
 
+from at_once import at_once
 from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.formula import CHOICES, FUNCTIONS, LONGEST, composed
@@ -72,7 +73,7 @@ def assert_series(text: str, function: Function, points: Array) -> None:
 
 
 @pytest.mark.judges("design")
-@pytest.mark.parametrize("text", EXPRESSIONS)
+@at_once("text", EXPRESSIONS)
 def test_values_and_derivatives(text: str) -> None:
     assert_series(text, EXPRESSIONS[text], POINTS)
 
@@ -89,7 +90,7 @@ def test_the_order_is_the_one_asked_for(order: int) -> None:
     assert not series.coefficients[1:].any()
 
 
-@pytest.mark.parametrize("name", FUNCTIONS)
+@at_once("name", FUNCTIONS)
 def test_every_listed_function_is_its_mathematical_namesake(name: str) -> None:
     function = getattr(mp, name)
     assert_series(f"{name}(0.2*phi + 0.1)", lambda x: function(mp.mpf(0.2) * x + mp.mpf(0.1)), POINTS)
@@ -360,7 +361,7 @@ REFUSED = [
 ]
 
 
-@pytest.mark.parametrize("text", REFUSED, ids=lambda text: ascii(text)[:40])
+@at_once("text", REFUSED)
 def test_anything_else_is_refused_by_its_key(text: str) -> None:
     with pytest.raises(WrongInput) as caught:
         compiled(text, "motion.driven_angle")
@@ -369,7 +370,7 @@ def test_anything_else_is_refused_by_its_key(text: str) -> None:
     assert len(caught.value.problem) < 3000
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("text", "named"),
     [
         ("phi + foo", "'foo'"),

@@ -17,6 +17,7 @@ import pytest
 import sympy
 
 import ncgear
+from at_once import at_once
 from commands import Run
 from drives import DESIGNS, MACHINES, drive, drive_of_text
 from mechanism_cases import CASES, Case
@@ -69,7 +70,7 @@ def test_every_law_has_formulas_or_says_why_not(law: LawName) -> None:
     assert bool(found.formulas.sections[0].why) == (law == LawName.PITCH_CURVE)
 
 
-@pytest.mark.parametrize("kind", MOTIONS)
+@at_once("kind", MOTIONS)
 def test_kinds_of_laws(kind: str) -> None:
     assert complete(drive_of_text(MOTIONS[kind]))
 

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import drives
+from at_once import at_once
 from commands import Run, on_text
 from ncgear.design.keys.design import Design
 from ncgear.design.mechanisms import mechanism_of
@@ -24,8 +25,7 @@ from ncgear.project.best_law import BestLaw
 from ncgear.project.drive import Drive
 from ncgear.project.free_lengths import with_lengths
 from ncgear.project.law_task import inertia_as_given, task_of, wishes_of
-from ncgear.whole_machines.laws import LawJob, laws_of
-from ncgear.whole_machines.lengths import with_best_lengths
+from ncgear.whole_machines.laws import LawJob, laws_of, with_best_lengths
 
 ASKED = """
 optimize:
@@ -82,7 +82,7 @@ def test_the_best_of_lengths_by_known_functions() -> None:
         chosen(lambda a: inf, rod)
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("name", "values"),
     [
         ("baler-holds", {"rod_mm": 1300.0, "offset_mm": 250.0}),
@@ -119,7 +119,7 @@ def test_a_longer_rod_keeps_its_section() -> None:
         with_lengths(given, {"rod_mm": 390.0, "offset_mm": 200.0})
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("lengths", "said"),
     [
         ("{coupler_mm: {least: 1, most: 2}}", "this mechanism has rod_mm, offset_mm and stroke_mm"),

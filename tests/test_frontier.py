@@ -24,8 +24,8 @@ from ncgear.drawings.plots import frontier_plot as picture
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.answers.best_law import frontier_answer
 from ncgear.figures.best_law import frontier_csv, frontier_figures, other_mechanisms
-from ncgear.figures.every_figure import full_text
-from ncgear.files.frontier import frontier_files
+from ncgear.figures.terminal import full_text
+from ncgear.files.searched import frontier_files
 from ncgear.optimum.family import (
     Family,
     Peak,
@@ -35,9 +35,8 @@ from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, law_point, mo
 from ncgear.optimum.task import Figures
 from ncgear.project.drive import Drive
 from ncgear.project.frontier_run import POINTS_FILE, FinishedPoints, Frontier, frontier
-from ncgear.project.law_task import task_of, wishes_of
+from ncgear.project.law_task import GearsAsGiven, task_of, wishes_of
 from ncgear.project.moving_masses import TrainInertia
-from ncgear.project.sought_machine import GearsAsGiven
 from published import FIT
 
 RESISTANCE = {"polynomial_n": FIT}

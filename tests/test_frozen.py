@@ -13,6 +13,7 @@ from typing import Any
 
 import pytest
 
+from at_once import at_once
 from commands import ROOT
 from ncgear.frozen import dataclass
 
@@ -66,8 +67,8 @@ def test_behaves_as_a_frozen_dataclass(maker: Maker) -> None:
         point()
 
 
-@pytest.mark.parametrize("maker", BOTH)
-@pytest.mark.parametrize("name", ["x", "hidden", "length", "new"])
+@at_once("maker", BOTH)
+@at_once("name", ["x", "hidden", "length", "new"])
 def test_nothing_can_be_changed(maker: Maker, name: str) -> None:
     one = of(maker)(1.0)
     with pytest.raises(FrozenInstanceError, match=name):
@@ -102,8 +103,8 @@ def test_own_functions_of_a_class_stay(maker: Maker) -> None:
     assert hash(made(0.25)) == hash((0.25,))
 
 
-@pytest.mark.parametrize("maker", BOTH)
-@pytest.mark.parametrize("base_maker", BOTH)
+@at_once("maker", BOTH)
+@at_once("base_maker", BOTH)
 def test_fields_of_a_base_class_come_first(maker: Maker, base_maker: Maker) -> None:
     base = of(base_maker)
 
@@ -159,6 +160,7 @@ def test_classes_that_can_be_changed_are_refused() -> None:
         dataclass(frozen=False)
 
 
+@pytest.mark.slow
 def test_every_frozen_class_of_a_module_without_others_is_made_here() -> None:
     """Files with dataclasses that can be changed take both from ``dataclasses``."""
     for path in sorted((ROOT / "src").rglob("*.py")):

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import Phase, given, seed, settings
 from hypothesis import strategies as st
 
+from at_once import at_once
 from commands import environment
 from drives import MACHINES
 from ncgear.design.reading.design_file import LARGEST_MB, load
@@ -222,7 +223,7 @@ def made_or_refused(text: str) -> None:
     assert len(formula.tape.operations) <= MOST_OPERATIONS * len(text)
 
 
-@pytest.mark.parametrize(
+@at_once(
     "text",
     [
         "-" + "~" * 700 + "phi",
@@ -274,7 +275,7 @@ def test_many_random_expressions_are_functions_or_refused(batch: int) -> None:
     judge_expressions(1000, batch)
 
 
-@pytest.mark.parametrize(
+@at_once(
     "text",
     [
         "*".join(["(phi + 1)"] * 90),

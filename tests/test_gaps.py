@@ -9,6 +9,7 @@ import pytest
 import shapely
 from shapely.affinity import rotate, translate
 
+from at_once import at_once
 from engaged import MODULE, designed, made
 from loaded import alike, gaps
 from ncgear.contact.designed.as_designed import contacts_within
@@ -43,7 +44,7 @@ def test_gaps_converge_with_the_positions() -> None:
     assert log2(errors[0] / errors[1]) / 2.0 > 1.9
 
 
-@pytest.mark.parametrize("number", range(4))
+@at_once("number", range(4))
 def test_followed_pairs_match_a_finer_table(number: int) -> None:
     """Gap, lever and both tangential speeds of every pair less than a tenth of a millimetre from touching."""
     angles = np.linspace(0.011, 6.2, 301)

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from scipy.optimize import linprog
 from shapely import Point, Polygon
 
+from at_once import at_once
 from drives import drive
 from ncgear.balance.gears import (
     BossSize,
@@ -82,8 +83,8 @@ def test_an_eccentric_disc_with_holes() -> None:
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("name", ["ellipse", "baler-86"])
-@pytest.mark.parametrize("gear", ["driving", "driven"])
+@at_once("name", ["ellipse", "baler-86"])
+@at_once("gear", ["driving", "driven"])
 def test_the_outline_and_the_mesh_agree(name: str, gear: str) -> None:
     """Green's theorem in the plane against trimesh's integrals over the solid that is written."""
     made = drive(name)

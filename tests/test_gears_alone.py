@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 import trimesh
 
+from at_once import at_once
 from commands import Run
 from drives import drive_of_text
 from ncgear.errors import WrongInput
@@ -89,7 +90,7 @@ def test_a_torque_may_be_zero_at_the_ends_of_a_turn(torque: str) -> None:
     assert np.abs(made.motion.load).max() > 2000.0
 
 
-@pytest.mark.parametrize("torque", TORQUES)
+@at_once("torque", TORQUES)
 def test_driving_torque_is_lagranges(torque: str) -> None:
     """tau1 = (J q'' + T) q', J all that turns with the driven shaft, at even driving speed."""
     made = alone(TORQUES[torque], MASSES)
@@ -208,7 +209,7 @@ REFUSED = [
 ]
 
 
-@pytest.mark.parametrize(("rest", "key", "said"), REFUSED)
+@at_once(("rest", "key", "said"), REFUSED)
 def test_what_needs_a_linkage_is_refused_at_its_place(run: Run, rest: str, key: str, said: str) -> None:
     Path("d.yaml").write_text(f"name: alone\noperation: {{speed_rpm: 60}}\n{rest}\n", encoding="utf-8")
     status, _, err = run("check", "d.yaml")

@@ -12,11 +12,11 @@ import numpy as np
 import pytest
 
 import ncgear
+from at_once import at_once
 from conftest import Run
 from ncgear.errors import WrongInput
-from ncgear.kinematics.crank_stretches import CrankStretch
+from ncgear.kinematics.crank_stretches import CrankStretch, crank_rad
 from ncgear.kinematics.motion import Machine
-from ncgear.kinematics.over_stretches import crank_rad
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.mechanisms.slider_load import SliderLoad
@@ -77,14 +77,14 @@ def sampled(machine: Machine, wish: GentleStretch) -> float:
     return float(fall[inside & ~near].max(initial=0.0)) * W**2
 
 
-@pytest.mark.parametrize("wish", ALL, ids=["speed", "deceleration", "around the end"])
-@pytest.mark.parametrize("seed", range(2))
+@at_once("wish", ALL)
+@at_once("seed", range(2))
 def test_what_a_law_at_random_achieves(seed: int, wish: GentleStretch) -> None:
     machine = moving(law_at_random(seed))
     assert wish.outcome(machine).achieved == pytest.approx(sampled(machine, wish), rel=5e-3, abs=30.0)
 
 
-@pytest.mark.parametrize("ends", [(2.0, 3.0), (-0.6, 0.5), (-2.0, -1.0), (0.0, 4.0), (5.0, TURN)])
+@at_once("ends", [(2.0, 3.0), (-0.6, 0.5), (-2.0, -1.0), (0.0, 4.0), (5.0, TURN)])
 def test_crank_angles_that_every_law_passes(ends: tuple[float, float]) -> None:
     """None of eight laws leaves them; control: taken for a range that is half as wide, some laws do."""
     left = []
@@ -130,8 +130,8 @@ def test_a_law_keeps_what_is_asked_of_its_case_and_breaks_that_of_others(seed: i
             assert own[0] - 1e-9 <= held.stretch.start_rad < held.stretch.end_rad <= own[1] + 1e-9
 
 
-@pytest.mark.parametrize("wish", ALL, ids=["speed", "deceleration", "around the end"])
-@pytest.mark.parametrize("seed", range(2))
+@at_once("wish", ALL)
+@at_once("seed", range(2))
 def test_what_is_asked_is_enough(seed: int, wish: GentleStretch) -> None:
     """A law keeps its times over the crank angles it passes; shifted to later, or to earlier ones, it breaks them."""
     machine = moving(law_at_random(seed))
@@ -268,7 +268,7 @@ WRONG = {
 }
 
 
-@pytest.mark.parametrize(("wish", "said"), WRONG.values(), ids=WRONG)
+@at_once(("wish", "said"), WRONG.values())
 def test_faults_are_told_at_their_key(wish: dict[str, Any], said: str) -> None:
     with pytest.raises(WrongInput, match="gentle_stop") as found:
         _ = drive(speed_at_most_mm_s=9.0, **wish).motion_wishes

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import ncgear
+from at_once import at_once
 from commands import ROOT
 from conftest import Run
 from ncgear.kinematics.crank_stretches import CrankStretch, Stroke, by_stroke
@@ -60,7 +61,7 @@ def law_at_random(seed: int) -> Train:
     return single(harmonic_law(cosine, sine, Lobes()))
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("place", "achieved"),
     [
         ({}, TOP),
@@ -186,8 +187,8 @@ def least_cycle(rising: float, falling: float) -> float:
     return float(np.mean(W * slope / np.minimum(speed, np.sqrt(2.0 * rising * gone) if rising < inf else inf)))
 
 
-@pytest.mark.parametrize(("places", "near"), [(16, 0.9), (480, 0.995)])
-@pytest.mark.parametrize("rising", [inf, 2.0 * TOP], ids=["any start", "gentle start"])
+@at_once(("places", "near"), [(16, 0.9), (480, 0.995)])
+@at_once("rising", [inf, 2.0 * TOP])
 def test_the_shortest_cycle_of_a_gentle_stop(rising: float, places: int, near: float) -> None:
     """Time-optimal motion between rests: the programme is never above it, on any grid, and comes near on a fine one."""
     falling = 0.4 * TOP
@@ -344,7 +345,7 @@ WRONG = {
 }
 
 
-@pytest.mark.parametrize(("wish", "said"), WRONG.values(), ids=WRONG)
+@at_once(("wish", "said"), WRONG.values())
 def test_faults_are_told_at_their_key(run: Run, wish: str, said: str) -> None:
     Path("d.yaml").write_text(f"{HEAD}wishes: {{gentle_stop: [{wish}]}}\n", encoding="utf-8")
     got, out, err = run("check", "d.yaml")

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from at_once import at_once
 from drives import design_of
 from ncgear.figures.advice.drivetrain_advice import around
 from ncgear.figures.advice.given_advice import without_effect
@@ -227,9 +228,7 @@ def test_bearings_of_helical_teeth_are_refused_as_the_file_is_read() -> None:
         assert ("helical teeth press along their shafts" in said) == of_thrust
 
 
-@pytest.mark.parametrize(
-    ("at_mm", "within"), [(5.9, "gear,"), (10.0, "gear's hub"), (14.0, ""), (-6.0, ""), (-5.9, "gear,")]
-)
+@at_once(("at_mm", "within"), [(5.9, "gear,"), (10.0, "gear's hub"), (14.0, ""), (-6.0, ""), (-5.9, "gear,")])
 def test_a_bearing_stands_beside_gear_and_hub(at_mm: float, within: str) -> None:
     gears = {**PUMP["gears"], "driving": {"bore_mm": 10, "hub": {"diameter_mm": 20, "height_mm": 8}}}
     shaft = {"bearing_a": {"at_mm": at_mm}, "bearing_b": {"at_mm": 40}}

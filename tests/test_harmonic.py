@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from mpmath import mp, mpf
 from scipy.special import iv
 
+from at_once import at_once
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.ratio.laws.harmonic import closed_harmonics, harmonic_law
@@ -117,7 +118,7 @@ def test_the_oracle_sees_a_wrong_coefficient() -> None:
         assert abs(found - exact.driven_angle(mpf(2), found)) > 1e-10
 
 
-@pytest.mark.parametrize("lobes", [Lobes(), Lobes(2, 1), Lobes(1, 3), Lobes(3, 2)])
+@at_once("lobes", [Lobes(), Lobes(2, 1), Lobes(1, 3), Lobes(3, 2)])
 def test_no_harmonics_are_the_uniform_law(lobes: Lobes) -> None:
     phi1 = np.linspace(0.0, lobes.driving_period_rad, 57)[:-1]
     for coefficients in ([], [0.0, 0.0, 0.0]):
@@ -126,7 +127,7 @@ def test_no_harmonics_are_the_uniform_law(lobes: Lobes) -> None:
         assert np.max(np.abs(found.coefficients - exact.coefficients)) <= 2e-15
 
 
-@pytest.mark.parametrize("size", [1e-9, 0.1, 1.0, 3.0, 6.0])
+@at_once("size", [1e-9, 0.1, 1.0, 3.0, 6.0])
 def test_the_mean_of_one_harmonic_is_a_bessel_function(size: float) -> None:
     """mean(exp(a cos t)) = I0(a), so i12 = exp(a cos t)/I0(a); phi1(t) = t + 2 sum I_k(a)/I0(a) sin(kt)/k."""
     transmission = law([size], [])
@@ -214,7 +215,7 @@ def test_many_harmonics(harmonics: int) -> None:
     assert np.mean(np.exp(log_constant(made) + made.series.at(phi2, 0).value)) == pytest.approx(1.0, abs=1e-13)
 
 
-@pytest.mark.parametrize("name", CASES)
+@at_once("name", CASES)
 def test_all_derivatives_run_on_over_the_seam(name: str) -> None:
     cosine, sine, lobes = CASES[name]
     piece = law(list(cosine), list(sine), lobes).pieces[0]
@@ -261,7 +262,7 @@ def test_what_is_no_number_is_wrong_input(cosine: list[float], sine: list[float]
     assert said in caught.value.problem
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("cosine", "sine", "key", "value"),
     [
         ([7.0], [], "motion.cosine.0", "7 is the largest"),

@@ -18,8 +18,7 @@ from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.quadrature import gauss_points
-from ncgear.numerics.waves import rms_above
+from ncgear.numerics.quadrature import gauss_points, rms_above
 from ncgear.optimum.makeable.law import EVEN, kept_law
 from ncgear.optimum.makeable.search import searched
 from ncgear.project.best_law import BestLaw

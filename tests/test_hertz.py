@@ -56,6 +56,7 @@ def test_an_edge_has_no_width_and_infinite_pressure() -> None:
     assert hertz_pressure_mpa(line, edge, (STEEL, STEEL)).tolist() == [np.inf]
 
 
+@pytest.mark.tiers(quick=["17-100"], rest="slow")
 @pytest.mark.parametrize(("teeth", "force_n"), [(17, 100), (24, 400), (40, 2000)])
 def test_round_gears_are_rated_at_the_end_of_single_contact_which_deflection_moves(teeth: int, force_n: float) -> None:
     """By hand: T / (r cos 20 deg), there, with both involutes' radii.  Teeth give way and bear in two pairs sooner."""

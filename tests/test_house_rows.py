@@ -131,25 +131,21 @@ def swung_angle(swing, lobes, phi1, order):
     return (around - swing * jet.sin_cos(around)[0]) * (1.0 / lobes.driven)
 ''',
         "design/laws/dummy.py": '''\
-from typing import Literal
-
 from ncgear.design.keys.base import required
-from ncgear.design.laws.base import Begins, DesignLaw, LawKeys
+from ncgear.design.laws.base import Begins, LawKeys
 
 
 class Dummy(LawKeys):
     """A swing about an even ratio."""
 
-    law: Literal["dummy"] = required("the name of this law: dummy")
+    CHOICE = "a swing about an even ratio"
+    BEGINS = Begins.FORMULA
     swing: float = required("swing of the inverse ratio, 0 to under 1", ge=0.0, lt=1.0)
 
     def transmission(self, linkage, lobes):
         from ncgear.ratio.laws.dummy import swung_law
 
         return swung_law(self.swing, lobes)
-
-
-LAW = DesignLaw(keys=Dummy, choice="a swing about an even ratio", begins=Begins.FORMULA)
 ''',
         "design/templates/laws/dummy.yaml": "motion:                    # a swing\n  law: dummy\n  swing: 0.25\n",
     },
@@ -181,7 +177,7 @@ from dataclasses import replace
 from typing import ClassVar
 
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import Masses
 from ncgear.mechanisms.scotch_yoke import ScotchYoke
 
 
@@ -208,7 +204,7 @@ def whole(masses):
 ''',
     },
     {
-        "design/keys/linkages.py": {"class RockerKeys(": "class DummyKeys(CrankKeys):\n    pass\n\n"},
+        "design/keys/machine.py": {"class RockerKeys(": "class DummyKeys(CrankKeys):\n    pass\n\n"},
         "design/keys/masses.py": {
             "class Masses(": """\
 class DummyMasses(ShaftMasses, first=True):
@@ -218,7 +214,7 @@ class DummyMasses(ShaftMasses, first=True):
 """
         },
         "design/mechanisms.py": {
-            "from ncgear.errors ": "from ncgear.design.keys.linkages import DummyKeys\n"
+            "from ncgear.errors ": "from ncgear.design.keys.machine import DummyKeys\n"
             "from ncgear.design.keys.masses import DummyMasses",
             '    "crank_rocker":': '    "dummy": Entry("dummy", DummyKeys, DummyMasses),',
         },
@@ -303,7 +299,7 @@ def quick(drive):
         "figures/advice/verdict.py": {
             "from ncgear.figures.advice.values ": "from ncgear.figures.advice import dummy_advice",
             "    Kind.SPEEDS:": "    Kind.DUMMY: Condition("
-            '"slowness", "it is slow", lambda _: True, _one(dummy_advice.quick), of_pair=False),',
+            '"slowness", "it is slow", lambda _: True, dummy_advice.quick, of_pair=False),',
         },
     },
 )
@@ -344,7 +340,7 @@ def dummy() -> None:
     typer.echo("a dummy")
 '''
     },
-    {"cli/app.py": {"from ncgear.cli.formulas ": "from ncgear.cli.dummy import dummy", "    balance,": "    dummy,"}},
+    {"cli/app.py": {"from ncgear.cli.study ": "from ncgear.cli.dummy import dummy", "    balance,": "    dummy,"}},
 )
 
 
@@ -499,7 +495,7 @@ def test_a_dummy_that_is_added_where_its_row_says_works(dummy: Dummy) -> None:
         (LAW, "formulas/laws.py", "KeyError: <function swung_angle"),
         (LAW, TOLD_KEYS, r"motion\.swing: unknown key"),
         (MECHANISM, "mechanisms/dummy.py", "No module named 'ncgear.mechanisms.dummy'"),
-        (MECHANISM, "design/keys/linkages.py", "cannot import name 'DummyKeys'"),
+        (MECHANISM, "design/keys/machine.py", "cannot import name 'DummyKeys'"),
         (MECHANISM, "design/keys/masses.py", "cannot import name 'DummyMasses'"),
         (MECHANISM, "design/mechanisms.py", r"linkage\.kind: 'dummy' given"),
         (MECHANISM, "formulas/linkages.py", "KeyError: <class 'ncgear.mechanisms.dummy.Dummy'>"),

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from at_once import at_once
 from loaded import FRICTION, IMPACT, STIFFNESS
 from ncgear.dynamics.meshing import Friction, Impact
 
@@ -13,7 +14,7 @@ DEPTH = np.linspace(-0.05, 0.3, 351)
 ELASTIC = IMPACT.elastic_n(DEPTH, STIFFNESS)
 
 
-@pytest.mark.parametrize("rate", [-1e4, -10.0, 0.0, 10.0])
+@at_once("rate", [-1e4, -10.0, 0.0, 10.0])
 def test_bodies_never_pull_and_damping_never_gives(rate: float) -> None:
     damped = IMPACT.damping(DEPTH) * rate
     assert np.all(IMPACT.force_n(ELASTIC, damped) >= 0.0)

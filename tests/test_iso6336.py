@@ -8,6 +8,7 @@ from math import cos, pi, radians, sqrt
 import numpy as np
 import pytest
 
+from at_once import at_once
 from circular_pairs import (
     CylindricalPair,
     contact_ratio_factor,
@@ -164,7 +165,7 @@ def test_the_outer_point_of_single_contact_is_a_base_pitch_from_the_end_of_conta
     assert pair.center_distance_mm == pytest.approx(25.0, rel=1e-12)
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("wall", "internal", "factor"),
     [
         (5.4, False, 1.0),

@@ -9,7 +9,9 @@ import pytest
 
 from commands import Run, on_text
 from drives import drive_of_text
-from ncgear.drivetrain.jam import HELD, Jam, deciding
+from ncgear.drivetrain.bearings import Bearing
+from ncgear.drivetrain.jam import HELD, Jam, deciding, jammed_shaft
+from ncgear.drivetrain.shafts import STEELS, ShaftSection
 from ncgear.errors import WrongInput
 from ncgear.figures.advice.drivetrain_advice import around
 from ncgear.figures.advice.strength_advice import rough, strength
@@ -103,21 +105,43 @@ drivetrain:
 """
 
 
+FORCE_N = 1e3 * TORQUE_N_M / (24.0 * np.cos(np.radians(20.0)))
+"""At the teeth of round gears."""
+
+
+def test_a_shaft_between_two_bearings_bears_a_jam_as_by_hand() -> None:
+    """The gear in the middle between both; without a crank on it, and a section that yields by its own moments."""
+    one = drive_of_text(text_of(1.0, AROUND))
+    assert one.jam is not None
+    ends = Bearing(-20.0, "ball", 20_000.0, 4000.0), Bearing(60.0, "ball", 20_000.0)
+    section = ShaftSection(16.0, 16.0, STEELS["C45"])
+    found = jammed_shaft(one.jam, Gear.DRIVING, ends, 0.0, section)
+    assert [most.value for most in found.largest_n] == pytest.approx([0.75 * FORCE_N, 0.25 * FORCE_N])
+    assert found.static_safety == (pytest.approx(4000.0 / (0.75 * FORCE_N)), None)
+    bent = 0.75 * FORCE_N * 20.0 / (np.pi * 16.0**3 / 32.0)
+    twisted = 1e3 * TORQUE_N_M / (np.pi * 16.0**3 / 16.0)
+    assert found.yielding == pytest.approx(490.0 / np.sqrt(bent**2 + 3.0 * twisted**2), rel=1e-6)
+    assert found.most_n_mm == pytest.approx(1e3 * TORQUE_N_M)
+
+
 @pytest.mark.slow
 def test_shafts_keys_and_bearings_bear_a_jam_as_by_hand() -> None:
-    """T / (r cos 20 deg) at the gear, half of it at either bearing; the rod of a held slider, by its own triangle."""
+    """T / (r cos 20 deg) at the gear, half of it at either bearing."""
     one = drive_of_text(text_of(1.0, AROUND))
     found = one.drivetrain.driving_shaft
     assert found is not None
     assert found.jammed is not None
     assert found.jammed_key is not None
-    force = 1e3 * TORQUE_N_M / (24.0 * np.cos(np.radians(20.0)))
+    force = FORCE_N
     assert [most.value for most in found.jammed.largest_n] == pytest.approx([force / 2.0, force / 2.0])
     assert found.jammed.static_safety == (pytest.approx(8000.0 / force), None)
     bent, twisted = force / 2.0 * 30.0 / (np.pi * 16.0**3 / 32.0), 1e3 * TORQUE_N_M / (np.pi * 16.0**3 / 16.0)
     assert found.jammed.yielding == pytest.approx(490.0 / np.sqrt(bent**2 + 3.0 * twisted**2), rel=1e-6)
     assert found.jammed_key.pressure_mpa == pytest.approx(2e3 * TORQUE_N_M / (16.0 * 2.0 * 10.0))
 
+
+def test_the_rod_of_a_held_slider_bears_what_its_triangle_says() -> None:
+    one, force = drive_of_text(text_of(1.0, AROUND)), FORCE_N
     jam = Jam.of(one.rigid.machine, 1e3 * TORQUE_N_M, np.linspace(0.0, 2.0 * np.pi, 200))
     phi1 = np.array([0.01, 0.4, 1.2, 2.0, 3.1, 4.0, 5.5])
     loads = jam.loads(Gear.DRIVEN, phi1)

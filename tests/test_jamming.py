@@ -12,17 +12,17 @@ import pytest
 from scipy.stats import norm
 
 import ncgear
+from at_once import at_once
 from drives import design_of, drive, loaded
 from ncgear.design.keys.tolerances import AssemblyTolerances, GearTolerances, Temperatures
 from ncgear.errors import DesignError
-from ncgear.figures.advice.assembly_advice import jams
+from ncgear.figures.advice.teeth_advice import jams
 from ncgear.figures.advice.values import Advice, Kind, NotJudged
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
 from ncgear.project.jamming import backlash_needed, jamming_of
 from ncgear.project.tolerance import lot_of
-from ncgear.project.tolerance_limits import left_of_backlash, limits_of
-from ncgear.project.usual_tolerances import Process, process_of, tolerances_of
+from ncgear.project.tolerance_limits import Process, left_of_backlash, limits_of, process_of, tolerances_of
 from ncgear.tolerances.estimate import Needed, Teeth, enough, needed, plays_of
 from ncgear.tolerances.study import Workers, assemblies_of, drawn_evenly
 
@@ -279,7 +279,7 @@ def test_a_backlash_with_which_teeth_are_pointed_is_not_advised(eccentricity_mm:
             _ = wider.teeth
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("gears", "process"),
     [
         ({}, Process.GENERATED),

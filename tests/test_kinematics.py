@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial, legendre
 
+from at_once import at_once
 from ncgear.kinematics.check import KinematicCheck, at_speed, kinematic_check
 from ncgear.kinematics.motion import Machine, sample_angles
 from ncgear.mechanisms.crank_slider import CrankSlider
@@ -82,8 +83,8 @@ FIGURES: dict[str, tuple[Callable[[KinematicCheck], float], int]] = {
 }
 
 
-@pytest.mark.parametrize("figure", FIGURES)
-@pytest.mark.parametrize("name", ["uniform", BALER_LAW, "ratio expression 1:2"])
+@at_once("figure", FIGURES)
+@at_once("name", ["uniform", BALER_LAW, "ratio expression 1:2"])
 def test_figures_scale_with_powers_of_the_speed(name: str, figure: str) -> None:
     value, power = FIGURES[figure]
     slow, fast = value(check(name, 20.0)), value(check(name, 50.0))
@@ -128,7 +129,7 @@ def assert_peak(exact: Extremum, phi1: Array, sampled: Array) -> None:
 LINKAGES = {"in line": BALER_LINKAGE, "offset": OFFSET, "offset back": CrankSlider(380.0, 960.0, -150.0)}
 
 
-@pytest.mark.tiers(quick=["uniform*"], thorough=["*-offset"], rest="slow")
+@pytest.mark.tiers(quick=["uniform*"], thorough=["stroke*-offset", "ratio*-offset"], rest="slow")
 @pytest.mark.parametrize("linkage", LINKAGES)
 @pytest.mark.parametrize("name", LAWS)
 def test_peaks_bound_a_dense_sample_and_are_hardly_higher(name: str, linkage: str) -> None:
@@ -162,7 +163,7 @@ def test_no_sharp_corner_of_a_short_rod_is_passed_by(name: str, linkage: str) ->
     assert_peak(kinematic_check(of).peak_acceleration_cycle, phi1, np.abs(of.motion(phi1).acceleration))
 
 
-@pytest.mark.parametrize("name", NARROW)
+@at_once("name", NARROW)
 def test_corners_are_where_the_rod_is_steepest(name: str) -> None:
     """Half a width off, the curve bends there at its most; the widths are those of cosh."""
     for angle, width in NARROW[name].corners:
@@ -172,7 +173,7 @@ def test_corners_are_where_the_rod_is_steepest(name: str) -> None:
             assert abs(around[int(bend.argmax())] - angle) <= 0.1 * width
 
 
-@pytest.mark.parametrize("name", LAWS)
+@at_once("name", LAWS)
 def test_velocity_and_acceleration_are_derivatives_of_the_displacement(name: str) -> None:
     """Central differences with Richardson extrapolation, at points away from joints."""
     of = machine(name, 30.0)
@@ -284,7 +285,7 @@ def test_force_is_clamped_or_kept(keep: bool, lowest: float) -> None:
 # --- cycle and working stroke --------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("lobes", [Lobes(), Lobes(1, 2), Lobes(2, 1), Lobes(2, 3)])
+@at_once("lobes", [Lobes(), Lobes(1, 2), Lobes(2, 1), Lobes(2, 3)])
 def test_samples_cover_the_cycle_and_a_turn(lobes: Lobes) -> None:
     transmission = uniform_law(lobes)
     phi1 = sample_angles(transmission)
@@ -307,8 +308,8 @@ def test_one_lobe_on_two_makes_one_stroke_in_two_turns() -> None:
     assert of.extended_rad == pytest.approx(float(motion.phi1_rad[reversals[0] + 1]), abs=2.0 * pi / 2000.0)
 
 
-@pytest.mark.parametrize("name", LAWS)
-@pytest.mark.parametrize("linkage", LINKAGES)
+@at_once("name", LAWS)
+@at_once("linkage", LINKAGES)
 def test_working_stroke_is_where_the_slider_advances(name: str, linkage: str) -> None:
     of = machine(name, 30.0, LINKAGES[linkage], SliderLoad(PolynomialResistance((100.0,))))
     phi1 = np.linspace(0.0, of.transmission.cycle_rad, 1999)[1:-1]
@@ -320,7 +321,7 @@ def test_working_stroke_is_where_the_slider_advances(name: str, linkage: str) ->
     assert np.array_equal(motion.power_w, motion.load * motion.velocity / 1000.0)
 
 
-@pytest.mark.parametrize("name", LAWS)
+@at_once("name", LAWS)
 def test_extended_angle_is_the_extended_dead_centre(name: str) -> None:
     of = machine(name, 30.0, OFFSET)
     series = of.displacement(np.array([of.extended_rad]), 1)
@@ -347,8 +348,8 @@ def test_a_peak_that_is_a_thousandth_of_the_cycle_wide_is_found() -> None:
     assert exact == pytest.approx(sampled, rel=1e-5)
 
 
-@pytest.mark.parametrize("name", LAWS)
-@pytest.mark.parametrize("astray", [0.0, 1e-15])
+@at_once("name", LAWS)
+@at_once("astray", [0.0, 1e-15])
 def test_a_stroke_begins_at_its_dead_centre(name: str, astray: float) -> None:
     """Though the law's angle is a rounding error before it; the force is in the tables' first and last row."""
     of = machine(name, 30.0, load=SliderLoad(PolynomialResistance((400.0,))))

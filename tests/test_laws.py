@@ -15,6 +15,7 @@ import pytest
 from mpmath import mp
 from numpy.polynomial import chebyshev, legendre
 
+from at_once import at_once
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.numerics.arrays import Array
@@ -147,7 +148,7 @@ def law(name: str) -> Transmission:
     return LAWS[name]()
 
 
-every_law = pytest.mark.parametrize("name", LAWS)
+every_law = at_once("name", LAWS)
 
 
 def stretches(transmission: Transmission) -> list[tuple[Piece, float, float]]:
@@ -307,7 +308,7 @@ def test_right_hand_limits_at_joints() -> None:
 # --- uniform and elliptical ----------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("lobes", [Lobes(), Lobes(2, 1), Lobes(1, 3), Lobes(3, 2)])
+@at_once("lobes", [Lobes(), Lobes(2, 1), Lobes(1, 3), Lobes(3, 2)])
 def test_uniform_law_is_a_straight_line(lobes: Lobes) -> None:
     phi1 = np.linspace(-3.0, 9.0, 41)
     series = uniform_law(lobes).driven_angle(phi1, 3)
@@ -388,7 +389,7 @@ def test_the_factor_that_a_refusal_names_does_close_the_cycle() -> None:
     assert abs(ratio_expression_law(text, Lobes(), scale_to_close=False).closure_error_rad) <= 1e-12
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("text", "said"),
     [
         ("1.001/(1 + 0.3*cos(phi))", "does not close"),
@@ -402,7 +403,7 @@ def test_the_factor_that_a_refusal_names_does_close_the_cycle() -> None:
         ("sqrt(cos(phi))", ""),
     ],
 )
-@pytest.mark.parametrize("scale", [True, False])
+@at_once("scale", [True, False])
 def test_ratios_that_give_no_law_are_refused(text: str, said: str, scale: bool) -> None:
     if scale and said == "does not close":
         assert abs(ratio_expression_law(text, Lobes(), scale_to_close=True).closure_error_rad) <= 1e-12
@@ -413,7 +414,7 @@ def test_ratios_that_give_no_law_are_refused(text: str, said: str, scale: bool) 
     assert said in caught.value.problem
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("text", "said"),
     [
         ("2*phi", "does not close"),
@@ -506,7 +507,7 @@ def changed(values: Array, index: int, value: float) -> Array:
     return copy
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("phi1", "displacement", "said"),
     [
         (changed(GOOD_ANGLES, 0, 0.1), GOOD, "must be (0, 0)"),

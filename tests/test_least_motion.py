@@ -230,6 +230,7 @@ def test_the_least_pressure_angle_of_an_even_speed() -> None:
 # --- force between the teeth -------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_the_force_of_round_gears_is_over_the_limit() -> None:
     """The work of a stroke, 60 J, over the length of the pitch curves, 60 teeth of 2 mm; random laws have more."""
     machine, limit = best("least_tooth_force").begun, best("least_tooth_force").begun.bound

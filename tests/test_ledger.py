@@ -14,6 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import drives
+from at_once import at_once
 from commands import ROOT, fresh
 from ncgear.figures.ledger import PAGE, ledger_page
 from ncgear.papers.entry import (
@@ -31,7 +32,7 @@ from ncgear.papers.entry import (
     half_step,
     texts,
 )
-from ncgear.papers.gear_baler import published as gear_baler
+from ncgear.papers.gear_baler import simulation as gear_baler
 from ncgear.papers.gear_baler.simulation import INFERRED
 from ncgear.papers.judgement import PAPERS, Contradicted, judged, judgement
 from ncgear.papers.track_chassis.measurements import LINE_HZ
@@ -88,13 +89,13 @@ def missing_claims(paper: Paper) -> list[str]:
 
 
 @pytest.mark.judges("papers")
-@pytest.mark.parametrize("paper", PAPERS, ids=lambda paper: paper.title)
+@at_once("paper", PAPERS)
 def test_every_printed_figure_and_claim_is_in_the_ledger(paper: Paper) -> None:
     assert missing_numbers(paper) == []
     assert missing_claims(paper) == []
 
 
-@pytest.mark.parametrize("paper", PAPERS, ids=lambda paper: paper.title)
+@at_once("paper", PAPERS)
 def test_a_figure_or_claim_taken_out_is_missed(paper: Paper) -> None:
     """Whatever is left out of the ledger's list of what it leaves out, or of its claims, is found to be missing."""
     for item in paper.left_out:
@@ -106,9 +107,7 @@ def test_a_figure_or_claim_taken_out_is_missed(paper: Paper) -> None:
             assert missing_claims(replace(paper, entries=rest_of_entries)), what
 
 
-@pytest.mark.parametrize(
-    ("title", "count"), [(BALER, 46), (CHASSIS, 391), (DRUM, 388), (SIEVE, 213), (LINES, 40), (SHAPED, 58)]
-)
+@at_once(("title", "count"), [(BALER, 46), (CHASSIS, 391), (DRUM, 388), (SIEVE, 213), (LINES, 40), (SHAPED, 58)])
 def test_numbers_listed(title: str, count: int) -> None:
     """How many numbers each paper prints, so that none is lost from the list."""
     assert sum(len(line.split()) for line in NUMBERS[title].values()) == count
@@ -120,13 +119,13 @@ def unnamed(paper: Paper) -> set[str]:
     return set(paper.promised) - named
 
 
-@pytest.mark.parametrize("paper", PAPERS, ids=lambda paper: paper.title)
+@at_once("paper", PAPERS)
 def test_every_place_is_named(paper: Paper) -> None:
     assert unnamed(paper) == set()
     assert unnamed(replace(paper, entries=paper.entries[1:], left_out=())) != set()
 
 
-@pytest.mark.parametrize("paper", PAPERS, ids=lambda paper: paper.title)
+@at_once("paper", PAPERS)
 def test_no_figure_is_there_twice(paper: Paper) -> None:
     figures = [(entry.places, entry.what) for entry in paper.entries]
     assert len(set(figures)) == len(figures)
@@ -165,16 +164,16 @@ def test_what_is_printed_comes_out_and_another_last_digit_is_refused(entry: Entr
 def test_what_is_off_by_more_than_rounding_has_words() -> None:
     assert all(entry.words for entry in ENTRIES if entry.verdict is not Verdict.REPRODUCED)
     with pytest.raises(ValueError, match="without a word"):
-        Entry(("eq. 1",), "x", Relation(), Verdict.NOT_REPRODUCIBLE, lambda: computed(1.0))
+        Entry("eq. 1", "x", Relation(), Verdict.NOT_REPRODUCIBLE, lambda: computed(1.0))
     with pytest.raises(ValueError, match="nothing is computed"):
-        Entry(("eq. 1",), "x", Relation(), Verdict.REPRODUCED)
+        Entry("eq. 1", "x", Relation(), Verdict.REPRODUCED)
 
 
 def test_what_is_made_of_printed_numbers_is_right_or_wrong() -> None:
     """One rule: no sum or quotient of printed numbers is held to be read, given back, or short of data."""
     for verdict in (Verdict.UNDER_READING, Verdict.GIVEN_BACK, Verdict.NEEDS_DATA):
         with pytest.raises(ValueError, match="of printed numbers"):
-            Entry(("eq. 1",), "x", Printed(("1",)), verdict, lambda: computed(1.0), "words", of_printed=True)
+            Entry("eq. 1", "x", Printed(("1",)), verdict, lambda: computed(1.0), "words", of_printed=True)
 
 
 def test_a_claim_of_more_or_less_holds_for_all_pairs() -> None:
@@ -192,8 +191,7 @@ def test_the_acceleration_at_the_retracted_end_by_plain_equations() -> None:
     omega = 52.80854482726039 * pi / 30.0
     found = np.linalg.solve(np.array(rows), [0.0, 1600.0 / omega, 1100.0 / omega, 0.0, 0.0])[1]
     entry = next(one for one in ENTRIES if one.what == "acceleration where the return ends")
-    assert entry.compute is not None
-    assert entry.compute().values[0] == pytest.approx(found * (20.0 * pi / 30.0) ** 2, rel=1e-9)
+    assert entry.computed().values[0] == pytest.approx(found * (20.0 * pi / 30.0) ** 2, rel=1e-9)
 
 
 def test_the_earlier_mechanisms_speed_is_inferred() -> None:
@@ -211,9 +209,7 @@ def test_the_earlier_mechanisms_speed_is_inferred() -> None:
     assert round(inferred) == gear_baler.EARLIER_RPM
 
 
-@pytest.mark.parametrize(
-    ("text", "half"), [("6300", 50.0), ("182", 0.5), ("0.4", 0.05), ("9.50", 0.005), ("0", 0.5), ("-2.08", 0.005)]
-)
+@at_once(("text", "half"), [("6300", 50.0), ("182", 0.5), ("0.4", 0.05), ("9.50", 0.005), ("0", 0.5), ("-2.08", 0.005)])
 def test_half_step(text: str, half: float) -> None:
     assert half_step(text) == pytest.approx(half, rel=1e-15)
 
@@ -244,11 +240,10 @@ def test_an_equation_holds_to_rounding_errors_only() -> None:
     assert not Relation().agrees(Computed((0.0, 2.0 * HOLDS)))
 
 
-@pytest.mark.parametrize("entry", [e for e in ENTRIES if isinstance(e.published, Relation) and e.compute], ids=name)
+@at_once("entry", [e for e in ENTRIES if isinstance(e.published, Relation) and e.compute])
 def test_equations_hold_to_rounding_errors_or_fail_by_far(entry: Entry) -> None:
     """What HOLDS parts: nothing lies within three orders of it."""
-    assert entry.compute is not None
-    worst = max(map(abs, entry.compute().values))
+    worst = max(map(abs, entry.computed().values))
     assert worst < 1e-3 * HOLDS if entry.verdict in AGREEING else worst > 1e3 * HOLDS
 
 
@@ -275,7 +270,7 @@ def test_the_gear_balers_reading_is_the_design_file() -> None:
 
 
 @pytest.mark.judges("papers")
-@pytest.mark.parametrize(
+@at_once(
     ("title", "what", "verdict", "values"),
     [
         # Computed apart from this program before any of it was written

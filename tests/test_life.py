@@ -9,6 +9,7 @@ from math import inf, log, pi
 import numpy as np
 import pytest
 
+from at_once import at_once
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.strength.conditions import Conditions, Running
@@ -88,8 +89,8 @@ def test_safety_in_the_example_of_iso_6336_6() -> None:
 CURVE = EnduredStress(np.array([1e4, 3e6, 1e10]), np.array([500.0, 200.0, 170.0]))
 
 
-@pytest.mark.parametrize("stress", [100.0, 171.0, 250.0, 499.0])
-@pytest.mark.parametrize("cycles", [1e2, 1e5, 1e8, 1e11])
+@at_once("stress", [100.0, 171.0, 250.0, 499.0])
+@at_once("cycles", [1e2, 1e5, 1e8, 1e11])
 def test_one_stress_has_the_safety_of_the_curve(stress: float, cycles: float) -> None:
     """Closed form: the stress endured for the wanted number of cycles over the stress."""
     life = tooth_life(met([1], [stress]), CURVE, 2, cycles, 1.0)

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from at_once import at_once
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 from ncgear.kinematics.check import kinematic_check
 from ncgear.kinematics.crank_stretches import CrankStretch
@@ -269,8 +270,8 @@ EXCESS: dict[str, Callable[[float], Callable[[float], float]]] = {
 }
 
 
-@pytest.mark.parametrize("kind", EXCESS)
-@pytest.mark.parametrize("at", [1e-6, 0.3, 1.0, 1.0 + 1e-9, 2.0, 1e6])
+@at_once("kind", EXCESS)
+@at_once("at", [1e-6, 0.3, 1.0, 1.0 + 1e-9, 2.0, 1e6])
 def test_turning_point(at: float, kind: str) -> None:
     found = turning_point(EXCESS[kind](at), 1.0)
     assert found is not None

@@ -14,8 +14,9 @@ from scipy import sparse
 from scipy.integrate import cumulative_trapezoid
 from scipy.optimize import brentq
 
+from at_once import at_once
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import RodMasses
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.certified import proof
 from ncgear.optimum.certified.cycle import CrankCycle, cycle
@@ -302,7 +303,7 @@ SAMPLED = 1e-6
 """Energies by trapezes of 1.6e-4 rad, over the size of the terms of a row."""
 
 
-@pytest.mark.thorough
+@pytest.mark.tiers(thorough=["0", "5"], rest="slow")
 @pytest.mark.parametrize("seed", range(8))
 def test_a_convex_law_with_mass_keeps_what_its_own_figures_demand(seed: int) -> None:
     """All four figures are priced, with ranges wider than the law's own."""
@@ -325,7 +326,7 @@ def test_figures_under_those_of_the_law_are_broken(name: str) -> None:
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("seed", range(6))
+@at_once("seed", range(6))
 def test_without_convexity_the_roof_of_acceleration_is_kept(seed: int) -> None:
     """The programme itself, fed with the law's figures, is open to it."""
     law, task = Turning(seed, 0.6), replace(AT_SIXTY, linkage=LINKAGES[seed % 4])
@@ -334,7 +335,7 @@ def test_without_convexity_the_roof_of_acceleration_is_kept(seed: int) -> None:
         assert LimitProblem(task, free, cycle(task, 60)).is_open
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("tighter", "by"),
     [("acceleration_mm_s2", 0.98), ("power_w", 0.98), ("steepness", 0.9), ("ratio_max", 0.99), ("ratio_min", 1.01)],
 )
@@ -387,7 +388,7 @@ def outside_between_checkpoints(law: Turning, apart_rad: float, steepness: float
     return float(low.max()), float(high.max())
 
 
-@pytest.mark.parametrize("seed", range(6))
+@at_once("seed", range(6))
 def test_between_checkpoints_convex_curves_stay_in_the_ranges(seed: int) -> None:
     for apart in (0.05, 0.1, 0.3):
         assert max(outside_between_checkpoints(convex_law(seed), apart)) < 1e-9
@@ -401,7 +402,7 @@ def test_between_checkpoints_a_wavy_law_leaves_the_ranges() -> None:
     assert min(below, above) > 1e-4
 
 
-@pytest.mark.parametrize("seed", range(6))
+@at_once("seed", range(6))
 def test_between_checkpoints_a_law_stays_as_near_as_its_tangent_lets_it(seed: int) -> None:
     law = Turning(seed, 0.6)
     own = exact_demands(AT_SIXTY, law).steepness
@@ -414,7 +415,7 @@ def test_between_checkpoints_a_law_stays_as_near_as_its_tangent_lets_it(seed: in
 # --- numbers of the rows ---------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("crank_mm", "rod_mm", "places"),
     [(380.0, 960.0, 60), (380.0, 960.0, 180), (380.0, 960.0, 960), (120.0, 120.0002, 240), (120.0, 120.0000001, 97)],
 )
@@ -548,7 +549,7 @@ def test_multipliers_are_in_the_cone() -> None:
             assert mp.mpf(first) ** 2 >= mp.mpf(second) ** 2 + mp.mpf(third) ** 2
 
 
-@pytest.mark.parametrize("seed", range(20))
+@at_once("seed", range(20))
 def test_rounding_is_charged_by_the_size_of_multipliers_of_either_sign(seed: int) -> None:
     """Two rows of a cone whose multipliers are negative, and a first one that makes up for them in a signed sum.
 
@@ -564,7 +565,7 @@ def test_rounding_is_charged_by_the_size_of_multipliers_of_either_sign(seed: int
     assert of.bound(cost, multipliers) <= float(in_40_digits(of, cost, multipliers)) <= 0.0
 
 
-@pytest.mark.parametrize("seed", range(8))
+@at_once("seed", range(8))
 def test_wrong_multipliers_prove_less_and_never_more(seed: int) -> None:
     of, cost, multipliers, value, primal = solved()
     random = np.random.default_rng(seed)

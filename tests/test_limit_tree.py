@@ -12,7 +12,7 @@ import pytest
 
 from kept_laws import FILES, KeptLaw, kept
 from ncgear.design.reading.design_file import load
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import RodMasses
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.certified.cycle import CrankCycle, cycle
 from ncgear.optimum.certified.demands import Demands

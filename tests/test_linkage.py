@@ -14,6 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import mp
 
+from at_once import at_once
 from ncgear.errors import WrongInput
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.numerics import jet
@@ -31,7 +32,7 @@ LENGTHS = [
 ]
 """Crank, rod, offset in mm; the last one comes within 1 mm of not turning."""
 
-every_linkage = pytest.mark.parametrize("lengths", LENGTHS, ids=str)
+every_linkage = at_once("lengths", LENGTHS)
 
 Lengths = tuple[float, float, float]
 
@@ -64,7 +65,8 @@ def crank_pins_mm(linkage: CrankSlider, crank_angle_rad: Array) -> Array:
 
 
 @pytest.mark.judges("mechanisms")
-@every_linkage
+@pytest.mark.tiers(quick=["(380.0, 960.0, 100.0)", "(100.0, 130.0, -29.0)"], rest="slow")
+@pytest.mark.parametrize("lengths", LENGTHS, ids=str)
 def test_displacement_and_four_derivatives_against_the_vector_loop(lengths: Lengths) -> None:
     points = np.concatenate([np.linspace(0.0, 2.0 * pi, 9), [1e-9, 0.01, 3.0, 3.3, 6.2]])
     series = CrankSlider(*lengths).displacement(Jet.variable(points, 4))
@@ -76,7 +78,7 @@ def test_displacement_and_four_derivatives_against_the_vector_loop(lengths: Leng
 
 
 @every_linkage
-@pytest.mark.parametrize("angle", [1e-12, 1e-9, 1e-6, 1e-3, 0.1])
+@at_once("angle", [1e-12, 1e-9, 1e-6, 1e-3, 0.1])
 def test_displacement_is_relatively_exact_near_the_retracted_end(lengths: Lengths, angle: float) -> None:
     found = CrankSlider(*lengths).displacement(Jet.variable(angle, 0)).value[0]
     with mp.workdps(60):
@@ -196,7 +198,7 @@ def root_series(series: list[Any], sign: int) -> list[Any]:
 
 
 @every_linkage
-@pytest.mark.parametrize("extended", [False, True])
+@at_once("extended", [False, True])
 def test_working_angle_is_regular_at_the_dead_centres_themselves(lengths: Lengths, extended: bool) -> None:
     linkage, exact, order = CrankSlider(*lengths), exact_linkage(lengths), 4
     with mp.workdps(40):
@@ -266,7 +268,7 @@ def test_the_slider_stays_between_its_ends(lengths: Lengths, angle: float) -> No
     assert rod == pytest.approx(linkage.rod_mm, rel=1e-12)
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("lengths", "key", "said"),
     [
         ((0.0, 960.0, 0.0), "linkage.crank_mm", "0 is not a length"),

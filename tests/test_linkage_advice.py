@@ -11,9 +11,10 @@ from math import asin, degrees, pi, radians
 import numpy as np
 import pytest
 
+from at_once import at_once
 from drives import design_of, drive
 from ncgear.errors import NoSuchMechanism
-from ncgear.figures.advice.linkage_advice import FLATTEST_DEG, FRICTION, transmission_angle
+from ncgear.figures.advice.machine_advice import FLATTEST_DEG, FRICTION, transmission_angle
 from ncgear.figures.numbers import to_digits
 from ncgear.project.drive import Drive
 
@@ -76,7 +77,7 @@ def test_gears_that_turn_less_than_once_are_judged_where_they_turn(range_deg: fl
     assert said == "" if not locks else f"falls to {to_digits(90.0 - degrees(steepest), 3)} deg" in said
 
 
-@pytest.mark.parametrize("name", ["baler", "rocker-drive", "quick-return-shaper", "scotch-yoke-pump", "rack-feed"])
+@at_once("name", ["baler", "rocker-drive", "quick-return-shaper", "scotch-yoke-pump", "rack-feed"])
 def test_shipped_linkages_do_not_lock(name: str) -> None:
     assert transmission_angle(drive(name)) is None
 
@@ -159,9 +160,9 @@ def test_a_guide_that_jams_while_it_runs_is_refused_for_the_force_and_the_stroke
     assert not said or (told_limit and LIMIT - 1e-4 <= float(told_limit[1]) <= LIMIT)
 
 
-@pytest.mark.parametrize(("out", "back"), [(0.0, 0.0), (-10.0, 0.0), (0.0, -10.0)])
-@pytest.mark.parametrize("offset", [39.0, -39.0])
-@pytest.mark.parametrize(("friction", "starts"), [(0.999 * LIMIT, True), (1.001 * LIMIT, False)])
+@at_once(("out", "back"), [(0.0, 0.0), (-10.0, 0.0), (0.0, -10.0)])
+@at_once("offset", [39.0, -39.0])
+@at_once(("friction", "starts"), [(0.999 * LIMIT, True), (1.001 * LIMIT, False)])
 def test_a_guide_that_jams_only_at_the_start_is_told(
     friction: float, starts: bool, offset: float, out: float, back: float
 ) -> None:

@@ -227,4 +227,4 @@ def test_a_price_on_loads_is_one_of_the_whole_machine() -> None:
     found = law(wishes)
     assert found.goal == pytest.approx(wishes.prices.of(judged(wishes)), rel=1e-4)
     machine = Machine(found.train(Lobes()).whole, BALER_LINKAGE, HEAVY.load, HEAVY.speed_rad_s)
-    assert felt(RigidMachine(machine, WHOLE), 0.05).shaking_force_n == judged(wishes).shaking_force_n
+    assert felt(RigidMachine(machine, WHOLE), 0.05)["shaking_force_n"] == judged(wishes).shaking_force_n

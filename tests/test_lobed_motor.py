@@ -15,7 +15,7 @@ import trimesh
 from mpmath import mp, mpf
 from shapely import LineString, Point, Polygon
 
-from ncgear.design.reading.train_file import load_train
+from ncgear.design.reading.design_file import load_train
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.files.train import build_train
 from ncgear.numerics.arrays import Array, ComplexArray

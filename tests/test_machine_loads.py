@@ -8,10 +8,11 @@ from math import pi
 import numpy as np
 import pytest
 
+from at_once import at_once
 from mechanisms import AMPLITUDE, OFFSET, oracle, sampled, uneven
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import Masses, RodMasses
+from ncgear.mechanisms.forces import Masses, RodMasses
 from ncgear.mechanisms.scotch_yoke import ScotchYoke
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
@@ -41,7 +42,7 @@ def loads_of(machine: Machine, masses: Masses, angle: Array) -> MachineLoads:
 
 
 @pytest.mark.judges("optimum")
-@pytest.mark.parametrize("phi1", [0.4, 2.2, 3.5, 5.9])
+@at_once("phi1", [0.4, 2.2, 3.5, 5.9])
 def test_all_bodies_in_one_linear_system(phi1: float) -> None:
     """At 200 r/min, offset, with weights: every column matters.  The oracle's law is sin(2 phi) of 40 digits."""
     rigid = felt(200.0, 60.0)

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from at_once import at_once
 from commands import ROOT
 from ncgear.design.reading.design_file import load
 from ncgear.errors import WrongInput
@@ -85,7 +86,7 @@ PUBLISHED = [
 
 
 @pytest.mark.judges("strength")
-@pytest.mark.parametrize(("group", "hardness", "quality", "contact_mpa", "bending_mpa"), PUBLISHED)
+@at_once(("group", "hardness", "quality", "contact_mpa", "bending_mpa"), PUBLISHED)
 def test_published_stresses_of_the_classes(
     group: StrengthClass, hardness: float, quality: Quality, contact_mpa: float, bending_mpa: float
 ) -> None:
@@ -93,7 +94,7 @@ def test_published_stresses_of_the_classes(
     assert group.bending[quality].at(hardness) == pytest.approx(bending_mpa, rel=1e-12)
 
 
-@pytest.mark.parametrize("group", {id(row.group): row.group for row in ROWS if isinstance(row, Ferrous)}.values())
+@at_once("group", {id(row.group): row.group for row in ROWS if isinstance(row, Ferrous)}.values())
 def test_better_quality_is_never_weaker(group: StrengthClass) -> None:
     for hardness in np.linspace(*group.hardnesses, 5):
         for lines in (group.contact, group.bending):
@@ -114,7 +115,7 @@ def test_life_factors_of_iso_tr_6336_30() -> None:
     assert life_factor(CASE.contact_life, 1.783e8) == pytest.approx(0.962, abs=0.0005)
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("group", "contact_static", "bending_static", "from_cycles"),
     [(CASE, 1.6, 2.5, 1e3), (ALLOY, 1.6, 2.5, 1e4), (NITRIDING, 1.3, 1.6, 1e3), (GREY, 1.3, 1.6, 1e3)],
 )
@@ -176,8 +177,8 @@ def test_reliability() -> None:
     assert contact(surer).stress_mpa == pytest.approx(contact(usual).stress_mpa / 1.25, rel=1e-12)
 
 
-@pytest.mark.parametrize("name", TABLE)
-@pytest.mark.parametrize("lubrication", ["oil", "grease", "dry"])
+@at_once("name", TABLE)
+@at_once("lubrication", ["oil", "grease", "dry"])
 def test_every_material_has_a_curve_that_never_rises(name: str, lubrication: str) -> None:
     found = pair(of(name), given=Conditions(lubrication=lubrication))  # type: ignore[arg-type]
     for curve in (found.bending, found.contact):

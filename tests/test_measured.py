@@ -23,8 +23,7 @@ from ncgear.contact.written.as_written import Outlines, as_written, reach_mm
 from ncgear.design.reading.measured_file import MeasuredFile, read_measured
 from ncgear.errors import WrongInput
 from ncgear.figures.answers.answer import COLUMNS, LINES
-from ncgear.figures.answers.compared import compared_answer
-from ncgear.figures.compared import alone_points, gear_figures
+from ncgear.figures.compared import alone_points, compared_answer, gear_figures
 from ncgear.metrology import best_fit as best_fit_module
 from ncgear.metrology.alone import alone_mm, are_judged
 from ncgear.metrology.as_measured import outline_as_measured

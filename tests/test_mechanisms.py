@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from mpmath import mp
 
+from at_once import at_once
 from mechanism_cases import CASES, GRAVITY_M_S2, RETURNING, Case, lever, rocker
 from ncgear.design.mechanisms import MECHANISMS, NO_LINKAGE
 from ncgear.errors import WrongInput
@@ -25,8 +26,8 @@ from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import Vector
 
-every_case = pytest.mark.parametrize("case", CASES, ids=str)
-every_returning = pytest.mark.parametrize("case", RETURNING, ids=str)
+every_case = at_once("case", CASES)
+every_returning = at_once("case", RETURNING)
 
 ANGLES = np.array([0.05, 0.9, 1.7, 2.6, 3.3, 4.1, 5.2, 6.1])
 SPEED, ACCELERATION, LOAD = 7.0, -13.0, 250.0
@@ -55,7 +56,7 @@ def test_displacement_and_derivatives_are_those_of_plain_geometry(case: Case) ->
 
 
 @every_returning
-@pytest.mark.parametrize("angle", [1e-12, 1e-8, 1e-4, 1e-2])
+@at_once("angle", [1e-12, 1e-8, 1e-4, 1e-2])
 def test_displacement_is_relatively_exact_near_the_retracted_end(case: Case, angle: float) -> None:
     before = 2.0 * pi - angle
     found = case.mechanism.displacement(Jet.variable([angle, before], 0)).value
@@ -136,7 +137,7 @@ def test_the_mechanism_of_a_stroke_has_that_stroke(case: Case) -> None:
             type(made).of_stroke(100.0 * made.stroke_mm, **lengths)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@at_once("kind", KINDS)
 def test_many_at_once_are_as_each_by_itself(kind: str) -> None:
     cases = [case for case in CASES if case.kind == kind]
     columns = {name: np.array([float(case.lengths[name]) for case in cases]) for name in cases[0].lengths}
@@ -167,7 +168,7 @@ def test_corners_are_the_nearest_singularities(case: Case) -> None:
 # --- what cannot turn
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("kind", "lengths", "key", "said"),
     [
         ("crank_rocker", (60.0, 100.0, 80.0, 125.0), "linkage.crank_mm", "a crank under 55 mm does"),
@@ -297,7 +298,7 @@ def acting(case: Case, forces: JointForces, row: int) -> tuple[Acting, dict[str,
     return bodies, {"crank": drive}
 
 
-@pytest.mark.tiers(quick=["4-*"], rest="slow")
+@pytest.mark.tiers(quick=["4"], rest="slow")
 @every_case
 @pytest.mark.parametrize("row", [1, 4, 6])
 def test_forces_and_moments_on_every_body_are_in_balance(case: Case, row: int) -> None:
@@ -371,7 +372,7 @@ def pylinkage_places(kind: str, lengths: tuple[float, ...], steps: int) -> Array
     return np.array(found, dtype=float)
 
 
-@pytest.mark.parametrize("case", [one for one in RETURNING if one.kind != "scotch_yoke"], ids=str)
+@at_once("case", [one for one in RETURNING if one.kind != "scotch_yoke"])
 def test_the_output_is_where_pylinkage_has_it(case: Case) -> None:
     steps = 360
     made: Any = case.mechanism

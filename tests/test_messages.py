@@ -74,7 +74,7 @@ def test_messages_have_no_words_of_the_code() -> None:
     assert {where: text for where, text in messages().items() if JARGON.search(text)} == {}
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("text", ["give driven_inertia_kg_mm2", "the solver did not converge", "an array is needed"])
 def test_what_should_not_be_said_is_seen(text: str) -> None:
     assert unknown_keys(text) or JARGON.search(text)

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import shapely
 
+from at_once import at_once
 from engaged import MODULE, TOLERANCE, made
 from ncgear.design.reading.design_file import load
 from ncgear.metrology.pins import (
@@ -73,9 +74,7 @@ def center_radius(teeth: int, diameter: float, thickness: float, cosine: float =
 
 
 @pytest.mark.judges("metrology")
-@pytest.mark.parametrize(
-    ("teeth", "shift", "backlash"), [(22, 0.0, 0.0), (21, 0.0, 0.0), (30, 0.3, 0.1), (45, -0.2, 0.0)]
-)
+@at_once(("teeth", "shift", "backlash"), [(22, 0.0, 0.0), (21, 0.0, 0.0), (30, 0.3, 0.1), (45, -0.2, 0.0)])
 def test_over_pins_of_a_circular_gear_is_the_closed_form(teeth: int, shift: float, backlash: float) -> None:
     gear = circular(teeth, shift, backlash)
     thickness = pi * MODULE / 2.0 + 2.0 * shift * MODULE * tan(ANGLE) - backlash / 2.0 / cos(ANGLE)
@@ -167,9 +166,7 @@ def span_of(teeth: int, over: int, shift: float = 0.0, backlash: float = 0.0) ->
     return MODULE * cos(ANGLE) * width + 2.0 * shift * MODULE * sin(ANGLE) - backlash / 2.0
 
 
-@pytest.mark.parametrize(
-    ("teeth", "shift", "backlash"), [(17, 0.0, 0.0), (40, 0.0, 0.0), (30, 0.3, 0.1), (61, -0.2, 0.06)]
-)
+@at_once(("teeth", "shift", "backlash"), [(17, 0.0, 0.0), (40, 0.0, 0.0), (30, 0.3, 0.1), (61, -0.2, 0.06)])
 def test_span_of_a_circular_gear_is_the_closed_form(teeth: int, shift: float, backlash: float) -> None:
     found = spans(working_flanks(circular(teeth, shift, backlash)))
     assert found.everywhere
@@ -329,7 +326,7 @@ def test_tip_and_root_radii_of_a_circular_gear() -> None:
     np.testing.assert_allclose(root_radii_mm(gear), 30.0 - 2.5 + 0.6, rtol=1e-12)
 
 
-@pytest.mark.parametrize("module", [2e-6, 0.0013, 0.07, 0.2, 0.7, 2.0, 6.0, 28.0, 60.0])
+@at_once("module", [2e-6, 0.0013, 0.07, 0.2, 0.7, 2.0, 6.0, 28.0, 60.0])
 def test_pins_to_try_rise_from_the_nominal_diameter(module: float) -> None:
     nominal = nominal_pin_mm(module, internal=False)
     tried = pins_to_try(nominal)
@@ -340,7 +337,7 @@ def test_pins_to_try_rise_from_the_nominal_diameter(module: float) -> None:
     assert set(tried) <= set(SOLD_MM) or not SOLD_MM[0] / NEAR <= nominal <= SOLD_MM[-1]
 
 
-@pytest.mark.parametrize("module", [3e-6, 0.004, 0.03, 420.0])
+@at_once("module", [3e-6, 0.004, 0.03, 420.0])
 def test_pins_follow_the_module_where_none_are_sold(module: float) -> None:
     """As many sizes as of module 2; two digits or whole mm round a size up by a tenth at most."""
     at_two = pins_to_try(nominal_pin_mm(2.0, internal=False))
@@ -351,7 +348,7 @@ def test_pins_follow_the_module_where_none_are_sold(module: float) -> None:
     assert all(0.0 <= size / (share * nominal) - 1.0 < 0.1 for size, share in zip(tried, SHARES, strict=True))
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("even", "apart_after", "middles"),
     [
         ("-----", (), []),

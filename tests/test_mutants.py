@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import pytest
-
+from at_once import at_once
 from mutants.mutations import mutations
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("line", "broken"),
     [
         ("return a + b", ["return a - b"]),

@@ -10,6 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import minimize_scalar
 
+from at_once import at_once
 from ncgear.pitch.curve import PitchCurve, nearest
 from ncgear.pitch.pair import sized_pair
 from ncgear.ratio.laws.ellipse import elliptical_law
@@ -52,9 +53,7 @@ def curves() -> dict[str, PitchCurve]:
     return {f"{name} {gear}": getattr(pair, gear) for name, pair in pairs.items() for gear in ("driving", "driven")}
 
 
-@pytest.mark.parametrize(
-    "name", ["uniform driving", "ellipse driving", "ellipse driven", "baler driving", "baler driven"]
-)
+@at_once("name", ["uniform driving", "ellipse driving", "ellipse driven", "baler driving", "baler driven"])
 def test_of_a_pitch_curve_it_is_what_a_search_finds(name: str) -> None:
     """Points within two modules of the curve, whose radius of curvature is larger: Newton's method and a minimiser."""
     curve, random = curves()[name], np.random.default_rng(3)

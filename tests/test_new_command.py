@@ -14,13 +14,14 @@ import numpy as np
 import pytest
 
 import ncgear
+from at_once import at_once
 from commands import Run, fresh
 from ncgear.design.beginning import ANSWERS, begun, fault_of, proportioned, usual_answers
 from ncgear.design.laws.registry import LawName
 from ncgear.design.rewritten import rewritten
 from ncgear.design.template import SHAPES, MachineName, machine_template, shape_template, template
 from ncgear.design.wishes.dwell import Dwell
-from ncgear.design.wishes.group import Wishes
+from ncgear.design.wishes.registry import Wishes
 from ncgear.design.wishes.time_ratio import TimeRatio
 from ncgear.project.opened import load, loads
 from tiers import long_but
@@ -220,7 +221,7 @@ def test_gears_that_turn_less_than_once_have_no_wishes(run: Run, law: LawName) -
     assert "wishes: given, but it is not offered for gears that turn to and fro" in problem
 
 
-@pytest.mark.tiers(thorough=["three_segment_stroke", "table"], rest="slow")
+@pytest.mark.tiers(thorough=["table"], rest="slow")
 @pytest.mark.parametrize("law", [law for law in LawName if law not in LESS_THAN_ONCE])
 def test_wishes_are_those_of_the_file(run: Run, tmp_path: Path, law: LawName) -> None:
     """As under ``wishes`` in a file that somebody writes by hand."""
@@ -346,7 +347,7 @@ def test_gears_that_cannot_be_made_are_refused_before_the_file_is_written(run: R
 NAMES = ["12", "1e3", "true", "null", "-", "--", "---", "_", "0x1", "a", "yes", "-1", "NULL"]
 
 
-@pytest.mark.parametrize("name", NAMES)
+@at_once("name", NAMES)
 def test_names_that_yaml_takes_for_something_else(name: str) -> None:
     assert loads(template(name)).design.name == name
 
@@ -384,7 +385,7 @@ def test_each_length_gives_the_others(answer: str) -> None:
     )
 
 
-@pytest.mark.parametrize("answer", ANSWERS)
+@at_once("answer", ANSWERS)
 def test_nothing_is_no_answer(answer: str) -> None:
     """Not even of a key that a design file may leave out."""
     assert fault_of(answer, None) == "nothing given; a number is needed"

@@ -25,7 +25,7 @@ from math import degrees
 from ncgear.frozen import dataclass
 from ncgear.kinematics.crank_stretches import CrankStretch, crank_at_way_rad
 from ncgear.kinematics.motion import Machine
-from ncgear.kinematics.over_stretches import taken_rad
+from ncgear.kinematics.crank_stretches import taken_rad
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.wishes.requirements import Requirement, TimeWithin
 from ncgear.wishes.wish import DEGREES, Offer, Outcome, Wish, Written
@@ -59,7 +59,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ncgear.design.keys.base import angle
-from ncgear.design.keys.types import Positive
+from ncgear.design.keys.base import Positive
 from ncgear.design.wishes.base import On, WishKeys
 
 if TYPE_CHECKING:

@@ -16,7 +16,7 @@ from heavy_gears import heavy, laws_beside
 from ncgear.design.reading.design_file import load
 from ncgear.design.template import MachineName, machine_template
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import RodMasses
 from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.optimum.frontier import limit_points

@@ -272,6 +272,7 @@ lock.acquire()
 """
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(signal, "setitimer"), reason="needs a timer that interrupts")
 def test_a_server_that_was_ended_waits_for_no_thread_for_good() -> None:
     ended = subprocess.run([sys.executable, "-c", WAITING], capture_output=True, timeout=60, check=False)

@@ -171,6 +171,7 @@ def test_all_commands_tell_one_machine(name: str, faster: float) -> None:
         assert [one for one in told_by_check(drive) if one[1] == "peak_power_w"]
 
 
+@pytest.mark.tiers(quick=["crank-*"], rest="slow")
 @pytest.mark.parametrize(
     ("what", "changed"),
     [

@@ -18,6 +18,7 @@ from hypothesis import strategies as st
 from mpmath import mp
 from shapely import Polygon, affinity
 
+from at_once import at_once
 from drives import built, drive, drive_of_text
 from ncgear.contact.designed.as_designed import AsDesigned, as_designed
 from ncgear.contact.pair import short_contacts
@@ -147,7 +148,7 @@ def test_function_generators_compute_their_function(name: str, y: Any, ends: tup
     assert abs(law(name).closure_error_rad) <= 1e-14
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("text", "ends", "said"),
     [
         ("x**2", (-1.0, 1.0), "rises or falls throughout"),
@@ -357,7 +358,7 @@ def test_flatter_racks_have_more_teeth_beside_the_range() -> None:
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize(
+@at_once(
     ("made", "said"),
     [
         (lambda: spiral(1.1, 0.9, 350.0), "deg must be left of a turn"),
@@ -466,7 +467,7 @@ gears: {module_mm: 2, center_distance_mm: 110, face_width_mm: 15}
 """
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("old", "new", "key"),
     [
         ("face_width_mm: 15", "face_width_mm: 15, mesh: internal", "gears.mesh"),

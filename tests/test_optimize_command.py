@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from at_once import at_once
 from commands import Run, loaded_by, on_text, python
 from ncgear.design.reading.design_file import load
 from ncgear.errors import NoSuchMechanism
@@ -358,7 +359,7 @@ def test_what_the_law_does_not_keep_of_the_given_motion_is_said(run: Run, motion
     assert certificate["not_kept"] == lost
 
 
-@pytest.mark.parametrize(("block", "key", "said"), WRONG.values(), ids=WRONG.keys())
+@at_once(("block", "key", "said"), WRONG.values())
 def test_wrong_blocks_are_refused_at_their_line(run: Run, block: str, key: str, said: str) -> None:
     status, out, err = run(f"{HEAD}\noptimize: {{{block}}}\n")
     assert (status, out) == (2, "")
@@ -423,8 +424,8 @@ def test_an_improvement_is_computed_once_and_knots_count(tmp_path: Path) -> None
     assert two.goal <= one.goal * (1.0 + 1e-12)
 
 
-@pytest.mark.parametrize("goal", ["least_acceleration", "least_power", "weighted"])
-@pytest.mark.parametrize(("limit", "side"), [("ratio_min", "under 1"), ("ratio_max", "over 1")])
+@at_once("goal", ["least_acceleration", "least_power", "weighted"])
+@at_once(("limit", "side"), [("ratio_min", "under 1"), ("ratio_max", "over 1")])
 def test_a_limit_at_the_mean_ratio_leaves_no_law_to_search(run: Run, goal: str, limit: str, side: str) -> None:
     weights = ", weights: {acceleration_mm_s2: 900, power_w: 70}" if goal == "weighted" else ""
     status, out, err = run(f"{HEAD}optimize: {{goal: {goal}{weights}, limits: {{{limit}: 1.0}}}}\n")

@@ -11,6 +11,7 @@ import pytest
 import shapely
 from shapely import Polygon, affinity
 
+from at_once import at_once
 from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.ratio.laws.ellipse import elliptical_law
@@ -210,7 +211,7 @@ def test_flanks_use_the_tolerance(name: str, teeth: int, tolerance: float) -> No
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize(("name", "teeth"), CASES)
+@at_once(("name", "teeth"), CASES)
 def test_outline_is_a_simple_counter_clockwise_polygon(name: str, teeth: int) -> None:
     for gear in gears(name, teeth):
         polygon = Polygon(gear.outline_mm)
@@ -243,7 +244,7 @@ def test_the_tolerance_holds_across_jumps_of_the_curvature(tolerance: float) -> 
         assert max(distances(dense_sides(gear, kind), gear).max() for kind in (FLANK, FILLET)) <= tolerance
 
 
-@pytest.mark.parametrize(("name", "teeth"), CASES)
+@at_once(("name", "teeth"), CASES)
 def test_flanks_cross_the_pitch_curve_twice_a_tooth(name: str, teeth: int) -> None:
     for gear in gears(name, teeth):
         curve = gear.flanks.curve

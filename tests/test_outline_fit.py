@@ -13,6 +13,7 @@ import pytest
 import shapely
 
 import ncgear
+from at_once import at_once
 from commands import Run
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array
@@ -122,7 +123,7 @@ def test_an_outline_that_crosses_itself_is_refused_with_the_place() -> None:
 
 
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("corners", [20, 48, 150, 240])
+@at_once("corners", [20, 48, 150, 240])
 def test_corners_at_even_lengths_leave_no_chord_of_no_length(corners: int) -> None:
     """A point that is put beside a corner by a rounding error makes a chord that has no direction."""
     ring = 25.0 * np.exp(1j * (tau * np.arange(corners) / corners + 0.1))
@@ -156,7 +157,7 @@ def test_no_outline_is_refused(points: Array) -> None:
         ncgear.fit(points, teeth=40)
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("options", "key"),
     [
         ({"teeth": 48, "axis_mm": (40.0, 0.0)}, "motion.points"),
@@ -164,7 +165,6 @@ def test_no_outline_is_refused(points: Array) -> None:
         ({"teeth": 48, "gears": {"mesh": "internal"}}, "gears.mesh"),
         ({"teeth": 48, "gears": {"lobes": {"driving": 2, "driven": 2}}}, "gears.lobes"),
     ],
-    ids=["axis outside", "no size", "ring", "lobes"],
 )
 def test_what_is_wrong_is_refused(options: dict[str, Any], key: str) -> None:
     with pytest.raises(WrongInput) as refused:

@@ -19,6 +19,7 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image, ImageColor
 
+from at_once import at_once
 from commands import Run
 from disk import leftovers
 from drives import drive, drive_of_text
@@ -458,7 +459,7 @@ def test_report_is_aligned_and_not_too_wide() -> None:
     assert sum(line.startswith("warning: ") for line in lines) == 2
 
 
-@pytest.mark.parametrize(
+@at_once(
     "line",
     [
         "min                         0.44058 at phi1 = 180 deg",
@@ -744,7 +745,7 @@ def test_contact_is_drawn_with_and_without_backlash(tmp_path: Path) -> None:
     assert thin.shape[0] > plain.shape[0] + 100
 
 
-@pytest.mark.parametrize("wrong", [float("nan"), float("inf"), -float("inf"), np.float64("nan")])
+@at_once("wrong", [float("nan"), float("inf"), -float("inf"), np.float64("nan")])
 def test_what_is_no_finite_number_is_never_told_or_written(wrong: float) -> None:
     """In text, in a cell, deep in JSON and in tables alike; what is finite passes unchanged."""
     ways = shown, cell_text, json_text, lambda value: rows_text(("a", "b"), [(1, value)])

@@ -38,7 +38,7 @@ def grown(outline: Array, by_mm: float) -> Array:
 # --- what outlines within the chord tolerance keep -------------------------------------------------------------------
 
 
-@pytest.mark.tiers(thorough=["uniform-8", "uniform*"], slow=["sine-25", "long ellipse-60", "deep sine-72"], rest="long")
+@pytest.mark.tiers(thorough=["uniform-8"], slow=["uniform*", "sine-25", "long ellipse-60", "deep sine-72"], rest="long")
 @pytest.mark.parametrize(("name", "teeth"), [*PAIRS, ("baler", 25), ("uniform", 8), ("deep sine", 72), ("ring", 40)])
 def test_written_outlines_touch_where_the_exact_curves_do(name: str, teeth: int) -> None:
     """Within three chord tolerances at the pitch radius, and none deeper than one inside the other."""
@@ -244,6 +244,7 @@ def test_outlines_that_do_not_reach_each_other_are_refused() -> None:
         read(small, pitch, pair, placed(pitch))
 
 
+@pytest.mark.slow
 def test_the_worst_of_several_outlines_counts() -> None:
     pitch, pair = made("sine", 25)
     found = outlines(pair)

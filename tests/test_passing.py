@@ -13,12 +13,13 @@ import pytest
 from pydantic import ValidationError
 from shapely import LineString, MultiLineString, Point
 
+from at_once import at_once
 from drives import design_of, drive, drive_of_text
 from ncgear.errors import WrongInput
 from ncgear.figures.advice.law_advice import NO_BORE, crank_pin, pin_beside_hub, rods
 from ncgear.figures.advice.values import Advice
+from ncgear.figures.data_sheet.entries import passed_rows, passed_summary
 from ncgear.figures.data_sheet.sheet import data_sheet
-from ncgear.figures.passed import passed_rows, passed_summary
 from ncgear.kinematics.motion import Machine
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
@@ -272,9 +273,7 @@ def test_a_coupler_that_covers_the_rocker_s_axis_is_told(width: float, meets: bo
     assert ["coupler meets the rocker's axis" in advice.what for advice in rods(found)] == [True] * meets
 
 
-@pytest.mark.parametrize(
-    ("axis", "width", "meets"), [(0.0, 1, True), (180.0, 1, False), (90.0, 87.3, True), (90.0, 87.2, False)]
-)
+@at_once(("axis", "width", "meets"), [(0.0, 1, True), (180.0, 1, False), (90.0, 87.3, True), (90.0, 87.2, False)])
 def test_a_yoke_s_bar_and_slot_meet_what_stands_in_their_way(axis: float, width: float, meets: bool) -> None:
     """The bar runs along the slider's line; the slot ends 43.63 mm from the shaft across it."""
     found = made("yoke", axis, f"fit: {{rod_width_mm: {width}}}")

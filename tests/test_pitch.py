@@ -11,6 +11,7 @@ import pytest
 from mpmath import mp
 from numpy.polynomial import Chebyshev, legendre
 
+from at_once import at_once
 from ncgear.design.keys import gears
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics import jet
@@ -44,8 +45,8 @@ def pair(name: str) -> PitchPair:
     return pair_of(law(name))
 
 
-every_law = pytest.mark.parametrize("name", LAWS)
-every_gear = pytest.mark.parametrize("gear", list(Gear), ids=lambda gear: gear.value)
+every_law = at_once("name", LAWS)
+every_gear = at_once("gear", list(Gear))
 
 
 # --- circles -------------------------------------------------------------------------------------------------------
@@ -74,7 +75,7 @@ def test_a_constant_ratio_makes_circles(lobes: Lobes) -> None:
 # --- ellipses ------------------------------------------------------------------------------------------------------
 
 ELLIPSES = [(0.1, 0.0), (0.35, 3.49), (0.7, -1.2)]
-every_ellipse = pytest.mark.parametrize(("eccentricity", "phase"), ELLIPSES)
+every_ellipse = at_once(("eccentricity", "phase"), ELLIPSES)
 
 
 def focal_distances(positions: Array, eccentricity: float, direction: float) -> tuple[Array, Array]:
@@ -269,9 +270,9 @@ def test_tangent_and_curvature_are_derivatives_along_the_curve(name: str, gear: 
         assert bend == pytest.approx(-at.curvature[0] * at.normal[0], abs=1e-13 * 144.0 / half + 1e-9)
 
 
-@pytest.mark.tiers(quick=["driven-*"], rest="thorough")
+@pytest.mark.tiers(quick=["driven"], rest="thorough")
 @every_law
-@every_gear
+@pytest.mark.parametrize("gear", list(Gear), ids=lambda gear: gear.value)
 def test_curvature_range_bounds_a_dense_sample(name: str, gear: Gear) -> None:
     found = pair(name)
     phi1 = np.linspace(0.0, found.transmission.lobes.driving_period_rad, 8009)[:-1]
@@ -287,9 +288,9 @@ def test_curvature_range_bounds_a_dense_sample(name: str, gear: Gear) -> None:
     assert high.value - sampled.max() <= 0.01 * reach + slack
 
 
-@pytest.mark.tiers(quick=["driven-*"], rest="slow")
+@pytest.mark.tiers(quick=["driven"], rest="slow")
 @every_law
-@every_gear
+@pytest.mark.parametrize("gear", list(Gear), ids=lambda gear: gear.value)
 def test_curvature_between_arc_lengths_bounds_a_dense_sample(name: str, gear: Gear) -> None:
     """Also across the seam, from another turn, over several turns and at a single place."""
     curve = one_of(pair(name), gear)
@@ -306,9 +307,9 @@ def test_curvature_between_arc_lengths_bounds_a_dense_sample(name: str, gear: Ge
     assert np.all(high - curvature.max(axis=0) <= 0.2 * spread + rounding)
 
 
-@pytest.mark.tiers(quick=["driven-*"], rest="thorough")
+@pytest.mark.tiers(quick=["driven"], rest="thorough")
 @every_law
-@every_gear
+@pytest.mark.parametrize("gear", list(Gear), ids=lambda gear: gear.value)
 def test_curve_bends_below_what_is_more_than_its_least_curvature(name: str, gear: Gear) -> None:
     """The least curvature is that of the closed form, the answer comes from the Chebyshev form."""
     found = pair(name)

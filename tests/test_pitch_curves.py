@@ -17,6 +17,7 @@ from mpmath import fp, mp
 from scipy.integrate import quad
 from scipy.interpolate import BSpline
 
+from at_once import at_once
 from drives import DESIGNS
 from drives import drive as built_drive
 from ncgear.design.keys.design import Design
@@ -78,7 +79,7 @@ def facing_radius_mm(law: Transmission, distance: float, phi1: Array) -> Array:
 
 
 @pytest.mark.judges("ratio", "design")
-@pytest.mark.parametrize(
+@at_once(
     ("axis", "published"),
     [((0.0, 0.0), "17.20"), ((4.0, 0.0), "16.73"), ((0.0, -4.0), "16.91"), ((4.0, -4.0), "16.44")],
 )
@@ -227,7 +228,7 @@ SHAPES: dict[str, tuple[Callable[[], ClosedCurve], dict[str, Any]]] = {
 
 
 @pytest.mark.judges("ratio")
-@pytest.mark.parametrize("name", SHAPES)
+@at_once("name", SHAPES)
 def test_the_radius_of_a_shape_is_where_a_ray_meets_it(name: str) -> None:
     shape, motion = SHAPES[name]
     radii = shape().radii(0.0, tau)
@@ -562,7 +563,7 @@ def test_a_file_that_is_no_drawing_is_refused(tmp_path: Path, content: str) -> N
 RING = {"x_mm": [30.0, 0.0, -30.0, 0.0], "y_mm": [0.0, 30.0, 0.0, -30.0]}
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("motion", "said"),
     [
         (
@@ -624,7 +625,7 @@ def test_fewer_lobes_than_the_gears_shall_have_are_refused() -> None:
         made({"expression_mm": "30 + cos(2*phi)"}, lobes={"driving": 3, "driven": 1}, teeth=42).law  # noqa: B018
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("motion", "said"),
     [
         ({}, "one of expression_mm, points"),

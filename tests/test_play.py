@@ -11,6 +11,7 @@ import pytest
 import shapely
 from shapely import Polygon
 
+from at_once import at_once
 from engaged import MODULE, TOLERANCE, least_driven_radius, made
 from ncgear.contact.placement import Placement, placed
 from ncgear.contact.written.as_written import BEYOND, reach_mm
@@ -142,7 +143,7 @@ def test_overlap_is_as_deep_as_shapely_finds(name: str) -> None:
         assert depth > 0.02
 
 
-@pytest.mark.thorough
+@pytest.mark.tiers(thorough=["*-sine"], rest="slow")
 @pytest.mark.parametrize("name", ["uniform", "sine", "baler"])
 @pytest.mark.parametrize("ahead_rad", [0.01, -0.01])
 def test_driven_gear_turned_too_far_overlaps(name: str, ahead_rad: float) -> None:
@@ -156,7 +157,7 @@ def test_driven_gear_turned_too_far_overlaps(name: str, ahead_rad: float) -> Non
     assert 0.2 * 0.01 * radius < forced.overlap_mm.max() < 0.01 * radius
 
 
-@pytest.mark.parametrize("name", ["uniform", "ellipse", "sine", "baler"])
+@at_once("name", ["uniform", "ellipse", "sine", "baler"])
 def test_centre_distance_too_small_overlaps(name: str) -> None:
     near, free = play(name, 25, apart_mm=-0.1)[0], play(name, 25)[0]
     # A tenth nearer costs each flank 0.1 sin(alpha) along its normal, less what the chords leave free.
@@ -212,7 +213,7 @@ def jagged(seed: int, count: int = 60) -> Array:
     return ring
 
 
-@pytest.mark.parametrize("seed", range(5))
+@at_once("seed", range(5))
 def test_runs_are_the_outline_cut_where_its_radius_turns(seed: int) -> None:
     ring = jagged(seed)
     runs = radial_runs(ring, 1.0, 1.0)
@@ -225,7 +226,7 @@ def test_runs_are_the_outline_cut_where_its_radius_turns(seed: int) -> None:
         assert np.count_nonzero((runs.inner[:-1] < radius**2) & (radius**2 < runs.outer[:-1])) == crossed
 
 
-@pytest.mark.parametrize("seed", range(5))
+@at_once("seed", range(5))
 def test_entries_and_near_runs_are_what_a_plain_search_finds(seed: int) -> None:
     ring, reach = jagged(seed), 1.5
     runs = radial_runs(ring, reach, 4.0)
@@ -242,7 +243,7 @@ def test_entries_and_near_runs_are_what_a_plain_search_finds(seed: int) -> None:
                 assert run in near
 
 
-@pytest.mark.parametrize("seed", range(5))
+@at_once("seed", range(5))
 def test_windows_hold_every_vertex_of_their_sector(seed: int) -> None:
     ring = jagged(seed)
     directions = np.linspace(-7.0, 7.0, 41)

@@ -7,6 +7,7 @@ import re
 import pytest
 
 import ncgear
+from at_once import at_once
 from commands import ROOT, Run
 from ncgear.design.keys.balance import Balance
 from ncgear.design.keys.design import Design
@@ -27,7 +28,7 @@ def test_what_is_promised_of_a_drive_is_there() -> None:
     assert [name for name in OF_DRIVE if name not in vars(drive) and not hasattr(type(drive), name)] == []
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
+@at_once("page", PAGES)
 def test_pages_use_nothing_else_of_a_drive(page: object) -> None:
     text = page.read_text(encoding="utf-8")  # type: ignore[attr-defined]
     code = "\n".join(line for line in text.splitlines() if re.match(r"\s*(>>>|\.\.\.|\")", line))

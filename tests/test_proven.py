@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from mpmath import mp
 
+from at_once import at_once
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.kinematics.check import kinematic_check
 from ncgear.kinematics.motion import Machine
@@ -247,7 +248,7 @@ SMOOTH_ENOUGH = {
 }
 
 
-@pytest.mark.parametrize("text", SMOOTH_ENOUGH)
+@at_once("text", SMOOTH_ENOUGH)
 def test_a_law_of_several_expressions_has_joints_between_them(text: str) -> None:
     """Each piece goes smoothly on to its own ends, and the ratio is the formula's."""
     law = ratio_expression_law(text, Lobes(), scale_to_close=True)
@@ -272,7 +273,7 @@ CORNERED_RATIOS = {
 }
 
 
-@pytest.mark.parametrize("text", CORNERED_RATIOS)
+@at_once("text", CORNERED_RATIOS)
 def test_a_ratio_may_have_corners_and_gears_may_not(text: str) -> None:
     """The driven angle by quadrature that is told of the corners; gears are refused at the first of them."""
     law = ratio_expression_law(text, Lobes(), scale_to_close=True)
@@ -364,7 +365,7 @@ CORNERED = {
 }
 
 
-@pytest.mark.parametrize("text", CORNERED)
+@at_once("text", CORNERED)
 def test_a_resistance_may_have_corners(text: str) -> None:
     force = FormulaResistance(text)
     stroke = PUMP.stroke_mm
@@ -379,7 +380,7 @@ def test_a_resistance_may_have_corners(text: str) -> None:
     assert float(force.work_from_retracted_n_mm(np.array([stroke]), stroke)[0]) == pytest.approx(exact, rel=1e-12)
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("text", "said"),
     [
         ("100 if x < 41 else 130", "jumps from 100 to 130 N at x = 41 mm"),

@@ -14,6 +14,7 @@ import shapely
 from scipy.spatial import cKDTree
 from shapely import Polygon
 
+from at_once import at_once
 from commands import Run
 from deep_designs import deep_design
 from drives import design_of
@@ -75,7 +76,7 @@ def judged(number: int) -> str:
     return "made"
 
 
-@pytest.mark.tiers(quick=["1001-1"], slow=["1002-4", "577-1"], rest="long")
+@pytest.mark.tiers(slow=["1001-1", "1002-4", "577-1"], rest="long")
 @pytest.mark.parametrize(
     ("first", "count"), [(1001, 1), (1002, 4), (577, 1), (0, 1000)], ids=["1001-1", "1002-4", "577-1", "0-1000"]
 )
@@ -295,7 +296,7 @@ SIZES = [
 ]
 
 
-@pytest.mark.parametrize("data", SIZES, ids=["law", "law of few teeth", "ellipse", "lobes", "teeth left out"])
+@at_once("data", SIZES)
 def test_each_size_that_is_advised_is_consistent(data: Data) -> None:
     """Each is accepted in the place of what is given; a thousandth more is not."""
     gears = {key: value for key, value in data["gears"].items() if value is not None}

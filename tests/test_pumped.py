@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from shapely import Polygon
 
+from at_once import at_once
 from drives import built, drive, drive_of_text
 from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
@@ -39,7 +40,7 @@ def curve_mm(pitch: PitchPair, gear: Gear, phi1: Array) -> Array:
     return np.asarray(pitch.of(gear).at_angle(phi1).position)
 
 
-@pytest.mark.parametrize(("share", "lobes"), [(0.05, 2), (0.2, 2), (0.3, 2), (0.1, 3)])
+@at_once(("share", "lobes"), [(0.05, 2), (0.2, 2), (0.3, 2), (0.1, 3)])
 def test_a_turn_displaces_the_spaces_between_gears_and_housing(share: float, lobes: int) -> None:
     """What is left of both circles beside both pitch curves passes once a turn; areas are of polygons."""
     pitch = pair(share, lobes)

@@ -9,6 +9,7 @@ import mpmath
 import numpy as np
 import pytest
 
+from at_once import at_once
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.numerics.arrays import Array
@@ -82,7 +83,7 @@ def close(found: Array, exact: Array) -> bool:
     return bool(np.abs(found - exact).max() <= 1e-9 * np.abs(exact).max())
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@at_once("seed", SEEDS)
 def test_motion_against_the_jets_of_the_machine(seed: int) -> None:
     on, at = on_places(seed)
     machine = Machine(transmission(seed), linkage(seed), PRESS, SPEED)
@@ -97,7 +98,7 @@ def test_motion_against_the_jets_of_the_machine(seed: int) -> None:
     assert close(quantities.driving_torque(at, on.slider, SPEED) * SPEED / 1e3, moved)
 
 
-@pytest.mark.parametrize("seed", SEEDS)
+@at_once("seed", SEEDS)
 def test_curves_against_the_pitch_curves(seed: int) -> None:
     on, at = on_places(seed)
     law = transmission(seed)

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from at_once import at_once
 from ncgear.errors import WrongInput
 from ncgear.teeth.form import BasicRack
 from oracles import rack_cut
@@ -35,7 +36,7 @@ def drawn(basic: BasicRack) -> np.ndarray:
     return rack_cut.rack_tooth(rack_cut.Proportions(*sizes, 0.0), basic.pitch_mm, basic.addendum_mm)
 
 
-@pytest.mark.parametrize("basic", RACKS)
+@at_once("basic", RACKS)
 def test_measures_are_those_of_the_drawn_cutter(basic: BasicRack) -> None:
     right = drawn(basic)[: rack_cut.ARC_SEGMENTS + 2]
     (far, rounding), flat = right[:2], right[-1]
@@ -47,7 +48,7 @@ def test_measures_are_those_of_the_drawn_cutter(basic: BasicRack) -> None:
     assert flat == pytest.approx([basic.tip_half_width_mm, -basic.dedendum_mm], rel=1e-13)
 
 
-@pytest.mark.parametrize("basic", RACKS)
+@at_once("basic", RACKS)
 def test_rounding_touches_flank_and_tip(basic: BasicRack) -> None:
     angle = basic.pressure_angle_rad
     center = np.array([basic.tip_half_width_mm, basic.root_radius_mm - basic.dedendum_mm])
@@ -59,8 +60,8 @@ def test_rounding_touches_flank_and_tip(basic: BasicRack) -> None:
     assert basic.dedendum_mm - basic.flank_depth_mm == pytest.approx(basic.rounding_height_mm, rel=1e-13)
 
 
-@pytest.mark.parametrize("basic", RACKS)
-@pytest.mark.parametrize("coefficient", [-0.5, 0.25, 0.7])
+@at_once("basic", RACKS)
+@at_once("coefficient", [-0.5, 0.25, 0.7])
 def test_a_shifted_rack_moves_the_tooth_outwards(basic: BasicRack, coefficient: float) -> None:
     """The rack's mid line moves by x m: tips and roots with it."""
     shift = coefficient * basic.module_mm
@@ -71,7 +72,7 @@ def test_a_shifted_rack_moves_the_tooth_outwards(basic: BasicRack, coefficient: 
     assert all(getattr(shifted, name) == getattr(basic, name) for name in unshifted)
 
 
-@pytest.mark.parametrize(("dedendum", "root_radius"), ISO_53.values(), ids=ISO_53)
+@at_once(("dedendum", "root_radius"), ISO_53.values())
 def test_largest_root_radius_is_the_standards_formula(dedendum: float, root_radius: float) -> None:
     """ISO 53: (pi/4 m - hfP tan(alpha)) / tan((90 deg - alpha) / 2), which the four profiles keep below."""
     basic = rack(dedendum=dedendum, root_radius=root_radius)
@@ -104,7 +105,7 @@ def test_sizes_scale_with_the_module(
         assert getattr(large, name) == pytest.approx(module * getattr(unit, name), rel=1e-12, abs=1e-15 * module)
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("change", "key"),
     [
         ({"root_radius": 0.48}, "gears.rack.root_radius"),  # the tip's flat vanishes at 0.4719 modules

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from at_once import at_once
 from ncgear import extras
 from ncgear.design.reading.measured_file import read_measured
-from ncgear.design.reading.points import Columns, read_points
-from ncgear.design.reading.table import column_name
+from ncgear.design.reading.points import Columns, column_name, read_points
 from ncgear.errors import WrongInput
 from ncgear.project.opened import load
 
@@ -106,7 +106,7 @@ def test_text_that_ends_in_half_a_letter_is_refused(tmp_path: Path) -> None:
         read_points(file, WANTED)
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("head", "name"),
     [("x_mm", "x_mm"), ("Kraft [N]", "kraft_n"), ("phi (°)", "phi_deg"), ("v, mm/s", "v_mm_s"), ("  ", "")],
 )

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from at_once import at_once
 from drives import drive
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.plane import as_complex
@@ -37,7 +38,7 @@ def involute_curvature(gear: ToothedGear, pitch_curvature: Array, height: Array)
 
 
 @pytest.mark.judges("strength")
-@pytest.mark.parametrize(("name", "which"), GEARS)
+@at_once(("name", "which"), GEARS)
 def test_the_flank_bends_as_the_replacement_gears_involute(name: str, which: Gear) -> None:
     """By Euler and Savary, on convex and concave stretches and on a ring; baler flanks reach down to near a cusp."""
     gear = drive(name).teeth.of(which)

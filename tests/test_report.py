@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import re
 from dataclasses import replace
-from math import degrees
+from math import degrees, pi
 from pathlib import Path
 from typing import Any
 
@@ -14,9 +14,11 @@ import numpy as np
 import pytest
 import shapely
 from lxml.html import HtmlElement
+from mpmath import ellipe
 
 import drives
 import reports
+from at_once import at_once
 from commands import ROOT, Run, python
 from ncgear.contact.written.as_written import Outlines
 from ncgear.drawings import palette
@@ -220,11 +222,13 @@ def test_a_design_that_makes_no_gears_is_refused_in_place(run: Run, tmp_path: Pa
 
 
 def test_the_page_says_what_the_design_is() -> None:
-    tree = parsed(reports.page("baler"))
+    tree = parsed(reports.page("ellipse"))
     text = tree.text_content()
-    assert tree.xpath("//h1")[0].text == "baler"
-    assert tree.xpath("//pre")[0].text_content() == (ROOT / "designs" / "baler.yaml").read_text()
-    for words in ("Lei et al. 2012", "uniform crank", "undercut", "gears.teeth: 86", "74.885", "numpy", "python"):
+    assert tree.xpath("//h1")[0].text == "ellipse"
+    assert tree.xpath("//pre")[0].text_content() == (ROOT / "designs" / "ellipse.yaml").read_text()
+    # Two axes of an ellipse whose perimeter is that of 37 teeth: 4 a E(0.35^2) = 37 pi 2 mm
+    distance_mm = 37 * pi / float(ellipe(0.35**2))
+    for words in ("Equal elliptical gears", "uniform crank", "undercut", f"{distance_mm:.4f}", "numpy", "python"):
         assert words in text, words
 
 
@@ -325,9 +329,7 @@ def test_a_cursor_that_is_off_is_seen() -> None:
     assert farthest_from_curve(reports.motion("baler")[0], (0.0, 361.0)) > DRAWN_OFF
 
 
-@pytest.mark.parametrize(
-    ("largest", "decimals"), [(760.0, 1), (1.87, 3), (0.0187, 5), (12345.0, 0), (0.0, 0), (1000.0, 0)]
-)
+@at_once(("largest", "decimals"), [(760.0, 1), (1.87, 3), (0.0187, 5), (12345.0, 0), (0.0, 0), (1000.0, 0)])
 def test_four_digits_of_the_largest_value_are_shown(largest: float, decimals: int) -> None:
     assert decimals_of(largest, DIGITS) == decimals
 

@@ -12,6 +12,7 @@ from mpmath import mp
 from scipy.integrate import quad
 from scipy.optimize import minimize_scalar
 
+from at_once import at_once
 from ncgear.design.keys.machine import NEAREST_MM
 from ncgear.design.reading.design_file import load
 from ncgear.errors import WrongInput
@@ -43,7 +44,7 @@ FORMS: dict[str, Resistance] = {
 }
 
 
-@pytest.mark.parametrize("name", FORMS)
+@at_once("name", FORMS)
 def test_slope_is_the_derivative(name: str) -> None:
     inside = np.linspace(1.0, 759.0, 57)
     step = 1e-4
@@ -53,8 +54,8 @@ def test_slope_is_the_derivative(name: str) -> None:
     assert slope == pytest.approx((ends[0] - ends[1]) / (2.0 * step), abs=2e-4)
 
 
-@pytest.mark.parametrize("keep", [False, True])
-@pytest.mark.parametrize("name", FORMS)
+@at_once("keep", [False, True])
+@at_once("name", FORMS)
 def test_work_is_the_integral_of_the_force(name: str, keep: bool) -> None:
     resistance = kept(FORMS[name], keep)
     cuts = np.concatenate([[0.0], resistance.zeros_mm(STROKE), resistance.turns_mm(STROKE), [STROKE]])
@@ -81,7 +82,7 @@ def pairs(edges: np.ndarray) -> list[tuple[float, float]]:
     return list(zip(edges[:-1].tolist(), edges[1:].tolist(), strict=True))
 
 
-@pytest.mark.parametrize("name", FORMS)
+@at_once("name", FORMS)
 def test_zeros_and_turns_are_all_there(name: str) -> None:
     """Between two zeros no sample changes its sign, between two turns the samples rise or fall throughout."""
     resistance = FORMS[name]
@@ -147,7 +148,7 @@ def test_narrow_peaks_between_the_samples_are_found() -> None:
     assert kinematic_check(machine).peak_power_w.value == pytest.approx(exact, rel=1e-6)
 
 
-@pytest.mark.thorough
+@pytest.mark.tiers(thorough=["123.456-0.003", "611.07-40.0"], rest="slow")
 @pytest.mark.parametrize("width_mm", [40.0, 1.0, 0.05, 3e-3])
 @pytest.mark.parametrize("at_mm", [123.456, 611.07])
 def test_narrow_peaks_of_an_expression_are_found(at_mm: float, width_mm: float) -> None:
@@ -247,7 +248,7 @@ def test_fault_in_a_file_of_forces_has_a_line_of_it(tmp_path: Path) -> None:
     assert str(error).startswith(f"{tmp_path}/f.csv:1:17: {said}")
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("text", "said"),
     [
         ("3*y", "unknown name 'y'"),

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from numpy.polynomial import Polynomial
 
+from at_once import at_once
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
@@ -97,7 +98,7 @@ def test_even_points_miss_the_narrow_peak() -> None:
     assert abs(missed) > 1e-3
 
 
-@pytest.mark.parametrize("share", [0.0, 0.2017, 0.5, 0.7391])
+@at_once("share", [0.0, 0.2017, 0.5, 0.7391])
 def test_polynomial_is_positive_where_its_least_value_is(share: float) -> None:
     """((tau - a)^2 + c) ((tau - 2)^2 + 1) (1 + tau) has the sign of c at a, between places that are looked at."""
     rest = Polynomial([5.0, -4.0, 1.0]) * Polynomial([1.0, 1.0])

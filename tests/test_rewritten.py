@@ -12,6 +12,7 @@ import pytest
 from hypothesis import assume, example, given, settings
 from hypothesis import strategies as st
 
+from at_once import at_once
 from ncgear.design import rewritten as rewriting
 from ncgear.design.reading.places import Document, with_value
 from ncgear.design.reading.yaml import read_yaml
@@ -106,8 +107,8 @@ CHANGES: list[tuple[dict[str, Any], list[str]]] = [
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
-@pytest.mark.parametrize(("changes", "lines"), CHANGES)
+@at_once("end", ["\n", "\r\n", "\r"])
+@at_once(("changes", "lines"), CHANGES)
 def test_only_lines_of_changed_values_differ(changes: Mapping[str, Any], lines: list[str], end: str) -> None:
     text = TEXT.replace("\n", end)
     made = rewritten(text, changes)

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 from mpmath import mp
 from scipy.optimize import brentq
 
+from at_once import at_once
 from ncgear.dynamics.crank_load import reduced_inertia
 from ncgear.dynamics.driving_shaft import DrivingShaft, Fluctuation, fluctuation
 from ncgear.dynamics.loaded_machine import Loads, RigidMachine
@@ -21,8 +22,7 @@ from ncgear.dynamics.rigid import Rigid, load_peaks, rigid_level
 from ncgear.errors import NoSuchMechanism
 from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.forces import CrankPace
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import CrankPace, RodMasses
 from ncgear.mechanisms.resistance import PolynomialResistance, TableResistance
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array
@@ -117,9 +117,9 @@ def values(loads: Loads) -> dict[str, float]:
 
 
 @pytest.mark.judges("dynamics")
-@pytest.mark.parametrize("phi1", [0.1, 1.3, 2.2, 3.0, 3.5, 4.4, 5.9])
-@pytest.mark.parametrize("internal", [False, True])
-@pytest.mark.parametrize("rpm", [20.0, 200.0])
+@at_once("phi1", [0.1, 1.3, 2.2, 3.0, 3.5, 4.4, 5.9])
+@at_once("internal", [False, True])
+@at_once("rpm", [20.0, 200.0])
 def test_all_forces_solve_one_linear_system(rpm: float, internal: bool, phi1: float) -> None:
     """At 200 r/min inertia turns the tooth load round: both flanks are among the cases."""
     rigid = felt(rpm, 60.0, internal=internal)
@@ -156,7 +156,7 @@ def swing(name: str) -> Fluctuation:
     return fluctuation(RigidMachine(machine(name, 50.0), HEAVY, OUTSIDE))
 
 
-@pytest.mark.parametrize("name", LAWS)
+@at_once("name", LAWS)
 def test_work_of_the_driving_torque_is_that_of_the_resistance(name: str) -> None:
     """Over a cycle masses and weights give back what they took: 1e-12 of the work."""
     linkage = machine(name, 50.0).linkage

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from at_once import at_once
 from drives import drive
 from ncgear.errors import WrongInput
 from ncgear.pitch.shape import Gear
@@ -36,8 +37,8 @@ def roundings(tool: Tool, growth: Array | float, deeper: float) -> tuple[Array, 
     return found.lowest_mm, found.depth_mm, rates
 
 
-@pytest.mark.parametrize("deeper", [0.0, -0.66, 0.4])
-@pytest.mark.parametrize("tool", list(TOOLS))
+@at_once("deeper", [0.0, -0.66, 0.4])
+@at_once("tool", list(TOOLS))
 def test_rates_of_roundings_are_the_limits_of_differences(tool: str, deeper: float) -> None:
     """Fourth order, with steps whose error is next to rounding."""
     step = 1e-3
@@ -111,9 +112,7 @@ def test_radii_of_narrow_spaces_are_those_of_bisection(gear: Gear) -> None:
 SOLUTIONS = re.compile(r"gears\.rack\.(\w+): ([\d.]+)(?: is usual, ([\d.]+) the most)?")
 
 
-@pytest.mark.parametrize(
-    ("dedendum", "radius", "angle_deg"), [(2.3, 0.2, 20.0), (2.5, 0.9, 20.0), (2.2, 0.35, 25.0), (2.9, 0.0, 17.5)]
-)
+@at_once(("dedendum", "radius", "angle_deg"), [(2.3, 0.2, 20.0), (2.5, 0.9, 20.0), (2.2, 0.35, 25.0), (2.9, 0.0, 17.5)])
 def test_a_pointed_rack_is_told_a_dedendum_that_fits_with_its_root_radius(
     dedendum: float, radius: float, angle_deg: float
 ) -> None:

@@ -9,6 +9,7 @@ from math import degrees, pi, radians
 import numpy as np
 import pytest
 
+from at_once import at_once
 from ncgear.balance.rotor import (
     ChainPhases,
     ChainUnbalance,
@@ -85,7 +86,7 @@ REFUSED = {
 }
 
 
-@pytest.mark.parametrize("name", REFUSED)
+@at_once("name", REFUSED)
 def test_readings_that_say_nothing_are_refused(name: str) -> None:
     runs, key, words = REFUSED[name]
     with pytest.raises(WrongInput, match=words) as error:
@@ -137,6 +138,20 @@ def test_ranges_hold_every_run() -> None:
             tight, slack = np.linalg.solve(system, [chain.real, chain.imag])
             assert found.tight.low - 1e-12 <= tight <= found.tight.high + 1e-12
             assert found.slack.low - 1e-12 <= slack <= found.slack.high + 1e-12
+
+
+@pytest.mark.parametrize("turn", [0.4, 1.9])
+def test_it_does_not_matter_from_where_phases_are_counted(turn: float) -> None:
+    runs = [WeightRun(run.phase_rad + turn, run.reading * exp(1j * turn)) for run in RUNS]
+    phases = ChainPhases(PHASES.wrap_rad + turn, PHASES.tight_rad + turn, PHASES.slack_rad + turn)
+    found, before = chain_unbalance(runs, phases), chain_unbalance(RUNS, PHASES)
+    for name in ("weight", "tight", "slack"):
+        ends = [(getattr(one, name).low, getattr(one, name).high) for one in (found, before)]
+        assert ends[0] == pytest.approx(ends[1], abs=1e-12)
+    at = [
+        predicted(one, two, 0.3 + more).amplitude for one, two, more in ((found, phases, turn), (before, PHASES, 0.0))
+    ]
+    assert at[0] == pytest.approx(at[1], rel=1e-12)
 
 
 @pytest.mark.parametrize(("at", "amplitude"), [(30.0, 1.24), (270.0, 1.4)])

@@ -17,7 +17,7 @@ from circular_pairs import (
 )
 from commands import Run, on_text
 from drives import drive, drive_of_text
-from ncgear.figures.advice import flank_advice, strength_advice
+from ncgear.figures.advice import strength_advice
 from ncgear.figures.advice.strength_advice import _under
 from ncgear.figures.advice.values import Advice, NotJudged
 from ncgear.figures.advice.verdict import Verdict
@@ -321,8 +321,8 @@ def test_dry_metal_is_not_said_to_hold(run: Run) -> None:
     for one in (dry, oiled, drive_of_text(DRY.replace("12}", "12, material: {driving: C45, driven: POM}}"))):
         assert strength_advice.rough(one) is None
         assert strength_advice.strength(one) is None
-    assert any(isinstance(one, Advice) and one.matters for one in flank_advice.flanks(dry))
-    assert not any(isinstance(one, Advice) and one.matters for one in flank_advice.flanks(oiled))
+    assert any(isinstance(one, Advice) and one.matters for one in strength_advice.flanks(dry))
+    assert not any(isinstance(one, Advice) and one.matters for one in strength_advice.flanks(oiled))
     _, told, _ = on_text(run, "strength")(DRY)
     assert "no end" not in told
     assert "The teeth hold" not in told
@@ -336,7 +336,7 @@ def test_dry_metal_is_not_said_to_hold(run: Run) -> None:
 def test_a_build_tells_a_safety_where_its_strength_is_refused() -> None:
     """And never points to a warning that may not be there."""
     made = drive_of_text(HELICAL.replace("1500", "40").replace("dynamic_factor: 1.0", "method: elements"))
-    rows = build_answer(made, [made.designed_contact], Verdict(()), "").rows
+    rows = build_answer(made, Verdict(()), "").rows
     safety = next(row.texts[0] for row in rows if row.name == "safety")
     assert safety.startswith("about ")
     assert safety.endswith(" (1 wanted)")

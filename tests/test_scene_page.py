@@ -18,6 +18,7 @@ import shapely
 from shapely import LinearRing
 from svgelements import Path as SvgPath
 
+from at_once import at_once
 from drives import drive_of_text
 from ncgear.drawings.page.assets import scene_script, scene_style
 from ncgear.drawings.page.data import TABLE_ERROR_RAD, angle_table, scene_data
@@ -261,7 +262,7 @@ def test_the_script_moves_what_is_drawn(name: str) -> None:
 
 
 @in_a_browser
-@pytest.mark.parametrize("name", ["baler", "pump-1-2", "askew", "both ways"])
+@at_once("name", ["baler", "pump-1-2", "askew", "both ways"])
 def test_the_script_presses_the_material(name: str) -> None:
     found = scene(name)
     depths = found.poses(np.array(ANGLES)).material_mm

@@ -14,7 +14,7 @@ import pytest
 
 from drives import loaded
 from ncgear.design.keys.design import Design, design_model
-from ncgear.design.varied import accepted, checked_design
+from ncgear.design.space import accepted, checked_design
 from ncgear.errors import DesignError, WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.sampled import integrated
@@ -59,7 +59,7 @@ RESIDUALS = ("closure.residual_rad", "closure.stroke_residual_mm")
 
 
 def data_of(name: str) -> dict[str, Any]:
-    """The content of a design file without masses, which a single computation counts."""
+    """The content of a design file without masses."""
     data = deepcopy(loaded(name).source.document.data)
     return {key: value for key, value in data.items() if key not in ("masses", "drivetrain")}
 
@@ -117,6 +117,45 @@ def test_shipped_designs_are_screened_together(name: str, alone: list[Design]) -
     assert not alone
     assert disagreement(found, data, keys, values) <= AGREEMENT
     assert tuple(found.figures) == CHECK_FIGURES + PITCH_FIGURES
+
+
+def with_masses(name: str, **more: Any) -> dict[str, Any]:
+    """The content of a design file whose gears have stated inertias, with weights aslant."""
+    gears = {"driving_gear_kg_mm2": 800.0, "driven_gear_kg_mm2": 900.0}
+    masses = loaded(name).source.document.data["masses"]
+    return {**data_of(name), "masses": {**masses, **gears, "gravity": {"direction_deg": -60.0}, **more}}
+
+
+MOVED = {"operation.speed_rpm": (5.0, 60.0), "motion.v1_mm_s": (1500.0, 1700.0), "motion.return.e": (-0.3, 0.3)}
+WAVED = {"operation.speed_rpm": (5.0, 60.0), "motion.cosine.0": (-0.5, 0.5), "motion.sine.0": (-0.3, 0.3)}
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("name", "box"), [("baler-dynamics", MOVED), ("baler-drivetrain", WAVED)])
+def test_designs_with_masses_are_screened_together(
+    name: str, box: dict[str, tuple[float, float]], alone: list[Design]
+) -> None:
+    """Batches by Lagrange's equation, single designs by the forces in all joints; the straw sets in within a stroke."""
+    data, values = with_masses(name), in_box(box, 6, 5)
+    found = screened_block(data, list(box), values)
+    assert not alone
+    assert disagreement(found, data, list(box), values) <= AGREEMENT
+    assert np.ptp(found.figures["check.peak_power_w"] / found.figures["check.peak_power_resistance_w"]) > 0.1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "data",
+    [
+        # The rod is hardly longer than the crank: M bends within a hundredth of a turn, which no table follows.
+        with_masses("baler-drivetrain") | {"linkage": {"crank_mm": 380.0, "rod_mm": 380.5}},
+        with_masses("baler-drivetrain", driven_gear_kg_mm2=None),
+        with_masses("baler-drivetrain") | {"drivetrain": {"guide_friction": 0.1}},
+    ],
+)
+def test_masses_of_which_no_batch_is_sure_are_counted_alone(data: dict[str, Any], alone: list[Design]) -> None:
+    screened_block(data, ["operation.speed_rpm"], np.array([[20.0]]))
+    assert len(alone) == 1
 
 
 BORDER = {"motion.theta1_pi": (0.36, 0.42), "motion.theta2_pi": (0.66, 0.74)}

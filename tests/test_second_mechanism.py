@@ -16,6 +16,7 @@ import pytest
 from pyarrow import parquet
 
 import ncgear
+from at_once import at_once
 from commands import Run
 from ncgear.design.keys.design import json_schema
 from ncgear.design.laws.registry import LawName as Law
@@ -181,7 +182,7 @@ def test_the_crank_slider_stays_the_usual_one(linkage: str) -> None:
     assert type(found.linkage).__name__ == "CrankSlider"
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("linkage", "key", "said"),
     [
         ("{kind: scotch_yok, crank_mm: 380}", "linkage.kind", "crank_slider, scotch_yoke"),

@@ -9,6 +9,7 @@ from math import pi
 import numpy as np
 import pytest
 
+from at_once import at_once
 from mechanisms import AMPLITUDE, ASIDE, LINKAGE, MASSES, OFFSET, even, oracle, sampled, uneven
 from ncgear.balance.mechanism import (
     Carrier,
@@ -23,8 +24,7 @@ from ncgear.balance.mechanism import (
 from ncgear.balance.shaking import Shaking, Speed, shaking, two_term_formula
 from ncgear.errors import WrongInput
 from ncgear.mechanisms.crank_slider import CrankSlider
-from ncgear.mechanisms.forces import EvenPace
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import EvenPace, RodMasses
 from pairs import baler_law
 from published import BALER_LINKAGE, RPM
 
@@ -39,7 +39,7 @@ MECHANISMS = {
 
 
 @pytest.mark.judges("balance")
-@pytest.mark.parametrize("name", MECHANISMS)
+@at_once("name", MECHANISMS)
 def test_force_and_moment_are_rates_of_momentum(name: str) -> None:
     mechanism, amplitude = MECHANISMS[name]
     found, peak = shaking(mechanism), shaking(mechanism).peak.value

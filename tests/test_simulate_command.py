@@ -10,6 +10,7 @@ import pytest
 import trimesh
 from ruamel.yaml import YAML
 
+from at_once import at_once
 from commands import ROOT, Run, modules_after, on_text, simulated, simulated_table
 from drives import drive_of_text
 from ncgear.design.reading.design_file import load
@@ -162,7 +163,7 @@ WRONG: dict[str, tuple[str, str, str]] = {
 }
 
 
-@pytest.mark.parametrize(("block", "key", "said"), WRONG.values(), ids=WRONG.keys())
+@at_once(("block", "key", "said"), WRONG.values())
 def test_wrong_masses_are_refused_at_their_line(run: Run, block: str, key: str, said: str) -> None:
     status, out, err = run(f"{HEAD}{block}\n")
     assert (status, out) == (2, "")

@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from at_once import at_once
 from commands import ROOT, Outcome, Run, on_text, simulated, simulated_table
 from drives import drive, drive_of_text
 from ncgear.contact.designed.as_designed import touch_at
@@ -212,7 +213,7 @@ WRONG: dict[str, tuple[str, str, str]] = {
 }
 
 
-@pytest.mark.parametrize(("block", "key", "said"), WRONG.values(), ids=WRONG.keys())
+@at_once(("block", "key", "said"), WRONG.values())
 def test_wrong_parameters_are_refused_by_key(run: Run, block: str, key: str, said: str) -> None:
     status, out, err = run(f"{HEAD}simulation: {block}\n", "dynamic")
     assert (status, out) == (2, "")

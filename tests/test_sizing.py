@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from at_once import at_once
 from ncgear.errors import WrongInput
 from ncgear.pitch.pair import Size, solved_size
 from ncgear.ratio.transmission import Lobes
@@ -20,18 +21,14 @@ SPUR = Size(driving_teeth=25, driven_teeth=25, module_mm=3.0, center_distance_mm
 """Equal spur gears: a = m z."""
 
 
-@pytest.mark.parametrize(
-    ("teeth", "module", "distance"), [(25, 3.0, None), (25, None, 75.0), (None, 3.0, 75.0), (25, 3.0, 75.0)]
-)
+@at_once(("teeth", "module", "distance"), [(25, 3.0, None), (25, None, 75.0), (None, 3.0, 75.0), (25, 3.0, 75.0)])
 def test_any_two_give_the_third(teeth: int | None, module: float | None, distance: float | None) -> None:
     found = solved_size(CIRCLES, Lobes(), teeth, module, distance)
     assert (found.driving_teeth, found.driven_teeth) == (25, 25)
     assert (found.module_mm, found.center_distance_mm) == pytest.approx((3.0, 75.0), rel=1e-15)
 
 
-@pytest.mark.parametrize(
-    ("teeth", "module", "distance"), [(25, None, None), (None, 3.0, None), (None, None, 75.0), (None, None, None)]
-)
+@at_once(("teeth", "module", "distance"), [(25, None, None), (None, 3.0, None), (None, None, 75.0), (None, None, None)])
 def test_one_or_none_is_not_enough(teeth: int | None, module: float | None, distance: float | None) -> None:
     with pytest.raises(WrongInput) as caught:
         solved_size(CIRCLES, Lobes(), teeth, module, distance)
@@ -66,7 +63,7 @@ def test_the_baler_at_200_mm() -> None:
     assert solved_size(length, Lobes(), 25, 3.0, None).center_distance_mm == pytest.approx(74.9, abs=0.05)
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("distance", "fits"), [(75.0 * (1 + 0.9e-6), True), (75.0 * (1 + 1.1e-6), False), (75.1, False), (74.9, False)]
 )
 def test_three_values_may_disagree_by_seven_digits_only(distance: float, fits: bool) -> None:
@@ -107,14 +104,12 @@ def test_less_than_one_tooth_is_refused() -> None:
         solved_size(CIRCLES, Lobes(), None, 300.0, 75.0)
 
 
-@pytest.mark.parametrize(
-    ("lobes", "teeth", "driven"), [((1, 2), 24, 48), ((2, 1), 24, 12), ((2, 3), 24, 36), ((3, 2), 24, 16)]
-)
+@at_once(("lobes", "teeth", "driven"), [((1, 2), 24, 48), ((2, 1), 24, 12), ((2, 3), 24, 36), ((3, 2), 24, 16)])
 def test_driven_teeth_follow_the_lobes(lobes: tuple[int, int], teeth: int, driven: int) -> None:
     assert solved_size(4.0, Lobes(*lobes), teeth, 2.0, None).driven_teeth == driven
 
 
-@pytest.mark.parametrize(("lobes", "teeth"), [((2, 1), 25), ((2, 3), 25), ((3, 2), 25), ((3, 1), 26)])
+@at_once(("lobes", "teeth"), [((2, 1), 25), ((2, 3), 25), ((3, 2), 25), ((3, 1), 26)])
 def test_teeth_that_do_not_divide_among_the_lobes_are_refused(lobes: tuple[int, int], teeth: int) -> None:
     with pytest.raises(WrongInput) as caught:
         solved_size(4.0, Lobes(*lobes), teeth, 2.0, None)
@@ -122,6 +117,6 @@ def test_teeth_that_do_not_divide_among_the_lobes_are_refused(lobes: tuple[int, 
     assert f"multiple of {lobes[0]}" in caught.value.problem
 
 
-@pytest.mark.parametrize(("lobes", "teeth"), [((1, 2), 25), ((2, 2), 25), ((2, 4), 25), ((4, 2), 26)])
+@at_once(("lobes", "teeth"), [((1, 2), 25), ((2, 2), 25), ((2, 4), 25), ((4, 2), 26)])
 def test_equivalent_fractions_need_no_multiple(lobes: tuple[int, int], teeth: int) -> None:
     assert solved_size(4.0, Lobes(*lobes), teeth, 2.0, None).driven_teeth * lobes[0] == teeth * lobes[1]

@@ -15,6 +15,7 @@ from mpmath import mp
 from numpy.polynomial import Polynomial
 from scipy.integrate import quad
 
+from at_once import at_once
 from ncgear.design.reading.design_file import load
 from ncgear.dynamics.crank_load import crank_load
 from ncgear.dynamics.driving_shaft import DrivingShaft, fluctuation
@@ -82,8 +83,8 @@ def by_hand(resistance: Resistance, friction_n: float, x: float) -> float:
 # --- the value ----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("returning", [False, True])
-@pytest.mark.parametrize("name", LOADS)
+@at_once("returning", [False, True])
+@at_once("name", LOADS)
 def test_force_is_that_of_its_stroke_and_friction(name: str, returning: bool) -> None:
     load, x = LOADS[name], np.linspace(0.0, STROKE, 77)
     resistance = load.returning if returning else load.working
@@ -102,8 +103,8 @@ def test_strokes_may_be_mixed_and_shapes_kept() -> None:
     assert np.abs(mixed[:, 0] - mixed[:, 1]).min() > 1.0  # control: the strokes differ
 
 
-@pytest.mark.parametrize("returning", [False, True])
-@pytest.mark.parametrize("name", LOADS)
+@at_once("returning", [False, True])
+@at_once("name", LOADS)
 def test_work_is_the_integral_along_the_way(name: str, returning: bool) -> None:
     """Quadrature between the corners, which is exact to its own tolerance of 1e-10."""
     load = LOADS[name]
@@ -129,8 +130,8 @@ def test_work_of_a_cycle_by_hand() -> None:
     assert SliderLoad().cycle_work_n_mm(60.0) == 0.0
 
 
-@pytest.mark.parametrize("returning", [False, True])
-@pytest.mark.parametrize("name", LOADS)
+@at_once("returning", [False, True])
+@at_once("name", LOADS)
 def test_the_largest_smooth_curve_is_the_force(name: str, returning: bool) -> None:
     """Above zero; the slopes are those of differences between corners."""
     load, x = LOADS[name], np.linspace(1.0, STROKE - 1.0, 301)
@@ -184,7 +185,7 @@ def test_peak_and_mean_power_are_those_of_dense_samples(name: str, linkage: str)
     assert power[sampled] == pytest.approx(against * abs(motion.velocity[sampled]) / 1000.0, rel=1e-12)
 
 
-@pytest.mark.parametrize("name", LOADS)
+@at_once("name", LOADS)
 def test_friction_and_force_take_power_on_both_ways(name: str) -> None:
     """Where nothing is negative and kept, power is nowhere below zero; with a wrong sign of the return it would be."""
     motion = machine(name).motion(np.linspace(0.0, 2.0 * pi, 2001))
@@ -209,8 +210,8 @@ def both_ways(rpm: float) -> tuple[RigidMachine, newton_euler.Scene]:
     return loaded, replace(alone, resistance=lambda x: alone.resistance(x) + 55, returning=suck)
 
 
-@pytest.mark.parametrize("phi1", [0.1, 2.2, 3.5, 4.4, 5.9])
-@pytest.mark.parametrize("rpm", [20.0, 200.0])
+@at_once("phi1", [0.1, 2.2, 3.5, 4.4, 5.9])
+@at_once("rpm", [20.0, 200.0])
 def test_all_forces_solve_one_linear_system(rpm: float, phi1: float) -> None:
     rigid, oracle = both_ways(rpm)
     angle = np.array([phi1])
@@ -232,8 +233,8 @@ def test_the_oracle_sees_a_force_of_the_wrong_sign() -> None:
     assert abs(exact["wrist_x"] / loads["wrist_x"] - 1.0) > 0.1
 
 
-@pytest.mark.parametrize("law_name", ["uniform", "stroke, e = 0", "ellipse 1:2"])
-@pytest.mark.parametrize("name", LOADS)
+@at_once("law_name", ["uniform", "stroke, e = 0", "ellipse 1:2"])
+@at_once("name", LOADS)
 def test_work_of_the_motor_is_that_of_both_strokes(name: str, law_name: str) -> None:
     """Over a cycle masses and weights give back what they took; 1e-12 of the work that goes to and fro."""
     made = machine(name, law_name)
@@ -254,7 +255,7 @@ def pieces(load: SliderLoad, returning: bool) -> list[tuple[float, float]]:
     return list(pairwise(edges))
 
 
-@pytest.mark.parametrize("name", LOADS)
+@at_once("name", LOADS)
 def test_torque_is_that_of_virtual_work(name: str) -> None:
     """Without masses the torque on the driving gear is the force along x times dx/dphi1, from differences."""
     made = machine(name)
@@ -291,8 +292,8 @@ def test_peaks_of_the_torque_are_those_of_samples() -> None:
 # --- motion in time ------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.parametrize("linkage", LINKAGES.values())
-@pytest.mark.parametrize("name", LOADS)
+@at_once("linkage", LINKAGES.values())
+@at_once("name", LOADS)
 def test_torque_of_any_motion_is_that_of_the_joint_forces(name: str, linkage: CrankSlider) -> None:
     """As in test_crank_load, on both strokes; the table's own error is 1e-5 of the largest moment at most."""
     random = np.random.default_rng(5)

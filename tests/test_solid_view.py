@@ -18,8 +18,8 @@ from PIL import Image
 
 import reports
 from drives import drive
-from ncgear.drawings.page import solid_view as module
-from ncgear.drawings.page.solid_view import SolidView, solid_view
+from ncgear.drawings import solid_pair as module
+from ncgear.drawings.solid_pair import SolidView, solid_view
 from ncgear.pitch.shape import Gear
 from scenes import CHROMIUM, GEARLESS, in_a_browser
 

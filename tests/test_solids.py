@@ -11,6 +11,7 @@ import trimesh.creation
 from shapely import Point, Polygon
 from trimesh import Trimesh
 
+from at_once import at_once
 from ncgear.errors import NoSuchMechanism, Unanswered, WrongInput
 from ncgear.figures.assembly import Placed, assembled_pose, met_at, outline_radius_mm
 from ncgear.files.read_back import mesh_of_stl, read_back, stl_bytes
@@ -78,7 +79,7 @@ def test_volume_is_that_of_the_closed_form(bore: Bore | None) -> None:
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("bore", BORES)
+@at_once("bore", BORES)
 def test_stl_reads_back_as_the_same_solid(bore: Bore | None) -> None:
     mesh = extruded(wavy(4000), 20.0, bore, TOLERANCE)
     data = stl_bytes(mesh)
@@ -113,8 +114,8 @@ def test_points_that_single_precision_cannot_tell_apart_do_no_harm() -> None:
     assert read_back(stl_bytes(mesh), mesh).is_watertight
 
 
-@pytest.mark.parametrize("radius", [0.5, 10.0, 300.0])
-@pytest.mark.parametrize("tolerance", [1e-4, 0.005, 0.5, 5.0])
+@at_once("radius", [0.5, 10.0, 300.0])
+@at_once("tolerance", [1e-4, 0.005, 0.5, 5.0])
 def test_circles_keep_the_chord_tolerance(radius: float, tolerance: float) -> None:
     points = circle_points(radius, tolerance)
     middles = (points + np.roll(points, -1, axis=0)) / 2.0
@@ -123,8 +124,8 @@ def test_circles_keep_the_chord_tolerance(radius: float, tolerance: float) -> No
     assert len(points) >= 24
 
 
-@pytest.mark.parametrize("diameter", [0.4, 2.0, 10.0, 49.0, 400.0])
-@pytest.mark.parametrize("tolerance", [1e-5, 0.005, 0.5])
+@at_once("diameter", [0.4, 2.0, 10.0, 49.0, 400.0])
+@at_once("tolerance", [1e-5, 0.005, 0.5])
 def test_polygons_of_holes_are_within_their_narrowest_fit(diameter: float, tolerance: float) -> None:
     """What fits the least hole of H6 goes through, and what is greater than the greatest does not touch all round."""
     polygon = Polygon(hole_points(RoundHole(0.0, 0.0, diameter), tolerance))
@@ -195,8 +196,8 @@ def test_a_section_whose_mesh_is_wrong_is_a_fault(monkeypatch: pytest.MonkeyPatc
         slab_mesh((Slab(Polygon(wavy(100)), 0.0, 20.0),))
 
 
-@pytest.mark.parametrize("direction", [0.0, pi, 1.0])
-@pytest.mark.parametrize("bore", [None, Bore(30.0), Bore(30.0, Keyway(8.0, 3.3))])
+@at_once("direction", [0.0, pi, 1.0])
+@at_once("bore", [None, Bore(30.0), Bore(30.0, Keyway(8.0, 3.3))])
 def test_index_hole_keeps_its_walls(bore: Bore | None, direction: float) -> None:
     disc = full_disc(wavy(4000), "gears.driving")
     hole = index_hole(disc, bore, direction, MODULE)
@@ -307,7 +308,7 @@ def whole_and_faulty() -> dict[str, TriangleMesh]:
 
 
 @pytest.mark.judges("solids")
-@pytest.mark.parametrize("name", list(whole_and_faulty()))
+@at_once("name", list(whole_and_faulty()))
 def test_what_a_mesh_says_of_itself_is_what_trimesh_says(name: str) -> None:
     mesh = whole_and_faulty()[name]
     other = mesh.as_trimesh()

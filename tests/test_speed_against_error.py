@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from at_once import at_once
 from commands import ROOT
 from ncgear.errors import WrongInput
 from speed_against_error import study as frame
@@ -38,7 +39,7 @@ from speed_against_error.study import Measured, Method, Point, Size, Study, knee
 
 PAGE = ROOT / "docs" / "speed-against-error.md"
 
-every_study = pytest.mark.parametrize("key", STUDIES)
+every_study = at_once("key", STUDIES)
 
 
 @cache

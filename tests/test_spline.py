@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from mpmath import mp, mpf
 from scipy.interpolate import CubicSpline, PchipInterpolator
 
+from at_once import at_once
 from ncgear.design.laws.spline_ratio import SplineRatio
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array
@@ -127,7 +128,7 @@ def test_the_reference_sees_a_point_that_is_moved_by_a_millionth() -> None:
         assert abs(transmission.driven_angle(np.array([phi1])).value[0] - phi2) > 1e-8
 
 
-@pytest.mark.parametrize("name", CASES)
+@at_once("name", CASES)
 def test_the_law_closes_and_its_factor_is_of_no_account(name: str) -> None:
     angles, values, lobes = CASES[name]
     transmission = law(name)
@@ -202,7 +203,7 @@ def test_any_points_give_a_closed_law_or_a_refusal(points: list[tuple[float, flo
 
 
 @pytest.mark.judges("numerics")
-@pytest.mark.parametrize("count", [3, 4, 7, 180, 2000])
+@at_once("count", [3, 4, 7, 180, 2000])
 def test_the_spline_is_scipys(count: int) -> None:
     random = np.random.default_rng(count)
     angles = 2.0 * pi / count * (np.arange(count) + 0.4 * np.concatenate([[0.0], random.uniform(-1, 1, count - 1)]))
@@ -223,7 +224,7 @@ def test_the_spline_is_scipys(count: int) -> None:
     assert [float(wanted(end.at)) for end in (low, high)] == pytest.approx([low.value, high.value], abs=1e-12)
 
 
-@pytest.mark.parametrize("knots", [[0.1, 1.0, 2.0], [0.0, 2.0, 1.0], [0.0, 1.0, 7.0], [0.0, 1.0], [0.0, 1.0, 1.0]])
+@at_once("knots", [[0.1, 1.0, 2.0], [0.0, 2.0, 1.0], [0.0, 1.0, 7.0], [0.0, 1.0], [0.0, 1.0, 1.0]])
 def test_knots_that_do_not_rise_within_a_turn_are_a_fault(knots: list[float]) -> None:
     with pytest.raises(ValueError, match="rise"):
         periodic_cubic(np.array(knots), np.zeros(len(knots)))
@@ -272,8 +273,8 @@ def unsmooth(angles: Array, values: Array) -> LogRatioLaw:
 
 
 @pytest.mark.judges("pitch")
-@pytest.mark.parametrize("gear", list(Gear), ids=lambda gear: gear.value)
-@pytest.mark.parametrize("name", ["even", "uneven", "two 1e-6 rad apart"])
+@at_once("gear", list(Gear))
+@at_once("name", ["even", "uneven", "two 1e-6 rad apart"])
 def test_the_curvature_of_both_pitch_curves_goes_on_at_every_knot(name: str, gear: Gear) -> None:
     apart = 1e-9
     transmission = law(name)
@@ -286,7 +287,7 @@ def test_the_curvature_of_both_pitch_curves_goes_on_at_every_knot(name: str, gea
     assert np.max(np.abs(after - before)) > 1e-2
 
 
-@pytest.mark.parametrize("name", CASES)
+@at_once("name", CASES)
 def test_knots_are_joints_and_are_where_the_third_derivative_jumps(name: str) -> None:
     angles, _, lobes = CASES[name]
     transmission = law(name)
@@ -335,7 +336,7 @@ def refused(work: Callable[[], Any], kind: type[DesignError]) -> DesignError:
     return caught.value
 
 
-@pytest.mark.parametrize("value", [0.0, -1.0, nan, inf])
+@at_once("value", [0.0, -1.0, nan, inf])
 def test_what_is_no_positive_number_is_wrong_input(value: float) -> None:
     ratio, good = np.array([1.0, 1.1, value, 1.2]), np.array([1.0, 1.1, 1.3, 1.2])
     found = refused(lambda: spline_ratio_law(even_steps(4), ratio, Lobes()), WrongInput)
@@ -376,7 +377,7 @@ def told(motion: dict[str, Any]) -> tuple[str, str]:
 ROUND = [1.0, 1.1, 1.2, 1.1]
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("motion", "key", "said"),
     [
         ({"ratio": [1.0, 1.1, -0.5, 1.2]}, "motion.ratio.2", "a number over 0 is needed"),

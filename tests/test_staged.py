@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from mpmath import mp, mpf
 
+from at_once import at_once
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.ratio.laws.harmonic import harmonic_law, staged_law
 from ncgear.ratio.laws.over_driven_angle import StagedLaw
@@ -73,7 +74,7 @@ def test_against_thirty_digits(name: str) -> None:
             assert abs(speed - exact[1]) <= 3e-14 * largest
 
 
-@pytest.mark.parametrize("name", CASES)
+@at_once("name", CASES)
 def test_the_pairs_in_series_are_the_whole(name: str) -> None:
     train = law(name).train
     first, second = (pair.transmission for pair in train.pairs)

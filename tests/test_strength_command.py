@@ -17,7 +17,7 @@ from drives import built, drive_of_text
 from ncgear.design.reading.design_file import load
 from ncgear.drawings.charts.teeth_charts import strength_charts
 from ncgear.dynamics.level import Level
-from ncgear.figures.vibration import vibration_of_rating
+from ncgear.figures.flanks import vibration_of_rating
 from ncgear.files.simulation import simulate
 from ncgear.files.strength import tooth_rows
 from ncgear.pitch.shape import Gear
@@ -296,7 +296,7 @@ def test_the_dynamic_factors_of_the_page_are_those_of_the_designs() -> None:
         assert f"{told.factor:.2f}" == value, name
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_teeth_too_weak_to_be_rated_are_refused_by_their_own_key(run: Run) -> None:
     """The simulation has no part in it: the file has no such section."""
     weak = f"{HEAD}gears: {{teeth: 21, module_mm: 0.4, face_width_mm: 0.5}}\nresistance: {{polynomial_n: [30000]}}\n"

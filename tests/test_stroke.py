@@ -14,6 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.polynomial import Polynomial
 
+from at_once import at_once
 from commands import stated_angle
 from ncgear.design.laws.three_segment_stroke import ThreeSegmentStroke
 from ncgear.errors import NoSuchMechanism
@@ -31,7 +32,7 @@ SHORT = StrokeRequest(0.3 * pi, 0.6 * pi, 0.75 * pi, 1.1 * pi, 700.0, 500.0, -90
 NO_PRESSING = replace(BALER, theta3_rad=0.7 * pi)
 REQUESTS = {"baler": BALER, "at law speed": AT_LAW_SPEED, "short": SHORT, "no pressing": NO_PRESSING}
 
-every_request = pytest.mark.parametrize("name", REQUESTS)
+every_request = at_once("name", REQUESTS)
 
 FIELDS = "law_speed_rad_s", "v1", "v2", "a1", "stroke_mm"
 
@@ -129,8 +130,8 @@ def test_law_speed_and_displacements_against_mpmath(name: str) -> None:
             assert form.deriv()(phi) == pytest.approx(float(exact.displacement(phi, 1)), abs=1e-12 * stroke.stroke_mm)
 
 
-@pytest.mark.parametrize(("known", "free"), list(permutations(FIELDS, 2)))
-@pytest.mark.parametrize("name", ["baler", "at law speed"])
+@at_once(("known", "free"), list(permutations(FIELDS, 2)))
+@at_once("name", ["baler", "at law speed"])
 def test_what_was_solved_for_gives_back_what_was_given(name: str, known: str, free: str) -> None:
     """Solve for one quantity, feed it back, solve for another: the other comes out as it was."""
     whole = solved_stroke(REQUESTS[name])
@@ -267,7 +268,7 @@ NO_V2 = replace(BALER, v2=None, law_speed_rad_s=5.0, a1=-30000.0)
 """A baler whose way up to v1 and braking together are over its stroke."""
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("request_", "remedy", "eased"),
     [
         (NO_V1, "lower v2", {"v2": 130.0}),

@@ -20,6 +20,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from at_once import at_once
 from drives import DESIGNS, MACHINES, drive, loaded
 from ncgear.design.keys.base import FULL_TURN
 from ncgear.design.laws.registry import LawName
@@ -33,15 +34,13 @@ from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.interrupts import quiet_of_interrupts
 from ncgear.project.drive import Drive
 from ncgear.studio import editing, open_page, worker
-from ncgear.studio.answers import Answer, Answers, guarded
 from ncgear.studio.chains import Chains
-from ncgear.studio.editing import History, difference, edited
-from ncgear.studio.emptied import lacking
-from ncgear.studio.followed import Followed
+from ncgear.studio.editing import Followed, History, difference, edited, lacking
 from ncgear.studio.form import form
 from ncgear.studio.gear_answers import contact_answers, gear_answers
 from ncgear.studio.handles import handles
 from ncgear.studio.jobs import Job
+from ncgear.studio.messages import Answer, Answers, guarded
 from ncgear.studio.motion_answers import motion_answers
 from ncgear.studio.worker import GEARS, MOTION, PICTURES, answers_of
 
@@ -86,7 +85,7 @@ def test_items_of_lists_are_changed_where_they_stand() -> None:
     assert data_of(edited(text, {"b.0": None})) == {"a": [1, 2, 3], "b": [{"c": 3, "d": 4}]}
 
 
-@pytest.mark.parametrize("key", ["a.9.b", "a.x", "name.first", "b.0.c.d"])
+@at_once("key", ["a.9.b", "a.x", "name.first", "b.0.c.d"])
 def test_a_place_that_is_not_there_is_refused(key: str) -> None:
     with pytest.raises(WrongInput, match="no place"):
         edited("name: one\na: [1, 2]\nb: [{c: 1}]\n", {key: 1})
@@ -153,7 +152,7 @@ def test_every_law_can_be_chosen(law: LawName) -> None:
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("kind", list(MECHANISMS))
+@at_once("kind", list(MECHANISMS))
 def test_every_mechanism_can_be_chosen(kind: str) -> None:
     text = edited(text_of("scotch-yoke-pump"), {"linkage.kind": kind})
     law = {"law": "ellipse", "eccentricity": 0.2} if kind != "rack_pinion" else None
@@ -241,7 +240,7 @@ def test_a_key_is_lacking_where_the_design_has_a_fault_without_it() -> None:
             assert lacking(text, {key: None}, path) == {}
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("changes", "lack"),
     [
         ({"motion.theta2_pi": None, "motion.theta2_deg": 90}, set()),
@@ -288,7 +287,7 @@ def moved(name: str, number: int, axis: str, step: float) -> tuple[dict[str, Any
     return before, handles(Followed().drive(text_of(name), changes, DESIGNS / f"{name}.yaml"))[number]
 
 
-@pytest.mark.parametrize("number", range(4))
+@at_once("number", range(4))
 def test_angles_are_dragged_along_the_angle(number: int) -> None:
     before, after = moved("baler-a1-at-law-speed", number, "x", -0.36)
     assert after["x"] == pytest.approx(before["x"] - 0.36, abs=1e-4)

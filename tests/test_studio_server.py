@@ -29,9 +29,8 @@ from commands import environment, fresh
 from drives import DESIGNS
 from ncgear.studio import chains
 from ncgear.studio.chains import Process, chains_by_process
-from ncgear.studio.entrance import open_in_browser
 from ncgear.studio.open_page import OpenPage, _files_of
-from ncgear.studio.server import Conversation
+from ncgear.studio.server import Conversation, open_in_browser
 from studios import Studio, children, is_running, running
 
 pytestmark = pytest.mark.slow

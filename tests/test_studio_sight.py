@@ -22,15 +22,13 @@ from ncgear.drawings.scene.standing import hatches_mm, walls_mm
 from ncgear.errors import WrongInput
 from ncgear.figures.numbers import shown
 from ncgear.project.drive import Drive
-from ncgear.studio import best
-from ncgear.studio.beginnings import GROUPS, SHIPPED, begin, beginnings
+from ncgear.studio import told
 from ncgear.studio.editing import edited
-from ncgear.studio.facts import facts, safety_facts
 from ncgear.studio.form import form
 from ncgear.studio.handles import MOST_TAKEN_ALONG, handles
-from ncgear.studio.page import start_page
-from ncgear.studio.told import CHART
-from ncgear.studio.zipped import zipped
+from ncgear.studio.page import GROUPS, SHIPPED, begin, beginnings, start_page
+from ncgear.studio.server import zipped
+from ncgear.studio.told import CHART, facts, safety_facts
 
 Handle = dict[str, Any]
 
@@ -121,12 +119,12 @@ def test_the_safeties_are_those_of_the_readme() -> None:
 def test_the_best_law_says_what_it_would_save() -> None:
     """``ncgear optimize designs/pusher.yaml`` certifies 481.78 mm/s2; the design has 1197.7."""
     pytest.importorskip("clarabel", reason="the optimiser is not installed")
-    found = best.saved(loaded("pusher").design)
+    found = told.saved(loaded("pusher").design)
     assert found == {
         "words": "acceleration up to 59.8 % lower",
         "in_full": "acceleration: 1198 now, no law below 481.8 mm/s2",
     }
-    assert best.saved(loaded("oval-flow-meter").design) is None
+    assert told.saved(loaded("oval-flow-meter").design) is None
 
 
 # --- units, hints and text in full
@@ -145,7 +143,7 @@ def test_units_and_hints_stand_whole_in_their_fields() -> None:
     # Five letters to 30 pixels: as much as the narrowest field holds, one of a word.
     assert max(len(row["hint"]) for row in plain) <= 18
     assert {row["hint"] for row in plain if row["needed"] and row["default"].startswith("none")} == {"needed"}
-    css = Path(best.__file__).with_name("web").joinpath("studio.css").read_text(encoding="utf-8")
+    css = Path(told.__file__).with_name("web").joinpath("studio.css").read_text(encoding="utf-8")
     assert "ellipsis" not in css
 
 
@@ -156,7 +154,7 @@ def test_text_of_charts_has_eleven_pixels_in_the_narrowest_column() -> None:
     assert size is not None
     assert (float(size[1]), float(size[2])) == CHART
     assert TEXT_SIZE >= 11.0
-    css = Path(best.__file__).with_name("web").joinpath("studio.css").read_text(encoding="utf-8")
+    css = Path(told.__file__).with_name("web").joinpath("studio.css").read_text(encoding="utf-8")
     least = re.search(r"\.studio \.charts \{[^}]*min\(100%, ([\d.]+)rem\)", css)
     padding = re.search(r"\.studio \.chart \{ padding: [\d.]+rem ([\d.]+)rem", css)
     assert least is not None

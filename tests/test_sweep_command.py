@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from at_once import at_once
 from commands import Outcome, Run, on_text
 from ncgear.design.keys.design import Design
 from ncgear.design.laws.registry import LawName
@@ -134,7 +135,7 @@ def test_items_of_lists_can_be_varied(run: Run) -> None:
     assert len({row["ratio.max"] for row in table()}) == 3
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("varied", "said"),
     [
         (["motion.v1=1:2:3"], "d.yaml: --vary: the file has no number at 'motion.v1'; did you mean motion.v1_mm_s?"),

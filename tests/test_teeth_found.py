@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import reports
+from at_once import at_once
 from drives import drive
 from ncgear.drawings.page.tables import ToothLinks
 from ncgear.drawings.scene.geared_pairs import SceneGear
@@ -75,7 +76,7 @@ def test_links_of_a_warning_are_its_teeth(name: str) -> None:
         assert re.sub(r"<[^>]*>", "", made).replace("&#39;", "'") == advice.what
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("words", "found"),
     [
         ("tooth 28 of the driven gear", [("driven", 28)]),

@@ -26,7 +26,7 @@ from shapely import Polygon, affinity
 from commands import new_folder
 from drives import design_of, loaded
 from ncgear.errors import WrongInput
-from ncgear.figures.advice.made_advice import made
+from ncgear.figures.advice.machine_advice import made
 from ncgear.figures.advice.values import Advice
 from ncgear.files.build import build
 from ncgear.files.workshop.formats import Format

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from at_once import at_once
 from tiers import Collected, fits, tier_of
 
 TESTS = Path(__file__).parent
@@ -57,7 +58,7 @@ def test_every_pattern_fits_a_parameter(collected: list[pytest.Item]) -> None:
     assert unfit == []
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("name", "tier"), [("ellipse", "quick"), ("ellipse-0.1", "slow"), ("baler [2]", "thorough"), ("baler-2", "slow")]
 )
 def test_the_first_list_that_fits_counts(name: str, tier: str) -> None:

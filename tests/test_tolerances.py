@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from shapely import Polygon, affinity
 
+from at_once import at_once
 from commands import Run
 from drives import DESIGNS, design_of, drive, drive_of_text, loaded
 from ncgear.contact.placement import BACK, PUSHING, Placement, placed
@@ -22,8 +23,7 @@ from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.tolerance import PER_TOOTH, face_of, lot_of, tolerated
-from ncgear.project.tolerance_limits import limits_of
-from ncgear.project.usual_tolerances import USUAL, Process
+from ncgear.project.tolerance_limits import USUAL, Process, limits_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Pair, on_driving_shaft
 from ncgear.teeth.form import Backlash, ToothForm
@@ -76,7 +76,7 @@ def test_grades_are_those_of_iso_1328() -> None:
     assert [rounded_um(float(one)) for one in figures] == [9.0, 29.0, 12.0]
 
 
-@pytest.mark.parametrize(("value_um", "told"), [(4.94, 4.9), (4.96, 5.0), (7.3, 7.5), (10.4, 10.0), (28.8, 29.0)])
+@at_once(("value_um", "told"), [(4.94, 4.9), (4.96, 5.0), (7.3, 7.5), (10.4, 10.0), (28.8, 29.0)])
 def test_grades_are_rounded_as_on_drawings(value_um: float, told: float) -> None:
     assert rounded_um(1e-3 * value_um) == told
 
@@ -165,7 +165,7 @@ def error_of(moved: dict[str, float]) -> tuple[float, float]:
 
 
 @pytest.mark.judges("tolerances")
-@pytest.mark.parametrize("name", CASES)
+@at_once("name", CASES)
 def test_displaced_circular_gears_touch_as_in_closed_form(name: str) -> None:
     """What is left is of second order: a quarter of the deviation leaves a sixteenth of it, and it is some per cent."""
     error, size = error_of(CASES[name])

@@ -18,6 +18,7 @@ import shapely
 from PIL import Image, ImageSequence
 from ruamel.yaml import YAML
 
+from at_once import at_once
 from commands import ROOT, Run
 from drives import TRAINS
 from ncgear.design.trains.planetary import RATIOS, Planetary
@@ -59,8 +60,8 @@ def angles_of(train: Train, name: str, driving: Any) -> Any:
     return train.poses_at(driving).angle_rad[train.number(name)]
 
 
-@pytest.mark.parametrize("idler", ["compound", "shared"])
-@pytest.mark.parametrize("sun_turns", [0.0, -1.5])
+@at_once("idler", ["compound", "shared"])
+@at_once("sun_turns", [0.0, -1.5])
 def test_round_gears_turn_as_willis_says(idler: str, sun_turns: float) -> None:
     """(planet - carrier) / (sun - carrier) = 1 and (idler - carrier) / (sun - carrier) = -1 with equal teeth."""
     train = planetary(idler=idler, ratio=(1.0, 1.0, 1.0, 1.0), sun_turns=sun_turns)
@@ -373,7 +374,6 @@ class NewtonAndEuler:
         return torque / 1e6, (weights - self.load([*self.bodies], axis)[1]) / 1e3
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("arms", [1, 2])
 def test_torque_and_shaking_force_are_those_of_newton_and_euler(arms: int) -> None:
     train = replace(planetary(arms=arms, arm_mm=90.0, arm_deg=25.0), speed_rpm=600.0)
@@ -443,7 +443,7 @@ def test_a_check_says_what_the_train_is(run: Run) -> None:
     assert "Not judged: forces" in out
 
 
-@pytest.mark.parametrize("command", ["report", "simulate", "strength", "balance", "tolerance", "size"])
+@at_once("command", ["report", "simulate", "strength", "balance", "tolerance", "size"])
 def test_other_commands_say_what_works(run: Run, command: str) -> None:
     status, _, err = run(command, str(written(FILE)))
     assert status == 2
@@ -451,7 +451,7 @@ def test_other_commands_say_what_works(run: Run, command: str) -> None:
     assert "`ncgear check`, `build` and `animate`" in err
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("old", "new", "said"),
     [
         ("kind: planetary", "kind: planetry", "mine.yaml:3:3: train.kind: 'planetry' given; planetary"),

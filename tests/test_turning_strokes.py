@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from at_once import at_once
 from drives import drive_of_text
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 from ncgear.project.drive import Drive
@@ -62,7 +63,7 @@ def test_a_table_of_places_in_deg_is_met() -> None:
     assert np.degrees(found) == pytest.approx(places, abs=1e-9)
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("change", "kind", "said"),
     [
         (("v1_rad_s: 3.0", "v1_rad_s: 90"), NoSuchMechanism, "v1_rad_s: the rocker stops.*v1 under 4.1[0-9]* rad/s"),

@@ -9,6 +9,7 @@ import pytest
 from scipy.optimize import brentq
 from scipy.special import ellipe
 
+from at_once import at_once
 from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.pair import sized_pair
 from ncgear.pitch.shape import Gear, Mesh
@@ -145,8 +146,8 @@ def test_the_amount_of_pointed_tips_is_that_of_the_involute_of_their_land() -> N
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("angle_deg", [14.5, 20.0, 25.0])
-@pytest.mark.parametrize("teeth", [9, 11])
+@at_once("angle_deg", [14.5, 20.0, 25.0])
+@at_once("teeth", [9, 11])
 def test_undercut_ends_at_the_classical_profile_shift(angle_deg: float, teeth: int) -> None:
     """x = ha - z sin^2(alpha) / 2, of a gear whose mate has five times the teeth."""
     basic = full_flank(angle_deg)
@@ -157,7 +158,7 @@ def test_undercut_ends_at_the_classical_profile_shift(angle_deg: float, teeth: i
         assert toothed_pair(pitch, form, TOLERANCE).driving.undercut == undercut
 
 
-@pytest.mark.parametrize("teeth", [9, 11, 15, 17])
+@at_once("teeth", [9, 11, 15, 17])
 def test_chosen_shift_is_the_least_that_frees_a_circular_gear(teeth: int) -> None:
     basic = full_flank(20.0)
     pitch = pitch_pair(uniform_law(Lobes(1, 5)), teeth)
@@ -235,7 +236,7 @@ def test_free_of_undercut_does_not_depend_on_the_teeth_at_hand() -> None:
 
 
 @pytest.mark.judges("teeth")
-@pytest.mark.parametrize("eccentricity", [0.0, 0.2, 0.35, 0.5, 0.7])
+@at_once("eccentricity", [0.0, 0.2, 0.35, 0.5, 0.7])
 def test_free_of_undercut_on_ellipses_in_closed_form(eccentricity: float) -> None:
     """Sharpest curvature 1 / (A (1 - e^2)), perimeter 4 A E(e^2) = pi m z, A being the greater half axis."""
     pair, basic = pitch_pair(elliptical_law(eccentricity, 0.3, Lobes()), 40), rack()
@@ -299,7 +300,7 @@ UNDERCUT = {
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("name", UNDERCUT)
+@at_once("name", UNDERCUT)
 def test_avoiding_undercut_leaves_regular_flanks_down_to_their_fillets(name: str) -> None:
     for gear in both(made(*UNDERCUT[name])):
         own, sides = gear.flanks, gear.sides
@@ -340,7 +341,7 @@ def test_flank_kinds_left_by_undercut_are_in_order() -> None:
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("nudge", [-4, -1, 0, 1, 2, 3, 4])
+@at_once("nudge", [-4, -1, 0, 1, 2, 3, 4])
 def test_a_joint_just_before_the_end_of_a_range_is_its_end(nudge: int) -> None:
     """Between them there are no numbers left to tell both sides of the jump apart."""
     curve, basic = pitch_pair(baler_law(), 14).driven, rack(25.0, root_radius=0.2)

@@ -13,6 +13,7 @@ import shapely
 from scipy.optimize import brentq
 from shapely import Polygon
 
+from at_once import at_once
 from drives import drive, drive_of_text
 from ncgear.contact.designed.as_designed import as_designed
 from ncgear.contact.placement import placed
@@ -452,7 +453,7 @@ gears: {{teeth: {teeth}, module_mm: 2, face_width_mm: 10, {more}}}
 """
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("more", "key", "words"),
     [
         ("rack: {idle_pressure_angle_deg: 45}", "rack.idle_pressure_angle_deg", "under 40"),
@@ -478,7 +479,7 @@ def test_what_is_not_made_together_is_refused(more: str, key: str, words: str) -
     assert words in caught.value.problem
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("teeth", "more", "key", "words"),
     [
         (24, "profile_shift: {per_tooth: [0.1, 0, 0, 0, 0]}", "profile_shift.per_tooth", "5 shifts given"),

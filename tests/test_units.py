@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 import drives
 import reports
+from at_once import at_once
 from ncgear import plots
 from ncgear.figures.advice.law_advice import rods
 from ncgear.figures.advice.values import Advice, Where
@@ -28,7 +29,7 @@ DRAWN: dict[str, tuple[Draw, str]] = {
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("name", DRAWN)
+@at_once("name", DRAWN)
 def test_plots_of_small_and_large_machines_have_the_same_unit(name: str) -> None:
     """The pusher takes 8.7 W, the baler 19 kW."""
     draw, label = DRAWN[name]
@@ -67,7 +68,7 @@ def test_a_place_that_is_not_resolved_beside_a_turn_is_zero() -> None:
     assert "phi1 = 0 deg" in met.what
 
 
-@pytest.mark.parametrize(("angle_deg", "text"), [(2.5e-5, "0"), (-2.5e-5, "0"), (0.01234, "0.01234"), (359.96, "360")])
+@at_once(("angle_deg", "text"), [(2.5e-5, "0"), (-2.5e-5, "0"), (0.01234, "0.01234"), (359.96, "360")])
 def test_a_place_has_four_digits_where_they_are_known(angle_deg: float, text: str) -> None:
     assert placed(angle_deg) == text
     assert str(Where(angles_deg=((angle_deg, angle_deg),))) == f"phi1 = {text} deg"

@@ -10,6 +10,7 @@ from typing import Any
 import pytest
 import yaml
 
+from at_once import at_once
 from commands import Run, on_text
 from drives import MACHINES, design_of, drive, drive_of_text
 from ncgear.figures.advice.law_advice import NO_BORE
@@ -66,7 +67,7 @@ def test_every_kind_of_advice_is_a_condition_in_the_same_order() -> None:
     assert len({condition.name for condition in CONDITIONS.values()}) == len(CONDITIONS)
 
 
-@pytest.mark.tiers(quick=["ellipse", "pusher", "feeder-wishes"], long=["baler-*"], rest="slow")
+@pytest.mark.tiers(quick=["ellipse", "feeder-wishes"], long=["baler-*"], rest="slow")
 @pytest.mark.parametrize("name", DESIGNS)
 def test_no_warnings_is_said_only_where_all_was_judged(name: str) -> None:
     one = drive(name)
@@ -307,7 +308,7 @@ def test_a_silent_force_leaves_the_power_as_it_is_without_it() -> None:
         assert (power > 0.0) is acts
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("places", "idle"),
     [
         ([90, 130], "all 2"),

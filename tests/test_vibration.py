@@ -10,11 +10,12 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.special import mathieu_a, mathieu_b
 
+from at_once import at_once
 from drives import drive_of_text
 from ncgear.dynamics.swinging_mesh import SwingingMesh, swings
-from ncgear.figures.advice import vibration_advice
+from ncgear.figures.advice import strength_advice
 from ncgear.figures.advice.values import Advice
-from ncgear.figures.vibration import speeds_csv, vibration_of_rating
+from ncgear.figures.flanks import speeds_csv, vibration_of_rating
 from ncgear.project.drive import Drive
 from ncgear.project.rough_strength import rough_strength
 from ncgear.project.strengthening import rating_of
@@ -43,8 +44,8 @@ def by_hand(n: float, w: float, c_gamma: float, across: float, f_pb: float, f_f:
 
 
 @pytest.mark.judges("strength")
-@pytest.mark.parametrize(("e", "overlap"), [(1.4, 0.0), (1.7, 0.0), (2.3, 0.0), (1.4, 0.3), (1.5, 1.2)])
-@pytest.mark.parametrize("line", [40.0, 300.0])
+@at_once(("e", "overlap"), [(1.4, 0.0), (1.7, 0.0), (2.3, 0.0), (1.4, 0.3), (1.5, 1.2)])
+@at_once("line", [40.0, 300.0])
 def test_dynamic_factor_by_hand(e: float, overlap: float, line: float) -> None:
     """Of straight and helical teeth, and one figure worked on paper.
 
@@ -128,10 +129,10 @@ def test_a_mesh_is_said_to_resonate_where_it_does_and_nowhere_else() -> None:
     assert told.resonates_deg == ()
     assert told.critical_rpm is not None
     low, high = told.critical_rpm
-    assert list(vibration_advice.vibration(drive)) == []
+    assert list(strength_advice.vibration(drive)) == []
     for speed in (1.2 * low, 0.8 * high):
         fast = drive_of_text(ELLIPSE.replace("900", f"{speed:.0f}"))
-        (advice,) = vibration_advice.vibration(fast)
+        (advice,) = strength_advice.vibration(fast)
         assert isinstance(advice, Advice)
         assert advice.matters
         assert advice.brief.startswith("the mesh resonates (N from 0.85 to 1.15) between phi1 = ")
@@ -140,11 +141,11 @@ def test_a_mesh_is_said_to_resonate_where_it_does_and_nowhere_else() -> None:
         assert rough is not None
         assert rough.vibration is not None
         assert rough.vibration.greatest == pytest.approx(told.greatest * speed / 900.0, rel=0.1)
-        assert any(isinstance(one, Advice) for one in vibration_advice.rough(fast))
+        assert any(isinstance(one, Advice) for one in strength_advice.rough_vibration(fast))
         inside = drive.vibration.resonance(np.radians([sum(advice.where[0].angles_deg[0]) / 2.0]), _mesh(drive))
         assert 0.85 <= float(inside[0]) * speed / 900.0 <= 1.15
     still = drive_of_text(ELLIPSE.replace("900", f"{0.9 * low:.0f}"))
-    assert list(vibration_advice.vibration(still)) == []
+    assert list(strength_advice.vibration(still)) == []
 
 
 def _mesh(drive: Drive) -> MeshStiffness:
@@ -252,7 +253,7 @@ def test_swings_without_end_leave_their_cell_empty() -> None:
     assert speeds_csv(replace(sweep, load_factor=None)).endswith("1.0,1.0,1.0,\n")
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_dynamic_factor_that_is_given_is_taken_everywhere() -> None:
     drive = drive_of_text(ELLIPSE + "strength: {dynamic_factor: 1.4}\n")
     factors = rating_of(drive).strength.stresses.dynamic_factor
@@ -270,8 +271,8 @@ def test_round_helical_gears_have_one_resonance_ratio_and_the_stiffness_of_iso_6
     estimate of teeth has no C_M of 0.8."""
     drive = drive_of_text(ROUND.replace("42CrMo4}", HELIX))
     mesh, beta = _mesh(drive), radians(20.0)
-    assert list(vibration_advice.rough(drive)) == []
-    assert list(vibration_advice.vibration(drive)) == []
+    assert list(strength_advice.rough_vibration(drive)) == []
+    assert list(strength_advice.vibration(drive)) == []
     found = drive.vibration.resonance(mesh.phi1_rad, mesh)
     # Where the crank asks for little, teeth bend less and fewer touch early.
     assert np.ptp(found) < 0.05 * found.mean()

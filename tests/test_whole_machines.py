@@ -14,6 +14,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.optimize import brentq
 
+from at_once import at_once
 from commands import Run
 from drives import DESIGNS, loaded
 from ncgear.design.keys.choices import Choices
@@ -126,7 +127,7 @@ def test_the_recommended_one_costs_least_or_has_the_least_product() -> None:
 # Keys
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("choices", "said"),
     [
         ("{least: [cost]}", "choices.cost: missing"),

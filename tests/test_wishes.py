@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
+from at_once import at_once
 from conftest import Run
 from drives import drive, drive_of_text
 from ncgear.kinematics.crank_stretches import CrankStretch, End, Stroke, nearest_dwell_mm
@@ -24,7 +25,6 @@ from ncgear.numerics.jet import Jet
 from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
-from ncgear.wishes.achieved import EVEN, achieved, near_mm
 from ncgear.wishes.constant_speed import ConstantSpeed
 from ncgear.wishes.dwell import Dwell
 from ncgear.wishes.gentle_stop import GentleSpeed, GentleStop
@@ -32,7 +32,7 @@ from ncgear.wishes.positions import Position
 from ncgear.wishes.requirements import DrivingRange, EvenSpeed, Requirement, SpeedWithin, TimeWithin
 from ncgear.wishes.speed_at import ExtremeSpeed, SpeedAt
 from ncgear.wishes.time_ratio import TimeRatio
-from ncgear.wishes.wish import Wish
+from ncgear.wishes.wish import EVEN, Wish, achieved, near_mm
 from ncgear.wishes.working_stroke import WorkingStroke
 
 pytestmark = pytest.mark.judges("kinematics", "wishes")
@@ -99,7 +99,7 @@ def test_the_even_stretch_of_an_even_yoke(tolerance: float) -> None:
         assert sorted([found.start_mm, found.end_mm]) == pytest.approx(ends, rel=1e-6)
 
 
-@pytest.mark.thorough
+@pytest.mark.tiers(thorough=["0-*"], rest="slow")
 @pytest.mark.parametrize("stroke", Stroke, ids=lambda stroke: stroke.value)
 @pytest.mark.parametrize("seed", range(3))
 def test_the_even_stretch_of_laws_at_random(seed: int, stroke: Stroke) -> None:
@@ -112,7 +112,7 @@ def test_the_even_stretch_of_laws_at_random(seed: int, stroke: Stroke) -> None:
 
 
 @pytest.mark.thorough
-@pytest.mark.parametrize("name", ["baler", "feeder-table", "pusher", "internal-1-2"])
+@at_once("name", ["baler", "feeder-table", "pusher", "internal-1-2"])
 def test_the_even_stretch_of_designs(name: str) -> None:
     machine = drive(name).machine
     if name == "internal-1-2":
@@ -141,8 +141,8 @@ def test_a_stretch_of_constant_speed_is_found_whole() -> None:
     assert replace(wish, from_mm=float(edges[0]) - 40.0).outcome(machine).achieved > 1e-3
 
 
-@pytest.mark.parametrize("within", [0.01, 0.5, 30.0])
-@pytest.mark.parametrize("end", End, ids=lambda end: end.value)
+@at_once("within", [0.01, 0.5, 30.0])
+@at_once("end", End)
 def test_the_dwell_of_an_even_yoke(end: End, within: float) -> None:
     """Its displacement r (1 - cos phi) is within d of either end for 2 acos(1 - d/r)."""
     found = Dwell(end=end, within_mm=within, for_rad=1.0).outcome(uniform())
@@ -188,7 +188,7 @@ def test_speeds_of_an_even_yoke() -> None:
     assert whatever.speed_mm_s == pytest.approx((RADIUS * W + speed) / 2.0)
 
 
-@pytest.mark.parametrize(("stroke_mm", "near"), [(760.0, 0.5), (200.0, 0.2), (100.0, 0.1), (99.0, 0.05), (2e4, 20.0)])
+@at_once(("stroke_mm", "near"), [(760.0, 0.5), (200.0, 0.2), (100.0, 0.1), (99.0, 0.05), (2e4, 20.0)])
 def test_near_is_a_thousandth_of_the_stroke_in_round_figures(stroke_mm: float, near: float) -> None:
     assert near_mm(stroke_mm) == pytest.approx(near, rel=1e-12)
 
@@ -216,9 +216,7 @@ OFFERED: list[tuple[Wish, int, float, dict[str, float], float]] = [
 """Wishes that an even yoke misses, which of their requirements, by how much, and what it keeps: rounded down or up."""
 
 
-@pytest.mark.parametrize(
-    ("wish", "number", "missed", "kept", "way"), OFFERED, ids=[str(type(row[0]).__name__) for row in OFFERED]
-)
+@at_once(("wish", "number", "missed", "kept", "way"), OFFERED)
 def test_what_is_offered_for_a_missed_wish_is_what_an_even_yoke_keeps(
     wish: Wish, number: int, missed: float, kept: dict[str, float], way: float
 ) -> None:
@@ -242,8 +240,8 @@ def test_a_driving_range_is_offered_shorter_at_both_ends() -> None:
     )
 
 
-@pytest.mark.parametrize("end", End, ids=lambda end: end.value)
-@pytest.mark.parametrize("linkage", [YOKE, OFFSET], ids=["yoke", "offset"])
+@at_once("end", End)
+@at_once("linkage", [YOKE, OFFSET])
 def test_the_nearest_dwell(linkage: Mechanism, end: End) -> None:
     """r (1 - cos(angle / 2)) on a yoke; nearly |x''| angle^2 / 8 on any mechanism, for the crank's own angle."""
     for_rad, ratio_max = radians(41.0), 5.0
@@ -444,7 +442,7 @@ WRONG = {
 }
 
 
-@pytest.mark.parametrize(("wishes", "said"), WRONG.values(), ids=WRONG)
+@at_once(("wishes", "said"), WRONG.values())
 def test_wishes_that_contradict_are_refused_at_their_key(run: Run, wishes: str, said: str) -> None:
     got, out, err = check(run, wishes)
     assert (got, out) == (2, "")

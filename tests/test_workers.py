@@ -17,6 +17,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from at_once import at_once
 from ncgear import workers
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.workers import core_count, finished, free_cores
@@ -138,7 +139,7 @@ def test_a_cluster_of_this_computer_gives_the_same(tmp_path: Path) -> None:
     assert (tmp_path / "died").exists()
 
 
-@pytest.mark.parametrize(
+@at_once(
     ("seconds", "left", "threads", "size"),
     [
         (0.3, 1e6, 1000, 16),  # five seconds

@@ -26,7 +26,7 @@ from ncgear.drawings.plots.canvas import (
     figure,
     png,
 )
-from ncgear.files.outline_fit import outline_picture
+from ncgear.files.searched import outline_picture
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import turned

@@ -12,7 +12,7 @@ from ncgear.dynamics.driving_shaft import DrivingShaft, Fluctuation
 from ncgear.dynamics.rigid import Rigid, load_peaks
 from ncgear.frozen import dataclass
 from ncgear.kinematics.check import KinematicCheck, kinematic_check
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import Masses
 from ncgear.numerics.units import KG_M2
 from ncgear.project.drive import Drive
 from ncgear.project.moving_masses import train_inertia

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import ncgear.cad as cad
     import ncgear.plots as plots
-    from ncgear.design.examples import examples
+    from ncgear.design.template import examples
     from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
     from ncgear.figures.side_by_side import compare
     from ncgear.project.drive import Drive
@@ -46,7 +46,7 @@ _MODULES = {
     "NoSuchMechanism": "ncgear.errors",
     "WrongInput": "ncgear.errors",
     "compare": "ncgear.figures.side_by_side",
-    "examples": "ncgear.design.examples",
+    "examples": "ncgear.design.template",
     "fit": "ncgear.project.outline_fit",
     "load": "ncgear.project.opened",
     "loads": "ncgear.project.opened",

@@ -9,7 +9,7 @@ from functools import cached_property
 from hashlib import sha256
 from pathlib import Path
 
-from mutants.mutations import mutations
+from mutants.mutations import Mutation, mutations
 
 ROOT = Path(__file__).resolve().parents[2]
 SOURCE = ROOT / "src"
@@ -17,11 +17,11 @@ SOURCE = ROOT / "src"
 
 @dataclass(frozen=True)
 class Mutant:
-    """A module, named from ``src`` on, with one mutation: its source as mutated, the line, and what it says."""
+    """A module, named from ``src`` on, its source, one mutation of it, and what the line says before and after."""
 
     module: str
-    source: bytes
-    line: int
+    whole: bytes
+    mutation: Mutation
     before: str
     after: str
     again: int
@@ -36,6 +36,16 @@ class Mutant:
     def key(self) -> str:
         """Its name, which changes only with the line itself."""
         return sha256(f"{self.module}\n{self.before}\n{self.after}\n{self.again}".encode()).hexdigest()[:12]
+
+    @property
+    def line(self) -> int:
+        """The line that is mutated."""
+        return self.mutation.line
+
+    @cached_property
+    def source(self) -> bytes:
+        """The mutated source."""
+        return self.mutation.applied(self.whole)
 
     @cached_property
     def written(self) -> str:
@@ -58,14 +68,8 @@ def _of(path: Path) -> Iterator[Mutant]:
     source, module = path.read_bytes(), str(path.relative_to(SOURCE))
     seen: Counter[tuple[str, str]] = Counter()
     for one in mutations(source):
-        mutated = one.applied(source)
-        before, after = _changed(source, mutated)
-        yield Mutant(module, mutated, one.line, before, after, seen[before, after])
+        start, end = source.rfind(b"\n", 0, one.start) + 1, source.index(b"\n", one.end)
+        line = source[start:end], source[start : one.start] + one.new.encode() + source[one.end : end]
+        before, after = (text.decode().strip() for text in line)
+        yield Mutant(module, source, one, before, after, seen[before, after])
         seen[before, after] += 1
-
-
-def _changed(source: bytes, mutated: bytes) -> tuple[str, str]:
-    """The line before and after."""
-    pairs = zip(source.decode().splitlines(), mutated.decode().splitlines(), strict=True)
-    before, after = next((old, new) for old, new in pairs if old != new)
-    return before.strip(), after.strip()

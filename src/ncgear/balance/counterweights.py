@@ -77,10 +77,7 @@ class BestCounterweight:
 
 
 def least_squares(mechanism: DrivenCrank, known: Accelerations | None = None) -> BestCounterweight:
-    """The counterweight, beside those already there, with the least mean square of the shaking force.
-
-    ``known`` gives the accelerations of the same linkage and law where they are known.
-    """
+    """The counterweight beside those there with the least mean square; ``known`` accelerations may be given."""
     known = known or accelerations(mechanism)
     angles, weights = gauss_points(known.form.breaks)
     pin, slider = _pin_and_slider(mechanism, known, angles)
@@ -89,11 +86,7 @@ def least_squares(mechanism: DrivenCrank, known: Accelerations | None = None) ->
 
 
 def minimax(mechanism: DrivenCrank, known: Accelerations | None = None) -> BestCounterweight:
-    """The counterweight, beside those already there, with the least peak of the shaking force.
-
-    ``known`` gives the accelerations of the same linkage and law where they are known.  Raises Unanswered
-    where peak and bound do not meet within ``GAP``.
-    """
+    """The counterweight beside those there with the least peak; raises Unanswered where ``GAP`` is left."""
     known, size, crank_mm = known or accelerations(mechanism), abs(mechanism.wrist_kg), mechanism.linkage.crank_mm
     if size <= NOTHING * mechanism.total_kg:  # the rod is balanced, and a crank mass balances the rest
         return BestCounterweight(least_squares(mechanism, known).moment_kg_mm, 0.0)
@@ -163,10 +156,7 @@ class Tried:
 
 
 def sweep(mechanism: DrivenCrank, counterweight: Counterweight, masses_kg: Sequence[float]) -> list[Tried]:
-    """A counterweight on the crank with each of the masses, beside those already there.
-
-    The bearing carries the rod's pull and the crank's parts, with their weight where the masses have gravity.
-    """
+    """A counterweight on the crank with each of the masses beside those there; bearings carry weights with gravity."""
     known, found = accelerations(mechanism), []
     for mass in masses_kg:
         one = mechanism.with_counterweight(replace(counterweight, mass_kg=mass))

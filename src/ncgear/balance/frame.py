@@ -62,10 +62,7 @@ class Mounted:
 
 
 def frame_shaking(mounted: Sequence[Mounted]) -> Shaking:
-    """Force along the frame's x and y, and moment about its origin, over the longest cycle among the mechanisms.
-
-    Raises WrongInput where the speeds differ, or where the longest cycle is no whole multiple of another.
-    """
+    """Force along x and y and moment over the longest cycle; raises WrongInput for other speeds or uneven cycles."""
     cycle = _common_cycle(mounted)
     parts = [(one, shaking(one.mechanism)) for one in mounted]
 
@@ -80,8 +77,8 @@ def frame_shaking(mounted: Sequence[Mounted]) -> Shaking:
 def best_phase(mounted: Sequence[Mounted], moved: int) -> Extremum:
     """The least r.m.s. force in N, and the phase in [0, cycle) of the mechanism number ``moved`` at which it occurs.
 
-    Over the phase, the mean square is a trigonometric polynomial: the correlation of its force with that of the others.
-    Raises WrongInput as ``frame_shaking`` does, and where the cycles differ.
+    The mean square is a trigonometric polynomial of the phase.  Raises WrongInput as ``frame_shaking``, and for
+    other cycles.
     """
     others = frame_shaking([one for number, one in enumerate(mounted) if number != moved])
     alone = frame_shaking([replace(mounted[moved], phase_rad=0.0)])
@@ -121,7 +118,6 @@ def frame_sweep(
 
 
 def _center(one: Mounted, angle: Array) -> ComplexArray:
-    """A mechanism's centre of mass in the frame in mm, at shaft angles."""
     center = one.mechanism.center_of_mass_mm(angle + one.phase_rad)
     own = np.conj(center) if one.mirrored else center
     return np.asarray(one.place_mm + own * exp(1j * one.direction_rad))
@@ -150,7 +146,6 @@ def _common_cycle(mounted: Sequence[Mounted]) -> float:
 
 
 def _in_frame(one: Mounted, own: Shaking, angle: Array) -> Array:
-    """Force and moment of one mechanism in the frame at shaft angles, shape (n, 3)."""
     phi1 = np.mod(angle + one.phase_rad, own.along.cycle_rad)
     force, moment = own.along(phi1) + 1j * own.across(phi1), own.moment(phi1)
     if one.mirrored:
@@ -171,10 +166,7 @@ def _breaks(one: Mounted, own: Shaking, cycle: float) -> Array:
 
 @dataclass(frozen=True)
 class Crank:
-    """One crank: masses at its joints, the angle of its crank at time zero in rad, and its sense of turning.
-
-    Angles count from the direction of the slider's line, positive in the positive sense.
-    """
+    """One crank: masses at its joints, its angle in rad at time zero from the slider's line, its sense of turning."""
 
     masses: JointMasses
     phase_rad: float
@@ -213,10 +205,7 @@ def best_phase_rad(one: Crank, other: Crank) -> float:
 
 
 def combined_counterweight_kg(one: JointMasses, shares: tuple[float, float], arm_ratio: float, share: float) -> float:
-    """Counterweight of one of two cranks for what both leave: (r/r') (eta2 m_B + k eta1 m_C).
-
-    ``shares`` are (eta1, eta2), ``arm_ratio`` is r/r', and ``share`` is k, the share of the reciprocating mass.
-    """
+    """Counterweight of one of two cranks for both: (r/r') (eta2 m_B + k eta1 m_C); ``shares``: eta1, eta2."""
     reciprocating, rotating = shares
     return arm_ratio * (rotating * one.rotating_kg + share * reciprocating * one.reciprocating_kg)
 
@@ -226,10 +215,7 @@ def combined_counterweight_kg(one: JointMasses, shares: tuple[float, float], arm
 
 @dataclass(frozen=True)
 class Chassis:
-    """Levers in mm from the centre of gravity to the supports (both alike) and to the counterweight.
-
-    ``tilt_rad`` is the slope of the slider's line against the ground.
-    """
+    """Levers in mm from the centre of gravity to both supports and to the counterweight; slope of the slider's line."""
 
     support_mm: float
     counterweight_mm: float

@@ -85,10 +85,9 @@ class Drills:
 
 
 def drilled_holes(section: Polygon, moment_mm3: complex, drills: Drills, key: str) -> list[RoundHole]:
-    """Holes in the gear's ``section`` in mm whose areas have the first moment ``moment_mm3`` about the axis.
+    """Holes in the gear's ``section`` in mm whose areas have ``moment_mm3`` about the axis, or the largest share of it.
 
-    Where there is no room for all of the moment, they have the largest share of it.  Raises NoSuchMechanism for ``key``
-    where no hole has room, WrongInput where holes and walls are so small that there are too many places.
+    Raises NoSuchMechanism for ``key`` where no hole has room, WrongInput for too many places of small holes.
     """
     places = _places(section, drills, key)
     if not places.size:
@@ -168,10 +167,9 @@ class Boss:
 
 
 def balancing_boss(section: Polygon, moment_mm4: complex, height_mm: float, wall_mm: float, key: str) -> Boss:
-    """The lightest boss of a height in mm whose moment of volume about the axis is minus ``moment_mm4``, not zero.
+    """The lightest boss in the ``section`` with a wall around, of a height, with minus ``moment_mm4`` (not zero).
 
-    It lies within the gear's ``section``, with a wall all round.  Raises NoSuchMechanism for ``key`` where no boss of
-    this height is heavy enough; the message names a height that is.
+    Raises NoSuchMechanism for ``key`` where none is heavy enough; the message names a height that is.
     """
     needed, room = -moment_mm4 / height_mm, section.buffer(-wall_mm)
     most = _largest_multiple(room, needed)
@@ -182,10 +180,9 @@ def balancing_boss(section: Polygon, moment_mm4: complex, height_mm: float, wall
 
 
 def _largest_multiple(room: BaseGeometry, needed: complex) -> float:
-    """The largest multiple of the moment that a part of the room has.
+    """The largest multiple of the moment that a part of the room has: moments of parts form a convex set.
 
-    The moments of all parts form a convex set; the room beyond a chord through the axis has the one that is farthest in
-    the direction across the chord.
+    The room beyond a chord through the axis has the farthest moment across the chord.
     """
     multiples = []
     for turn in np.linspace(-WIDEST_RAD, WIDEST_RAD, STARTS):

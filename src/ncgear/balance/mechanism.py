@@ -29,7 +29,7 @@ import numpy as np
 
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import RodMasses
 from ncgear.mechanisms.mechanism import RodMechanism
 from ncgear.numerics import chebyshev
 from ncgear.numerics.arrays import Array, ComplexArray
@@ -191,7 +191,6 @@ def complete_balance(mechanism: DrivenCrank, rod_arm_mm: float, crank_arm_mm: fl
 
 
 def _against(mechanism: DrivenCrank, carrier: Carrier, moment_kg_mm: complex, arm_mm: float) -> Counterweight:
-    """The counterweight on one body against a moment in kg mm, which must not be on the counterweight's side."""
     if moment_kg_mm.real < -NOTHING * mechanism.total_kg * arm_mm:
         there = any(one.carrier is carrier for one in mechanism.counterweights)
         lighter = "take counterweights off it" if there else "move its centre of mass towards the slider or the pin"
@@ -203,10 +202,7 @@ def _against(mechanism: DrivenCrank, carrier: Carrier, moment_kg_mm: complex, ar
 
 
 def partial_counterweight(mechanism: DrivenCrank, parts: JointMasses, arm_mm: float, share: float) -> Counterweight:
-    """The counterweight of ``partial_counterweight_kg``, less those already there, for the masses of the parts.
-
-    It stands opposite the pin, unless those already there are too heavy or stand aside.  Raises WrongInput alike.
-    """
+    """``partial_counterweight_kg`` less those already there, opposite the pin as a rule; raises WrongInput alike."""
     bare, linkage = replace(mechanism, counterweights=()), mechanism.linkage
     pin, wrist = mechanism.pin_kg - bare.pin_kg, mechanism.wrist_kg - bare.wrist_kg
     wanted = partial_counterweight_kg(linkage, parts, arm_mm, share) * arm_mm
@@ -238,10 +234,7 @@ class Accelerations:
 
 
 def accelerations(mechanism: DrivenCrank) -> Accelerations:
-    """The seven functions of a mechanism, resolved to rounding error; its masses have no part in them.
-
-    Raises NotSmooth where the law's second derivative is not finite.
-    """
+    """The seven functions of a mechanism, whatever its masses; raises NotSmooth if the law's bend is infinite."""
     return Accelerations(chebyshev.fitted(lambda phi1: functions_at(mechanism, phi1), mechanism.breaks_rad))
 
 

@@ -74,10 +74,10 @@ class Correction:
 
 
 def balanced(first: Sequence[complex], trials: Sequence[TrialRun], key: str = "trials") -> Correction:
-    """The corrections from the readings without weights and one run with a trial weight in each plane.
+    """The corrections from readings without weights and with a trial weight in each plane, taken off again.
 
-    Each trial weight is taken off after its run.  Raises WrongInput for ``key`` where there are fewer sensors than
-    planes, a trial has no weight or no effect, or two planes have the same effects.
+    Raises WrongInput for ``key`` for fewer sensors than planes, trials without weight or effect, and planes of one
+    effect.
     """
     start = np.array(first)
     _check_trials(start, trials, key)
@@ -156,10 +156,9 @@ class Prediction:
 
 
 def chain_unbalance(runs: Sequence[WeightRun], phases: ChainPhases, key: str = "runs") -> ChainUnbalance:
-    """The ranges that all runs with the same weight allow; the paper lets the amplitudes of the sides start from zero.
+    """The ranges that all runs with the same weight allow; amplitudes of the sides start from zero, as in the paper.
 
-    Everything is linear in L_B, so the largest values are at the ends of its range.  Raises WrongInput for ``key``
-    where no L_B puts the chain's part of every run on the side of the wrap.
+    All is linear in L_B. Raises WrongInput for ``key`` where no L_B puts every run's chain part on the wrap's side.
     """
     weight = _weight_range(runs, phases.wrap_rad)
     if not weight.low < weight.high < inf:
@@ -171,10 +170,7 @@ def chain_unbalance(runs: Sequence[WeightRun], phases: ChainPhases, key: str = "
 
 
 def predicted(unbalance: ChainUnbalance, phases: ChainPhases, weight_phase_rad: float) -> Prediction:
-    """Readings to expect with the weight of the runs at a phase in rad, with one side of the chain and not the other.
-
-    The weight counts with its largest effect, which gives the published 1.24 and 1.4 mm/s from the published ranges.
-    """
+    """Readings to expect with the weight at a phase in rad and one side of the chain; its largest effect counts."""
     weight = unbalance.weight.high * exp(1j * weight_phase_rad)
     tight = weight + unbalance.tight.high * exp(1j * phases.tight_rad)
     slack = weight + unbalance.slack.high * exp(1j * phases.slack_rad)

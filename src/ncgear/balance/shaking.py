@@ -144,10 +144,7 @@ class Speed(StrEnum):
 
 @dataclass(frozen=True)
 class TwoTermFormula:
-    """The textbook formula beside the exact shaking force: its peak in N, and its largest error by the exact peak.
-
-    The error is 0 where the exact force is balanced to rounding error.
-    """
+    """The textbook formula's peak in N, and its largest error by the exact peak; 0 if that is rounding error."""
 
     peak_n: float
     largest_error: float

@@ -112,9 +112,8 @@ def waveforms(form: PiecewiseChebyshev) -> list[Waveform]:
 def magnitude_statistics(along: Waveform, across: Waveform) -> Statistics:
     """Statistics of the length of a vector given by two waveforms with the same breaks.
 
-    Where the vector passes near zero its length has a kink.  So the extremes are those of its smooth square, and the
-    mean is integrated from one turning point of the square to the next by tanh-sinh quadrature, which stays accurate
-    with kinks at the ends.
+    Extremes are those of its smooth square; the mean is integrated between turning points, where the length may
+    have kinks, by tanh-sinh quadrature.
     """
     squared = squared_magnitude(along, across)
     lowest, highest = squared.extremes

@@ -4,24 +4,65 @@ from __future__ import annotations
 
 import re
 from contextlib import suppress
-from typing import Annotated
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperCommand, TyperGroup
 
 from ncgear import __version__
-from ncgear.cli.as_given import PlainCommand, PlainGroup
-from ncgear.cli.bench import bench
-from ncgear.cli.compare import compare
-from ncgear.cli.design import design
-from ncgear.cli.formulas import formulas
 from ncgear.cli.lookup import examples, explain, freecad, reproduce, schema
 from ncgear.cli.machine import animate, balance, build, check, report, simulate, strength
-from ncgear.cli.measured import measured
 from ncgear.cli.new import new
-from ncgear.cli.search import fit, frontier, optimize, size
+from ncgear.cli.search import design, fit, frontier, optimize, size
 from ncgear.cli.studio import studio
+from ncgear.cli.study import bench, compare, formulas, measured, tolerance
 from ncgear.cli.sweep import sweep
-from ncgear.cli.tolerance import tolerance
+
+
+class PlainCommand(TyperCommand):
+    """A command whose parameters convert only what must be converted."""
+
+    def get_params(self, ctx: Any) -> Any:
+        """The parameters, with that of the help."""
+        return _plain(super().get_params(ctx))
+
+
+class PlainGroup(TyperGroup):
+    """The same of the program's own parameters."""
+
+    def get_params(self, ctx: Any) -> Any:
+        """The parameters, with that of the help."""
+        return _plain(super().get_params(ctx))
+
+
+def _plain(parameters: list[Any]) -> list[Any]:
+    for parameter in parameters:
+        if "process_value" not in vars(parameter) and hasattr(parameter, "type_descriptor"):
+            parameter.process_value = _as_given(parameter)
+    return parameters
+
+
+def _as_given(parameter: Any) -> Any:
+    """What typer processes a parameter's value by, passed over where the value is already what it should be."""
+    processed = parameter.process_value
+
+    def process_value(context: Any, value: Any) -> Any:
+        several, asked = parameter.multiple or parameter.nargs == -1, parameter.type_descriptor.annotation
+        kind = asked if isinstance(asked, type) and not several else object
+        if value is None and not parameter.required:
+            value = () if several else None
+        elif issubclass(kind, StrEnum) and value in list(kind):
+            value = kind(value)
+        elif kind is Path and type(value) is str:
+            value = Path(value)
+        elif type(value) is not kind or kind not in (str, bool):
+            return processed(context, value)
+        return value if parameter.callback is None else parameter.callback(context, parameter, value)
+
+    return process_value
+
 
 app = typer.Typer(
     name="ncgear",

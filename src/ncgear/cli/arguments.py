@@ -1,15 +1,15 @@
-"""Arguments and options that several commands share, what the shell offers for them, and the design file in use."""
+"""What commands share: arguments, what the shell offers for them, the design file in use, and what is printed."""
 
 from __future__ import annotations
 
 import os
 import shlex
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from enum import StrEnum
 from pathlib import Path
 from subprocess import list2cmdline
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -20,6 +20,9 @@ from ncgear.memory import keep_freed_memory
 if TYPE_CHECKING:
     from ncgear.design.keys.base import Model
     from ncgear.design.reading.design_file import LoadedDesign
+    from ncgear.figures.answers.answer import Answer
+    from ncgear.files.manifest import Run
+    from ncgear.project.drive import Drive
 
 SUFFIXES = (".yaml", ".yml")
 
@@ -147,3 +150,51 @@ def _is_of_curve(refusal: NoSuchMechanism) -> bool:
     """Whether a pitch curve, or the teeth on it, are refused."""
     of_teeth = refusal.key in ("gears.teeth", "gears.least_contact_ratio")
     return not isinstance(refusal, Unanswered) and (of_teeth or refusal.key.split(".")[0] == "motion")
+
+
+def prepared(out: Path | None, name: str = "") -> Path:
+    """The output folder: ``out``, or one below ``EXPORT``; refused before any work if it cannot be written."""
+    from ncgear.files.publish import prepare
+
+    folder = out or EXPORT / name
+    prepare(folder)
+    return folder
+
+
+def tell(answer: Answer, *of_pairs: Mapping[str, Any], as_json: bool, verbose: bool, run: Run | None = None) -> None:
+    """Print an answer and the files of a run; with ``verbose`` all of it and every figure; or the figures as JSON.
+
+    The figures, and what is raised, are those of ``print_figures``.
+    """
+    from ncgear.figures.answers.answer import answer_text
+    from ncgear.figures.terminal import full_text
+
+    files = (run.paths, run.kept) if run else ((), ())
+    if as_json:
+        print_figures(*of_pairs, kept=files[1])
+    else:
+        typer.echo(full_text(answer, of_pairs, *files) if verbose else answer_text(answer, *files))
+
+
+def print_times(drive: Drive) -> None:
+    """Print to stderr how long each step of a drive took."""
+    from ncgear.figures.terminal import timing_text
+
+    typer.echo(timing_text(drive), err=True)
+
+
+def print_figures(*of_pairs: Mapping[str, Any], kept: Sequence[Path] = ()) -> None:
+    """Print figures as one JSON document to stdout, and to stderr the files of others that were ``kept``.
+
+    The figures are those of the JSON file that the command writes, to the digit.  Of two pairs in series that are told
+    one by one they stand below ``stages``.  Raises Unanswered, before anything is printed, where a figure is no
+    finite number.
+    """
+    from ncgear.figures.numbers import json_text
+
+    by_stage = {f"stage_{number}": figures for number, figures in enumerate(of_pairs, start=1)}
+    typer.echo(json_text(of_pairs[0] if len(of_pairs) == 1 else {"stages": by_stage}).rstrip())
+    if kept:
+        from ncgear.figures.terminal import kept_lines
+
+        typer.echo("\n".join(kept_lines(kept)), err=True)

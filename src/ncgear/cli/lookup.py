@@ -10,8 +10,7 @@ from typing import Annotated
 
 import typer
 
-from ncgear.cli.arguments import AsJson, FileKind, keys_to_complete, model_of
-from ncgear.cli.as_json import print_figures
+from ncgear.cli.arguments import AsJson, FileKind, keys_to_complete, model_of, prepared, print_figures
 from ncgear.cli.progress import steps_shown
 
 
@@ -37,7 +36,7 @@ def explain(
 
 def examples() -> None:
     """List the worked designs that come with ncgear; `ncgear new --example NAME` writes one here."""
-    from ncgear.design.examples import description_of, examples
+    from ncgear.design.template import description_of, examples
     from ncgear.figures.tables import WIDTH
 
     found = examples()
@@ -111,9 +110,8 @@ def reproduce(
 ) -> None:
     """Compute every figure of the six publications that ncgear is judged by, and say which can be reproduced."""
     from ncgear.files.manifest import publish_run
-    from ncgear.files.publish import prepare
 
-    prepare(out)
+    prepared(out)
     from ncgear.figures.ledger import PAGE, ledger_figures, ledger_page, ledger_text
     from ncgear.figures.numbers import json_text
     from ncgear.papers.judgement import PAPERS, judgement

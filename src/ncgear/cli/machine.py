@@ -8,8 +8,20 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from ncgear.cli.arguments import EXPORT, AsJson, DesignFile, Timing, Verbose, files_to_complete, opened, pasted
-from ncgear.cli.as_json import print_figures, tell
+from ncgear.cli.arguments import (
+    EXPORT,
+    AsJson,
+    DesignFile,
+    Timing,
+    Verbose,
+    files_to_complete,
+    opened,
+    pasted,
+    prepared,
+    print_figures,
+    print_times,
+    tell,
+)
 from ncgear.cli.mending import BUILD, OPTION, MakeTeeth, Mend, as_given, mended, naming_what_helps
 from ncgear.cli.progress import counted, steps_shown
 from ncgear.cli.train import animated_train, build_train, check_train, is_train, refuse_options
@@ -37,7 +49,7 @@ def check(
         from ncgear.figures.answers.answer import answer_text
         from ncgear.figures.answers.machine import check_answer
         from ncgear.figures.summary.check_summary import check_summary
-        from ncgear.figures.terminal import check_text, timing_text
+        from ncgear.figures.terminal import check_text
 
         made = mended(loaded) if mend else as_given(loaded)
         drive = made.drive
@@ -57,7 +69,7 @@ def check(
         else:
             typer.echo(text)
         if timing:
-            typer.echo(timing_text(drive), err=True)
+            print_times(drive)
 
 
 def build(
@@ -89,25 +101,23 @@ def build(
         build_train(design_file, out, as_json=as_json, verbose=verbose)
         return
     from ncgear.drawings.beside import MOTION_PICTURE, PAGE_CHARTS, drawing_beside
-    from ncgear.files.publish import prepare
 
     kinds = kinds or list(USUAL)
     require_libraries(kinds)
     charts = [PAGE_CHARTS] if report else []
     with drawing_beside(MOTION_PICTURE, *charts, *slow_to_load(kinds)) as drawer, opened(design_file) as given:
-        prepare(out or EXPORT / given.design.name)
+        prepared(out, given.design.name)
         if given.design.gears is None:
             raise WrongInput("missing; a build needs it (teeth, module_mm, face_width_mm, ...)", key="gears")
 
         made = mended(given) if mend else as_given(given)
         loaded, drive = made.loaded, made.drive
-        folder = out or EXPORT / loaded.design.name
-        prepare(folder)
+        folder = prepared(out, loaded.design.name)
 
         from ncgear.drawings.page import REPORT_FILE
         from ncgear.figures.answers.answer import answer_text
         from ncgear.figures.answers.machine import build_answer
-        from ncgear.figures.terminal import build_text, timing_text
+        from ncgear.figures.terminal import build_text
         from ncgear.files.build import build as build_files
         from ncgear.files.build import step_count
         from ncgear.files.manifest import holds_as_written
@@ -129,10 +139,10 @@ def build(
         else:
             shown = folder / f"{loaded.design.name}.yaml" if made.text else design_file
             then = f"open {folder / REPORT_FILE}" if report else f"ncgear report {pasted(shown)}"
-            answer = build_answer(drive, built.contacts, built.verdict, then, made.said)
+            answer = build_answer(drive, built.verdict, then, made.said)
             typer.echo(answer_text(answer, paths, kept))
         if timing:
-            typer.echo(timing_text(drive), err=True)
+            print_times(drive)
 
 
 def report(
@@ -145,16 +155,14 @@ def report(
 ) -> None:
     """Write report.html: the machine running, its curves, comparison, warnings, data sheet and design file."""
     from ncgear.drawings.beside import PAGE_CHARTS, drawing_beside
-    from ncgear.files.publish import prepare
 
     with drawing_beside(PAGE_CHARTS) as drawer, opened(design_file) as loaded:
-        folder = out or EXPORT / loaded.design.name
-        prepare(folder)
+        folder = prepared(out, loaded.design.name)
 
         from ncgear.drawings.page import REPORT_FILE
         from ncgear.drawings.page.page import report_page
         from ncgear.figures.advice.verdict import together
-        from ncgear.figures.terminal import kept_lines, timing_text
+        from ncgear.figures.terminal import kept_lines
         from ncgear.files.build import WRITTEN_STEPS, contacts_as_written, summaries_without_files, verdicts_of
         from ncgear.files.manifest import publish_run
         from ncgear.project.drive import Drive
@@ -175,7 +183,7 @@ def report(
             said = f"{folder / REPORT_FILE} ({len(page) / 1e6:.1f} MB): open it in a browser"
             typer.echo("\n".join([said, *kept_lines(run.kept)]))
         if timing:
-            typer.echo(timing_text(drive), err=True)
+            print_times(drive)
 
 
 def animate(
@@ -249,14 +257,10 @@ def simulate(
     timing: Timing = False,
 ) -> None:
     """Find the torques and forces in a design's machine, beside the uniform crank with the same masses."""
-    from ncgear.files.publish import prepare
-
     with opened(design_file) as loaded:
-        folder = out or EXPORT / f"{loaded.design.name}-{level}"
-        prepare(folder)
+        folder = prepared(out, f"{loaded.design.name}-{level}")
 
         from ncgear.figures.answers.simulated import simulated_answer
-        from ncgear.figures.terminal import timing_text
         from ncgear.files.manifest import publish_run
         from ncgear.files.simulation import simulate as simulate_drive
         from ncgear.files.simulation import simulation_files
@@ -269,9 +273,9 @@ def simulate(
             found = simulate_drive(drive, level)
         run = publish_run(folder, simulation_files(found), "simulate")
         answer = simulated_answer(drive, level, found.figures, found.verdict, pasted(design_file))
-        tell(answer, found.figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)
+        tell(answer, found.figures, as_json=as_json, verbose=verbose, run=run)
         if timing:
-            typer.echo(timing_text(drive), err=True)
+            print_times(drive)
 
 
 class Method(StrEnum):
@@ -298,17 +302,13 @@ def strength(
     timing: Timing = False,
 ) -> None:
     """Say whether the teeth hold: safety and life of every tooth, the weakest first, and what would do."""
-    from ncgear.files.publish import prepare
-
     with opened(design_file) as loaded:
-        folder = out or EXPORT / f"{loaded.design.name}-strength"
-        prepare(folder)
+        folder = prepared(out, f"{loaded.design.name}-strength")
 
         from ncgear.figures.advice.strength_advice import SIZE, remedies
         from ncgear.figures.advice.verdict import Known, judged, together
         from ncgear.figures.answers.strong import strength_answer
         from ncgear.figures.strong import strength_figures
-        from ncgear.figures.terminal import timing_text
         from ncgear.files.build import naming_stage
         from ncgear.files.manifest import publish_run
         from ncgear.files.strength import strength_files
@@ -332,9 +332,9 @@ def strength(
         run = publish_run(folder, files, "strength")
         then = f"{SIZE} {pasted(design_file)}" if drive.design.stages == 1 else ""
         answer = strength_answer(told, together(verdicts), then)
-        tell(answer, *figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)
+        tell(answer, *figures, as_json=as_json, verbose=verbose, run=run)
         if timing:
-            typer.echo(timing_text(drive), err=True)
+            print_times(drive)
 
 
 def balance(
@@ -349,14 +349,11 @@ def balance(
 ) -> None:
     """Say how much a machine shakes, and what mass where would stop it: linkages, gears, rotors, frequencies."""
     from ncgear.design.reading.balance_file import load_balance
-    from ncgear.files.publish import prepare
 
     loaded = load_balance(balance_file)
-    folder = out or EXPORT / f"{loaded.balance.name}-balance"
-    prepare(folder)
+    folder = prepared(out, f"{loaded.balance.name}-balance")
 
-    from ncgear.figures.answers.shaken import balance_answer
-    from ncgear.figures.balance.parts import figures_of
+    from ncgear.figures.balance.parts import balance_answer, figures_of
     from ncgear.files.balance import balance_files
     from ncgear.files.manifest import publish_run
     from ncgear.project.balancing import Balancing
@@ -369,4 +366,4 @@ def balance(
         files = balance_files(balancing, figures)
     run = publish_run(folder, files, "balance")
     answer = balance_answer(figures)
-    tell(answer, figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)
+    tell(answer, figures, as_json=as_json, verbose=verbose, run=run)

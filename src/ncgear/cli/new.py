@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, TypeVar
 import typer
 
 from ncgear.cli.progress import steps_shown
-from ncgear.design.laws.registry import DEFAULT_LAW, LawName, design_law
+from ncgear.design.laws.registry import DEFAULT_LAW, LawName, law_keys
 from ncgear.design.reading.text import plain_value, whole
 from ncgear.design.template import CHOICES, MachineName, machine_template
 from ncgear.design.words import NAME_RULE, is_name
@@ -30,7 +30,7 @@ WISHABLE = ("motion_wishes",)
 
 def examples_to_complete(incomplete: str) -> list[str]:
     """Examples whose name begins with the typed text."""
-    from ncgear.design.examples import examples
+    from ncgear.design.template import examples
 
     return [name for name in examples() if name.startswith(incomplete)]
 
@@ -165,7 +165,7 @@ def _require_alone(alone: str, chosen: str, given: Mapping[str, object]) -> None
 
 def _write_example(example: str, name: str | None) -> None:
     """Write the files of an example; raises WrongInput, before any is written, where one would replace another."""
-    from ncgear.design.examples import example_files
+    from ncgear.design.template import example_files
 
     if name is not None:
         _require_name(name)
@@ -186,7 +186,7 @@ def _write_shape(shape: str, path: Path) -> None:
 
     text = shape_template(path.stem, shape)
     if shape not in SHAPES:
-        from ncgear.design.drawn import as_read
+        from ncgear.design.beginning import as_read
 
         text = as_read(text, path)
     _create(path, text)
@@ -328,7 +328,7 @@ def _asked_name() -> str:
 
 def _asked_beginning() -> Beginning:
     """One of the laws or the machines, by its number or its name."""
-    choices: dict[Beginning, str] = {law: design_law(law).choice for law in LawName} | CHOICES
+    choices: dict[Beginning, str] = {law: law_keys(law).CHOICE for law in LawName} | CHOICES
     return _asked_of("motion law or machine", choices)
 
 
@@ -359,7 +359,7 @@ def _asked_sizes(beginning: Beginning, given: Mapping[str, float], before: Mappi
     if isinstance(beginning, MachineName):
         asked = list(SIZES_OF_MACHINES)
     else:
-        asked = [design_law(beginning).asked_length, *(one for one in QUESTIONS if one not in lengths)]
+        asked = [law_keys(beginning).ASKED_LENGTH, *(one for one in QUESTIONS if one not in lengths)]
     # Stroke and crank give each other, so that only one of them is asked for.
     known = {*given, *(lengths if set(lengths) & set(given) else ())}
     found = dict(given)

@@ -1,7 +1,8 @@
-"""Commands that look among many laws, curves or gears: optimize, frontier, fit, size."""
+"""Commands that look among many laws, curves, gears or machines: optimize, frontier, fit, size, design."""
 
 from __future__ import annotations
 
+import sys
 from math import inf
 from pathlib import Path
 from typing import Annotated
@@ -9,7 +10,6 @@ from typing import Annotated
 import typer
 
 from ncgear.cli.arguments import (
-    EXPORT,
     SUFFIXES,
     AsJson,
     DesignFile,
@@ -19,8 +19,9 @@ from ncgear.cli.arguments import (
     materials_to_complete,
     opened,
     pasted,
+    prepared,
+    tell,
 )
-from ncgear.cli.as_json import tell
 from ncgear.cli.mending import BUILD, naming_what_helps
 from ncgear.cli.progress import counted, steps_shown
 from ncgear.errors import WrongInput
@@ -41,19 +42,17 @@ def optimize(
 ) -> None:
     """Find the best law for a design's machine, with a certificate of how close to the limit it is."""
     from ncgear.files.manifest import publish_run
-    from ncgear.files.publish import prepare
 
     with opened(design_file) as loaded:
         from ncgear.design.words import ending_in
         from ncgear.figures.answers.best_law import optimized_answer
         from ncgear.figures.best_law import SUFFIX, certificate, optimized_design
         from ncgear.figures.numbers import json_text
-        from ncgear.files.frontier import PICTURE, limit_picture
+        from ncgear.files.searched import PICTURE, limit_picture
         from ncgear.project.best_law import BestLaw
 
         name = ending_in(SUFFIX, loaded.design.name)
-        folder = out or EXPORT / name
-        prepare(folder)
+        folder = prepared(out, name)
         lengths, flywheel = loaded.design.free_lengths, loaded.design.free_flywheel
         with steps_shown(5 + bool(lengths) + bool(flywheel)) as on_step:
             best = BestLaw(
@@ -88,7 +87,7 @@ def optimize(
         run = publish_run(folder, files, f"optimize {name}")
         command, file = "build" if best.design.gears else "check", pasted(folder / f"{name}.yaml")
         answer = optimized_answer(best, f"ncgear {command} {file}")
-        tell(answer, figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)
+        tell(answer, figures, as_json=as_json, verbose=verbose, run=run)
 
 
 def frontier(
@@ -114,19 +113,16 @@ def frontier(
 
     Uses all cores; finished points are kept in the folder, so that a run that was interrupted goes on from there.
     """
-    from ncgear.files.publish import prepare
-
     with opened(design_file) as loaded:
         from ncgear.figures.answers.best_law import flywheel_answer, frontier_answer
         from ncgear.figures.best_law import flywheel_figures, frontier_figures
-        from ncgear.files.frontier import flywheel_files, frontier_files
         from ncgear.files.manifest import publish_run
+        from ncgear.files.searched import flywheel_files, frontier_files
         from ncgear.project.frontier_run import frontier as frontier_of
         from ncgear.project.frontier_run import over_flywheels
-        from ncgear.project.sought_machine import GearsAsGiven
+        from ncgear.project.law_task import GearsAsGiven
 
-        folder = out or EXPORT / f"{loaded.design.name}-frontier"
-        prepare(folder)
+        folder = prepared(out, f"{loaded.design.name}-frontier")
         if flywheel:
             with counted("laws") as on_law:
                 over = over_flywheels(loaded.design, points, on_law)
@@ -137,8 +133,7 @@ def frontier(
                 flywheel_figures(over, loaded.design),
                 as_json=as_json,
                 verbose=verbose,
-                paths=run.paths,
-                kept=run.kept,
+                run=run,
             )
             return
         with counted("points") as on_point:
@@ -147,7 +142,7 @@ def frontier(
         run = publish_run(folder, frontier_files(found, beside), "frontier")
         answer = frontier_answer(found, beside, "give a cap as optimize.limits.peak_power_w, then ncgear optimize")
         figures = frontier_figures(found, beside)
-        tell(answer, figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)
+        tell(answer, figures, as_json=as_json, verbose=verbose, run=run)
 
 
 def fit(
@@ -160,30 +155,27 @@ def fit(
 ) -> None:
     """Find the pitch curve nearest to a drawn outline whose pair of gears can be made, and say how far it strays."""
     from ncgear.files.manifest import publish_run
-    from ncgear.files.publish import prepare
 
     with opened(design_file, offers_fit=False) as loaded:
         from ncgear.design.words import ending_in
-        from ncgear.figures.answers.outline_fit import fitted_answer
         from ncgear.figures.numbers import json_text
-        from ncgear.figures.outline_fit import SUFFIX, fit_figures, fitted_design
-        from ncgear.files.outline_fit import PICTURE, outline_picture
+        from ncgear.figures.outline_fit import SUFFIX, fit_figures, fitted_answer, fitted_design
+        from ncgear.files.searched import OUTLINE_PICTURE, outline_picture
         from ncgear.project.outline_fit import fitted
 
         name = ending_in(SUFFIX, loaded.design.name)
-        folder = out or EXPORT / name
-        prepare(folder)
+        folder = prepared(out, name)
         with counted("pairs of gears made") as on_trial:
             found = fitted(loaded.design, on_trial)
         figures = fit_figures(found)
         files = {
             f"{name}.yaml": fitted_design(loaded, found).encode(),
             "fit.json": json_text(figures).encode(),
-            PICTURE: outline_picture(found, loaded.design.name),
+            OUTLINE_PICTURE: outline_picture(found, loaded.design.name),
         }
         run = publish_run(folder, files, f"fit {name}")
         answer = fitted_answer(loaded.design.name, found, f"ncgear build {pasted(folder / f'{name}.yaml')}")
-        tell(answer, figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)
+        tell(answer, figures, as_json=as_json, verbose=verbose, run=run)
 
 
 def size(
@@ -259,4 +251,59 @@ def size(
             content = sized_design(loaded, also or found[0], asked).encode()
             run, then = publish_named(out, content, f"size {out.name}"), f"ncgear build {pasted(out)}"
         answer = sized_answer(found, then, stated_inertias(loaded.design), herringbone and (also or "none"))
-        tell(answer, sized_figures(found, also), as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)
+        tell(answer, sized_figures(found, also), as_json=as_json, verbose=verbose, run=run)
+
+
+STEPS = 4
+"""Steps of the search, about: laws, materials, machines, limits."""
+
+
+def design(
+    design_file: DesignFile,
+    scheduler: Scheduler = None,
+    processes: Processes = None,
+    out: Annotated[
+        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-machines")
+    ] = None,
+    as_json: AsJson = False,
+    verbose: Verbose = False,
+) -> None:
+    """Find whole machines: law, gears, material, flywheel and motor together, and how far from the best they are.
+
+    Ctrl-C ends the search, and the machines found until then are written.
+    """
+    from ncgear.files.manifest import publish_run
+    from ncgear.workers import one_thread_each
+
+    with one_thread_each(), opened(design_file) as loaded:
+        from ncgear.files.searched import machine_files
+        from ncgear.whole_machines.search import MachineSearch
+        from ncgear.whole_machines.told import machines_answer, machines_figures
+
+        folder = prepared(out, f"{loaded.design.name}-machines")
+        interrupted = False
+        with steps_shown(STEPS) as on_step:
+            begun: list[str] = []
+
+            def tell_step(what: str, done: int, most: int) -> None:
+                if not begun or begun[-1] != what:
+                    begun.append(what)
+                    on_step(what)
+                on_step.within(f"{done} of {most}" if most else f"{done}")
+
+            search = MachineSearch(loaded, tell_step, scheduler, processes)
+            try:
+                found = search.run()
+            except KeyboardInterrupt:
+                if not search.made:
+                    raise
+                found, interrupted = search.found, True
+        run = publish_run(folder, machine_files(found), f"design {loaded.design.name}")
+        best = found.machines[found.recommended]
+        answer = machines_answer(found, f"ncgear build {pasted(folder / f'{best.name}.yaml')}")
+        figures = machines_figures(found)
+        tell(answer, figures, as_json=as_json, verbose=verbose, run=run)
+        if interrupted:
+            # The end of an interrupted command loses what is not written yet
+            sys.stdout.flush()
+            raise KeyboardInterrupt

@@ -42,9 +42,8 @@ def studio(
 
     from ncgear.design.reading.text import read_text
     from ncgear.files.publish import real_place
-    from ncgear.studio.entrance import open_in_browser
     from ncgear.studio.on_disk import LARGEST_MB
-    from ncgear.studio.server import listening, serve
+    from ncgear.studio.server import listening, open_in_browser, serve
 
     if design_file is not None:
         # What a killed save has left is cleared up where the page tells it.

@@ -10,8 +10,17 @@ from typing import Annotated
 
 import typer
 
-from ncgear.cli.arguments import EXPORT, AsJson, DesignFile, Processes, Scheduler, Verbose, opened, pasted
-from ncgear.cli.as_json import tell
+from ncgear.cli.arguments import (
+    AsJson,
+    DesignFile,
+    Processes,
+    Scheduler,
+    Verbose,
+    opened,
+    pasted,
+    prepared,
+    tell,
+)
 from ncgear.cli.progress import counted
 from ncgear.errors import WrongInput
 
@@ -92,15 +101,11 @@ def sweep(
 
         varied = [varied_of(text) for text in vary]
     with one_thread_each(), opened(design_file) as loaded:
-        from ncgear.files.publish import prepare
-
         with _about_options(design_file):
             space = space_of(loaded, varied, samples, sampling.value, seed)
-        folder = out or EXPORT / f"{loaded.design.name}-sweep"
-        prepare(folder)
+        folder = prepared(out, f"{loaded.design.name}-sweep")
 
-        from ncgear.figures.answers.swept import swept_answer
-        from ncgear.figures.sweep import sweep_figures
+        from ncgear.figures.sweep import sweep_figures, swept_answer
         from ncgear.files.manifest import publish_run
         from ncgear.files.sweep_run import Order, names_of, screening_of, swept
         from ncgear.screening.wanted import Wanted, constraint_of, objectives_of
@@ -123,4 +128,4 @@ def sweep(
         best = first_best(files)
         then = f"ncgear build {pasted(folder / best)}" if best else "give other values, or fewer constraints"
         answer = swept_answer(found.screened, found.deeper, stage.value, then)
-        tell(answer, figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)
+        tell(answer, figures, as_json=as_json, verbose=verbose, run=run)

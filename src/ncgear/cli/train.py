@@ -6,8 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from ncgear.cli.arguments import EXPORT, pasted
-from ncgear.cli.as_json import tell
+from ncgear.cli.arguments import EXPORT, pasted, prepared, tell
 from ncgear.cli.progress import counted, steps_shown
 from ncgear.design.reading.text import has_train, read_text
 from ncgear.errors import WrongInput, located
@@ -38,7 +37,7 @@ def refuse_options(design_file: Path, options: Mapping[str, object]) -> None:
 
 def check_train(design_file: Path, *, as_json: bool, verbose: bool) -> None:
     """Compute a train, and tell what it is and what its kind judges; nothing is written."""
-    from ncgear.design.reading.train_file import load_train
+    from ncgear.design.reading.design_file import load_train
     from ncgear.figures.trains import NOT_BUILT, train_answer, train_figures
 
     keep_freed_memory()
@@ -57,7 +56,7 @@ def animated_train(
     design_file: Path, out: Path | None, kind: AnimationFormat, form: tuple[int, float, int]
 ) -> tuple[Path, bytes]:
     """The place and the bytes of a GIF or MP4 of a moving train; ``form`` has frames, seconds and width in pixels."""
-    from ncgear.design.reading.train_file import load_train
+    from ncgear.design.reading.design_file import load_train
     from ncgear.files.publish import prepare_file
 
     keep_freed_memory()
@@ -66,7 +65,7 @@ def animated_train(
     prepare_file(path)
 
     from ncgear.drawings.animation.packing import Loop, packed
-    from ncgear.drawings.animation.train_frames import train_frames
+    from ncgear.drawings.train_pictures import train_frames
 
     with located(loaded.source):
         train = loaded.file.train.train()
@@ -77,13 +76,11 @@ def animated_train(
 
 def build_train(design_file: Path, out: Path | None, *, as_json: bool, verbose: bool) -> None:
     """Write all files of a train into a folder, and tell what was written and whether it meets."""
-    from ncgear.design.reading.train_file import load_train
-    from ncgear.files.publish import prepare
+    from ncgear.design.reading.design_file import load_train
 
     keep_freed_memory()
     loaded = load_train(design_file)
-    file, folder = loaded.file, out or EXPORT / loaded.file.name
-    prepare(folder)
+    file, folder = loaded.file, prepared(out, loaded.file.name)
 
     from ncgear.figures.trains import train_answer
     from ncgear.files.manifest import publish_run
@@ -96,4 +93,4 @@ def build_train(design_file: Path, out: Path | None, *, as_json: bool, verbose: 
         built = build_files(file.name, file.description, train, on_step)
     run = publish_run(folder, built.files, "build")
     answer = train_answer(file.name, file.description, train, built.conditions, f"open {folder / 'train.png'}")
-    tell(answer, built.figures, as_json=as_json, verbose=verbose, paths=run.paths, kept=run.kept)
+    tell(answer, built.figures, as_json=as_json, verbose=verbose, run=run)

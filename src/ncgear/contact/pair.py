@@ -73,12 +73,10 @@ def pair_contact(
 
 CHORDS_OVERLAP = 1.1
 """Overlap, in chord tolerances, that outlines may show.  Chords of flanks stay within the material; chords of fillets
-that a rack leaves may stand out by a tolerance where a mate's corner passes.  A tenth is for rounding in the files.
-"""
+that a rack leaves may stand out by a tolerance where a mate's corner passes.  A tenth is for rounding in the files."""
 
 CHORDS_ASTRAY = 4.0
-"""Distance of contact, in chord tolerances, from the designed contact: twice the error of both chords.
-"""
+"""Distance of contact, in chord tolerances, from the designed contact: twice the error of both chords."""
 
 CAUSES = {
     Mesh.EXTERNAL: "tips of a concave stretch foul the mating gear there; more teeth of a smaller module are needed, "
@@ -90,18 +88,12 @@ CAUSES = {
 
 
 def refuse_overlap(designed: AsDesigned, tolerance_mm: float) -> None:
-    """Refuse a pair whose exact curves overlap by more than the chord tolerance; smaller overlaps are not written.
-
-    Raises NoSuchMechanism with the worst angle and the tooth that meets another there.
-    """
+    """Refuse a pair whose exact curves overlap by more than the chord tolerance; raises NoSuchMechanism."""
     _refuse(designed.overlap_mm, tolerance_mm, designed)
 
 
 def refuse_cut_arcs(designed: AsDesigned) -> None:
-    """Refuse gears that turn less than once by so few pitches that no pair of flanks touches over its whole arc.
-
-    Nothing could be said of their contact ratio.  Raises NoSuchMechanism with the length of the range.
-    """
+    """Refuse gears turning less than once of which no pair of flanks touches over its arc; raises NoSuchMechanism."""
     for side, name in ((designed.pushing, "pushing"), (designed.back, "idle")):
         if not side.pairs.whole.any():
             raise NoSuchMechanism(
@@ -116,10 +108,7 @@ BETWEEN_BODIES = 5
 
 
 def refuse_clashing_bodies(designed: AsDesigned, teeth: ToothedPair, tolerance_mm: float) -> None:
-    """Refuse gears that turn less than once whose bodies, beyond their last teeth, run into each other in the range.
-
-    Raises NoSuchMechanism with the angle.
-    """
+    """Refuse gears turning less than once whose bodies meet beyond their teeth; raises NoSuchMechanism."""
     from shapely import Polygon, affinity
 
     placement = designed.placement
@@ -154,10 +143,7 @@ def sound_extremes(
 
 
 def refuse_bad_outlines(contact: PairContact, tolerance_mm: float) -> None:
-    """Refuse outlines that overlap by more than their chords explain, or that touch elsewhere than designed.
-
-    Raises NoSuchMechanism as ``refuse_overlap`` does.
-    """
+    """Refuse outlines that overlap more than chords do or touch elsewhere than designed; raises NoSuchMechanism."""
     for written in contact.as_written:
         _refuse(written.overlap_mm, CHORDS_OVERLAP * tolerance_mm, contact.as_designed)
         _require_as_designed(written, contact.as_designed, CHORDS_ASTRAY * tolerance_mm)
@@ -234,13 +220,12 @@ SidesInContact = tuple[PairsInContact, PairsInContact]
 def short_contacts(
     designed: AsDesigned, teeth: ToothedPair, least: float, overlap: float = 0.0, loaded: SidesInContact | None = None
 ) -> tuple[str | None, str | None]:
-    """What pushing flanks, and their backs, lack that touch over fewer than ``least`` pitches or lose contact.
+    """What pushing flanks and their backs lack that touch over fewer than ``least`` pitches or lose contact, in words.
 
-    Contact under load counts where ``loaded`` tells it.  Else the contact of rigid teeth counts, without flanks that a
-    tip relief holds apart.  ``overlap`` is the contact that a helix adds, in pitches: to each pair of flanks, and
-    across gaps between pairs.  A pair of flanks may touch over less than one pitch while its neighbours bridge the
-    rest.  So a ``least`` of exactly 1 asks only that contact never ceases, a ``least`` above 1 asks for both, below 1
-    for nothing.  The words name both teeth and the limits of both tips; None where contact is enough.
+    Contact under load counts where ``loaded`` tells it, else that of rigid teeth without flanks that a tip relief
+    holds apart.  ``overlap`` is what a helix adds, in pitches.  Neighbours may bridge the rest of a pitch: a
+    ``least`` of exactly 1 asks only that contact never ceases, a ``least`` above 1 asks for both, below 1 for
+    nothing.  None where contact is enough.
     """
     sides = designed.pushing, designed.back
     pairs = loaded or (designed.pushing.pairs, designed.back.pairs)
@@ -253,11 +238,7 @@ def short_contacts(
 
 
 def refuse_short_contact(short: tuple[str | None, str | None], *, both_ways: bool) -> None:
-    """Refuse a pair for short contacts of its pushing flanks and, with ``both_ways``, of their backs.
-
-    Backs bear nothing while the driving gear pushes.  No other tool could lift these conditions.  Raises
-    NoSuchMechanism.
-    """
+    """Refuse short contacts of pushing flanks and, with ``both_ways``, of idle backs; raises NoSuchMechanism."""
     pushing, back = short
     if pushing is not None:
         raise NoSuchMechanism(pushing, key="gears.least_contact_ratio")

@@ -136,10 +136,7 @@ class Placement:
         return self.mesh is Mesh.INTERNAL
 
     def driving_points(self, points: ComplexArray, row: IndexArray) -> ComplexArray:
-        """Points of the driving gear's frame in the driven gear's, at positions ``row``; shapes broadcast.
-
-        The driving gear has turned by +phi1 about (0, 0), the driven gear by phi2 in its sense about (a, 0).
-        """
+        """Points of the driving gear's frame in the driven gear's, at positions ``row``; shapes broadcast."""
         return points * self._turn[row] + self._driving_axis[row]
 
     def driving_directions(self, vectors: ComplexArray, row: IndexArray) -> ComplexArray:
@@ -159,8 +156,7 @@ class Placement:
 
     def fixed_directions(self, vectors: ComplexArray, row: IndexArray, ahead_rad: Array) -> ComplexArray:
         """Directions of the driven gear's frame in the fixed frame, where the gear is ``ahead_rad`` of the law."""
-        turned: ComplexArray = vectors * np.exp(1j * self.mesh.sense * (self.phi2_rad[row] + ahead_rad))
-        return turned
+        return vectors * np.exp(1j * self.mesh.sense * (self.phi2_rad[row] + ahead_rad))
 
     def relative_velocity(self, points: ComplexArray, row: IndexArray) -> ComplexArray:
         """Velocity of the driving gear against the driven gear at points of the fixed frame, in mm per rad of phi1."""
@@ -173,22 +169,17 @@ class Placement:
 
     @cached_property
     def _turn(self) -> ComplexArray:
-        """The driving gear's turning as the driven gear sees it."""
-        turn: ComplexArray = np.exp(1j * (self.phi1_rad - self.mesh.sense * self.phi2_rad))
-        return turn
+        return np.exp(1j * (self.phi1_rad - self.mesh.sense * self.phi2_rad))
 
     @cached_property
     def _driving_axis(self) -> ComplexArray:
-        """The driving axis in the driven gear's frame."""
-        axis: ComplexArray = -self.center_distance_mm * np.exp(-1j * self.mesh.sense * self.phi2_rad)
-        return axis
+        return -self.center_distance_mm * np.exp(-1j * self.mesh.sense * self.phi2_rad)
 
 
 def placed(pitch: PitchPair, per_tooth: int | None = None) -> Placement:
-    """The pair at ``per_tooth`` positions per tooth, over the least number of pitches in which all teeth meet.
+    """The pair at ``per_tooth`` positions (even; 20, or more with few teeth) per tooth, until all teeth have met.
 
-    ``per_tooth`` is even; by default it is 20, or more where there are few teeth.  Gears that turn less than once have
-    at least this number, evenly from end to end of their range.
+    Gears that turn less than once have at least this number, evenly from end to end of their range.
     """
     size, toothed = pitch.size, pitch.toothed
     if toothed is not None:
@@ -213,7 +204,6 @@ def placed_at(pitch: PitchPair, even: Placement, rolled_mm: Array) -> Placement:
 
 
 def _law_at(pitch: PitchPair, rolled_mm: Array) -> tuple[Array, Array, Array]:
-    """The driving angle, the driven angle and its slope at rolled lengths."""
     covered = pitch.transmission.lobes.range
     # Rounding errors must not put the first position before the seam of the law, or the last position beyond a range.
     phi1 = np.clip(pitch.driving.driving_angle(rolled_mm), 0.0, covered.driving_rad if covered else np.inf)
@@ -224,8 +214,7 @@ def _law_at(pitch: PitchPair, rolled_mm: Array) -> tuple[Array, Array, Array]:
 REACH_IN_PITCHES = 2.0
 """A pair of flanks is looked at over this rolled length before and after it crosses the pitch point.  It is twice the
 length that a rack tooth as high as the module covers at 20 degrees, since corners touch beyond the flanks' own
-contact.
-"""
+contact."""
 
 
 NEARLY_IN_PITCHES = 1e-6

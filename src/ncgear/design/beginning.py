@@ -1,25 +1,28 @@
-"""A new design from a few answers: the text of a law or a machine, with all other values in proportion to them.
+"""A new design from a few answers, or from a drawing: the text of a law or a machine, all other values in proportion.
 
-Wishes of the motion are told in words of the command line, each as under ``wishes`` in a file: ``KEY: VALUE``.
+Wishes of the motion are told in words of the command line, each as under ``wishes`` in a file: ``KEY: VALUE``.  Of the
+file of a drawing, its ending tells the keys that name it, and its reading shows unit and tolerance.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
 from typing import Any, get_origin
 
 from pydantic import ValidationError
 
 from ncgear.design.keys.design import Design
-from ncgear.design.laws.registry import DEFAULT_LAW, LawName, design_law
+from ncgear.design.laws.registry import DEFAULT_LAW, LawName, law_keys
 from ncgear.design.mechanisms import usual_mechanism
+from ncgear.design.reading.design_file import parsed
 from ncgear.design.reading.messages import problems
 from ncgear.design.reading.places import Document, with_value
 from ncgear.design.reading.text import quoted, whole
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.rewritten import rewritten
 from ncgear.design.template import MachineName, machine_template, template
-from ncgear.design.wishes.group import Wishes
+from ncgear.design.wishes.registry import Wishes
 from ncgear.design.words import listed
 from ncgear.errors import WrongInput
 
@@ -139,14 +142,14 @@ def _crank_mm(answers: Mapping[str, float], usual: Mapping[str, float]) -> float
 
 
 def _values(document: Document, beginning: Beginning, answers: Mapping[str, float]) -> Iterator[tuple[str, Any]]:
-    """The values that differ from those of the text, by dotted key."""
+    """The values that differ from the values of the text, by dotted key."""
     usual, own = usual_answers(beginning), proportioned(answers, beginning)
     keys = {answer: key for answer, key in ANSWERS.items() if document.at(key) is not None}
     yield from ((key, own[answer]) for answer, key in keys.items() if own[answer] != usual[answer])
     longer, faster = (own[one] / usual[one] for one in ("crank_mm", "speed_rpm"))
     if (longer, faster) != (1.0, 1.0):
-        law = design_law(LawName(document.at("motion.law")))
-        moved = {key: value for key, value in document.data["motion"].items() if key in law.grows_with_machine}
+        law = law_keys(LawName(document.at("motion.law")))
+        moved = {key: value for key, value in document.data["motion"].items() if key in law.GROWS_WITH_MACHINE}
         yield from _grown({**{group: document.data.get(group) for group in SIZED}, "motion": moved}, longer, faster)
     gears = own["teeth"] * own["module_mm"] / (usual["teeth"] * usual["module_mm"])
     if gears != 1.0:
@@ -169,7 +172,7 @@ def _grown(data: Mapping[str, Any], longer: float, faster: float) -> Iterator[tu
         unit = next((unit for unit in GROWTH if key.endswith(unit)), None)
         if unit is None:
             return value
-        # Driving speeds may be the one that a person has given, with all its digits.
+        # A person may have given the driving speed, with all its digits.
         digits = 12 if unit == "_rpm" else 4
         return _rounded(value * longer ** GROWTH[unit][0] * faster ** GROWTH[unit][1], digits)
 
@@ -230,3 +233,45 @@ def _require_right(found: dict[str, Any]) -> None:
     except ValidationError as error:
         first = problems(error, Wishes, found)[0]
         raise WrongInput(first.text, key=f"{OPTION}: {first.key}") from error
+
+
+PICTURE: dict[str, Any] = {"width_mm": 80, "tolerance_mm": 0.2}
+TABLE: dict[str, Any] = {"tolerance_mm": 0.1}
+KINDS: dict[str, tuple[str, dict[str, Any]]] = {
+    ".svg": ("svg", {}),
+    ".dxf": ("dxf", {"unit": "mm"}),
+    **dict.fromkeys((".png", ".jpg", ".jpeg"), ("picture", PICTURE)),
+    **dict.fromkeys((".csv", ".xlsx", ".ods"), ("points", TABLE)),
+}
+"""The shape of the law and its keys beside ``file``, by the ending of the file."""
+
+MANY_CHORDS, SMOOTHED_MM = 100, 0.1
+"""Chords of a contour from which on it is smoothed, and within what: so many are the chords of a traced outline."""
+
+
+def shape_of_file(file: str, key: str) -> tuple[str, dict[str, Any]]:
+    """The shape of the law ``pitch_curve`` and its keys for a file; raises WrongInput at ``key`` for another ending."""
+    found = KINDS.get(Path(file).suffix.lower())
+    if found is None:
+        right = f"heart, square, star or a file that ends in {listed(KINDS)}"
+        raise WrongInput(f"{file!r} given; {right} is right", key=key)
+    kind, keys = found
+    return kind, {"file": Path(file).as_posix(), **keys}
+
+
+def as_read(text: str, path: Path) -> str:
+    """The text of a design with a drawing, with the unit that the drawing names, and a tolerance for many chords.
+
+    Raises WrongInput where the design or its drawing cannot be read.
+    """
+    motion = parsed(text, path).design.motion
+    contour, changes = motion.contour, dict[str, Any]()
+    if contour is None:
+        return text
+    kind = next(kind for kind, _ in KINDS.values() if getattr(motion, kind, None) is contour)
+    if (unit := getattr(contour, "drawn_in", None)) is not None:
+        changes[f"motion.{kind}.unit"] = unit
+    chords = sum(len(one.x) - 1 for one in contour.curves or () if one.degree == 1)
+    if contour.tolerance_mm is None and chords > MANY_CHORDS:
+        changes[f"motion.{kind}.tolerance_mm"] = SMOOTHED_MM
+    return rewritten(text, changes) if changes else text

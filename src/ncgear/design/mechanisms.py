@@ -13,10 +13,21 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 from ncgear.design.keys.base import Model
-from ncgear.design.keys.linkages import LeverKeys, Linkage, NoLinkage, RackKeys, RockerKeys, YokeKeys
-from ncgear.design.keys.machine import Load, Resistance, RockerTorque, ShaftTorque, TurningLoad
+from ncgear.design.keys.machine import (
+    LeverKeys,
+    Linkage,
+    Load,
+    NoLinkage,
+    RackKeys,
+    Resistance,
+    RockerKeys,
+    RockerTorque,
+    ShaftTorque,
+    TurningLoad,
+    YokeKeys,
+)
 from ncgear.design.keys.masses import DrivenShaftMasses, GearMasses, LeverMasses, Masses, RockerMasses, SlidingMasses
-from ncgear.design.wishes.group import TurningWishes, Wishes
+from ncgear.design.wishes.registry import TurningWishes, Wishes
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 
@@ -46,8 +57,7 @@ class Entry:
     def load(self) -> type[Mechanism]:
         """Its class."""
         module = import_module(f"ncgear.mechanisms.{self.module}")
-        made: type[Mechanism] = getattr(module, self.module.title().replace("_", ""))
-        return made
+        return getattr(module, self.module.title().replace("_", ""))
 
     @property
     def stroke_key(self) -> str | None:

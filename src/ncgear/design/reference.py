@@ -16,7 +16,7 @@ from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from ncgear.design.keys.design import Design, design_models
-from ncgear.design.laws.registry import DEFAULT_LAW, LawName, design_law
+from ncgear.design.laws.registry import DEFAULT_LAW, LawName, law_keys
 from ncgear.design.reading.messages import fields_of, models_in
 from ncgear.design.reading.places import Document
 from ncgear.design.reading.yaml import read_yaml
@@ -53,8 +53,7 @@ class Key:
     @property
     def rule(self) -> dict[str, Any]:
         """The JSON Schema of its value."""
-        rule: dict[str, Any] = _schema(self.model)["properties"][self.name]
-        return rule
+        return _schema(self.model)["properties"][self.name]
 
     @property
     def group(self) -> list[type[BaseModel]]:
@@ -84,7 +83,7 @@ def keys_of(root: type[BaseModel]) -> list[Key]:
     """All keys of a file whose model is ``root``, a group before its keys; for designs and
     trains, the keys of all mechanisms and kinds.
 
-    A key that several of them have is that of the first of them.
+    Of a key that several mechanisms or kinds have, the first counts.
     """
     found: dict[tuple[str, str], Key] = {}
     kinds: dict[type[BaseModel], Callable[[], Mapping[str, type[BaseModel]]]]
@@ -124,8 +123,7 @@ def _keys(model: type[BaseModel], above: str, law: str) -> Iterator[Key]:
 
 def law_of(model: type[BaseModel]) -> str:
     """The name of the law whose keys are in ``model``."""
-    name: str = _schema(model)["properties"]["law"]["const"]
-    return name
+    return _schema(model)["properties"]["law"]["const"]
 
 
 BUILDING = Lock()
@@ -310,7 +308,7 @@ def _value(key: Key, root: type[Any]) -> str:
 
 def _known(key: Key) -> str:
     """The example of a key from its law, or from KNOWN by the longest end of its path; empty where there is none."""
-    if key.law and key.name in (examples := design_law(LawName(key.law)).examples):
+    if key.law and key.name in (examples := law_keys(LawName(key.law)).EXAMPLES):
         return examples[key.name]
     ends = [end for end in KNOWN if f".{key.path}".endswith(f".{end}")]
     return KNOWN[max(ends, key=len)] if ends else ""
@@ -327,7 +325,7 @@ def _read_template(law: LawName) -> Document:
 
 
 def _group(key: Key, root: type[Any]) -> str:
-    """A group with its required keys, or else with its first key; of several models, the one with the fewest keys."""
+    """A group with its required keys, or else with its first key; of several models, the model with the fewest keys."""
     model = min(key.group, key=lambda one: len(fields_of(one)))
     law = law_of(model) if len(key.group) > 1 else key.law
     keys = [Key(f"{key.path}.{name}", law, model, field) for name, field in fields_of(model).items()]

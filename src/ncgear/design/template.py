@@ -1,12 +1,18 @@
-"""The commented design files of ``ncgear new``: of a law on the same machine and gears, a whole machine, a plain pair.
+"""The texts that come with the program: commented design files of ``ncgear new``, and the worked designs as examples.
 
-Their texts are ``templates/*.yaml``, apart from the models of the keys, so that a file is written without loading
-pydantic.  The laws of the machines are simple ones whose gears build at once; ``ncgear optimize`` looks for the best
-law for the same wishes.
+A new file is of a law on the same machine and gears, of a whole machine or of a plain pair.  Their texts are
+``templates/*.yaml``, apart from the models of the keys, so that a file is written without loading pydantic.  The laws
+of the machines are simple ones whose gears build at once; ``ncgear optimize`` looks for the best law for the same
+wishes.
+
+A wheel holds the folder ``designs`` of the repository; from a checkout it is that folder itself.  An example is named
+by its path in it without ``.yaml``: ``pusher``, ``balance/threshing-drum``.
 """
 
 from __future__ import annotations
 
+import os
+import re
 from collections.abc import Mapping, Sequence
 from enum import StrEnum
 from pathlib import Path
@@ -15,6 +21,7 @@ from typing import Any
 
 from ncgear.design.laws.registry import DEFAULT_LAW, LawName
 from ncgear.design.reading.text import plain_value
+from ncgear.errors import WrongInput
 
 TEXTS = Path(__file__).with_name("templates")
 
@@ -71,7 +78,7 @@ def shape_template(name: str, shape: str) -> str:
     if shape in SHAPES:
         return f"{_head(name)}{_text('shape', drawn=_text(f'shapes/{shape}'), backlash='0.15')}"
     # Reads as keys are written, which takes the library of YAML.
-    from ncgear.design.drawn import shape_of_file
+    from ncgear.design.beginning import shape_of_file
     from ncgear.design.rewritten import flow_text
 
     kind, keys = shape_of_file(shape, "--shape")
@@ -98,3 +105,53 @@ def _lines(wishes: Mapping[str, Any]) -> str:
 
 def _text(file: str, **values: str) -> str:
     return Template((TEXTS / f"{file}.yaml").read_text(encoding="utf-8")).substitute(values)
+
+
+INSTALLED, CHECKOUT = (Path(__file__).parents[number] / "designs" for number in (1, 3))
+
+DESCRIPTION = re.compile(r"^description: *(.+)$", re.MULTILINE)
+NAMED_FILE = re.compile(r"\b(?:file|design): *([\w./-]+\.(?:csv|yaml))\b")
+OWN_NAME = re.compile(r"^name:.*$", re.MULTILINE)
+
+
+def examples() -> dict[str, Path]:
+    """The files of all examples by their names, in alphabetical order; none where the folder is missing."""
+    folder = INSTALLED if INSTALLED.is_dir() else CHECKOUT
+    found = {path.relative_to(folder).with_suffix("").as_posix(): path for path in folder.rglob("*.yaml")}
+    return dict(sorted(found.items()))
+
+
+def description_of(path: Path) -> str:
+    """What an example is, in its own words: its description, or the comment at its head."""
+    text = path.read_text(encoding="utf-8")
+    found = DESCRIPTION.search(text)
+    if found is not None:
+        return found[1].strip().strip('"')
+    return " ".join(
+        line.removeprefix("#").strip() for line in text[: text.index("\n\n")].splitlines() if line[0] == "#"
+    )
+
+
+def example_files(example: str, name: str | None = None) -> dict[str, bytes]:
+    """The files of an example by their paths: the design first, then the files that it names.
+
+    A ``name`` becomes the name of the design.  Raises WrongInput where there is no such example.
+    """
+    known = examples()
+    if example not in known:
+        raise WrongInput(f"{example!r} is no example{_meant(example, known)}", key="--example")
+    text = known[example].read_text(encoding="utf-8")
+    place = Path(f"{example}.yaml")
+    if name is not None:
+        place, text = place.with_name(f"{name}.yaml"), OWN_NAME.sub(f'name: "{name}"', text, count=1)
+    files = {place.as_posix(): text.encode()}
+    for named in dict.fromkeys(NAMED_FILE.findall(text)):
+        files[os.path.normpath(place.parent / named)] = (known[example].parent / named).read_bytes()
+    return files
+
+
+def _meant(example: str, known: dict[str, Path]) -> str:
+    from difflib import get_close_matches
+
+    close = get_close_matches(example, known, n=1)
+    return f"; did you mean {close[0]}?" if close else "; `ncgear examples` lists all"

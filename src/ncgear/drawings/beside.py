@@ -52,7 +52,7 @@ HERE = Here()
 
 
 class _Beside:
-    """Draws in the one process of a pool, which a thread asks for one drawing after the other."""
+    """Draws in the only process of a pool; a thread asks that process for one drawing after the other."""
 
     def __init__(self, pool: Pool, thread: ThreadPoolExecutor) -> None:
         self._pool, self._thread = pool, thread

@@ -10,45 +10,26 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 
-LIGHT: Mapping[str, str] = {
-    "paper": "#f5f6f8",
-    "panel": "#ffffff",
-    "ink": "#1b1f24",
-    "muted": "#535b67",
-    "rule": "#d3d8df",
-    "grid": "#e6e9ee",
-    "joint": "#868d98",
-    "driving": "#0064a0",
-    "driven": "#b04a00",
-    "uniform": "#5f6773",
-    "highlight": "#a02c6a",
-    "link": "#b9c0c7",
-    "slider": "#d9dde1",
-    "material": "#a8841a",
-    "load": "#7f9bab",
-    "warning": "#7a4300",
-    "warning-ground": "#fff4e0",
+COLORS: Mapping[str, tuple[str, str]] = {
+    "paper": ("#f5f6f8", "#14171b"),
+    "panel": ("#ffffff", "#1c2026"),
+    "ink": ("#1b1f24", "#e8ebef"),
+    "muted": ("#535b67", "#a9b2bf"),
+    "rule": ("#d3d8df", "#3a414b"),
+    "grid": ("#e6e9ee", "#2b3139"),
+    "joint": ("#868d98", "#7d8794"),
+    "driving": ("#0064a0", "#63b5ee"),
+    "driven": ("#b04a00", "#ff9d5c"),
+    "uniform": ("#5f6773", "#a3adba"),
+    "highlight": ("#a02c6a", "#e693c6"),
+    "link": ("#b9c0c7", "#566070"),
+    "slider": ("#d9dde1", "#39424d"),
+    "material": ("#a8841a", "#cfa93a"),
+    "load": ("#7f9bab", "#6d8ba0"),
+    "warning": ("#7a4300", "#ffd08a"),
+    "warning-ground": ("#fff4e0", "#33270f"),
 }
-
-DARK: Mapping[str, str] = {
-    "paper": "#14171b",
-    "panel": "#1c2026",
-    "ink": "#e8ebef",
-    "muted": "#a9b2bf",
-    "rule": "#3a414b",
-    "grid": "#2b3139",
-    "joint": "#7d8794",
-    "driving": "#63b5ee",
-    "driven": "#ff9d5c",
-    "uniform": "#a3adba",
-    "highlight": "#e693c6",
-    "link": "#566070",
-    "slider": "#39424d",
-    "material": "#cfa93a",
-    "load": "#6d8ba0",
-    "warning": "#ffd08a",
-    "warning-ground": "#33270f",
-}
+LIGHT, DARK = ({name: both[ground] for name, both in COLORS.items()} for ground in (0, 1))
 
 
 HOLDING = ("#7a2a00", "#e08a4a", "#f2ead8", "#6aa5cf", "#004a78")

@@ -1,23 +1,26 @@
-"""The assembled pair at phi1 = 0 as a scene of trimesh, and so as binary glTF (GLB): in the metre and with y up.
-
-Millimetres are scaled, and the gears' axes stand along y, as glTF has it (Khronos Group, glTF 2.0, ISO/IEC 12113:2022).
-Trimesh keeps shares of light to 1/255.
-"""
+"""The assembled pair in 3D: as a scene of trimesh, and so as binary glTF, and as a viewer on the page."""
 
 from __future__ import annotations
 
+import gzip
+import re
+from base64 import b64encode
 from collections.abc import Callable
+from math import cos, sin
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ncgear.drawings.page.assets import asset, hash_of
 from ncgear.drawings.palette import LIGHT
+from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 
 if TYPE_CHECKING:
     from trimesh import Scene
 
     from ncgear.solids.mesh.pair import SolidPair
+
 
 METRE_PER_MM = 0.001
 
@@ -64,3 +67,47 @@ def linear_light(color: str) -> Array:
     """
     coded = as_on_screen(color)
     return np.where(coded <= 0.04045, coded / 12.92, ((coded + 0.055) / 1.055) ** 2.4)
+
+
+MOST_BYTES = 1_000_000
+"""A view that takes more of the page is left out: of gears in very fine chords, or with very many teeth."""
+
+SCENE = "$B64GLTF"
+
+SEEN_FROM_RAD = -0.8
+"""Angle by which the camera is turned about x: from above the nearer side of both gears."""
+
+FIELD_DEG, NEAREST = (60.0, 45.0), 0.01
+"""Angles of view to the sides and up, which the viewer fits to its frame, and the least distance that is seen."""
+
+DISTANCE = 1.05
+"""Distance of the camera from the middle, as a share of the diagonal of the box around both gears."""
+
+
+@dataclass(frozen=True)
+class SolidView:
+    """The view of one pair: its packed page in base64, empty where it takes too much, and the hash of its script."""
+
+    title: str
+    packed: str
+    script_hash: str
+
+
+def solid_view(solids: SolidPair, center_distance_mm: float, title: str) -> SolidView:
+    """The view of a pair."""
+    # The viewer shows shares of light as they are, without the coding of screens.
+    scene = pair_scene(solids, center_distance_mm, as_on_screen)
+    from trimesh.scene.cameras import Camera
+
+    # The camera is turned by ``SEEN_FROM_RAD``, at its distance from the middle of the box around both gears.
+    cos_x, sin_x = cos(SEEN_FROM_RAD), sin(SEEN_FROM_RAD)
+    place = np.eye(4)
+    place[1:3, 1:3] = [[cos_x, -sin_x], [sin_x, cos_x]]
+    low, high = scene.bounds
+    place[:3, 3] = (low + high) / 2.0 + DISTANCE * float(np.linalg.norm(high - low)) * place[:3, 2]
+    scene.camera = Camera("camera", fov=FIELD_DEG, z_near=NEAREST)
+    scene.camera_transform = place
+    html = asset("viewer/viewer.html").replace(SCENE, b64encode(scene.export(file_type="glb")).decode())
+    (script,) = re.findall(r"<script>(.*?)</script>", html, re.DOTALL)
+    packed = b64encode(gzip.compress(html.encode(), mtime=0)).decode()
+    return SolidView(title, packed if len(packed) <= MOST_BYTES else "", hash_of(script))

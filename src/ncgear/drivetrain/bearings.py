@@ -42,10 +42,7 @@ SECONDS_PER_HOUR = 3600.0
 
 @dataclass(frozen=True)
 class Bearing:
-    """A bearing as it is given: its place along the shaft from the middle of the gear, its kind, its ratings in N.
-
-    ``stiffness_n_mm`` is that of the bearing and the housing about it together.
-    """
+    """A bearing: place along the shaft from the gear's middle, kind, ratings in N, stiffness with its housing."""
 
     at_mm: float
     kind: str
@@ -143,10 +140,9 @@ def stiffness_n_mm(bearing: Bearing, force_n: float) -> float:
 def bending_moment_n_mm(
     loads: ShaftLoads, bearings: tuple[Bearing, Bearing], crank_at_mm: float, at_mm: float
 ) -> ComplexArray:
-    """The bending moment at a place along the shaft, shape (n,): as x + i y, in the direction of the forces.
+    """The bending moment at a place along the shaft, (n,), as x + i y in the direction of the forces.
 
-    It is the moment of all that presses beyond the place, on the side where lengths grow; on the other side it is the
-    same.  That with fewer forces is taken: beyond the outermost place is nothing, not the rounding errors of a sum.
+    Of both sides the one with fewer forces is taken: beyond the outermost place is nothing, not rounding errors.
     """
     on_first, on_second = bearing_forces(loads, bearings, crank_at_mm)
     places = 0.0, crank_at_mm, bearings[0].at_mm, bearings[1].at_mm
@@ -187,7 +183,6 @@ def _of(loads: LoadsAt, gear: Gear) -> ShaftLoads:
 
 
 def _places(bearings: tuple[Bearing, Bearing], crank_at_mm: float) -> set[float]:
-    """Where forces press on a shaft; it is bent most at one of them."""
     return {0.0, crank_at_mm, *(bearing.at_mm for bearing in bearings)}
 
 

@@ -69,8 +69,7 @@ class LoadsAt:
 
 def with_tooth_friction(driving_torque: Array, mesh_share: float) -> Array:
     """The driving torque with the share of its size that friction between the teeth takes, which always resists."""
-    torque: Array = driving_torque + mesh_share * np.abs(driving_torque)
-    return torque
+    return driving_torque + mesh_share * np.abs(driving_torque)
 
 
 def loads_at(
@@ -97,8 +96,7 @@ def loads_at(
 
 
 def _complex(force: Vector) -> ComplexArray:
-    whole: ComplexArray = force.x.value + 1j * force.y.value
-    return whole
+    return force.x.value + 1j * force.y.value
 
 
 @dataclass(frozen=True, eq=False)

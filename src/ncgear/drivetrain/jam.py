@@ -39,10 +39,7 @@ MORE = 1e-6
 
 
 def deciding(sizes: Mapping[Load, float]) -> Load:
-    """The load under which a part bears most, by the sizes of its stress or force under each.
-
-    Of sizes that are the same but for MORE it is the load that is named first.
-    """
+    """The load under which a part bears most, by sizes of stress or force; within MORE, the one named first."""
     most = max(sizes.values())
     return next(load for load, size in sizes.items() if size * (1.0 + MORE) >= most)
 
@@ -103,7 +100,6 @@ class Jam:
         return np.asarray(self.driving_n_mm / self.rigid.machine.transmission.driven_angle(phi1_rad, 1).derivative(1))
 
     def _mesh(self, phi1_rad: Array) -> MeshForce:
-        """The force on the driven gear."""
         place, torque = self.rigid.place, Jet(self._driven_n_mm(phi1_rad)[None])
         assert place is not None
         return mesh_force(place, self.rigid.machine.transmission.driven_angle(phi1_rad, 2).differentiated(), torque)
@@ -129,10 +125,7 @@ def _complex(force: Vector) -> ComplexArray:
 
 @dataclass(frozen=True)
 class JammedShaft:
-    """A shaft in a jam: the largest force and the static safety of both bearings, None without a static rating.
-
-    ``yielding`` is the safety of the shaft at its keyway, None where it is not given.
-    """
+    """A shaft in a jam: both bearings' largest force and static safety, if rated, and the keyway's safety, if given."""
 
     largest_n: tuple[Extremum, Extremum]
     static_safety: tuple[float | None, float | None]
@@ -143,10 +136,7 @@ class JammedShaft:
 def jammed_shaft(
     jam: Jam, gear: Gear, bearings: tuple[Bearing, Bearing], crank_at_mm: float, section: ShaftSection | None
 ) -> JammedShaft:
-    """What the shaft of a gear and its bearings bear in a jam, the largest of a cycle.
-
-    Yielding is that of the full section, as in ``ncgear.drivetrain.shafts``, bent and twisted at the same angle.
-    """
+    """What a gear's shaft and bearings bear in a jam at most; yielding is the full section's, as in ``shafts``."""
 
     def sizes(phi1: Array) -> Array:
         loads = jam.loads(gear, phi1)

@@ -46,10 +46,7 @@ BLOCK = 1024
 
 @dataclass(frozen=True, eq=False)
 class Losses:
-    """Work in N mm per cycle at constant driving speed; ``mesh_loss_factor`` is H, None where no teeth are followed.
-
-    ``useful_n_mm`` is the work that the resistance takes: that of the rigid level less what the guide takes of it.
-    """
+    """Work in N mm per cycle at even speed; ``useful_n_mm`` is without the guide's, ``mesh_loss_factor`` is H."""
 
     useful_n_mm: float
     moved_n_mm: float
@@ -92,10 +89,7 @@ def losses_of(cycle: Cycle, mesh_loss_factor: float | None, mesh_friction: float
 
 @dataclass(frozen=True, eq=False)
 class TouchingTeeth:
-    """The exact teeth of a pair and what touches at any rolled length of the cycle in which all teeth meet.
-
-    The flanks that push and their backs each touch as if they alone bore load.
-    """
+    """What touches at any rolled length of the cycle of meetings; flanks and backs each as if they alone bore load."""
 
     teeth: ToothedPair
     pitch: PitchPair
@@ -155,8 +149,8 @@ def mesh_loss_factor(
 ) -> float:
     """H over the cycle in which all teeth meet; 0 where nothing is moved.
 
-    ``torques`` maps driving angles (shape (n,)) to the torques in N mm of the driving and of the driven shaft, which
-    are smooth between the breaks (shape (m,)) of one cycle, ends included, and of one sign.
+    ``torques`` maps driving angles (n,) to both shafts' torques in N mm, smooth and of one sign between breaks
+    (m,).
     """
     arc, distance, whole = touching.pitch.driving.arc, touching.pitch.center_distance_mm, touching.even.cycle_mm
     period = float(np.ptp(breaks_rad))

@@ -50,8 +50,7 @@ class StraightLine:
 
     def torque_n_mm(self, speed_rad_s: Array) -> Array:
         """Torque at speeds of the motor's shaft; negative beyond the speed without torque, where the motor brakes."""
-        torque: Array = self.stall_n_mm * (1.0 - speed_rad_s / self.no_load_rad_s)
-        return torque
+        return self.stall_n_mm * (1.0 - speed_rad_s / self.no_load_rad_s)
 
 
 @dataclass(frozen=True, eq=False)

@@ -66,10 +66,7 @@ def running_ahead(demand: Demand) -> list[Excursion]:
 
 
 def _excursions(demand: Demand, held_n_mm: float, sign: float) -> list[Excursion]:
-    """The stretches in which ``sign`` times the held torque less the torque asked for is over 0, and what follows.
-
-    Stretches that begin before the coupling has caught again belong to the one before.
-    """
+    """Stretches in which ``sign`` times held less asked torque is over 0, until the coupling has caught again."""
     torque = demand.fluctuation.torque
     series = -sign * torque.coefficients
     series[0] += sign * held_n_mm
@@ -141,11 +138,5 @@ def _lasting(demand: Demand, held_n_mm: float, sign: float) -> Excursion:
     """A coupling that never catches: a limiter set below all torques, a clutch that is never asked for any."""
     begin = float(demand.fluctuation.torque.breaks[0])
     gained = abs(demand.fluctuation.work_n_mm - held_n_mm * demand.cycle.cycle_rad)
-    return Excursion(
-        begin,
-        None,
-        Extremum(0.0 if sign < 0.0 else demand.speed_rad_s, begin),
-        sign * gained,
-        None,
-        demand.cycle.cycle_rad,
-    )
+    speed = Extremum(0.0 if sign < 0.0 else demand.speed_rad_s, begin)
+    return Excursion(begin, None, speed, sign * gained, None, demand.cycle.cycle_rad)

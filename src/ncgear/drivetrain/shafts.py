@@ -253,10 +253,7 @@ class ShaftKey:
 
 @dataclass(frozen=True)
 class KeySafety:
-    """Largest pressure on the key's sides in MPa, and the safety against what is allowed.
-
-    ``both_senses`` tells that the torque changes its sense, for which method C does not hold.
-    """
+    """Largest pressure on the key's sides in MPa and its safety; method C does not hold in ``both_senses``."""
 
     key: ShaftKey
     pressure_mpa: float

@@ -102,10 +102,7 @@ class LineDrive:
 
 @dataclass(frozen=True, eq=False)
 class SpeedCourse:
-    """The periodic motion: ``energy`` in N mm over the driving angle of one cycle, and what follows from it.
-
-    ``unsettled`` is the share of the largest energy by which the last finer panels have moved it.
-    """
+    """The periodic motion: ``energy`` in N mm over a cycle; the last finer panels moved it by ``unsettled``."""
 
     demand: Demand
     drive: LineDrive
@@ -184,10 +181,7 @@ class SpeedCourse:
 
 
 def speed_course(demand: Demand, drive: LineDrive) -> SpeedCourse:
-    """The periodic motion of a machine whose driving shaft has inertia.
-
-    Raises NoSuchMechanism where the motor stops, and Unanswered where solutions do not settle.
-    """
+    """The periodic motion with inertia; raises NoSuchMechanism if the motor stops, Unanswered if unsettled."""
     own = demand.cycle.breaks_rad
     places, breaks, before = demand.cycle.loads.phi1_rad, own, None
     moved, found = inf, None

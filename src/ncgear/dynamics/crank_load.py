@@ -28,7 +28,7 @@ import numpy as np
 
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import Masses
 from ncgear.mechanisms.mechanism import Mechanism, MovingMass
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array, IndexArray, Number
@@ -120,23 +120,27 @@ def crank_load(linkage: Mechanism, masses: Masses, load: SliderLoad) -> CrankLoa
     out = load.work_n_mm(np.array([linkage.stroke_mm]), linkage.stroke_mm, returning=False)
     work[1:] = [(out + value, slope) for value, slope in work[1:]]
     knots = np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
-    angle = Jet.variable(knots, 2)
-    moving = linkage.moving_masses(angle, masses)
-    inertia, change = reduced_inertia(moving, masses)
+    inertia, change, weight = of_crank_angle(linkage, masses, knots)
     if not float(inertia.min()) > 0.0:
         raise WrongInput(
             "nothing that turns with the crank has inertia, and at the dead centres nothing else has: give "
             "driven_gear_kg_mm2 or the crank's inertia_kg_mm2",
             key="masses",
         )
-    crank = linkage.crank_body(angle, masses.crank_center_mm).center
-    weight = _potential([*moving, MovingMass(masses.crank_kg, crank, angle)], masses)
     work_value, work_slope = (np.concatenate([work[0][row], *(back[row][1:] for back in work[1:])]) for row in (0, 1))
     values = np.column_stack([N_PER_KG_MM_S2 * inertia, work_value + weight.value])
     slopes = np.column_stack([N_PER_KG_MM_S2 * change, work_slope + weight.derivative(1)])
     table = cubics(np.diff(knots), (values[:-1], slopes[:-1]), (values[1:], slopes[1:]))
     whole = PeriodicTable(knots, table, np.array([0.0, float(work_value[-1])]))
     return CrankLoad(whole, (0.0, linkage.working_angle_rad), narrow)
+
+
+def of_crank_angle(linkage: Mechanism, masses: Masses, angle_rad: Array) -> tuple[Array, Array, Jet]:
+    """M and dM/dq as ``reduced_inertia`` gives them, and the potential of the weights in N mm, at n crank angles."""
+    angle = Jet.variable(angle_rad, 2)
+    moving = linkage.moving_masses(angle, masses)
+    crank = MovingMass(masses.crank_kg, linkage.crank_body(angle, masses.crank_center_mm).center, angle)
+    return *reduced_inertia(moving, masses), _potential([*moving, crank], masses)
 
 
 def _knots(low: float, high: float) -> Array:

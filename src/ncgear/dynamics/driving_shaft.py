@@ -23,9 +23,8 @@ from ncgear.numerics.arrays import Array
 from ncgear.numerics.chebyshev import PiecewiseChebyshev, fitted
 from ncgear.numerics.extrema import Extremum, extremes
 from ncgear.numerics.jet import Jet
-from ncgear.numerics.quadrature import gauss_points
+from ncgear.numerics.quadrature import gauss_points, rms_above
 from ncgear.numerics.units import N_M_PER_N_MM
-from ncgear.numerics.waves import rms_above
 from ncgear.numerics.zeros import all_zeros
 
 NODES = 25
@@ -137,15 +136,14 @@ class DrivingShaft:
     def braking_power_w(self) -> Extremum:
         """Largest power that flows back to the motor, as a size; 0 where none does but for rounding."""
         least, most = self.torque_range_n_mm
-        brakes = -least.value > IDLE * max(-least.value, most.value)
-        return Extremum((-least.value if brakes else 0.0) * self._w_per_n_mm, least.at)
+        braking = counted(max(-least.value, 0.0), least.value, most.value)
+        return Extremum(float(braking) * self._w_per_n_mm, least.at)
 
     @property
     def mean_power_w(self) -> float:
         """Mean over the cycle; 0 where only rounding leaves something of a torque that goes to and fro."""
-        mean, (least, most) = self.fluctuation.mean_torque_n_mm, self.torque_range_n_mm
-        counts = abs(mean) > IDLE * max(-least.value, most.value)
-        return (mean if counts else 0.0) * self._w_per_n_mm
+        least, most = self.torque_range_n_mm
+        return float(counted(self.fluctuation.mean_torque_n_mm, least.value, most.value)) * self._w_per_n_mm
 
     @property
     def rms_torque_n_m(self) -> float:
@@ -160,6 +158,11 @@ class DrivingShaft:
     @property
     def _w_per_n_mm(self) -> float:
         return N_M_PER_N_MM * self.machine.machine.speed_rad_s
+
+
+def counted(torque: Array | float, least: Array | float, most: Array | float) -> Array:
+    """A torque, or 0 where it is rounding error only beside the least and the largest torque."""
+    return np.where(np.abs(torque) > IDLE * np.maximum(-least, most), torque, 0.0)
 
 
 def counting_masses(check: KinematicCheck, shaft: DrivingShaft) -> KinematicCheck:

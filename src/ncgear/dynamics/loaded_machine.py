@@ -26,8 +26,7 @@ from ncgear.dynamics.mesh_force import MeshForce, MeshPlace, mesh_force
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import Machine, Stretch, angles_at, stretches
-from ncgear.mechanisms.forces import CrankPace, EvenPace, JointForces
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import CrankPace, EvenPace, JointForces, Masses
 from ncgear.numerics.arrays import Array, Mask, distinct
 from ncgear.numerics.chebyshev import fitted
 from ncgear.numerics.extrema import Extremum, extremes

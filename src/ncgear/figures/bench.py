@@ -1,12 +1,13 @@
-"""What is told of the speed and error of a design's stages: figures, a table with a row per trial, text."""
+"""What is told of the speed and error of a design's stages: figures, a table with a row per trial, the answer."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from typing import Any
 
+from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.csv_text import rows_text
-from ncgear.figures.numbers import micrometres, to_digits
+from ncgear.figures.numbers import fixed, micrometres, to_digits
 from ncgear.project.bench import BenchStage, Trial, dominating
 
 
@@ -45,26 +46,23 @@ COLUMNS = ("stage", "varied", "setting", "size", "time_s", "error", "error_unit"
 
 
 def bench_csv(stages: Sequence[BenchStage]) -> str:
-    """A row for each trial; ``recommended`` is 1 for the one that is."""
-    return rows_text(COLUMNS, _rows(stages))
-
-
-def _rows(stages: Sequence[BenchStage]) -> list[list[object]]:
-    return [
-        [
-            stage.name,
-            stage.varied,
-            trial.setting,
-            trial.size,
-            trial.time_s,
-            trial.error,
-            stage.unit,
-            stage.asked,
-            int(trial is stage.recommended),
-        ]
-        for stage in stages
-        for trial in stage.trials
-    ]
+    """A row for each trial; ``recommended`` is 1 for the recommended trial, else 0."""
+    rows = (
+        (
+            of.name,
+            of.varied,
+            one.setting,
+            one.size,
+            one.time_s,
+            one.error,
+            of.unit,
+            of.asked,
+            int(one is of.recommended),
+        )
+        for of in stages
+        for one in of.trials
+    )
+    return rows_text(COLUMNS, rows)
 
 
 def setting_words(stage: BenchStage, setting: float) -> str:
@@ -80,3 +78,44 @@ def error_words(stage: BenchStage, error: float) -> str:
 def time_words(time_s: float) -> str:
     """A time in s or ms."""
     return f"{to_digits(time_s, 3)} s" if time_s >= 1.0 else f"{to_digits(1e3 * time_s, 2)} ms"
+
+
+def bench_answer(stages: Sequence[BenchStage], name: str, then: str) -> Answer:
+    """A row for each stage, what dominates, and the stages for which nothing tried was fine enough."""
+    recommended = [(stage, stage.recommended) for stage in stages]
+    whole = sum(trial.time_s for _, trial in recommended if trial)
+    rows = [
+        Row(
+            f"{stage.name}: {stage.varied}",
+            (
+                setting_words(stage, trial.setting),
+                setting_words(stage, stage.used),
+                error_words(stage, trial.error),
+                error_words(stage, stage.asked),
+                time_words(trial.time_s),
+                f"{fixed(100.0 * trial.time_s / whole, 0)} %",
+            ),
+        )
+        for stage, trial in recommended
+        if trial is not None
+    ]
+    slowest = dominating(list(stages))
+    if slowest is not None:
+        rows.append(Row("takes longest", (f"{slowest.name}, as recommended",)))
+    return Answer(
+        f"{name}: speed against error of each stage",
+        tuple(rows),
+        tuple(
+            Fault(
+                f"{stage.name}: no {stage.varied} tried is within {error_words(stage, stage.asked)}; the finest has "
+                f"{error_words(stage, stage.trials[-1].error)}",
+                ("a greater output.chord_tolerance_mm",) if stage.key else (),
+            )
+            for stage, trial in recommended
+            if trial is None
+        ),
+        "Recommended: the coarsest whose measured error, and that of all finer ones, is within what is asked",
+        heads=("recommended", "a build uses", "error", "asked", "time", "share"),
+        good="Every stage reaches what is asked.",
+        then=then,
+    )

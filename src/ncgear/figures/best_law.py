@@ -20,7 +20,6 @@ from ncgear.design.rewritten import design_copy
 from ncgear.design.words import ending_in
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import shown
-from ncgear.figures.quantities import told
 from ncgear.frozen import dataclass
 from ncgear.numerics.units import KG_M2
 from ncgear.optimum.flywheels import KNOTS, FlywheelPoint
@@ -32,7 +31,7 @@ from ncgear.project.best_law import BestLaw
 from ncgear.project.free_lengths import changed_keys
 from ncgear.project.frontier_run import Frontier
 from ncgear.project.law import kept_size
-from ncgear.project.sought_machine import SoughtMachine
+from ncgear.project.law_task import SoughtMachine
 
 UNITS = {
     Goal.POWER: "W",
@@ -73,7 +72,7 @@ def unit_of_goal(best: BestLaw) -> str:
 
 
 def _named(values: dict[str, Any], beside: SoughtMachine) -> dict[str, Any]:
-    """Plain values with keys that end in the units of the output: those of the code end in the ones of a slider."""
+    """Plain values with keys that end in the units of the output; in the code keys end in the units of a slider."""
     if not beside.task.linkage.OUTPUT.angular:
         return values
     return {key.replace("_mm_s", "_rad_s"): value for key, value in values.items()}
@@ -94,35 +93,33 @@ def optimized_design(loaded: LoadedDesign, best: BestLaw) -> str:
 
 def certificate(best: BestLaw) -> dict[str, Any]:
     """The limit, the law beside it, and the mechanisms to compare with, all at one speed."""
-    bound, given = best.limit, best.given_figures
-    effort = None if bound is None else bound.effort
+    bound, given, lengths, flywheel = best.limit, best.given_figures, best.lengths, best.flywheel
+    effort = bound and bound.effort
     return {
         "design": best.design.name,
         "speed_rpm": best.design.operation.speed_rpm,
         "goal": {
             "least": best.wishes.goal.value,
             "unit": unit_of_goal(best),
-            "limit": None if bound is None else bound.value,
-            "places": None if bound is None else bound.places,
+            "limit": bound and bound.value,
+            "places": bound and bound.places,
             "not_covered_by_limit": [*best.not_covered, *(["soft wishes"] if best.soft else [])],
             "law": best.goal,
             "gap": best.gap,
-            "programmes": effort.programmes if effort else None,
-            "parts": effort.parts if effort else None,
+            "programmes": effort and effort.programmes,
+            "parts": effort and effort.parts,
             "argument": ARGUMENT,
         },
-        "lengths": None
-        if best.lengths is None
-        else {
-            "values": dict(best.lengths.values),
-            "limit_with_any": best.lengths.least_with_any,
+        "lengths": lengths
+        and {
+            "values": dict(lengths.values),
+            "limit_with_any": lengths.least_with_any,
             "outside_the_proof": FREE_LENGTHS,
         },
-        "driven_flywheel": None
-        if best.flywheel is None
-        else {
-            "inertia_kg_mm2": best.flywheel.inertia_kg_mm2,
-            "limit_with_any": best.flywheel.least_with_any,
+        "driven_flywheel": flywheel
+        and {
+            "inertia_kg_mm2": flywheel.inertia_kg_mm2,
+            "limit_with_any": flywheel.least_with_any,
             "outside_the_proof": FREE_FLYWHEEL,
         },
         "starts": asdict(best.starts),
@@ -142,16 +139,12 @@ def certificate(best: BestLaw) -> dict[str, Any]:
     }
 
 
-FREE_FLYWHEEL = (
-    "goal.limit holds for the flywheel that was chosen; with every flywheel of the range only limit_with_any is certain"
-)
-
-FREE_LENGTHS = (
-    "goal.limit holds for the lengths that were chosen; with all lengths of the ranges only limit_with_any is certain"
-)
+FREE = "goal.limit holds for the {} chosen; with {} only limit_with_any is certain"
+FREE_FLYWHEEL = FREE.format("flywheel that was", "every flywheel of the range")
+FREE_LENGTHS = FREE.format("lengths that were", "all lengths of the ranges")
 
 REACHED = 0.99
-"""Share of a limit from which a law counts as near to it: laws of few knots stay a little under what binds them."""
+"""From this share of a limit on, a law counts as near to the limit: laws of few knots stay a little under it."""
 
 
 def limits_not_reached(best: BestLaw) -> dict[str, tuple[float, float]]:
@@ -160,11 +153,9 @@ def limits_not_reached(best: BestLaw) -> dict[str, tuple[float, float]]:
     if given is None:
         return {}
     found, rack = best.figures, best.wishes.limits.rack_angle_rad
+    moved = ("peak_speed", ""), ("peak_acceleration", "2"), ("peak_jerk", "3"), ("acceleration_harmonics", "2")
     has = {
-        **{f"peak_speed_{unit}_s": found.peak_speed_mm_s for unit in ("mm", "rad")},
-        **{f"peak_acceleration_{unit}_s2": found.peak_acceleration_mm_s2 for unit in ("mm", "rad")},
-        **{f"peak_jerk_{unit}_s3": found.peak_jerk_mm_s3 for unit in ("mm", "rad")},
-        **{f"acceleration_harmonics_{unit}_s2": found.acceleration_harmonics_mm_s2 for unit in ("mm", "rad")},
+        **{f"{key}_{u}_s{n}": getattr(found, f"{key}_mm_s{n}") for key, n in moved for u in ("mm", "rad")},
         "center_distance_mm": found.center_distance_mm,
         "pressure_angle_deg": degrees(found.tangent_rad + rack),
         "ratio_max": found.ratio_max,
@@ -209,57 +200,28 @@ def starts_text(best: BestLaw) -> str:
 
 def not_closed(best: BestLaw) -> str | None:
     """Why the limit is not nearer to the law; None where it is near, or where only the law could come nearer."""
-    bound = best.limit
+    bound, prices = best.limit, best.wishes.prices
     if bound is None or min(best.goal, bound.reach) <= CLOSE * bound.value:
         return None
-    if bound.effort is None and bound.places == 0:
+    if (effort := bound.effort) is not None:
+        proof = f"{effort.programmes} programmes in {effort.parts} part{'s' if effort.parts > 1 else ''}"
+        near = f"as near as {effort.places} places of the crank allow, by {proof}"
+        return near if effort.ended else f"not closed further by {proof}"
+    if bound.places == 0:
         return "knows the stroke, the time and the work of a cycle alone, in closed form"
-    prices = best.wishes.prices
-    if bound.effort is None and (
-        prices.tangent_rad or prices.peak_jerk_mm_s3 or prices.tooth_force_n or prices.flank_load_n_mm
-    ):
+    if prices.tangent_rad or prices.peak_jerk_mm_s3 or prices.tooth_force_n or prices.flank_load_n_mm:
         return "not closed further"
-    if bound.effort is None:
-        return "not closed further: that needs one pair with convex pitch curves or a limit of the pressure angle"
-    effort = bound.effort
-    proof = f"{effort.programmes} programmes in {effort.parts} part{'s' if effort.parts > 1 else ''}"
-    if effort.ended:
-        return f"as near as {effort.places} places of the crank allow, by {proof}"
-    return f"not closed further by {proof}"
+    return "not closed further: that needs one pair with convex pitch curves or a limit of the pressure angle"
 
 
-FELT = {
-    "braking_power_w": ("braking_power_w", 1.0),
-    "rms_torque_n_m": ("rms_torque_n_m", 1.0),
-    "flywheel_kg_m2": ("flywheel_kg_mm2", KG_M2),
-    "bearing_force_n": ("bearing_force_n", 1.0),
-    "shaking_force_n": ("shaking_force_n", 1.0),
-    "tooth_force_n": ("tooth_force_n", 1.0),
-}
-"""Figures that need masses, by the keys by which they are told, each with its field and the factor to its unit."""
+FELT = ("braking_power_w", "rms_torque_n_m", "flywheel_kg_m2", "bearing_force_n", "shaking_force_n", "tooth_force_n")
+"""The keys of figures that need masses."""
 
 
-def felt_keys(found: Figures) -> list[str]:
-    """Those of ``FELT`` that are known."""
-    return [key for key, (field, _) in FELT.items() if getattr(found, field) is not None]
-
-
-def felt_text(key: str, found: Figures) -> str:
-    """One of them, without its unit."""
-    field, factor = FELT[key]
-    value = getattr(found, field)
-    return told(key, None if value is None else factor * value)[1]
-
-
-FRONTIER_COLUMNS = (
-    "power_cap_w",
-    "limit_acceleration_mm_s2",
-    "law_power_w",
-    "law_acceleration_mm_s2",
-    "law_tangent_deg",
-    "family_power_w",
-    "family_acceleration_mm_s2",
-)
+def felt(key: str, found: Figures) -> float | None:
+    """One of ``FELT`` in the unit of its key; None where it is not known."""
+    value: float | None = getattr(found, key.replace("kg_m2", "kg_mm2"))
+    return KG_M2 * value if key == "flywheel_kg_m2" and value is not None else value
 
 
 @dataclass(frozen=True)
@@ -273,16 +235,13 @@ class OtherMechanism:
 
 def other_mechanisms(beside: SoughtMachine) -> list[OtherMechanism]:
     """The design's own law, the uniform crank, and the published mechanisms whose two figures are known."""
-    found = []
+    named = {"uniform crank": beside.uniform_figures}
     if beside.given_figures is not None and beside.design.motion.law != "uniform_crank":
-        given = beside.given_figures
-        found.append(OtherMechanism("design as given", given.peak_power_w, given.peak_acceleration_mm_s2))
-    uniform = beside.uniform_figures
-    found.append(OtherMechanism("uniform crank", uniform.peak_power_w, uniform.peak_acceleration_mm_s2))
+        named = {"design as given": beside.given_figures, **named}
+    found = [OtherMechanism(name, one.peak_power_w, one.peak_acceleration_mm_s2) for name, one in named.items()]
     comparison = beside.design.comparison
-    speed = beside.design.operation.speed_rpm
     for published in comparison.published if comparison else ():
-        one = published.at_speed(speed)
+        one = published.at_speed(beside.design.operation.speed_rpm)
         if one.peak_power_w is not None and one.peak_acceleration_mm_s2 is not None:
             found.append(OtherMechanism(one.name, one.peak_power_w, one.peak_acceleration_mm_s2))
     return found
@@ -290,12 +249,19 @@ def other_mechanisms(beside: SoughtMachine) -> list[OtherMechanism]:
 
 def frontier_csv(found: Frontier, beside: SoughtMachine) -> str:
     """One line for each cap on the power; empty cells where nothing was found."""
-    rows = []
-    for point, family in points_of(found):
-        law = point.law
-        figures = law.peak_power_w, law.peak_acceleration_mm_s2, degrees(law.tangent_rad)
-        rows.append([point.cap_w, point.limit_mm_s2, *figures, family.peak_power_w, family.peak_acceleration_mm_s2])
-    return rows_text(tuple(_named(dict.fromkeys(FRONTIER_COLUMNS), beside)), rows)
+    rows = [
+        {
+            "power_cap_w": point.cap_w,
+            "limit_acceleration_mm_s2": point.limit_mm_s2,
+            "law_power_w": point.law.peak_power_w,
+            "law_acceleration_mm_s2": point.law.peak_acceleration_mm_s2,
+            "law_tangent_deg": degrees(point.law.tangent_rad),
+            "family_power_w": family.peak_power_w,
+            "family_acceleration_mm_s2": family.peak_acceleration_mm_s2,
+        }
+        for point, family in points_of(found)
+    ]
+    return rows_text(tuple(_named(rows[0], beside)), (list(row.values()) for row in rows))
 
 
 def points_of(found: Frontier) -> list[tuple[LawPoint, FamilyPoint]]:
@@ -330,24 +296,20 @@ def frontier_figures(found: Frontier, beside: SoughtMachine) -> dict[str, Any]:
     }
 
 
-FLYWHEEL_COLUMNS = (
-    "flywheel_kg_mm2",
-    "limit_power_w",
-    "law_power_w",
-    "law_braking_power_w",
-    "law_acceleration_mm_s2",
-    "law_tangent_deg",
-)
-
-
 def flywheel_csv(found: Sequence[FlywheelPoint]) -> str:
     """One line for each size of the flywheel on the driven shaft."""
-    rows = []
-    for one in found:
-        law = one.law
-        figures = law.peak_power_w, law.braking_power_w, law.peak_acceleration_mm_s2, degrees(law.tangent_rad)
-        rows.append([one.flywheel_kg_mm2, one.limit_w, *figures])
-    return rows_text(FLYWHEEL_COLUMNS, rows)
+    rows = [
+        {
+            "flywheel_kg_mm2": one.flywheel_kg_mm2,
+            "limit_power_w": one.limit_w,
+            "law_power_w": one.law.peak_power_w,
+            "law_braking_power_w": one.law.braking_power_w,
+            "law_acceleration_mm_s2": one.law.peak_acceleration_mm_s2,
+            "law_tangent_deg": degrees(one.law.tangent_rad),
+        }
+        for one in found
+    ]
+    return rows_text(tuple(rows[0]), (list(row.values()) for row in rows))
 
 
 def flywheel_figures(found: Sequence[FlywheelPoint], design: Design) -> dict[str, Any]:

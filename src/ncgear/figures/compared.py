@@ -8,14 +8,16 @@ from typing import Any
 
 import numpy as np
 
+from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.csv_text import csv_text, rows_text
-from ncgear.figures.numbers import fixed, known, micrometres
+from ncgear.figures.numbers import fixed, known, micrometres, to_digits
+from ncgear.figures.quantities import figure
 from ncgear.frozen import dataclass
-from ncgear.metrology.alone import are_judged, rough_points
+from ncgear.metrology.alone import FEWEST_PLACES, MOST, are_judged, rough_points
 from ncgear.metrology.as_measured import is_metal
 from ncgear.metrology.exact_outline import FLANK_CURVE, TIP_LAND_CURVE
 from ncgear.numerics.arrays import Array
-from ncgear.project.compared import ComparedGear, ComparedPair
+from ncgear.project.compared import ComparedGear, ComparedPair, Fit
 
 SIDES = ("back", "front")
 """Flanks of a tooth in their order; the driving gear pushes with its back flanks onto the driven front ones."""
@@ -51,15 +53,19 @@ def gear_figures(one: ComparedGear) -> dict[str, Any]:
     metal = fit.counted | is_metal(one.outline, fit)
     flanks, thickness = found.flanks, found.thickness_mm[np.isfinite(found.thickness_mm)]
     shift = fit.pose.shift_mm
-    moved = (
-        {}
-        if fit.shift_error_mm is None
-        else {
-            "shift_x_mm": shift.real,
-            "shift_y_mm": shift.imag,
-            "shift_standard_deviation_mm": fit.shift_error_mm,
+    moved = {"shift_x_mm": shift.real, "shift_y_mm": shift.imag, "shift_standard_deviation_mm": fit.shift_error_mm}
+    sides = {
+        side: {
+            "single_pitch": flanks.largest(flanks.side(flanks.single_pitch_mm, bool(front))),
+            "cumulative_pitch": flanks.cumulative_mm(bool(front)),
+            **{
+                f"profile_{name}": flanks.largest(flanks.side(getattr(flanks, f"{name}_mm"), bool(front)))
+                for name in ("slope", "form", "total")
+            },
         }
-    )
+        for front, side in enumerate(SIDES)
+    }
+    ends = {"mean": thickness.mean, "least": thickness.min, "greatest": thickness.max}
     return {
         "file": one.file.file,
         "points": len(one.file.lines),
@@ -75,22 +81,10 @@ def gear_figures(one: ComparedGear) -> dict[str, Any]:
         "teeth_with_missing_points": found.missing_teeth,
         "turned_rad": fit.pose.angle_rad,
         "turned_standard_deviation_rad": fit.angle_error_rad,
-        **moved,
+        **({} if fit.shift_error_mm is None else moved),
         "rms_mm": fit.rms_mm,
-        **{
-            f"{name}_{side}_mm": value
-            for front, side in enumerate(SIDES)
-            for name, value in (
-                ("single_pitch", flanks.largest(flanks.side(flanks.single_pitch_mm, bool(front)))),
-                ("cumulative_pitch", flanks.cumulative_mm(bool(front))),
-                ("profile_slope", flanks.largest(flanks.side(flanks.slope_mm, bool(front)))),
-                ("profile_form", flanks.largest(flanks.side(flanks.form_mm, bool(front)))),
-                ("profile_total", flanks.largest(flanks.side(flanks.total_mm, bool(front)))),
-            )
-        },
-        "thickness_mean_mm": float(thickness.mean()) if thickness.size else None,
-        "thickness_least_mm": float(thickness.min()) if thickness.size else None,
-        "thickness_greatest_mm": float(thickness.max()) if thickness.size else None,
+        **{f"{name}_{side}_mm": value for side, of in sides.items() for name, value in of.items()},
+        **{f"thickness_{end}_mm": float(of()) if thickness.size else None for end, of in ends.items()},
     }
 
 
@@ -128,20 +122,8 @@ def alone_points(one: ComparedGear) -> list[AlonePoint]:
     ]
 
 
-COLUMNS = (
-    "gear",
-    "tooth",
-    "side",
-    "points",
-    "mean_mm",
-    "least_mm",
-    "greatest_mm",
-    "slope_mm",
-    "form_mm",
-    "position_mm",
-    "single_pitch_mm",
-    "thickness_mm",
-)
+DEVIATIONS = ("mean_mm", "least_mm", "greatest_mm", "slope_mm", "form_mm", "position_mm", "single_pitch_mm")
+COLUMNS = ("gear", "tooth", "side", "points", *DEVIATIONS, "thickness_mm")
 
 
 def compared_csv(pair: ComparedPair) -> str:
@@ -151,7 +133,7 @@ def compared_csv(pair: ComparedPair) -> str:
 
 def _rows(one: ComparedGear) -> Iterable[list[object]]:
     flanks = one.deviations.flanks
-    columns: list[Array] = [getattr(flanks, name) for name in COLUMNS[4:-1]]
+    columns: list[Array] = [getattr(flanks, name) for name in DEVIATIONS]
     for flank in range(flanks.points.size):
         values = [known(column[flank]) for column in columns]
         thickness = known(one.deviations.thickness_mm[flank // 2])
@@ -179,3 +161,114 @@ def length_words(value_mm: float | None) -> str:
 def turned_words(one: ComparedGear) -> str:
     """The angle of best fit in degrees."""
     return f"{fixed(degrees(one.fit.pose.angle_rad), 4)} deg"
+
+
+MOST_TEETH = 5
+"""Teeth that a fault names."""
+
+
+def compared_answer(pair: ComparedPair, name: str, fit: Fit, then: str) -> Answer:
+    """Deviations of each gear in columns, the contact of both, and where they jam."""
+    found = [gear_figures(one) for one in pair.gears]
+    tolds = {
+        "points on flanks": [f"{one['points_on_flanks']} of {one['points']}" for one in found],
+        "turned by": [turned_words(one) for one in pair.gears],
+        "axis at": [
+            f"{fixed(one['shift_x_mm'], 4)}, {fixed(one['shift_y_mm'], 4)} mm" for one in found if fit is Fit.RIGID
+        ],
+        "r.m.s. deviation": [length_words(one["rms_mm"]) for one in found],
+        **{
+            name: [
+                " / ".join(length_words(one[f"{name.replace(' ', '_')}_{side}_mm"]) for side in SIDES) for one in found
+            ]
+            for name in ("single pitch", "cumulative pitch", "profile slope", "profile form")
+        },
+        "thickness, mean": [length_words(one["thickness_mean_mm"]) for one in found],
+        "thickness, range": [
+            " to ".join(length_words(one[f"thickness_{end}_mm"]) for end in ("least", "greatest")) for one in found
+        ],
+    }
+    play, exact_play = (_play(pair, measured=measured) for measured in (True, False))
+    heads = tuple(one.gear.value for one in pair.gears)
+    # A single column stands under its head as several do.
+    empty = ("",) if len(heads) == 1 else ()
+    rows = (
+        *(Row(name, (*texts, *empty)) for name, texts in tolds.items() if texts),
+        Row("least play", (f"{play}; {exact_play} of the exact outlines",)),
+        Row("transmission error", (_errors(pair),)),
+    )
+    return Answer(
+        f"{name}: measured gears against the exact ones, best fit by {fit.value}",
+        rows,
+        (*_jams(pair), *(fault for one in pair.gears for fault in (*_missing(one), *_alone(one)))),
+        "Deviations are positive where there is metal in excess; back and front flanks are told apart",
+        heads=(*heads, *empty),
+        good="The pair as measured turns; all flanks were measured.",
+        not_judged=_not_judged(pair, found),
+        then=then,
+    )
+
+
+def _play(pair: ComparedPair, *, measured: bool) -> str:
+    found = pair.measured_extremes if measured else pair.exact_extremes
+    length = found.backlash_rad.low.value * pair.lever_mm
+    driving, driven = found.tightest_teeth
+    teeth = f" at driving tooth {driving}, driven tooth {driven}" if measured else ""
+    return f"{micrometres(length)}{teeth}"
+
+
+def _errors(pair: ComparedPair) -> str:
+    key = "transmission_error_rad"
+    measured, exact = (figure(key, one.transmission_error_rad) for one in (pair.measured_extremes, pair.exact_extremes))
+    return f"{measured}; {exact} of the exact outlines"
+
+
+def _jams(pair: ComparedPair) -> list[Fault]:
+    jams = pair.jams
+    if not jams:
+        return []
+    named = ", ".join(f"{driving}/{driven}" for driving, driven in jams[:MOST_TEETH])
+    more = f" and {len(jams) - MOST_TEETH} more" if len(jams) > MOST_TEETH else ""
+    return [
+        Fault(
+            f"jams by {micrometres(pair.needed_backlash_mm)} at teeth {named}{more}",
+            (f"gears.backlash_mm: {to_digits(pair.needed_backlash_mm, 2)} more", "more backlash"),
+        )
+    ]
+
+
+def _missing(one: ComparedGear) -> list[Fault]:
+    teeth = one.deviations.missing_teeth
+    if not teeth:
+        return []
+    what = f"{one.gear.value} gear: flanks without points at {len(teeth)} teeth ({_first(teeth)}), taken as exact"
+    return [Fault(what, ("measure them",))]
+
+
+def _first(teeth: list[int]) -> str:
+    """The numbers of the first of some teeth."""
+    return ", ".join(map(str, teeth[:MOST_TEETH])) + (" ..." if len(teeth) > MOST_TEETH else "")
+
+
+def _alone(one: ComparedGear) -> list[Fault]:
+    points = alone_points(one)
+    if not points:
+        return []
+    teeth = list(dict.fromkeys(point.tooth for point in points))
+    many = f"{len(points)} points stand" if len(points) > 1 else "1 point stands"
+    off, at = micrometres(abs(points[0].off_mm)), "teeth" if len(teeth) > 1 else "tooth"
+    what = f"{one.gear.value} gear: {many} alone, by up to {off} at {at} {_first(teeth)}; not counted"
+    return [Fault(what, ("clean it and measure again", "measured.json has each"))]
+
+
+def _not_judged(pair: ComparedPair, found: list[dict[str, Any]]) -> str:
+    """Points that are taken as metal since too few are beside them, or since too many stand off."""
+
+    def named(key: str) -> str:
+        each = [(one.gear.value, told[key]) for one, told in zip(pair.gears, found, strict=True)]
+        return ", ".join(f"{many} of the {gear} gear" for gear, many in each if many)
+
+    few, rough = named("points_not_judged"), named("points_rough")
+    said = [f"on flanks, roots and tip lands with fewer than {FEWEST_PLACES}: {few}"] if few else []
+    said += [f"where over {100.0 * MOST:g} % stand off, which all count: {rough}"] if rough else []
+    return f"Not judged: whether points stand alone {'; '.join(said)}" if said else ""

@@ -1,19 +1,25 @@
-"""What is told of the film between flanks, their heat and their wear: figures, and a line of text for each."""
+"""What is told of loaded teeth beside their stresses: film, heat and wear of flanks, and the vibration of the mesh."""
 
 from __future__ import annotations
 
 from math import degrees, floor, isfinite, log10
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import fixed, known, placed, to_digits
+from ncgear.figures.quantities import figure
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.strength.film import Regime
 from ncgear.strength.plastics import CREEP_C
+from ncgear.strength.vibration import RESONANCE
 
 if TYPE_CHECKING:
-    # Checks load nothing of contact, and only these values come from there.
-    from ncgear.strength.surfaces import Creep, Film, Place, Surfaces, Wear
+    from ncgear.project.strengthening import Rating
+    from ncgear.project.vibration import SpeedSweep, ToldVibration
+    from ncgear.strength.surfaces import Film, Place, Surfaces
 
 REGIMES = {
     Regime.FULL: "full film",
@@ -83,40 +89,43 @@ def _at(name: str, place: Place) -> dict[str, Any]:
 
 def surfaces_rows(drive: Drive, found: Surfaces) -> list[tuple[str, str]]:
     """Names and texts of what is told: wear of all, film and scuffing of metal in oil, heat of plastics."""
+    wear, film, creep = found.wear, found.film, found.creep
+    told = "none: a film parts the flanks"
+    if not found.judged:
+        told = ONLY_A_JAM
+    elif wear.deepest_mm > 0.0:
+        grows = f"backlash grows by up to {to_digits(wear.play_mm, 2)} mm"
+        ends = grows if wear.holds else f"a tenth of the module is gone after {hours_words(wear.life_h)}"
+        told = f"{to_digits(wear.deepest_mm, 2)} mm in {hours_words(wear.wanted_h)}, within a factor of ten; {ends}"
+    rows = [("wear", told)]
+    if not found.judged and drive.conditions.lubrication != "dry" and not any(found.warm):
+        rows.append(("film", ONLY_A_JAM))
+    if film is not None:
+        rows += [("film", _film_words(drive, film)), ("scuffing", _scuffing_words(drive, film, found))]
     heat = [
         f"{gear.value} gear {fixed(one.flank_c, 0)} \u00b0C at flanks, {fixed(one.root_c, 0)} at roots"
         for gear, one in zip(Gear, found.warm, strict=True)
         if one is not None
     ]
-    rows = [("wear", _wear_words(found.wear) if found.judged else ONLY_A_JAM)]
-    if not found.judged and drive.conditions.lubrication != "dry" and not any(found.warm):
-        rows.append(("film", ONLY_A_JAM))
-    if found.film is not None:
-        rows += [("film", _film_words(drive, found.film)), ("scuffing", _scuffing_words(drive, found.film, found))]
     if not heat or not found.judged:
         return rows
-    return [*rows, ("heat", f"{'; '.join(heat)} (VDI 2736)"), ("creep", _creep_words(found.creep))]
-
-
-def _creep_words(creep: Creep | None) -> str:
-    """How far plastic teeth give way at once and after the wanted life; no limit is known that it is judged by."""
-    if creep is None:
-        return "not judged, because no creep modulus of these plastics is known here"
-    ways = f"{to_digits(creep.at_once_mm, 2)} mm at once, {to_digits(creep.after_mm, 2)} mm"
-    return (
-        f"teeth give way by {ways} after {hours_words(creep.loaded_h)} under load, at {CREEP_C:g} \u00b0C; more where "
-        "they are warmer"
-    )
+    gives_way = "not judged, because no creep modulus of these plastics is known here"
+    if creep is not None:
+        # No limit is known by which it is judged
+        ways = f"{to_digits(creep.at_once_mm, 2)} mm at once, {to_digits(creep.after_mm, 2)} mm"
+        lasting = f"after {hours_words(creep.loaded_h)} under load, at {CREEP_C:g} \u00b0C; more where they are warmer"
+        gives_way = f"teeth give way by {ways} {lasting}"
+    return [*rows, ("heat", f"{'; '.join(heat)} (VDI 2736)"), ("creep", gives_way)]
 
 
 def _film_words(drive: Drive, film: Film) -> str:
     """The regime with the least film and its place, and the oil's temperature."""
     assumed = " assumed" if drive.design.strength.temperature_c is None else ""
-    least, place = to_digits(film.thickness.value, 2), angle_words(film.thickness)
-    return (
-        f"{REGIMES[film.regime]}: {least} of the roughness at {place}, "
-        f"{drive.conditions.lubrication} at {film.oil_c:g} \u00b0C{assumed}"
+    least, oil = (
+        to_digits(film.thickness.value, 2),
+        f"{drive.conditions.lubrication} at {film.oil_c:g} \u00b0C{assumed}",
     )
+    return f"{REGIMES[film.regime]}: {least} of the roughness at {angle_words(film.thickness)}, {oil}"
 
 
 def _scuffing_words(drive: Drive, film: Film, found: Surfaces) -> str:
@@ -127,16 +136,6 @@ def _scuffing_words(drive: Drive, film: Film, found: Surfaces) -> str:
     assumed = "" if "oil_fzg_stage" in drive.design.strength.model_fields_set else " assumed"
     fails = f"oil fails at {fixed(found.scuffing_c, 0)} \u00b0C (FZG stage {drive.conditions.oil_fzg_stage:g}{assumed})"
     return f"safety {to_digits(found.scuffing_safety, 3)}, {hottest}, {fails}"
-
-
-def _wear_words(wear: Wear) -> str:
-    """The deepest place after the wanted life and what that adds to the backlash, or when the limit is reached."""
-    if wear.deepest_mm == 0.0:
-        return "none: a film parts the flanks"
-    told = f"{to_digits(wear.deepest_mm, 2)} mm in {hours_words(wear.wanted_h)}, within a factor of ten"
-    if wear.holds:
-        return f"{told}; backlash grows by up to {to_digits(wear.play_mm, 2)} mm"
-    return f"{told}; a tenth of the module is gone after {hours_words(wear.life_h)}"
 
 
 def angle_words(place: Place) -> str:
@@ -152,3 +151,66 @@ def place_words(place: Place) -> str:
 def hours_words(hours: float) -> str:
     """Hours to two digits."""
     return f"{to_digits(round(hours, 1 - floor(log10(hours))), 2)} h" if isfinite(hours) and hours >= 0.01 else "none"
+
+
+def vibration_of_rating(drive: Drive, rating: Rating) -> ToldVibration | None:
+    """What is told of the vibration of rated teeth; None where nothing bears."""
+    from ncgear.project.vibration import mesh_stiffness, told_vibration
+
+    mesh, strength = mesh_stiffness(rating.loading, drive.running), rating.strength
+    if mesh is None:
+        return None
+    contacts, factor = strength.contacts, strength.stresses.dynamic_factor
+    # Sections of helical teeth have factors of their own, of which the mean by their loads is told.
+    whole, loaded = (np.bincount(contacts.position, one) for one in (factor * contacts.force_n, contacts.force_n))
+    mean = (whole / np.maximum(loaded, np.finfo(float).tiny))[contacts.position]
+    return told_vibration(drive, drive.vibration, mesh, contacts.phi1_rad, mean, contacts.pair_force_n)
+
+
+def vibration_figures(told: ToldVibration | None) -> dict[str, Any]:
+    """The dynamic factor, the resonance ratios of a turn, and the critical speeds."""
+    if told is None:
+        return {}
+    figures: dict[str, Any] = {
+        "dynamic_factor": told.factor,
+        "dynamic_factor_at_rad": told.phi1_rad,
+        "peak_tooth_force_vibrating_n": told.most_n,
+        "dynamic_factor_is": "given" if told.is_given else "computed",
+        "resonance_ratio_min": told.least,
+        "resonance_ratio_max": told.greatest,
+        "resonates_between_deg": [list(ends) for ends in told.resonates_deg],
+    }
+    if told.critical_rpm is not None:
+        figures |= dict(zip(("critical_speed_min_rpm", "critical_speed_max_rpm"), told.critical_rpm, strict=True))
+    return figures
+
+
+def vibration_words(told: ToldVibration) -> str:
+    """The dynamic factor where a pair bears most, the largest force with it, and the critical speeds."""
+    factor = f"K_V {to_digits(told.factor, 3)}{' as given' if told.is_given else ''}"
+    factor += f", up to {figure('force_n', told.most_n)} with it"
+    if told.critical_rpm is None:
+        return f"{factor}; nothing that moves has inertia"
+    low, high = (to_digits(one, 2) for one in told.critical_rpm)
+    return f"{factor}; resonance at {low} to {high} r/min"
+
+
+def stretches_words(told: ToldVibration) -> str:
+    """``between phi1 = 20 and 55 deg``, for each stretch in which a mesh resonates."""
+    return "between phi1 = " + ", ".join(
+        f"{fixed(low, 0)} and {fixed(high, 0)} deg" for low, high in told.resonates_deg
+    )
+
+
+BAND = f"N from {RESONANCE[0]:g} to {RESONANCE[1]:g}"
+"""The words for the resonance ratios of a resonance."""
+
+COLUMNS = ("speed_rpm", "resonance_ratio_min", "resonance_ratio_max", "dynamic_factor_max", "load_factor_swinging")
+"""Columns of the table over the driving speed."""
+
+
+def speeds_csv(sweep: SpeedSweep) -> str:
+    """A row for each driving speed; the last column is empty of swings without end, and of loads that change flanks."""
+    swinging = [None] * sweep.speed_rpm.size if sweep.load_factor is None else map(known, sweep.load_factor.tolist())
+    columns = (one.tolist() for one in (sweep.speed_rpm, sweep.least, sweep.greatest, sweep.factor))
+    return rows_text(COLUMNS, zip(*columns, swinging, strict=True))

@@ -48,7 +48,7 @@ largest of their machine before they are told, and those of the smallest machine
 
 
 NOTHING_MM = 1e-9
-"""A length of which nothing is drawn: far below the smallest teeth, and above the rounding errors of a metre."""
+"""A length that no drawing shows: far below the smallest teeth, and above the rounding errors of a metre."""
 
 
 def rounded(value: float, decimals: int) -> float:
@@ -64,7 +64,8 @@ def drawn(value: float, unit: str) -> str:
     decimals = DRAWN_DECIMALS.get(unit, NOISE)
     if unit == "mm" and abs(finite(value, "a size")) > NOTHING_MM:
         decimals = max(decimals, 3 - floor(log10(abs(value))))
-    return _plain(f"{rounded(value, decimals):.{decimals}f}")
+    digits = f"{rounded(value, decimals):.{decimals}f}"
+    return digits.rstrip("0").rstrip(".") if "." in digits else digits
 
 
 SIZE_DIGITS = 8
@@ -99,10 +100,6 @@ def micrometres(length_mm: float) -> str:
     """A length of the order of a tolerance, to three digits or to whole micrometres, with its unit."""
     micrometre = 1e3 * length_mm
     return f"{fixed(micrometre, 0) if micrometre >= 99.5 else to_digits(micrometre, 3)} \u00b5m"
-
-
-def _plain(digits: str) -> str:
-    return digits.rstrip("0").rstrip(".") if "." in digits else digits
 
 
 LONG_LIST = 12

@@ -1,4 +1,4 @@
-"""Designs side by side: the figures of a check of each, and how they differ from those of the first."""
+"""Designs side by side: the figures of a check of each design, and how they differ from the first design."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class SideBySide:
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The names of the designs, those of one name with their numbers."""
+        """The names of the designs; designs of the same name have their numbers behind it."""
         names = [drive.design.name for drive in self.drives]
         return tuple(f"{name} ({place})" if name in names[: place - 1] else name for place, name in enumerate(names, 1))
 
@@ -64,7 +64,7 @@ class SideBySide:
         return tuple(dict.fromkeys(key for own in self.figures for key in own))
 
     def percent(self, key: str) -> tuple[float | None, ...]:
-        """By how many percent each other figure is over that of the first design; None where there is no such share."""
+        """By how many percent the figure of each other design is over the first; None where there is no share."""
         if key not in self.keys:
             raise WrongInput(f"{key!r} is no figure of these designs; {', '.join(self.keys)} are", key=key)
         first, *others = (own.get(key) for own in self.figures)

@@ -38,7 +38,7 @@ SAME_AS_MESH = "peak_driving_bearing_force_n"
 
 
 def rigid_table(drive: Drive, own: Loads, uniform: Loads) -> dict[str, Array]:
-    """The motion, the loads of the design's own machine, and those of the uniform crank."""
+    """The motion, the loads of the design's own machine, and the loads of the uniform crank."""
     motion, output = drive.motion, drive.linkage.OUTPUT
     return {
         "phi1_rad": motion.phi1_rad,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from math import degrees, inf, isfinite
 from typing import Any
 
@@ -15,13 +15,12 @@ from ncgear.dynamics.flank_changes import Knock
 from ncgear.dynamics.rigid import LoadPeaks
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.csv_text import rows_text
-from ncgear.figures.flanks import hours_words, surfaces_figures, surfaces_rows
+from ncgear.figures.flanks import hours_words, surfaces_figures, surfaces_rows, vibration_figures, vibration_of_rating
 from ncgear.figures.numbers import fixed, known, shown, to_digits
 from ncgear.figures.quantities import figure
 from ncgear.figures.simulated import SAME_AS_MESH, force_figures
 from ncgear.figures.summary.check_summary import stages_summary, verdict_summary
-from ncgear.figures.tables import Column, Table
-from ncgear.figures.vibration import vibration_figures, vibration_of_rating
+from ncgear.figures.tables import Table, columns_of
 from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -59,39 +58,34 @@ def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rat
     A life is None where the tooth lasts for ever, or until it is worn.  ``verdict`` is that on the pair and what
     it is part of, ``beside`` that on the teeth by another method, to compare with.
     """
-    strength, size = rating.strength, drive.pitch.size
-    contacts = strength.contacts.of_pairs()
-    most = int(np.argmax(contacts.force_n))
-    return {
+    strength, loading, contacts = rating.strength, rating.loading, rating.strength.contacts.of_pairs()
+    most, decided = int(np.argmax(contacts.force_n)), deciding_loads(drive, rating)
+    loads = {
+        "speed_rpm": drive.design.operation.speed_rpm,
+        "peak_tooth_force_n": float(contacts.force_n[most]),
+        "peak_tooth_force_at_rad": float(contacts.phi1_rad[most]),
+        "contact_ratio_under_load_mean": loading.contact_ratio or None,
+        "transmission_error_under_load_rad": loading.transmission_error_rad if loading.contact_ratio else None,
+        **_knock_figures(loading.knocks),
+        **_jam_figures(drive, rating),
+        "decided_by": {f"{gear.value}_{damage.value}": load for (gear, damage), load in decided.items()},
+        **_force_figures(drive),
+    }
+    found = {
         "design": {"name": drive.design.name, "description": drive.design.description},
         **stages_summary(drive),
-        "load": {
-            "speed_rpm": drive.design.operation.speed_rpm,
-            "peak_tooth_force_n": float(contacts.force_n[most]),
-            "peak_tooth_force_at_rad": float(contacts.phi1_rad[most]),
-            "contact_ratio_under_load_mean": rating.loading.contact_ratio or None,
-            "transmission_error_under_load_rad": rating.loading.transmission_error_rad
-            if rating.loading.contact_ratio
-            else None,
-            **_knock_figures(rating.loading.knocks),
-            **_jam_figures(drive, rating),
-            "decided_by": {
-                f"{gear.value}_{damage.value}": load for (gear, damage), load in deciding_loads(drive, rating).items()
-            },
-            **_force_figures(drive),
-        },
-        "gears": {"module_mm": size.module_mm, "face_width_mm": drive.gears.face_width_mm},
+        "load": loads,
+        "gears": {"module_mm": drive.pitch.size.module_mm, "face_width_mm": drive.gears.face_width_mm},
         "strength": strength_summary(rating, drive),
         **surfaces_figures(drive.surfaces_by(strength.method)),
         "face_load": _face_load_figures(drive, rating),
         "vibration": vibration_figures(vibration_of_rating(drive, rating)),
-        **({} if beside is None else {"strength_beside": strength_summary(beside, drive)}),
-        **{
-            gear.value: _gear_figures(rating, gear, float(rim.factor.max()))
-            for gear, rim in zip(Gear, drive.rims, strict=True)
-        },
-        **verdict_summary(verdict),
     }
+    if beside is not None:
+        found["strength_beside"] = strength_summary(beside, drive)
+    for gear, rim in zip(Gear, drive.rims, strict=True):
+        found[gear.value] = _gear_figures(rating, gear, float(rim.factor.max()))
+    return found | verdict_summary(verdict)
 
 
 DECIDING: dict[Load, str] = {"law": "what the law asks", "knocks": "knocks", "jam": "the jam"}
@@ -137,13 +131,13 @@ def deciding_forces(drive: Drive) -> dict[str, tuple[float, Load]]:
 
 
 def _peaks_beside_the_law(drive: Drive) -> dict[Load, LoadPeaks]:
-    if drive.design.masses is None:
-        return {}
-    found: dict[Load, LoadPeaks | None] = {
-        "knocks": drive.knocking_peaks,
-        "jam": None if drive.jam is None else drive.jam.peaks(),
-    }
-    return {load: peaks for load, peaks in found.items() if peaks is not None}
+    """The peaks of knocks and of a jam, as far as there are any; none without masses."""
+    found: dict[Load, LoadPeaks] = {}
+    if drive.design.masses is not None and drive.knocking_peaks is not None:
+        found["knocks"] = drive.knocking_peaks
+    if drive.design.masses is not None and drive.jam is not None:
+        found["jam"] = drive.jam.peaks()
+    return found
 
 
 def _force_figures(drive: Drive) -> dict[str, Any]:
@@ -174,18 +168,12 @@ def _jam_figures(drive: Drive, rating: Rating) -> dict[str, Any]:
     jam, jammed = drive.conditions.overload, drive.judged_teeth(rating.strength.method).jammed
     if jam is None or jammed is None:
         return {}
-    lives = {gear: lives_of(jammed, gear) for gear in Gear}
-    return {
-        "jam": {
-            "driving_torque_n_m": N_M_PER_N_MM * jam.driving_n_mm,
-            "times": jam.times,
-            "peak_tooth_force_n": jammed.peak_pair_n,
-            **{
-                gear.value: {f"{damage.value}_safety_min": life.safety_min for damage, life in of.items()}
-                for gear, of in lives.items()
-            },
-        }
+    told = {"driving_torque_n_m": N_M_PER_N_MM * jam.driving_n_mm, "times": jam.times}
+    least: dict[str, Any] = {
+        gear.value: {f"{damage.value}_safety_min": life.safety_min for damage, life in lives_of(jammed, gear).items()}
+        for gear in Gear
     }
+    return {"jam": {**told, "peak_tooth_force_n": jammed.peak_pair_n, **least}}
 
 
 def jam_words(drive: Drive, rating: Rating) -> str:
@@ -194,14 +182,13 @@ def jam_words(drive: Drive, rating: Rating) -> str:
     if jam is None or jammed is None:
         return ""
     least = dict[Damage, float]()
-    for gear in Gear:
-        for damage, life in lives_of(jammed, gear).items():
-            least[damage] = min(life.safety_min, least.get(damage, inf))
+    for damage, life in (one for gear in Gear for one in lives_of(jammed, gear).items()):
+        least[damage] = min(life.safety_min, least.get(damage, inf))
     safeties = ", ".join(f"{to_digits(safety, 3)} against {damage.words}" for damage, safety in least.items())
+    torque, force = figure("torque_n_m", N_M_PER_N_MM * jam.driving_n_mm), figure("force_n", jammed.peak_pair_n)
     return (
-        f"{figure('torque_n_m', N_M_PER_N_MM * jam.driving_n_mm)} at the driving shaft, {jam.times:g} times: up to "
-        f"{figure('force_n', jammed.peak_pair_n)} on one pair of teeth, safety {safeties}; the table "
-        "has what is worse"
+        f"{torque} at the driving shaft, {jam.times:g} times: up to {force} on one pair of teeth, safety {safeties}; "
+        "the table has what is worse"
     )
 
 
@@ -229,7 +216,7 @@ def knock_words(knocks: Sequence[Knock] | None) -> str:
 
 
 def _face_load_figures(drive: Drive, rating: Rating) -> dict[str, Any]:
-    """The load along the width as far as it is computed; teeth are those of the driving gear."""
+    """The load along the width, as far as it is computed; teeth have the numbers of the driving gear."""
     told = drive.told_face_load_by(rating.strength.method)
     if told is None:
         return {}
@@ -255,17 +242,15 @@ ALIKE = 0.01
 
 def face_load_words(drive: Drive, rating: Rating) -> str:
     """How unevenly teeth bear along their width, and whether that is given, assumed or computed."""
-    loading = drive.face_loading
-    told = drive.told_face_load_by(rating.strength.method)
+    loading, told = drive.face_loading, drive.told_face_load_by(rating.strength.method)
     if told is None:
         factor = f"factor {to_digits(loading.constant, 3)}"
         return f"{factor} as given" if loading.basis == "given" else f"{factor}, assumed since {loading.why}"
     factors = (told.least.factor, told.greatest.factor, told.decisive.factor, told.by_shafts, told.best)
     least, greatest, decisive, by_shafts, best = (to_digits(one, 3) for one in factors)
     grade = "" if drive.design.tolerances else f", grade {GRADE} assumed"
-    at_best = f"crowning of {told.best_um:g} \u00b5m"
     is_best = told.best > (1.0 - ALIKE) * told.decisive.factor
-    better = "no other crowning is better" if is_best else f"{at_best}: {best}"
+    better = "no other crowning is better" if is_best else f"crowning of {told.best_um:g} \u00b5m: {best}"
     return (
         f"factor {least} to {greatest} by shafts, bearings and lead{grade}; {decisive} at tooth "
         f"{told.decisive.tooth}, which bears most, {by_shafts} if no flank were askew; {better}{_rigid_words(loading)}"
@@ -274,17 +259,14 @@ def face_load_words(drive: Drive, rating: Rating) -> str:
 
 def _rigid_words(loading: FaceLoading) -> str:
     """Which bearings count as rigid, for want of a rating."""
-    names = loading.rigid_bearings
-    if not names:
-        return ""
-    count = "counts" if len(names) == 1 else "count"
-    return f"; without static_rating_n, {listed(names, 'and')} {count} as rigid"
+    names, count = loading.rigid_bearings, "counts" if len(loading.rigid_bearings) == 1 else "count"
+    return f"; without static_rating_n, {listed(names, 'and')} {count} as rigid" if names else ""
 
 
 def strength_summary(rating: Rating, drive: Drive) -> dict[str, Any]:
     """The method, the load, and the least safeties of both gears with the numbers of their teeth.
 
-    ``face_load_factor`` is that of the place that bears most for each mm of width.
+    ``face_load_factor`` belongs to the place that bears the largest force for each mm of width.
     """
     least: dict[str, dict[str, Any]] = {gear.value: {} for gear in Gear}
     for one in rating.weakest:
@@ -318,24 +300,19 @@ def _gear_figures(rating: Rating, gear: Gear, rim: float) -> dict[str, Any]:
 
 
 OF_TOOTH = ("stress_mpa", "phi1_rad", "safety", "life_h")
-COLUMNS = ("gear", "tooth", *(f"{kind}_{name}" for kind in Damage for name in OF_TOOTH))
-"""Columns of the table: four of each kind of damage."""
+"""The columns of each kind of damage."""
 
 
 def strength_csv(strength: Strength) -> str:
     """A row for each gear and tooth; cells are empty where a safety or a life is without end or nothing is known."""
-    return rows_text(COLUMNS, _rows(strength))
-
-
-def _rows(strength: Strength) -> Iterable[list[object]]:
+    rows: list[list[object]] = []
     for gear in Gear:
         lives = lives_of(strength, gear)
         for row in range(lives[Damage.BENDING].safety.size):
-            cells: list[object] = [gear.value, row + 1]
-            for kind in Damage:
-                life = lives.get(kind)
-                cells += [known(float(getattr(life, name)[row])) if life else None for name in OF_TOOTH]
-            yield cells
+            of_kinds = [(lives.get(kind), name) for kind in Damage for name in OF_TOOTH]
+            cells = (known(float(getattr(life, name)[row])) if life else None for life, name in of_kinds)
+            rows.append([gear.value, row + 1, *cells])
+    return rows_text(("gear", "tooth", *(f"{kind}_{name}" for kind in Damage for name in OF_TOOTH)), rows)
 
 
 def life_words(hours: float, wears: bool = False) -> str:
@@ -357,33 +334,18 @@ def materials_words(drive: Drive, strength: Strength) -> str:
     return " on ".join(names) + assumed + "".join(hot)
 
 
-HEADS = (
-    Column(""),
-    Column(""),
-    Column("safety"),
-    Column("wanted"),
-    Column("tooth"),
-    Column("phi1", "deg"),
-    Column("stress", "MPa"),
-    Column("endured", "MPa"),
-    Column("life"),
-)
+HEADS = columns_of("", "", "safety", "wanted", "tooth", "phi1, deg", "stress, MPa", "endured, MPa", "life")
 """Columns of the table of weakest teeth."""
 
 
 def weakest_table(drive: Drive, rating: Rating) -> Table:
     """The weakest tooth of each gear for each kind of damage, with notes on load, method and material."""
-    strength, surfaces = rating.strength, drive.surfaces_by(rating.strength.method)
-    notes = LOADS[strength.load], METHODS[strength.method], ERRORS[strength.method], materials_words(drive, strength)
-    return Table(
-        "Weakest teeth",
-        HEADS,
-        tuple(weakest_cells(one, rating.strength.wears) for one in rating.weakest),
-        (
-            *(f"{note}." for note in notes),
-            *(f"{name.capitalize()}: {words}." for name, words in surfaces_rows(drive, surfaces)),
-        ),
-    )
+    strength = rating.strength
+    notes = [LOADS[strength.load], METHODS[strength.method], ERRORS[strength.method], materials_words(drive, strength)]
+    surfaces = surfaces_rows(drive, drive.surfaces_by(strength.method))
+    notes += [f"{name.capitalize()}: {words}" for name, words in surfaces]
+    cells = tuple(weakest_cells(one, strength.wears) for one in rating.weakest)
+    return Table("Weakest teeth", HEADS, cells, tuple(f"{note}." for note in notes))
 
 
 def weakest_cells(one: Weakest, wears: bool) -> tuple[str, ...]:
@@ -406,7 +368,7 @@ WEAR = "No tooth breaks: no safety is under the wanted one; dry metal wears."
 
 
 def holding_words(wears: bool) -> str:
-    """What is said of teeth of which no safety is under the wanted one; ``wears`` as of the strength."""
+    """What is said of teeth that hold; ``wears`` tells whether they are of metal and run dry."""
     return WEAR if wears else HOLD
 
 

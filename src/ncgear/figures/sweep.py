@@ -7,11 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import known, shown
 from ncgear.figures.quantities import name_of, told
 from ncgear.screening.designs import Designs
 from ncgear.screening.overview import Overview, rank_correlations
+from ncgear.screening.rows import WITH_MASSES
 from ncgear.screening.wanted import Constraint, Objective, Wanted
 
 REFUSALS = 5
@@ -160,3 +162,41 @@ def effects_csv(overview: Overview) -> str:
 def values_of(designs: Designs, row: int) -> Mapping[str, float]:
     """What the keys of one design are."""
     return {key: float(values[row]) for key, values in designs.values.items()}
+
+
+BEST = 3
+"""Designs that are told for each objective."""
+
+
+def swept_answer(screened: Overview, deeper: Overview | None, stage: str, then: str) -> Answer:
+    """How many can be made, the best of them, and why the others cannot."""
+    last = deeper or screened
+    head, *more = counts_of(screened, deeper, stage)
+    heads = [key.rpartition(".")[2] for key in last.space.keys] + [head_of(one.name) for one in last.wanted.objectives]
+    rows = [
+        Row(title_of(objective) if place == 0 else "", tuple(cells))
+        for objective, best in zip(last.wanted.objectives, last.best, strict=False)
+        for place, cells in enumerate(cells_of(best, last.wanted)[:BEST])
+    ]
+    if without_masses(last):
+        rows.append(Row("masses", ("not counted in power: give them as masses",)))
+    refused = [
+        Fault(f"{one.count} {'design' if one.count == 1 else 'designs'}: {one.verdict}")
+        for one in last.frequent_refusals[:REFUSALS]
+    ]
+    return Answer(
+        head,
+        tuple(rows),
+        tuple(refused),
+        about="; ".join(more),
+        heads=tuple(heads),
+        good="",
+        wrong=f"{last.count - last.made} are refused",
+        then=then,
+    )
+
+
+def without_masses(overview: Overview) -> bool:
+    """Whether designs are ranked by a power that counts no masses."""
+    by_power = any(one.name.endswith("power_w") for one in overview.wanted.objectives)
+    return by_power and all(set(WITH_MASSES).isdisjoint(one.figures) for one in overview.best)

@@ -37,6 +37,11 @@ class Column(NamedTuple):
         return f"{self.label} in {self.unit}" if self.unit else self.label
 
 
+def columns_of(*headings: str) -> tuple[Column, ...]:
+    """Columns by their headings, each a label or, as in ``stress, MPa``, a label and a unit."""
+    return tuple(Column(*heading.rsplit(", ", 1)) for heading in headings)
+
+
 class HtmlRow(NamedTuple):
     """Cells of text; the first one names the row, and the second one is ``span`` columns wide."""
 

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import groupby
 from math import degrees
 from pathlib import Path
 from textwrap import wrap
 from typing import Any
 
+from ncgear.figures.answers.answer import Answer, whole_answer
 from ncgear.figures.numbers import fixed, placed, shown
-from ncgear.figures.quantities import name_of, told
+from ncgear.figures.quantities import STATISTICS, figure, name_of, told
 from ncgear.figures.summary.check_summary import check_summary
 from ncgear.figures.tables import WIDTH, Column, aligned
 from ncgear.figures.wished import wish_line
@@ -77,7 +79,7 @@ def check_text(drive: Drive) -> str:
 
 
 def build_text(summaries: Sequence[Mapping[str, Any]], paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
-    """The results of a build: the summary of every pair, the files written, and those of others that were kept."""
+    """The results of a build: the summary of every pair, the files written, and the kept files of others."""
     return "\n\n".join([*map(summary_text, summaries), "\n".join(written_lines(paths, kept))])
 
 
@@ -245,3 +247,102 @@ def kept_lines(kept: Sequence[Path]) -> list[str]:
     if not kept:
         return []
     return ["Kept under a new name, because they were not as ncgear had written them", *(f"{INDENT}{p}" for p in kept)]
+
+
+Figures = Mapping[str, Any]
+
+ROOM = 140
+"""Characters of a line of a table."""
+
+
+def full_text(answer: Answer, figures: Sequence[Figures], paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
+    """The whole answer, then every figure, once for each pair of gears that is told by itself, then the files."""
+    told_by_pair = [block for one in figures for block in (*_blocks(one), *judged_blocks(one))]
+    blocks = [*whole_answer(answer), *told_by_pair, written_lines(paths, kept) if paths else []]
+    return "\n\n".join("\n".join(block) for block in blocks if block)
+
+
+def _blocks(figures: Figures) -> list[list[str]]:
+    """The plain figures, and a block for each group or for groups that stand side by side."""
+    found = {key: value for key, value in figures.items() if key not in JUDGED}
+    return [_plain_lines("", found), *_groups(found)]
+
+
+def _plain_lines(name: str, figures: Figures) -> list[str]:
+    """One line for each figure of a group that is no group itself."""
+    rows = _texts(name, {key: value for key, value in figures.items() if not _is_group(value)})
+    width = max((len(label) for label, _ in rows), default=0)
+    return [line for label, text in rows for line in value_lines(label, text, width)]
+
+
+def _texts(name: str, group: Figures) -> list[tuple[str, str]]:
+    """Names and texts of a group of figures; statistics are in the unit that the name of the group ends in."""
+    if STATISTICS.keys() >= group.keys():
+        return [(STATISTICS[key], figure(name, value)) for key, value in group.items()]
+    return labelled(group)
+
+
+def _groups(figures: Figures) -> list[list[str]]:
+    """The name and the lines of each group; groups that follow one another and hold the same figures are one table."""
+    groups = [(key, value) for key, value in figures.items() if _is_group(value) and value]
+    found = []
+    for keys, alike in groupby(groups, lambda group: _keys(group[1])):
+        some = list(alike)
+        table = _side_by_side(some) if keys and len(some) > 1 else []
+        found += [table] if table else [[name_of(key), *_content(key, value)] for key, value in some]
+    return found
+
+
+def _is_group(value: Any) -> bool:
+    return isinstance(value, Mapping) or (isinstance(value, list) and bool(value) and isinstance(value[0], Mapping))
+
+
+def _keys(group: Any) -> frozenset[str]:
+    """The keys of a group that holds nothing but plain figures; empty of any other."""
+    plain = isinstance(group, Mapping) and not any(map(_is_group, group.values()))
+    return frozenset(group) if plain else frozenset()
+
+
+def _side_by_side(groups: Sequence[tuple[str, Figures]]) -> list[str]:
+    """Groups of the same figures as a table; no lines where it has no room."""
+    rows = [(name_of(key), dict(_texts(key, group))) for key, group in groups]
+    heads = list(rows[0][1])
+    cells = [["", *heads], *([name, *(own[head] for head in heads)] for name, own in rows)]
+    return _with_room(cells if len(rows) >= len(heads) else _turned(cells), 1)
+
+
+def _content(name: str, value: Any) -> list[str]:
+    """The lines of a group; a list of groups is a table, or has one below the other where that has no room."""
+    if isinstance(value, list):
+        return _table(value) or [line for row in value for line in [*_content(name, row), ""]][:-1]
+    return [*_plain_lines(name, value), *(INDENT + line for block in _groups(value) for line in block)]
+
+
+def _table(rows: Sequence[Figures]) -> list[str]:
+    """The lines of a table, without the columns that have no value in any row; none where it has no room."""
+    if len(rows) == 1 or any(map(_holds_table, rows)):
+        return []
+    if any(row.keys() != rows[0].keys() or any(map(_is_group, row.values())) for row in rows):
+        flat = [dict(labelled(row)) for row in rows]
+        heads = list(dict.fromkeys(head for row in flat for head in row))
+        return _with_room([heads, *([row.get(head, "-") for head in heads] for row in flat)])
+    keys = [key for key in rows[0] if any(row[key] is not None for row in rows)]
+    columns = [[told(key, row[key]) for row in rows] for key in keys]
+    heads = [", ".join(filter(None, (column[0][0], max(unit for *_, unit in column)))) for column in columns]
+    return _with_room([heads, *_turned([[text for _, text, _ in column] for column in columns])])
+
+
+def _holds_table(group: Figures) -> bool:
+    """Whether a list of groups is anywhere in a group."""
+    return any(isinstance(one, list) or _holds_table(one) for one in group.values() if _is_group(one))
+
+
+def _with_room(cells: Sequence[Sequence[str]], left: int = 0) -> list[str]:
+    """The lines of a table, with its columns as rows where only that has room; none where that has no room either."""
+    tables = aligned(cells, left), aligned(_turned(cells), 1)
+    return next((lines for lines in tables if max(map(len, lines)) <= ROOM), [])
+
+
+def _turned(cells: Sequence[Sequence[str]]) -> list[list[str]]:
+    """Rows as columns."""
+    return [list(row) for row in zip(*cells, strict=True)]

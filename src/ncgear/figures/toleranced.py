@@ -1,16 +1,20 @@
-"""The assemblies of a design within its tolerances: as JSON, as a table, and as text with every figure."""
+"""The assemblies of a design within its tolerances: as JSON, as a table, in words, and as an answer."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import accumulate
 from typing import Any
 
 import numpy as np
 
 from ncgear.figures.advice.values import Kind
 from ncgear.figures.advice.verdict import CONDITIONS
+from ncgear.figures.answers.answer import COLUMNS, Answer, Fault, Row
 from ncgear.figures.csv_text import csv_text
+from ncgear.figures.data_sheet.entries import assumed_words, limit_words
 from ncgear.figures.numbers import fixed, to_digits
+from ncgear.figures.quantities import figure, name_of
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.project.tolerance import Tolerated
@@ -20,18 +24,11 @@ from ncgear.tolerances.drawn import Source
 from ncgear.tolerances.iso1328 import rounded_um
 from ncgear.tolerances.study import PairStudy, Share
 
+OF_GEAR = {"eccentricity": "bore off", "tilt": "bore tilted", "index": "keyway"}
 SOURCES = {
-    "center_distance": "centre distance",
-    "eccentricity_driving": "driving bore off",
-    "eccentricity_driven": "driven bore off",
-    "tilt_driving": "driving bore tilted",
-    "tilt_driven": "driven bore tilted",
-    "index_driving": "driving keyway",
-    "index_driven": "driven keyway",
-    "temperature": "temperature",
-    "wear": "wear",
-    "pitch": "pitch",
-    "profile": "profile",
+    "center_distance": name_of("center_distance_mm"),
+    **{f"{key}_{gear}": f"{gear} {words}" for key, words in OF_GEAR.items() for gear in ("driving", "driven")},
+    **{name: name for name in ("temperature", "wear", "pitch", "profile")},
 }
 """What may deviate, in words."""
 
@@ -55,40 +52,34 @@ def figures_of(found: Assemblies, tolerated: Tolerated) -> dict[str, Array]:
     torque never turns round, and where no load is known; ``play_max_rad`` of a single pair; ``contact_ratio_min`` where
     all flanks touch at an end of a range.
     """
-    output = tolerated.drive.linkage.OUTPUT
-    told = {
+    place, acceleration = (getattr(tolerated.drive.linkage.OUTPUT, of) for of in ("place", "acceleration"))
+    reverses, two = tolerated.knock is not None and tolerated.loaded, len(tolerated.pairs) > 1
+    told = _of_flanks(found, reverses, found.play_max_rad if two else None)
+    if not np.isfinite(found.least_arc).all():
+        del told["contact_ratio_min"]
+    told[f"motion_error_{place.ending}"] = place.factor * found.motion_error
+    return told | {f"peak_acceleration_{acceleration.ending}": found.peak_acceleration}
+
+
+def _of_flanks(found: Assemblies | PairAssemblies, reverses: bool, turned_rad: Array | None = None) -> dict[str, Array]:
+    """The figures that a machine and a pair have; ``reverses`` tells whether a known load turns the torque round.
+
+    ``turned_rad`` is the play of the last driven gear, where it is told.
+    """
+    return {
         "least_play_mm": found.least_play_mm,
         "largest_play_mm": found.largest_play_mm,
-        "reversal_play_mm": found.reversal_play_mm,
-        "play_max_rad": found.play_max_rad,
+        **({"reversal_play_mm": found.reversal_play_mm} if reverses else {}),
+        **({} if turned_rad is None else {"play_max_rad": turned_rad}),
         "transmission_error_mm": found.transmission_error_mm,
         "transmission_error_rad": found.transmission_error_rad,
         "contact_ratio_min": found.least_arc,
-        f"motion_error_{output.place.ending}": output.place.factor * found.motion_error,
-        f"peak_acceleration_{output.acceleration.ending}": found.peak_acceleration,
     }
-    if tolerated.knock is None or not tolerated.loaded:
-        del told["reversal_play_mm"]
-    if len(tolerated.pairs) == 1:
-        del told["play_max_rad"]
-    if not np.isfinite(found.least_arc).all():
-        del told["contact_ratio_min"]
-    return told
 
 
 def pair_figures(found: PairAssemblies, of: PairStudy, *, loaded: bool) -> dict[str, Array]:
     """The same figures of one of two pairs, as far as a pair has them; ``loaded`` tells whether any load is known."""
-    told = {
-        "least_play_mm": found.least_play_mm,
-        "largest_play_mm": found.largest_play_mm,
-        "reversal_play_mm": found.reversal_play_mm,
-        "transmission_error_mm": found.transmission_error_mm,
-        "transmission_error_rad": found.transmission_error_rad,
-        "contact_ratio_min": found.least_arc,
-    }
-    if of.knock is None or not loaded:
-        del told["reversal_play_mm"]
-    return told
+    return _of_flanks(found, of.knock is not None and loaded)
 
 
 def worst_is_least(key: str) -> bool:
@@ -124,13 +115,13 @@ def _percentiles(told: Mapping[str, Array], nominal: Mapping[str, Array]) -> dic
 
 
 def share_words(share: Share) -> str:
-    """``1.2 % (0.9 to 1.6 %)``: the share, and where that of all assemblies lies with 95 % confidence."""
+    """``1.2 % (0.9 to 1.6 %)``: the share, and the range of the share of all assemblies with 95 % confidence."""
     value, least, largest = (to_digits(100.0 * one, 3) for one in (share.value, share.least, share.largest))
     return f"{value} % ({least} to {largest} % of all)"
 
 
 MOST_OFF = 0.1
-"""Error of the linear model, as a share of what flanks are displaced by, from which it is a warning."""
+"""From this error on the linear model is a warning; the error is a share of the displacement of the flanks."""
 
 
 NOT_JUDGED = "Not judged: all but assembly, knocking and the linear model (ncgear build)"
@@ -149,52 +140,31 @@ class AssembliesJudged:
 
 def judged_assemblies(tolerated: Tolerated) -> list[AssembliesJudged]:
     """The verdict on the assemblies, the most serious condition first."""
-    needed, jam, knock = (
-        tolerated.needed,
-        tolerated.jam.value,
-        0.0 if tolerated.knock is None else tolerated.knock.value,
-    )
+    needed, jam, knock = tolerated.needed, tolerated.jam.value, tolerated.knock.value if tolerated.knock else 0.0
     off = max(one.error_mm / max(one.displaced_mm, 1e-12) for pair in tolerated.pairs for one in pair.errors)
     enough = () if needed is None or needed.jammed is None else (f"gears.{needed.key}: {needed.value:g}",)
-    broken = (
-        jam > MOST_JAMMED and f"{to_digits(100.0 * jam, 3)} % of the assemblies jam",
-        knock > 0.0 and f"{to_digits(100.0 * knock, 3)} % of the assemblies knock",
-        off > MOST_OFF
-        and f"the linear model is off by up to {fixed(100.0 * off, 0)} %: these tolerances are large for such teeth",
-    )
-    conditions = (
-        (str(Kind.JAMS), CONDITIONS[Kind.JAMS].kept, enough),
-        ("knock", "no assembly knocks", ("less backlash, or finer tolerances",)),
-        ("linear_model", f"the linear model is off by {100.0 * MOST_OFF:g} % at the most", ()),
-    )
+    jams = f"{to_digits(100.0 * jam, 3)} % of the assemblies jam" if jam > MOST_JAMMED else ""
+    knocks = f"{to_digits(100.0 * knock, 3)} % of the assemblies knock" if knock > 0.0 else ""
+    large = f"the linear model is off by up to {fixed(100.0 * off, 0)} %: these tolerances are large for such teeth"
+    kept = f"the linear model is off by {100.0 * MOST_OFF:g} % at the most"
     return [
-        AssembliesJudged(name, kept, said or "", cures)
-        for (name, kept, cures), said in zip(conditions, broken, strict=True)
+        AssembliesJudged(str(Kind.JAMS), CONDITIONS[Kind.JAMS].kept, jams, enough),
+        AssembliesJudged("knock", "no assembly knocks", knocks, ("less backlash, or finer tolerances",)),
+        AssembliesJudged("linear_model", kept, large if off > MOST_OFF else ""),
     ]
 
 
 def _verdict(tolerated: Tolerated) -> dict[str, Any]:
     """The verdict in full, in the form of that on a machine."""
     judged = judged_assemblies(tolerated)
-    return {
-        "warnings": [
-            ". To change it: ".join([one.broken, *(["; or ".join(one.cures)] if one.cures else [])])
-            for one in judged
-            if one.broken
-        ],
-        "remarks": [],
-        "verdict": [
-            {
-                "condition": one.condition,
-                "stage": None,
-                "says": one.kept,
-                "verdict": "broken" if one.broken else "kept",
-                "because": one.broken,
-                "remark": "",
-            }
-            for one in judged
-        ],
-    }
+    rows = [
+        {"condition": one.condition, "stage": None, "says": one.kept, "verdict": "broken" if one.broken else "kept"}
+        | {"because": one.broken, "remark": ""}
+        for one in judged
+    ]
+    to_change = [f". To change it: {'; or '.join(one.cures)}" if one.cures else "" for one in judged]
+    warnings = [f"{one.broken}{cure}" for one, cure in zip(judged, to_change, strict=True) if one.broken]
+    return {"warnings": warnings, "remarks": [], "verdict": rows}
 
 
 def tolerance_json(tolerated: Tolerated) -> dict[str, Any]:
@@ -276,7 +246,7 @@ def _checks(pair: PairStudy) -> dict[str, Any]:
 
 
 def assemblies_csv(tolerated: Tolerated) -> str:
-    """One row for each assembly; of two pairs, the figures of each after those of the machine."""
+    """One row for each assembly; of two pairs, the figures of each pair follow the figures of the machine."""
     told = figures_of(tolerated.assemblies, tolerated)
     if len(tolerated.pairs) > 1:
         for pair in tolerated.pairs:
@@ -317,7 +287,7 @@ def _of(pair: PairStudy) -> str:
 
 
 def jam_words(tolerated: Tolerated) -> str:
-    """The share that jams, and that of each of two pairs."""
+    """The share of assemblies that jams, and of two pairs the share of each pair."""
     words = share_words(tolerated.jam)
     if len(tolerated.pairs) == 1:
         return words
@@ -350,3 +320,74 @@ def needed_words(tolerated: Tolerated) -> str:
 
 def _power_of_two(count: int) -> int:
     return 1 << (count - 1).bit_length()
+
+
+HEADS = "as designed", "median", "99 % keep"
+SHOWN = "as_designed", "median", "of_99_percent"
+
+ASSUMED = "Assumed, as the file has no section tolerances: "
+
+
+ROOM = COLUMNS - 30
+"""Characters of a line that names, "varies with" and what is between them leave to what a figure varies with."""
+
+
+def _first(words: str) -> str:
+    """As many sources of variance, the greatest first, as a line has room for."""
+    named = words.split(", ")
+    ends = accumulate(len(one) + len(", ") for one in named)
+    return ", ".join(one for one, end in zip(named, ends, strict=True) if end <= ROOM)
+
+
+def tolerance_answer(tolerated: Tolerated) -> Answer:
+    """What assemblies of a design do."""
+    told = percentiles(tolerated)
+    left_out = ["reversal_play_mm", "transmission_error_rad"]
+    columns = []
+    if len(tolerated.pairs) > 1:
+        left_out += ["least_play_mm", "largest_play_mm"]
+        columns = [
+            _shown_row(f"stage {pair.stage}: ", "least_play_mm", own["least_play_mm"])
+            for pair, own in zip(tolerated.pairs, pair_percentiles(tolerated), strict=True)
+        ]
+    columns += [_shown_row("", key, values) for key, values in told.items() if key not in left_out]
+    errors = [one for pair in tolerated.pairs for one in pair.errors]
+    worst = max(errors, key=lambda one: one.error_mm)
+    checked = (
+        f"linear model off the outlines of {len(errors)} assemblies by "
+        f"{to_digits(1e3 * worst.error_mm, 3)} of {to_digits(1e3 * worst.displaced_mm, 3)} \u00b5m"
+    )
+    play, error = (
+        to_digits(1e3 * max(getattr(pair.between, key) for pair in tolerated.pairs), 3)
+        for key in ("least_play_mm", "transmission_error_mm")
+    )
+    between = f"up to {play} \u00b5m less play, {error} \u00b5m more transmission error than at the positions looked at"
+    rows = [
+        Row("jam", (jam_words(tolerated),)),
+        Row("knock", (knock_words(tolerated),)),
+        Row("backlash", (needed_words(tolerated),)),
+        *(Row(name, (f"varies with {_first(words)}",)) for name, words in index_rows(tolerated)[:3] if words),
+        Row("checked", (checked,)),
+        Row("between", (between,)),
+    ]
+    limits = f"{assumed_words(tolerated.process)}{', '.join(limit_words(tolerated.tolerances))}"
+    return Answer(
+        f"{tolerated.drive.design.name}: {tolerated.assemblies.count} assemblies within their tolerances",
+        (*columns, *rows),
+        tuple(Fault(one.broken, one.cures) for one in judged_assemblies(tolerated) if one.broken),
+        about=f"Tolerances: {limits}" if tolerated.process is None else "",
+        notes=() if tolerated.process is None else (f"{ASSUMED}{limits}",),
+        heads=HEADS,
+        good=f"No warnings of what was judged: {_turning(tolerated)} of the assemblies turn, and none knocks.",
+        not_judged=NOT_JUDGED,
+        then="tolerance.json has every figure, assemblies.csv every assembly",
+    )
+
+
+def _turning(tolerated: Tolerated) -> str:
+    jamming = round(tolerated.jam.value * tolerated.assemblies.count)
+    return f"all but {jamming}" if jamming else "all"
+
+
+def _shown_row(of: str, key: str, values: Mapping[str, float]) -> Row:
+    return Row(f"{of}{name_of(key)}", tuple(figure(key, values[name]) for name in SHOWN))

@@ -39,7 +39,7 @@ def train_figures(name: str, description: str, train: Train, conditions: Sequenc
 
 
 def _row(one: Condition) -> dict[str, Any]:
-    """A condition with the keys that those of machines have, which ``--verbose`` prints, and what would help."""
+    """A condition, with the keys that conditions of machines have, and what would help."""
     state = State.NOT_JUDGED if one.holds is None else State.KEPT if one.holds else State.BROKEN
     return {
         "condition": one.name,

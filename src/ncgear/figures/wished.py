@@ -8,8 +8,7 @@ from typing import Any
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.kinematics.crank_stretches import End, Stroke
 from ncgear.mechanisms.mechanism import Mechanism, Unit
-from ncgear.wishes.achieved import EVEN, Achieved
-from ncgear.wishes.wish import Outcome
+from ncgear.wishes.wish import EVEN, Achieved, Outcome
 
 DIGITS = 4
 """Significant digits of what is achieved; what is missed has three."""
@@ -38,7 +37,7 @@ def motion_line(found: Achieved, linkage: Mechanism) -> str:
 
 
 def motion_summary(found: Achieved, linkage: Mechanism) -> dict[str, Any]:
-    """The figures of ``motion_line`` and those of the return, by keys that end in their unit."""
+    """The figures of ``motion_line`` and the figures of the return, by keys that end in their unit."""
     even, place = {f"even_{stroke.value}": _even(found, stroke, linkage) for stroke in found.even}, linkage.OUTPUT.place
     dwells = {f"dwell_{end.value}_deg": degrees(angle) for end, angle in found.dwell_rad.items()}
     return {

@@ -110,7 +110,7 @@ def _cause(excitation: Excitation) -> str:
 
 
 def _name_natural(axes: Axes, natural_hz: Sequence[float]) -> None:
-    """The values of natural frequencies at the right end, those of close ones apart, and plain numbers on the scale."""
+    """Natural frequencies at the right end, moved apart where they are close, and plain numbers on the scale."""
     canvas.plain_log(axes.yaxis, (1.0, 2.0, 5.0))
     low, high = np.log(axes.get_ylim())
     heights = (np.log(sorted(natural_hz)) - low) / (high - low)

@@ -49,13 +49,12 @@ PAIR_STEPS = (*WRITTEN_STEPS, "workshop files", "plots")
 @dataclass(frozen=True)
 class Built:
     """The paths of the files that a build wrote and of those of others that it kept, and what it found: the summary of
-    every pair and its contact as written, and the verdict on the whole machine.
+    every pair, and the verdict on the whole machine.
     """
 
     paths: list[Path]
     kept: list[Path]
     summaries: list[dict[str, Any]]
-    contacts: list[PairContact]
     verdict: Verdict
 
 
@@ -89,8 +88,7 @@ def build(
             contacts = [pair.contact for pair in pairs.values()]
             files[REPORT_FILE] = report_page(drive, reported, contacts, verdict, drawer)
     run = publish_run(folder, files, "build")
-    found = pairs.values()
-    return Built(run.paths, run.kept, [pair.summary for pair in found], [pair.contact for pair in found], verdict)
+    return Built(run.paths, run.kept, [pair.summary for pair in pairs.values()], verdict)
 
 
 def step_count(drive: Drive, *, report: bool) -> int:

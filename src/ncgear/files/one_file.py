@@ -38,7 +38,7 @@ _HERE, _EXCHANGE = -100, 2
 
 
 def put_in_place(place: Path, content: bytes) -> None:
-    """Write one file and move it to its place, in the stead of what stands there.
+    """Write one file and move it to its place, where it replaces what stands there.
 
     Raises WrongInput when that cannot be done.
     """
@@ -199,7 +199,7 @@ def refused(folder: Path) -> Iterator[None]:
 def locked(handle: int, *, wait: bool) -> bool:
     """Take the lock of an open file; False where another holds it and ``wait`` is false.
 
-    Some file systems have no locks, mostly those of networks; there nobody holds one, and everybody gets it.
+    Some file systems, mostly of networks, have no locks; there everybody gets the lock.
     """
     try:
         import fcntl

@@ -8,7 +8,7 @@ replace the links.  So at each moment either all names lead to old files, or all
     folder/a.csv -> .ncgear-xyz/current/a.csv        .ncgear-xyz/current -> old, then new
 
 A killed run leaves a staging folder and links into it.  The next run finishes the exchange and clears up.  A staging
-folder is known by its name, of which one half is computed from the other: other folders are never touched.
+folder is known by its name, half of which is computed from the other half: other folders are never touched.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ def prepare_file(path: Path) -> None:
 
 
 def is_inside(name: str) -> bool:
-    """Whether a name is that of a file in a folder or in one below it, and of no staging folder."""
+    """Whether a name is the name of a file in a folder or in a folder below it, and of no staging folder."""
     parts = name.split("/")
     wrong = any(part in ("", ".", "..") or "\\" in part or "\0" in part for part in parts)
     return not wrong and len(parts) <= 2 and not name.startswith(STAGING_PREFIX)
@@ -120,7 +120,7 @@ def _sign(token: str) -> str:
 
 
 def _is_of_staging(name: str) -> bool:
-    """Whether a name is that of a staging folder."""
+    """Whether a staging folder has this name."""
     token, _, sign = name.removeprefix(STAGING_PREFIX).partition("-")
     return name.startswith(STAGING_PREFIX) and sign == _sign(token)
 
@@ -154,7 +154,7 @@ def _clear_up(folder: Path) -> None:
 
 
 def exchange(folder: Path, files: Mapping[str, bytes], gone: Collection[str] = ()) -> None:
-    """Write files to their places in an opened folder, and remove those of the names ``gone``, at the same instant.
+    """Write files to their places in an opened folder, and remove the files ``gone``, at the same instant.
 
     Raises OSError when that cannot be done, and the old files are visible; WrongInput where it is done but could not be
     tidied up, and the new files are visible.

@@ -131,19 +131,15 @@ def outline_of_csv(data: bytes) -> Array:
 
 
 def outline_of_stl(data: bytes, height_mm: float, *, hole: bool = False) -> Array:
-    """The outer boundary of a solid's section, or with ``hole`` that of its largest hole, in mm, shape (n, 2).
+    """The outer boundary of a solid's section, or with ``hole`` the boundary of its largest hole, in mm, shape (n, 2).
 
     The boundary runs counter-clockwise.  The section is at a height above z = 0.  Raises ValueError unless the mesh is
     closed there.
     """
     mesh = mesh_of_stl(data)
     found = section_rings(np.asarray(mesh.vertices), np.asarray(mesh.faces), height_mm)
-    chosen = min(found, key=signed_area)[::-1] if hole else max(found, key=signed_area)
-    return _without_straight_points(chosen)
-
-
-def _without_straight_points(ring: Array) -> Array:
-    """A ring without points that repeat the point before them, or are on the line through their neighbours."""
+    ring = min(found, key=signed_area)[::-1] if hole else max(found, key=signed_area)
+    # Points go that repeat the point before them, or are on the line through their neighbours.
     step, size = ring - np.roll(ring, 1, axis=0), float(np.abs(ring).max())
     ring = ring[np.hypot(step[:, 0], step[:, 1]) > NEAR * size]
     before, after = np.roll(ring, 1, axis=0), np.roll(ring, -1, axis=0)

@@ -71,17 +71,14 @@ def driving_torque(drive: Drive, own: Loads, uniform: Loads) -> Chart:
 
 def joint_forces(drive: Drive, own: Loads, uniform: Loads) -> list[Chart]:
     """Forces in the bearing of the crank, in the mechanism's joints from the crank on, and in the guide."""
-    joints = reversed([*drive.linkage.JOINTS.items()])
-    return [
-        _load_chart(
-            drive, f"{drive.linkage.CRANK} bearing", "N", _size(own.crank_bearing), _size(uniform.crank_bearing)
-        ),
-        *(
-            _load_chart(drive, words, "N", _size(own.joints[name]), _size(uniform.joints[name]))
-            for name, words in joints
-        ),
-        *([_load_chart(drive, "guide", "N", own.guide.value, uniform.guide.value)] if drive.linkage.GUIDED else []),
-    ]
+    linkage, both = drive.linkage, (own, uniform)
+    forces = {f"{linkage.CRANK} bearing": [_size(loads.crank_bearing) for loads in both]}
+    forces |= {
+        words: [_size(loads.joints[name]) for loads in both] for name, words in reversed([*linkage.JOINTS.items()])
+    }
+    if linkage.GUIDED:
+        forces["guide"] = [loads.guide.value for loads in both]
+    return [_load_chart(drive, name, "N", *sizes) for name, sizes in forces.items()]
 
 
 def mesh_forces(drive: Drive, own: Loads, uniform: Loads) -> list[Chart]:
@@ -96,7 +93,7 @@ def mesh_forces(drive: Drive, own: Loads, uniform: Loads) -> list[Chart]:
 
 
 def drawn_angles_rad(drive: Drive) -> Array:
-    """Driving angles of the charts of the rigid level, rising, shape (n,): those of its table, and of its peaks."""
+    """Rising driving angles of the charts of the rigid level, shape (n,): the angles of its table and of its peaks."""
     peaks, torque = drive.rigid.peaks, drive.rigid.driving.torque_range_n_mm
     mesh = [] if peaks.mesh is None else [peaks.mesh.force_n]
     found = [*peaks.joints_n.values(), peaks.crank_bearing_n, peaks.guide_n, *torque, *mesh]
@@ -132,7 +129,7 @@ SIMULATED = "simulated"
 
 
 def output_in_time(shown: History, output: Output, apart_deg: Array) -> list[Chart]:
-    """The output's motion beside that of the law; ``apart_deg`` (shape (k, 2)) is that of ``Chart``."""
+    """The output's motion beside the motion of the law; ``apart_deg`` (shape (k, 2)) as in ``Chart``."""
     charts = []
     for quantity in MOTION:
         own, law = (quantity.values(slide, output) for slide in (shown.slide, shown.law))
@@ -141,29 +138,23 @@ def output_in_time(shown: History, output: Output, apart_deg: Array) -> list[Cha
     return charts
 
 
-def teeth_in_time(shown: History, apart_deg: Array) -> list[Chart]:
-    """Forces of the most loaded pair on both sides of the teeth, and the driving torque."""
-    return [
-        simulated_chart(name, unit, shown.phi1_rad, (SIMULATED, values), apart_deg=apart_deg)
-        for name, unit, values in (
-            ("pushing force, one pair", "N", shown.pushing_n),
-            ("back force, one pair", "N", shown.back_n),
-            ("driving torque", "N m", N_M_PER_N_MM * shown.torque_n_mm),
-        )
-    ]
+def teeth_in_time(shown: History) -> dict[str, tuple[str, Array]]:
+    """Forces of the most loaded pair on both sides of the teeth, and the driving torque, each with its unit."""
+    return {
+        "pushing force, one pair": ("N", shown.pushing_n),
+        "back force, one pair": ("N", shown.back_n),
+        "driving torque": ("N m", N_M_PER_N_MM * shown.torque_n_mm),
+    }
 
 
-def bearings_in_time(drive: Drive, shown: History, apart_deg: Array) -> list[Chart]:
-    """Forces in the joints of the mechanism and between the teeth."""
+def bearings_in_time(drive: Drive, shown: History) -> dict[str, tuple[str, Array]]:
+    """Forces in the joints of the mechanism and between the teeth, each with its unit."""
     forces = {
         **{words: shown.joints.joints[name] for name, words in drive.linkage.JOINTS.items()},
         f"{drive.linkage.CRANK} bearing": shown.crank_bearing,
         "force of all pairs": shown.mesh,
     }
-    return [
-        simulated_chart(name, "N", shown.phi1_rad, (SIMULATED, np.hypot(force.x, force.y)), apart_deg=apart_deg)
-        for name, force in forces.items()
-    ]
+    return {name: ("N", np.hypot(force.x, force.y)) for name, force in forces.items()}
 
 
 Columns = Mapping[str, tuple[Sequence[Chart], str]]
@@ -197,7 +188,7 @@ class Simulated:
 def simulate(drive: Drive, level: Level) -> Simulated:
     """Simulate a machine at a level; raises WrongInput where the design lacks what the level needs.
 
-    Its verdict is that of a build but for the rigid level, which makes no teeth unless a drivetrain asks for them.
+    The verdict is the verdict of a build; at the rigid level, which makes teeth only for a drivetrain, of a check.
     """
     table, figures, pictures = _at_level(drive, level)
     with_teeth = drive.design.gears is not None and (level is not Level.RIGID or drive.design.drivetrain is not None)
@@ -260,10 +251,17 @@ def _dynamic(drive: Drive) -> Results:
     peaks = drive.peaks_of(course)
     drawn = history(course, rigid, np.union1d(even_times_s(course, PER_TURN), peaks.times_s))
     apart_deg = np.degrees(np.stack([course.at(ends)[0] for ends in pushing_parted_s(course).T], axis=-1))
+
+    def in_time(quantities: Mapping[str, tuple[str, Array]]) -> list[Chart]:
+        return [
+            simulated_chart(name, unit, drawn.phi1_rad, (SIMULATED, values), apart_deg=apart_deg)
+            for name, (unit, values) in quantities.items()
+        ]
+
     table, output = dynamic_table(history(course, rigid, even_times_s(course)), drive.linkage), drive.linkage.OUTPUT
     charts = {
         f"{output.name.replace(' ', '_')}_motion.png": (output_in_time(drawn, output, apart_deg), output.name),
-        "tooth_force.png": (teeth_in_time(drawn, apart_deg), "teeth and torque"),
-        "bearing_forces.png": (bearings_in_time(drive, drawn, apart_deg), "bearings"),
+        "tooth_force.png": (in_time(teeth_in_time(drawn)), "teeth and torque"),
+        "bearing_forces.png": (in_time(bearings_in_time(drive, drawn)), "bearings"),
     }
     return table, dynamic_figures(drive, peaks), _pictures(drive, TIME_LOOK, charts)

@@ -26,9 +26,9 @@ from ncgear.drawings.palette import HOLDING, STRESS
 from ncgear.drawings.pictures import assembled_teeth, positions_at, titled
 from ncgear.drawings.plots import canvas
 from ncgear.drawings.plots.assembled_pair import draw_body
+from ncgear.figures.flanks import speeds_csv
 from ncgear.figures.numbers import json_text, to_digits
 from ncgear.figures.strong import strength_csv
-from ncgear.figures.vibration import speeds_csv
 from ncgear.files.build import folder_of
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, largest_rows

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from math import degrees
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -29,7 +30,7 @@ COLORS = canvas.DRIVING, canvas.DRIVEN, canvas.REFERENCE, canvas.HIGHLIGHT
 
 @dataclass(frozen=True, eq=False)
 class Spread:
-    """A figure of many assemblies (shape (n,)), with its value as designed and a limit, on one side of which is bad.
+    """A figure of many assemblies (shape (n,)), with its value as designed and a limit; one side of the limit is bad.
 
     ``below`` tells whether assemblies below the limit are bad, else those above; ``beyond`` says what they do.
     """
@@ -108,7 +109,7 @@ SHOWN = {"least_play_mm": "least play", "transmission_error_mm": "transmission e
 
 
 def tolerance_files(tolerated: Tolerated) -> dict[str, bytes]:
-    """JSON, CSV and pictures; that of sources only where something varies, those of two pairs in their folders."""
+    """JSON, CSV and pictures; a picture of sources where something varies, pictures of two pairs in their folders."""
     files = {
         "tolerance.json": json_text(tolerance_json(tolerated)).encode(),
         "assemblies.csv": assemblies_csv(tolerated).encode(),
@@ -129,31 +130,21 @@ def tolerance_files(tolerated: Tolerated) -> dict[str, bytes]:
 
 
 def _spreads(tolerated: Tolerated) -> bytes:
-    """The machine's figures; those of plays too of a single pair, and the play of both together of two."""
+    """The figures of the machine: of a single pair all plays, of two pairs the play of both together."""
     found, nominal, output = tolerated.assemblies, tolerated.nominal, tolerated.drive.linkage.OUTPUT
     place, pair = output.place, tolerated.pairs[0]
-    motion = Spread(
-        f"motion error of the {output.name} in {place.text}",
-        place.factor * found.motion_error,
-        place.factor * float(nominal.motion_error[0]),
-    )
-    if len(tolerated.pairs) == 1:
-        shown = [*_of_pair(tolerated, pair), motion]
-    else:
+
+    def spread(label: str, key: str, factor: float = 1.0, *limit: Any) -> Spread:
+        return Spread(label, factor * getattr(found, key), factor * float(getattr(nominal, key)[0]), *limit)
+
+    shown = _of_pair(tolerated, pair)
+    if len(tolerated.pairs) > 1:
         shown = [
-            Spread("least play of either pair in mm", found.least_play_mm, float(nominal.least_play_mm[0]), *JAMS),
-            Spread(
-                "play of the last driven gear in deg, at most",
-                np.degrees(found.play_max_rad),
-                degrees(nominal.play_max_rad[0]),
-            ),
-            Spread(
-                "transmission error of both pairs in mm",
-                found.transmission_error_mm,
-                float(nominal.transmission_error_mm[0]),
-            ),
-            motion,
+            spread("least play of either pair in mm", "least_play_mm", 1.0, *JAMS),
+            spread("play of the last driven gear in deg, at most", "play_max_rad", degrees(1.0)),
+            spread("transmission error of both pairs in mm", "transmission_error_mm"),
         ]
+    shown.append(spread(f"motion error of the {output.name} in {place.text}", "motion_error", place.factor))
     return spreads(shown, f"{tolerated.drive.design.name}: {found.count} assemblies")
 
 
@@ -168,13 +159,7 @@ def _of_pair(tolerated: Tolerated, pair: PairStudy) -> list[Spread]:
         Spread("transmission error in mm", found.transmission_error_mm, float(nominal.transmission_error_mm[0])),
     ]
     if pair.knock is not None:
-        play = Spread(
-            "play where the torque turns round in mm" if tolerated.loaded else "largest play in mm",
-            found.reversal_play_mm,
-            float(np.max(nominal.reversal_play_mm)),
-            pair.knocking_mm,
-            False,
-            "knocks",
-        )
-        shown.insert(1, play)
+        label = "play where the torque turns round in mm" if tolerated.loaded else "largest play in mm"
+        designed = float(np.max(nominal.reversal_play_mm))
+        shown.insert(1, Spread(label, found.reversal_play_mm, designed, pair.knocking_mm, False, "knocks"))
     return shown

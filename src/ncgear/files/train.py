@@ -70,7 +70,7 @@ def build_train(name: str, description: str, train: Train, on_step: Callable[[st
     contacts, distances = contacts_of(train, outlines), distances_of(train, outlines)
     conditions = (*train.told.conditions, *judged_contacts(train, contacts, distances))
     on_step(STEPS[3])
-    from ncgear.drawings.plots.train_picture import meshes_picture, train_picture
+    from ncgear.drawings.train_pictures import meshes_picture, train_picture
 
     figures = train_figures(name, description, train, conditions) | contact_figures(contacts, distances)
     angles = np.linspace(0.0, train.cycle_rad, POSES)

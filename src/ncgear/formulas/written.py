@@ -62,7 +62,7 @@ class Written:
         return [one for one in (*self.numbers, *self.steps) if one in wanted]
 
     def expression(self, name: str) -> Any:
-        """A quantity as one expression of the variable; its numbers have the exact values of those of the law."""
+        """A quantity as one expression of the variable; its numbers have the exact values that the law has."""
         known = {one: sympy.Float(value, DIGITS) for one, value in self.numbers.items()}
         for one in self.needed(name):
             if one in self.steps:
@@ -121,7 +121,7 @@ class Writer:
         return [self.number(f"{name}_{k}", value) if value else 0 for k, value in enumerate(values, start=first)]
 
     def slope(self, of: Any) -> Any:
-        """The derivative of a step by the variable, by those of the steps before it, each written once."""
+        """The derivative of a step by the variable, from the derivatives of earlier steps, each written once."""
         step = self.steps[of]
         change = step.diff(self.variable)
         for inner in (one for one in list(self.steps) if one in step.free_symbols):

@@ -14,9 +14,8 @@ from ncgear.mechanisms.mechanism import Output
 from ncgear.numerics.arrays import Array, distinct
 from ncgear.numerics.extrema import Extremum, extremes_on, grid_between
 from ncgear.numerics.jet import Jet
-from ncgear.numerics.quadrature import gauss_points
+from ncgear.numerics.quadrature import gauss_points, rms_above
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.numerics.waves import rms_above
 from ncgear.shown import Shown
 
 
@@ -78,7 +77,7 @@ class KinematicCheck(Shown):
 def kinematic_check(machine: Machine) -> KinematicCheck:
     """Exact peaks of a machine: stationary points of the closed forms, and both sides of every joint.
 
-    Its power is that of the resistance alone: masses are counted by ``ncgear.dynamics.driving_shaft``.
+    Only the resistance counts in its power: masses are counted by ``ncgear.dynamics.driving_shaft``.
     """
     omega = machine.speed_rad_s
     cycle = stretches(machine)
@@ -196,7 +195,7 @@ def _peaks(machine: Machine, stretch: Stretch) -> _Peaks:
 
 
 def _grid(machine: Machine, stretch: Stretch) -> Array:
-    """The grid on which the extremes of a stretch are looked for, with its own knots and those of the load."""
+    """The grid on which the extremes of a stretch are looked for, with the knots of the stretch and of the load."""
     knots = distinct(np.concatenate([stretch.knots_rad, _passed_rad(machine, stretch)]))
     return grid_between(stretch.start_rad, stretch.end_rad, knots)
 

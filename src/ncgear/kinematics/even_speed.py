@@ -89,19 +89,12 @@ def longest_even_stretch(machine: Machine, stroke: Stroke, tolerance: float) -> 
     )
 
 
-def velocity(part: Stretch, phi1: Array, order: int) -> Jet:
-    """Speed of the output in mm per rad, with derivatives; never negative within the stretch."""
-    moved = part.displacement(phi1, order + 1).differentiated()
-    return moved if part.working else -moved
-
-
 def _sampled(parts: Sequence[Stretch], most: float) -> _Samples:
     """Even samples of every part, its stationary speeds, and the places of every speed that may decide."""
     still = [
-        stationary_points(partial(velocity, part, order=1), part.start_rad, part.end_rad, _knots(part))
-        for part in parts
+        stationary_points(partial(part.speed, order=1), part.start_rad, part.end_rad, _knots(part)) for part in parts
     ]
-    speeds = [velocity(part, angles, 0).value for part, angles in zip(parts, still, strict=True)]
+    speeds = [part.speed(angles, 0).value for part, angles in zip(parts, still, strict=True)]
     deciding = _distinct(np.concatenate(speeds))
     levels = np.concatenate([deciding, deciding * most, deciding / most])
     angles = [
@@ -137,13 +130,13 @@ def _even(part: Stretch, levels: Array, count: int) -> Array:
     pieces = -(-count // (grid.size - 1))
     shares = np.arange(pieces) / pieces
     grid = np.append((grid[:-1, None] + np.diff(grid)[:, None] * shares).ravel(), grid[-1])
-    speed = velocity(part, grid, 0).value
+    speed = part.speed(grid, 0).value
     over, moving = speed[:, None] > levels, np.abs(np.diff(speed)) > ALIKE * speed[1:]
     cell, level = np.nonzero((over[:-1] != over[1:]) & moving[:, None])
     if not cell.size:
         return grid
     wanted = levels[level]
-    found = zeros_between(lambda phi1: velocity(part, phi1, 0).value - wanted, grid[cell], grid[cell + 1])
+    found = zeros_between(lambda phi1: part.speed(phi1, 0).value - wanted, grid[cell], grid[cell + 1])
     return distinct(np.concatenate([grid, found]))
 
 

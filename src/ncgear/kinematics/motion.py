@@ -208,6 +208,11 @@ class Stretch:
         """Slider displacement in mm, with derivatives by phi1; one-sided limits at the ends."""
         return self.linkage.displacement(self.driven_angle(phi1, order))
 
+    def speed(self, phi1: Array, order: int) -> Jet:
+        """Speed of the output in mm per rad, with derivatives; never negative."""
+        moved = self.displacement(phi1, order + 1).differentiated()
+        return moved if self.working else -moved
+
 
 def stretches(machine: Machine) -> list[Stretch]:
     """The stretches of one cycle, in the order of the driving angle."""

@@ -26,8 +26,7 @@ import numpy as np
 
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.forces import JointForces, Pace, crank_forces, moving_force, place
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import JointForces, Masses, Pace, crank_forces, moving_force, place
 from ncgear.mechanisms.mechanism import Link, Mechanism, Mechanisms, MovingMass, Output, Point, Shape
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, Mask, Number
@@ -72,15 +71,13 @@ class CrankRockers(Mechanisms[Number]):
     def turns_fully(self) -> Mask:
         """Where |coupler - rocker| < ground - crank and ground + crank < coupler + rocker."""
         near = np.abs(self.coupler_mm - self.rocker_mm) < self.ground_mm - self.crank_mm
-        turning: Mask = near & (self.ground_mm + self.crank_mm < self.coupler_mm + self.rocker_mm)
-        return turning
+        return near & (self.ground_mm + self.crank_mm < self.coupler_mm + self.rocker_mm)
 
     @property
     def nearest_mm(self) -> Number:
         """The angle gamma in rad at the retracted dead centre."""
         sine, cosine = self._half_angle(self._near_mm)
-        angle: Number = 2.0 * np.arctan2(sine, cosine)
-        return angle
+        return 2.0 * np.arctan2(sine, cosine)
 
     @property
     def stroke_mm(self) -> Number:
@@ -99,14 +96,12 @@ class CrankRockers(Mechanisms[Number]):
     def working_angle_rad(self) -> Number:
         """Crank angle from the retracted to the extended dead centre: pi, and the angle between their couplers."""
         near, far = self.nearest_mm, self.nearest_mm + self.stroke_mm
-        angle: Number = pi + self.side * (self._direction(near) - self._direction(far))
-        return angle
+        return pi + self.side * (self._direction(near) - self._direction(far))
 
     def _direction(self, gamma_rad: Number) -> Number:
         """Direction of the rocker's pin from the crank's axis, towards the side of the pin."""
         across, along = self.rocker_mm * np.sin(gamma_rad), self.ground_mm - self.rocker_mm * np.cos(gamma_rad)
-        direction: Number = np.arctan2(across, along)
-        return direction
+        return np.arctan2(across, along)
 
     @property
     def _near_mm(self) -> Number:
@@ -279,8 +274,7 @@ class CrankRocker(CrankRockers[float], Mechanism):
         remaining = Jet((self.stroke_mm - displacement_mm)[None, :])
         working = self.working_angle(displacement, jet.sqrt(displacement), jet.sqrt(remaining)).value
         tilt = 2.0 * self._half_tilt(displacement).value
-        angle: Array = np.where(returning, 2.0 * pi - working + 2.0 * tilt, working)
-        return angle
+        return np.where(returning, 2.0 * pi - working + 2.0 * tilt, working)
 
     @property
     def corners(self) -> tuple[tuple[float, float], ...]:
@@ -337,8 +331,7 @@ class CrankRocker(CrankRockers[float], Mechanism):
     def transmission_rad(self, crank_rad: Array) -> Array:
         """Between coupler and rocker."""
         links = self.links(Jet(crank_rad[None, :]))
-        angle: Array = np.arcsin(np.abs(np.sin(links["coupler"].angle.value - links["rocker"].angle.value)))
-        return angle
+        return np.arcsin(np.abs(np.sin(links["coupler"].angle.value - links["rocker"].angle.value)))
 
     @property
     def rod_lines_mm(self) -> Mapping[str, tuple[tuple[Point, Point], ...]]:

@@ -14,8 +14,7 @@ import numpy as np
 
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.forces import JointForces, Pace, crank_forces, moving_force, place
-from ncgear.mechanisms.masses import Masses, RodMasses
+from ncgear.mechanisms.forces import JointForces, Masses, Pace, RodMasses, crank_forces, moving_force, place
 from ncgear.mechanisms.mechanism import Link, Mechanisms, MovingMass, Point, Rod, RodMechanism, Shape
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, Mask, Number
@@ -36,8 +35,7 @@ class CrankSliders(Mechanisms[Number]):
     @property
     def turns_fully(self) -> Mask:
         """Where rod - crank > |offset|."""
-        turning: Mask = self.rod_mm - self.crank_mm > np.abs(self.offset_mm)
-        return turning
+        return self.rod_mm - self.crank_mm > np.abs(self.offset_mm)
 
     @property
     def nearest_mm(self) -> Number:
@@ -63,8 +61,7 @@ class CrankSliders(Mechanisms[Number]):
     @property
     def _retracted_tilt_rad(self) -> Number:
         """Angle at the crank axis between the slider's line and the retracted slider."""
-        tilt: Number = np.arcsin(self.offset_mm / (self.rod_mm - self.crank_mm))
-        return tilt
+        return np.arcsin(self.offset_mm / (self.rod_mm - self.crank_mm))
 
     def displacement(self, crank_angle: Jet) -> Jet:
         """Slider displacement in mm, with derivatives, at a crank angle in rad; relatively accurate near both zeros.
@@ -171,8 +168,7 @@ class CrankSlider(CrankSliders[float], RodMechanism):
         working = self.working_angle(displacement, jet.sqrt(displacement), jet.sqrt(remaining)).value
         position = displacement_mm + self.nearest_mm
         tilt = np.arctan(displacement_mm * self.offset_mm / (position * self.nearest_mm + self.offset_mm**2))
-        angle: Array = np.where(returning, 2.0 * pi - working + 2.0 * tilt, working)
-        return angle
+        return np.where(returning, 2.0 * pi - working + 2.0 * tilt, working)
 
     @property
     def corners(self) -> tuple[tuple[float, float], ...]:
@@ -213,8 +209,7 @@ class CrankSlider(CrankSliders[float], RodMechanism):
 
     def transmission_rad(self, crank_rad: Array) -> Array:
         """Between the rod and the direction across the slider's line."""
-        angle: Array = 0.5 * pi - np.abs(self.rod(Jet(crank_rad[None, :])).angle.value)
-        return angle
+        return 0.5 * pi - np.abs(self.rod(Jet(crank_rad[None, :])).angle.value)
 
     @property
     def rod_lines_mm(self) -> Mapping[str, tuple[tuple[Point, Point], ...]]:
@@ -257,5 +252,4 @@ class CrankSlider(CrankSliders[float], RodMechanism):
 
 
 def _leg(hypotenuse: Number, side: Number) -> Number:
-    leg: Number = np.sqrt((hypotenuse - side) * (hypotenuse + side))
-    return leg
+    return np.sqrt((hypotenuse - side) * (hypotenuse + side))

@@ -13,8 +13,7 @@ import numpy as np
 
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.forces import CrankBody, JointForces, Pace, crank_forces
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import CrankBody, JointForces, Masses, Pace, crank_forces
 from ncgear.mechanisms.mechanism import Link, Mechanism, MovingMass, Output
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.jet import Jet
@@ -93,7 +92,7 @@ class DrivenShaft(Mechanism):
         return (MovingMass(0.0, Vector(still, still), crank_angle),)
 
     def joint_forces(self, crank_angle: Jet, masses: Masses, pace: Pace, resistance_n: Term) -> JointForces:
-        """No joints; the shaft's torque is that of the load and of what turns with it."""
+        """No joints; the load and all that turns with the shaft make its torque."""
         body = self.crank_body(crank_angle, 0.0)
         axis, torque = crank_forces(body, masses, pace, Vector(0.0 * resistance_n, 0.0 * resistance_n))
         return JointForces({}, axis, 0.0 * resistance_n, torque + resistance_n)

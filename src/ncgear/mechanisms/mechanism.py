@@ -22,8 +22,7 @@ import numpy as np
 
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.forces import CrankBody, JointForces, Pace
-from ncgear.mechanisms.masses import Masses, RodMasses
+from ncgear.mechanisms.forces import CrankBody, JointForces, Masses, Pace, RodMasses
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, Mask, Number
 from ncgear.numerics.jet import Jet
@@ -224,8 +223,7 @@ class Mechanism(Mechanisms[float]):
     def many(cls, **lengths: Array) -> Mechanisms[Array]:
         """Many mechanisms of this kind, whether or not their cranks turn fully; lengths of shape (n,)."""
         made: Any = cls
-        found: Mechanisms[Array] = made(**lengths)
-        return found
+        return made(**lengths)
 
     @classmethod
     @abstractmethod

@@ -13,8 +13,7 @@ from typing import ClassVar, Self
 
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.forces import CrankBody, JointForces, Pace, crank_forces, moving_force
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import CrankBody, JointForces, Masses, Pace, crank_forces, moving_force
 from ncgear.mechanisms.mechanism import Link, Mechanism, MovingMass, Output, Point, Shape
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, Mask

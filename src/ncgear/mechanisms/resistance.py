@@ -90,8 +90,7 @@ class Resistance(ABC):
         whole = np.concatenate([[0.0], np.cumsum(np.maximum(np.diff(potential), 0.0))])
         stretch = np.clip(np.searchsorted(edges, displacement_mm, side="right") - 1, 0, edges.size - 2)
         begun = self.work_from_retracted_n_mm(displacement_mm, stroke_mm) - potential[stretch]
-        work: Array = whole[stretch] + np.maximum(begun, 0.0)
-        return work
+        return whole[stretch] + np.maximum(begun, 0.0)
 
 
 def within(displacements_mm: Array, stroke_mm: float) -> Array:
@@ -112,8 +111,7 @@ class PolynomialResistance(Resistance):
 
     def work_from_retracted_n_mm(self, displacement_mm: Array, stroke_mm: float) -> Array:
         """The antiderivative of the polynomial."""
-        work: Array = Polynomial(self.coefficients_n).integ()(displacement_mm)
-        return work
+        return Polynomial(self.coefficients_n).integ()(displacement_mm)
 
     def zeros_mm(self, stroke_mm: float) -> Array:
         """Real zeros inside the stroke."""
@@ -170,8 +168,7 @@ class TableResistance(Resistance):
     def work_from_retracted_n_mm(self, displacement_mm: Array, stroke_mm: float) -> Array:
         """The antiderivative of the cubics."""
         antiderivative = self._cubics.antiderivative()
-        work: Array = antiderivative(displacement_mm) - antiderivative(0.0)
-        return work
+        return antiderivative(displacement_mm) - antiderivative(0.0)
 
     def zeros_mm(self, stroke_mm: float) -> Array:
         """Zeros of the cubics, and both ends of stretches without force."""
@@ -207,7 +204,7 @@ class FormulaResistance(Resistance):
     Of an output that is ``turning`` the expression is a torque in N m over the angle in rad.
 
     Raises WrongInput for what is no expression, or no continuous function over the stroke, smooth but for corners;
-    ``key`` is the one of the design file that it names.
+    the error names ``key`` of the design file.
     """
 
     text: str
@@ -342,5 +339,4 @@ def _zeros(slope: PiecewiseChebyshev, least: float) -> Array:
     points = np.sort(np.concatenate(samples))
     largest = np.maximum.reduceat(np.abs(slope(points)), np.searchsorted(points, edges[:-1]))
     flat = largest <= least
-    found: Array = zeros[~(flat[:-1] & flat[1:])]
-    return found
+    return zeros[~(flat[:-1] & flat[1:])]

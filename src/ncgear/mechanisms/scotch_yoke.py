@@ -12,8 +12,7 @@ from typing import ClassVar, Self
 import numpy as np
 
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.forces import JointForces, Pace, crank_forces, moving_force
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import JointForces, Masses, Pace, crank_forces, moving_force
 from ncgear.mechanisms.mechanism import Link, Mechanism, MovingMass, Point, Shape
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, Mask

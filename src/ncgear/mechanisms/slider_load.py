@@ -60,15 +60,13 @@ class SliderLoad:
         It is negative only where a resistance keeps its negative values and drives the slider.
         """
         there = self._within(np.asarray(displacement_mm, dtype=float))
-        force: Array = np.where(returning, self.returning.force_n(there), self.working.force_n(there)) + self.friction_n
-        return force
+        return np.where(returning, self.returning.force_n(there), self.working.force_n(there)) + self.friction_n
 
     def _within(self, displacement: Array) -> Array:
         """The displacement within the way after which the load repeats."""
         if self.repeats_after is None:
             return displacement
-        there: Array = np.mod(displacement, self.repeats_after)
-        return there
+        return np.mod(displacement, self.repeats_after)
 
     def backwards_n(self, displacement_mm: Array, returning: Mask | bool) -> Array:
         """Force in N on the slider along -x, towards its retracted end; times the velocity it is the power.
@@ -88,7 +86,7 @@ class SliderLoad:
         return Jet(np.where(returning, 0.0 - back.coefficients, out.coefficients))
 
     def smooth_curves_n(self, returning: bool) -> tuple[Callable[[Jet], Jet], ...]:
-        """Functions of the displacement's jet; the largest of their values and 0 is that of the force against motion.
+        """Functions of the displacement's jet; the largest of their values and 0 is the force against the motion.
 
         They have no corner where the resistance sets in.  A stroke without load has none.
         """

@@ -23,8 +23,7 @@ import numpy as np
 
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.forces import JointForces, Pace, crank_forces, moving_force, place
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import JointForces, Masses, Pace, crank_forces, moving_force, place
 from ncgear.mechanisms.mechanism import Link, Mechanism, Mechanisms, MovingMass, Output, Point, Shape
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, Mask, Number
@@ -83,14 +82,12 @@ class SlottedLevers(Mechanisms[Number]):
     @property
     def _swing_rad(self) -> Number:
         """psi, by which the lever swings to both sides."""
-        swing: Number = np.arcsin(self.crank_mm / self.pivot_mm)
-        return swing
+        return np.arcsin(self.crank_mm / self.pivot_mm)
 
     @property
     def _foot_mm(self) -> Number:
         """Distance of the block from the lever's axis at the dead centres, l."""
-        foot: Number = np.sqrt((self.pivot_mm - self.crank_mm) * (self.pivot_mm + self.crank_mm))
-        return foot
+        return np.sqrt((self.pivot_mm - self.crank_mm) * (self.pivot_mm + self.crank_mm))
 
     def _block(self, crank_angle: Jet) -> tuple[Jet, Jet, Jet]:
         """The block's distance from the lever's axis, and it times the sine and the versine of chi, in mm.
@@ -215,8 +212,7 @@ class SlottedLever(SlottedLevers[float], Mechanism):
 
     def transmission_rad(self, crank_rad: Array) -> Array:
         """Between the way of the lever's pin and the ram's slot: the less, the more the lever leans."""
-        angle: Array = 0.5 * pi - np.abs(self._angle(Jet(crank_rad[None, :])).value - 0.5 * pi)
-        return angle
+        return 0.5 * pi - np.abs(self._angle(Jet(crank_rad[None, :])).value - 0.5 * pi)
 
     @property
     def rod_lines_mm(self) -> Mapping[str, tuple[tuple[Point, Point], ...]]:

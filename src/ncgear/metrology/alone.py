@@ -40,14 +40,12 @@ MOST = 0.05
 
 
 def alone_mm(outline: ExactOutline, feet: Feet) -> Array:
-    """How far each point stands off alone from those beside it in mm, shape (n,); 0 of the points that do not.
+    """How far each point stands off alone from those beside it, away from the material, in mm, (n,); 0 of all others.
 
-    Positive is away from the material.  Points at one place are one.  Of a curve with fewer than three places none
-    stands alone (``are_judged``), and of a rough gear none either (``rough_points``).
+    Points at one place are one.  Of a curve with fewer than three places, and of a rough gear, none stands alone.
     """
     off, same = _standing_off(outline, feet)
-    found: Array = off[same] if _are_few(off) else np.zeros(same.size)
-    return found
+    return off[same] if _are_few(off) else np.zeros(same.size)
 
 
 def rough_points(outline: ExactOutline, feet: Feet) -> int:
@@ -90,8 +88,7 @@ def are_judged(outline: ExactOutline, feet: Feet) -> Mask:
     """Which points have enough beside them on their curve to tell whether they stand alone, shape (n,)."""
     one, same = _places(feet)
     _, curve, places = np.unique(_curves(outline, feet.kept(one)), return_inverse=True, return_counts=True)
-    judged: Mask = (places[curve] >= FEWEST_PLACES)[same]
-    return judged
+    return (places[curve] >= FEWEST_PLACES)[same]
 
 
 def _medians(among: Array) -> Array:
@@ -105,12 +102,11 @@ def _medians(among: Array) -> Array:
 
 
 def _about(count: int, width: int) -> IndexArray:
-    """The middle of the window of each of some points: the point itself, or the nearest whose window is whole."""
+    """The middle of the window about each point, or of the nearest whole window."""
     return np.clip(np.arange(count), width // 2, count - (width + 1) // 2)
 
 
 def _places(feet: Feet) -> tuple[IndexArray, IndexArray]:
-    """The first point at each place, and the number of the place of each point."""
     _, one, same = np.unique(feet.point.round(DIGITS), return_index=True, return_inverse=True)
     return one, same
 
@@ -118,5 +114,4 @@ def _places(feet: Feet) -> tuple[IndexArray, IndexArray]:
 def _curves(outline: ExactOutline, feet: Feet) -> IndexArray:
     """A number for the curve that each point is on: a flank is one, however many rows it has; shape (n,)."""
     on_flank = outline.part[feet.row] == FLANK_CURVE
-    numbers: IndexArray = np.where(on_flank, outline.flank[feet.row], outline.gear.flanks.count + feet.row)
-    return numbers
+    return np.where(on_flank, outline.flank[feet.row], outline.gear.flanks.count + feet.row)

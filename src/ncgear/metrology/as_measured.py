@@ -24,18 +24,16 @@ vertices."""
 
 
 def outline_as_measured(outline: ExactOutline, fit: BestFit) -> Array:
-    """The outline in mm, shape (n, 2), counter-clockwise, in the gear's own frame with the axis of the fit.
-
-    Raises WrongInput where it crosses itself.
-    """
+    """The outline in mm, (n, 2), counter-clockwise, in the gear's frame; raises WrongInput where it crosses itself."""
     sound = fit.feet.kept(is_metal(outline, fit))
     place, moved = sound.place_mm, sound.distance_mm * sound.outwards
     end_place, end_moved = _flank_ends(outline, sound.row, sound.place_mm, sound.distance_mm)
     places, shifts = _in_order(
         np.concatenate([place, end_place]), np.concatenate([moved, end_moved]), ALIKE * outline.around_mm
     )
-    vertex, at = _vertices(outline)
-    every_place, exact = np.concatenate([at, places]), np.concatenate([vertex, _on_outline(outline, places)])
+    vertex = as_complex(outline.gear.outline_mm)
+    every_place = np.concatenate([outline.feet(vertex).place_mm, places])
+    exact = np.concatenate([vertex, outline.at_place(places)])
     order = np.argsort(every_place, kind="stable")
     every_place, exact, period = every_place[order], exact[order], outline.around_mm
     # Of vertices that nearly coincide one is kept: a chord between them would have no direction.
@@ -58,8 +56,7 @@ def is_metal(outline: ExactOutline, fit: BestFit) -> Mask:
     """Which points the outline as measured goes through, shape (n,)."""
     feet = fit.feet
     beside_edge = (outline.part[feet.row] == TIP_LAND_CURVE) & (np.abs(feet.share - 0.5) > 1.0 / 6.0)
-    metal: Mask = ~is_astray(outline, feet) & ~fit.alone & ~feet.at_end & ~beside_edge
-    return metal
+    return ~is_astray(outline, feet) & ~fit.alone & ~feet.at_end & ~beside_edge
 
 
 def _flank_ends(outline: ExactOutline, row: IndexArray, place: Array, error: Array) -> tuple[Array, ComplexArray]:
@@ -88,16 +85,3 @@ def _in_order(place: Array, shift: ComplexArray, alike_mm: float) -> tuple[Array
     count = np.bincount(group)
     real, imag = (np.bincount(group, part) / count for part in (shift.real, shift.imag))
     return np.bincount(group, place) / count, real + 1j * imag
-
-
-def _vertices(outline: ExactOutline) -> tuple[ComplexArray, Array]:
-    """The vertices of the gear's own outline, and their places along the exact one."""
-    points = as_complex(outline.gear.outline_mm)
-    return points, outline.feet(points).place_mm
-
-
-def _on_outline(outline: ExactOutline, place: Array) -> ComplexArray:
-    """The points of the exact outline at places along it."""
-    row = np.clip(np.searchsorted(outline.begin_mm, place, side="right") - 1, 0, outline.part.size - 1)
-    share = np.clip((place - outline.begin_mm[row]) / np.maximum(outline.length_mm[row], 1e-300), 0.0, 1.0)
-    return outline.at(row, share)[0]

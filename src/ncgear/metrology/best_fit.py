@@ -51,8 +51,7 @@ NEARLY = 1.5
 ALIKE = 1.02
 """A fit is as good as the best one where its r.m.s. is at most this many times that; the one that turns least is taken.
 
-A gear that repeats itself fits as often as it has lobes, and its noise must not choose among them.
-"""
+A gear that repeats itself fits as often as it has lobes, and its noise must not choose among them."""
 
 ROUNDING_IN_MODULES = 3e-10
 """What rounding leaves of the distances of exact points."""
@@ -76,8 +75,7 @@ class Pose:
 
     def of_gear(self, points: ComplexArray) -> ComplexArray:
         """Points of the file in the gear's own frame."""
-        moved: ComplexArray = (points - self.shift_mm) * np.exp(-1j * self.angle_rad)
-        return moved
+        return (points - self.shift_mm) * np.exp(-1j * self.angle_rad)
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,8 +97,7 @@ class BestFit:
     @property
     def alone(self) -> Mask:
         """Which points stand alone, shape (n,)."""
-        found: Mask = self.alone_mm != 0.0
-        return found
+        return self.alone_mm != 0.0
 
     @property
     def rms_mm(self) -> float:
@@ -179,15 +176,13 @@ def nearness_mm(outline: ExactOutline, points: ComplexArray, probe_mm: float) ->
 
 
 def _nearness_mm(outline: ExactOutline, points: ComplexArray, probe_mm: float, pose: Pose) -> float:
-    away = np.minimum(np.abs(outline.near_mm(pose.of_gear(points)) - probe_mm), _astray_mm(outline))
+    astray = ASTRAY_IN_MODULES * outline.gear.flanks.rack.module_mm
+    away = np.minimum(np.abs(outline.near_mm(pose.of_gear(points)) - probe_mm), astray)
     return sqrt(float(np.mean(away**2)))
 
 
 def _beginnings(outline: ExactOutline, points: ComplexArray, probe_mm: float, rigid: bool) -> list[Pose]:
-    """The poses from which fits are made: the best of many, each better than those beside it.
-
-    With ``rigid`` the axis is looked for too where the middle of the points says that it is.
-    """
+    """The poses from which fits are made, the best of many; if ``rigid`` also about the middle of the points."""
     poses = _chosen(_begun(outline, points, probe_mm))
     return poses + (_chosen(_begun(outline, points, probe_mm, by_middle=True)) if rigid else [])
 
@@ -204,19 +199,12 @@ def _chosen(begun: list[tuple[float, Pose]]) -> list[Pose]:
 def _begun(
     outline: ExactOutline, points: ComplexArray, probe_mm: float, *, by_middle: bool = False
 ) -> list[tuple[float, Pose]]:
-    """Poses at many angles from -pi to pi, each with its nearness; angle 0 is one of them.
-
-    The axis is at the origin or, by the middle, where the mean of the points is that of the outline.
-    """
+    """Poses at many angles from -pi to pi, 0 among them, and their nearness; the axis at 0 or by the points' mean."""
     count = BEGUN_PER_TOOTH * (outline.gear.flanks.count // 2)
     angles = [step * 2.0 * pi / count for step in range(-(count // 2), count - count // 2)]
     middle, own = (complex(points.mean()), outline.middle_mm) if by_middle else (0j, 0j)
     poses = [Pose(angle, middle - own * complex(np.exp(1j * angle))) for angle in angles]
     return [(_nearness_mm(outline, points, probe_mm, pose), pose) for pose in poses]
-
-
-def _astray_mm(outline: ExactOutline) -> float:
-    return ASTRAY_IN_MODULES * outline.gear.flanks.rack.module_mm
 
 
 def _fitted(
@@ -296,8 +284,7 @@ def _spread(slopes: Array, left: Array, scale: Array) -> Array:
             "around, or --fit rotation, are right"
         )
     free = max(left.size - scale.size, 1)
-    spread: Array = scale * np.sqrt(np.diag(np.linalg.inv(normal)) * float(left @ left) / free)
-    return spread
+    return scale * np.sqrt(np.diag(np.linalg.inv(normal)) * float(left @ left) / free)
 
 
 def on_flanks(outline: ExactOutline, feet: Feet) -> Mask:
@@ -307,11 +294,9 @@ def on_flanks(outline: ExactOutline, feet: Feet) -> Mask:
     deep = AT_END_IN_MODULES * outline.gear.flanks.rack.module_mm - outline.gear.tips.met_depth_mm[flank]
     works = outline.height_mm(feet.row, feet.share) > deep
     inside = np.minimum(feet.share, 1.0 - feet.share) > AT_END
-    found: Mask = on_flank & works & inside & ~is_astray(outline, feet)
-    return found
+    return on_flank & works & inside & ~is_astray(outline, feet)
 
 
 def is_astray(outline: ExactOutline, feet: Feet) -> Mask:
     """Which points are so far from the outline that they are of bore, hub or something else."""
-    astray: Mask = np.abs(feet.distance_mm) >= _astray_mm(outline)
-    return astray
+    return np.abs(feet.distance_mm) >= ASTRAY_IN_MODULES * outline.gear.flanks.rack.module_mm

@@ -115,12 +115,9 @@ def _hob(pitch: PitchPair, teeth: ToothedPair, gear: Gear) -> CutBy:
     rack = teeth.of(gear).flanks.rack
     radius = pitch.least_concave_radius_mm(gear)
     if radius is not None and (depth := gouged_mm(pitch.of(gear), rack)) > HARMLESS * rack.module_mm:
-        reason = (
-            f"the pitch curve is concave with a radius of {radius:.4g} mm: a hob cuts {depth:.3g} mm too deep there"
-        )
-        return CutBy(Tool.HOB, CutVerdict.NOT, reason)
-    verdict, reason = _tried(teeth, gear, RackLine())
-    return CutBy(Tool.HOB, verdict, reason)
+        hollow = f"the pitch curve is concave with a radius of {radius:.4g} mm"
+        return CutBy(Tool.HOB, CutVerdict.NOT, f"{hollow}: a hob cuts {depth:.3g} mm too deep there")
+    return CutBy(Tool.HOB, *_tried(teeth, gear, RackLine()))
 
 
 def _shaper(pitch: PitchPair, teeth: ToothedPair, gear: Gear) -> CutBy:
@@ -174,10 +171,8 @@ def _tried(teeth: ToothedPair, gear: Gear, tool: RackLine | PinionCircle) -> tup
     shallow = (cut.flank_depth_mm < own.tips.met_depth_mm - near)[mine]
     shallow |= cut.root_depth_mm[mine] < mate.flanks.tip_height_mm[its] + near
     if shallow.any():
-        return (
-            CutVerdict.NOT,
-            f"it is not as deep beside tooth {flanks.tooth[mine[shallow]].min()} as the mate's tips reach",
-        )
+        tooth = flanks.tooth[mine[shallow]].min()
+        return CutVerdict.NOT, f"it is not as deep beside tooth {tooth} as the mate's tips reach"
     return CutVerdict.FLANKS, ""
 
 

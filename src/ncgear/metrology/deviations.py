@@ -57,8 +57,7 @@ class FlankDeviations:
     @property
     def measured(self) -> Mask:
         """Which flanks have points."""
-        found: Mask = self.points > 0
-        return found
+        return self.points > 0
 
     def side(self, values: Array, front: bool) -> Array:
         """The values of one side's flanks, shape (z,)."""
@@ -114,16 +113,8 @@ def deviations(outline: ExactOutline, fit: BestFit) -> GearDeviations:
     single = position - np.roll(position, 2)
     if gear.flanks.made is not None:
         single[:2] = np.nan
-    flanks = FlankDeviations(
-        points,
-        mean,
-        np.where(known, least, np.nan),
-        np.where(known, greatest, np.nan),
-        slope,
-        form,
-        position,
-        single,
-    )
+    least, greatest = (np.where(known, values, np.nan) for values in (least, greatest))
+    flanks = FlankDeviations(points, mean, least, greatest, slope, form, position, single)
     return GearDeviations(flanks, along[0::2] + along[1::2], _beside(outline, fit))
 
 
@@ -139,17 +130,16 @@ def _profiles(outline: ExactOutline, flank: IndexArray, height_mm: Array, error_
     squares = np.bincount(flank, high * high, count)
     rise = np.bincount(flank, high * error, count) / np.maximum(squares, 1e-300)
     left = error - rise[flank] * high
-    low_left, high_left, low, top = np.zeros(count), np.zeros(count), np.zeros(count), np.zeros(count)
-    np.minimum.at(low_left, flank, left)
-    np.maximum.at(high_left, flank, left)
-    np.minimum.at(low, flank, high)
-    np.maximum.at(top, flank, high)
-    told = (points >= FEWEST_OF_PROFILE) & (top - low >= LEAST_SPREAD * working)
-    return np.where(told, rise * working, np.nan), np.where(told, high_left - low_left, np.nan)
+    lowest, highest = np.zeros((2, count)), np.zeros((2, count))
+    for row, values in enumerate((left, high)):
+        np.minimum.at(lowest[row], flank, values)
+        np.maximum.at(highest[row], flank, values)
+    form, spread = highest - lowest
+    told = (points >= FEWEST_OF_PROFILE) & (spread >= LEAST_SPREAD * working)
+    return np.where(told, rise * working, np.nan), np.where(told, form, np.nan)
 
 
 def _beside(outline: ExactOutline, fit: BestFit) -> dict[str, int]:
-    """Points on no working flank, by where they are."""
     rest = fit.feet.kept(~fit.counted & ~fit.alone)
     astray = is_astray(outline, rest)
     on_tip = (outline.part[rest.row] == TIP_LAND_CURVE) | (

@@ -19,7 +19,7 @@ import numpy as np
 
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, counted_up
-from ncgear.numerics.plane import across, along, as_complex, square
+from ncgear.numerics.plane import across, along, as_complex, as_points, square
 from ncgear.pitch.shape import Gear
 from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.outline import exact_curves
@@ -110,7 +110,7 @@ class ExactOutline:
         from scipy.spatial import cKDTree
 
         samples, _ = self.at(*self._sampled)
-        return cKDTree(np.column_stack([samples.real, samples.imag]))
+        return cKDTree(as_points(samples))
 
     @cached_property
     def _sampled(self) -> tuple[IndexArray, Array]:
@@ -121,7 +121,7 @@ class ExactOutline:
 
     def near_mm(self, points: ComplexArray) -> Array:
         """Distances from the samples of the outline, which are never less than those from the outline; shape (n,)."""
-        return np.asarray(self._tree.query(np.column_stack([points.real, points.imag]))[0])
+        return np.asarray(self._tree.query(as_points(points))[0])
 
     def at(self, row: IndexArray, share: Array) -> tuple[ComplexArray, ComplexArray]:
         """Points of rows at shares of their way, and derivatives by the share; shape (n,) each."""
@@ -133,11 +133,16 @@ class ExactOutline:
                 point[here], slope[here] = (as_complex(values) for values in found)
         return point, slope
 
+    def at_place(self, place_mm: Array) -> ComplexArray:
+        """Points at ways along the whole outline, shape (n,)."""
+        row = np.clip(np.searchsorted(self.begin_mm, place_mm, side="right") - 1, 0, self.part.size - 1)
+        share = np.clip((place_mm - self.begin_mm[row]) / np.maximum(self.length_mm[row], 1e-300), 0.0, 1.0)
+        return self.at(row, share)[0]
+
     def height_mm(self, row: IndexArray, share: Array) -> Array:
         """Height over the rack's pitch line of feet on flanks, shape (n,); means nothing elsewhere."""
         flanks, number = self.stretches[FLANK_CURVE], np.where(self.part[row] == FLANK_CURVE, self.number[row], 0)
-        height: Array = flanks.start[number] + share * (flanks.end - flanks.start)[number]
-        return height
+        return flanks.start[number] + share * (flanks.end - flanks.start)[number]
 
     def feet(self, points: ComplexArray) -> Feet:
         """The nearest places of the outline to points, shape (n,)."""
@@ -165,11 +170,8 @@ class ExactOutline:
         return Feet(points, foot, outwards, distance, row, share, place, at_end)
 
     def _candidates(self, points: ComplexArray) -> tuple[IndexArray, Array]:
-        """Curves and shares from which feet are looked for, shape (CANDIDATES * n,): the nearest sample of each curve.
-
-        Where the nearest samples belong to fewer curves, the nearest one comes again.
-        """
-        _, nearest = self._tree.query(np.column_stack([points.real, points.imag]), k=NEAR_SAMPLES)
+        """Curves and shares from which feet are sought, (CANDIDATES * n,): the nearest sample of each near curve."""
+        _, nearest = self._tree.query(as_points(points), k=NEAR_SAMPLES)
         sampled_row, sampled_share = self._sampled
         row = sampled_row[nearest]
         chosen = np.zeros((points.size, CANDIDATES), dtype=np.intp)
@@ -183,7 +185,7 @@ class ExactOutline:
 
 def exact_outline(gear: ToothedGear) -> ExactOutline:
     """The exact outline of a gear."""
-    stretches = tuple(stretch for stretch in exact_curves(gear.tips, gear.sides))
+    stretches = tuple(exact_curves(gear.tips, gear.sides))
     part = np.repeat(np.arange(len(stretches)), [stretch.owner.size for stretch in stretches])
     number = np.concatenate([np.arange(stretch.owner.size) for stretch in stretches])
     order = np.argsort(np.concatenate([stretch.rank for stretch in stretches]), kind="stable")

@@ -47,10 +47,9 @@ def nominal_pin_mm(normal_module_mm: float, *, internal: bool) -> float:
 
 
 def pins_to_try(nominal_mm: float) -> tuple[float, ...]:
-    """Sold diameters from the nominal one to ``NEAR`` times it, rising.
+    """Sold diameters from the nominal one to ``NEAR`` times it, rising, or the next larger one.
 
-    Larger than any sold are whole mm, smaller than any two digits.  Below 1.5 mm sizes are so far apart that there may
-    be none between; then the next larger one is given.
+    Larger than any sold are whole mm, smaller than any two digits.
     """
     if not SOLD_MM[0] / NEAR <= nominal_mm <= SOLD_MM[-1]:
         step = 1.0 if nominal_mm > SOLD_MM[-1] else 10.0 ** (floor(log10(nominal_mm)) - 1)
@@ -144,16 +143,14 @@ def _held(center: Array, radius: float, outline: Array, astray: float) -> Mask:
     ring = shapely.linearrings(outline)
     # Of a prepared ring only what is near a pin is looked at.
     shapely.prepare(ring)
-    held: Mask = shapely.dwithin(ring, shapely.points(center), radius - 2.0 * astray)
-    return held
+    return shapely.dwithin(ring, shapely.points(center), radius - 2.0 * astray)
 
 
 def _stands_out(working: WorkingFlanks, space: IndexArray, center: Array, radius: float, outwards: Array) -> Mask:
     """Whether pins in spaces (numbered from 0, shape (n,)) reach farther in directions (n, 2) than the tips beside."""
     beside = working.tips_mm[(space[:, None] + np.arange(2)) % len(working.tips_mm)]
     highest = np.einsum("ntpk,nk->ntp", beside, outwards).max(axis=(1, 2))
-    reached: Mask = np.einsum("nk,nk->n", center, outwards) + radius > highest
-    return reached
+    return np.einsum("nk,nk->n", center, outwards) + radius > highest
 
 
 @dataclass(frozen=True, eq=False)
@@ -168,9 +165,8 @@ class TwoPins:
 def over_two_pins(working: WorkingFlanks, pins: Pins) -> TwoPins:
     """The distances over the pins (in a ring: between them) of all pairs of spaces half the teeth apart.
 
-    With z even there are z / 2 pairs; with z odd there are z pairs, (z - 1) / 2 spaces apart.  Left out are pairs whose
-    pins measure nothing or do not stand out of the tips, seen from each other's far side.  Gears that turn less than
-    once have none.
+    Left out are pairs whose pins measure nothing or do not stand out of the tips, seen from each other's far side.
+    Gears that turn less than once have none.
     """
     teeth = working.flanks.teeth
     row = np.full(teeth + 1, -1)
@@ -184,7 +180,6 @@ def over_two_pins(working: WorkingFlanks, pins: Pins) -> TwoPins:
 
 
 def _apart(working: WorkingFlanks, pins: Pins, one: IndexArray, other: IndexArray) -> TwoPins:
-    """The distances of pairs of pins, given by their rows in ``pins``."""
     sense, radius = (-1.0 if working.is_ring else 1.0), pins.diameter_mm / 2.0
     way = pins.center_mm[one] - pins.center_mm[other]
     length = np.linalg.norm(way, axis=1)

@@ -88,10 +88,7 @@ def round_tool(gear: ToothedGear, left_mm: float) -> RoundTool:
 
 
 class _Outline:
-    """The exact outline, with normals out of the material.
-
-    A place is the number of a curve, in their order along the outline, plus the share of its way.
-    """
+    """The exact outline, normals out of the material; a place is a curve's number plus a share of its way."""
 
     def __init__(self, gear: ToothedGear) -> None:
         self._curves: list[Stretch] = whole_curves(gear.tips, gear.sides)

@@ -28,7 +28,7 @@ import numpy as np
 
 from ncgear.frozen import dataclass
 from ncgear.metrology.working import WorkingFlanks
-from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.numerics.arrays import Array, Columns, IndexArray, Mask
 from ncgear.numerics.plane import cross
 from ncgear.numerics.zeros import zeros_between
 from ncgear.pitch.curve import ClosedPitchCurve, CurvePoints
@@ -60,9 +60,8 @@ class Spans:
 def spans(working: WorkingFlanks) -> Spans:
     """All spans of a gear whose plates touch flanks, each over the teeth that they touch nearest to the pitch curve.
 
-    A circular gear has one span from every tooth, over as many teeth as that takes.  Equivalent gears have none, since
-    their flanks do not follow the pitch curve.  Nor have flanks of unequal pressure angles: a chord of a circle comes
-    out at the angle at which it goes in, so that such flanks have no common normal.
+    A circular gear has one from every tooth.  Equivalent gears and unequal pressure angles have none: their flanks
+    have no common normal that is a chord.
     """
     flanks = working.flanks
     # Every back flank stands turned by as much, and so does all that it rolls on.
@@ -140,7 +139,7 @@ HAIR = 1e-6
 
 
 @dataclass(frozen=True, eq=False)
-class MeasuringChords:
+class MeasuringChords(Columns):
     """Chords at which plates have a common normal; arc lengths in mm of both ends, shape (n,).
 
     ``least`` says whether plates turned from the common normal are farther apart.  ``everywhere`` says that the curve
@@ -152,20 +151,15 @@ class MeasuringChords:
     least: Mask
     everywhere: bool = False
 
-    def kept(self, rows: Mask) -> MeasuringChords:
-        """The chosen chords."""
-        return MeasuringChords(self.start_mm[rows], self.end_mm[rows], self.least[rows], self.everywhere)
-
 
 NO_CHORDS = MeasuringChords(np.empty(0), np.empty(0), np.zeros(0, dtype=bool))
 
 
 def measuring_chords(curve: ClosedPitchCurve, angle_rad: float, turn_rad: float = 0.0) -> MeasuringChords:
-    """All measuring chords of one turn of a curve; none on a ring.
+    """All measuring chords of one turn of a curve, from the curve turned by ``turn_rad`` to the curve; none on a ring.
 
-    They begin on the curve turned by ``turn_rad`` about the gear's axis, as back flanks stand, and end on the curve.
-    Both ends are where the curve is convex; on a dented curve a chord begins only where the curve has turned farther
-    than anywhere before.  An arc of a circle has the one in its middle, which stands for all others on it.
+    On a dented curve a chord begins only where the curve has turned farther than anywhere before.  An arc of a
+    circle has the one in its middle, which stands for all others on it.
     """
     if curve.is_ring:
         return NO_CHORDS
@@ -183,7 +177,10 @@ def measuring_chords(curve: ClosedPitchCurve, angle_rad: float, turn_rad: float 
     offset, length = _offset(way, *found)
     first, last = (one[np.abs(offset) <= EVEN * length] for one in found)
     arcs = _middles(even, neighbours)
-    least = np.concatenate([_is_least(way, first, last), np.ones(arcs.size, dtype=bool)])
+    begun, ended = way.start(first), way.curve.at_length(last)
+    radii = 1.0 / begun.curvature + 1.0 / ended.curvature
+    is_least = sin(angle_rad) * radii > np.linalg.norm(ended.position - begun.position, axis=1)
+    least = np.concatenate([is_least, np.ones(arcs.size, dtype=bool)])
     return MeasuringChords(np.concatenate([first, start[arcs]]), np.concatenate([last, end[arcs]]), least)
 
 
@@ -207,15 +204,11 @@ class _Way:
 
     def inwards(self, at: CurvePoints) -> Array:
         """Directions of chords that begin at points."""
-        directions: Array = cos(self.angle_rad) * at.tangent - sin(self.angle_rad) * at.normal
-        return directions
+        return cos(self.angle_rad) * at.tangent - sin(self.angle_rad) * at.normal
 
 
 def _tried(way: _Way) -> tuple[Array, Array, IndexArray]:
-    """Starts over one turn, the ends after a turning of 2 alpha, and how many steps of dents the ends have leapt over.
-
-    Shape (n,) each.
-    """
+    """Starts over one turn, ends after a turning of 2 alpha, and steps of dents that ends have leapt over, (n,)."""
     curve = way.curve
     step = curve.length_mm / STEPS
     grid = np.linspace(-curve.length_mm, 2.0 * curve.length_mm, 3 * STEPS + 1)
@@ -234,10 +227,7 @@ def _tried(way: _Way) -> tuple[Array, Array, IndexArray]:
 
 
 def _middles(even: Mask, neighbours: Mask) -> IndexArray:
-    """The start in the middle of each stretch of even ones (shape (n,)); the first start of the turn is also its last.
-
-    ``neighbours`` (shape (n - 1,)) says which starts follow each other.
-    """
+    """The start in the middle of each stretch of even ones (n,), of a closed turn; ``neighbours`` join them."""
     among = np.nonzero(even)[0]
     stretches = np.split(among, np.nonzero(~neighbours[among[:-1]] | (np.diff(among) > 1))[0] + 1) if among.size else []
     if len(stretches) > 1 and even[0] and even[-1]:
@@ -253,8 +243,7 @@ def _end_of(way: _Way, start: Array, low: Array, high: Array) -> Array:
     def short(sigma: Array) -> Array:
         at = way.curve.at_length(sigma)
         outwards = cos(angle) * at.tangent + sin(angle) * at.normal
-        lacking: Array = way.sense * cross(wanted, outwards)
-        return lacking
+        return way.sense * cross(wanted, outwards)
 
     return zeros_between(short, low, high)
 
@@ -277,10 +266,3 @@ def _closed_in(way: _Way, tried: tuple[Array, Array], change: IndexArray) -> tup
 
     found = zeros_between(offset, start[change], start[change + 1])
     return found, _end_of(way, found, low, high)
-
-
-def _is_least(way: _Way, start: Array, end: Array) -> Mask:
-    first, last = way.start(start), way.curve.at_length(end)
-    radii = 1.0 / first.curvature + 1.0 / last.curvature
-    least: Mask = sin(way.angle_rad) * radii > np.linalg.norm(last.position - first.position, axis=1)
-    return least

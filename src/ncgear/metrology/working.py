@@ -72,11 +72,7 @@ def working_flanks(gear: ToothedGear, helix_rad: float = 0.0) -> WorkingFlanks:
     along, height = gear.sides.tip_mm.reshape(-1, 2), gear.flanks.tip_height_mm.reshape(-1, 2)
     ends = np.stack([along[:, 0], along.mean(axis=1), along[:, 1]], axis=1)
     heights = np.stack([height[:, 0], height.mean(axis=1), height[:, 1]], axis=1)
-    tips = turned(gear.flanks.offset(ends, heights)[0], _over_tips_rad(gear))
-    return WorkingFlanks(replace(gear.flanks, rack=replace(rack, relief=None)), low, high, tips, base)
-
-
-def _over_tips_rad(gear: ToothedGear) -> Array:
-    """Angles by which both ends and the middle of each tip land stand turned, shape (z, 3)."""
     turn = gear.flanks.turn_rad.reshape(-1, 2)
-    return np.stack([turn[:, 0], turn.mean(axis=1), turn[:, 1]], axis=1)
+    over = np.stack([turn[:, 0], turn.mean(axis=1), turn[:, 1]], axis=1)
+    tips = turned(gear.flanks.offset(ends, heights)[0], over)
+    return WorkingFlanks(replace(gear.flanks, rack=replace(rack, relief=None)), low, high, tips, base)

@@ -99,10 +99,7 @@ def row_blocks(count: int) -> Iterator[slice]:
 
 
 def largest_rows(values: Array, group: IndexArray, groups: int) -> IndexArray:
-    """The row of the largest value in each group, the first of equal ones, and -1 where there is none; shape (groups,).
-
-    ``group`` numbers the group that each of the values (shape (n,) both) is in.
-    """
+    """Rows of the largest value of each group (``group`` numbers them, (n,)), the first of equals, or -1; (groups,)."""
     largest = np.full(groups, -np.inf)
     np.maximum.at(largest, group, values)
     rows = np.flatnonzero(values == largest[group])[::-1]

@@ -34,8 +34,9 @@ width w at x has 1e-16 x/w of it: 1e-9 is reached where a force changes within 0
 HALVINGS = 40
 
 MOST_PANELS = 1 << 12
-"""Most panels per piece, on average over the pieces, that are halved at once; a function that needs more is taken for
-noise.  Beside a pole or a corner only a few are halved, and only a wave of over 5000 turns along a piece needs more."""
+"""Most panels per piece, on average over the pieces, that are halved at once, and most of all pieces together where
+halving makes the tails of most no smaller; a function that needs more is taken for noise.  Beside a pole or a corner
+only a few are halved, and only a wave of over 5000 turns along a piece needs more."""
 
 
 class NotSmooth(Unanswered):
@@ -135,10 +136,7 @@ class Cells:
 
 
 def cells_of(form: PiecewiseChebyshev) -> Cells:
-    """The cells of a form of several columns; its polynomials are halved until ``CELL_DEGREE`` is enough.
-
-    Halving a polynomial divides its coefficient of degree k by about 2^k, so few rounds are enough.
-    """
+    """The cells of a form of several columns, whose polynomials are halved until ``CELL_DEGREE`` is enough."""
     degree = len(form.coefficients) - 1
     both = halves(degree)
     left, right, series = form.breaks[:-1], form.breaks[1:], form.coefficients
@@ -160,10 +158,7 @@ def cells_of(form: PiecewiseChebyshev) -> Cells:
 
 @cache
 def halves(degree: int) -> tuple[Array, Array]:
-    """Matrices from the coefficients of a series to those of its left and its right half, (degree + 1) square each.
-
-    T_k((x -+ 1) / 2) follows from the recurrence of Chebyshev polynomials; all numbers are exact.
-    """
+    """Matrices from a series' coefficients to those of its halves, by the recurrence of T_k((x -+ 1) / 2); exact."""
     both = []
     for side in (-1.0, 1.0):
         columns = [np.eye(degree + 1)[0], np.array([side / 2.0, 0.5, *[0.0] * (degree - 1)])]
@@ -178,8 +173,8 @@ def halves(degree: int) -> tuple[Array, Array]:
 def falls_below(series: Array, level: float) -> bool:
     """Whether a function falls below a level somewhere; its coefficients on panels have shape (degree + 1, m).
 
-    Panels are halved until their coefficients prove them above it, or an end is below it.  What is neither after
-    ``HALVINGS`` touches the level but for rounding errors, and counts as above.
+    Panels are halved until coefficients or an end tell; what still touches the level after ``HALVINGS`` counts as
+    above.
     """
     both = halves(len(series) - 1)
     for _ in range(HALVINGS):
@@ -200,7 +195,6 @@ def _to_powers(degree: int) -> Array:
 
 
 def _powers(local: Array, count: int) -> Array:
-    """1, x, x^2, ... at n points, shape (n, count)."""
     powers = np.empty((count, local.size))
     powers[0], powers[1] = 1.0, local
     known = 2
@@ -251,7 +245,8 @@ def fitted(
         left, right = left[~resolved], right[~resolved]
         if not left.size:
             return _assembled(done, float(edges[-1]))
-        if left.size > MOST_PANELS * (edges.size - 1):
+        stagnant = np.count_nonzero(tails[~resolved] > 0.5 * coarser[~resolved]) > left.size // 2
+        if left.size > MOST_PANELS * (1 if stagnant else edges.size - 1):
             break
         middle, coarser = (left + right) / 2.0, np.tile(tails[~resolved], 2)
         left, right = np.concatenate([left, middle]), np.concatenate([middle, right])
@@ -271,9 +266,7 @@ def nodes(left: Array, right: Array, degree: int = DEGREE) -> Array:
 
 
 def _largest(coefficients: Array) -> Array:
-    """Largest magnitude of each panel's coefficients, shape (m,)."""
-    largest: Array = np.abs(coefficients).max(axis=(0, *range(2, coefficients.ndim)))
-    return largest
+    return np.abs(coefficients).max(axis=(0, *range(2, coefficients.ndim)))
 
 
 def panel_coefficients(function: Callable[[Array], Array], left: Array, right: Array, degree: int) -> Array:
@@ -300,8 +293,7 @@ def _assembled(parts: list[tuple[Array, Array]], end: float) -> PiecewiseChebysh
 
 @cache
 def _unit_nodes(degree: int) -> Array:
-    points: Array = chebyshev.chebpts1(degree + 1)
-    return points
+    return chebyshev.chebpts1(degree + 1)
 
 
 @cache
@@ -309,23 +301,20 @@ def _transform(degree: int) -> Array:
     """Matrix from values at the first-kind points to coefficients, by discrete orthogonality."""
     weights = np.full(degree + 1, 2.0 / (degree + 1))
     weights[0] /= 2.0
-    matrix: Array = chebyshev.chebvander(_unit_nodes(degree), degree).T * weights[:, None]
-    return matrix
+    return chebyshev.chebvander(_unit_nodes(degree), degree).T * weights[:, None]
 
 
 @cache
 def differentiation_matrix(degree: int) -> Array:
     """Matrix from coefficients to those of the derivative on [-1, 1], square, its last row zero."""
-    matrix: Array = np.pad(chebyshev.chebder(np.eye(degree + 1), axis=0), ((0, 1), (0, 0)))
-    return matrix
+    return np.pad(chebyshev.chebder(np.eye(degree + 1), axis=0), ((0, 1), (0, 0)))
 
 
 @cache
 def integration_matrix(degree: int) -> Array:
     """Matrix from values at the first-kind points of [-1, 1] to the integrals from -1 to each of them, square."""
     integrals = chebyshev.chebint(np.eye(degree + 1), lbnd=-1, axis=0)
-    matrix: Array = chebyshev.chebvander(_unit_nodes(degree), degree + 1) @ integrals @ _transform(degree)
-    return matrix
+    return chebyshev.chebvander(_unit_nodes(degree), degree + 1) @ integrals @ _transform(degree)
 
 
 def on_panels(coefficients: Array, panel: IndexArray, local: Array) -> Array:
@@ -334,8 +323,7 @@ def on_panels(coefficients: Array, panel: IndexArray, local: Array) -> Array:
     older = newer = np.zeros(local.shape)
     for row in coefficients[:0:-1]:
         older, newer = newer, row[panel] + twice * newer - older
-    total: Array = coefficients[0][panel] + local * newer - older
-    return total
+    return coefficients[0][panel] + local * newer - older
 
 
 def polynomials(local: Array, count: int) -> Array:

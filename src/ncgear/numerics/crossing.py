@@ -24,10 +24,7 @@ BLOCK = 16
 
 
 def chord_crossings(first: Array, second: Array) -> tuple[IndexArray, Array, Array]:
-    """Where polylines ``first`` (shape (n, p, 2)) cross those of the same row in ``second`` (shape (n, q, 2)).
-
-    Returns rows, and fractional indices along the first and the second polyline, one entry for each crossing.
-    """
+    """Rows where polylines (n, p, 2) cross those of the same row (n, q, 2), and fractional indices along both."""
     row, chord, block = _near_chords(first, second)
     (x1, y1), (across1, up1) = (column[row, chord].T[:, :, None] for column in (first, np.diff(first, axis=1)))
     facing = block[:, None] * BLOCK + np.arange(BLOCK)
@@ -50,19 +47,13 @@ def chord_crossings(first: Array, second: Array) -> tuple[IndexArray, Array, Arr
 
 
 def boxes(lines: Array) -> tuple[Array, Array]:
-    """Least and greatest coordinates of polylines (shape (n, p, 2)), shape (n, 2) each.
-
-    Coordinate by coordinate: NumPy takes several times as long where the axis of two is the last of its loops.
-    """
+    """Least and greatest coordinates of polylines (n, p, 2), (n, 2) each; coordinate by coordinate, which is faster."""
     columns = np.ascontiguousarray(np.moveaxis(lines, 2, 0))
     return columns.min(axis=2).T, columns.max(axis=2).T
 
 
 def _near_chords(first: Array, second: Array) -> tuple[IndexArray, IndexArray, IndexArray]:
-    """Rows and numbers of the chords of ``first``, and blocks of chords of the row in ``second`` whose boxes they meet.
-
-    In the order of rows, chords and blocks.
-    """
+    """Rows and numbers of chords of ``first``, and blocks of chords of ``second`` whose boxes they meet, in order."""
     low, high = (ends[:, None] for ends in boxes(second))
     start, end = first[:, :-1], first[:, 1:]
     least, most = np.minimum(start, end), np.maximum(start, end)
@@ -97,11 +88,10 @@ def refined_crossings(
 def zoomed_crossings(
     first: CurveFunction, second: CurveFunction, middle1: Array, middle2: Array, reach1: Array, reach2: Array
 ) -> tuple[Array, Array, Mask]:
-    """Crossings within ``reach`` of the given parameters, and which of them are really there.
+    """Crossings within ``reach`` of the given parameters, and which of them are really there; shape (n,) all.
 
-    This is for crossings so flat that Newton's method wanders off.  Ever finer chords close in on them; a crossing that
-    only the coarse chords showed disappears on the way and is marked false.  All arrays have shape (n,), with one
-    element for each pair of curves.
+    For crossings so flat that Newton's method wanders off: ever finer chords close in on them.  A crossing that
+    only the coarse chords showed disappears on the way.
     """
     at1, at2, there = middle1.copy(), middle2.copy(), np.ones(middle1.size, dtype=bool)
     for step in range(ZOOMS):
@@ -121,9 +111,8 @@ def zoomed_crossings(
 def circle_crossings(start: ComplexArray, step: ComplexArray, squared_radius: Array) -> tuple[Array, Array]:
     """Shares of the way along chords at which they cross circles about the origin, and the arms of forces on them.
 
-    The chords lead from ``start``, on one side of the circle, to ``start + step`` on the other.  A force across the
-    chord turns a gear about the origin with the arm that is returned: the component of the chord's unit vector along
-    the radius, times the radius.  All arrays have one shape.
+    The chords lead from ``start``, on one side of the circle, to ``start + step`` on the other; the force is across
+    the chord.  All arrays have one shape.
     """
     growth, length = along(start, step), square(step)
     missing = squared_radius - square(start)

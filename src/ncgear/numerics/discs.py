@@ -122,19 +122,11 @@ def _from_the_right(base: Disc, inner: Disc, function: Callable[[Array], Array],
     return base.made(center, radius)
 
 
-def _sqrt(base: Disc) -> Disc:
-    return power(base, 0.5)
-
-
 def _exp(u: Disc) -> Disc:
     low = u.center - u.radius
     far = np.where(low > FAR, np.exp(FAR), 0.0)
     size = np.where(low > FAR, np.inf, np.exp(u.center))
     return u.made(size, np.where(u.radius < 1.0, size * np.expm1(u.radius), np.exp(u.center + u.radius)), far)
-
-
-def _log(u: Disc) -> Disc:
-    return _from_the_right(u, u.made(np.log(u.center), -np.log1p(-u.radius / u.center)), np.log, begins=False)
 
 
 def _sin(u: Disc) -> Disc:
@@ -148,18 +140,6 @@ def _cos(u: Disc) -> Disc:
 def _turned(u: Disc, value: Array, slope: Array) -> Disc:
     """A sine by its value and its slope's size at the centre."""
     return u.made(value, slope * np.sinh(u.radius) + np.abs(value) * (np.cosh(u.radius) - 1.0))
-
-
-def _tan(u: Disc) -> Disc:
-    return quotient(_sin(u), _cos(u))
-
-
-def _sinh(u: Disc) -> Disc:
-    return _hyperbolic(u, np.sinh(u.center), np.cosh(u.center))
-
-
-def _cosh(u: Disc) -> Disc:
-    return _hyperbolic(u, np.cosh(u.center), np.abs(np.sinh(u.center)))
 
 
 def _hyperbolic(u: Disc, value: Array, slope: Array) -> Disc:
@@ -187,13 +167,15 @@ DISC_FUNCTIONS: Mapping[str, Callable[..., Any]] = {
     "power": power,
     "sin": _sin,
     "cos": _cos,
-    "tan": _tan,
+    "tan": lambda u: quotient(_sin(u), _cos(u)),
     "exp": _exp,
-    "log": _log,
-    "sqrt": _sqrt,
+    "log": lambda u: _from_the_right(
+        u, u.made(np.log(u.center), -np.log1p(-u.radius / u.center)), np.log, begins=False
+    ),
+    "sqrt": lambda u: power(u, 0.5),
     "atan": _atan,
-    "sinh": _sinh,
-    "cosh": _cosh,
+    "sinh": lambda u: _hyperbolic(u, np.sinh(u.center), np.cosh(u.center)),
+    "cosh": lambda u: _hyperbolic(u, np.cosh(u.center), np.abs(np.sinh(u.center))),
     "tanh": _tanh,
 }
 """The functions of formulas without choices."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 
@@ -111,8 +110,7 @@ class _Samples:
         values, rises = self.values[beside], LEADING * np.abs(self.slopes[beside]) * np.diff(self.points)[step]
         # What is no number is looked at.
         within = (values + rises < self.values.max()) & (values - rises > self.values.min())
-        leads: IndexArray = step[~within.all(axis=0)]
-        return leads
+        return step[~within.all(axis=0)]
 
 
 def _sampled_each(functions: Functions, grid: Array) -> list[_Samples]:
@@ -120,7 +118,7 @@ def _sampled_each(functions: Functions, grid: Array) -> list[_Samples]:
     return [
         _beside_flat(one, _sampled(one, grid, first))
         for number, first in enumerate(functions(grid))
-        for one in (partial(_one_of, functions, number),)
+        for one in (lambda points, number=number: functions(points)[number],)
     ]
 
 
@@ -139,15 +137,8 @@ def _stationary(functions: Functions, samples: list[_Samples], changes: list[Ind
     ]
 
 
-def _one_of(functions: Functions, number: int, points: Array) -> Jet:
-    return functions(points)[number]
-
-
 def _changes_of_sign(functions: Functions, brackets: list[Array]) -> list[Array]:
-    """Zeros of the slopes of several functions, all sought at once since these have much in common.
-
-    The brackets of each have shape (5, n): low and high ends, slopes there, and the rise that counts as none.
-    """
+    """Zeros of the slopes of several functions at once; brackets (5, n): low, high, slopes there, rise that is none."""
     low, high, at_low, at_high, least = np.concatenate(brackets, axis=1)
     if not low.size:
         return [low for _ in brackets]
@@ -162,10 +153,7 @@ def _changes_of_sign(functions: Functions, brackets: list[Array]) -> list[Array]
 
 
 def grid_between(start: float, end: float, knots: Array) -> Array:
-    """Points from start to end, the same number between any two neighbouring knots, however close these are.
-
-    An even number of steps lies between two knots, so that steps come in pairs of the same length.
-    """
+    """Points from start to end, as many between any two neighbouring knots, in pairs of steps of equal length."""
     edges = np.concatenate([[start], knots[(knots > start) & (knots < end)], [end]])
     each = 2 * -(-(SAMPLES - 1 + 4 * (edges.size - 2)) // (2 * (edges.size - 1)))
     shares = np.arange(each) / each
@@ -173,11 +161,7 @@ def grid_between(start: float, end: float, knots: Array) -> Array:
 
 
 def _sampled(function: Callable[[Array], Jet], grid: Array, jet: Jet) -> _Samples:
-    """Samples, more of them than those of the grid where the function's ``jet`` there tells too little.
-
-    That is where a sample is far from the cubic through its two neighbours.
-    The samples compared are every other point of the grid, from the second on; they lie halfway between neighbours.
-    """
+    """Samples of a function, more than the grid's where every other one of these is far from its neighbours' cubic."""
     points = grid
     values, slopes = jet.value, jet.derivative(1)
     low = np.arange(0, grid.size - 2, 2)
@@ -199,8 +183,7 @@ def _sampled(function: Callable[[Array], Jet], grid: Array, jet: Jet) -> _Sample
         middle, jet = points.size + np.arange(between.size), function(between)
         points = np.concatenate([points, between])
         values, slopes = np.concatenate([values, jet.value]), np.concatenate([slopes, jet.derivative(1)])
-    order = np.argsort(points, kind="stable")
-    found = _Samples(points[order], values[order], slopes[order])
+    found = _ordered(points, values, slopes)
     step = np.diff(found.points)
     rise = np.abs(found.slopes) * np.maximum(np.append(step, 0.0), np.append(0.0, step))
     return replace(found, slopes=np.where(rise <= found.rise, 0.0, found.slopes))
@@ -213,19 +196,19 @@ def _is_noise(function: Callable[[Array], Jet], points: Array, values: Array) ->
 
 
 def _beside_flat(function: Callable[[Array], Jet], known: _Samples) -> _Samples:
-    """The samples, with one on either side of each whose slope is zero.
-
-    At an inflection the slope has the same sign on both sides, and its zero would hide a change in the step before.
-    """
+    """The samples, and one on either side of each of zero slope, which would hide a change of sign at an inflection."""
     grid = known.points
     flat = np.nonzero(known.slopes[1:-1] == 0.0)[0] + 1
     if not flat.size or flat.size == grid.size - 2:
         return known
     beside = [grid[flat] - NEXT * (grid[flat] - grid[flat - 1]), grid[flat] + NEXT * (grid[flat + 1] - grid[flat])]
     jets = [function(points) for points in beside]
-    points = np.concatenate([grid, *beside])
     values = np.concatenate([known.values, *(jet.value for jet in jets)])
     slopes = np.concatenate([known.slopes, *(jet.derivative(1) for jet in jets)])
+    return _ordered(np.concatenate([grid, *beside]), values, slopes)
+
+
+def _ordered(points: Array, values: Array, slopes: Array) -> _Samples:
     order = np.argsort(points, kind="stable")
     return _Samples(points[order], values[order], slopes[order])
 
@@ -234,15 +217,13 @@ def _missed(points: Array, values: Array, slopes: Array, triples: tuple[IndexArr
     """How far each middle sample is from the cubic with the values and slopes of its two neighbours."""
     low, middle, high = triples
     cubic = (values[low] + values[high]) / 2.0 + (points[high] - points[low]) * (slopes[low] - slopes[high]) / 8.0
-    missed: Array = np.abs(values[middle] - cubic)
-    return missed
+    return np.abs(values[middle] - cubic)
 
 
 def _may_be_extreme(values: Array, missed: Array, middle: IndexArray) -> Mask:
     """Whether the function about each middle sample may go beyond all samples, judged by how far it ``missed``."""
     reach = BEYOND * missed
-    beyond: Mask = (values[middle] + reach > np.max(values)) | (values[middle] - reach < np.min(values))
-    return beyond
+    return (values[middle] + reach > np.max(values)) | (values[middle] - reach < np.min(values))
 
 
 def extremes(
@@ -260,18 +241,13 @@ def extremes_on(functions: Functions, grid: Array) -> list[tuple[Extremum, Extre
     found = []
     for number, (points, jet) in enumerate(zip(places, functions(np.concatenate(places)), strict=True)):
         values = jet.value[ends[number] - points.size : ends[number]]
-        low, high = int(np.argmin(values)), int(np.argmax(values))
-        found.append(
-            (Extremum(float(values[low]), float(points[low])), Extremum(float(values[high]), float(points[high])))
-        )
+        low, high = (Extremum(float(values[at]), float(points[at])) for at in (np.argmin(values), np.argmax(values)))
+        found.append((low, high))
     return found
 
 
 def bounds_on(grid: Array, jet: Jet) -> tuple[float, float]:
-    """Bounds of a function by its jet of order 1 or more on a grid as of ``extremes_on``, in a tenth of the time.
-
-    They are infinite where the samples tell too little.
-    """
+    """Bounds of a function by its jet of order 1 or more on a grid, quickly; infinite where samples tell too little."""
     values, slopes, low = jet.value, jet.derivative(1), np.arange(0, grid.size - 2, 2)
     if not np.max(_missed(grid, values, slopes, (low, low + 1, low + 2))) <= ROUGH * np.max(np.abs(values)):
         return -np.inf, np.inf

@@ -67,10 +67,10 @@ class Formula:
         return self(Jet(points[None, :])).value
 
     def spread(self, center: Array, radius: Array, *, real: bool) -> Array:
-        """How far values on discs about ``center`` (shape (n,)) are from some number, at most; inf where unknown.
+        """How far values on discs about ``center`` (n,) are from some number at most; inf where unknown.  No choices.
 
-        A finite spread proves that the function is analytic on the disc; with ``real``, only real values are meant, and
-        it proves nothing but their spread.  The formula must be without choices.
+        A finite spread proves the function analytic on the disc; with ``real`` it proves only the spread of
+        real values.
         """
         with np.errstate(all="ignore"):
             result = self.tape.run(Disc.about(center, radius, real=real), DISC_FUNCTIONS)
@@ -103,18 +103,12 @@ class Formula:
 
 
 def composed(text: str, key: str, variable: str) -> Formula:
-    """The formula of an expression in a variable.
-
-    Raises WrongInput, naming ``key`` and the offending name or construct, for anything outside the whitelist.
-    """
+    """The formula of an expression; raises WrongInput, naming ``key``, for anything outside the whitelist."""
     return Formula(_Reader(variable, key, text).tape())
 
 
 def _quotient(over: Jet | float, under: Jet | float) -> Jet:
-    """A quotient of jets or numbers; what is divided by something huge is zero, with its derivatives.
-
-    The derivatives of something huge overflow, those of the quotient are as good as zero.
-    """
+    """A quotient of jets or numbers; what is divided by something huge, whose derivatives overflow, is zero."""
     result = over / under
     assert isinstance(result, Jet)
     if not isinstance(under, Jet):
@@ -124,7 +118,6 @@ def _quotient(over: Jet | float, under: Jet | float) -> Jet:
 
 
 def _either(condition: Jet, negative: Jet | float, otherwise: Jet | float) -> Jet:
-    """One jet where a condition is negative, another one elsewhere."""
     sides = [side if isinstance(side, Jet) else condition * 0.0 + side for side in (negative, otherwise)]
     return Jet(np.where(condition.value < 0.0, sides[0].coefficients, sides[1].coefficients))
 

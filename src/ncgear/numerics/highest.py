@@ -79,10 +79,10 @@ class _Intervals(Columns):
 
 
 def largest_of_each(functions: Callable[[Array], Array], places: Array, missed: Array | float = 0.0) -> list[Extremum]:
-    """The largest value of each of q functions between the first and the last of rising places, shape (n,), n > 1.
+    """The largest value of each of q functions between rising places, (n,), n > 1; one-sided limits at jumps count.
 
-    ``functions`` maps places (shape (m,)) to values (shape (q, m)).  One-sided limits at jumps count.  Largest
-    values are known to the share EVEN of themselves, or to ``missed`` where this is more, shape (q,) or one for all.
+    ``functions`` maps places (m,) to values (q, m).  Values are known to EVEN of themselves, or to ``missed``, (q,)
+    or one.
     """
     values = _evaluated(functions, places)
     return largest_from(functions, places, values, np.broadcast_to(missed, len(values)))
@@ -160,3 +160,23 @@ def _cut(whole: _Intervals, inner: Array, found: Array) -> _Intervals:
     owner = np.repeat(whole.owner, SHARES)
     columns = places[:, :-1], places[:, 1:], values[:, :-1], values[:, 1:], before, after
     return _Intervals(owner, stayed.ravel(), *(column.ravel() for column in columns))
+
+
+GOLDEN = (5.0**0.5 - 1.0) / 2.0
+
+
+def golden_section(function: Callable[[float], float], low: float, high: float, within: float) -> list[Extremum]:
+    """Two values next to the least value of a function that falls and then rises between two places.
+
+    The sections end where the places about the two are no more than ``within`` apart.
+    """
+    places = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)]
+    values = [function(place) for place in places]
+    while high - low > within:
+        if values[0] <= values[1]:
+            high, places = places[1], [places[1] - GOLDEN * (places[1] - low), places[0]]
+            values = [function(places[0]), values[0]]
+        else:
+            low, places = places[0], [places[1], places[0] + GOLDEN * (high - places[0])]
+            values = [values[1], function(places[1])]
+    return [Extremum(value, place) for value, place in zip(values, places, strict=True)]

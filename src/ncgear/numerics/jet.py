@@ -50,13 +50,11 @@ class Jet:
     @property
     def value(self) -> Array:
         """The function's values, shape (n,)."""
-        values: Array = self.coefficients[0]
-        return values
+        return self.coefficients[0]
 
     def derivative(self, k: int = 1) -> Array:
         """The k-th derivative, shape (n,); k at most ``order``."""
-        values: Array = self.coefficients[k] * factorial(k)
-        return values
+        return self.coefficients[k] * factorial(k)
 
     def differentiated(self) -> Jet:
         """The derivative as a jet of one order less."""
@@ -70,10 +68,6 @@ class Jet:
     def truncated(self, order: int) -> Jet:
         """The same series cut at ``order``."""
         return Jet(self.coefficients[: order + 1])
-
-    def compressed(self, mask: Mask) -> Jet:
-        """The series at the points where ``mask`` (shape (n,)) is true."""
-        return Jet(self.coefficients[:, mask])
 
     def __neg__(self) -> Jet:
         return Jet(-self.coefficients)
@@ -154,28 +148,25 @@ def sqrt(argument: Jet) -> Jet:
 
 def sin_cos(argument: Jet) -> tuple[Jet, Jet]:
     """Sine and cosine together, since each one's recurrence needs the other."""
-    a = argument.coefficients
+    return _pair(argument.coefficients, np.sin, np.cos, -1.0)
+
+
+def sinh_cosh(argument: Jet) -> tuple[Jet, Jet]:
+    """Hyperbolic sine and cosine together, since each one's recurrence needs the other."""
+    return _pair(argument.coefficients, np.sinh, np.cosh, 1.0)
+
+
+def _pair(a: Array, odd: np.ufunc, even: np.ufunc, sign: float) -> tuple[Jet, Jet]:
+    """Two functions, the derivative of the odd one being the even one, and the other way round times the sign."""
     sine, cosine = np.empty_like(a), np.empty_like(a)
-    sine[0], cosine[0] = np.sin(a[0]), np.cos(a[0])
+    sine[0], cosine[0] = odd(a[0]), even(a[0])
     slopes = _slopes(a)
     # A straight argument, which is the usual one, has a single slope.
     count = len(slopes) if a[2:].any() else 1
     for k in range(1, len(a)):
         last = max(k - count, 0)
         sine[k] = _paired(slopes[: k - last], cosine[last:k]) / k
-        cosine[k] = -_paired(slopes[: k - last], sine[last:k]) / k
-    return Jet(sine), Jet(cosine)
-
-
-def sinh_cosh(argument: Jet) -> tuple[Jet, Jet]:
-    """Hyperbolic sine and cosine together, since each one's recurrence needs the other."""
-    a = argument.coefficients
-    sine, cosine = np.empty_like(a), np.empty_like(a)
-    sine[0], cosine[0] = np.sinh(a[0]), np.cosh(a[0])
-    slopes = _slopes(a)
-    for k in range(1, len(a)):
-        sine[k] = _paired(slopes[:k], cosine[:k]) / k
-        cosine[k] = _paired(slopes[:k], sine[:k]) / k
+        cosine[k] = sign * _paired(slopes[: k - last], sine[last:k]) / k
     return Jet(sine), Jet(cosine)
 
 
@@ -197,17 +188,14 @@ def _counted(rows: Array) -> Array:
 
 
 def _slopes(coefficients: Array) -> Array:
-    """The coefficients of the derivative."""
-    slopes: Array = coefficients[1:] * _counted(coefficients[1:])
-    return slopes
+    return coefficients[1:] * _counted(coefficients[1:])
 
 
 def _paired(rising: Array, falling: Array) -> Array:
     """Sum of products of rows: the first of one times the last of the other and so on; shape (n,)."""
     if len(rising) == 1:
         return np.asarray(rising[0] * falling[0])
-    total: Array = (rising * falling[::-1]).sum(axis=0)
-    return total
+    return (rising * falling[::-1]).sum(axis=0)
 
 
 def _whole_power(base: Jet, exponent: int) -> Jet:
@@ -259,10 +247,7 @@ def arctan2(sine_side: Jet, cosine_side: Jet) -> Jet:
 
 
 def polynomial(coefficients: Sequence[float] | Array, argument: Jet) -> Jet:
-    """Polynomial with ``coefficients`` from the constant term upwards, by Horner's rule.
-
-    ``coefficients`` have shape (m,), or (m, n) where each point has a polynomial of its own.
-    """
+    """Polynomial by Horner, ``coefficients`` from the constant term up, (m,), or (m, n) for one of each point."""
     if len(coefficients) == 1:
         return argument * 0.0 + coefficients[0]
     result = argument * coefficients[-1] + coefficients[-2]

@@ -42,10 +42,7 @@ class PeriodicCubic:
     coefficients: Array
 
     def at(self, angle: Array, order: int) -> Jet:
-        """Values with derivatives at angles in [0, 2 pi] rad, shape (n,).
-
-        The third derivative jumps at a knot; it is that after the knot, and at 2 pi that before it.
-        """
+        """Values with derivatives at angles in [0, 2 pi] rad, (n,); of the third, that after a knot (2 pi: before)."""
         cell = np.minimum(np.searchsorted(self.knots, angle, side="right"), self.knots.size - 1) - 1
         third = self.coefficients[3, cell]
         beyond = angle - self.knots[cell]
@@ -76,8 +73,8 @@ class PeriodicCubic:
             inside = (zeros > 0.0) & (zeros < widths[cells])
         points = np.concatenate([self.knots[:-1], self.knots[cells[inside]] + zeros[inside]])
         values = np.concatenate([self.coefficients[0], self._moved(cells[inside], zeros[inside])[0]])
-        low, high = int(np.argmin(values)), int(np.argmax(values))
-        return Extremum(float(values[low]), float(points[low])), Extremum(float(values[high]), float(points[high]))
+        low, high = (Extremum(float(values[at]), float(points[at])) for at in (np.argmin(values), np.argmax(values)))
+        return low, high
 
     def places(self, swing: float) -> Array:
         """The knots, and places between them so that the spline changes by ``swing`` at most from one to the next."""
@@ -115,10 +112,7 @@ class PeriodicCubic:
 
 
 def _left_out(sizes: Array) -> Array:
-    """Bound of the terms beyond ``DEGREE`` of an exponential's Taylor series, as a share of its value; shape (m,).
-
-    The exponential of the cubic with terms of these sizes (shape (3, m)), all positive, has terms as large or larger.
-    """
+    """Bound of an exponential's Taylor terms beyond ``DEGREE``, as a share, by a majorant of positive terms; (m,)."""
     majorant = np.zeros((DEGREE + BEYOND + 1, sizes.shape[1]))
     majorant[1:4] = sizes
     with np.errstate(over="ignore"):
@@ -127,10 +121,7 @@ def _left_out(sizes: Array) -> Array:
 
 
 def periodic_cubic(knots: Array, values: Array) -> PeriodicCubic:
-    """The spline through values at knots, shape (n,) both; the knots rise from 0 to under 2 pi, three or more of them.
-
-    Raises ValueError for other knots.
-    """
+    """The spline through values at three or more knots, rising from 0 to under 2 pi, (n,); raises ValueError else."""
     closing = np.append(knots, 2.0 * pi)
     widths = np.diff(closing)
     if knots.size < FEWEST_KNOTS or knots[0] != 0.0 or not np.all(widths > 0.0):
@@ -160,8 +151,7 @@ def _cyclic(before: Array, after: Array, right: Array) -> Array:
     spike[0], spike[-1] = -pivot, after[-1]
     plain, spiked = _tridiagonal(before, diagonal, after, right), _tridiagonal(before, diagonal, after, spike)
     factor = (plain[0] + share * plain[-1]) / (1.0 + spiked[0] + share * spiked[-1])
-    solution: Array = plain - factor * spiked
-    return solution
+    return plain - factor * spiked
 
 
 def _tridiagonal(below: Array, diagonal: Array, above: Array, right: Array) -> Array:

@@ -18,32 +18,27 @@ def as_complex(points: Array) -> ComplexArray:
     """Points of shape (..., 2) as x + i y, shape (...): the same memory, where x and y are next to each other."""
     pairs = np.asarray(points, dtype=float)
     near = pairs if pairs.strides[-1] == pairs.itemsize else np.ascontiguousarray(pairs)
-    flat: ComplexArray = near.view(complex)[..., 0]
-    return flat
+    return near.view(complex)[..., 0]
 
 
 def as_points(places: ComplexArray) -> Array:
     """The inverse of ``as_complex``."""
-    points: Array = np.ascontiguousarray(places)[..., None].view(float)
-    return points
+    return np.ascontiguousarray(places)[..., None].view(float)
 
 
 def square(vector: ComplexArray) -> Array:
     """Squared length."""
-    squared: Array = vector.real * vector.real + vector.imag * vector.imag
-    return squared
+    return vector.real * vector.real + vector.imag * vector.imag
 
 
 def along(direction: ComplexArray, vector: ComplexArray) -> Array:
     """Scalar product; shapes broadcast."""
-    product: Array = direction.real * vector.real + direction.imag * vector.imag
-    return product
+    return direction.real * vector.real + direction.imag * vector.imag
 
 
 def across(direction: ComplexArray, vector: ComplexArray) -> Array:
     """Vector product, positive where ``vector`` points to the left of ``direction``; shapes broadcast."""
-    product: Array = direction.real * vector.imag - direction.imag * vector.real
-    return product
+    return direction.real * vector.imag - direction.imag * vector.real
 
 
 def angle_between(first: ComplexArray, second: ComplexArray) -> Array:
@@ -53,8 +48,7 @@ def angle_between(first: ComplexArray, second: ComplexArray) -> Array:
 
 def cross(first: Array, second: Array) -> Array:
     """As ``across``, for vectors of shape (..., 2)."""
-    product: Array = first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
-    return product
+    return first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0]
 
 
 def turned(vectors: Array, angle_rad: Array) -> Array:
@@ -65,10 +59,7 @@ def turned(vectors: Array, angle_rad: Array) -> Array:
 
 
 def signed_area(ring: Array) -> Array:
-    """Areas, shape (...), of closed polygons, shape (..., n, 2), whose first point is not repeated.
-
-    The area is positive where the points run counter-clockwise.
-    """
+    """Areas, (...), of closed polygons, (..., n, 2), first point not repeated; positive counter-clockwise."""
     x, y = ring[..., 0], ring[..., 1]
     return np.asarray(np.sum(x * np.roll(y, -1, axis=-1) - y * np.roll(x, -1, axis=-1), axis=-1) / 2.0)
 
@@ -106,10 +97,7 @@ class Vector:
 
 
 def bow_middles(points: Array, bulges: Array) -> Array:
-    """Middles of the lines and arcs of a closed contour, shape (n, 2), whose points (n, 2) are not repeated.
-
-    ``bulges`` (n,) are the tangents of a quarter of the angle that each turns by, positive counter-clockwise.
-    """
+    """Middles of lines and arcs of a closed contour, (n, 2), by points (n, 2) and bulges (n,) (teeth/arcs.py)."""
     chord = np.roll(points, -1, axis=0) - points
     across = np.stack([chord[:, 1], -chord[:, 0]], axis=1)
     return np.asarray(points + (chord + bulges[:, None] * across) / 2.0)

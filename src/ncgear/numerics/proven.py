@@ -78,10 +78,7 @@ def proven(formula: Formula, start: float, end: float) -> PiecewiseChebyshev:
 
 
 def smooth_parts(formula: Formula, start: float, end: float) -> list[tuple[float, float, Formula]]:
-    """Stretches of [start, end] with the one expression that the formula is there, free of choices.
-
-    Raises NotSmooth where there are too many of them, and where a condition cannot be proven.
-    """
+    """Stretches of [start, end] with their one expression; raises NotSmooth for too many or unproven conditions."""
     done: list[tuple[float, float, Formula]] = []
     waiting = [(start, end, formula)]
     while waiting:
@@ -127,10 +124,7 @@ class _Panels:
 
 
 def _agreed(formula: Formula, panels: _Panels, sizes: Array) -> Mask:
-    """Which panels give the formula everywhere; ``sizes`` are the formula's sizes that count for them.
-
-    Raises NotSmooth where it takes too many cells to tell.
-    """
+    """Which panels give the formula everywhere, of sizes that count; raises NotSmooth for too many cells."""
     allowed = AGREED * sizes + TAIL * np.abs(panels.coefficients[-3:]).max(axis=0)
     good = np.ones(panels.left.size, dtype=bool)
     left, right, owner = panels.left, panels.right, np.arange(panels.left.size)

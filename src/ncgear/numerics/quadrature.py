@@ -1,10 +1,10 @@
-"""Gauss-Legendre quadrature between breaks, and the integral of a slope as a judge of the function beside it."""
+"""Gauss-Legendre quadrature between breaks, the integral of a slope as a judge of the function, high harmonics."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from functools import cache
-from math import fsum
+from math import fsum, pi, sqrt
 
 import numpy as np
 from numpy.polynomial import legendre
@@ -66,7 +66,6 @@ def integrated_slope(function: Callable[[Array], Jet], breaks: Array) -> float:
 
 
 def _panels(left: Array, right: Array, nodes: int) -> tuple[Array, Array]:
-    """Points and weights of each panel, shape (m, nodes) each."""
     unit, weights = _rule(nodes)
     half = (right - left)[:, None] / 2.0
     return (left + right)[:, None] / 2.0 + half * unit, half * weights
@@ -76,3 +75,18 @@ def _panels(left: Array, right: Array, nodes: int) -> tuple[Array, Array]:
 def _rule(nodes: int) -> tuple[Array, Array]:
     unit, weights = legendre.leggauss(nodes)
     return unit, weights
+
+
+def rms_above(points: Array, weights: Array, values: Array, order: int) -> float:
+    """Root mean square of a function's harmonics above an order; with order 0 only the mean is left out.
+
+    Points of a quadrature over one period, their weights and the function's values have shape (n,).  Harmonics are
+    taken off the values before these are squared, so that little is lost where little is left.
+    """
+    period = float(np.sum(weights))
+    rest = values - float(np.sum(weights * values)) / period
+    for number in range(1, order + 1):
+        angle = 2.0 * pi * number / period * points
+        for wave in (np.cos(angle), np.sin(angle)):
+            rest = rest - 2.0 / period * float(np.sum(weights * values * wave)) * wave
+    return sqrt(float(np.sum(weights * rest**2)) / period)

@@ -47,8 +47,7 @@ are bracketed."""
 @cache
 def shares(count: int) -> Array:
     """Chebyshev points of [0, 1], ends included, shape (count,)."""
-    points: Array = (1.0 - np.cos(np.linspace(0.0, pi, count))) / 2.0
-    return points
+    return (1.0 - np.cos(np.linspace(0.0, pi, count))) / 2.0
 
 
 @cache
@@ -56,14 +55,12 @@ def integration(count: int) -> Array:
     """Matrix from values at the points to the integrals from 0 to each of them, shape (count, count)."""
     values = chebyshev.chebvander(2.0 * shares(count) - 1.0, count)
     integrals = chebyshev.chebint(np.eye(count), lbnd=-1, axis=0) / 2.0
-    matrix: Array = values @ integrals @ _coefficients(count)
-    return matrix
+    return values @ integrals @ _coefficients(count)
 
 
 def integrated(values: Array) -> Array:
     """Integral over all pieces of values per share of the piece, shape (pieces, count, n), as shape (n,)."""
-    total: Array = (integration(values.shape[-2])[-1] @ values).sum(axis=0)
-    return total
+    return (integration(values.shape[-2])[-1] @ values).sum(axis=0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,14 +72,12 @@ class Functions:
     @cached_property
     def low(self) -> Array:
         """Smallest value at the points, shape (p, n)."""
-        low: Array = self.values.min(axis=1)
-        return low
+        return self.values.min(axis=1)
 
     @cached_property
     def high(self) -> Array:
         """Largest value at the points, shape (p, n)."""
-        high: Array = self.values.max(axis=1)
-        return high
+        return self.values.max(axis=1)
 
     @property
     def size(self) -> Array:
@@ -100,8 +95,7 @@ class Functions:
         """By how much a function may exceed its largest value at the points, shape (p, n)."""
         steps = np.diff(self.values, axis=1)
         bends = np.subtract(steps[:, 1:], steps[:, :-1], out=steps[:, 1:])
-        higher: Array = HIGHER * np.maximum(bends.max(axis=1), -bends.min(axis=1))
-        return higher
+        return HIGHER * np.maximum(bends.max(axis=1), -bends.min(axis=1))
 
 
 class Sought(NamedTuple):
@@ -118,10 +112,7 @@ class Sought(NamedTuple):
 
 
 def extremes(sought: Sequence[Sought]) -> list[Array]:
-    """The largest value, with any of the signs, over all functions of each owner, shape (n,) for each that is sought.
-
-    Functions that count have finite values.  Without any function results are minus infinity.
-    """
+    """The largest value with any of the signs of each owner's functions, (n,) for each sought; -inf without any."""
     best, chosen, owners = list[Array](), list[Array](), list[IndexArray]()
     for functions, there, signs, limit in sought:
         ends = [np.where(there, functions.high if sign > 0.0 else -functions.low, -np.inf) for sign in signs]
@@ -138,10 +129,7 @@ def extremes(sought: Sequence[Sought]) -> list[Array]:
 
 
 def turning_points(values: Array) -> tuple[IndexArray, Array, Array]:
-    """Both ends of each function (shape (count, r)) and the places between where its slope changes its sign.
-
-    The function's number, the place in [0, 1] and the value there, shape (k,) each.
-    """
+    """Both ends of functions (count, r) and places of slopes' changes of sign: number, place in [0, 1], value; (k,)."""
     slopes = _slopes(len(values)) @ values
     place, row = np.nonzero((slopes[:-1] > 0.0) != (slopes[1:] > 0.0))
     at, there = _turned(values[:, row], slopes, row, place)
@@ -211,7 +199,6 @@ def _sums(coefficients: Array, share: Array) -> Array:
 
 @cache
 def _coefficients(count: int) -> Array:
-    """Matrix from values at the points to Chebyshev coefficients."""
     return np.asarray(np.linalg.inv(chebyshev.chebvander(2.0 * shares(count) - 1.0, count - 1)), dtype=np.float64)
 
 
@@ -224,6 +211,4 @@ def _series(count: int) -> tuple[Array, Array, Array]:
 
 @cache
 def _slopes(count: int) -> Array:
-    """Matrix from values at the points to slopes there."""
-    slopes: Array = chebyshev.chebvander(2.0 * shares(count) - 1.0, count - 1) @ _series(count)[1]
-    return slopes
+    return chebyshev.chebvander(2.0 * shares(count) - 1.0, count - 1) @ _series(count)[1]

@@ -157,10 +157,7 @@ class Tape:
     operations: tuple[Operation, ...]
 
     def run(self, argument: Any, functions: Mapping[str, Callable[..., Any]]) -> Any:
-        """The result for an argument of a kind that has + - * and the negative; ``functions`` gives all others.
-
-        A function that does not need the argument gives a float.
-        """
+        """The result for an argument with + - * and the negative, ``functions`` for all else; constants are floats."""
         values: list[Any] = []
         for operation in self.operations:
             inputs = [values[place] for place in operation.operands]

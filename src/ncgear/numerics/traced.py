@@ -13,22 +13,9 @@ from typing import Any
 import numpy as np
 from numpy.lib.mixins import NDArrayOperatorsMixin
 
-FUNCTIONS = {
-    np.sin: "sin",
-    np.cos: "cos",
-    np.tan: "tan",
-    np.exp: "exp",
-    np.log: "log",
-    np.sqrt: "sqrt",
-    np.arctan: "atan",
-    np.sinh: "sinh",
-    np.cosh: "cosh",
-    np.tanh: "tanh",
-    np.absolute: "abs",
-    np.sign: "sign",
-    np.minimum: "min",
-    np.maximum: "max",
-}
+SAME_NAMES = ("sin", "cos", "tan", "exp", "log", "sqrt", "sinh", "cosh", "tanh", "sign")
+FUNCTIONS = {getattr(np, name): name for name in SAME_NAMES}
+FUNCTIONS |= {np.arctan: "atan", np.absolute: "abs", np.minimum: "min", np.maximum: "max"}
 OPERATIONS = {np.add: "+", np.subtract: "-", np.multiply: "*", np.true_divide: "/", np.power: "**"}
 
 

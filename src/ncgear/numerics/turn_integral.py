@@ -49,15 +49,10 @@ class TurnIntegral:
         """F at arguments in [0, 2 pi], shape (n,), with the same relative accuracy at 1e-9 as at 1."""
         node = np.searchsorted(self.starts, arguments, side="right") - 1
         swing, _ = _integral_and_rate(self._pairs[..., node], arguments - self.nodes[node])
-        there: Array = self.values[node] + swing
-        return there
+        return self.values[node] + swing
 
     def inverse(self, values: Array) -> Array:
-        """Arguments in [0, 2 pi] at which F has the values (shape (n,), within [0, 2 pi]).
-
-        Newton's method starts in the cell of the argument, so a value of 1e-9 has the same relative accuracy as one of
-        1.  A cell is so short that f varies little on it, and no step leads away.
-        """
+        """Arguments in [0, 2 pi] at which F has the values (n,), by Newton's method in their short cells."""
         start = np.interp(values, self.values, self.nodes)
         node = np.searchsorted(self.starts, start, side="right") - 1
         base: Array = self.nodes[node]
@@ -106,10 +101,9 @@ MOST_NODES = 1 << 18
 
 
 def turn_integral(sampled: Callable[[int], Array], fewest: int) -> TurnIntegral:
-    """The integral of a positive function given by its values at N points of [0, 2 pi), ``sampled(N)``.
+    """The integral of a positive function by its values ``sampled(N)`` at N even points of [0, 2 pi).
 
-    The points are evenly spaced.  N is doubled from ``fewest`` (a power of two) on until the function is resolved;
-    raises Unanswered where MOST_NODES do not resolve it.
+    N is doubled from ``fewest`` (a power of two) until it is resolved; raises Unanswered where MOST_NODES do not.
     """
     count = fewest
     while count <= MOST_NODES:

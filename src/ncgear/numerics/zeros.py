@@ -29,10 +29,10 @@ REAL = 1e-7
 
 
 def first_zeros(function: Callable[[IndexArray, Array], Array], cuts: list[Array]) -> Array:
-    """For each interval number i, the smallest t at which ``function(i, t)`` is no longer positive.
+    """For each interval number i, the smallest t at which ``function(i, t)`` is not positive, or the interval's end.
 
-    ``cuts[i]`` holds the interval's ends and, between them, the places where the function may jump.  The function takes
-    interval numbers and arguments of shape (n,).  Where it stays positive, the interval's end is returned.
+    ``cuts[i]`` holds the interval's ends and places where the function may jump.  Numbers and arguments have shape
+    (n,).
     """
     first = np.concatenate([cut[:-1] for cut in cuts])
     last = np.concatenate([cut[1:] for cut in cuts])
@@ -81,10 +81,7 @@ where a series only touches zero none does, and eigenvalues tell."""
 
 
 def _first_zeros_of_series(coefficients: Array) -> Array:
-    """Smallest places in [-1, 1] at which Chebyshev series (shape (degree + 1, m)) are not positive; NaN for none.
-
-    They are halved until bounds prove each part positive, or to fall evenly through a zero.
-    """
+    """Smallest places in [-1, 1] at which series (degree + 1, m) are not positive, NaN for none, by halving."""
     degree, count = len(coefficients) - 1, coefficients.shape[1]
     # The first part of each series that has a zero for certain, as far as is known: both ends, and values there.
     first = np.full((4, count), np.inf)
@@ -140,11 +137,9 @@ def _first_zero(coefficients: Array) -> float:
 
 
 def _real_roots(coefficients: Array) -> Array:
-    """Real zeros of a Chebyshev series in [-1, 1]."""
     kept = series.chebtrim(coefficients, NEGLIGIBLE * np.abs(coefficients).max())
     roots = np.atleast_1d(series.chebroots(kept))
-    real: Array = roots.real[(np.abs(roots.imag) <= REAL) & (np.abs(roots.real) <= 1.0)]
-    return real
+    return roots.real[(np.abs(roots.imag) <= REAL) & (np.abs(roots.real) <= 1.0)]
 
 
 MOST_STEPS = 200
@@ -210,17 +205,13 @@ def _zero_at_an_end(ends: tuple[Array, Array], low: Array, high: Array) -> tuple
 
 
 def _no_zero(failed: Mask, low: Array, high: Array, why: str) -> Unanswered:
-    """The error for brackets in which no zero was found."""
     rows = np.flatnonzero(failed)
     ends = f"{low[rows[0]]:.6g} and {high[rows[0]]:.6g}"
     return Unanswered(f"no zero was found between {ends}, at which a function {why}", rows=rows.tolist())
 
 
 def _next_share(points: tuple[Array, Array, Array], values: tuple[Array, Array, Array], least: Array) -> Array:
-    """Where between the newest point and the one across the zero to look next.
-
-    Inverse quadratic interpolation tells where the three points allow it; otherwise it is the middle.
-    """
+    """Where to look next between the newest point and the one across the zero: inverse quadratic, or the middle."""
     (a, b, c), (fa, fb, fc) = points, values
     place, height = (a - b) / (c - b), (fa - fb) / (fc - fb)
     trusted: Mask = (height**2 < place) & ((1.0 - height) ** 2 < 1.0 - place)
@@ -271,7 +262,7 @@ def zeros_by_slope(
 
 
 def real_roots(coefficients: Array, imaginary: float = np.inf) -> Array:
-    """Real parts of the zeros of n polynomials, shape (degree, n), from the constant term upwards (degree + 1, n).
+    """Real parts of the zeros of polynomials, (degree, n), from coefficients from the constant term up (degree + 1, n).
 
     NaN where a zero is missing, or where its imaginary part is over ``imaginary`` times 1 plus its size.
     """

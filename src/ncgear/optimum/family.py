@@ -87,18 +87,10 @@ class Family:
         task = self.task
         return task.loaded(Machine(uniform_law(task.lobes), task.linkage, task.load, task.speed_rad_s))
 
-    @property
-    def return_takes_power(self) -> bool:
-        """Whether the driving shaft is asked for power in the return as well."""
-        return self.task.masses is not None or self.task.load.loads_return
-
 
 @dataclass(frozen=True, eq=False)
 class SampledLaws:
-    """Sampled accelerations in mm/s^2 and driving powers in W, shape (n, points) each; infinite where there is no law.
-
-    Power that flows back to the motor counts as zero.
-    """
+    """Accelerations in mm/s^2 and powers in W (0 where they flow back), (n, points); infinite without a law."""
 
     acceleration: Array
     power: Array
@@ -128,10 +120,7 @@ def sampled_laws(family: Family, points: Array) -> SampledLaws:
 
 
 def _power_w(family: Family, strokes: WorkingStrokes[Array], out: SampledMotion, back: ReturnSamples) -> Array:
-    """The power of the driving shaft in W, shape (n, points), negative where it brakes.
-
-    Without masses it is the load's alone, at points of the return only where anything loads it.
-    """
+    """The power of the driving shaft in W, shape (n, points); without masses in the return only where it is loaded."""
     task = family.task
     if task.masses is not None:
         return _power_with_masses_w(family, strokes, out, back)
@@ -145,7 +134,6 @@ def _power_w(family: Family, strokes: WorkingStrokes[Array], out: SampledMotion,
 def _power_with_masses_w(
     family: Family, strokes: WorkingStrokes[Array], out: SampledMotion, back: ReturnSamples
 ) -> Array:
-    """The power of the driving shaft with all masses at all points of the cycle."""
     task = family.task
     phi1, driven = working_angles(strokes, task.linkage, SEGMENT_POINTS, 2)
     start = strokes.theta4_rad[:, None]
@@ -218,10 +206,7 @@ IMPOSSIBLE = 1e6
 
 @dataclass(frozen=True, eq=False)
 class FamilyOptimum:
-    """The best law found: its stroke, as ``solve_for: v2`` of a design file.
-
-    ``constant`` is the e of its return, None for ``e: least_acceleration``.
-    """
+    """The best law: its stroke, as ``solve_for: v2``, and the e of its return, None for ``least_acceleration``."""
 
     request: StrokeRequest
     inverse: bool
@@ -278,8 +263,7 @@ def _merit(family: Family, least: Peak, cap: float, points: Array) -> Array:
     found = sampled_laws(family, points)
     peak, other = (np.abs(found.of(kind)).max(axis=1) for kind in (least, _capped(least)))
     excess = np.maximum(other / cap - 1.0, 0.0) if isfinite(cap) else np.where(np.isfinite(other), 0.0, inf)
-    merit: Array = peak * (1.0 + PENALTY * excess)
-    return merit
+    return peak * (1.0 + PENALTY * excess)
 
 
 def _starts(family: Family, least: Peak, cap: float, random: np.random.Generator, count: int) -> list[Array]:
@@ -309,8 +293,7 @@ class _Descent:
     def values(self, variables: Array) -> Array:
         """Values that must not be negative: peak minus samples, and cap minus samples."""
         self._see(variables[:-1])
-        values: Array = self._values + variables[-1] * self._is_peak
-        return values
+        return self._values + variables[-1] * self._is_peak
 
     def slopes(self, variables: Array) -> Array:
         """Derivatives of ``values``, shape (constraints, variables)."""
@@ -345,8 +328,7 @@ def _descended(family: Family, least: Peak, cap: float, start: Array) -> Array:
         method="SLSQP",
         options={"maxiter": 150, "ftol": 1e-8},
     )
-    point: Array = np.clip(result.x[:-1], 0.0, 1.0)
-    return point
+    return np.clip(result.x[:-1], 0.0, 1.0)
 
 
 def _under_cap(family: Family, least: Peak, cap: float, point: Array) -> FamilyOptimum | None:
@@ -370,11 +352,11 @@ def _under_cap(family: Family, least: Peak, cap: float, point: Array) -> FamilyO
 def _made(family: Family, point: Array) -> list[FamilyOptimum]:
     """The laws of a point of the unit box as a design file makes them, with their exact peaks; none where it cannot.
 
-    The first has the return of least acceleration.  Where the return takes power, the second has the return of the
-    point.
+    The first has the return of least acceleration; where the return takes power, the second has the point's own.
     """
     constants: list[float | None] = [None]
-    if family.return_takes_power and isfinite(own := constant_at(family, point)):
+    takes_power = family.task.masses is not None or family.task.load.loads_return
+    if takes_power and isfinite(own := constant_at(family, point)):
         constants.append(own)
     made = []
     for constant in constants:
@@ -386,7 +368,6 @@ def _made(family: Family, point: Array) -> list[FamilyOptimum]:
 
 
 def _law_of(family: Family, request: StrokeRequest, constant: float | None) -> FamilyOptimum:
-    """One law; raises NoSuchMechanism where it cannot be made."""
     task = family.task
     stroke = solved_stroke(request)
     law = stroke_law(stroke, task.linkage, task.lobes, constant=constant, inverse_basis=family.inverse)

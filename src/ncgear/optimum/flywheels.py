@@ -80,10 +80,9 @@ def with_flywheel(task: Task, flywheel_kg_mm2: float) -> Task:
 
 
 class FlywheelSearch:
-    """The laws found so far, by the flywheel.
+    """The laws found so far, by the flywheel; ``task`` is the machine without it, ``wishes`` what its laws must keep.
 
-    ``task`` is the machine without the flywheel, ``wishes`` what its laws must keep; ``tell`` is called with the number
-    of laws searched for so far.
+    ``tell`` is called with the number of laws searched for so far.
     """
 
     def __init__(self, task: Task, wishes: Wishes, tell: Callable[[int], None] = lambda laws: None) -> None:
@@ -92,10 +91,7 @@ class FlywheelSearch:
         self._tell, self._searched = tell, 0
 
     def of_sizes(self, least_kg_mm2: float, most_kg_mm2: float, count: int = SIZES) -> list[FlywheelLaw]:
-        """The best law of each size, in even ratios of the whole inertia; sizes without a law are left out.
-
-        Raises NoSuchMechanism where there is none at all.
-        """
+        """The best laws by size, in even ratios of the whole inertia; raises NoSuchMechanism where there is none."""
         own = max(mean_inertia_kg_mm2(self.task), LEAST_SHARE * most_kg_mm2)
         sizes = (np.geomspace(own + least_kg_mm2, own + most_kg_mm2, count) - own).tolist()
         sizes[0], sizes[-1] = least_kg_mm2, most_kg_mm2
@@ -198,10 +194,7 @@ OF_TEETH = ("tooth_force_n", "flank_load_n_mm", "center_distance_mm")
 
 
 def least_by_work(task: Task, wishes: Wishes) -> float:
-    """The part of the goal that the work of a cycle alone asks for, in the goal's unit.
-
-    It needs a mean power, a mean torque, and forces between the teeth, whose length needs a centre distance.
-    """
+    """The part of the goal that the work of a cycle alone asks for: mean power, mean torque, forces of teeth."""
     prices, power_w = wishes.prices, least_mean_power_w(task)
     least = prices.peak_power_w * power_w + prices.rms_torque_n_m * abs(power_w) / task.speed_rad_s
     asked = demands_of(task, wishes)
@@ -221,16 +214,12 @@ class FlywheelPoint:
 def flywheel_points(
     task: Task, wishes: Wishes, least_kg_mm2: float, most_kg_mm2: float, count: int, tell: Callable[[int], None]
 ) -> list[FlywheelPoint]:
-    """Least power against the flywheel's size, by laws of few knots; a limit of the power itself is left out.
-
-    Raises NoSuchMechanism where no law is found with any size.
-    """
+    """Least power by flywheel with laws of few knots, power unlimited; raises NoSuchMechanism without a law."""
     limits = replace(wishes.limits, peak_power_w=None)
     search = FlywheelSearch(task, replace(wishes, goal=Goal.POWER, weights=None, limits=limits), tell)
-    return [_point(search, one) for one in search.of_sizes(least_kg_mm2, most_kg_mm2, count)]
-
-
-def _point(search: FlywheelSearch, found: FlywheelLaw) -> FlywheelPoint:
-    task = with_flywheel(search.task, found.flywheel_kg_mm2)
-    limit = least_power(task, demands_of(task, search.wishes))
-    return FlywheelPoint(found.flywheel_kg_mm2, limit.value, figures(task, found.law.train(task.lobes)))
+    points = []
+    for one in search.of_sizes(least_kg_mm2, most_kg_mm2, count):
+        wheeled = with_flywheel(task, one.flywheel_kg_mm2)
+        limit = least_power(wheeled, demands_of(wheeled, search.wishes))
+        points.append(FlywheelPoint(one.flywheel_kg_mm2, limit.value, figures(wheeled, one.law.train(task.lobes))))
+    return points

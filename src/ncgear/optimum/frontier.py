@@ -53,10 +53,7 @@ class LawPoint:
 
 @dataclass(frozen=True)
 class FamilyPoint:
-    """The best law found of the three-segment family under a cap on the power; None where none was found.
-
-    ``motion`` is the block of a design file that makes it.
-    """
+    """The family's best law under a cap on the power, if any; ``motion`` is the design file's block that makes it."""
 
     cap_w: float
     peak_power_w: float | None
@@ -65,21 +62,17 @@ class FamilyPoint:
 
 
 def caps_w(task: Task, wishes: Wishes, count: int) -> list[float]:
-    """``count`` caps on the power from one end of the frontier to the other, in even ratios.
-
-    Raises NoSuchMechanism where no law keeps the wishes' other limits.
-    """
+    """Caps on the power over the frontier, in even ratios; raises NoSuchMechanism where no law keeps the limits."""
     least = _best_figures(task, _free(wishes, Goal.POWER)).peak_power_w
     most = _best_figures(task, _free(wishes, Goal.ACCELERATION)).peak_power_w
     return [float(cap) for cap in np.geomspace(BEYOND * least, BEYOND * max(most, least), count)]
 
 
 def limit_points(task: Task, wishes: Wishes, most_w: float) -> list[tuple[float, float]]:
-    """The certified limit alone: caps on the power in W and least accelerations in mm/s2, up to ``most_w``.
+    """The certified limit alone: caps on the power in W up to ``most_w``, and least accelerations in mm/s2.
 
-    The caps begin a tenth over the least power at any acceleration.  There are no caps where nothing resists, and where
-    the limit does not know the power (``knows_loads``).  The driving curve is left free, so these limits are a little
-    lower than the limit at a law's own power.
+    None where nothing resists, and where the limit does not know the power.  The driving curve is left free, so these
+    limits are a little lower than the limit at a law's own power.
     """
     if not knows_loads(task, wishes):
         return []
@@ -136,7 +129,6 @@ def motion_of(best: FamilyOptimum) -> dict[str, Any]:
 
 
 def _best_figures(task: Task, wishes: Wishes, bound: Bound | None = None) -> Figures:
-    """Exact figures of the best makeable law, from the motion of a limit."""
     from ncgear.optimum.makeable.law import makeable_law
 
     law = makeable_law(task, wishes, start_motion(task, wishes, bound))

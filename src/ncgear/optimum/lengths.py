@@ -58,8 +58,7 @@ class Tried:
 class LengthSearch:
     """The laws found so far, by the values of the unknowns.
 
-    ``machine`` makes the machine and its wishes from values, and raises a DesignError where there is none; ``tell`` is
-    called with the number of laws searched for so far.
+    ``machine`` makes machine and wishes of values, or raises a DesignError; ``tell`` takes the number of searches.
     """
 
     def __init__(
@@ -124,8 +123,7 @@ class LengthSearch:
 
     def _shares(self, values: Sequence[float]) -> Array:
         """Places of values in their ranges, 0 to 1, shape (unknowns,)."""
-        shares: Array = np.clip((np.array(values) - self._least) / self._width, 0.0, 1.0)
-        return shares
+        return np.clip((np.array(values) - self._least) / self._width, 0.0, 1.0)
 
     def _rounded(self, shares: Array) -> Values:
         """Values at places in their ranges, with digits that a workshop can read; ends and given values stay."""

@@ -25,8 +25,7 @@ import numpy as np
 
 from ncgear.dynamics.crank_load import reduced_inertia
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.forces import CrankPace, JointForces, shaking_force
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import CrankPace, JointForces, Masses, shaking_force
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
@@ -58,8 +57,7 @@ class Affine:
         """The values, of the arrays' shape, for q and its derivative ``rate`` = dq/dphi2, shape (n,) each."""
         shape = (-1,) + (1,) * (self.static.ndim - 1)
         moving = self.by_q * q.reshape(shape) + self.by_rate * (rate.reshape(shape) / 2.0)
-        values: Array = self.static + speed_rad_s**2 * moving
-        return values
+        return self.static + speed_rad_s**2 * moving
 
 
 @dataclass(frozen=True, eq=False)

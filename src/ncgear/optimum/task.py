@@ -7,18 +7,19 @@ the motor drives, negative where it brakes.
 
 from __future__ import annotations
 
-from dataclasses import asdict, field, replace
+from dataclasses import field, replace
 from functools import partial
 from math import degrees, inf, pi, tan
+from typing import Any
 
 from ncgear.dynamics.driving_shaft import DrivingShaft
-from ncgear.dynamics.loaded_machine import IDLE, Loads, RigidMachine, broken_cycle, largest_over, range_over
+from ncgear.dynamics.loaded_machine import IDLE, RigidMachine, broken_cycle, largest_over, range_over
 from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.kinematics.check import acceleration_rms_above, kinematic_check, peak_jerk
 from ncgear.kinematics.motion import Machine, Stretch
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import Masses
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics import jet
@@ -224,10 +225,7 @@ class Figures:
 
 @dataclass(frozen=True)
 class Prices:
-    """The cost of a unit of each figure in a goal; names and units are as in ``Figures``.
-
-    Raises WrongInput for an endless price.
-    """
+    """The costs of a unit of each figure in a goal, as in ``Figures``; raises WrongInput for an endless price."""
 
     peak_acceleration_mm_s2: float = 0.0
     peak_power_w: float = 0.0
@@ -265,8 +263,8 @@ class Prices:
 def figures(task: Task, train: Train, as_large_as: Train | None = None) -> Figures:
     """The figures of a law on a machine; raises NoSuchMechanism for curves too sharp to be computed.
 
-    The power is the driving shaft's: for the load alone, or for load and masses.  The force between the teeth is for
-    gears at their own centre distance, or at the centre distance of another law's gears (``as_large_as``).
+    Power counts the masses. The force between the teeth is for gears at their own centre distance, or at that of
+    another law's gears (``as_large_as``).
     """
     machine, above = Machine(train.whole, task.linkage, task.load, task.speed_rad_s), task.harmonics_above
     check, jerk = kinematic_check(machine), peak_jerk(machine)
@@ -293,7 +291,7 @@ def figures(task: Task, train: Train, as_large_as: Train | None = None) -> Figur
         return of_motion
     between = train.pairs[0].transmission if len(train.pairs) > 1 else None
     rigid = task.loaded(machine, between)
-    loads = asdict(felt(rigid, task.speed_fluctuation))
+    loads = felt(rigid, task.speed_fluctuation)
     if above is not None:
         loads["torque_harmonics_n_m"] = N_M_PER_N_MM * DrivingShaft(rigid).fluctuation.rms_above_n_mm(above)
     if place is None or task.gears is None:
@@ -309,7 +307,6 @@ def _pair(task: Task, pair: Pair) -> PitchPair:
 
 
 def _place_of(task: Task, size: GearSize, pair: PitchPair) -> MeshPlace:
-    """How the gears lie at their own size."""
     lobes, length = task.lobes, pair.arc.period * task.lobes.driving
     own = solved_size(length, lobes, size.teeth, size.module_mm, size.center_distance_mm)
     # The direction of the centre line turns the force and leaves its size
@@ -320,43 +317,28 @@ def _wrong(key: str, value: float, needed: str) -> WrongInput:
     return WrongInput(f"{value:g} given; {needed}", key=f"optimize.{key}")
 
 
-@dataclass(frozen=True)
-class Felt:
-    """Figures over one cycle.
+def felt(rigid: RigidMachine, speed_fluctuation: float) -> dict[str, Any]:
+    """Figures of a machine over one cycle, by their names in ``Figures``; the speed fluctuation is over 0 to about 0.2.
 
-    ``braking_power_w`` is the largest power that flows back to the motor, 0 where none does.  ``rms_torque_n_m`` is the
-    root of the driving torque's mean square over the driving angle.  ``flywheel_kg_mm2`` is the inertia on the driving
-    shaft, its gear included, that keeps the wanted coefficient of speed fluctuation where the motor's torque is even:
-    the motor then delivers the mean power alone.  ``bearing_force_n`` is the largest force on the crank's bearings, the
-    teeth's apart; ``shaking_force_n`` the largest of the moving masses on the frame.
+    The braking power is the largest power that flows back to the motor, 0 where none does.  The r.m.s. torque is over
+    the driving angle.  The flywheel is the inertia on the driving shaft, its gear included, that keeps the coefficient
+    of speed fluctuation where the motor's torque is even: the motor then delivers the mean power alone.  The bearing
+    force is that on the crank's bearings, the teeth's apart, the shaking force that of the moving masses on the frame.
     """
-
-    peak_power_w: float
-    braking_power_w: float
-    rms_torque_n_m: float
-    flywheel_kg_mm2: float
-    bearing_force_n: float
-    shaking_force_n: float
-
-
-def felt(rigid: RigidMachine, speed_fluctuation: float) -> Felt:
-    """The figures of a machine; the coefficient of speed fluctuation is over 0 and at most about 0.2."""
     shaft, cycle = DrivingShaft(rigid), broken_cycle(rigid)
     free = replace(rigid.machine, load=SliderLoad())
     inert = RigidMachine(free, replace(rigid.masses, gravity_m_s2=(0.0, 0.0)))
-    return Felt(
-        peak_power_w=shaft.peak_power_w.value,
-        braking_power_w=shaft.braking_power_w.value,
-        rms_torque_n_m=shaft.rms_torque_n_m,
-        flywheel_kg_mm2=shaft.fluctuation.flywheel_kg_mm2(speed_fluctuation),
-        bearing_force_n=largest_over(rigid, cycle, lambda loads: loads.crank_bearing).value,
-        shaking_force_n=largest_over(inert, broken_cycle(inert), _on_frame).value,
-    )
-
-
-def _on_frame(loads: Loads) -> Vector:
-    """What the frame feels of a machine without weights and resistance: the reactions of bearings and guide."""
-    return Vector(loads.crank_bearing.x, loads.crank_bearing.y + loads.guide)
+    return {
+        "peak_power_w": shaft.peak_power_w.value,
+        "braking_power_w": shaft.braking_power_w.value,
+        "rms_torque_n_m": shaft.rms_torque_n_m,
+        "flywheel_kg_mm2": shaft.fluctuation.flywheel_kg_mm2(speed_fluctuation),
+        "bearing_force_n": largest_over(rigid, cycle, lambda loads: loads.crank_bearing).value,
+        # What the frame feels without weights and resistance: the reactions of bearings and guide
+        "shaking_force_n": largest_over(
+            inert, broken_cycle(inert), lambda loads: Vector(loads.crank_bearing.x, loads.crank_bearing.y + loads.guide)
+        ).value,
+    }
 
 
 def tooth_force_n(rigid: RigidMachine) -> float:

@@ -153,6 +153,13 @@ def texts(line: str) -> tuple[str, ...]:
     return tuple(line.split())
 
 
+def printed(line: str) -> Printed:
+    """Printed numbers from their text, behind which their unit stands: ``1600 1100 mm/s``."""
+    words = line.split()
+    count = sum(word[-1].isdigit() and word[0] in "-.0123456789" for word in words)
+    return Printed(tuple(words[:count]), " ".join(words[count:]))
+
+
 def half_step(text: str) -> float:
     """Half a unit of the last digit that counts; raises ValueError for a text that is no finite number."""
     number = Decimal(text)
@@ -188,20 +195,30 @@ OF_PRINTED = (Verdict.REPRODUCED, Verdict.FITTED, Verdict.NOT_REPRODUCIBLE)
 
 
 @dataclass(frozen=True)
-class Entry:
+class _Placed:
+    where: str
+
+    @property
+    def places(self) -> tuple[str, ...]:
+        """Its places in the paper, which ``where`` has between commas."""
+        return tuple(self.where.split(", "))
+
+
+@dataclass(frozen=True)
+class Entry(_Placed):
     """A printed figure with its places in the paper, how it is computed, and the verdict claimed for it.
 
-    ``words`` state the reading, the reason, or the missing data; only a figure that is simply reproduced needs none.
-    ``of_printed`` tells that nothing but numbers which the paper prints goes into the computation by sums, quotients or
-    comparison.  Raises ValueError where the words are missing, where a verdict other than ``NEEDS_DATA`` has no
-    computation, or where what is made of printed numbers has a verdict that is none of ``OF_PRINTED``.
+    Numbers that ``compute`` gives count as exact.  ``words`` state the reading, the reason, or the missing data; only a
+    figure that is simply reproduced needs none.  ``of_printed`` tells that nothing but numbers which the paper prints
+    goes into the computation by sums, quotients or comparison.  Raises ValueError where the words are missing, where a
+    verdict other than ``NEEDS_DATA`` has no computation, or where what is made of printed numbers has a verdict that is
+    none of ``OF_PRINTED``.
     """
 
-    places: tuple[str, ...]
     what: str
     published: Printed | Relation | Below
     verdict: Verdict
-    compute: Callable[[], Computed] | None = None
+    compute: Callable[[], Computed | float | tuple[float, ...]] | None = None
     words: str = ""
     of_printed: bool = False
 
@@ -214,6 +231,13 @@ class Entry:
             raise ValueError(
                 f"{self.what}: of printed numbers, so neither {self.verdict} nor anything but right or wrong"
             )
+
+    def computed(self) -> Computed | None:
+        """What is computed for it; None where nothing is."""
+        found = self.compute and self.compute()
+        if found is None or isinstance(found, Computed):
+            return found
+        return computed(*(found if isinstance(found, tuple) else (found,)))
 
 
 class Reason(StrEnum):
@@ -228,10 +252,9 @@ class Reason(StrEnum):
 
 
 @dataclass(frozen=True)
-class LeftOut:
+class LeftOut(_Placed):
     """What a place of a paper prints and the ledger does not compute, with the reason; ``figures`` are its numbers."""
 
-    places: tuple[str, ...]
     content: str
     reason: Reason
     figures: tuple[str, ...] = ()

@@ -50,7 +50,7 @@ def judged(entry: Entry) -> Judged:
 
     A figure claimed to be reproduced must agree.  Any other must not agree: otherwise it is reproduced after all.
     """
-    computed = entry.compute() if entry.compute else None
+    computed = entry.computed()
     agrees = computed is not None and entry.published.agrees(computed)
     if agrees != (entry.verdict in AGREEING):
         found = entry.published.computed_text(computed) if computed else "nothing computed"

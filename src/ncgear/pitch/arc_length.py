@@ -84,10 +84,7 @@ def arc_length(transmission: Transmission, mesh: Mesh) -> ArcLength:
 
 
 def arc_maps(speed_of: Callable[[Array], Array], joints_rad: Sequence[float] | Array) -> ArcMaps:
-    """Both maps of a curve from its arc length per driving angle, resolved to rounding error panel by panel.
-
-    Raises NoSuchMechanism where the curve turns too sharply to be resolved.
-    """
+    """Both maps of a curve by its arc length per angle; raises NoSuchMechanism where it turns too sharply."""
     try:
         speed = chebyshev.fitted(speed_of, joints_rad)
     except NotSmooth as fault:

@@ -137,7 +137,6 @@ class Chambers:
         return DeadSpace(float(areas[row]), float(places[row]), (behind + ahead) / 2.0, (ahead - behind) / 2.0)
 
     def _directions(self, place_rad: float) -> tuple[float, float]:
-        """Directions of the trailing and the leading planet's contacts from a lobe's top of the ring."""
         phi = self.contact_rad(np.array([place_rad, place_rad + self.step_rad]))
         behind, ahead = (-self.curves.chi_rad(phi)).tolist()
         return behind, ahead + self.step_rad
@@ -150,8 +149,7 @@ class Chambers:
 
     def places_rad(self, alpha_rad: Array) -> Array:
         """Places of all planets at angles of the sun, shape (planets, n)."""
-        found: Array = np.arange(self.count)[:, None] * self.step_rad - alpha_rad
-        return found
+        return np.arange(self.count)[:, None] * self.step_rad - alpha_rad
 
     def flow_mm3(self, alpha_rad: Array) -> Array:
         """What growing chambers take up in mm^3 per rad of the sun, shape (n,): also the torque in N mm per N/mm^2."""
@@ -221,14 +219,11 @@ class Chambers:
         return found[0], found[1]
 
     def _centre_mm(self, place_rad: float, dead: DeadSpace, side: float) -> complex:
-        """Centre of a planet beside a dead space, in the ring's frame."""
         phi = self.contact_rad(np.array([place_rad]))
         seen: ComplexArray = self.curves.centre_mm(phi) * np.exp(-1j * phi)
         return complex(seen[0] * np.exp(1j * (dead.middle_rad + side * dead.beside_rad)))
 
 
 def _continued(form: PiecewiseChebyshev, phi: Array, period: float) -> Array:
-    """An antiderivative of a periodic function, beyond its period as well."""
     periods, local = np.divmod(phi, period)
-    found: Array = periods * form.final + form(local)
-    return found
+    return periods * form.final + form(local)

@@ -114,11 +114,7 @@ CHANGE = np.array([16.0, 35.0, 0.0, -35.0, 0.0, 21.0, 0.0, -5.0]) / 32.0
 
 
 def continued(law: Transmission, covered: Range, pitch_share: float) -> Transmission:
-    """An open law that covers a range, continued to whole turns of both gears and to whole tooth pitches.
-
-    ``pitch_share`` is the tooth pitch at unit centre distance.  The law on the range is untouched.  Raises
-    NoSuchMechanism where no continuation is gentle enough.
-    """
+    """An open law continued to whole turns and tooth pitches (``pitch_share``); raises NoSuchMechanism if too sharp."""
     known = _length(law)
     for at_rad, piece in ((0.0, law.pieces[0]), (covered.driving_rad, law.pieces[-1])):
         if not np.all(np.isfinite(piece.slope(np.array([at_rad]), 3).coefficients)):
@@ -175,7 +171,6 @@ def _slope(part: _Part, end_rad: float) -> Slope:
 
 
 def _ways(law: Transmission, covered: Range) -> Iterator[_Way]:
-    """The continuations by one to three turns of each gear, without bumps."""
     first, last = law.pieces[0], law.pieces[-1]
     leaving = jet.log(last.slope(np.array([last.end_rad]), 3)).coefficients[:, 0]
     entering = jet.log(first.slope(np.array([first.start_rad]), 3)).coefficients[:, 0]
@@ -204,7 +199,6 @@ def _ways(law: Transmission, covered: Range) -> Iterator[_Way]:
 
 
 def _composed(coefficients: Array, of: np.polynomial.Polynomial) -> Array:
-    """Coefficients by x of a polynomial of a polynomial of x."""
     return np.asarray(np.polynomial.Polynomial(coefficients)(of).coef, dtype=float)
 
 
@@ -253,7 +247,6 @@ MOST_LIFT = 4.0
 
 
 def _whole(way: _Way, waves: Array, pitch_share: float, known: float) -> Iterator[tuple[float, int]]:
-    """The tried waves just before those with which the curve is a whole number of pitches long, and these numbers."""
     lifts = [_lift(way, wave) for wave in waves]
     counts = [
         _count(way, lift, wave, pitch_share, known) if np.isfinite(lift) else np.nan
@@ -269,7 +262,6 @@ def _whole(way: _Way, waves: Array, pitch_share: float, known: float) -> Iterato
 
 
 def _count(way: _Way, lift: float, wave: float, pitch_share: float, known: float) -> float:
-    """Tooth pitches in the whole curve."""
     length = known
     for part in way.with_bumps(lift, wave):
         length += _integral(part, shape.speed(part.slope(part.points_rad, 1), Gear.DRIVING, Mesh.EXTERNAL).value)
@@ -277,7 +269,6 @@ def _count(way: _Way, lift: float, wave: float, pitch_share: float, known: float
 
 
 def _length(law: Transmission) -> float:
-    """Length of the driving curve on the range at unit centre distance."""
     speed = chebyshev.fitted(
         lambda phi1: shape.speed(law.driven_angle(phi1, 2).differentiated(), Gear.DRIVING, Mesh.EXTERNAL).value,
         law.joints_rad,
@@ -303,8 +294,6 @@ def _sharper(low: float, high: float) -> float:
 
 
 def _range_sharpness(law: Transmission) -> list[float]:
-    """The sharpness of each curve on the range."""
-
     def sharpness(gear: Gear) -> float:
         low, high = law.extremes(lambda slope: shape.curvature(slope, gear, Mesh.EXTERNAL), 2)
         return _sharper(low.value, high.value)

@@ -118,7 +118,6 @@ class ClosedPitchCurve:
         return self._around(self.panels_mm[:-1])
 
     def _around(self, lengths_mm: Array) -> Array:
-        """Arc lengths within one turn, and the same places a turn before and a turn after."""
         return np.concatenate([lengths_mm - self.length_mm, lengths_mm, lengths_mm + self.length_mm])
 
     def driving_angle(self, sigma_mm: Array) -> Array:
@@ -126,19 +125,13 @@ class ClosedPitchCurve:
         return self.arc.angle(sigma_mm / self.unit_mm)
 
     def at_length(self, sigma_mm: Array) -> CurvePoints:
-        """The curve at arc lengths in mm, of any shape, beyond one turn as well.
-
-        The values come from piecewise polynomials, which agree with the closed form to rounding error.
-        """
+        """The curve at arc lengths in mm, of any shape, beyond one turn too; to rounding of the closed form."""
         # As ``np.mod``, which takes a quarter of the whole time.
         columns = self._cells(sigma_mm - self.length_mm * np.floor(sigma_mm / self.length_mm))
         return CurvePoints(columns[..., 0:2], columns[..., 2:4], columns[..., 4:6], columns[..., 6])
 
     def feet(self, points: ComplexArray, start_mm: Array, within_mm: float) -> tuple[Array, Array]:
-        """Arc lengths that points stand over, by Newton's method, and their heights; shape (n,) each.
-
-        A foot is known to ``within_mm``; both values are NaN where none is found.
-        """
+        """Arc lengths that points stand over, to ``within_mm``, and their heights, (n,); NaN where none is found."""
         foot = start_mm
         for _ in range(FOOT_STEPS):
             at = self.at_length(foot)
@@ -168,10 +161,7 @@ class ClosedPitchCurve:
         return self.bends_below(0.0)
 
     def curvature_between(self, first_mm: Array, last_mm: Array) -> tuple[Array, Array]:
-        """Lower and upper bounds of the curvature in 1/mm from one arc length to another one beyond; shape (n,) each.
-
-        The coefficients of the cells prove them.
-        """
+        """Proven bounds of the curvature in 1/mm from one arc length to another beyond; shape (n,) each."""
         low, high = self._cell_bounds
         start, turn = self._cells.ends[:, 0], np.floor(first_mm / self.length_mm) * self.length_mm
         turns = int(np.max(last_mm - turn, initial=0.0) // self.length_mm) + 1
@@ -322,10 +312,7 @@ class RollingCurve(Protocol):
 
 
 def nearest(curve: RollingCurve, point_mm: Array, start_mm: Array, tolerance_mm: float) -> tuple[Array, Array]:
-    """Arc lengths of the nearest points and signed distances, positive along the normal; shape (n,) each.
-
-    ``point_mm`` has shape (n, 2), ``start_mm`` (n,).  Where no nearest point is found near the start, both are NaN.
-    """
+    """Arc lengths of points nearest to (n, 2) near starts (n,), signed distances along the normals; NaN for none."""
     sigma, point = start_mm, as_complex(point_mm)
     for _ in range(STEPS):
         at = curve.at_length(sigma)

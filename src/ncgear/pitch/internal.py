@@ -80,13 +80,9 @@ def _points(curve: PitchCurve) -> ComplexArray:
 
 
 def passed_mm(inner: ComplexArray, ring: ComplexArray, driving: PitchCurve, phi1: Array) -> Array:
-    """How far in mm points of the driving gear lie beyond a closed curve of the ring, shape (positions, points).
-
-    Both are in their gear's own frame; seen from the ring's axis, its curve must be met once in every direction.
-    """
+    """How far points of the driving gear are beyond a ring's curve met once each way, (positions, points), in mm."""
     phi2 = driving.transmission.driven_angle(phi1).value
     seen = inner * np.exp(1j * phi1[:, None]) - driving.center_distance_mm
     from_ring_axis = seen * np.exp(-1j * phi2[:, None])
     there = np.interp(np.angle(from_ring_axis), np.angle(ring), np.abs(ring), period=2.0 * np.pi)
-    beyond: Array = np.abs(from_ring_axis) - there
-    return beyond
+    return np.abs(from_ring_axis) - there

@@ -74,10 +74,7 @@ Family = Callable[[float, float, int], PolarRadius]
 
 
 def formula_family(text: str, lobes: int, key: str) -> Family:
-    """Curves of a shape that is written as a formula of phi and e, in any unit.
-
-    Raises WrongInput, for the key, where the formula cannot be read, or does not repeat with every lobe.
-    """
+    """Curves by a formula of phi and e in any unit; raises WrongInput for the key if unread or not periodic."""
 
     def family(size_mm: float, eccentricity: float, lobes: int) -> PolarRadius:
         formula = composed(ECCENTRICITY.sub(f"({eccentricity!r})", text), key, "phi")
@@ -180,10 +177,7 @@ class LobedCurves:
         return arc_maps(lambda phi: 1.0 + self.ring(phi, 0)[1].value, [0.0, self.lobe_rad])
 
     def require_whole(self) -> None:
-        """Refuse a ring that crosses itself and a planet that does not fit into the sun's hollows.
-
-        Raises NoSuchMechanism with the sun's polar angle.
-        """
+        """Refuse a crossing ring and planets too large for the sun; raises NoSuchMechanism with the angle."""
         rho = self.planet_radius_mm
         room = self._least(lambda phi: 1.0 + rho * self.sun(phi, 1)[2])
         if room.value <= 0.0:
@@ -211,8 +205,7 @@ class LobedCurves:
     def centre_mm(self, phi: Array) -> ComplexArray:
         """A planet's centre in the sun's frame, as complex numbers, at polar angles of the contact, shape (n,)."""
         r = self.radius(phi, 0).value
-        found: ComplexArray = np.exp(1j * phi) * (r + self.planet_radius_mm * np.exp(-1j * self.lean_rad(phi)))
-        return found
+        return np.exp(1j * phi) * (r + self.planet_radius_mm * np.exp(-1j * self.lean_rad(phi)))
 
     @cached_property
     def sun_curve(self) -> RolledCurve:

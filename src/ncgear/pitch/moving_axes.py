@@ -39,11 +39,7 @@ from ncgear.ratio.transmission import JetFunction, Lobes, Transmission
 
 
 def even_distances(values_mm: Array, lobes: int) -> JetFunction:
-    """The centre distance in mm through values at even steps of a driving lobe, the first at 0.
-
-    It is the trigonometric polynomial of least degree through them; of the highest wave of an even number of values the
-    cosine is taken.
-    """
+    """The centre distance by the least trigonometric polynomial through values at even steps of a driving lobe."""
     count = values_mm.size
     waves = np.fft.rfft(values_mm) / count
     double = np.ones(waves.size)
@@ -61,11 +57,7 @@ def even_distances(values_mm: Array, lobes: int) -> JetFunction:
 
 
 def require_distances(distance: JetFunction, lobes: Lobes, key: str) -> JetFunction:
-    """The centre distance itself, which must be positive and go on smoothly where the lobe begins again.
-
-    Raises NoSuchMechanism, for the key, where it does not up to its second derivative: pitch curves would have a
-    corner.
-    """
+    """Refuse, for the key, a distance not positive or not smooth to its second derivative; raises NoSuchMechanism."""
     phi = np.linspace(0.0, lobes.driving_period_rad, CHECKED)
     along = distance(phi, 2)
     least = int(np.argmin(along.value))
@@ -96,10 +88,7 @@ SEAM = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class MovingAxes:
-    """Two gears in external mesh, by the law of their angles and the distance of their axes in mm.
-
-    ``distance`` has the period of the law.
-    """
+    """Two gears in external mesh by their law and the distance of their axes in mm, of the law's period."""
 
     transmission: Transmission
     distance: JetFunction
@@ -142,8 +131,7 @@ class MovingAxes:
     def turning(self, phi: Array) -> Array:
         """The sum of both curvatures in 1/mm."""
         _, v, _, slope = self._velocity(phi)
-        found: Array = (1.0 + slope) / np.abs(v)
-        return found
+        return (1.0 + slope) / np.abs(v)
 
     def curve(self, gear: Gear) -> RolledCurve:
         """The pitch curve of a gear."""
@@ -162,10 +150,7 @@ PANELS, NODES = 16, 16
 
 
 def round_driving_law(distance: JetFunction, lobes: Lobes, key: str) -> tuple[Transmission, float]:
-    """The law that a round driving gear has on a moving axis, and the radius in mm with which its mate closes.
-
-    Raises NoSuchMechanism, for the key, where the axis moves too fast for a round gear of any radius that closes.
-    """
+    """A round driving gear's law on a moving axis and radius in mm; raises NoSuchMechanism for too fast an axis."""
     points, weights = gauss_points(np.linspace(0.0, lobes.driving_period_rad, PANELS + 1), NODES)
     moved = distance(points, 1)
     fastest, nearest = float(np.abs(moved.derivative(1)).max()), float(moved.value.min())

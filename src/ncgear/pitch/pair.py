@@ -73,11 +73,7 @@ class ToothedArc:
 
 @dataclass(frozen=True, eq=False)
 class PitchPair(Shown):
-    """The two curves that roll on each other.
-
-    Those of gears that turn less than once are continued to closed ones (ncgear.pitch.continued), and only the teeth of
-    ``toothed`` are made.
-    """
+    """Two curves that roll on each other, continued ones with teeth on ``toothed`` if turning less than once."""
 
     transmission: Transmission
     arc: ArcLength
@@ -110,12 +106,8 @@ class PitchPair(Shown):
         return self.driving if gear is Gear.DRIVING else self.driven
 
     def pitch_point_mm(self, phi1: Array) -> Array:
-        """Where on the line of centres the curves touch, at driving angles in rad (shape (n,)); 0 is the driving axis.
-
-        The place is between the axes on an external pair, and below 0, beyond the driving axis, on an internal pair.
-        """
-        radius: Array = np.linalg.norm(self.driving.at_angle(phi1).position, axis=-1)
-        return -self.mesh.sense * radius
+        """Where on the line of centres, from the driving axis, curves touch at driving angles in rad, shape (n,)."""
+        return -self.mesh.sense * np.linalg.norm(self.driving.at_angle(phi1).position, axis=-1)
 
     def length_mm(self, gear: Gear) -> float:
         """Length of a gear's curve, integrated on that gear's own curve; of an open law, over its range."""
@@ -127,10 +119,7 @@ class PitchPair(Shown):
         return {gear: self.of(gear).periods * period_length(made, gear, self.mesh) * size for gear in Gear}
 
     def radius_range_mm(self, gear: Gear) -> tuple[float, float]:
-        """Least and greatest pitch radius: r1 = a / (i - s) and r2 = a i / (i - s) at both ends of the ratio's range.
-
-        Both radii are monotonic in the ratio i (see shape.py).
-        """
+        """Least and greatest pitch radius, r1 = a / (i - s) and r2 = a i / (i - s), monotonic in the ratio."""
         a, sense = self.center_distance_mm, self.mesh.sense
         ratios = [end.value for end in self.transmission.ratio_range]
         low, high = sorted((a if gear is Gear.DRIVING else a * i) / (i - sense) for i in ratios)
@@ -138,11 +127,7 @@ class PitchPair(Shown):
 
     @cached_property
     def curvature_range(self) -> dict[Gear, tuple[Extremum, Extremum]]:
-        """Smallest and largest curvature of each curve in 1/mm, with the driving angle.
-
-        Curvature is positive where the gear's material is convex; a ring's is negative except where its curve is
-        dented.
-        """
+        """Smallest and largest curvature of each curve's material in 1/mm, with driving angles; a ring's is hollow."""
         size = self.center_distance_mm
         found = self.transmission.extremes_of_each(
             [partial(shape.curvature, gear=gear, mesh=self.mesh) for gear in Gear], 2
@@ -175,16 +160,12 @@ class PitchPair(Shown):
 
     @cached_property
     def _concave(self) -> dict[Gear, list[tuple[float, float]]]:
-        return {gear: self._concave_stretches(gear) for gear in Gear}
-
-    def _concave_stretches(self, gear: Gear) -> list[tuple[float, float]]:
-        found: list[tuple[float, float]] = []
-        for piece in self.transmission.made_pieces:
-            for start, end in self._concave_on(piece, gear):
-                if found and start == found[-1][1]:
-                    found[-1] = found[-1][0], end
-                else:
-                    found.append((start, end))
+        found: dict[Gear, list[tuple[float, float]]] = {gear: [] for gear in Gear}
+        for gear, own in found.items():
+            for piece in self.transmission.made_pieces:
+                for start, end in self._concave_on(piece, gear):
+                    first = own.pop()[0] if own and start == own[-1][1] else start
+                    own.append((first, end))
         return found
 
     def _concave_on(self, piece: Piece, gear: Gear) -> list[tuple[float, float]]:
@@ -202,11 +183,7 @@ class PitchPair(Shown):
             zeros = zeros_between(lambda phi1: bulge(phi1).value, points[change], points[change + 1])
             edges = distinct(np.concatenate([edges, zeros]))
         dented = bulge((edges[:-1] + edges[1:]) / 2.0).value < 0.0
-        return [
-            (low, high)
-            for low, high, below in zip(edges[:-1].tolist(), edges[1:].tolist(), dented, strict=True)
-            if below
-        ]
+        return [(low, high) for low, high in np.column_stack([edges[:-1], edges[1:]])[dented].tolist()]
 
     @cached_property
     def largest_tangent_angle_rad(self) -> Extremum:
@@ -219,16 +196,12 @@ class PitchPair(Shown):
 
     def curvature_jumps(self) -> list[CurvatureJump]:
         """Every joint of the law, the seam at phi1 = 0 first, with the curvatures on both sides."""
-        return [self._jump(before, after) for before, after in self.transmission.meeting_pieces]
-
-    def _jump(self, before: Piece, after: Piece) -> CurvatureJump:
-        slopes = before.slope(np.array([before.end_rad]), 2), after.slope(np.array([after.start_rad]), 2)
-        values = [
-            float(shape.curvature(slope, gear, self.mesh).value[0]) / self.center_distance_mm
-            for gear in Gear
-            for slope in slopes
-        ]
-        return CurvatureJump(after.start_rad, *values)
+        found = []
+        for before, after in self.transmission.meeting_pieces:
+            slopes = before.slope(np.array([before.end_rad]), 2), after.slope(np.array([after.start_rad]), 2)
+            bends = [shape.curvature(slope, gear, self.mesh).value[0] for gear in Gear for slope in slopes]
+            found.append(CurvatureJump(after.start_rad, *(float(bend) / self.center_distance_mm for bend in bends)))
+        return found
 
 
 def largest_tangent_angle_rad(transmission: Transmission, mesh: Mesh = Mesh.EXTERNAL) -> Extremum:
@@ -252,10 +225,7 @@ CORNER_RAD = 1e-4
 
 
 def refuse_corners(transmission: Transmission, mesh: Mesh = Mesh.EXTERNAL) -> None:
-    """Refuse pitch curves with corners, which are where the slope of the ratio jumps, whatever their size.
-
-    Raises NoSuchMechanism with the driving angle.
-    """
+    """Refuse corners of pitch curves, where the ratio's slope jumps; raises NoSuchMechanism with the angle."""
     for before, after in transmission.meeting_pieces:
         slopes = before.slope(np.array([before.end_rad]), 2), after.slope(np.array([after.start_rad]), 2)
         left, right = (atan(float(shape.tangent_slope(slope, mesh).value[0])) for slope in slopes)

@@ -75,10 +75,7 @@ class RolledCurve(ClosedPitchCurve):
 def rolled_curve(
     gear: Gear, mesh: Mesh, lobes: int, breaks_rad: Array, path: Path, turning: Callable[[Array], Array]
 ) -> RolledCurve:
-    """The curve whose smooth pieces over one lobe lie between driving angles, 0 first and the lobe's end last.
-
-    Raises NoSuchMechanism as ``arc_maps``.
-    """
+    """The curve of smooth pieces between driving angles, 0 first, the lobe's end last; raises as ``arc_maps``."""
     tried = np.linspace(breaks_rad[0], breaks_rad[-1], TRIED + 1)
     slope = path(tried)[1]
     turns_back = (slope[1:] * slope[:-1].conj()).real <= 0.0
@@ -89,10 +86,7 @@ def rolled_curve(
 
 
 def circle(gear: Gear, mesh: Mesh, radius_mm: float, mate_curvature: float) -> RolledCurve:
-    """The pitch circle of a round gear by its own angle; at 0 it touches where a driven gear's mate is, at -x.
-
-    ``mate_curvature`` in 1/mm stands for the mate's in messages.
-    """
+    """A round gear's pitch circle by its angle, touching at 0 where its mate is; ``mate_curvature`` is for messages."""
     turn = -1j if gear is Gear.DRIVING else 1j
 
     def path(angle: Array) -> tuple[ComplexArray, ComplexArray, ComplexArray]:

@@ -23,7 +23,6 @@ from ncgear.errors import DesignError, WrongInput
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.project.drive import Drive
 from ncgear.project.in_common import drive_like
-from ncgear.project.tooth_form import rack_of
 from ncgear.ratio.transmission import Transmission
 from ncgear.teeth.form import BasicRack
 from ncgear.teeth.root_radius import fitting_root_radius, largest_root_radius
@@ -251,7 +250,7 @@ def steeper_rack(drive: Drive, steepest_deg: float) -> Changes:
     for angle in range(least, most + 1):
         changes = rack_at(drive.gears, float(angle))
         try:
-            rack = rack_of(changed_gears(drive.gears, changes), drive.rack.module_mm)
+            rack = changed_gears(drive.gears, changes).rack.in_mm(drive.rack.module_mm)
         except WrongInput:
             continue
         driving, driven = rack.shifted(form.driving_shift_mm), rack.shifted(form.driven_shift_mm)
@@ -310,7 +309,7 @@ def room_for_index_hole(drive: Drive, gear: Gear) -> Changes:
     Of a ring it is a rim that is thicker by quarters of a module.  Empty where none is found, and of helical teeth,
     whose sections take long.
     """
-    from ncgear.project.gear_solids import crank_pin_hole, finished_plans, rim_mm_of
+    from ncgear.project.gear_solids import finished_plans, rim_mm_of
     from ncgear.solids.plan.areas import floored, raised
 
     if drive.helix is not None:
@@ -325,11 +324,10 @@ def room_for_index_hole(drive: Drive, gear: Gear) -> Changes:
         key = f"{name}.hub.diameter_mm" if body.hub else f"{name}.bore_mm"
         given = body.hub.diameter_mm if body.hub else body.bore_mm or 0.0
         sizes = [floored(given * step / 20.0) for step in range(19, 0, -1)]
-    crank_pin = crank_pin_hole(gears, drive.linkage) if drive.turns_crank else None
     for size in sizes:
         with suppress(DesignError, ValidationError):
             changed = changed_gears(gears, {key: size})
-            plans = finished_plans(changed, pitch, drive.teeth, drive.chord_tolerance_mm, crank_pin)
+            plans = finished_plans(changed, pitch, drive.teeth, drive.chord_tolerance_mm, drive.crank_pin)
             if dict(zip(Gear, plans, strict=True))[gear].index_hole:
                 return {key: size}
     return {}

@@ -20,7 +20,7 @@ from ncgear.design.mechanisms import mechanism_of
 from ncgear.design.reading.balance_file import LoadedBalance
 from ncgear.errors import WrongInput, below, located
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.masses import RodMasses
+from ncgear.mechanisms.forces import RodMasses
 from ncgear.mechanisms.mechanism import require_rod
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.project.drive import Drive

@@ -327,13 +327,12 @@ FINER_SOLIDS = 16.0
 def _solids(drive: Drive) -> BenchStage:
     """The meshes by chord tolerance: a section beside points of the exact curves, the volume beside finer meshes."""
     from ncgear.metrology.chord_error import exact_points
-    from ncgear.project.gear_solids import crank_pin_hole, straight_solids
+    from ncgear.project.gear_solids import straight_solids
 
     asked, gears, pitch = drive.chord_tolerance_mm, drive.gears, drive.pitch
-    crank_pin = crank_pin_hole(gears, drive.linkage) if drive.turns_crank else None
 
     def compute(tolerance: float, teeth: ToothedPair) -> SolidPair:
-        return straight_solids(gears, pitch, teeth, tolerance, crank_pin)
+        return straight_solids(gears, pitch, teeth, tolerance, drive.crank_pin)
 
     exact = {gear: exact_points(drive.teeth.of(gear)) for gear in Gear}
     reference_mm = max(asked / FINER_SOLIDS, LEAST_IN_MODULES * pitch.size.module_mm)

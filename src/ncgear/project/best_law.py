@@ -21,9 +21,15 @@ from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.offers import Refused
 from ncgear.optimum.task import Figures, Task, figures
 from ncgear.project.free_lengths import BestLengths, best_lengths
-from ncgear.project.law_task import inertia_as_given, inertia_with, task_of, wishes_of, with_driven_flywheel
+from ncgear.project.law_task import (
+    SoughtMachine,
+    inertia_as_given,
+    inertia_with,
+    task_of,
+    wishes_of,
+    with_driven_flywheel,
+)
 from ncgear.project.moving_masses import TrainInertia
-from ncgear.project.sought_machine import SoughtMachine
 from ncgear.ratio.transmission import Train
 from ncgear.shown import Shown
 from ncgear.workers import finished

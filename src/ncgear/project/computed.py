@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from functools import cached_property
+from collections.abc import Callable, Iterable
+from copy import copy
+from functools import cached_property, wraps
 from typing import Any, Self, TypeVar, overload
 
-from ncgear.errors import located
+from ncgear.errors import DesignError, located
 
 Value = TypeVar("Value", covariant=True)
+Found = TypeVar("Found")
+By = TypeVar("By", bound=str)
 
 
 class computed(cached_property[Value]):
@@ -27,8 +30,27 @@ class computed(cached_property[Value]):
         if instance is None:
             return self
         with located(instance.places):
-            found: Value = super().__get__(instance, owner)
-            return found
+            return super().__get__(instance, owner)
+
+
+def computed_by(method: Callable[[Any, By], Found]) -> Callable[[Any, By], Found]:
+    """A method of a drive that is computed, or refused, once for each value of its argument."""
+
+    @wraps(method)
+    def known(drive: Any, by: By) -> Found:
+        results: dict[str, Found | DesignError] = vars(drive).setdefault(f"_{method.__name__}", {})
+        if by not in results:
+            try:
+                with located(drive.places):
+                    results[by] = method(drive, by)
+            except DesignError as refusal:
+                results[by] = refusal
+        found = results[by]
+        if isinstance(found, DesignError):
+            raise copy(found)
+        return found
+
+    return known
 
 
 def take_over(names: Iterable[str], source: Any, target: Any) -> None:

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from copy import copy
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput, located
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
-from ncgear.project.computed import computed
+from ncgear.project.computed import computed, computed_by
 from ncgear.project.geared import Geared
 
 if TYPE_CHECKING:
@@ -34,7 +33,7 @@ if TYPE_CHECKING:
     from ncgear.project.passing import Passing
     from ncgear.project.thickness import AtThickness
     from ncgear.project.tooth_load import ToothLoad
-    from ncgear.project.tooth_strength import JudgedTeeth, Rim
+    from ncgear.project.tooth_strength import JudgedTeeth, Method, Rim
     from ncgear.project.workshop_measures import CutGear, GearMeasures
     from ncgear.strength.answer import Strength
     from ncgear.strength.loading import Loading
@@ -267,7 +266,7 @@ class Drive(Geared):
         """Where the motor of the simulation stops within its turns; None where it passes, or where none is given."""
         from ncgear.project.motor import motor_stall
 
-        with self.stopwatch("motor"), located(self.places):
+        with self.stopwatch("motor"):
             return motor_stall(self)
 
     @computed
@@ -278,8 +277,7 @@ class Drive(Geared):
         """
         from ncgear.project.forces import require_possible_stiffness
 
-        with located(self.places):
-            require_possible_stiffness(self.design.simulation, self.gears.face_width_mm)
+        require_possible_stiffness(self.design.simulation, self.gears.face_width_mm)
         if self.helix is not None:
             raise WrongInput(
                 "helical teeth are rated by ncgear strength, but not followed in motion; leave it out",
@@ -473,65 +471,58 @@ class Drive(Geared):
         """The driving and the driven gear as a workshop measures them."""
         from ncgear.project.workshop_measures import measured_gears
 
-        with located(self.places):
-            return measured_gears(self)
+        return measured_gears(self)
 
     @computed
     def cut_by(self) -> tuple[CutGear, CutGear]:
         """What hob, shaper, wire and end mill make of the driving and the driven gear, and why."""
         from ncgear.project.workshop_measures import cut_gears
 
-        with located(self.places):
-            return cut_gears(self)
+        return cut_gears(self)
 
     @property
     def strength(self) -> Strength:
         """The strength of the teeth by the method that the design names."""
         return self.strength_by(self.design.strength.method)
 
-    def strength_by(self, method: Literal["estimate", "elements"]) -> Strength:
+    def strength_by(self, method: Method) -> Strength:
         """The strength of the teeth by a method; computed once."""
         return self.judged_teeth(method).strength
 
-    def loading_by(self, method: Literal["estimate", "elements"]) -> Loading:
+    def loading_by(self, method: Method) -> Loading:
         """The load of every tooth, shared by the stiffness that a method of strength gives the teeth."""
         return self.judged_teeth(method).loading
 
-    def surfaces_by(self, method: Literal["estimate", "elements"]) -> Surfaces:
-        """Film, heat and wear of the flanks under the loads of a method; computed once."""
+    @computed_by
+    def surfaces_by(self, method: Method) -> Surfaces:
+        """Film, heat and wear of the flanks under the loads of a method."""
         from ncgear.project.tooth_strength import surfaces_of_teeth
 
-        if method not in self._known_surfaces:
-            judged = self.judged_teeth(method)
-            with self.stopwatch("film and wear"), located(self.places):
-                with_all = self.gears, self.conditions, self.running, self.face_loading, self.vibration
-                found = surfaces_of_teeth(judged, *with_all)
-            self._known_surfaces[method] = found
-        return self._known_surfaces[method]
+        judged = self.judged_teeth(method)
+        with self.stopwatch("film and wear"):
+            with_all = self.gears, self.conditions, self.running, self.face_loading, self.vibration
+            return surfaces_of_teeth(judged, *with_all)
 
-    def told_face_load_by(self, method: Literal["estimate", "elements"]) -> ToldFaceLoad | None:
-        """What is told of the load along the width by a method; computed once, None where it is not computed."""
+    @computed_by
+    def told_face_load_by(self, method: Method) -> ToldFaceLoad | None:
+        """What is told of the load along the width by a method; None where it is not computed."""
         from ncgear.project.face_load import told_face_load
 
-        known = self._known_face_loads
-        if method not in known:
-            found, over = self.strength_by(method), self.conditions.application_factor
-            shaken = found.stresses.dynamic_factor
-            known[method] = told_face_load(self.face_loading, found.contacts, over, shaken)
-        return known[method]
+        found, over = self.strength_by(method), self.conditions.application_factor
+        return told_face_load(self.face_loading, found.contacts, over, found.stresses.dynamic_factor)
 
-    def judged_teeth(self, method: Literal["estimate", "elements"]) -> JudgedTeeth:
-        """Loads and strength of the teeth by a method, and what else the method found; computed, or refused, once."""
-        known = self._known_strengths
-        if method not in known:
-            try:
-                known[method] = self._judged(method)
-            except DesignError as refusal:
-                known[method] = refusal
-        found = known[method]
-        if isinstance(found, DesignError):
-            raise copy(found)
-        return found
+    @computed_by
+    def judged_teeth(self, method: Method) -> JudgedTeeth:
+        """Loads and strength of the teeth by a method, and what else the method found."""
+        from ncgear.project.tooth_strength import judged_teeth, methods_of, require_known_rims
+
+        load, sections = self.tooth_load.load, self.face_sections
+        with self.stopwatch("strength"):
+            require_known_rims(self.rims, self.gears)
+            methods = methods_of(method, sections, self.materials, self.rims)
+            loading = self.loading(methods, self.materials)
+            running, uneven, shaken = self.running, self.face_loading, self.vibration
+            return judged_teeth(method, self.gears, methods, loading, self.conditions, running, load, uneven, shaken)
 
     @computed
     def face_loading(self) -> FaceLoading:
@@ -558,26 +549,3 @@ class Drive(Geared):
             for gear, plan in zip(Gear, self.finished_plans, strict=True)
         )
         return driving, driven
-
-    def _judged(self, method: Literal["estimate", "elements"]) -> JudgedTeeth:
-        from ncgear.project.tooth_strength import judged_teeth, methods_of, require_known_rims
-
-        load, sections = self.tooth_load.load, self.face_sections
-        with self.stopwatch("strength"), located(self.places):
-            require_known_rims(self.rims, self.gears)
-            methods = methods_of(method, sections, self.materials, self.rims)
-            loading = self.loading(methods, self.materials)
-            running, uneven, shaken = self.running, self.face_loading, self.vibration
-            return judged_teeth(method, self.gears, methods, loading, self.conditions, running, load, uneven, shaken)
-
-    @computed
-    def _known_surfaces(self) -> dict[str, Surfaces]:
-        return {}
-
-    @computed
-    def _known_face_loads(self) -> dict[str, ToldFaceLoad | None]:
-        return {}
-
-    @computed
-    def _known_strengths(self) -> dict[str, JudgedTeeth | DesignError]:
-        return {}

@@ -9,7 +9,7 @@ from math import inf
 import numpy as np
 
 from ncgear.design.keys.design import Design
-from ncgear.design.keys.drivetrain import DrivenShaft, DrivingShaft, PowerTakeOff
+from ncgear.design.keys.drivetrain import DrivingShaft, PowerTakeOff
 from ncgear.drivetrain.bearings import (
     Bearing,
     BearingLife,
@@ -123,11 +123,12 @@ def drivetrain_of(
     needed = demand.fluctuation.flywheel_kg_mm2(masses.flywheel.speed_fluctuation)
     missing = needed - rigid.machine.masses.driving_shaft_kg_mm2 - demand.added_kg_mm2
     diameter = given.flywheel_diameter_mm
+    crank_at_mm = given.driven_shaft.crank_at_mm if given.driven_shaft else 0.0
     return DrivetrainResult(
         wanted=wanted,
         demand=demand,
         driving_shaft=_shaft(design, Gear.DRIVING, given.driving_shaft, 0.0, cycles, wanted, jam),
-        driven_shaft=_driven_shaft(design, given.driven_shaft, cycles, wanted, jam),
+        driven_shaft=_shaft(design, Gear.DRIVEN, given.driven_shaft, crank_at_mm, cycles, wanted, jam),
         wanted_fluctuation=masses.flywheel.speed_fluctuation,
         flywheel_kg_mm2=needed,
         disc=disc(missing, diameter, demand.speed_rad_s) if diameter and missing > 0.0 else None,
@@ -142,12 +143,6 @@ def _loss_factor(touching: TouchingTeeth, cycle: Cycle) -> float:
         return loads.driving_torque.value, loads.driven_torque.value
 
     return mesh_loss_factor(touching, torques, cycle.breaks_rad)
-
-
-def _driven_shaft(
-    design: Design, given: DrivenShaft | None, cycles: Mapping[Load, Cycle], wanted: WantedLife, jam: Jam | None
-) -> ShaftResult | None:
-    return _shaft(design, Gear.DRIVEN, given, given.crank_at_mm if given else 0.0, cycles, wanted, jam)
 
 
 def _shaft(

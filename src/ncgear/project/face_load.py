@@ -4,7 +4,7 @@ Where the file gives the bearings and diameters of both shafts, K_Hbeta is compu
 person's own or ASSUMED.  A bearing is as stiff as its key says, or as its static rating tells at its largest force of
 the cycle; where neither is given it is rigid.  Where teeth bear more than the law asks, as in knocks, the crank presses
 with what that hurries (``ncgear.dynamics.knocking``).  The application factor
-counts for all forces, K_V for those of the teeth.
+counts for all forces, K_V for the forces of the teeth.
 
 Flanks lie askew by the helix slope that the grade allows either gear (ISO 1328-1) and by the tilt of its bore, all
 independent of each other: the root of the sum of squares, as ISO 6336-1 combines both gears' (secondary source).  Where
@@ -124,7 +124,7 @@ class FaceLoading:
 def _crank_n(asked: ToothLoad, phi1_rad: Array, beyond_n_mm: Array) -> ComplexArray:
     """The force as x + i y in N with which the crank presses on its shaft; the machine's gears lie nowhere.
 
-    Teeth bear ``beyond_n_mm`` (shape (n,)) beyond what the law asks of the driven gear.
+    Teeth bear ``beyond_n_mm`` (shape (n,)) more than the law asks of the driven gear.
     """
     bearing = hurried_loads(asked.machine, phi1_rad, beyond_n_mm).crank_bearing
     return np.asarray(-(bearing.x.value + 1j * bearing.y.value))
@@ -172,7 +172,7 @@ class _Around:
 
     @classmethod
     def of(cls, given: keys.DrivingShaft | None, gears: Gears, gear: Gear) -> _Around | str:
-        """The same by the keys of a shaft, or what they lack, in words."""
+        """The surroundings by the keys of a shaft, or the words for a key that is missing."""
         if given is None or given.bearing_a is None or given.bearing_b is None:
             return f"drivetrain gives no bearings of the {gear.value} shaft"
         diameter = given.diameter_mm or (gears.driving if gear is Gear.DRIVING else gears.driven).bore_mm

@@ -12,7 +12,7 @@ from ncgear.teeth.form import ToothForm
 from ncgear.teeth.gear import finest_tolerance_mm
 
 SPARE = 1.05
-"""Sections of helical teeth are told a twentieth more than the one at z = 0 takes: with the height points come and go
+"""Sections of helical teeth are told a twentieth more than z = 0 takes: with the height points come and go
 by a few per cent at most, and the tolerance by twice that."""
 
 

@@ -118,8 +118,7 @@ def _given(design: Design, name: str) -> float:
         return design.masses.driven_flywheel_kg_mm2
     if name in STROKE:
         return mechanism_of(design.linkage).stroke_mm * _per_stroke(design)
-    value: float = getattr(design.linkage, name)
-    return value
+    return getattr(design.linkage, name)
 
 
 def _per_stroke(design: Design) -> float:

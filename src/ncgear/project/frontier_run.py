@@ -25,9 +25,8 @@ from ncgear.optimum.flywheels import FOLLOWED, FlywheelPoint, flywheel_points
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, family_point, law_point
 from ncgear.optimum.offers import Refused
 from ncgear.optimum.task import Figures
-from ncgear.project.law_task import refuse_guide_friction, with_driven_flywheel
+from ncgear.project.law_task import GearsAsGiven, refuse_guide_friction, with_driven_flywheel
 from ncgear.project.offered import may_be_asked
-from ncgear.project.sought_machine import GearsAsGiven
 from ncgear.shown import Shown
 from ncgear.workers import finished
 

@@ -16,7 +16,7 @@ from ncgear.design.mechanisms import entry_of
 from ncgear.errors import DesignError, WrongInput
 from ncgear.kinematics.check import KinematicCheck, at_speed, both_sides_rad, load_extremes_rad
 from ncgear.kinematics.motion import Machine, OutputMotion, sample_angles
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import Masses
 from ncgear.numerics.arrays import Array, distinct
 from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
@@ -29,7 +29,6 @@ from ncgear.project.tooth_form import (
     backlash_of,
     helix_of,
     mesh_place,
-    rack_of,
     reach_in_pitches,
     require_pushing_flanks,
     thickness_limits_mm,
@@ -45,7 +44,7 @@ if TYPE_CHECKING:
     from ncgear.pitch.pumped import Pumped
     from ncgear.solids.helical.helix import Helix
     from ncgear.solids.mesh.pair import SolidPair
-    from ncgear.solids.plan.body import BodyPlan
+    from ncgear.solids.plan.body import BodyPlan, RoundHole
     from ncgear.strength.conditions import Conditions, Running
     from ncgear.strength.material import Material
     from ncgear.strength.sections import FaceSections
@@ -125,10 +124,17 @@ class Geared(Moving):
         """Whether its driven shaft turns a crank with a pin."""
         return self.moves_output and entry_of(self.design.linkage).has_crank_pin
 
+    @property
+    def crank_pin(self) -> RoundHole | None:
+        """The hole for the crank pin in the driven gear; None where none is asked for or it turns no crank."""
+        from ncgear.project.gear_solids import crank_pin_hole
+
+        return crank_pin_hole(self.gears, self.linkage) if self.turns_crank else None
+
     @computed
     def rack(self) -> BasicRack:
         """The basic rack at the module."""
-        return rack_of(self.gears, self.pitch.size.module_mm)
+        return self.gears.rack.in_mm(self.pitch.size.module_mm)
 
     @computed
     def play(self) -> Play:
@@ -251,34 +257,32 @@ class Geared(Moving):
     @computed
     def solids(self) -> SolidPair:
         """Both gears as closed meshes."""
-        from ncgear.project.gear_solids import crank_pin_hole, helical_solids, straight_solids
+        from ncgear.project.gear_solids import helical_solids, straight_solids
 
         gears, pitch, tolerance = self.gears, self.pitch, self.chord_tolerance_mm
-        crank_pin = crank_pin_hole(gears, self.linkage) if self.turns_crank else None
         if self.helix is not None:
             form = self.tooth_form
             with self.stopwatch("solids"), self.telling_the_finest():
-                return helical_solids(gears, pitch, form, self.helix, tolerance, crank_pin)
+                return helical_solids(gears, pitch, form, self.helix, tolerance, self.crank_pin)
         teeth = self.teeth
         with self.stopwatch("solids"):
-            return straight_solids(gears, pitch, teeth, tolerance, crank_pin)
+            return straight_solids(gears, pitch, teeth, tolerance, self.crank_pin)
 
     @computed
     def finished_plans(self) -> tuple[BodyPlan, BodyPlan]:
         """The bodies of both gears as they come out of the process, which may want other files."""
-        from ncgear.project.gear_solids import crank_pin_hole, finished, finished_plans, helical_solids
+        from ncgear.project.gear_solids import finished, finished_plans, helical_solids
 
         gears, pitch, tolerance = self.gears, self.pitch, self.chord_tolerance_mm
-        crank_pin = crank_pin_hole(gears, self.linkage) if self.turns_crank else None
         if self.helix is None:
             teeth = self.teeth
             with self.stopwatch("bodies"):
-                return finished_plans(gears, pitch, teeth, tolerance, crank_pin)
+                return finished_plans(gears, pitch, teeth, tolerance, self.crank_pin)
         if finished(gears) == gears:
             return self.solids.driving.plan, self.solids.driven.plan
         form = self.tooth_form
         with self.stopwatch("bodies"):
-            solids = helical_solids(finished(gears), pitch, form, self.helix, tolerance, crank_pin)
+            solids = helical_solids(finished(gears), pitch, form, self.helix, tolerance, self.crank_pin)
         return solids.driving.plan, solids.driven.plan
 
     @computed
@@ -434,7 +438,7 @@ class Geared(Moving):
 
     @computed
     def drawn_motions(self) -> tuple[OutputMotion, OutputMotion]:
-        """Both motions at the angles of ``motion`` and at those of ``extremes_rad``, for charts."""
+        """Both motions at the angles of ``motion`` and of ``extremes_rad``, for charts."""
         phi1 = distinct(np.concatenate([sample_angles(self.transmission), self.extremes_rad]))
         return self.motion_of(self.machine, phi1), self.motion_of(self.uniform_machine, phi1)
 

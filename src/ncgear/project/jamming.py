@@ -9,11 +9,17 @@ from ncgear.design.keys.tolerances import AssemblyTolerances
 from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
 from ncgear.numerics.bounds import rounded_up, shown_above, shown_below
-from ncgear.project.alternatives import Changes
+from ncgear.project.alternatives import Changes, changed_drive
 from ncgear.project.drive import Drive
-from ncgear.project.in_common import drive_like
-from ncgear.project.tolerance_limits import MOST_JAMMED, TURNING, backlash_key, left_of_backlash, limits_of
-from ncgear.project.usual_tolerances import Process, tolerances_of
+from ncgear.project.tolerance_limits import (
+    MOST_JAMMED,
+    TURNING,
+    Process,
+    backlash_key,
+    left_of_backlash,
+    limits_of,
+    tolerances_of,
+)
 from ncgear.tolerances.estimate import Needed, Teeth, enough, needed, plays_of
 
 MOST_BACKLASH = 0.25
@@ -70,7 +76,7 @@ def jamming_of(drive: Drive) -> Jamming:
         key=f"gears.{key}",
         given=given,
         enough=value,
-        fits=given >= value or _leaves_teeth(drive.whole, {key: value}),
+        fits=given >= value or _leaves_teeth(drive.whole, {f"gears.{key}": value}),
         narrower={} if share <= MOST_JAMMED or usual else _narrower(drive, key, given),
         tolerances=tolerances,
         process=process,
@@ -93,9 +99,8 @@ def _narrower(drive: Drive, key: str, given: float) -> Changes:
         return {}
 
     def enough_for(width_mm: float) -> float:
-        gears = drive.whole.gears.model_copy(update={"face_width_mm": width_mm})
-        like = drive_like(drive.whole, drive.whole.design.model_copy(update={"gears": gears}))
-        return _made_up(SURELY * enough(backlash_needed(like), TURNING))
+        narrower = changed_drive(drive.whole, {"gears.face_width_mm": width_mm})
+        return _made_up(SURELY * enough(backlash_needed(narrower), TURNING))
 
     if enough_for(low * own) > most:
         return {}
@@ -132,11 +137,10 @@ def _needed(pair: Drive, tolerances: AssemblyTolerances, seed: int) -> Needed:
     return needed(-left_of_backlash(pair, plays.least_rad), plays.shared)
 
 
-def _leaves_teeth(whole: Drive, changes: dict[str, float]) -> bool:
+def _leaves_teeth(whole: Drive, changes: Changes) -> bool:
     """Whether all pairs have teeth with another backlash: they are made."""
-    gears = whole.gears.model_copy(update=changes)
     try:
-        for pair in drive_like(whole, whole.design.model_copy(update={"gears": gears})).by_stage:
+        for pair in changed_drive(whole, changes).by_stage:
             _ = pair.teeth
     except DesignError:
         return False

@@ -1,8 +1,10 @@
-"""From keys to values: the goal and limits of an optimised law, and the machine that the law is made for."""
+"""From keys to values: the machine that laws are sought for, its goal and limits, and how its laws are compared."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator
+from functools import cached_property
 from math import pi, radians, sin
 from typing import NamedTuple
 
@@ -14,15 +16,24 @@ from ncgear.design.laws.base import LawKeys
 from ncgear.design.laws.registry import even_motion
 from ncgear.design.mechanisms import mechanism_of
 from ncgear.errors import DesignError, WrongInput
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import Masses
 from ncgear.numerics.bounds import shown_below
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum import task
 from ncgear.optimum.makeable.wishes import ALONE, CurvatureWish, Goal, TwoStages, Wishes
-from ncgear.project.law import kept_size, load_of, lobes_of, require_whole_turns
-from ncgear.project.motion_wishes import motion_wishes_of
+from ncgear.optimum.task import Figures, Task, figures
+from ncgear.project.law import (
+    keeps_even_speed,
+    kept_size,
+    law_of,
+    load_of,
+    lobes_of,
+    motion_wishes_of,
+    require_whole_turns,
+)
 from ncgear.project.moving_masses import TrainInertia, masses_of
-from ncgear.project.tooth_form import rack_of
+from ncgear.ratio.laws.uniform import uniform_law
+from ncgear.ratio.transmission import Train, single
 
 RACK_ANGLE_DEG = 20.0
 """Pressure angle of the rack where a design has no gears, as in ISO 53."""
@@ -266,7 +277,7 @@ def _of_undercut(limits: Limits, gears: Gears | None) -> Iterator[_Curvature]:
         return
     if gears is None or gears.teeth is None:
         raise WrongInput("true, but of how many teeth? give gears.teeth", key="optimize.limits.free_of_undercut")
-    rack = rack_of(gears, 1.0)
+    rack = gears.rack.in_mm(1.0)
     # The flanks of the angle that is undercut first.
     undercut = (
         sin(angle) ** 2
@@ -283,3 +294,65 @@ def _of_undercut(limits: Limits, gears: Gears | None) -> Iterator[_Curvature]:
             key="optimize.limits.free_of_undercut",
         )
     yield _Curvature(turns, CurvatureWish.UNDERCUT, float(gears.teeth))
+
+
+class SoughtMachine(ABC):
+    """A design's machine and its wishes, with other mechanisms that have the same masses and the same speed.
+
+    Every attribute may raise WrongInput for wishes that contradict each other or the design.
+    """
+
+    def __init__(self, design: Design) -> None:
+        self.given = design
+
+    @property
+    def design(self) -> Design:
+        """The design whose machine it is: as given, where nothing of the machine is free."""
+        return self.given
+
+    @property
+    @abstractmethod
+    def task(self) -> Task:
+        """The machine; all figures count its masses."""
+
+    @cached_property
+    def wishes(self) -> Wishes:
+        """Goal and limits."""
+        return wishes_of(self.given)
+
+    @property
+    def not_kept(self) -> str:
+        """What the design's own law prescribes of the motion and no wish asks for, in words; empty where none is."""
+        return "" if keeps_even_speed(self.design) else self.design.motion.prescribed
+
+    @property
+    def soft(self) -> bool:
+        """Whether soft wishes count in the goal: they bend the law, and the limit is for hard wishes alone."""
+        return any(not wish.hard for wish in self.wishes.motion)
+
+    @property
+    def sizing(self) -> Train | None:
+        """The law whose gears tell how far the uniform crank's gears are apart; None: their own size does."""
+        return None
+
+    @cached_property
+    def uniform_figures(self) -> Figures:
+        """Exact figures of a uniform crank on the same machine."""
+        return figures(self.task, single(uniform_law(self.task.lobes)), self.sizing)
+
+    @cached_property
+    def given_figures(self) -> Figures | None:
+        """Exact figures of the design's own law and gears at the same speed; None where that law cannot be made."""
+        try:
+            return figures(task_of(self.given, inertia_as_given(self.given)), law_of(self.given).train)
+        except DesignError:
+            return None
+
+
+class GearsAsGiven(SoughtMachine):
+    """The machine with its gears as given: laws under different caps are compared with the same masses."""
+
+    @cached_property
+    def task(self) -> Task:
+        """The machine; a moment of inertia that is left out follows from the gear that the design's own law makes."""
+        return task_of(self.design, inertia_as_given(self.design))

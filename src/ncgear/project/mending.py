@@ -37,7 +37,7 @@ from ncgear.project.alternatives import (
 )
 from ncgear.project.drive import Drive
 from ncgear.project.finer import FINER_STEP, MOST_FINER, fewest, require_made
-from ncgear.project.tooth_form import rack_of, require_pushing_flanks
+from ncgear.project.tooth_form import require_pushing_flanks
 from ncgear.shown import Shown
 
 MOST_SECONDS = 5.0
@@ -215,7 +215,7 @@ def searched(
     on_trial: OnTrial = lambda done, total: None,
     seconds: float = MOST_SECONDS,
 ) -> Mending:
-    """The least change that makes the teeth of a drive which are refused; of equal ones, that of most contact."""
+    """The least change with which refused teeth can be made; of equal changes, the change of most contact."""
     every = list(ways(drive))
     trials = _Trials(drive, on_trial, sum(map(len, every)) + MOST_FINER, seconds)
     kept = [equals for equals in every if Kind.FINER not in equals[0].kinds]
@@ -259,7 +259,7 @@ class _Trials:
         self.is_whole = True
 
     def best(self, equals: tuple[Way, ...], share: float = 1.0) -> Mend | None:
-        """Of equal ways that work, that of most contact; None where none does within a share of the time."""
+        """Of equal ways that work, the way of most contact; None where none works within a share of the time."""
         try:
             sound = [mend for way in equals if (mend := self._sound(way, share))]
             for mend in sorted(sound, key=lambda one: -one.contact_ratio):
@@ -343,7 +343,7 @@ def _teeth_of_notches(drive: Drive) -> float:
 
 
 def ways(drive: Drive) -> Iterator[tuple[Way, ...]]:
-    """All ways but those of more teeth alone, the least change first; those of one tuple are equals."""
+    """All ways except more teeth alone, the least change first; the ways of a tuple are equals."""
     fitted = _fitted(drive)
     for kinds in ORDER:
         options = [_options(drive, kind, alone=len(kinds) == 1) for kind in kinds]
@@ -356,7 +356,7 @@ def ways(drive: Drive) -> Iterator[tuple[Way, ...]]:
 
 
 def _fitted(drive: Drive) -> Changes:
-    """The root radius that fits; empty where that of the design does."""
+    """The root radius that fits; empty where the design's radius does."""
     return fitted_root_radius(drive.gears, min(drive.gears.rack.angles_deg))
 
 
@@ -399,14 +399,14 @@ def _mate(drive: Drive) -> list[Changes]:
 
 
 def _shifted(drive: Drive) -> list[Changes]:
-    """Equal and opposite profile shifts: the one chosen against undercut or, if the design has that, two others."""
+    """Equal and opposite profile shifts: the shift chosen against undercut or, if the design has it, two others."""
     from ncgear.teeth.gear import shift_against_undercut
 
     given = drive.gears.profile_shift
-    gears = changed_gears(drive.gears, fitted_root_radius(drive.gears, min(drive.gears.rack.angles_deg)))
+    gears = changed_gears(drive.gears, _fitted(drive))
     own = given.driving if given.driving is not None else -(given.driven or 0.0)
     sizes = [(pair.pitch, pair.pitch.size.module_mm) for pair in drive.by_stage]
-    best = [shift_against_undercut(pitch, rack_of(gears, module)) / module for pitch, module in sizes]
+    best = [shift_against_undercut(pitch, gears.rack.in_mm(module)) / module for pitch, module in sizes]
     if not given.against_undercut and any(abs(modules - own) > SAME_SHIFT for modules in best):
         return [shifted_against_undercut(drive.gears)]
     dropped: Changes = {f"gears.profile_shift.{key}": None for key in given.model_fields_set}

@@ -14,14 +14,12 @@ from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.project.computed import computed
-from ncgear.project.law import law_of, load_of
-from ncgear.project.motion_wishes import motion_wishes_of
+from ncgear.project.law import law_of, load_of, motion_wishes_of
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Law, Pair, Transmission
 from ncgear.shown import Shown
 from ncgear.stopwatch import Stopwatch
-from ncgear.wishes.achieved import Achieved, achieved
-from ncgear.wishes.wish import Wish
+from ncgear.wishes.wish import Achieved, Wish, achieved
 
 
 class Moving(Shown):

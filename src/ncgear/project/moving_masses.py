@@ -19,7 +19,7 @@ from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.masses import DrivenShaftMasses, Gravity, ShaftMasses
 from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.masses import Masses
+from ncgear.mechanisms.forces import Masses
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
 
@@ -48,7 +48,9 @@ class TrainInertia(NamedTuple):
     driven_kg_mm2: float = 0.0
 
 
-def masses_of(given: ShaftMasses | DrivenShaftMasses, mechanism: Mechanism, gears: TrainInertia) -> Masses:
+def masses_of(
+    given: ShaftMasses | DrivenShaftMasses, mechanism: Mechanism | type[Mechanism], gears: TrainInertia
+) -> Masses:
     """The masses that a design gives, with the moments of inertia of its gears."""
     rods = {name: getattr(given, name) for name in mechanism.RODS}
     return mechanism.MASSES(

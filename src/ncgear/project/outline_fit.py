@@ -86,7 +86,7 @@ class NextSize:
 class MateFit:
     """How near the mate comes to an outline of its own: distances in mm of the pair, places in mm of its drawing.
 
-    ``scale`` is the size of the gears by that of the drawing; ``bound_by`` is as in ``OutlineFit``.
+    ``scale`` is the size of the gears over the size of the drawing; ``bound_by`` is as in ``OutlineFit``.
     """
 
     outline: Outline
@@ -186,7 +186,7 @@ def fit(
     The size of its teeth is given by ``teeth`` or ``module_mm``.  The axis is held at ``axis_mm`` where it is given.
     ``mate_mm`` are points of an outline for the mate, seen from the same side, shape (k, 2), ``mate_weight`` is its
     share in the squared distances of both; it grows or shrinks to the size that suits.
-    ``pressure_angle_deg`` is the greatest one, that of the rack included.
+    ``pressure_angle_deg`` is the greatest pressure angle, with the rack's own.
     ``criterion`` tells whether the root of the mean square of distances or their greatest is least; ``gears`` has
     further keys of the section ``gears`` of a design file.
 

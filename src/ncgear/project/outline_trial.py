@@ -132,8 +132,7 @@ def judged(made: Made, judge: Callable[[Made], Made | None]) -> Made:
 def _places(curve: Rolled, at: CurvePoints) -> Array:
     """Arc lengths of the curve at points of its gear's pitch curve."""
     polar = np.mod(np.arctan2(at.position[:, 1], at.position[:, 0]), 2.0 * pi)
-    found: Array = np.interp(polar, curve.phi_rad, curve.arc_mm, period=2.0 * pi)
-    return found
+    return np.interp(polar, curve.phi_rad, curve.arc_mm, period=2.0 * pi)
 
 
 def _with_contact(made: Made, gears: Gears) -> Made:
@@ -191,7 +190,7 @@ def most_lacking(made: Made) -> str:
 
 
 def between(kept: Made, refused: Made | None) -> Limits:
-    """Limits half-way from those of a pair that was made to those of a refused one, or a little eased without one."""
+    """Limits half-way between a pair that was made and a refused pair; a little eased where no pair was refused."""
     share = np.asarray(kept.limits.share)
     if refused is None:
         return replace(kept.limits, share=np.minimum(share * EASED**2, MOST_SHARE))

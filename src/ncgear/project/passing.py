@@ -234,5 +234,4 @@ def from_segment(point: complex, start: Array, stop: Array) -> Array:
     square = np.abs(along) ** 2
     with np.errstate(invalid="ignore", divide="ignore"):
         share = np.clip(np.where(square > 0.0, (np.conj(along) * (point - start)).real / square, 0.0), 0.0, 1.0)
-    found: Array = np.abs(point - start - share * along)
-    return found
+    return np.abs(point - start - share * along)

@@ -99,8 +99,7 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
     asked = asked_of(drive)
     if asked.knocks_are_judged:
         # Checks of machines without masses load nothing of contact.
-        from ncgear.project.forces import borne_by
-        from ncgear.project.rough_meshing import rough_meshing
+        from ncgear.project.forces import borne_by, rough_meshing
 
         load = rolled_load(drive, borne_by(asked, rough_meshing(drive, asked, sides)).at)
         sides = shared_loads(load, plan, running, drive.materials)
@@ -278,7 +277,7 @@ def _walls_mm(drive: Drive, gear: Gear, phi1_rad: Array) -> Array:
     """The walls that the keys of a gear give under the roots at driving angles, shape (n,).
 
     Walls of a web, a ring, lightening holes and the bore with its keyway; infinite where no key gives one: a rim
-    that the file leaves out is thick enough.  All helical teeth count as the one with the thinnest wall.
+    that the file leaves out is thick enough.  All helical teeth count as the tooth with the thinnest wall.
     """
     body, curve = getattr(drive.gears, gear.value), drive.pitch.of(gear)
     given = [body.rim_mm] if curve.is_ring and body.rim_mm is not None else []
@@ -320,7 +319,7 @@ def _bored_mm(drive: Drive, gear: Gear, phi1_rad: Array) -> Array:
 def rolled_load(drive: Drive, torque_n_mm: Callable[[Array], Array] | None = None) -> RolledLoad:
     """What a pair bears while its pitch curves roll; raises as pitch curves and forces do.
 
-    The torque is the one that the law asks for, or ``torque_n_mm`` at driving angles, shape (n,).
+    The torque is ``torque_n_mm`` at driving angles, shape (n,), or else the torque that the law asks for.
     """
     asked, pitch = asked_of(drive), drive.pitch
     size, toothed = pitch.size, pitch.toothed

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import fields, replace
+from typing import Any
 
 from ncgear.design.keys.gears import Gears
 from ncgear.design.keys.strength import AIR_C, USUAL_LIFE_H, WARM_OIL_C, GearMaterial, StrengthKeys
@@ -53,21 +54,12 @@ def conditions_of(given: StrengthKeys, stroke_rad: float, speed_rad_s: float) ->
     life_h = USUAL_LIFE_H if given.life_h is None else given.life_h
     if given.life_strokes is not None:
         life_h = hours_of_strokes(given.life_strokes, stroke_rad, speed_rad_s)
-    return Conditions(
-        life_h=life_h,
-        application_factor=given.application_factor,
-        overload=Overload(jam.driving_torque_n_m / N_M_PER_N_MM, jam.times) if (jam := given.overload) else None,
-        dynamic_factor=given.dynamic_factor,
-        reliability=given.reliability,
-        lubrication=given.lubrication,
-        oil_viscosity_mm2_s=given.oil_viscosity_mm2_s,
-        oil_viscosity_100_mm2_s=given.oil_viscosity_100_mm2_s,
-        oil_fzg_stage=given.oil_fzg_stage,
-        wear_coefficient_mm3_n_m=given.wear_coefficient_mm3_n_m,
-        flank_roughness_um=given.flank_roughness_um,
-        root_roughness_um=given.root_roughness_um,
-        temperature_c=AIR_C if given.temperature_c is None else given.temperature_c,
-        oil_temperature_c=WARM_OIL_C if given.temperature_c is None else given.temperature_c,
-        contact_safety=given.contact_safety,
-        bending_safety=given.bending_safety,
-    )
+    jam, warm = given.overload, given.temperature_c
+    changed: dict[str, Any] = {
+        "life_h": life_h,
+        "overload": Overload(jam.driving_torque_n_m / N_M_PER_N_MM, jam.times) if jam else None,
+        "temperature_c": AIR_C if warm is None else warm,
+        "oil_temperature_c": WARM_OIL_C if warm is None else warm,
+    }
+    alike = (field.name for field in fields(Conditions) if field.name not in changed)
+    return Conditions(**{name: getattr(given, name) for name in alike}, **changed)

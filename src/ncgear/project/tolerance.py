@@ -13,8 +13,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.bounds import rounded_up, shown_above
 from ncgear.project.drive import Drive
-from ncgear.project.tolerance_limits import TURNING, backlash_key, left_of_backlash, limits_of
-from ncgear.project.usual_tolerances import Process, tolerances_of
+from ncgear.project.tolerance_limits import TURNING, Process, backlash_key, left_of_backlash, limits_of, tolerances_of
 from ncgear.solids.helical.sections import said_of_section
 from ncgear.teeth.gear import ToothedPair, toothed_pair
 from ncgear.tolerances.assemblies import Assemblies, Lot, Task, lot_of_pairs

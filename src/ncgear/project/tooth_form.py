@@ -6,24 +6,18 @@ from math import cos, degrees, pi, radians, sin
 from typing import TYPE_CHECKING
 
 from ncgear.design.keys.gears import Gears, Rack
-from ncgear.design.rack import basic_rack
 from ncgear.dynamics.mesh_force import MeshPlace
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.units import in_words
 from ncgear.pitch.shape import Mesh
 from ncgear.solids.helical.helix import Hand, Helix
-from ncgear.teeth.form import MOST_SHIFT, Backlash, BasicRack, Cutter, CutterKind, TipLimits, ToothForm
+from ncgear.teeth.form import MOST_SHIFT, Backlash, Cutter, CutterKind, TipLimits, ToothForm
 
 if TYPE_CHECKING:
     from ncgear.pitch.pair import PitchPair
 
 RIGHT_ANGLE_DEG = 90.0
 """Pressure angle from which a force along the flank's normal does not turn the mate at all."""
-
-
-def rack_of(gears: Gears, module_mm: float) -> BasicRack:
-    """The basic rack in mm for a given module."""
-    return basic_rack(gears.rack, module_mm)
 
 
 def reach_in_pitches(gears: Gears) -> float:
@@ -63,7 +57,7 @@ def tooth_form_of(gears: Gears, module_mm: float) -> ToothForm:
     driving = shift.driving if shift.driving is not None else 0.0 - (shift.driven or 0.0)
     driven = shift.driven if shift.driven is not None else 0.0 - driving
     return ToothForm(
-        rack=rack_of(gears, module_mm),
+        rack=gears.rack.in_mm(module_mm),
         backlash=backlash_of(gears),
         driving_shift_mm=driving * module_mm,
         driven_shift_mm=driven * module_mm,

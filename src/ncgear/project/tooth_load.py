@@ -91,7 +91,7 @@ class ToothLoad:
 
     @property
     def peak_n(self) -> float:
-        """Largest normal force of all pairs of teeth together; that of the jam where nothing else loads them."""
+        """Largest normal force of all pairs of teeth together; the force of the jam where nothing else loads them."""
 
         def size_n(angle_rad: Array) -> Array:
             torque = self.torque_n_mm if self.jam_n_mm is None else partial(self.passed_on_n_mm, self.jam_n_mm)

@@ -165,7 +165,7 @@ def _stretches_deg(phi1_rad: Array, inside: Mask) -> tuple[tuple[float, float], 
 
 LEADING = 0.5
 """Share of the largest force from which places count for the greatest K_V of a turn: where teeth bear next to nothing,
-what their deviations add is many times as much."""
+their deviations add many times as much."""
 
 SPEEDS, SLOWER, FASTER = 121, 4.0, 1.5
 """Speeds of a sweep, and from how far below to how far above the critical speeds they go at least; next speeds are

@@ -108,8 +108,7 @@ class ReturnLaw:
     @property
     def polynomial(self) -> Polynomial:
         """The polynomial in powers of tau."""
-        whole: Polynomial = self.local(Polynomial([-self.about, 1.0])) + self.correction
-        return whole
+        return self.local(Polynomial([-self.about, 1.0])) + self.correction
 
     @property
     def extrapolated_ratio(self) -> float:
@@ -173,8 +172,7 @@ narrow, in returns, as the ratio is small, and STANDSTILL refuses one narrower t
 @cache
 def _even_panels() -> Array:
     """Edges of 16 panels of [0, 1], which are shorter towards the ends."""
-    edges: Array = (1.0 - np.cos(np.linspace(0.0, np.pi, 17))) / 2.0
-    return edges
+    return (1.0 - np.cos(np.linspace(0.0, np.pi, 17))) / 2.0
 
 
 @cache
@@ -318,7 +316,7 @@ SKEW = Polynomial([-1.0, 2.0])
 def return_with_constant(ends: ReturnEnds, constant: float, *, inverse: bool = False) -> ReturnLaw:
     """The published return: i12 polynomial whose value extrapolated to phi1 = 0 is ``constant`` (the paper's e).
 
-    With ``inverse`` it is the same of 1/i12.  Raises NoSuchMechanism when no such polynomial closes the cycle with a
+    With ``inverse`` the polynomial is 1/i12.  Raises NoSuchMechanism when no such polynomial closes the cycle with a
     positive ratio.
     """
     base, direction = published_family(ends.inverted() if inverse else ends, constant)
@@ -436,7 +434,7 @@ def are_positive(coefficients: Array) -> Mask:
 
 @cache
 def _to_bernstein(degree: int) -> Array:
-    """Matrix from coefficients of powers to those of Bernstein's polynomials on each part between PLACES in turn."""
+    """Matrix from coefficients of powers to coefficients of Bernstein's polynomials, for each part between PLACES."""
     power = range(degree + 1)
     whole = np.array([[comb(i, j) / comb(degree, j) for j in power] for i in power])
     length = 1.0 / (PLACES.size - 1)

@@ -117,15 +117,13 @@ class Returns:
 
     def widths_rad(self, points: ReturnGrid) -> Array:
         """The driving angle of each piece, shape (n, pieces)."""
-        widths: Array = self.length_rad[:, None] * np.diff(points.edges)
-        return widths
+        return self.length_rad[:, None] * np.diff(points.edges)
 
     def at(self, beyond_rad: Array) -> Array:
         """The polynomial's values at driving angles beyond the return's start, or before it, shape (n,)."""
         tau = beyond_rad / self.length_rad
         bump = tau**2 * (1.0 - tau) ** 2
-        value: Array = polynomial_at(self.cubic, tau) + (self.bump + self.skew * (2.0 * tau - 1.0)) * bump
-        return value
+        return polynomial_at(self.cubic, tau) + (self.bump + self.skew * (2.0 * tau - 1.0)) * bump
 
     def polynomial(self, points: ReturnGrid, order: int) -> Jet:
         """Its value and derivatives by the driving angle up to ``order``, at most 2, at all points of each return."""
@@ -162,8 +160,7 @@ class PeakedReturns:
 
     def widths_rad(self, points: ReturnGrid) -> Array:
         """The driving angle of each piece, shape (n, pieces); zero for those beyond the return's ends."""
-        widths: Array = np.diff(self._edges, axis=1) * self.length_rad[:, None]
-        return widths
+        return np.diff(self._edges, axis=1) * self.length_rad[:, None]
 
     def polynomial(self, points: ReturnGrid, order: int) -> Jet:
         """The ratio and its derivatives by the driving angle up to ``order``, at most 2, at all points."""
@@ -191,8 +188,7 @@ def edges_about(about: Array, quarterings: int) -> Array:
     quarters = np.append(0.25 ** np.arange(quarterings + 1.0), 0.0)
     towards = np.broadcast_to(np.concatenate([-quarters, quarters[-2::-1]]), (about.size, 2 * quarters.size - 1))
     edges = np.concatenate([towards, np.array(EVERYWHERE) - about[:, None]], axis=1)
-    clipped: Array = np.clip(np.sort(edges, axis=1), -about[:, None], 1.0 - about[:, None])
-    return clipped
+    return np.clip(np.sort(edges, axis=1), -about[:, None], 1.0 - about[:, None])
 
 
 def _between(edges: Array, count: int) -> Array:
@@ -227,8 +223,7 @@ class ReturnSamples:
     @property
     def end_driven_rad(self) -> Array:
         """Where the return really ends, shape (n,)."""
-        end: Array = self.driven_rad[:, -1, -1]
-        return end
+        return self.driven_rad[:, -1, -1]
 
 
 @dataclass(frozen=True)

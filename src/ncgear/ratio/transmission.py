@@ -35,7 +35,7 @@ JetFunction = Callable[[Array, int], Jet]
 """From driving angles in rad, shape (n,), and an order to the driven angle in rad with its derivatives."""
 
 OfSlope = Callable[[Jet], Jet]
-"""From the jet of dphi2/dphi1 by phi1 to that of another quantity, of a lower order where that takes derivatives."""
+"""From the jet of dphi2/dphi1 by phi1 to the jet of another quantity, of a lower order where derivatives are taken."""
 
 CLOSED = 1e-12
 """Closure error in rad that counts as none: about 500 rounding errors of a full turn (tests/test_compensation.py)."""
@@ -136,11 +136,6 @@ class WholeTurns(Lobes):
     driven_turns: int = field(kw_only=True)
 
     @property
-    def teeth_step(self) -> int:
-        """The number of which driving teeth are a multiple, so that the driven gear has whole teeth as well."""
-        return self.driving // gcd(self.driving, self.driven)
-
-    @property
     def driving_period_rad(self) -> float:
         """Driving angle of one period."""
         return 2.0 * pi * self.driving_turns
@@ -188,7 +183,7 @@ class Piece:
         grid, known = self._sampled_slope
 
         def by_angle(phi1: Array) -> list[Jet]:
-            # Extremes are looked for on one grid; what the law is there is found once.
+            # Extremes are looked for on one grid, at which the law is computed once.
             slope = known.truncated(lost + 1) if phi1 is grid else self.slope(phi1, lost + 1)
             return [quantity(slope) for quantity in quantities]
 
@@ -250,7 +245,7 @@ class Transmission(Shown):
 
     @property
     def made_pieces(self) -> tuple[Piece, ...]:
-        """The pieces on which gears are made: all, but for the continuation of an open law those of its range."""
+        """The pieces on which gears are made: all or, of the continuation of an open law, the pieces of its range."""
         covered = self.lobes.range
         if covered is None or not self.lobes.repeats:
             return self.pieces

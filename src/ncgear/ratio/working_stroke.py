@@ -190,8 +190,7 @@ def _braking_slope(request: StrokeRequests[Number], v2: Number, a1: Number) -> A
 
 def _root_form(slope: Array) -> Array:
     """Integral of t * slope(t), divided by t^2."""
-    root: Array = (slope.T / np.arange(2.0, len(slope) + 2.0)).T
-    return root
+    return (slope.T / np.arange(2.0, len(slope) + 2.0)).T
 
 
 def _stroke_sensitivities(request: StrokeRequests[Number]) -> tuple[Number, Number, Number]:
@@ -438,15 +437,13 @@ def _most_of_v1(request: StrokeRequests[Array]) -> Array:
     limits = np.where(below < 0.0, -above / below, inf)
     # Where A is nowhere negative, it touches zero, and its rounding errors tell nothing.
     share = request.theta1_rad / request.theta2_rad
-    most: Array = np.where((share >= 0.25) & (share <= 0.5), inf, limits.min(axis=0))
-    return most
+    return np.where((share >= 0.25) & (share <= 0.5), inf, limits.min(axis=0))
 
 
 def _product_term(a: Array, b: Array, power: int) -> Array:
     """The coefficient of a power in b' a - b a', of cubics of shape (4, n)."""
     pairs = ((i, power + 1 - i) for i in range(4) if 0 <= power + 1 - i < 4)
-    total: Array = np.sum([(i - k) * b[i] * a[k] for i, k in pairs], axis=0)
-    return total
+    return np.sum([(i - k) * b[i] * a[k] for i, k in pairs], axis=0)
 
 
 def _closing_speeds(request: StrokeRequests[Array], most: Array) -> list[Array]:

@@ -23,12 +23,16 @@ from ncgear.design.laws.three_segment_stroke import (
     require_stroke_of,
 )
 from ncgear.design.mechanisms import entry_of, lengths_of
+from ncgear.dynamics.crank_load import crank_angles_rad
+from ncgear.dynamics.sampled_shafts import CrankTable, crank_table
 from ncgear.errors import DesignError, WrongInput
 from ncgear.frozen import dataclass
+from ncgear.mechanisms.forces import Masses
 from ncgear.mechanisms.mechanism import Mechanism, Mechanisms, Output
 from ncgear.mechanisms.resistance import Resistance, TableResistance
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.project.law import load_of, lobes_of
+from ncgear.project.moving_masses import masses_of, stated_inertia
 from ncgear.ratio.transmission import Lobes
 
 STROKE, HARMONIC = "three_segment_stroke", "harmonic_ratio"
@@ -58,6 +62,7 @@ class BatchKind:
     law: tuple[Hashable, ...]
     lobes: Lobes
     resistance: Resistance
+    masses: Masses | None
 
     @property
     def has_return(self) -> bool:
@@ -76,15 +81,18 @@ def kind_of(design: Design) -> BatchKind | None:
     # Batches know outputs that slide and return.
     if law is None or entry_of(design.linkage).turns or (design.gears is not None and design.gears.mesh == "internal"):
         return None
-    if design.masses is not None:
-        # Power with masses depends on the bodies of the gears, which only a single computation makes.
-        return None
-    load = load_of(design)
+    load, given, around = load_of(design), design.masses, design.drivetrain
+    if given is not None:
+        stated = None not in (given.driving_gear_kg_mm2, given.driven_gear_kg_mm2)
+        # Only a single computation makes the bodies of gears, and counts a guide that rubs.
+        if (design.gears is not None and not stated) or (around is not None and around.guide_friction):
+            return None
     if load.loads_return or isinstance(load.working, TableResistance):
         # Batches know the displacement in the working stroke only.  The bend of a table's force jumps at its points,
         # which no series along a piece resolves.
         return None
-    return BatchKind(type(design.linkage), law, lobes_of(design), load.working)
+    masses = None if given is None else masses_of(given, entry_of(design.linkage).load(), stated_inertia(given))
+    return BatchKind(type(design.linkage), law, lobes_of(design), load.working, masses)
 
 
 def _law(design: Design) -> tuple[Hashable, ...] | None:
@@ -156,14 +164,17 @@ class Batch:
         return found
 
     def parts(self) -> list[IndexArray]:
-        """The rows of batches that can be sampled together: those of harmonic laws share one working angle."""
+        """The rows of batches that can be sampled together.
+
+        Harmonic laws share one working angle; with masses, all designs have one mechanism.
+        """
         rows = np.arange(len(self))
-        if self.kind.has_return or not len(self):
+        if not len(self) or (self.kind.has_return and self.kind.masses is None):
             return [rows]
         with np.errstate(all="ignore"):
-            angles = np.broadcast_to(self.mechanisms.working_angle_rad, rows.shape)
-        _, number = np.unique(angles, return_inverse=True)
-        return [rows[number == one] for one in range(number.max() + 1)]
+            same = [self.mechanisms.working_angle_rad] if self.kind.masses is None else [*self._lengths.values()]
+        _, number = np.unique([np.broadcast_to(one, rows.shape) for one in same], axis=1, return_inverse=True)
+        return [rows[number.ravel() == one] for one in range(number.max() + 1)]
 
     @property
     def _mechanism_class(self) -> type[Mechanism]:
@@ -186,6 +197,23 @@ class Batch:
 
     def _mechanism(self, row: int) -> Mechanism:
         return self._mechanism_class(**{name: float(values[row]) for name, values in self._lengths.items()})
+
+    @cached_property
+    def crank(self) -> CrankTable | None:
+        """What masses ask of the cranks, which are all of one mechanism; None without masses."""
+        return None if self.kind.masses is None else crank_table(self._mechanism(0), self.kind.masses)
+
+    @cached_property
+    def kinks_mm(self) -> Array:
+        """Displacements at which the force sets in or ends, where masses add to it, shape (k,)."""
+        if self.kind.masses is None or self.kind.resistance.keep_negative:
+            return np.empty(0)
+        return self.kind.resistance.zeros_mm(self._mechanism(0).stroke_mm)
+
+    @cached_property
+    def kinks_rad(self) -> Array:
+        """Crank angles of the working stroke there."""
+        return crank_angles_rad(self._mechanism(0), self.kinks_mm, returning=False)
 
     def refused_angles(self) -> dict[int, DesignError]:
         """Why theta1 to theta4 are out of order, by the rows."""

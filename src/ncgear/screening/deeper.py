@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from ncgear.design.keys.design import Design
-from ncgear.design.varied import checked_design
+from ncgear.design.space import checked_design
 from ncgear.errors import DesignError, WrongInput
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive

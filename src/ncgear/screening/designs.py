@@ -13,8 +13,7 @@ import numpy as np
 
 from ncgear.design.keys.base import quantity, spellings
 from ncgear.design.keys.design import Design
-from ncgear.design.space import Space
-from ncgear.design.varied import accepted, checked_design
+from ncgear.design.space import Space, accepted, checked_design
 from ncgear.errors import DesignError, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask

@@ -14,11 +14,12 @@ import numpy as np
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.gears import SIZES
 from ncgear.design.mechanisms import entry_of
+from ncgear.dynamics.sampled_shafts import torque_figures
 from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
 from ncgear.kinematics.check import OF_MASSES, power_figures
 from ncgear.mechanisms.resistance import Resistance
-from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.numerics.arrays import Array, IndexArray, Mask, chosen
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.sampled import Functions, Sought, extremes, integrated, integration, sums_at, turning_points
 from ncgear.numerics.units import RAD_S_PER_RPM
@@ -192,12 +193,12 @@ def found_of(batch: Batch, laws: Laws, rows: IndexArray, fineness: Fineness, tog
     ``together`` samples are computed at once.  Whether teeth can roll on the pitch curves is asked before the motion,
     as for a design by itself: curves that are known are enough to refuse it.
     """
-    count, lobes = max(1, together // fineness.samples(batch.kind)), batch.kind.lobes
-    steeper_deg = _steeper_deg(batch)
+    count = max(1, together // fineness.samples(batch.kind))
+    steeper_deg, speed_rad_s = _steeper_deg(batch), batch.column("operation.speed_rpm") * RAD_S_PER_RPM
     # Designs that cannot be made give numbers that are not finite, and the batch is not sure of these.
     with np.errstate(all="ignore"):
         parts = [
-            _measured(laws.sampled(block, fineness), batch.kind.resistance, lobes, steeper_deg[block])
+            _measured(laws.sampled(block, fineness), batch, steeper_deg[block], speed_rad_s[block])
             for block in (rows[first : first + count] for first in range(0, rows.size, count))
         ]
         measured = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
@@ -227,13 +228,13 @@ def _pushes(tangent: Array, steeper_deg: Array) -> Mask:
     return pushes
 
 
-def _measured(found: Sampled, resistance: Resistance, lobes: Lobes, steeper_deg: Array) -> dict[str, Array]:
-    """The extremes and integrals of laws, shape (n,) each, by names of this module.
+def _measured(found: Sampled, batch: Batch, steeper_deg: Array, speed_rad_s: Array) -> dict[str, Array]:
+    """The extremes and integrals of laws, shape (n,) each, by names of this module; power with masses by its keys.
 
     ``drawn`` is 1 where the figures of the pitch curves hold, ``resolved`` where all of them do.  ``steepest_rad`` is
     the driving angle at which curves are steepest, where teeth with flanks of ``steeper_deg`` could not push there.
     """
-    samples, displacement = found.samples, found.displacement
+    samples, displacement, resistance = found.samples, found.displacement, batch.kind.resistance
     curves, there = curves_of(samples), samples.there
     drawn = _closes(samples, curves.ratio)
     drawn &= _died_away((curves.ratio, curves.tangent, curves.rates, Functions(samples.turning)), there)
@@ -241,6 +242,12 @@ def _measured(found: Sampled, resistance: Resistance, lobes: Lobes, steeper_deg:
     power = Functions(force_n * found.velocity[: len(displacement)])
     velocity, acceleration = Functions(found.velocity), Functions(found.acceleration)
     resolved = drawn & _died_away((curves.driving, curves.driven, velocity, acceleration, power), there)
+    torque = None
+    if batch.crank is not None:
+        asked = batch.crank.torque_n_mm(found.driven_rad, samples.slope, samples.first, speed_rad_s)
+        asked[: len(displacement)] += power.values if resistance.keep_negative else np.maximum(power.values, 0.0)
+        torque = Functions(asked)
+        resolved &= _died_away((torque,), there)
     resolved &= _force_is_seen(resistance, displacement, found.stroke_mm, resolved)
     drawn_there, there = there & drawn, there & resolved
     working = there & (np.arange(len(there)) < len(displacement))[:, None]
@@ -260,9 +267,14 @@ def _measured(found: Sampled, resistance: Resistance, lobes: Lobes, steeper_deg:
     most = dict(zip(sought, extremes([*sought.values()]), strict=True))
     steepest_rad, steep = np.zeros(drawn.size), np.nonzero(drawn & ~_pushes(most["tangent"], steeper_deg))[0]
     if steep.size:
-        steepest_rad[steep] = _steepest(samples.kept(steep), lobes)
+        steepest_rad[steep] = _steepest(chosen(samples, steep), batch.kind.lobes)
+    driven = {}
+    if torque is not None:
+        angles = samples.turning * samples.ratio
+        driven = {f"check.{key}": one for key, one in torque_figures(torque, angles, there, speed_rad_s).items()}
     return {
         **most,
+        **driven,
         "steepest_rad": steepest_rad,
         "drawn": drawn.astype(float),
         "resolved": resolved.astype(float),
@@ -318,11 +330,16 @@ def _check_figures(batch: Batch, measured: dict[str, Array]) -> dict[str, Array]
     """Peaks of the motion and mean power at the speed of operation."""
     stroke_mm = measured["stroke_mm"]
     kind, speed_rad_s = batch.kind, batch.column("operation.speed_rpm") * RAD_S_PER_RPM
-    cycle = kind.lobes.driven * kind.lobes.driving_period_rad
-    work = kind.resistance.work_n_mm(stroke_mm, float(stroke_mm.max())) / 1000.0
+    resisted = np.maximum(measured["power"], 0.0) * speed_rad_s / 1000.0
+    if kind.masses is None:
+        cycle = kind.lobes.driven * kind.lobes.driving_period_rad
+        work = kind.resistance.work_n_mm(stroke_mm, float(stroke_mm.max())) / 1000.0
+        power = {"check.peak_power_w": resisted, "check.mean_power_w": work * speed_rad_s / cycle}
+    else:
+        with_masses = {name: values for name, values in measured.items() if name.startswith("check.")}
+        power = {**with_masses, "check.peak_power_resistance_w": resisted}
     return {
-        "check.peak_power_w": np.maximum(measured["power"], 0.0) * speed_rad_s / 1000.0,
-        "check.mean_power_w": work * speed_rad_s / cycle,
+        **power,
         "check.peak_speed_mm_s": measured["velocity"] * speed_rad_s,
         "check.peak_acceleration_working_mm_s2": measured["working_acceleration"] * speed_rad_s**2,
         "check.peak_acceleration_cycle_mm_s2": measured["acceleration"] * speed_rad_s**2,

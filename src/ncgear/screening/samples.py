@@ -9,6 +9,7 @@ of ``ratio/laws/harmonic.py``.  A design of which a batch cannot be sure is not 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import replace
 from functools import cached_property
 from math import log, pi
@@ -22,7 +23,8 @@ from ncgear.numerics.arrays import Array, IndexArray, Mask, chosen
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.sampled import integrated, integration, shares
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.ratio.laws.three_segment import approach, braking, pressing, require_return
+from ncgear.numerics.zeros import zeros_between
+from ncgear.ratio.laws.three_segment import Advance, approach, braking, pressing, require_return
 from ncgear.ratio.sampled_strokes import (
     QUARTERINGS,
     PeakedReturns,
@@ -82,21 +84,18 @@ class Samples:
     turning: Array
     there: Mask
 
-    def kept(self, rows: IndexArray) -> Samples:
-        """Some of the laws."""
-        return Samples(*(values[..., rows] for values in vars(self).values()))
-
 
 @dataclass(frozen=True, eq=False)
 class Sampled:
     """Samples of n laws and what is known of them besides, shape (n,) each where nothing else is said.
 
-    The slider's velocities in mm/rad and accelerations in mm/rad^2 of the driving angle have the shape of the samples,
-    displacements in mm that of the first w pieces, which make the working stroke.  ``closing_error_rad`` is by how much
-    a cycle misses its angle, from other points than the samples.
+    Driven angles, and the slider's velocities in mm/rad and accelerations in mm/rad^2 of the driving angle, have the
+    shape of the samples, displacements in mm that of the first w pieces, which make the working stroke.
+    ``closing_error_rad`` is by how much a cycle misses its angle, from other points than the samples.
     """
 
     samples: Samples
+    driven_rad: Array
     displacement: Array
     velocity: Array
     acceleration: Array
@@ -206,7 +205,7 @@ class _Strokes(Laws):
         closed = peaked_returns if fineness.returned is None else returns_with_constant
         points = ReturnGrid(fineness.returned or WHOLE, fineness.count, CLOSING_STEPS)
         returns = closed(strokes, linkage, self.period_rad, self._constant[rows], points)
-        return _stroke_laws(strokes, linkage, returns, fineness, points)
+        return _stroke_laws(strokes, linkage, returns, fineness, points, self.batch.kinks_mm)
 
 
 def _stroke_laws(
@@ -215,12 +214,13 @@ def _stroke_laws(
     returns: Returns | PeakedReturns,
     fineness: Fineness,
     points: ReturnGrid,
+    kinks_mm: Array,
 ) -> Sampled:
     """Three-segment strokes with their returns."""
     count = points.count
-    worked, edges, turned_rad = _working_strokes(strokes, linkage, fineness)
+    worked, edges, turned_rad = _working_strokes(strokes, linkage, fineness, kinks_mm)
     back_rad = returns.widths_rad(points).T
-    slope, rate, bend, displacement, speed, change = worked
+    driven, slope, rate, bend, displacement, speed, change = worked
     ratio, first, second = _returned(returns, points, 2)
     widths = np.concatenate([*(np.diff(one, axis=0) for one in edges), back_rad])
     inverse, working = 1.0 / slope, len(slope)
@@ -242,9 +242,11 @@ def _stroke_laws(
     closing = turned_rad + integrated(back_rad[:, None] / judged) - 2.0 * pi
     turned = integration(count) @ samples.turning[working:]
     before = np.cumsum(turned[:, -1:], axis=0) - turned[:, -1:]
-    back = _moved(linkage, turned + before + linkage.working_angle_rad, slope[working:], first)
+    back_driven = turned + before + linkage.working_angle_rad
+    back = _moved(linkage, back_driven, slope[working:], first)
     return Sampled(
         samples,
+        np.concatenate([driven, back_driven]),
         displacement,
         np.concatenate([speed, back[1]]),
         np.concatenate([change, back[2]]),
@@ -263,20 +265,21 @@ def _returned(returns: Returns | PeakedReturns, points: ReturnGrid, order: int) 
 
 
 def _working_strokes(
-    strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], fineness: Fineness
+    strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], fineness: Fineness, kinks_mm: Array
 ) -> tuple[list[Array], list[Array], Array]:
-    """Three derivatives of the driven angle by the driving one, the slider's displacement and two of its derivatives.
+    """The driven angle and three derivatives by the driving one, the slider's displacement and two of its derivatives.
 
     Each has shape (p, m, n).  Besides the driving angles of the ends of the pieces of each segment (shape (p + 1, n)),
     and the driven angle of the stroke, shape (n,).
     """
     rows, edges, turned_rad = list[list[Array]](), _segments(strokes, fineness), np.zeros_like(strokes.theta2_rad)
-    for way, ends in zip((approach, pressing, braking), edges, strict=True):
+    for place, way in enumerate((approach, pressing, braking)):
+        ends = edges[place] = _broken(strokes, way, edges[place], kinks_mm)
         phi1 = ends[:-1, None] + np.diff(ends, axis=0)[:, None] * shares(fineness.count)[:, None]
         advance = way(strokes, phi1, 3)
         driven = linkage.working_angle(*advance)
         turned_rad = turned_rad + (driven.value[-1, -1] - driven.value[0, 0])
-        rows.append([*(driven.derivative(k) for k in (1, 2, 3)), *(advance[0].derivative(k) for k in (0, 1, 2))])
+        rows.append([*(driven.derivative(k) for k in range(4)), *(advance[0].derivative(k) for k in (0, 1, 2))])
     return [np.concatenate(parts) for parts in zip(*rows, strict=True)], edges, turned_rad
 
 
@@ -296,6 +299,15 @@ def _segments(strokes: WorkingStrokes[Array], fineness: Fineness) -> list[Array]
         cuts[2] = 1.0 + np.unique(last)[:, None]
     ends = zip((0.0 * theta2, theta2, theta3), (theta2, theta3, theta4), strict=True)
     return [start + (end - start) * cut for (start, end), cut in zip(ends, cuts, strict=True)]
+
+
+def _broken(strokes: WorkingStrokes[Array], way: Callable[..., Advance], ends: Array, kinks_mm: Array) -> Array:
+    """Ends of pieces with those at which the output of any stroke passes a place, which are none of the others."""
+    low, high = ends[0], ends[-1]
+    least, most = (way(strokes, one, 0)[0].value for one in (low, high))
+    at = [np.clip(kink, least, most) for kink in kinks_mm if np.any((least < kink) & (kink < most))]
+    found = [zeros_between(lambda phi1, one=one: way(strokes, phi1, 0)[0].value - one, low, high) for one in at]
+    return np.sort([*ends, *found], axis=0) if found else ends
 
 
 def _slowest(strokes: WorkingStrokes[Array]) -> Array:
@@ -347,15 +359,18 @@ class _Harmonics(Laws):
         linkage, lobes, count = chosen(self.batch.mechanisms, rows), self.batch.kind.lobes, fineness.count
         # The mechanisms all have the first one's working angle, as crank-sliders without offset do.
         working = float(linkage.working_angle_rad[0])
-        width = np.repeat([working / HARMONIC_PIECES, (2.0 * pi - working) / HARMONIC_PIECES], HARMONIC_PIECES)
-        phi2 = (np.cumsum(width) - width)[:, None] + width[:, None] * shares(count)
+        ways = ((0.0, working), (working, 2.0 * pi))
+        out, back = (np.linspace(*ends, HARMONIC_PIECES + 1) for ends in ways)
+        ends = np.concatenate([np.sort([*out, *self.batch.kinks_rad]), back[1:]])
+        width = np.diff(ends)
+        phi2 = ends[:-1, None] + width[:, None] * shares(count)
         log_ratio, first, second = _places(cosine, sine, lobes, phi2, width)
         slope = np.exp(-log_ratio)
         turning = np.broadcast_to(width[:, None, None], slope.shape)
         there = np.ones((len(width), rows.size), dtype=bool)
         samples = Samples(np.exp(log_ratio), slope, first, second, turning, there)
         displacement, velocity, acceleration = _moved(linkage, phi2[..., None], slope, first)
-        displacement = np.ascontiguousarray(np.broadcast_to(displacement, slope.shape)[:HARMONIC_PIECES])
+        displacement = np.ascontiguousarray(np.broadcast_to(displacement, slope.shape)[:-HARMONIC_PIECES])
         # The samples' ln i12 at phi2 = 0 holds the constant that closes the law; even places around a turn judge it.
         places = 2.0 * pi * (np.arange(EVEN_PLACES * count) + OFF) / (EVEN_PLACES * count)
         constant = log_ratio[0, 0] - cosine.sum(axis=0)
@@ -364,7 +379,8 @@ class _Harmonics(Laws):
         closing = 2.0 * pi * (1.0 - mean * lobes.driving / lobes.driven)
         speed = self._speed_rpm[rows]
         stroke = np.broadcast_to(linkage.stroke_mm, speed.shape)
-        return Sampled(samples, displacement, velocity, acceleration, stroke, speed, 0.0 * speed, closing)
+        driven = np.broadcast_to(phi2[..., None], slope.shape)
+        return Sampled(samples, driven, displacement, velocity, acceleration, stroke, speed, 0.0 * speed, closing)
 
 
 def _places(cosine: Array, sine: Array, lobes: Lobes, phi2: Array, width: Array) -> tuple[Array, Array, Array]:

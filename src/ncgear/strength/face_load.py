@@ -38,6 +38,7 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns
+from ncgear.numerics.highest import golden_section
 
 ASSUMED = 1.3
 """K_Hbeta where nothing is known of the shafts: usual for gears not wider than their shafts are stiff."""
@@ -222,8 +223,6 @@ class FaceModel:
 RESOLVED_MM = 2.5e-4
 """To which the best crowning is found: a quarter of what workshops measure."""
 
-GOLDEN = (5.0**0.5 - 1.0) / 2.0
-
 
 def best_crowning_mm(model: FaceModel, loads: FaceLoads, most_n: Array) -> float:
     """The crowning with which the largest load for each mm of width is the least, 0 where straight flanks are best.
@@ -241,18 +240,8 @@ def best_crowning_mm(model: FaceModel, loads: FaceLoads, most_n: Array) -> float
     while largest(2.0 * high) < largest(high):
         high *= 2.0
     high *= 2.0
-    first, second = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
-    at_first, at_second = largest(first), largest(second)
-    while high - low > RESOLVED_MM:
-        if at_first <= at_second:
-            high, second, at_second = second, first, at_first
-            first = high - GOLDEN * (high - low)
-            at_first = largest(first)
-        else:
-            low, first, at_first = first, second, at_second
-            second = low + GOLDEN * (high - low)
-            at_second = largest(second)
-    found = (low + high) / 2.0
+    first, second = golden_section(largest, low, high, RESOLVED_MM)
+    found = (first.at + second.at) / 2.0
     return found if largest(found) < largest(0.0) else 0.0
 
 

@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from ncgear.errors import DesignError
-from ncgear.studio.faults import refusal
+from ncgear.studio.messages import refusal
 from ncgear.studio.worker import CONTACT, GEARS, MOTION
 from ncgear.workers import ONE_THREAD, core_count
 

@@ -11,14 +11,14 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.design.drawn import KINDS, as_read, shape_of_file
+from ncgear.design.beginning import KINDS, as_read, shape_of_file
 from ncgear.design.words import listed
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 from ncgear.files.one_file import put_at_free_place
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
-from ncgear.studio.answers import Answer
 from ncgear.studio.editing import edited
+from ncgear.studio.messages import Answer
 
 SHOWN_POINTS = 1200
 """Points of an outline on the page, at most: about one for each of its pixels."""

@@ -11,6 +11,7 @@ from contextlib import contextmanager
 from dataclasses import replace
 from difflib import SequenceMatcher, unified_diff
 from itertools import accumulate
+from pathlib import Path
 from typing import Any
 
 from ruamel.yaml.error import YAMLError
@@ -18,12 +19,15 @@ from ruamel.yaml.error import YAMLError
 from ncgear.design.beginning import begun, fault_of
 from ncgear.design.laws.registry import LawName
 from ncgear.design.mechanisms import MECHANISMS, NO_LINKAGE
+from ncgear.design.reading.design_file import design_of
 from ncgear.design.reading.places import Document, with_value
 from ncgear.design.reading.text import whole
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.design.rewritten import BREAK, document_of, rewritten
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
+from ncgear.project.drive import Drive
+from ncgear.project.in_common import drive_like
 
 MOST_STEPS = 500
 """Steps that can be undone; with texts of some kilobytes they take a megabyte or two."""
@@ -178,3 +182,56 @@ def _another_mechanism(text: str, name: Any) -> dict[str, Any]:
         if before is None or after is None or getattr(before, group) is not getattr(after, group):
             values[group] = None
     return values
+
+
+class Followed:
+    """A text with values that change again and again."""
+
+    def __init__(self) -> None:
+        self._text: str | None = None
+        self._document = Document(None, {})
+        self._drive: Drive | None = None
+
+    def drive(self, text: str, changes: Mapping[str, Any], path: Path) -> Drive:
+        """The drive of a text with changes by key; a fault has the line of the text.
+
+        Raises WrongInput where the text cannot be read, or has no place for a change.
+        """
+        if text != self._text:
+            self._document, self._text = read_yaml(text, str(path)), text
+        loaded = design_of(with_values(self._document, values_of(text, changes)), text, path)
+        before = self._drive
+        self._drive = drive_like(before, loaded.design, loaded) if before else Drive(loaded.design, loaded=loaded)
+        return self._drive
+
+
+def lacking(text: str, changes: Mapping[str, Any], path: Path) -> dict[str, str]:
+    """Of the keys that ``changes`` leave out those without which the text has a fault that it has not with them.
+
+    Each has the words of that fault.  Keys that can be left out together are; otherwise each is judged by itself.
+    Raises WrongInput where the text cannot be read, or has no place for a change.
+    """
+    emptied = [key for key, value in changes.items() if value is None]
+    if not emptied:
+        return {}
+    document = read_yaml(text, str(path))
+    kept = {key: value for key, value in changes.items() if value is not None}
+    before = with_values(document, values_of(text, kept))
+
+    def fault_without(*keys: str) -> str:
+        known = _faults(before, text, path)
+        after = _faults(with_values(before, values_of(text, dict.fromkeys(keys))), text, path)
+        return next((problem for key, problem in after.items() if known.get(key) != problem), "")
+
+    if not fault_without(*emptied):
+        return {}
+    return {key: problem for key in emptied if (problem := fault_without(key))}
+
+
+def _faults(document: Document, text: str, path: Path) -> dict[str, str]:
+    """The faults of a design by their keys."""
+    try:
+        design_of(document, text, path)
+    except WrongInput as error:
+        return {one.key: one.problem for one in (error, *error.others)}
+    return {}

@@ -12,8 +12,8 @@ from ncgear.drawings.page.scene_svg import scene_svg
 from ncgear.drawings.scene.scene import Scene, scene_of, scene_of_teeth, scene_without_gears
 from ncgear.errors import DesignError
 from ncgear.project.drive import Drive
-from ncgear.studio.answers import Answer
 from ncgear.studio.drawing import require_or_fit
+from ncgear.studio.messages import Answer
 from ncgear.studio.motion_answers import live, power_needs_gears
 
 
@@ -43,8 +43,7 @@ def contact_answers(drive: Drive) -> Iterator[Answer]:
     from ncgear.drawings.page.tables import strength_tables, typeset
     from ncgear.figures.advice.verdict import Known, judged
     from ncgear.figures.answers.machine import gear_facts
-    from ncgear.studio.facts import safety_facts
-    from ncgear.studio.told import drawn_charts, table_data, verdict_data
+    from ncgear.studio.told import drawn_charts, safety_facts, table_data, verdict_data
 
     if drive.design.gears is None:
         return

@@ -1,12 +1,36 @@
-"""Messages from a page: objects of JSON, whose numbers are finite and whose text is Unicode."""
+"""What page and studio tell each other: messages from a page, answers about a design, and faults in words."""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Callable, Iterator
 from math import isfinite
 from typing import Any
 
-from ncgear.errors import WrongInput
+from ncgear.errors import DesignError, WrongInput, fault_words, located
+from ncgear.project.drive import Drive
+
+
+def words_of(error: Exception) -> str:
+    """A fault of the design or of a file in its own words; any other is one of ncgear."""
+    match error:
+        case DesignError():
+            return str(error)
+        case OSError(strerror=str(reason), filename=name):
+            return f"{name}: {reason}" if name else reason
+    return fault_words(error)
+
+
+def refusal(error: Exception, part: str = "") -> dict[str, Any]:
+    """Why the parts after one do not exist, and in ``others`` further faults of the same text."""
+    design = error if isinstance(error, DesignError) else DesignError(words_of(error))
+    others = [_fault(one) for one in design.others]
+    return {"after": part, "wrong_input": isinstance(design, WrongInput), **_fault(design), "others": others}
+
+
+def _fault(error: DesignError) -> dict[str, Any]:
+    place = error.location.rpartition(":")[0].rpartition(":")[2]
+    return {"problem": error.problem, "key": error.key, "line": int(place) if place.isdigit() else None}
 
 
 def read_message(data: str | bytes) -> dict[str, Any]:
@@ -14,7 +38,7 @@ def read_message(data: str | bytes) -> dict[str, Any]:
     try:
         if isinstance(data, bytes):
             raise ValueError("bytes")
-        message = json.loads(data, parse_int=_finite, parse_float=_finite, parse_constant=_finite)
+        message = json.loads(data, parse_int=_number, parse_float=_number, parse_constant=_number)
         json.dumps(message, ensure_ascii=False).encode()
     except (ValueError, RecursionError) as error:
         said = "a frame of text with an object of JSON is right, its numbers finite and its text Unicode"
@@ -24,8 +48,26 @@ def read_message(data: str | bytes) -> dict[str, Any]:
     return message
 
 
-def _finite(text: str) -> float:
+def _number(text: str) -> float:
     """A number of JSON, whole ones as such; raises ValueError for one that no computation could take."""
     if not isfinite(float(text)):
         raise ValueError(text)
     return int(text) if text.lstrip("-").isdigit() else float(text)
+
+
+Answer = tuple[str, Any]
+
+Answers = Callable[[Drive], Iterator[Answer]]
+
+
+def guarded(answers: Answers, drive: Callable[[], Drive]) -> Iterator[Answer]:
+    """The answers about a drive, and a refusal in the place of those that cannot be given, whatever the reason."""
+    part = "design"
+    try:
+        made = drive()
+        with located(made.places):
+            for name, content in answers(made):
+                part = name
+                yield name, content
+    except Exception as error:
+        yield "refused", refusal(error, part)

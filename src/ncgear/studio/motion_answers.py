@@ -20,9 +20,9 @@ from ncgear.drawings.scene.scene import scene_without_gears
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.arrays import Array, IndexArray, distinct
 from ncgear.project.drive import Drive
-from ncgear.studio.answers import Answer
 from ncgear.studio.drawing import drawing_of
 from ncgear.studio.handles import handles
+from ncgear.studio.messages import Answer
 
 FIRST = (Quantity.VELOCITY, Quantity.ACCELERATION, Quantity.POWER, Quantity.RATIO)
 """The charts that a designer looks at first, which are drawn first."""
@@ -57,9 +57,7 @@ def motion_answers(drive: Drive) -> Iterator[Answer]:
     from ncgear.figures.advice.verdict import Known, judged
     from ncgear.figures.summary.check_summary import comparison_rows
     from ncgear.figures.wished import achieved_lines
-    from ncgear.studio.best import saved
-    from ncgear.studio.facts import facts
-    from ncgear.studio.told import drawn_charts, table_data, verdict_data
+    from ncgear.studio.told import drawn_charts, facts, saved, table_data, verdict_data
 
     yield (
         "figures",

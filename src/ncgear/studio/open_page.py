@@ -22,12 +22,10 @@ from ncgear.errors import WrongInput
 from ncgear.studio.chains import Chains
 from ncgear.studio.drafts import Draft, draft_left
 from ncgear.studio.drawing import with_dropped
-from ncgear.studio.editing import History, difference, edited, in_line_ends_of
-from ncgear.studio.emptied import lacking
-from ncgear.studio.faults import words_of
+from ncgear.studio.editing import History, difference, edited, in_line_ends_of, lacking
 from ncgear.studio.form import form
 from ncgear.studio.jobs import COMMANDS, Job, require_command
-from ncgear.studio.messages import read_message
+from ncgear.studio.messages import read_message, words_of
 from ncgear.studio.on_disk import LARGEST_MB, DesignOnDisk, NotSaved, design_on_disk, kept_words, require_same_place
 
 MOST_CHANGES = 200
@@ -41,6 +39,9 @@ RESTS_S = 0.3
 
 AGAIN_S = 1.0
 """Time after which work is told once more to end: a page that comes back waits for it, and libraries lose a word."""
+
+ACTIONS = ("change", "set", "keep", "text", "undo", "redo", "save", "anew", "run", "cancel", "adopt", "point")
+"""What a page can ask for: methods of ``OpenPage``."""
 
 MOST_JOBS = 2
 """Commands that run at once; each may use all cores."""
@@ -130,25 +131,11 @@ class OpenPage:
 
     async def _done(self, data: str | bytes) -> None:
         message = read_message(data)
-        actions: dict[str, Callable[[Mapping[str, Any]], Awaitable[None]]] = {
-            "change": self.change,
-            "set": self.set,
-            "keep": self.keep,
-            "text": self.text,
-            "undo": self.undo,
-            "redo": self.redo,
-            "save": self.save,
-            "anew": self.anew,
-            "run": self.run,
-            "cancel": self.cancel,
-            "adopt": self.adopt,
-            "point": self.point,
-        }
-        action = actions.get(str(message.get("do")))
-        if action is None:
-            asked = f"{shortened(str(message['do']))!r} asked for" if "do" in message else "nothing to do asked for"
-            raise WrongInput(f"{asked}; {', '.join(actions)} are right", key="do")
-        await action(message)
+        name = message.get("do")
+        if name not in ACTIONS:
+            asked = f"{shortened(str(name))!r} asked for" if "do" in message else "nothing to do asked for"
+            raise WrongInput(f"{asked}; {', '.join(ACTIONS)} are right", key="do")
+        await getattr(self, name)(message)
 
     async def change(self, message: Mapping[str, Any]) -> None:
         """``changes`` by key, while something is dragged: answers follow, the history does not."""

@@ -9,17 +9,23 @@ writes the opened design file, hidden files and dropped drawings beside it, and 
 from __future__ import annotations
 
 import asyncio
+import atexit
 import json
 import os
 import secrets
 import signal
 import socket
+import tempfile
+import webbrowser
 from collections.abc import Awaitable, Callable, MutableMapping
 from contextlib import asynccontextmanager, suppress
+from html import escape
+from io import BytesIO
 from pathlib import Path
 from types import FrameType
 from typing import Any
 from urllib.parse import parse_qs, quote
+from zipfile import ZIP_DEFLATED, ZipFile
 
 import uvicorn
 from starlette.applications import Starlette
@@ -32,13 +38,10 @@ from websockets.exceptions import InvalidState
 
 from ncgear.errors import DesignError, WrongInput
 from ncgear.files.publish import real_place
-from ncgear.studio.beginnings import begin
 from ncgear.studio.chains import Chains
-from ncgear.studio.entrance import leading_to
-from ncgear.studio.faults import words_of
+from ncgear.studio.messages import words_of
 from ncgear.studio.open_page import OpenPage
-from ncgear.studio.page import page, start_page
-from ncgear.studio.zipped import zipped
+from ncgear.studio.page import begin, page, start_page
 
 HOST = "127.0.0.1"
 """The loopback address; other computers cannot reach it."""
@@ -368,3 +371,38 @@ class _Server(uvicorn.Server):
                 signal.signal(signal.SIGALRM, lambda *_: os._exit(status))
                 signal.setitimer(signal.ITIMER_REAL, LAST_SECONDS)
             super().handle_exit(sig, frame)
+
+
+def zipped(folder: Path) -> bytes:
+    """The files of a folder as a zip, below the folder's own name and in order; hidden ones stay behind.
+
+    Raises OSError where a file cannot be read.
+    """
+    content = BytesIO()
+    with ZipFile(content, "w", ZIP_DEFLATED) as made:
+        for place in sorted(folder.rglob("*")):
+            inside = place.relative_to(folder.parent)
+            if place.is_file() and not place.is_symlink() and not any(part.startswith(".") for part in inside.parts):
+                made.write(place, inside.as_posix())
+    return content.getvalue()
+
+
+def open_in_browser(address: str) -> None:
+    """Open an address in the browser by a file of mode 0600, which goes with this process."""
+    # Only its owner may read a file of ``tempfile``.
+    with tempfile.NamedTemporaryFile("w", prefix="ncgear-studio-", suffix=".html", delete=False) as made:
+        made.write(leading_to(address))
+    file = Path(made.name)
+    atexit.register(_removed, file)
+    webbrowser.open(file.as_uri())
+
+
+def leading_to(address: str) -> str:
+    """A page that leads to an address, and asks for no icon of its own."""
+    leads = f'<link rel="icon" href="data:,"><meta http-equiv="refresh" content="0;url={escape(address)}">'
+    return f"<!DOCTYPE html><title>ncgear studio</title>{leads}"
+
+
+def _removed(file: Path) -> None:
+    with suppress(OSError):
+        file.unlink()

@@ -1,17 +1,24 @@
-"""Tables, advices and drawn charts as plain values for the page."""
+"""What the page is told of a design, as plain values: charts, tables, advices, facts, what the best law would save."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import Any
 
+from ncgear.design.keys.design import Design
 from ncgear.drawings.page.chart_figure import PageChart
 from ncgear.drawings.page.chart_svg import Size, drawn
 from ncgear.drawings.page.data import chart_data
+from ncgear.drawings.page.tables import typeset
+from ncgear.errors import DesignError
 from ncgear.figures.advice.values import Advice
 from ncgear.figures.advice.verdict import Verdict
+from ncgear.figures.answers.answer import difference
+from ncgear.figures.answers.machine import compared_rows, machine_facts, safeties
+from ncgear.figures.numbers import fixed, to_digits
 from ncgear.figures.tables import Table
-from ncgear.studio.answers import Answer
+from ncgear.project.drive import Drive
+from ncgear.studio.messages import Answer
 
 CHART: Size = (280.0, 164.0)
 """Size of a chart: two stand side by side beside values and figures at 1280 pixels, with text of 11 pixels or more."""
@@ -72,3 +79,59 @@ def _advice(stage: str, advice: Advice) -> dict[str, Any]:
             for remedy in advice.remedies
         ],
     }
+
+
+def facts(drive: Drive) -> list[list[str]]:
+    """Name and text of each figure, the peaks before all else with those of the crank and how much they differ."""
+    compared = {row.name: row.texts for row in compared_rows(drive)}
+    rows = {name: (text,) for name, text in machine_facts(drive)} | compared
+    ordered = dict.fromkeys([*compared, *rows])
+    return [[name, *(text for _, text in typeset((name, one) for one in rows[name]))] for name in ordered]
+
+
+def safety_facts(pairs: Iterable[Drive]) -> list[tuple[str, str]]:
+    """Name and text of the least safety against each kind of damage, for each pair; none where no load is known."""
+    return [
+        fact
+        for pair in pairs
+        for damage, safety, wanted in safeties(pair) or ()
+        for fact in typeset([(f"safety against {damage}, {wanted} wanted", safety)], pair.stage)
+    ]
+
+
+NEAR = 0.01
+"""Share of the limit that a law may lie above it and count as the best: laws of 180 knots lack as much themselves."""
+
+
+def saved(design: Design) -> dict[str, str] | None:
+    """``words`` that stand on the button of the best law, and the same ``in_full`` with figures and units.
+
+    None where nothing can be said beforehand: no law is sought for the mechanism, no limit of its goal is known, the
+    wishes contradict each other, lengths or the flywheel are free, or the extra of the optimiser is not installed.
+    """
+    from ncgear.figures.answers.best_law import GOALS
+    from ncgear.figures.best_law import unit_of_goal
+    from ncgear.optimum.makeable.wishes import Goal
+    from ncgear.project.best_law import BestLaw
+
+    best = BestLaw(design)
+    if design.free_flywheel is not None or design.free_lengths:
+        # The search for them takes too long here
+        return None
+    try:
+        bound, given = best.begun.bound, best.given_figures
+    except DesignError:
+        return None
+    if bound is None or given is None:
+        return None
+    goal, unit = best.wishes.goal, unit_of_goal(best)
+    least, own = bound.value, best.wishes.prices.of(given)
+    name = GOALS.get(goal, goal.value).removeprefix("least").strip("_ ").replace("_", " ")
+    figures = (
+        f"{to_digits(own, 4)} now, no law below {to_digits(least, 4)}{'' if goal is Goal.WEIGHTED else f' {unit}'}"
+    )
+    if own < least:
+        return {"words": f"{name} {difference(least, own)}", "in_full": f"{name}: {figures} keeps every wish and limit"}
+    if own <= (1.0 + NEAR) * least:
+        return {"words": f"{name} within {fixed(100.0 * NEAR, 0)} % of the limit", "in_full": f"{name}: {figures}"}
+    return {"words": f"{name} up to {difference(least, own)}", "in_full": f"{name}: {figures}"}

@@ -31,7 +31,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 from ncgear.interrupts import end_with_parent, quiet_of_interrupts
 
 if TYPE_CHECKING:
-    from ncgear.studio.answers import Answer, Answers
+    from ncgear.studio.messages import Answer, Answers
 
 MOTION, GEARS, CONTACT = "motion", "gears", "contact"
 
@@ -163,8 +163,8 @@ def main() -> None:
     end_with_parent(requests.read_all)
 
     from ncgear.memory import begin_worker
-    from ncgear.studio.answers import guarded
-    from ncgear.studio.followed import Followed
+    from ncgear.studio.editing import Followed
+    from ncgear.studio.messages import guarded
 
     begin_worker()
     answers, followed = [(chain, answers_of(chain)) for chain in chains], Followed()
@@ -180,7 +180,7 @@ def main() -> None:
 
 def _answer(requests: Requests, out: BinaryIO, asked: tuple[str, int, bool], found: Iterator[Answer]) -> None:
     """Send the answers of a chain to the request of a number, of which it is the last chain or not."""
-    from ncgear.studio.faults import refusal
+    from ncgear.studio.messages import refusal
 
     chain, number, is_last = asked
     name, pictured = "", False

@@ -43,10 +43,7 @@ class ArcOutline:
 
 
 def arc_outline(gear: ToothedGear, tolerance_mm: float) -> ArcOutline:
-    """A gear's outline as lines and arcs within ``tolerance_mm`` of the exact curves.
-
-    Raises Unanswered for a curve that the most spans do not follow.
-    """
+    """Lines and arcs within ``tolerance_mm`` of the exact curves; raises Unanswered where the most spans stray."""
     module = gear.flanks.rack.module_mm
     found = [_followed(stretch, tolerance_mm, module) for stretch in exact_curves(gear.tips, gear.sides)]
     chains = [chain for chains in found for chain in chains if chain.point.size]
@@ -65,10 +62,7 @@ def arc_outline(gear: ToothedGear, tolerance_mm: float) -> ArcOutline:
 
 @dataclass(frozen=True, eq=False)
 class _Chain:
-    """Beginnings of lines and arcs and their bulges, with keys that order them along the outline, shape (n,) each.
-
-    The last point of each row is there too, with the bulge 0.
-    """
+    """Beginnings of lines and arcs, their bulges (0 at a row's last point) and keys along the outline, (n,)."""
 
     point: ComplexArray
     bulge: Array
@@ -103,10 +97,7 @@ def _flat(stretch: Stretch, rows: IndexArray, point: ComplexArray, bulge: Array,
 
 
 def _biarcs(stretch: Stretch, rows: IndexArray, spans: int, straight: float) -> tuple[ComplexArray, Array, Array]:
-    """Points and bulges of the arcs (shape (r, 2 spans + 1)) along rows, and how far each row strays (shape (r,)).
-
-    Arcs that are lower over their chord than ``straight`` become lines.
-    """
+    """Points and bulges of arcs (r, 2 spans + 1) along rows, lines where they are flat, and how far rows stray (r,)."""
     share = np.linspace(0.0, 1.0, spans + 1)
     point = as_complex(stretch.at(rows[:, None], share)[0])
     # At a joint of the pitch curve itself the slope may belong to the joint's other side.
@@ -129,10 +120,7 @@ def _biarcs(stretch: Stretch, rows: IndexArray, spans: int, straight: float) -> 
 
 
 def _bulge(chord: ComplexArray, heading: ComplexArray, straight: float) -> Array:
-    """Bulge of the arc that begins in a direction (unit vectors) and ends after a chord; 0 where it is nearly a line.
-
-    The arc turns by twice the angle between the two.
-    """
+    """Bulge of the arc that begins in a direction (a unit vector) and ends after a chord; 0 if nearly a line."""
     length = np.abs(chord)
     bulge = across(heading, chord) / np.maximum(length + along(heading, chord), np.finfo(float).tiny)
     return np.where(np.abs(bulge) * length / 2.0 > straight, bulge, 0.0)

@@ -34,7 +34,6 @@ from ncgear.numerics.jet import Jet
 from ncgear.pitch import shape
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
-from ncgear.ratio.transmission import OfSlope
 from ncgear.teeth.form import Backlash, BasicRack
 
 MOST_THINNED = 0.8
@@ -68,10 +67,7 @@ NO_PLAY = Play(0.0, Extremum(0.0, 0.0), Extremum(0.0, 0.0), 0.0)
 
 @lru_cache(maxsize=1)
 def play_of(pitch: PitchPair, rack: BasicRack, asked: Backlash) -> Play:
-    """The play that is asked for, on pitch curves of a size; raises WrongInput where it leaves no teeth.
-
-    The last play is kept, since all sections of helical teeth ask for the same.
-    """
+    """The play asked for on pitch curves, kept for all sections; raises WrongInput where it leaves no teeth."""
     lower, upper = asked.thickness_mm
     if not (asked.least_normal_mm or asked.driven_rad or lower or upper):
         return NO_PLAY
@@ -104,37 +100,26 @@ def require_teeth(asked: Backlash, thinner_mm: float, rack: BasicRack) -> float:
     """By how much in mm teeth may be thinner; raises WrongInput where the play that is asked for takes more."""
     allowed = MOST_THINNED * rack.pitch_mm / 2.0
     if thinner_mm >= allowed:
-        raise _too_much(asked, allowed / thinner_mm)
+        given, key, unit = asked.least_normal_mm, "gears.backlash_mm", "mm"
+        if asked.driven_rad:
+            given, key, unit = degrees(asked.driven_rad), "gears.backlash_deg", "deg"
+        raise WrongInput(
+            f"{given:g} {unit} takes more than {MOST_THINNED:.0%} of the thickness off some teeth at the pitch curve; "
+            f"only under {shown_below(given * (allowed / thinner_mm), 3)} {unit} takes less",
+            key=key,
+        )
     return allowed
-
-
-def _too_much(asked: Backlash, most: float) -> WrongInput:
-    """The error for play of which only the share ``most`` leaves teeth."""
-    given, key, unit = asked.least_normal_mm, "gears.backlash_mm", "mm"
-    if asked.driven_rad:
-        given, key, unit = degrees(asked.driven_rad), "gears.backlash_deg", "deg"
-    return WrongInput(
-        f"{given:g} {unit} takes more than {MOST_THINNED:.0%} of the thickness off some teeth at the pitch curve; "
-        f"only under {shown_below(given * most, 3)} {unit} takes less",
-        key=key,
-    )
 
 
 def idle_arms_mm(pitch: PitchPair, rack: BasicRack) -> tuple[Extremum, Extremum]:
     """The least and the largest arm of the idle flanks' normal about the driven axis, L above, at driving angles."""
-    low, high = (
-        Extremum(arm.value * pitch.center_distance_mm, arm.at)
-        for arm in pitch.transmission.extremes(_idle_arm(pitch, rack.angles_rad[1]), 1)
-    )
-    return low, high
-
-
-def _idle_arm(pitch: PitchPair, angle_rad: float) -> OfSlope:
-    """L at unit centre distance from dphi2/dphi1, one order less."""
+    angle_rad = rack.angles_rad[1]
 
     def arm(slope: Jet) -> Jet:
+        """L at unit centre distance from dphi2/dphi1, one order less."""
         tilt = shape.tangent_slope(slope, pitch.mesh)
         radius = shape.radius(slope.truncated(tilt.order), Gear.DRIVEN, pitch.mesh)
         return radius * (cos(angle_rad) - sin(angle_rad) * tilt) / jet.sqrt(tilt * tilt + 1.0)
 
-    return arm
+    low, high = (Extremum(one.value * pitch.center_distance_mm, one.at) for one in pitch.transmission.extremes(arm, 1))
+    return low, high

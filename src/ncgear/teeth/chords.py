@@ -38,8 +38,7 @@ MOST_CHORDS, MOST_OF_ONE = 30_000, 25
 """Chords of all curves of a kind together, and of each where there are very many: 3 GB of all that follows, and many
 minutes of a build, which takes four times as long with twice as many.
 
-Teeth of a usual module take some twenty points each; their number grows with the root of module over tolerance.
-"""
+Teeth of a usual module take some twenty points each; their number grows with the root of module over tolerance."""
 
 HALVINGS = 12
 """Rounds of halving chords that stray too far: near a cusp the turning is not seen by the probes."""
@@ -74,33 +73,23 @@ class _Chords(Columns):
 
     @cached_property
     def tilt(self) -> Array:
-        """Slopes of the curves there off the chords, by the share of the chord.
-
-        A cubic goes to both sides of its chord if that is more than twice the distance.
-        """
+        """Slopes of the curves off the chords there; with more than twice ``off`` a cubic goes to both sides."""
         return along(self.across, self.middle_slope) * (self.high - self.low)
 
     @cached_property
     def strayed(self) -> Array:
-        """How far curves stray at most from their chords.
-
-        Across the chord the curve is taken as a cubic that starts and ends on the chord: with the distance d and the
-        slope d' in the middle, it strays by sqrt(d^2 + d'^2 / 8) or less.
-        """
-        strayed: Array = np.sqrt(self.off**2 + self.tilt**2 / 8.0)
-        return strayed
+        """How far curves stray at most from chords: a cubic over the chord strays by sqrt(d^2 + d'^2 / 8) or less."""
+        return np.sqrt(self.off**2 + self.tilt**2 / 8.0)
 
     @cached_property
     def is_first(self) -> Mask:
         """Which chords are the first of their rows."""
-        first: Mask = np.diff(self.row, prepend=-1) != 0
-        return first
+        return np.diff(self.row, prepend=-1) != 0
 
     @cached_property
     def is_last(self) -> Mask:
         """Which chords are the last of their rows."""
-        last: Mask = np.diff(self.row, append=-1) != 0
-        return last
+        return np.diff(self.row, append=-1) != 0
 
     def halved(self, stretch: Stretch, cut: IndexArray) -> _Chords:
         """The chords; chords numbered ``cut`` are cut in two halves."""
@@ -137,10 +126,7 @@ def _chords(stretch: Stretch, row: IndexArray, share: Array) -> _Chords:
 
 
 def _near(stretch: Stretch, chords: _Chords, allowed: Array, tolerance: Array) -> _Chords:
-    """The chords, halved until none strays too far from its curve.
-
-    A given chord may stray by its ``allowed``, a halved chord by the tolerance of its row.
-    """
+    """The chords, halved until none strays too far: a given chord by its ``allowed``, a half by its row's tolerance."""
     for _ in range(HALVINGS):
         cut = np.nonzero(chords.strayed > allowed)[0]
         if not cut.size:
@@ -157,10 +143,7 @@ def _written(stretch: Stretch, chords: _Chords, off: ComplexArray | float) -> tu
 
 
 def sampled(stretch: Stretch, tolerance: Array) -> tuple[Array, Array]:
-    """Points of a stretch, without the last point of each curve, and keys that order them along the outline.
-
-    No chord strays farther from its curve than the tolerance of its row, shape (n,).
-    """
+    """Points of a stretch without the last of each curve, within each row's tolerance (n,), and their keys."""
     chords = _placed(stretch, tolerance)
     return _written(stretch, _near(stretch, chords, tolerance[chords.row], tolerance), 0.0)
 
@@ -172,8 +155,7 @@ the curve where it ends on it."""
 
 HOLLOW = 0.8
 """Share of the tolerance for which chords of curves that may be hollow are placed.  Where such a curve begins to bulge,
-a chord strays by its sagitta and by the offset of its ends.
-"""
+a chord strays by its sagitta and by the offset of its ends."""
 
 
 def sampled_within(stretch: Stretch, tolerance: Array, material: float) -> tuple[Array, Array]:
@@ -210,10 +192,10 @@ def _both_sides(chords: _Chords, material: float) -> tuple[Array, Array]:
 
 
 def straddled(stretch: Stretch, tolerance: Array) -> tuple[Array, Array]:
-    """As ``sampled``, with chords that stray to both sides of the curves, by at most the tolerance.
+    """As ``sampled``, with chords that stray to both sides of the curves, by at most the tolerance, and so are longer.
 
-    A chord may then be longer by the square root of 2.  Points stand off the curves by half of the chords' sagitta;
-    the ends of the curves, and points where a curve bends the other way, are on the curves.
+    Points stand off the curves by half of the chords' sagitta, but for ends of curves and places where a curve
+    bends the other way.
     """
     chords = _placed(stretch, 2.0 * tolerance)
     most = tolerance[chords.row]
@@ -230,11 +212,7 @@ def straddled(stretch: Stretch, tolerance: Array) -> tuple[Array, Array]:
 
 
 def _standing_off(chords: _Chords, sagitta: Array, most: Array) -> Array:
-    """How far to the left of its curve each chord's beginning is put: half the smaller sagitta of the chords beside it.
-
-    At ``most`` as far as given; zero at the beginning of a row, and where the two chords lie on different sides of the
-    curve.
-    """
+    """How far to the left of its curve each chord's beginning is put: half the smaller sagitta, or ``most``."""
     before = np.roll(sagitta, 1)
     inner = ~chords.is_first & (before * sagitta > 0.0)
     off = np.minimum(np.minimum(np.abs(before), np.abs(sagitta)) / 2.0, most)
@@ -273,7 +251,6 @@ class TooManyChords(WrongInput):
 
 
 def _refuse_too_many(needed: Array, rows: IndexArray) -> None:
-    """Raise TooManyChords for the kind of curves that most exceeds the number of chords."""
     most = np.maximum(MOST_CHORDS, MOST_OF_ONE * rows)
     if np.any(needed > most):
         worst = int(np.argmax(needed / most))
@@ -281,9 +258,7 @@ def _refuse_too_many(needed: Array, rows: IndexArray) -> None:
 
 
 def _left(direction: ComplexArray) -> ComplexArray:
-    """Unit vectors to the left of directions."""
-    left: ComplexArray = 1j * direction / np.maximum(np.abs(direction), 1e-300)
-    return left
+    return 1j * direction / np.maximum(np.abs(direction), 1e-300)
 
 
 def _most_needed(stretch: Stretch, tolerance: Array) -> Array:
@@ -302,10 +277,7 @@ def _most_needed(stretch: Stretch, tolerance: Array) -> Array:
 
 
 def _chords_needed(stretch: Stretch, rows: IndexArray, tolerance: Array) -> Array:
-    """Number of chords needed from the start of each of m rows to each of its probes, shape (m, PROBES).
-
-    The curves' slopes give the turning from probe to probe exactly.
-    """
+    """Number of chords needed from the start of each of m rows to each of its probes, shape (m, PROBES)."""
     needed = np.zeros((rows.size, PROBES))
     if rows.size:
         shares = np.broadcast_to(SHARES, needed.shape)
@@ -321,5 +293,4 @@ def _inverse_rows(needed: Array, row: IndexArray, fraction: Array) -> Array:
     target = fraction * needed[row, -1]
     step = np.sum(needed[row, 1:-1] <= target[:, None], axis=1)
     low, high = needed[row, step], needed[row, step + 1]
-    placed: Array = SHARES[step] + (SHARES[step + 1] - SHARES[step]) * (target - low) / (high - low)
-    return placed
+    return SHARES[step] + (SHARES[step + 1] - SHARES[step]) * (target - low) / (high - low)

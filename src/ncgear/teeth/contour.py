@@ -64,10 +64,7 @@ Curve = Line | Arc | Spline
 
 @dataclass(frozen=True, eq=False)
 class Contour:
-    """Curves in order round a gear, each beginning exactly where the curve before it ends.
-
-    ``deviation_mm`` is the largest distance that was found between their points and points of the exact curves.
-    """
+    """Curves in order round a gear, each from the end of the last, and how far they are from the exact curves."""
 
     curves: tuple[Curve, ...]
     deviation_mm: float
@@ -77,13 +74,11 @@ CURVES_SHARE = 0.1
 """Share of the chord tolerance by which curves in files may differ from the exact curves.
 
 The working flanks of an outline have a share of at least 0.15.  So faces and arcs are closer than outlines of chords,
-and gears made from them miss the law by no more.
-"""
+and gears made from them miss the law by no more."""
 
 SAME_IN_MODULES = 3e-8
 """A curve this near to a line or a circle becomes a line or an arc.  It is about the distance at which programs for
-solids merge two points of teeth of module 3.
-"""
+solids merge two points of teeth of module 3."""
 
 SHORTEST_IN_MODULES = 100.0 * SAME_IN_MODULES
 """Curves shorter than this are left out, and the curve before ends where the curve after begins: a face so narrow would
@@ -94,10 +89,9 @@ LOOKED_AT = np.linspace(0.0, 1.0, 9)
 
 
 def contour_of(gear: ToothedGear, tolerance_mm: float, flank_tolerance_mm: float | None = None) -> Contour:
-    """A gear's outline as curves within ``tolerance_mm`` of the exact curves, in either sense.
+    """A gear's outline as curves within ``tolerance_mm`` of the exact ones, flanks within their own tolerance if given.
 
-    Flanks keep ``flank_tolerance_mm`` where it is given; ``deviation_mm`` then counts the other curves as well.  Raises
-    Unanswered where a curve cannot be followed so, or does not begin where the last ends.
+    Raises Unanswered where a curve cannot be followed so, or does not begin where the last ends.
     """
     flanks, *others = exact_curves(gear.tips, gear.sides)
     module = gear.flanks.rack.module_mm
@@ -106,7 +100,9 @@ def contour_of(gear: ToothedGear, tolerance_mm: float, flank_tolerance_mm: float
     ordered = sorted(placed, key=lambda one: one.rank)
     curves = [one.curve for one in ordered]
     whole = _bridged(curves, module) if gear.flanks.equivalent else curves
-    return Contour(_joined(whole, module), max(one.deviation_mm for one in ordered))
+    pairs = zip(whole, [*whole[1:], whole[0]], strict=True)
+    closed = tuple(_ending(one, after.start, module) for one, after in pairs)
+    return Contour(closed, max(one.deviation_mm for one in ordered))
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +115,6 @@ class _Piece:
 
 
 def _pieces(stretch: Stretch, tolerance: float, module: float) -> list[_Piece]:
-    """Every curve of a stretch that is long enough."""
     same = SAME_IN_MODULES * module
     probes = stretch.at(np.arange(stretch.owner.size)[:, None], LOOKED_AT)[0]
     rows = np.nonzero(np.linalg.norm(np.diff(probes, axis=1), axis=2).sum(axis=1) > SHORTEST_IN_MODULES * module)[0]
@@ -145,26 +140,17 @@ def _perhaps_plain(points: ComplexArray, within_mm: float) -> Mask:
     area = 2.0 * across(near, far)
     off = 1j * (near * square(far) - far * square(near)) / np.where(area == 0.0, np.inf, area)
     round_ = np.abs(np.abs(points - start - off) - np.abs(off)) <= 2.0 * within_mm
-    perhaps: Mask = straight.all(axis=1) | round_.all(axis=1)
-    return perhaps
+    return straight.all(axis=1) | round_.all(axis=1)
 
 
 def _bridged(curves: list[Curve], module: float) -> list[Curve]:
-    """The curves with a line in each gap, where an outline has a chord.
-
-    Equivalent gears have gaps, since their flanks belong to other circles than the lands between them.
-    """
+    """The curves with a line in each gap, as equivalent gears have beside lands, which belong to other circles."""
     closed: list[Curve] = []
     for one, after in zip(curves, [*curves[1:], curves[0]], strict=True):
         closed.append(one)
         if np.linalg.norm(after.start - one.end) > SHORTEST_IN_MODULES * module:
             closed.append(Line(one.end, after.start))
     return closed
-
-
-def _joined(curves: list[Curve], module: float) -> tuple[Curve, ...]:
-    """The curves, each ending exactly where the next begins."""
-    return tuple(_ending(one, after.start, module) for one, after in zip(curves, [*curves[1:], curves[0]], strict=True))
 
 
 def _ending(curve: Curve, end: Array, module: float) -> Curve:
@@ -188,8 +174,7 @@ PROBES = np.array([0.25, 0.5, 0.75])
 
 INSIDE = np.array([1e-9, 1.0 - 1e-9])
 """Shares at which the slopes at both ends are taken.  At a joint of the pitch curve itself the slope may belong to the
-joint's other side; at this distance from the joint the slope is wrong by a billionth.
-"""
+joint's other side; at this distance from the joint the slope is wrong by a billionth."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,10 +192,7 @@ class Splines:
 
 
 def fitted_splines(stretch: Stretch, rows: IndexArray, tolerance_mm: float) -> list[Splines]:
-    """Splines for the chosen rows of a stretch, each closer to its curve than ``tolerance_mm``.
-
-    Raises Unanswered for a curve that the most spans do not follow.
-    """
+    """Splines for the chosen rows within ``tolerance_mm``; raises Unanswered where the most spans stray."""
     found: list[Splines] = []
     for spans in SPANS:
         if not rows.size:
@@ -237,10 +219,7 @@ def _interpolated(stretch: Stretch, rows: IndexArray, spans: int) -> Splines:
 
 
 def line_or_arc(points_mm: Array, within_mm: float) -> tuple[Line | Arc, float] | None:
-    """The line or arc from the first to the last of points (n, 2), n >= 2, and how far the others are from it.
-
-    None where neither passes all of them within a distance.
-    """
+    """The line or arc from the first to the last of points (n, 2), and how far the others are; None over a distance."""
     start, middle, end = points_mm[0], points_mm[len(points_mm) // 2], points_mm[-1]
     for curve in (Line(start, end), Arc(start, middle, end)):
         if (off := float(distances_mm(curve, points_mm).max())) <= within_mm:

@@ -7,6 +7,7 @@ are then as deep as the mate's tips reach.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
 
@@ -32,8 +33,7 @@ leave the least flat."""
 
 TURNS = 8
 """Turns of shortening one gear's tips after the other's.  After these turns tips count as fouling at any height; three
-turns are usually enough.
-"""
+turns are usually enough."""
 
 PairTips = tuple[Tips, Tips]
 """The driving and the driven gear's tips."""
@@ -69,7 +69,6 @@ def _most(count: int, mates: Mates, of_mate: Array) -> Array:
 def _fitted_to_cutter(
     gears: tuple[Flanks, Flanks], mates: tuple[Mates, Mates], limits: TipLimits, clearance: float
 ) -> PairTips:
-    """Spaces as the cutter leaves them, then tips that fit into them."""
     (driving, undercut1), (driven, undercut2) = (cut_spaces(gear, limits.avoid_undercut) for gear in gears)
     tips = (
         _tips_in(driving, driven, mates[0], undercut1, undercut2, limits, clearance),
@@ -100,7 +99,6 @@ def _tips_in(
 
 
 def _below_ceilings(tips: PairTips, limits: TipLimits) -> PairTips:
-    """Tips below the ceilings, if there are any."""
     if limits.ceilings is None:
         return tips
     driving, driven = (
@@ -118,18 +116,15 @@ def _fitted_to_mates(
 ) -> PairTips:
     """Tips as high as regular flanks allow, then spaces as deep as the mates' tips reach.
 
-    Where tips foul each other on concave stretches, the contact that is left depends on whose tips are shortened, and
-    on whether tips are raised first: the best way is kept.
+    Of the ways to shorten tips that foul each other the one that leaves most contact is kept.
     """
     regular = (_regular_spaces(gears[0], limits.avoid_undercut), _regular_spaces(gears[1], limits.avoid_undercut))
     bounds = _bounds(gears[0], regular[1], mates[0]), _bounds(gears[1], regular[0], mates[1])
     undercut = regular[0][1], regular[1][1]
     plain = _regular_tips(gears, bounds, undercut, limits)
-    raised = cache(
-        lambda: _regular_tips(
-            (_raised(gears[0], plain[1], mates[0]), _raised(gears[1], plain[0], mates[1])), bounds, undercut, limits
-        )
-    )
+    raised = (_raised(gears[0], plain[1], mates[0]), _raised(gears[1], plain[0], mates[1]))
+    same = [tips if own is gear else None for tips, own, gear in zip(plain, raised, gears, strict=True)]
+    raised_tips = cache(lambda: _regular_tips(raised, bounds, undercut, limits, same))
     paths = None
     if min(gear.curve.curvature_bounds[0] for gear in gears) < 0.0:
         paths = paths_near_concave(gears, mates)
@@ -137,11 +132,16 @@ def _fitted_to_mates(
     refusals: list[NoSuchMechanism] = []
     for way in WAYS if limits.way is None else (limits.way,):
         try:
-            tips = raised() if way.raised else plain
+            tips = raised_tips() if way.raised else plain
             free = _freed(tips, paths, way.first)
             first, second = _below_ceilings(free, limits)
-            deep = _deepened(first, second, mates[0], clearance), _deepened(second, first, mates[1], clearance)
-            found.append(_freed_of_bottoms(deep, paths))
+            one, other = _deepened(first, second, mates[0], clearance), _deepened(second, first, mates[1], clearance)
+            if paths is not None:
+                one, other = (
+                    freed_of_bottoms(one, other.flanks, paths[0]),
+                    freed_of_bottoms(other, one.flanks, paths[1]),
+                )
+            found.append((one, other))
         except NoSuchMechanism as refusal:
             refusals.append(refusal)
             continue
@@ -169,12 +169,16 @@ def _bounds(own: Flanks, mate: Spaces, mates: Mates) -> Bounds:
 
 
 def _regular_tips(
-    gears: tuple[Flanks, Flanks], bounds: tuple[Bounds, Bounds], undercut: tuple[Mask, Mask], limits: TipLimits
+    gears: tuple[Flanks, Flanks],
+    bounds: tuple[Bounds, Bounds],
+    undercut: tuple[Mask, Mask],
+    limits: TipLimits,
+    known: Sequence[Tips | None] = (None, None),
 ) -> PairTips:
-    """Tips that meet regular flanks only."""
+    """Tips that meet regular flanks only; of a gear whose tips are known, these."""
     first, second = (
-        fitted_tips(own, allowed, marked, max(limits.least_land_mm, BLUNT * own.rack.module_mm))
-        for own, allowed, marked in zip(gears, bounds, undercut, strict=True)
+        tips or fitted_tips(own, allowed, marked, max(limits.least_land_mm, BLUNT * own.rack.module_mm))
+        for own, allowed, marked, tips in zip(gears, bounds, undercut, known, strict=True)
     )
     return first, second
 
@@ -183,16 +187,15 @@ def _raised(own: Flanks, mate: Tips, mates: Mates) -> Flanks:
     """The gear with tips longer by the height that the mate's tips lost to avoid undercut: less contact is lost."""
     short = np.where(mate.limit == Limit.UNDERCUT, mate.flanks.full_tip_mm - mate.flanks.tip_height_mm, 0.0)
     missing = _most(own.count, mates, short)
+    if not missing.any():
+        return own
     # Contact passes from tooth to tooth: a tip also makes up for contact that the next tooth's pair has lost.
     most = np.max([np.roll(missing, shift) for shift in range(-2, 3)], axis=0)
     return replace(own, tip_height_mm=own.tip_height_mm + most)
 
 
 def _freed(tips: PairTips, paths: tuple[TipPaths, TipPaths] | None, first: int) -> PairTips:
-    """Tips that do not foul each other, the tips of the gear numbered ``first`` being shortened first.
-
-    The very same pair where none fouls.  Raises NoSuchMechanism, naming the tooth, where that leaves no tip.
-    """
+    """Tips that do not foul each other, gear ``first`` shortened first; the same if none fouls, or NoSuchMechanism."""
     if paths is None:
         return tips
     both, unchanged = list(tips), 0
@@ -205,14 +208,6 @@ def _freed(tips: PairTips, paths: tuple[TipPaths, TipPaths] | None, first: int) 
             return tips if all(one is other for one, other in zip(both, tips, strict=True)) else (both[0], both[1])
     worst = both[(first + TURNS - 1) % 2]
     raise no_tip(worst.flanks, int(np.argmax(worst.limit == Limit.FOULING)))
-
-
-def _freed_of_bottoms(tips: PairTips, paths: tuple[TipPaths, TipPaths] | None) -> PairTips:
-    """Tips that play does not turn into the bottoms of the mate's spaces."""
-    if paths is None:
-        return tips
-    driving, driven = tips
-    return freed_of_bottoms(driving, driven.flanks, paths[0]), freed_of_bottoms(driven, driving.flanks, paths[1])
 
 
 def _deepened(own: Tips, mate: Tips, mates: Mates, clearance: float) -> Tips:
@@ -233,3 +228,9 @@ def least_overlap(tips: PairTips) -> float:
     mates = mating_flanks(tips[0].flanks.count // 2, tips[1].flanks.count // 2)
     front, back = (tip.height_mm[flank].reshape(2, -1) for tip, flank in zip(tips, mates, strict=True))
     return float(min(np.min(back[0] + np.roll(front[0], -1)), np.min(front[1] + np.roll(back[1], -1))))
+
+
+def least_contact_ratio(tips: PairTips) -> float:
+    """How many pairs of teeth are in mesh at least: the overlap in pitches."""
+    rack = tips[0].flanks.rack
+    return least_overlap(tips) / (float(rack.slants[0].height_per_rolled) * rack.pitch_mm)

@@ -109,8 +109,7 @@ class Flanks:
     @property
     def is_made(self) -> Mask:
         """Which flanks are made, shape (2 z,)."""
-        made: Mask = np.arange(self.count) < 2 * self.teeth
-        return made
+        return np.arange(self.count) < 2 * self.teeth
 
     @property
     def tooth(self) -> IndexArray:
@@ -125,8 +124,7 @@ class Flanks:
     @cached_property
     def idle(self) -> Mask:
         """Which flanks do not push: the driving gear pushes with its back flanks onto the driven front flanks."""
-        idle: Mask = self.side > 0.0 if self.curve.gear is Gear.DRIVING else self.side < 0.0
-        return idle
+        return self.side > 0.0 if self.curve.gear is Gear.DRIVING else self.side < 0.0
 
     @cached_property
     def slant(self) -> Slant:
@@ -174,10 +172,7 @@ class Flanks:
         return self.curve.at_length(self.crossing_mm)
 
     def at_rolled(self, flank: IndexArray, sigma_mm: Array) -> CurvePoints:
-        """Points of the rolling curve of given flanks, the pitch curve or each flank's circle of curvature, unturned.
-
-        Shapes broadcast.
-        """
+        """Points of what given flanks roll on, the pitch curve or each one's circle, unturned; shapes broadcast."""
         if self.equivalent:
             return on_circles(self._crossings.kept(flank), sigma_mm - self.crossing_mm[flank])
         return self.curve.at_length(sigma_mm)
@@ -244,8 +239,7 @@ class Flanks:
         """Which flanks bounds of the curvature prove regular from the pitch line to given heights, shape (n,)."""
         ends = np.sort([self.crossing_mm[flank], self.rolled_mm(flank, height_mm)], axis=0)
         least = np.min([height_mm * bound for bound in self.curve.curvature_between(*ends)], axis=0)
-        regular: Mask = self.slant.of(flank).sine ** 2 + np.minimum(least, 0.0) > 0.0
-        return regular
+        return self.slant.of(flank).sine ** 2 + np.minimum(least, 0.0) > 0.0
 
     def fillet_regularity(self, flank: IndexArray, sigma_mm: Array) -> Array:
         """K (D + rho) - rho v / D^2: positive where the fillet bounds the tooth."""
@@ -288,20 +282,16 @@ class Flanks:
         return point, slope
 
     def offset(self, sigma_mm: Array, height_mm: Array | float, rise: Array | float = 0.0) -> tuple[Array, Array]:
-        """The curves at distances from the unturned pitch curve (tips, roots), and derivatives by sigma.
-
-        The distances grow by ``rise`` per mm.  Shapes broadcast.
-        """
+        """Curves at distances, which grow by ``rise`` per mm, from the unturned pitch curve, and derivatives."""
         at = self.curve.at_length(sigma_mm)
         tangent, normal = as_complex(at.tangent), as_complex(at.normal)
         point = as_complex(at.position) + height_mm * normal
         return as_points(point), as_points((1.0 + height_mm * at.curvature) * tangent + rise * normal)
 
     def over_tip(self, tooth: IndexArray, share: Array, rate: Array, land: tuple[Array, Array]) -> tuple[Array, Array]:
-        """Points of tip lands and derivatives, turned by as much as the flanks at both ends of each land.
+        """Tip lands and derivatives (``land``), turned as the flanks at both ends.
 
-        ``land`` has them unturned, at a ``share`` of the way from the back flank to the front flank of each tooth
-        (numbered from 0) that grows by ``rate``; shapes broadcast.
+        ``share`` grows by ``rate`` along each tooth, numbered from 0, from its back to its front flank.
         """
         first, last = self.turn_rad[2 * tooth], self.turn_rad[2 * tooth + 1]
         return _turned(land, first + (last - first) * share, (last - first) * rate) if self.is_turned else land
@@ -309,10 +299,9 @@ class Flanks:
     def bottom(
         self, tooth: IndexArray, place_mm: Array, pace: Array | float, curve: tuple[Array, Array]
     ) -> tuple[Array, Array]:
-        """Points and derivatives of the bottoms of spaces, turned as ``sweep`` says.
+        """Bottoms of spaces (``curve``) and derivatives, turned as ``sweep`` says, at places after numbered teeth.
 
-        ``curve`` has them unturned, at places in the spaces after teeth (numbered from 0), which grow by ``pace``;
-        shapes broadcast.
+        The places grow by ``pace``, teeth count from 0; shapes broadcast.
         """
         if self.sweep is None:
             return curve
@@ -325,23 +314,18 @@ class Flanks:
 
 
 def _fillet_regularity(turning: Array, v: Array, distance: Array, radius: Array) -> Array:
-    """How fast fillets run along themselves, times the distance of the rounding's centre."""
-    regularity: Array = turning * (distance + radius) - radius * v / (distance * distance)
-    return regularity
+    """K (D + rho) - rho v / D^2."""
+    return turning * (distance + radius) - radius * v / (distance * distance)
 
 
 def _turned(curve: tuple[Array, Array], angle_rad: Array, rate: Array | float) -> tuple[Array, Array]:
-    """Points and derivatives of curves that are turned by angles, which grow by ``rate`` along them."""
     turn = np.exp(1j * angle_rad)
     point, slope = (as_complex(array) * turn for array in curve)
     return as_points(point), as_points(slope + 1j * rate * point)
 
 
 def on_circles(touched: CurvePoints, rolled_mm: Array) -> CurvePoints:
-    """Points at arc lengths ``rolled_mm`` along the circles of curvature that touch a curve at ``touched``.
-
-    The touched points' shape broadcasts against the shape of ``rolled_mm``.
-    """
+    """Points at arc lengths ``rolled_mm`` along the circles that touch a curve at ``touched``; shapes broadcast."""
     tangent, normal = as_complex(touched.tangent), as_complex(touched.normal)
     curvature = np.broadcast_to(touched.curvature, rolled_mm.shape)
     turned = rolled_mm * curvature

@@ -143,14 +143,9 @@ class BasicRack:
         return self.pitch_mm / 4.0
 
     @property
-    def rounding_height_mm(self) -> float:
-        """Height of the cutter tooth's rounding beside pushing flanks, from the straight flank's end to the tip."""
-        return self.root_radius_mm * (1.0 - sin(self.pressure_angle_rad))
-
-    @property
     def flank_depth_mm(self) -> float:
         """Depth below the rack's mid line at which the straight pushing flank ends and the rounding begins."""
-        return self.dedendum_mm - self.rounding_height_mm
+        return self.dedendum_mm - self.root_radius_mm * (1.0 - sin(self.pressure_angle_rad))
 
     @property
     def tip_half_width_mm(self) -> float:
@@ -162,11 +157,8 @@ class BasicRack:
     @property
     def _fitting(self) -> str:
         """A dedendum that is right, with the root radius as it is or, where none is, with one that fits."""
-        angles, radius, addendum = (
-            self.angles_rad,
-            self.root_radius_mm / self.module_mm,
-            self.addendum_mm / self.module_mm,
-        )
+        angles, module = self.angles_rad, self.module_mm
+        radius, addendum = self.root_radius_mm / module, self.addendum_mm / module
         deepest, usual = (deepest_rounded(angles, one, pi / 4.0) for one in (radius, 0.0))
         usual = min(usual, USUAL_DEPTH * addendum)
         if deepest > addendum:

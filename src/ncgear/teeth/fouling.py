@@ -77,9 +77,8 @@ class TipPaths:
         along, outwards = (
             arm[..., 0] * way[..., 0] + arm[..., 1] * way[..., 1] for way in (self.at.tangent, self.at.normal)
         )
-        path: Array = self.there.position
-        path = path + along[..., None] * self.there.tangent - outwards[..., None] * self.there.normal
-        return path
+        there = self.there
+        return there.position + along[..., None] * there.tangent - outwards[..., None] * there.normal
 
 
 Fouling = Callable[[Flanks, Array, TipPaths], Mask]
@@ -128,10 +127,7 @@ def _parted_mm(own: Flanks, mate: Flanks, met: Array, rolled: Array) -> Array:
 
 
 def freed(own: Tips, mate: Tips, paths: TipPaths) -> Tips:
-    """The gear with shorter tips where they would foul the mate's on concave stretches; else the same gear.
-
-    Raises NoSuchMechanism, naming the tooth, where no tip is left.
-    """
+    """The gear with tips that foul the mate's on no concave stretch; raises NoSuchMechanism where none is left."""
     height = mate.height_mm[:, None] * np.linspace(ASIDE, 1.0, FLANK_POINTS)
     with_play = own.flanks.is_turned or mate.flanks.is_turned
     teeth = [_teeth(stand, height) for stand in _stands(mate.flanks)[: 1 + with_play]]
@@ -139,10 +135,7 @@ def freed(own: Tips, mate: Tips, paths: TipPaths) -> Tips:
 
 
 def freed_of_bottoms(own: Tips, mate: Flanks, paths: TipPaths) -> Tips:
-    """The gear with shorter tips where play turns them into the bottoms of the mate's spaces; else the same gear.
-
-    Raises NoSuchMechanism, naming the tooth, where no tip is left.
-    """
+    """The gear with tips that play turns into no bottom of the mate's; raises NoSuchMechanism where none is left."""
     if not own.flanks.is_turned:
         return own
     spaces = [_spaces(stand) for stand in _stands(mate)]
@@ -163,7 +156,6 @@ def _free_of(own: Tips, paths: TipPaths, fouling: Fouling) -> Tips:
 
 
 def _stands(flanks: Flanks) -> tuple[Flanks, Flanks]:
-    """The flanks where the pushing sides of the teeth touch, and where the idle sides touch."""
     return flanks, flanks.pulling
 
 
@@ -180,10 +172,7 @@ def _lowered(own: Tips, paths: TipPaths, fouling: Fouling, hit: Mask) -> Flanks:
 
 
 def _fouling(flanks: Flanks, top: Array, paths: TipPaths, teeth: list[Array]) -> Mask:
-    """Which tip edges of a gear, at heights ``top``, run into the mate's teeth on their paths; shape (2 z,).
-
-    ``teeth`` are the mate's teeth in each position of ``_stands``; without play there is a single position.
-    """
+    """Which tip edges at heights ``top`` run into the mate's teeth, by positions of ``_stands``; shape (2 z,)."""
     hit = np.zeros(flanks.count, dtype=bool)
     for stand, mating in zip(_stands(flanks)[: len(teeth)], teeth, strict=True):
         hit[_edges_in(stand, top, paths, mating, paths.other // 2, NEIGHBOURS)] = True
@@ -191,10 +180,9 @@ def _fouling(flanks: Flanks, top: Array, paths: TipPaths, teeth: list[Array]) ->
 
 
 def _in_bottoms(flanks: Flanks, top: Array, paths: TipPaths, spaces: list[Array]) -> Mask:
-    """Which tip edges of a gear, at heights ``top``, run into the mate's spaces where play has turned them; (2 z,).
+    """Which tip edges at heights ``top`` run into the mate's spaces, by positions of ``_stands``; shape (2 z,).
 
-    ``spaces`` are the mate's spaces in each position of ``_stands``.  An edge that is not turned touches the mate's
-    flank and leaves it along the fillet.
+    Only turned edges are looked at: others touch the mate's flank and leave it along the fillet.
     """
     hit = np.zeros(flanks.count, dtype=bool)
     for stand, mating in zip(_stands(flanks), spaces, strict=True):
@@ -279,10 +267,7 @@ def _cut_on_way_out(tips: Tips) -> Mask:
 
 
 def _way_out_mm(tips: Tips) -> float:
-    """Rolled length after which a cutter tooth is out of its space, half a turn of the cutter at most.
-
-    After a rolled length s the tooth has risen by s^2 / 2 times the difference of the curvatures.
-    """
+    """Rolled length until a cutter tooth is out of its space, rising by s^2 / 2 per difference of curvatures."""
     flanks, tool = tips.flanks, tips.flanks.tool
     assert isinstance(tool, PinionCircle)
     depth = float(np.max(flanks.root_depth_mm) + np.max(flanks.tip_height_mm))

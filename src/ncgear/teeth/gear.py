@@ -80,10 +80,7 @@ class ToothedGear(Shown):
 
 @dataclass(frozen=True, eq=False)
 class ToothedPair(Shown):
-    """Both gears, and the kind of tool that cuts them.
-
-    At phi1 = 0 a tooth of the driving gear stands in a space of the driven gear on the line of centres.
-    """
+    """Both gears and the cutter; at phi1 = 0 a driving tooth stands in a driven space on the line of centres."""
 
     driving: ToothedGear
     driven: ToothedGear
@@ -124,10 +121,7 @@ def toothed_pair(
 
 
 def finest_tolerance_mm(pitch: PitchPair, form: ToothForm, from_mm: float) -> tuple[float, int]:
-    """The finest tolerance from a given one on, to a ten-thousandth, for which ``toothed_pair`` makes the points.
-
-    Also the number of points, the greater number of both gears.
-    """
+    """The finest tolerance from a given one for which ``toothed_pair`` makes points, and a gear's most points."""
     tolerance_mm = from_mm
     while True:
         try:
@@ -225,10 +219,10 @@ def shift_against_undercut(pitch: PitchPair, rack: BasicRack) -> float:
 
 
 def teeth_free_of_undercut(pitch: PitchPair, driving: BasicRack, driven: BasicRack) -> int:
-    """Number of driving teeth from which on no tooth can be undercut, wherever it stands on the curves.
+    """Number of driving teeth, or of pitches in the range, from which on no tooth can be undercut wherever it stands.
 
-    A flank is regular where k h_F < sin^2(alpha); the curvature per module falls as teeth are added at a fixed shape.
-    Of gears that turn less than once it is the number of pitches in the range.
+    A flank is regular where k h_F < sin^2(alpha); the curvature per module falls as teeth are added at a fixed
+    shape.
     """
     depths = {Gear.DRIVING: driving, Gear.DRIVEN: driven}
     whole, toothed = pitch.size.driving_teeth, pitch.toothed

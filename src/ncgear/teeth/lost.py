@@ -37,10 +37,7 @@ class Loss:
 
 
 def shortening(gear: ToothedGear, chosen: Mask) -> Loss:
-    """How far tips of the ``chosen`` flanks (shape (2 z,), at least one) are below the rack's full height.
-
-    Amounts are distances from the pitch curve.  A tip that was raised before it was shortened may have lost none.
-    """
+    """How far tips of the ``chosen`` flanks (shape (2 z,), one or more) are below the rack's full height."""
     flanks, which = gear.flanks, np.nonzero(chosen)[0]
     full = np.maximum(flanks.tip_height_mm, flanks.full_tip_mm)
     amount = (full - flanks.tip_height_mm)[which]
@@ -57,18 +54,13 @@ def undercutting(gear: ToothedGear) -> Loss:
     sin^2(alpha) on a pitch circle; such flanks lose no contact, since the mate's tips are shortened.
     """
     flanks, which = gear.flanks, np.nonzero(gear.tips.undercut)[0]
-    full = _full_depth_mm(flanks)[which]
+    radius = np.full(flanks.count, flanks.rack.root_radius_mm)
+    tool = RackLine() if isinstance(flanks.tool, ClosedPitchCurve) else flanks.tool
+    full = tool.flank_depth_mm(flanks.slant, flanks.full_root_mm, radius)[which]
     left, cut = -gear.sides.flank_range()[1][which], flanks.flank_depth_mm[which]
     notched = left < cut - ROUNDING_IN_MODULES * flanks.rack.module_mm
     amount = np.where(notched, cut - left, full - regular_depth(flanks, float(full.max()))[which])
     return _largest(flanks, which, amount, np.where(notched, amount, 0.0))
-
-
-def _full_depth_mm(flanks: Flanks) -> Array:
-    """Depth below the pitch line to which each flank goes that a tool of full depth cuts, shape (2 z,)."""
-    radius = np.full(flanks.count, flanks.rack.root_radius_mm)
-    tool = RackLine() if isinstance(flanks.tool, ClosedPitchCurve) else flanks.tool
-    return tool.flank_depth_mm(flanks.slant, flanks.full_root_mm, radius)
 
 
 def _largest(flanks: Flanks, which: IndexArray, amount: Array, lost_mm: Array) -> Loss:

@@ -81,19 +81,17 @@ def _together(flanks: Flanks, curves: list[Toleranced]) -> tuple[Stretch, Array]
 
 
 def _near_fillets(tips: Tips, tolerance_mm: float) -> Mask:
-    """Beside which flanks the mate's tips come so near to the fillet that its chords must stay in the material.
+    """Beside which flanks the mate's tips come so near that the fillet's chords must stay in the material.
 
-    A tip leaves the flank along it, on a path whose radius of curvature beside the flank's is a module or less.  So it
-    is a tolerance away where it is deeper by the root of twice the module times the tolerance, and a tenth of a module
-    is enough for tolerances of use.
+    A tip leaves along the flank, with a radius of a module or less beside the flank's; a tenth of a module is
+    enough.
     """
     flanks = tips.flanks
     if _is_hollow(flanks):
         return np.ones(flanks.count, dtype=bool)
     module = flanks.rack.module_mm
     clear = min(sqrt(2.0 * module * tolerance_mm), module / 10.0)
-    near: Mask = flanks.flank_depth_mm - tips.met_depth_mm < clear
-    return near
+    return flanks.flank_depth_mm - tips.met_depth_mm < clear
 
 
 def _is_hollow(flanks: Flanks) -> bool:
@@ -102,10 +100,7 @@ def _is_hollow(flanks: Flanks) -> bool:
 
 
 def exact_curves(tips: Tips, sides: Sides) -> list[Stretch]:
-    """All curves of the outline in the sense of growing arc length, each of them smooth.
-
-    They are cut at the outline's corners, at the joints of the pitch curve and where a tip relief begins.
-    """
+    """All smooth curves of the outline by growing arc length, cut at corners, joints and tip reliefs."""
     flanks = tips.flanks
     runs, *others = whole_curves(tips, sides)
     if flanks.rack.relief is not None:
@@ -116,8 +111,7 @@ def exact_curves(tips: Tips, sides: Sides) -> list[Stretch]:
 def whole_curves(tips: Tips, sides: Sides) -> list[Stretch]:
     """All curves of the outline, whole between its corners: flanks, fillets, tip lands, root lands, in this order.
 
-    Gears that turn less than once have the first root land and the heel besides.  Raises NoSuchMechanism where there is
-    no room for that.
+    Gears that turn less than once have the first root land and the heel too, or raise NoSuchMechanism without room.
     """
     flanks = tips.flanks
     sides_runs = [_side_runs(flanks, sides, kind) for kind in (FLANK, FILLET)]
@@ -149,7 +143,6 @@ def _side_runs(flanks: Flanks, sides: Sides, kind: int) -> Stretch:
 
 
 def _most_turning(flanks: Flanks) -> float:
-    """How fast the pitch curve turns at most, in rad per mm."""
     return max(map(abs, flanks.curve.curvature_bounds))
 
 
@@ -200,11 +193,7 @@ REMEDY = "more teeth, a smaller addendum or dedendum, or a less uneven ratio avo
 
 
 def simple_polygon(outline_mm: Array, key: str) -> Polygon:
-    """The polygon of an outline in mm, shape (n, 2).
-
-    Raises NoSuchMechanism for ``key``, naming the place, where the outline crosses itself: both sides of a space may
-    meet where the pitch curve is deeply concave.
-    """
+    """The polygon of an outline in mm, (n, 2); raises NoSuchMechanism for ``key`` where it crosses itself."""
     polygon = Polygon(outline_mm)
     if not polygon.is_valid:
         raise NoSuchMechanism(f"the tooth outline crosses itself{_place(polygon)}; {REMEDY}", key=key)

@@ -69,6 +69,5 @@ def _extremes(curve: Stretch) -> tuple[Array, Array]:
 
 
 def _at(curve: Stretch, row: IndexArray, share: Array) -> tuple[Array, Array]:
-    """Points of rows, one share each, and derivatives, shape (n, 2)."""
     point, slope = curve.at(row[:, None], share[:, None])
     return point[:, 0], slope[:, 0]

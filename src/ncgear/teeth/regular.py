@@ -17,8 +17,7 @@ from ncgear.teeth.tool import RackLine
 
 CLEAR_OF_CUSPS = 0.99
 """Share of the height up to a cusp that is used.  At the cusp the flank's radius of curvature is zero; a hundredth of
-the height before it, the radius is a tenth of the radius at the pitch curve.
-"""
+the height before it, the radius is a tenth of the radius at the pitch curve."""
 
 CLEAR = 1e-9
 """A zero that lies before a fillet's end by less than this share of its rolled length is at the end: rounding."""
@@ -29,10 +28,9 @@ numbers left to tell its sides apart."""
 
 
 def regular_height(flanks: Flanks, limit_mm: float | Array, which: IndexArray | None = None) -> Array:
-    """Height over the pitch line, at most ``limit_mm``, up to which all or the numbered flanks are regular.
+    """Height over the pitch line, at most ``limit_mm`` (n,), up to which all or the numbered flanks are regular.
 
-    Both limits and heights have shape (n,); a single limit holds for all flanks.  Raises NoSuchMechanism where the
-    pitch curve bends many times along the height of one tooth.
+    Raises NoSuchMechanism where the pitch curve bends many times along the height of one tooth.
     """
     return _reach(flanks, limit_mm, 1.0, which)
 
@@ -73,16 +71,11 @@ def folded_fillets(flanks: Flanks) -> Mask:
     length, joints = flanks.rounding.lowest_mm - start, _joints(flanks)
     cuts = _cuts(np.ones(flanks.count), (joints - start[:, None]) / length[:, None])
     regular = first_zeros(lambda i, share: flanks.fillet_regularity(i, start[i] + length[i] * share), cuts)
-    folded: Mask = regular < 1.0 - CLEAR
-    return folded
+    return regular < 1.0 - CLEAR
 
 
 def _never_folds(flanks: Flanks) -> bool:
-    """Whether both terms of the fillets' condition are positive for certain.
-
-    They are where the roundings stand below the pitch line, and the tool is either the mate, whose curve rolls with a
-    positive sum of curvatures, or a rack on a curve without a concave stretch.
-    """
+    """Whether no fillet folds: roundings below the pitch line, cut by the mate or by a rack without dents."""
     below = flanks.flank_depth_mm > flanks.root_radius_mm * flanks.slant.sine
     mated = isinstance(flanks.tool, ClosedPitchCurve)
     straight = isinstance(flanks.tool, RackLine) and not flanks.curve.is_dented
@@ -90,9 +83,7 @@ def _never_folds(flanks: Flanks) -> bool:
 
 
 def _joints(flanks: Flanks) -> Array:
-    """Arc lengths between which a polynomial follows the rolling curve: its curvature and the slope of the curvature
-    may jump there.
-    """
+    """Arc lengths at which the rolling curve's curvature or the slope of the curvature may jump."""
     return np.empty(0) if flanks.equivalent else flanks.curve.panels_around_mm
 
 

@@ -50,8 +50,7 @@ class ToothShifts:
     @property
     def beside_flanks_mm(self) -> Array:
         """The shift of the space beside each flank, shape (2 z,): a back flank's space is before its tooth."""
-        beside: Array = np.roll(np.repeat(self.space_mm, 2), 1)
-        return beside
+        return np.roll(np.repeat(self.space_mm, 2), 1)
 
 
 def thickness_mm(module_mm: float, shift_mm: Array, angles_rad: tuple[float, float]) -> Array:
@@ -64,8 +63,7 @@ def thickness_mm(module_mm: float, shift_mm: Array, angles_rad: tuple[float, flo
     [6.713, 7.398, 8.084]
     """
     one, other = angles_rad
-    thickness: Array = pi * module_mm / 2.0 + shift_mm * (tan(one) + tan(other))
-    return thickness
+    return pi * module_mm / 2.0 + shift_mm * (tan(one) + tan(other))
 
 
 def tooth_shifts(
@@ -85,8 +83,7 @@ def tooth_shifts(
 
     def between(shift: Array) -> Array:
         # A driving tooth's front flank is idle, the next tooth's back flank pushes.
-        mean: Array = (shift * idle + np.roll(shift, -1) * pushing) / (idle + pushing)
-        return mean
+        return (shift * idle + np.roll(shift, -1) * pushing) / (idle + pushing)
 
     # Driven tooth j stands in the driving space after tooth j: its back flank meets that tooth's front flank.
     after = np.roll(facing, -1)

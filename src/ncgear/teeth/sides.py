@@ -17,6 +17,7 @@ from ncgear.errors import RefusedAt
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.crossing import chord_crossings, refined_crossings, zoomed_crossings
+from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.highest import largest_of_each
 from ncgear.numerics.units import in_words
 from ncgear.pitch.curve import ClosedPitchCurve
@@ -92,23 +93,14 @@ modules apart: they could pass by a sharper place."""
 
 
 def refuse_sharp_places(pitch: PitchPair) -> None:
-    """Refuse pitch curves that are curved too sharply anywhere for any tooth, however short the place is.
-
-    Raises NoSuchMechanism with the radius and the angle.
-    """
+    """Refuse pitch curves too sharp anywhere for any tooth; raises NoSuchMechanism with the radius and the angle."""
     least = SHARPEST * pitch.size.module_mm
     for gear in Gear:
         if max(map(abs, pitch.of(gear).curvature_bounds)) * least <= 1.0:
             continue
         sharpest = max(pitch.curvature_range[gear], key=lambda extremum: abs(extremum.value))
         if abs(sharpest.value) * least > 1.0:
-            raise RefusedAt(
-                f"the {gear.value} pitch curve is curved with a radius of {1.0 / abs(sharpest.value):.4g} mm at phi1 = "
-                f"{in_words(sharpest.at)}, less than {least:.4g} mm, a quarter of the module: no flank rolls over "
-                "that; a law that changes more slowly there is needed",
-                phi1_rad=sharpest.at,
-                key="motion",
-            )
+            raise _too_sharp(f"the {gear.value}", sharpest, least, "a law that changes more slowly there is", "motion")
 
 
 def refuse_sharp_curve(curve: ClosedPitchCurve, module_mm: float, key: str) -> None:
@@ -119,14 +111,18 @@ def refuse_sharp_curve(curve: ClosedPitchCurve, module_mm: float, key: str) -> N
     panels = curve.panels_mm
     sharpest = largest_of_each(lambda sigma: np.abs(curve.at_length(sigma).curvature)[None], panels)[0]
     if sharpest.value * least > 1.0:
-        phi1_rad = float(curve.driving_angle(np.array(sharpest.at)))
-        raise RefusedAt(
-            f"a pitch curve is curved with a radius of {1.0 / sharpest.value:.4g} mm at phi1 = "
-            f"{in_words(phi1_rad)}, less than {least:.4g} mm, a quarter of "
-            "the module: no flank rolls over that; rounder curves are needed",
-            phi1_rad=phi1_rad,
-            key=key,
-        )
+        at = Extremum(sharpest.value, float(curve.driving_angle(np.array(sharpest.at))))
+        raise _too_sharp("a", at, least, "rounder curves are", key)
+
+
+def _too_sharp(which: str, sharpest: Extremum, least_mm: float, remedy: str, key: str) -> RefusedAt:
+    return RefusedAt(
+        f"{which} pitch curve is curved with a radius of {1.0 / abs(sharpest.value):.4g} mm at phi1 = "
+        f"{in_words(sharpest.at)}, less than {least_mm:.4g} mm, a quarter of the module: no flank rolls over that; "
+        f"{remedy} needed",
+        phi1_rad=sharpest.at,
+        key=key,
+    )
 
 
 PROBES = 17
@@ -177,15 +173,11 @@ def _refuse_folded_tips(flanks: Flanks, sides: Sides) -> None:
 
 
 def _probes(start: Array, end: Array) -> Array:
-    """Arc lengths along lands, shape (z, PROBES)."""
-    probes: Array = start[:, None] + (end - start)[:, None] * np.linspace(0.0, 1.0, PROBES)
-    return probes
+    return start[:, None] + (end - start)[:, None] * np.linspace(0.0, 1.0, PROBES)
 
 
 def _worst(values: Array) -> tuple[int, int]:
-    """Row and column of the largest value."""
-    row, column = np.unravel_index(int(np.argmax(values)), values.shape)
-    return int(row), int(column)
+    return divmod(int(np.argmax(values)), values.shape[1])
 
 
 def _angle(flanks: Flanks, sigma: float) -> float:
@@ -243,7 +235,6 @@ class _Trimmed:
 
 
 def _with_trimmed(sides: Sides, owner: IndexArray, trimmed: _Trimmed) -> Sides:
-    """The sides with the runs of flanks ``owner`` replaced."""
     kept = ~np.isin(sides.owner, owner)
     runs = np.concatenate([sides.owner[kept], owner[trimmed.row]])
     order = np.argsort(runs, kind="stable")
@@ -295,11 +286,7 @@ class _Paths:
     def reaches(
         self, row: IndexArray, kind1: IndexArray, first: Array, kind2: IndexArray, second: Array
     ) -> tuple[Array, Array]:
-        """How far, in parameters, the crossings of the curves may be from the crossings of their chords.
-
-        On both curves one and a half times the longer chord: where a coarse chord crosses fine chords, its sagitta
-        shifts the crossing by many of them.
-        """
+        """How far in parameters crossings may be from those of chords: 1.5 of the longer chords, for sagittas."""
         spacing1, length1 = self._chord(row, kind1, first)
         spacing2, length2 = self._chord(row, kind2, second)
         longer = 1.5 * np.maximum(length1, length2)
@@ -325,10 +312,7 @@ class _Paths:
 
 
 def _paths(flanks: Flanks, owner: IndexArray, top_mm: Array, root_mm: Array, count: int) -> _Paths:
-    """The paths of the flanks ``owner``, with ``count`` points on each curve.
-
-    They go from the heights ``top_mm`` to the fillets' ends at arc lengths ``root_mm``, shape (n,) each.
-    """
+    """The paths of the flanks ``owner``, ``count`` points on each curve, from heights to ends of fillets, (n,)."""
     depth = flanks.flank_depth_mm[owner]
     start = np.column_stack([top_mm, flanks.rolled_mm(owner, -depth)])
     end = np.column_stack([-depth, root_mm])
@@ -338,11 +322,7 @@ def _paths(flanks: Flanks, owner: IndexArray, top_mm: Array, root_mm: Array, cou
 
 
 def _spread(flanks: Flanks, owner: IndexArray, start: Array, end: Array, kind: int, count: int) -> Array:
-    """Parameters from start to end, shape (n, count), dense where loops may be small.
-
-    A fillet crosses near its flank, the nearer the slighter the undercut is.  Where a curve folds, half of its points
-    stand about the folds.
-    """
+    """Parameters from start to end, (n, count), dense near the flank, where loops are small, and about folds."""
     even = np.linspace(0.0, 1.0, count)
     share = even**3 if kind == FILLET else even
     spread = start[:, None] + (end - start)[:, None] * share
@@ -371,8 +351,7 @@ def _about_runs(values: Array, marked: Mask, count: int) -> Array:
 def _folded(flanks: Flanks, owner: IndexArray, parameter: Array, kind: int) -> Mask:
     """Whether curves fail to bound the tooth, at parameters of shape (n, m)."""
     regularity = flanks.regularity if kind == FLANK else flanks.fillet_regularity
-    folded: Mask = regularity(owner[:, None], parameter) < -FLAT
-    return folded
+    return regularity(owner[:, None], parameter) < -FLAT
 
 
 def _trimmed(paths: _Paths) -> _Trimmed:

@@ -77,10 +77,7 @@ def cut_spaces(flanks: Flanks, avoid_undercut: bool) -> tuple[Flanks, Mask]:
 
 
 def mated_spaces(flanks: Flanks, depth_mm: Array, radius_mm: Array) -> Flanks:
-    """The flanks as deep as their mates touch, rounded with ``radius_mm`` or the most that fits the mates' teeth.
-
-    All have shape (2 z,).
-    """
+    """The flanks as deep as their mates touch, with bottoms of ``radius_mm`` or the most that fits; all (2 z,)."""
     radii = _largest_radii(flanks, depth_mm, radius_mm)
     deep = replace(flanks, flank_depth_mm=depth_mm)
     rounded = replace(deep, root_radius_mm=_fitted(deep, radii, lambda r, i: (depth_mm[i], np.zeros_like(r))))
@@ -97,10 +94,7 @@ def of_spaces(values: Array) -> Array:
 
 
 def _largest_radii(flanks: Flanks, depth: Array, wanted: Array | float) -> Array:
-    """Radii, at most the wanted one, with which the fillets do not fold.
-
-    Raises NoSuchMechanism where no flank is left below the pitch curve.
-    """
+    """Radii up to the wanted one without folds; raises NoSuchMechanism without a flank below the pitch curve."""
     if not np.all(depth > 0.0):
         raise no_root(flanks, int(np.nonzero(~(depth > 0.0))[0][0]), "no flank below the pitch curve is regular")
     most = ROUND_ENOUGH * depth / flanks.slant.sine
@@ -167,7 +161,6 @@ def _largest_fitting(flats: ByRadius, most_mm: Array, least_mm: float, within_mm
 
 
 def _pointed(flanks: Flanks, flank: int) -> NoSuchMechanism:
-    """The error for a tool's tooth that is pointed before it is as deep as the space beside a flank."""
     if not isinstance(flanks.tool, PinionCircle):
         return no_root(flanks, flank, "the mate's tooth is pointed before its depth")
     return NoSuchMechanism(
@@ -220,10 +213,7 @@ class Roots:
         return self.end_mm[1::2], np.append(self.end_mm[2::2], self.end_mm[0] + self.flanks.curve.length_mm)
 
     def feet(self) -> tuple[Array, Array]:
-        """Arc lengths of the pitch curve that both ends of the lands stand over without play, and their heights.
-
-        The shape is (z, 2) each; NaN where they stand over no place.
-        """
+        """Arc lengths over which both ends of the lands stand without play, and heights, (z, 2); NaN for none."""
         ends, tooth = np.stack(self.lands(), axis=1), np.arange(len(self.center_mm))
         points = as_complex(self.unturned.land(tooth[:, None], ends)[0]).ravel()
         within = FOOT_IN_MODULES * self.flanks.rack.module_mm
@@ -231,10 +221,7 @@ class Roots:
         return foot.reshape(ends.shape), height.reshape(ends.shape)
 
     def land(self, tooth: IndexArray, sigma_mm: Array) -> tuple[Array, Array]:
-        """Points of the lands after teeth (numbered from 0) at arc lengths, and derivatives; shapes broadcast.
-
-        The edge turns with K = k + k_t about the pitch point, while the foot of the perpendicular moves along it.
-        """
+        """Points of the lands after teeth (numbered from 0) at arc lengths, and derivatives; shapes broadcast."""
         at, tool = self.flanks.curve.at_length(sigma_mm), self.flanks.tool.at_length(sigma_mm)
         distance, tilt, square = self._edge(tooth, tool)
         tangent, normal = as_complex(at.tangent), as_complex(at.normal)
@@ -244,10 +231,7 @@ class Roots:
         return self.flanks.bottom(tooth, sigma_mm, 1.0, land)
 
     def height(self, tooth: IndexArray, sigma_mm: Array) -> Array:
-        """Heights over the pitch curve, negative, at which the lands after teeth are at arc lengths; shapes broadcast.
-
-        So they are without play, which turns the lands about the gear's axis.
-        """
+        """Heights over the pitch curve, negative, of the lands after teeth without play; shapes broadcast."""
         distance, _, square = self._edge(tooth, self.flanks.tool.at_length(sigma_mm))
         return distance * square
 
@@ -268,10 +252,7 @@ class Roots:
 
 
 def roots_of(flanks: Flanks) -> Roots:
-    """The root lands of all spaces.
-
-    Raises NoSuchMechanism, naming the tooth, where a space has none.
-    """
+    """The root lands of all spaces; raises NoSuchMechanism, naming the tooth, where a space has none."""
     front, back, turn = _sides_of_spaces(flanks)
     first = flanks.rounding.center_mm[front]
     # Beyond the seam the tool has turned on: its next tooth stands elsewhere in its own frame.
@@ -334,15 +315,11 @@ def sweep_of(roots: Roots, start_mm: Array) -> Sweep:
 def _widths(places: Array) -> Array:
     """The part of its row that each place stands for, shape (n, m)."""
     steps = np.diff(places, axis=1, prepend=places[:, :1], append=places[:, -1:])
-    widths: Array = (steps[:, :-1] + steps[:, 1:]) / 2.0
-    return widths
+    return (steps[:, :-1] + steps[:, 1:]) / 2.0
 
 
 def _feet(flanks: Flanks, flank: IndexArray, center: Array, edge: Array, start: Array) -> Array:
-    """Arc lengths at which the perpendicular from the pitch point to the edge goes through the centres, shape (n,).
-
-    Raises NoSuchMechanism, naming the tooth, where there is none.
-    """
+    """Arc lengths where perpendiculars from the pitch point to the edge meet centres, (n,); or NoSuchMechanism."""
     sigma, agreement = start, AGREEMENT * flanks.rack.module_mm
     for _ in range(STEPS):
         tool = flanks.tool.at_length(sigma)

@@ -34,8 +34,7 @@ fitted tips are held against the exact cusp."""
 FAR, FARTHEST = 3.0, 8.0
 """Flanks are followed up to the first number of tip heights; flanks of low tips step by step up to the second number,
 but no farther than flanks of full tips.  On a circle they lean so much that they reach the tip land within 2; where the
-curvature changes on the way they may need more.
-"""
+curvature changes on the way they may need more."""
 
 LOWEST = 0.05
 """Share of a pointed tip's height at which the search for the height of the least land begins."""
@@ -124,10 +123,7 @@ def bounded(own: Flanks, contact_mm: Array, tip_mm: Array, undercut: Mask) -> Bo
 
 
 def fitted_tips(flanks: Flanks, bounds: Bounds, undercut: Mask, least_land_mm: float) -> Tips:
-    """Tips at the greatest heights that all bounds allow.
-
-    Raises NoSuchMechanism, naming the tooth, where no tip is left.
-    """
+    """Tips at the greatest heights that all bounds allow; raises NoSuchMechanism with the tooth that has none."""
     height = np.minimum(flanks.tip_height_mm, bounds.tip_mm)
     reason = np.where(bounds.undercut, Limit.UNDERCUT, Limit.FILLET)
     limit = np.where(height < flanks.tip_height_mm, reason, Limit.FULL)
@@ -154,10 +150,7 @@ def fitted_tips(flanks: Flanks, bounds: Bounds, undercut: Mask, least_land_mm: f
 
 
 def held_below(tips: Tips, ceiling_mm: Array) -> Tips:
-    """The tips, lowered to a ceiling, shape (2 z,).  Lower tips need no new bounds: they stay within the old bounds.
-
-    Raises NoSuchMechanism, naming the tooth, where no tip is left.
-    """
+    """The tips, lowered to a ceiling, (2 z,), within their bounds; raises NoSuchMechanism where no tip is left."""
     full = tips.flanks.tip_height_mm
     height = even_heights(tips.flanks, np.minimum(full, ceiling_mm))
     edges = _Edges(tips.flanks, tips.height_mm, tips.at_mm, np.ones(full.size, dtype=bool)).moved(height)
@@ -191,12 +184,10 @@ def _within_play(edges: _Edges) -> Array:
     edge = turned(flanks.offset(edges.at_mm, height)[0], turn)
     over = nearest(flanks.curve, edge, edges.at_mm, AGREEMENT * flanks.rack.module_mm)[1] - height
     allowed = CLEARANCE_SHARE * (flanks.rack.dedendum_mm - flanks.rack.addendum_mm)
-    free: Array = height - np.maximum(over - allowed, 0.0)
-    return free
+    return height - np.maximum(over - allowed, 0.0)
 
 
 def _lowered(edges: _Edges, allowed: Array) -> Array:
-    """Tip heights, lowered where the flank would touch higher than ``allowed``."""
     flanks, height = edges.flanks, edges.flanks.tip_height_mm
     chosen = np.nonzero(~edges.met | (edges.top_mm > allowed))[0]
     if not chosen.size:
@@ -217,10 +208,7 @@ def _foot(flanks: Flanks, flank: IndexArray, height: Array) -> tuple[Array, Arra
 
 
 def tip_crossing(flanks: Flanks, chosen: IndexArray | None = None) -> tuple[Array, Array, Mask]:
-    """Height at which flanks reach their tip lands, the arc length there, and whether they do so before any cusp.
-
-    For the chosen flanks, or for all of them; shape (n,) each.
-    """
+    """Heights at which (chosen) flanks reach their tip lands, arc lengths there, and if before cusps; (n,)."""
     which, flanks = np.arange(flanks.count) if chosen is None else chosen, flanks.unturned
     height, sigma, met = _newton_crossing(flanks, which)
     lost = np.nonzero(~met)[0]
@@ -365,10 +353,10 @@ def _newton_lands(edges: _Edges, back: IndexArray, least: float) -> tuple[Array,
 
 
 def _height_of_land(flanks: Flanks, back: IndexArray, least: float, known: Array) -> Array:
-    """Greatest tip heights at which the lands of the teeth with back flanks ``back`` have the width ``least``.
+    """Greatest tip heights at which lands behind flanks ``back`` have the width ``least``; ``known`` at full height.
 
-    ``known`` are their widths at full height, which are less.  Where an edge is hardly met there, rounding may tell
-    another width the next time: the height is then that from which on it is met.
+    Where an edge is hardly met, rounding may tell another width next time: the height is then that from which it is
+    met.
     """
 
     def excess(height: Array) -> Array:
@@ -387,7 +375,6 @@ def _height_of_land(flanks: Flanks, back: IndexArray, least: float, known: Array
 
 
 def _land(flanks: Flanks, back: IndexArray) -> Array:
-    """Width in mm of the tip lands behind the given back flanks, as ``_width``."""
     both = np.column_stack([back, back + 1]).ravel()
     _, at, met = tip_crossing(flanks, both)
     return _width(flanks, both, flanks.offset(at, flanks.tip_height_mm[both]), at, met)

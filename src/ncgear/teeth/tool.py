@@ -78,20 +78,17 @@ class PinionCircle:
         its distance to the base circle's tangent point is R sin(alpha) + f / sin(alpha) - rho.
         """
         tangent = self._tangent(slant, depth_mm, radius_mm)
-        depth: Array = slant.sine * (tangent - self.radius_mm * slant.sine + radius_mm)
-        return depth
+        return slant.sine * (tangent - self.radius_mm * slant.sine + radius_mm)
 
     def flank_depth_per_radius(self, slant: Slant, depth_mm: Array, radius_mm: Array) -> Array:
         """How fast that depth grows with the radius."""
         out = self.radius_mm + depth_mm - radius_mm
-        rate: Array = slant.sine * (1.0 - out / self._tangent(slant, depth_mm, radius_mm))
-        return rate
+        return slant.sine * (1.0 - out / self._tangent(slant, depth_mm, radius_mm))
 
     def _tangent(self, slant: Slant, depth_mm: Array, radius_mm: Array) -> Array:
         """Distance of the rounding's centre from the point where its flank's normal touches the base circle."""
         out, base = self.radius_mm + depth_mm - radius_mm, self.radius_mm * slant.cosine
-        tangent: Array = np.sqrt(out**2 - base**2)
-        return tangent
+        return np.sqrt(out**2 - base**2)
 
 
 Tool = RackLine | PinionCircle | ClosedPitchCurve
@@ -123,8 +120,7 @@ def rounding_of(
 ) -> Rounding:
     """The roundings of flanks that cross at ``crossing_mm`` and end at ``flank_depth_mm``, all of shape (n,).
 
-    ``side`` is -1 for back flanks and +1 for front flanks, ``slant`` is theirs; ``radius_mm`` is the radius of each
-    rounding.
+    ``side`` is -1 for back and +1 for front flanks, ``slant`` theirs; ``radius_mm`` is the radius of each rounding.
     """
     sigma = crossing_mm + side * flank_depth_mm / slant.height_per_rolled
     at = tool.at_length(sigma)
@@ -182,7 +178,8 @@ def chosen_tools(pitch: PitchPair, form: ToothForm) -> tuple[CutterKind, tuple[T
     """
     kind = form.cutter.kind
     if kind is CutterKind.AUTO:
-        kind = CutterKind.MATE if _is_concave(pitch) else CutterKind.RACK
+        concave = any(pitch.of(gear).bends_below(-STRAIGHT / pitch.center_distance_mm) for gear in Gear)
+        kind = CutterKind.MATE if concave else CutterKind.RACK
     if kind is CutterKind.MATE:
         return kind, (pitch.driven, pitch.driving)
     if kind is CutterKind.RACK:
@@ -202,17 +199,9 @@ def chosen_tools(pitch: PitchPair, form: ToothForm) -> tuple[CutterKind, tuple[T
 
 
 def least_concave_radius_mm(pitch: PitchPair) -> float | None:
-    """Least radius at which the material of either gear is concave; None where both gears are convex.
-
-    A ring's material is concave all around.
-    """
+    """Least concave radius of either gear's material, a ring's all around; None where both gears are convex."""
     low = min(pitch.curvature_range[gear][0].value for gear in Gear)
     return -1.0 / low if low * pitch.center_distance_mm < -STRAIGHT else None
-
-
-def _is_concave(pitch: PitchPair) -> bool:
-    """Whether the pitch curves have a ``least_concave_radius_mm``."""
-    return any(pitch.of(gear).bends_below(-STRAIGHT / pitch.center_distance_mm) for gear in Gear)
 
 
 def most_teeth(pitch: PitchPair, rack: BasicRack) -> int:
@@ -253,7 +242,7 @@ def gouged_mm(curve: ClosedPitchCurve, rack: BasicRack, curvature: float = 0.0) 
 
 
 def _summed(values: Array) -> Array:
-    """Integrals from the first of evenly spaced values to each, in steps, by trapezia."""
+    """Integrals in steps, by trapezia, from the first of evenly spaced values to each."""
     return np.concatenate([[0.0], np.cumsum((values[1:] + values[:-1]) / 2.0)])
 
 

@@ -36,10 +36,7 @@ LEAST_GAP_RAD = pi / 18.0
 
 
 def kept_teeth(curves: list[Stretch], flanks: Flanks, made: int) -> list[Stretch]:
-    """The curves of ``whole_curves`` for the first ``made`` teeth, and the heel that closes the outline.
-
-    Raises NoSuchMechanism where the toothed arc leaves no room for a heel.
-    """
+    """The first ``made`` teeth of ``whole_curves`` and the heel; raises NoSuchMechanism without room for it."""
     runs, fillets, tips, roots = curves
     last = 2 * made - 1
     sides = [stretch.kept(stretch.owner <= last) for stretch in (runs, fillets, tips)]

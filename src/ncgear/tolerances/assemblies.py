@@ -26,7 +26,7 @@ import numpy as np
 from ncgear.contact.placement import BACK, PUSHING
 from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import Machine
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.arrays import Array, Columns, IndexArray
 from ncgear.numerics.jet import Jet
 from ncgear.ratio.transmission import Pair
 from ncgear.tolerances.drawn import COUNT, Chances, Limits, Source, chances_of, drawn, sources_of, with_source
@@ -51,10 +51,7 @@ class Between:
 
 
 def between(angle_rad: Array, position_rad: Array, cycle_rad: float | None) -> Between:
-    """Angles (shape (n,)) between positions (shape (p,)).
-
-    The first position comes again after ``cycle_rad``.  It is None for a range, which ends at the last position.
-    """
+    """Angles (n,) between positions (p,), the first again after ``cycle_rad``; None for a range with an end."""
     before = np.searchsorted(position_rad, angle_rad, side="right") - 1
     if cycle_rad is None:
         before = np.minimum(before, position_rad.size - 2)
@@ -138,10 +135,9 @@ class Follower:
         return float(np.abs(self._seconds(np.zeros((3, self.even.share.size, 1)))).max())
 
     def peaks(self, error: Array) -> Array:
-        """Largest acceleration with an error of the driven angle and its two derivatives, shape (3, g, N); shape (N,).
+        """Largest acceleration (N,) with an error of the driven angle and two derivatives, (3, g, N), to first order.
 
-        The output's derivatives are followed to first order in the error.  The even angles miss a little of the peak
-        without deviations; this little is added to all other peaks.
+        What the even angles miss of the peak without deviations is added to all peaks.
         """
         missed = self.designed_peak - self.speed_rad_s**2 * self._even_peak
         return np.asarray(self.speed_rad_s**2 * np.abs(self._seconds(error)).max(axis=0) + missed)
@@ -151,8 +147,7 @@ class Follower:
         value, rate, change = error
         first, second, third = self.output[:, :, None]
         speed, acceleration = self.driven[0][:, None] + rate, self.driven[1][:, None] + change
-        seconds: Array = (second + third * value) * speed**2 + (first + second * value) * acceleration
-        return seconds
+        return (second + third * value) * speed**2 + (first + second * value) * acceleration
 
     def slow(self, error_rad: Array) -> Array:
         """The slow part of errors at the positions (shape (p, N)) and its two derivatives, shape (3, g, N)."""
@@ -160,7 +155,7 @@ class Follower:
 
 
 @dataclass(frozen=True, eq=False)
-class PairAssemblies:
+class PairAssemblies(Columns):
     """What one pair of N assemblies does over a cycle of meetings, shape (N,) each.
 
     ``transmission_error_rad`` and ``transmission_error_mm`` are peak to peak: the driven shaft's angle, and this angle
@@ -176,11 +171,6 @@ class PairAssemblies:
     largest_play_mm: Array
     reversal_play_mm: Array
     least_arc: Array
-
-    @classmethod
-    def joined(cls, parts: Sequence[PairAssemblies]) -> PairAssemblies:
-        """Those of all parts, in their order."""
-        return cls(*(np.concatenate([getattr(part, field.name) for part in parts]) for field in fields(cls)))
 
 
 @dataclass(frozen=True, eq=False)

@@ -107,10 +107,7 @@ COUNT = sum(SOURCES.values())
 
 @dataclass(frozen=True, eq=False)
 class Chances:
-    """Numbers between 0 and 1 that N assemblies are drawn from.
-
-    ``pair`` has shape (COUNT, N).  ``teeth`` has shape (2, flanks, N), for TOOTH_SOURCES.
-    """
+    """Numbers from 0 to 1 that N assemblies are drawn from: ``pair`` (COUNT, N), ``teeth`` (2, flanks, N)."""
 
     pair: Array
     teeth: Array
@@ -199,11 +196,7 @@ def active(limits: Limits) -> tuple[str, ...]:
 
 
 def reachable(mesh: LinearMesh, limits: Limits) -> LinearMesh:
-    """The mesh without places of contact that come first in no assembly within the limits.
-
-    Without deviations such a place lies far behind the first place; the deviations of both cannot make up for this
-    distance.
-    """
+    """The mesh without places of contact so far behind the first that no deviations within limits bring them first."""
     counts = np.diff(mesh.first, append=mesh.lead.size)
     leader = np.repeat(mesh.foremost.ravel(), counts)
     tooth = sum(
@@ -229,10 +222,7 @@ def drawn(limits: Limits, chances: Chances) -> Deviations:
 
 
 def deviating(limits: Limits, pair: Array, teeth: Array) -> Deviations:
-    """The deviations of assemblies from the numbers of their pair, shape (COUNT, N), as in ``Chances``.
-
-    ``teeth`` (shape (2, flanks, N)) are the deviations of TOOTH_SOURCES as shares of their limits.
-    """
+    """Deviations of assemblies from their pair's numbers (COUNT, N) and ``teeth`` (2, flanks, N) in limits."""
 
     def planar(source: str, limit: float) -> Array:
         size, direction = pair[rows_of(source)]
@@ -241,8 +231,7 @@ def deviating(limits: Limits, pair: Array, teeth: Array) -> Deviations:
         return np.stack([length * np.cos(angle), length * np.sin(angle)])
 
     def single(source: str) -> Array:
-        numbers: Array = pair[rows_of(source)][0]
-        return numbers
+        return pair[rows_of(source)][0]
 
     low, high = limits.temperature_c
     housing = low + (high - low) * single("temperature") - MADE_C

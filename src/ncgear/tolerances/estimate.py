@@ -34,8 +34,7 @@ some three milliseconds."""
 
 SHAPE = 16.0
 """Shape of the gamma distribution of the backlash that bores, tilts and teeth need.  Its skewness is 2 / sqrt(SHAPE) =
-0.5: the greatest value at many teeth has a longer tail than a normal distribution.
-"""
+0.5: the greatest value at many teeth has a longer tail than a normal distribution."""
 
 FARTHEST = 12.0
 """Standard deviations above the mean beyond which a gamma distribution of that shape has nothing left to speak of."""
@@ -61,11 +60,7 @@ class Teeth:
 
 @dataclass(frozen=True, eq=False)
 class Plays:
-    """The least plays of N assemblies in rad of the driven gear, ``least_rad`` (shape (N,)).
-
-    ``shared`` (shape (3, N)) are the numbers that are the same at all positions: of centre distance, temperature and
-    wear.
-    """
+    """Least plays in rad of N driven gears, and ``shared`` (3, N): centre distance, temperature and wear."""
 
     least_rad: Array
     shared: Array
@@ -128,8 +123,7 @@ def _in_short(values: Values) -> Values:
 def _tightest(touching: IndexArray, stretch: int) -> IndexArray:
     """In each ``stretch`` of positions, the position at which most places touch; ``touching`` is their number."""
     padded = np.append(touching, np.full(-touching.size % stretch, -1)).reshape(-1, stretch)
-    tightest: IndexArray = np.arange(0, touching.size, stretch) + padded.argmax(axis=1)
-    return tightest
+    return np.arange(0, touching.size, stretch) + padded.argmax(axis=1)
 
 
 def _overlapping(places: ContactPlaces, placement: Placement, further: int) -> ContactPlaces:

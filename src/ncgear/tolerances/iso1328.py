@@ -79,10 +79,7 @@ def rounded_um(tolerance_mm: float) -> float:
 
 
 def tooth_diameters_mm(gear: ToothedGear) -> Array:
-    """Diameter of the circle of curvature of the pitch curve where each flank crosses it, shape (flanks,).
-
-    Where the curve is flat or hollow it is the largest diameter of the curve, as far as it has teeth.
-    """
+    """Diameters of curvature where flanks cross, (flanks,); the largest where the curve is flat or hollow."""
     flanks = gear.flanks
     curvature = np.asarray(flanks.curve.at_length(flanks.crossing_mm).curvature)
     toothed = flanks.curve.at_length(flanks.crossing_mm[flanks.is_made]).position

@@ -28,8 +28,7 @@ MM_PER_UM = 1e-3
 
 LEAST_MM = 1.0
 """Size from which on widths follow the standard; below it they are smaller in proportion, since hardly any fit of the
-standard is made there.
-"""
+standard is made there."""
 
 
 def standard_tolerance_mm(grade: int, size_mm: float) -> float | None:

@@ -155,10 +155,7 @@ class LinearMesh:
         return np.asarray(np.maximum.reduceat(lead, self.first, axis=0).reshape(2, self.phi1_rad.size, -1))
 
     def least_arcs(self, of: Deviations) -> Array:
-        """The least arc of contact of any pair of flanks on either side of the teeth, in pitches, shape (N,).
-
-        It is infinite where all pairs touch at an end of a range.
-        """
+        """Least arc of contact of any pair of flanks in pitches, (N,); inf where all touch at an end of a range."""
         arcs: Array = self.arcs[:, None] + self.arc_rates @ of.rigid[:DISPLACING]
         return np.asarray(np.maximum(arcs.min(axis=0, initial=np.inf), 0.0))
 
@@ -182,15 +179,11 @@ class LinearMesh:
         side = np.repeat(np.arange(self.first.size), np.diff(self.first, append=self.lead.size))
         # The last of each group by rising lead.
         order = np.lexsort((self.lead, side))
-        foremost: IndexArray = order[np.append(self.first[1:], self.lead.size) - 1].reshape(2, -1)
-        return foremost
+        return order[np.append(self.first[1:], self.lead.size) - 1].reshape(2, -1)
 
 
 def mesh_of(face: Face, placement: Placement, within_mm: float, *, both_ways: bool = False) -> LinearMesh:
-    """The linear mesh of a pair, with all places that touch when the first places are pressed in by ``within_mm``.
-
-    With ``both_ways`` backs carry and wear as pushing flanks do.
-    """
+    """The linear mesh of all places touching when first ones are pressed in ``within_mm``; backs too ``both_ways``."""
     found = []
     for teeth, height in zip(face.sections, face.heights_mm, strict=True):
         touching = Contacts.joined(contacts_within(teeth, placement, within_mm))

@@ -48,11 +48,7 @@ class OnSides:
     normal: ComplexArray
 
     def deviating(self, turned_rad: Array, added_mm: Array, profile_mm: Array) -> ComplexArray:
-        """The outline with deviations of each side, shape (flanks,) each.
-
-        Each side is turned about the axis, out of the material, and gets more material along its normals: an even part
-        and a slope.
-        """
+        """The outline, each side turned about the axis and with more material along normals: even part and slope."""
         point = self.outline[self.vertex]
         # Normals of fillets lead anywhere.
         on_flank = np.where(self.share > -0.5, along(self.normal, 1j * point), 0.0)
@@ -126,10 +122,7 @@ class Exact:
     both_ways: bool
 
     def leads(self, of: Deviations) -> Array:
-        """The lead of the first contact of one assembly, in rad, shape (2, n).
-
-        Raises NoSuchMechanism where flanks do not meet near to where the linear mesh has them.
-        """
+        """The lead of the first contact in rad, (2, n); raises NoSuchMechanism where flanks do not meet nearby."""
         linear = self.mesh.leads(of)[:, self.rows, 0]
         ends = (-1.0, 1.0) if self.mesh.mirrored and of.tilt.any() else (1.0,)
         found = [self._in(section, of, linear, end * section.height_mm) for section in self.sections for end in ends]
@@ -212,10 +205,7 @@ class LinearError:
 
 
 def linear_errors(exact: Exact, assemblies: Sequence[Deviations]) -> list[LinearError]:
-    """The error of the linear mesh for assemblies, of one each, along the normal, on either side of the teeth.
-
-    What chords cost is taken off: the outlines without deviations have it, too.
-    """
+    """The linear mesh's errors for assemblies along the normals, less those of chords without deviations."""
     mesh, arm = exact.mesh, exact.mesh.arm_mm[:, exact.rows]
     nothing = Deviations(*(np.zeros_like(values) for values in vars(assemblies[0]).values()))
     bare = exact.leads(nothing), mesh.leads(nothing)

@@ -34,8 +34,7 @@ JAMMED_RAD = 1e-9
 
 ALONE = 3e9
 """Places of contact times assemblies up to which this process computes alone, unless processes are asked for.  They
-take some ten seconds, and other processes would hardly have begun by then.
-"""
+take some ten seconds, and other processes would hardly have begun by then."""
 
 OnDone = Callable[[int, int], None]
 
@@ -119,8 +118,7 @@ NORMAL_95 = 1.96
 def surpassed(values: Array, share: float) -> float | None:
     """A value that ``share`` of all assemblies surpass, with 95 % confidence; None where too few are drawn to tell.
 
-    It is the k-th smallest of n drawn values. k is the greatest number for which, with this confidence, more than k - 1
-    of n values lie below the true quantile (Wilks 1941).
+    It is the greatest k-th of n values of which, so surely, more than k - 1 lie below the quantile (Wilks 1941).
     """
     from scipy.stats import binom
 
@@ -152,10 +150,7 @@ class Index:
 
 
 def sobol_tasks(lot: Lot, count: int, seed: int) -> list[Task]:
-    """The tasks of Saltelli's scheme with a source's numbers exchanged at once: A, B, then a set per source.
-
-    ``count`` is a power of two, a multiple of the number of assemblies in a task or less.
-    """
+    """Saltelli's tasks with a source's numbers exchanged: A, B, a set per source, of ``count``, a power of two."""
     half = COUNT * len(lot.pairs)
     points = sobol_points(count, seed, 2 * half)
     own, others = tasks_of(points[:half], seed, 2), tasks_of(points[half:], seed, 3)
@@ -168,10 +163,7 @@ def sobol_tasks(lot: Lot, count: int, seed: int) -> list[Task]:
 
 
 def sobol_indices_of(lot: Lot, found: Assemblies) -> dict[str, tuple[Index, ...]]:
-    """The indices of each of INDEXED from the assemblies of ``sobol_tasks``, the greatest first.
-
-    A figure that does not vary has no indices; a single source has all of the variance.
-    """
+    """The indices of INDEXED from ``sobol_tasks``, the greatest first; none of figures that do not vary."""
     from scipy.stats import sobol_indices
 
     sources, follower = lot.sources, lot.follower
@@ -240,10 +232,7 @@ def first_order(lot: Lot, number: int, tasks: Iterable[Task]) -> FirstOrder:
 
 @dataclass(frozen=True)
 class BetweenPositions:
-    """How far figures of assemblies go, between the positions, beyond their values at them: in mm, at most.
-
-    Eight times as many positions tell this to about a tenth of its value.
-    """
+    """How far figures go between positions beyond those at them, in mm, told to about a tenth."""
 
     assemblies: int
     least_play_mm: float
@@ -268,10 +257,7 @@ NO_TORQUE = 1e-9
 
 
 def reversals(torque_n_mm: Array, *, closed: bool) -> IndexArray:
-    """The positions beside which a torque turns round: around a cycle, or where not ``closed`` from end to end.
-
-    Where gears turn to and fro it turns round at both ends, since loads act against the motion.
-    """
+    """Positions beside which a torque turns round, in a cycle or, not ``closed``, a range with both its ends."""
     sign = signs_of(torque_n_mm)
     count = sign.size
     turning = np.flatnonzero(sign * np.roll(sign, -1) < 0.0)
@@ -287,14 +273,12 @@ def signs_of(torque_n_mm: Array) -> Array:
     known = np.flatnonzero(sign)
     if not known.size:
         return sign
-    kept: Array = sign[known[np.searchsorted(known, np.arange(sign.size), side="right") - 1]]
-    return kept
+    return sign[known[np.searchsorted(known, np.arange(sign.size), side="right") - 1]]
 
 
 FINER, MOST_POSITIONS = 8, 20_000
 """How many times as many positions tell the missed figures, at least twice as many, and the largest number of
-positions.
-"""
+positions."""
 
 CHECKED = 2
 """How many assemblies are checked by their outlines besides the assembly with the least play."""
@@ -344,10 +328,7 @@ def pair_study(
     finer: LinearMesh,
     exact: Exact,
 ) -> PairStudy:
-    """What the pair ``number`` of a lot does in the assemblies found of the tasks, and as designed.
-
-    ``finer`` is its mesh at ``finer_by`` times as many positions, and ``exact`` the mesh by outlines.
-    """
+    """What pair ``number`` does in found assemblies of tasks; ``finer`` has more positions, ``exact`` outlines."""
     pair = lot.pairs[number]
 
     def one_of(assembly: int) -> Deviations:

@@ -22,7 +22,7 @@ import numpy as np
 from ncgear.errors import below, renamed
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
-from ncgear.numerics.extrema import Extremum, extremes
+from ncgear.numerics.extrema import extremes
 from ncgear.numerics.jet import Jet
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
@@ -30,13 +30,13 @@ from ncgear.ratio.laws.closed_curve import ClosedCurve, SmoothPart
 from ncgear.ratio.laws.pitch_curve import GivenCurve, closed_law
 from ncgear.ratio.transmission import Lobes, Piece, Transmission
 from ncgear.teeth.backlash import require_teeth
-from ncgear.teeth.fitting import PairTips, least_overlap
+from ncgear.teeth.fitting import PairTips, least_contact_ratio
 from ncgear.teeth.form import Backlash, Cutter, CutterKind, ToothForm
 from ncgear.teeth.gear import ToothedGear, pair_tips, toothed_gear
 from ncgear.teeth.outline import ChordTolerance
 from ncgear.teeth.tips import Tips, held_below
 from ncgear.teeth.tool import least_concave_radius_mm, most_teeth
-from ncgear.trains.train import Condition, GearMesh, Part, Poses, Told, Train, mirrored
+from ncgear.trains.train import GearMesh, Part, Poses, Told, Train, contact_condition, mirrored
 
 BENDS = "train.bends_deg"
 
@@ -89,12 +89,9 @@ class Row:
             whole, angle = whole * one.derivative(1), one.value
         return Jet(np.stack([whole, whole * bend])).truncated(order)
 
-    def beta_rad(self, number: int) -> float:
-        """beta of the idler ``number``, from 1 on."""
-        return _beta(self.directions_rad, number)
-
 
 def _beta(directions_rad: Sequence[float], number: int) -> float:
+    """beta of the idler ``number``, from 1 on."""
     bend = directions_rad[number] - directions_rad[number - 1]
     return (pi + (bend if number % 2 == 0 else -bend)) % (2.0 * pi)
 
@@ -157,15 +154,14 @@ def row_gears(row: Row, form: ToothForm, tolerance_mm: float) -> tuple[list[Toot
     for number, pair in enumerate(row.pairs):
         rolled = 0.0
         if number:
-            turned = np.array([row.beta_rad(number)])
+            turned = np.array([_beta(row.directions_rad, number)])
             rolled = float(pair.arc.length(turned)[0]) * pair.center_distance_mm
             advance = (advance + form.rack.pitch_mm / 2.0 + rolled + thinner) % form.rack.pitch_mm
         both = pair_tips(pair, form, advance)[1]
         made.append(both)
         tips = [*tips[:-1], _as_low_as_both(tips[-1], both[0], rolled), both[1]] if number else list(both)
-    ratio = min(map(least_overlap, made)) / (float(form.rack.slants[0].height_per_rolled) * form.rack.pitch_mm)
     chords = ChordTolerance(tolerance_mm, tolerance_mm)
-    return [toothed_gear(one, chords) for one in tips], ratio
+    return [toothed_gear(one, chords) for one in tips], min(least_contact_ratio(both) for both in made)
 
 
 def _as_low_as_both(first: Tips, second: Tips, rolled_mm: float) -> Tips:
@@ -202,8 +198,8 @@ def chain_train(
 
 
 def _told(row: Row, contact_ratio: float) -> Told:
-    """What a row tells of itself."""
-    slow, fast = _slope_range(row)
+    # Of the last gear over the first one
+    slow, fast = extremes(lambda driving: row.slope(driving, 1), 0.0, row.cycle_rad)
     distances = [pair.center_distance_mm for pair in row.pairs]
     convex = [pair.convex(gear) for pair in row.pairs for gear in Gear]
     rows = (
@@ -223,12 +219,5 @@ def _told(row: Row, contact_ratio: float) -> Told:
         "ratio_max": 1.0 / slow.value,
         "contact_ratio_min": contact_ratio,
     }
-    met = f"{contact_ratio:.3g} pairs of teeth in mesh at least"
-    followed = contact_ratio > 1.0
-    condition = Condition("contact ratio", followed, met, () if followed else ("more teeth (train.gears.teeth)",))
+    condition = contact_condition(contact_ratio, "more teeth (train.gears.teeth)")
     return Told(f"{row.count} gears in a row", rows, figures, (condition,))
-
-
-def _slope_range(row: Row) -> tuple[Extremum, Extremum]:
-    """The least and the greatest speed of the last gear over the first one's, over the cycle, with driving angles."""
-    return extremes(lambda driving: row.slope(driving, 1), 0.0, row.cycle_rad)

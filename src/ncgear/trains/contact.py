@@ -14,6 +14,8 @@ import numpy as np
 
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, Mask
+from ncgear.numerics.highest import golden_section
+from ncgear.numerics.plane import as_complex, as_points
 from ncgear.pitch.shape import Mesh
 from ncgear.trains.train import Part, Train
 
@@ -29,18 +31,13 @@ FEW_MESHES, LEAST_POSITIONS = 4, 61
 SEARCHED = 3
 """Worst positions about which the extreme is searched."""
 
-NARROWINGS = 12
-"""Steps of the search; each leaves 0.62 of the interval, together 3 thousandths of a step between positions."""
-
-GOLDEN = (5.0**0.5 - 1.0) / 2.0
+NARROWED = 8e-3
+"""Share of a step between positions to which an extreme is closed in."""
 
 
 @dataclass(frozen=True)
 class MeshContact:
-    """How two parts in mesh meet over a cycle: greatest penetration and greatest gap in mm, with their driving angles.
-
-    ``deepest_mm`` is 0 where nothing overlaps.
-    """
+    """How two parts in mesh meet over a cycle: greatest penetration (or 0) and gap in mm, with driving angles."""
 
     first: str
     second: str
@@ -98,23 +95,13 @@ def _angles(train: Train) -> Array:
 def _greatest(value: Callable[[float], float], angles: Array, found: Array) -> tuple[float, float]:
     """The greatest value and its driving angle: the worst positions are searched by golden sections."""
     best, at = float(found.max()), float(angles[np.argmax(found)])
-    step = angles[1] - angles[0]
+    step = float(angles[1] - angles[0])
     for number in np.argsort(found)[::-1][:SEARCHED]:
-        low, high = angles[number] - step, angles[number] + step
-        left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
-        at_left, at_right = value(left), value(right)
-        for _ in range(NARROWINGS):
-            if at_left > at_right:
-                high, right, at_right = right, left, at_left
-                left = high - GOLDEN * (high - low)
-                at_left = value(left)
-            else:
-                low, left, at_left = left, right, at_right
-                right = low + GOLDEN * (high - low)
-                at_right = value(right)
-        there, highest = (left, at_left) if at_left > at_right else (right, at_right)
-        if highest > best:
-            best, at = highest, float(there)
+        middle = float(angles[number])
+        near = golden_section(lambda angle: -value(angle), middle - step, middle + step, NARROWED * step)
+        least = min(near, key=lambda one: one.value)
+        if -least.value > best:
+            best, at = -least.value, least.at
     return best, at
 
 
@@ -136,7 +123,7 @@ class _Meeting:
     def __init__(self, first_mm: Array, second_mm: Array, *, ring: bool) -> None:
         import shapely
 
-        self._first, self._second = (one @ np.array([1.0, 1.0j]) for one in (first_mm, second_mm))
+        self._first, self._second = map(as_complex, (first_mm, second_mm))
         self._reach = float(np.abs(self._first).max()), float(np.abs(self._second).max())
         self._inner = float(np.abs(self._second).min())
         self._ring = ring
@@ -149,12 +136,8 @@ class _Meeting:
         import shapely
 
         second = place + self._second * turn
-        if self._ring:
-            near = np.abs(second) <= self._reach[0] + NEAR_MM
-            inside_own = np.abs(self._first - place) >= self._inner - NEAR_MM
-        else:
-            near = np.abs(second) <= self._reach[0] + NEAR_MM
-            inside_own = np.abs(self._first - place) <= self._reach[1] + NEAR_MM
+        near, away = np.abs(second) <= self._reach[0] + NEAR_MM, np.abs(self._first - place)
+        inside_own = away >= self._inner - NEAR_MM if self._ring else away <= self._reach[1] + NEAR_MM
         if not near.any() or not inside_own.any():
             return 0.0, float(np.abs(self._first[:, None] - second[None, :]).min())
         mine, theirs = _lines(self._first, inside_own), _lines(second, near)
@@ -182,8 +165,7 @@ def _lines(outline: ComplexArray, kept: Mask) -> object:
     import shapely
 
     if kept.all():
-        closed = np.append(outline, outline[:1])
-        return shapely.LineString(np.stack([closed.real, closed.imag], axis=-1))
+        return shapely.LineString(as_points(np.append(outline, outline[:1])))
     wide = kept | np.roll(kept, 1) | np.roll(kept, -1)
     start = 0 if wide.all() else int(np.argmin(wide))
     order = np.roll(np.arange(outline.size), -start)
@@ -201,17 +183,13 @@ def distances_of(train: Train, outlines_mm: Mapping[str, Array]) -> list[Distanc
         for second in train.parts[number + 1 :]:
             if frozenset((first.name, second.name)) in meshing or not first.overlaps(second):
                 continue
-            if _one_body(train, first, second) or first.rim_mm is not None or second.rim_mm is not None:
+            one_body = _body(train, first) == _body(train, second)
+            if one_body or first.rim_mm is not None or second.rim_mm is not None:
                 continue
             one = _distance(train, first, second, outlines_mm)
             if one is not None:
                 found.append(one)
     return found
-
-
-def _one_body(train: Train, first: Part, second: Part) -> bool:
-    """Whether two parts move as one."""
-    return _body(train, first) == _body(train, second)
 
 
 def _body(train: Train, part: Part) -> str:
@@ -232,27 +210,22 @@ def _distance(train: Train, first: Part, second: Part, outlines_mm: Mapping[str,
     if apart.min() > 0.0:
         return None
     area = shapely.Polygon(outlines_mm[first.name])
-    other = outlines_mm[second.name] @ np.array([1.0, 1.0j])
+    other = as_complex(outlines_mm[second.name])
 
-    def inward(angle: float) -> float:
-        (at,), (turned,) = relative(np.array([angle]))
+    def inward(at: complex, turned: complex) -> float:
         return -_signed_distance(area, at + other * turned)
 
-    found = np.array(
-        [
-            -np.inf if far > 0.0 else -_signed_distance(area, at + other * turned)
-            for far, at, turned in zip(apart, place, turn, strict=True)
-        ]
-    )
-    worst, at_rad = _greatest(inward, angles, found)
+    each = zip(apart, place, turn, strict=True)
+    found = np.array([-np.inf if far > 0.0 else inward(at, turned) for far, at, turned in each])
+    worst, at_rad = _greatest(lambda angle: inward(*np.ravel(relative(np.array([angle])))), angles, found)
     return Distance(first.name, second.name, -worst, at_rad)
 
 
-def _signed_distance(area: Polygon, points: Array) -> float:
+def _signed_distance(area: Polygon, points: ComplexArray) -> float:
     """Distance of a polygon from the polygon of complex points; where they overlap, minus the root of that area."""
     import shapely
 
-    other = shapely.Polygon(np.stack([points.real, points.imag], axis=-1))
+    other = shapely.Polygon(as_points(points))
     distance = float(area.distance(other))
     return distance if distance > 0.0 else -(float(area.intersection(other).area) ** 0.5)
 

@@ -121,8 +121,8 @@ def loads_of(train: Train, density_kg_m3: float, put: Sequence[PutMass], gravity
         force -= inertia
         moment -= ((center - axis).conj() * inertia).imag + body.kg_mm2 * faster * speed**2
         total += body.kg
-    way = np.sign(_carrier_way(train, poses.angle_rad))
-    around = np.exp(1j * way * driving)
+    carrier = poses.angle_rad[train.number(train.driving)]
+    around = np.exp(1j * np.sign(carrier[-1] - carrier[0]) * driving)
     weight = complex(-np.mean(force * around.conj())) / speed**2
     left = force + weight * speed**2 * around
     # kg mm2/s2 are uN m, kg mm/s2 are mN
@@ -131,15 +131,9 @@ def loads_of(train: Train, density_kg_m3: float, put: Sequence[PutMass], gravity
     )
 
 
-def _carrier_way(train: Train, angles_rad: Array) -> float:
-    turned = angles_rad[train.number(train.driving)]
-    return float(turned[-1] - turned[0])
-
-
 def _derivative(values: ComplexArray, order: int, period: float) -> ComplexArray:
     """Derivative of a periodic function from evenly spaced values of a period, shape (n,)."""
     waves = np.fft.fftfreq(values.size, period / values.size) * 2j * pi
     # The highest wave has no derivative of odd order at these places.
     waves[values.size // 2] *= 1 - order % 2
-    found: ComplexArray = np.fft.ifft(np.fft.fft(values) * waves**order)
-    return found
+    return np.fft.ifft(np.fft.fft(values) * waves**order)

@@ -33,7 +33,7 @@ from ncgear.pitch.lobed import LobedCurves
 from ncgear.pitch.rolled import circle
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.teeth.backlash import require_teeth
-from ncgear.teeth.fitting import PairTips, fitted_pair, least_overlap
+from ncgear.teeth.fitting import PairTips, fitted_pair, least_contact_ratio
 from ncgear.teeth.flank import flanks_of
 from ncgear.teeth.form import Backlash, BasicRack, TipLimits
 from ncgear.teeth.fouling import refuse_fouling_cutter
@@ -42,7 +42,7 @@ from ncgear.teeth.outline import ChordTolerance
 from ncgear.teeth.sides import refuse_sharp_curve
 from ncgear.teeth.tips import Tips, held_below
 from ncgear.teeth.tool import FEWER_TEETH, HARMLESS, MOST_TEETH, PinionCircle, RackLine, gouged_mm
-from ncgear.trains.train import GROUND, Condition, GearMesh, Part, Poses, Told, Train
+from ncgear.trains.train import GROUND, Condition, GearMesh, Part, Poses, Told, Train, contact_condition
 
 
 @dataclass(frozen=True)
@@ -120,11 +120,9 @@ def motor_gears(curves: LobedCurves, teeth: MotorTeeth, tolerance_mm: float) -> 
         refuse_fouling_cutter(tips)
     inner = held_below(inner, np.full(inner.flanks.count, float(planet.flanks.tip_height_mm.min())))
     pairs: tuple[PairTips, PairTips] = ((sun, planet), (inner, ring))
-    slant = rack.slants[0]
-    ratio = min(map(least_overlap, pairs)) / (float(slant.height_per_rolled) * rack.pitch_mm)
     chords = ChordTolerance(tolerance_mm, tolerance_mm)
     made = [toothed_gear(tips, chords) for tips in (sun, planet, ring)]
-    return MotorGears(made[0], made[1], made[2], ratio)
+    return MotorGears(made[0], made[1], made[2], min(map(least_contact_ratio, pairs)))
 
 
 def _cutter(curve: ClosedPitchCurve, teeth: MotorTeeth) -> PinionCircle:
@@ -258,7 +256,6 @@ def _told(
     speed_rpm: float,
     pressure_mpa: float | None,
 ) -> Told:
-    """What a motor tells of itself."""
     root_mm = curves.planet_radius_mm - float(gears.planet.flanks.root_depth_mm.max())
     ports = chambers.ports(root_mm)
     least, most = chambers.dead_spaces
@@ -368,14 +365,13 @@ def _over_a_cycle(chambers: Chambers) -> list[dict[str, float]]:
 
 
 def _conditions(gears: MotorGears, port_mm: float) -> tuple[Condition, ...]:
-    sealed, followed = port_mm > 0.0, gears.contact_ratio > 1.0
+    sealed = port_mm > 0.0
     covered = "planets cover every port at the dead spaces beside it"
     if not sealed:
         covered = f"no planet covers a port at both dead spaces beside it: they miss it by {-port_mm:.3g} mm"
-    met = f"{gears.contact_ratio:.3g} pairs of teeth in mesh at least"
     return (
         Condition("dead spaces", sealed, covered, () if sealed else ("larger planets: fewer teeth per lobe",)),
-        Condition("contact ratio", followed, met, () if followed else CURES),
+        contact_condition(gears.contact_ratio, *CURES),
     )
 
 

@@ -17,14 +17,14 @@ from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.pitch.moving_axes import MovingAxes
 from ncgear.pitch.shape import Gear
 from ncgear.teeth.backlash import require_teeth
-from ncgear.teeth.fitting import fitted_pair, least_overlap
+from ncgear.teeth.fitting import fitted_pair, least_contact_ratio
 from ncgear.teeth.flank import flanks_of
 from ncgear.teeth.form import ToothForm
 from ncgear.teeth.gear import ToothedGear, toothed_gear
 from ncgear.teeth.outline import ChordTolerance
 from ncgear.teeth.sides import refuse_sharp_curve
 from ncgear.teeth.tool import RackLine, Tool
-from ncgear.trains.train import Condition, GearMesh, Part, Poses, Told, Train
+from ncgear.trains.train import GearMesh, Part, Poses, Told, Train, contact_condition
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,10 +37,7 @@ class MovingGears:
 
 
 def module_mm(axes: MovingAxes, teeth: int) -> float:
-    """The module with which the driving gear has so many teeth.
-
-    Raises NoSuchMechanism where the driven gear would not have a whole number.
-    """
+    """The module of so many driving teeth; raises NoSuchMechanism where driven ones would not be whole."""
     lobes = axes.lobes
     if teeth * lobes.driven % lobes.driving:
         raise NoSuchMechanism(
@@ -74,25 +71,17 @@ def moving_gears(axes: MovingAxes, teeth: int, form: ToothForm, tolerance_mm: fl
         flanks_of(second, rack, teeth * lobes.driven // lobes.driving, tools[1], 2.0 * quarter, (thinner, quarter)),
         form.limits,
     )
-    ratio = least_overlap(tips) / (float(rack.slants[0].height_per_rolled) * rack.pitch_mm)
     chords = ChordTolerance(tolerance_mm, tolerance_mm)
     driving, driven = (toothed_gear(one, chords) for one in tips)
-    return MovingGears(driving, driven, ratio)
-
-
-@dataclass(frozen=True)
-class MovingBodies:
-    """Width of both gears and diameter of their bores in mm."""
-
-    face_width_mm: float
-    bore_mm: float | None
+    return MovingGears(driving, driven, least_contact_ratio(tips))
 
 
 def moving_train(
     axes: MovingAxes,
     teeth: int,
     form: ToothForm,
-    bodies: MovingBodies,
+    face_width_mm: float,
+    bore_mm: float | None,
     speed_rpm: float,
     tolerance_mm: float,
     radius_mm: float | None,
@@ -101,7 +90,7 @@ def moving_train(
     with below("train"):
         gears = moving_gears(axes, teeth, form, tolerance_mm)
     parts = tuple(
-        Part(name, gear.outline_mm, bodies.face_width_mm, gear.teeth, bore_mm=bodies.bore_mm)
+        Part(name, gear.outline_mm, face_width_mm, gear.teeth, bore_mm=bore_mm)
         for name, gear in (("driving", gears.driving), ("driven", gears.driven))
     )
 
@@ -117,7 +106,6 @@ def moving_train(
 
 
 def _told(axes: MovingAxes, gears: MovingGears, module: float, speed_rpm: float, radius_mm: float | None) -> Told:
-    """What the pair tells of itself."""
     near, far = axes.extremes(axes.distance)
     slow, fast = axes.extremes(lambda phi, order: axes.distance(phi, order + 1).differentiated())
     offset = max(abs(one.value) for one in axes.extremes(lambda phi, order: axes.pitch_point(phi, order)[1]))
@@ -150,12 +138,6 @@ def _told(axes: MovingAxes, gears: MovingGears, module: float, speed_rpm: float,
         "undercut": undercut,
         "contact_ratio_min": gears.contact_ratio,
     }
-    followed = gears.contact_ratio > 1.0
-    contact = Condition(
-        "contact ratio",
-        followed,
-        f"{gears.contact_ratio:.3g} pairs of teeth in mesh at least",
-        () if followed else ("more teeth (train.gears.teeth)", "a smaller range of distances"),
-    )
+    contact = contact_condition(gears.contact_ratio, "more teeth (train.gears.teeth)", "a smaller range of distances")
     head = f"pair on a moving axis, {near.value:.5g} to {far.value:.5g} mm apart"
     return Told(head, tuple(rows), figures, (contact,))

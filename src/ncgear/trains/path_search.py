@@ -21,9 +21,8 @@ from ncgear.trains.tip_path import GRID, NOT_PASSED, Refused, TipMotion, WishedP
 class PathLimits:
     """What the train has to keep: the largest tangent angle of the pitch curves in rad, the teeth, and the lengths.
 
-    Of curvatures times module the gears bear ``CONCAVE`` to ``CONVEX``.  The middle lines of ``arms`` arms, evenly
-    spread, stay ``apart_mm`` from each other.  The carrier's axis is sought between two corners, ``low`` and ``high``,
-    or anywhere where they are None.
+    The middle lines of ``arms`` evenly spread arms stay ``apart_mm`` apart.  The carrier's axis is sought between
+    the corners ``low`` and ``high``, or anywhere where they are None.
     """
 
     tangent_rad: float
@@ -46,8 +45,7 @@ class PathLimits:
 CONCAVE, CONVEX = 0.16, 0.45
 """Curvature times module that teeth bear on dented and on bulging stretches.
 
-Of 144 random pitch curves within these all had gears.
-"""
+Of 144 random pitch curves within these all had gears."""
 
 
 def pair_figures(motion: TipMotion) -> Array:
@@ -126,8 +124,7 @@ def segment_distances(a: ComplexArray, b: ComplexArray, c: ComplexArray, d: Comp
     def from_end(p: ComplexArray, q: ComplexArray, r: ComplexArray) -> Array:
         step = q - p
         share = np.clip(((r - p) * step.conj()).real / np.abs(step) ** 2, 0.0, 1.0)
-        distance: Array = np.abs(r - p - share * step)
-        return distance
+        return np.abs(r - p - share * step)
 
     cross = (side(a, b, c) * side(a, b, d) < 0.0) & (side(c, d, a) * side(c, d, b) < 0.0)
     least = np.min([from_end(a, b, c), from_end(a, b, d), from_end(c, d, a), from_end(c, d, b)], axis=0)
@@ -139,10 +136,7 @@ LEAST_RATIO = 0.02
 
 
 def found_motion(path: WishedPath, limits: PathLimits, axis: complex | None) -> TipMotion:
-    """The motion with the least burden among all axes, or about a given one.
-
-    Raises NoSuchMechanism with where and why none is possible, key ``path``.
-    """
+    """The motion of least burden about any axis or the given one; raises NoSuchMechanism, with where and why."""
     from scipy.optimize import minimize
 
     size = float(np.abs(path.points - path.points.mean()).max())
@@ -215,12 +209,6 @@ TOOL_WEIGHT = 5.0
 
 def tool_mount(motion: TipMotion, path: WishedPath) -> tuple[float, float]:
     """The angle of the tool against the arm with which its angles are missed least, and the most that one is missed."""
-    errors = _tool_errors(motion, path)
-    return float(errors.max() + errors.min()) / 2.0, float(errors.max() - errors.min()) / 2.0
-
-
-def _tool_errors(motion: TipMotion, path: WishedPath) -> Array:
-    """Angles of the tool that are wished for less those of the arm at the nearest places, rad, shape (k,)."""
     w, u = motion.turn
     places, sense = motion.tip_where(w, u), -1.0 if motion.clockwise else 1.0
     arm = sense * (u - w)
@@ -228,12 +216,11 @@ def _tool_errors(motion: TipMotion, path: WishedPath) -> Array:
     for number, angle in path.tool_rad:
         nearest = int(np.argmin(np.abs(places - path.points[number])))
         found.append(angle - arm[nearest])
-    first = found[0]
-    return np.array([first + np.angle(np.exp(1j * (one - first))) for one in found])
+    errors = found[0] + np.angle(np.exp(1j * (np.array(found) - found[0])))
+    return float(errors.max() + errors.min()) / 2.0, float(errors.max() - errors.min()) / 2.0
 
 
 def _accepted(found: TipMotion | Refused, path: WishedPath, limits: PathLimits) -> TipMotion:
-    """The motion, or a refusal with where and why and what helps."""
     helps = "another order of the points, more distance between them, a larger tolerance_mm, or leave axis_mm out"
     if isinstance(found, Refused):
         raise NoSuchMechanism(f"no carrier passes the points: {found.words}; {helps}", key="path.points_mm")

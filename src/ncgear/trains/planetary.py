@@ -17,7 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import field
-from math import pi
+from math import acos, ceil, pi
 
 import numpy as np
 
@@ -30,7 +30,6 @@ from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Mesh
 from ncgear.ratio.transmission import Transmission
 from ncgear.teeth.gear import ToothedPair
-from ncgear.trains.bars import bar_mm
 from ncgear.trains.tip_path import TipMotion, WishedPath
 from ncgear.trains.train import (
     GROUND,
@@ -273,23 +272,16 @@ def planetary_train(
         offset = 2.0 * pi * number / arms
         return driving + stand.start_rad + offset, against * driving + offset
 
-    def way_of_gear(gear: GearOfChain, number: int) -> Callable[[Array], tuple[Array, Array]]:
+    def way_of(place: complex, angle: OfAngle, number: int) -> Callable[[Array], tuple[Array, Array]]:
         def way(driving: Array) -> tuple[Array, Array]:
             direction, u = chain_rad(driving, number)
-            return gear.place * np.exp(1j * direction), direction + gear.angle(u)
-
-        return way
-
-    def way_of_arm(arm: Arm, number: int) -> Callable[[Array], tuple[Array, Array]]:
-        def way(driving: Array) -> tuple[Array, Array]:
-            direction, u = chain_rad(driving, number)
-            return chain.carrier_mm * np.exp(1j * direction), direction - chain.planet_rad(u) + arm.angle_rad
+            return place * np.exp(1j * direction), direction + angle(u)
 
         return way
 
     fixed = GROUND if sun_turns == 0.0 else ""
     parts.append(Part(sun.name, sun.outline_mm, width, sun.teeth, bore_mm=bodies.bore_mm, fixed_to=fixed))
-    ways.append(way_of_gear(sun, 0))
+    ways.append(way_of(sun.place, sun.angle, 0))
     traces = []
     for number in range(arms):
         end = f"_{number + 1}" if arms > 1 else ""
@@ -301,13 +293,13 @@ def planetary_train(
                     named[gear.name], gear.outline_mm, width, gear.teeth, step * gear.layer, bodies.bore_mm, None, body
                 )
             )
-            ways.append(way_of_gear(gear, number))
+            ways.append(way_of(gear.place, gear.angle, number))
         meshes += [GearMesh(named[one], named[other]) for one, other in chain.meshes]
         if arm is not None:
-            outline = bar_mm([0j, complex(arm.length_mm)], bodies.bar_width_mm, tolerance_mm)
+            outline = _bar_mm([0j, complex(arm.length_mm)], bodies.bar_width_mm, tolerance_mm)
             name, low = f"arm{end}", step * layers
             parts.append(Part(name, outline, width, 0, low, bodies.bore_mm, None, named["planet"]))
-            ways.append(way_of_arm(arm, number))
+            ways.append(way_of(chain.carrier_mm, lambda u: arm.angle_rad - chain.planet_rad(u), number))
             traces.append(Trace(f"path{end}", name, (arm.length_mm, 0.0), arm.wished_mm))
     parts.append(_carrier(chain, arms, bodies, tolerance_mm))
     ways.append(lambda driving: (np.zeros_like(driving, dtype=complex), driving + stand.start_rad))
@@ -325,25 +317,46 @@ def planetary_train(
     return seen_from_behind(made) if stand.clockwise else made
 
 
+def _bar_mm(axes: Sequence[complex], width_mm: float, tolerance_mm: float) -> Array:
+    """The outline of all points within half the width of the line through axes, shape (n, 2), counter-clockwise.
+
+    Axes are complex numbers in mm, two or more; round ends are chords within the tolerance.
+    """
+    from shapely import LineString
+
+    radius = width_mm / 2.0
+    quarter = max(ceil(pi / 4.0 / acos(1.0 - min(tolerance_mm / radius, 0.5))), 4)
+    area = LineString(as_points(np.asarray(axes))).buffer(radius, quad_segs=quarter)
+    outline: Array = np.asarray(area.exterior.coords)[:-1]
+    if area.exterior.is_ccw:
+        return outline
+    return outline[::-1]
+
+
 def _carrier(chain: Chain, arms: int, bodies: Bodies, tolerance_mm: float) -> Part:
     """The carrier under all gears: bars along the axes of every arm, from the sun's axis on."""
+    from shapely import Polygon, union_all
+    from shapely.geometry.polygon import orient
+
     axes = list(dict.fromkeys(gear.place for gear in chain.gears))
     turns = [np.exp(2j * pi * number / arms) for number in range(arms)]
-    outline = _united([bar_mm([axis * turn for axis in axes], bodies.bar_width_mm, tolerance_mm) for turn in turns])
+    bars = [_bar_mm([axis * turn for axis in axes], bodies.bar_width_mm, tolerance_mm) for turn in turns]
+    whole = orient(union_all([Polygon(bar) for bar in bars]).simplify(NEGLIGIBLE_MM))
     holes: Sequence[complex] = [] if bodies.bore_mm is None else [axis * turn for turn in turns for axis in axes[1:]]
     low = -bodies.face_width_mm - GAP_MM
     drilled = tuple(PinHole(hole.real, hole.imag, bodies.bore_mm or 0.0) for hole in holes)
-    return Part("carrier", outline, bodies.face_width_mm, 0, low, bodies.bore_mm, None, "", drilled)
+    return Part(
+        "carrier",
+        np.asarray(whole.exterior.coords)[:-1],
+        bodies.face_width_mm,
+        0,
+        low,
+        bodies.bore_mm,
+        None,
+        "",
+        drilled,
+    )
 
 
 NEGLIGIBLE_MM = 1e-4
 """By how much the outline of united bars may be simplified: slivers of rounding, which no mesh of triangles bears."""
-
-
-def _united(outlines: Sequence[Array]) -> Array:
-    """The outer boundary of outlines that have a place in common, counter-clockwise, shape (n, 2)."""
-    from shapely import Polygon, union_all
-    from shapely.geometry.polygon import orient
-
-    whole = orient(union_all([Polygon(outline) for outline in outlines]).simplify(NEGLIGIBLE_MM))
-    return np.asarray(whole.exterior.coords)[:-1]

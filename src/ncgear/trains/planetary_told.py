@@ -8,7 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.numerics.arrays import Array
+from ncgear.numerics.arrays import ComplexArray
+from ncgear.numerics.plane import as_complex
 from ncgear.pitch.pair import PitchPair
 from ncgear.pitch.shape import Gear
 from ncgear.trains.loads import TrainLoads
@@ -36,9 +37,9 @@ def told_of(
     loads: TrainLoads | None,
 ) -> Told:
     """What is told of a train, the pairs of one arm given, first that of the sun."""
-    arms = sum(name.name.startswith("planet") for name in train.parts)
-    poses = train.poses_at(np.zeros(1))
-    sun, planet = (complex(poses.places(number)[0][0]) for number in (0, _first(train, "planet")))
+    planets = [number for number, part in enumerate(train.parts) if part.name.startswith("planet")]
+    arms, poses = len(planets), train.poses_at(np.zeros(1))
+    sun, planet = (complex(poses.places(number)[0][0]) for number in (0, planets[0]))
     pressure = max(pitch.largest_pressure_angle_deg(rack_rad) for pitch in pitches)
     dented = [-1.0 / radius for pitch in pitches for gear in Gear if (radius := pitch.least_concave_radius_mm(gear))]
     figures: dict[str, Any] = {
@@ -82,10 +83,6 @@ def told_of(
         figures |= load_figures
     head = f"planetary train, {idler} idler, {arms} arm{'s' * (arms > 1)}, {train.speed_rpm:g} turns a minute"
     return Told(head, tuple(rows), figures, (*conditions, *unknown))
-
-
-def _first(train: Train, name: str) -> int:
-    return next(number for number, part in enumerate(train.parts) if part.name.startswith(name))
 
 
 def _closing(train: Train) -> Condition:
@@ -141,7 +138,7 @@ def _of_path(
     trace = train.traces[0]
     angles = np.linspace(0.0, train.cycle_rad, PATH_POINTS)
     path = train.trace_mm(trace, angles)
-    places = path @ np.array([1.0, 1.0j])
+    places = as_complex(path)
     arm = float(np.hypot(*trace.at_mm))
     per_second = train.speed_rpm * 2.0 * pi / 60.0
     speed = np.gradient(places, angles) * per_second
@@ -169,7 +166,7 @@ def _of_path(
 
 
 def _over_ground(
-    places: Array, speed: Array, train: Train, forward_mm_s: float
+    places: ComplexArray, speed: ComplexArray, train: Train, forward_mm_s: float
 ) -> tuple[tuple[str, str], dict[str, Any]]:
     """How the tip moves over the ground where it is lowest, and how far its places there are from each other."""
     lowest = int(np.argmin(places.imag))

@@ -77,10 +77,7 @@ class WishedPath:
 
         They are named by the point before them, and have the smaller tolerance of both ends.
         """
-        points: list[complex] = []
-        tolerances: list[float] = []
-        named: list[int] = []
-        at: list[int] = []
+        points, tolerances, named, at = list[complex](), list[float](), list[int](), list[int]()
         for place, point in enumerate(self.points):
             following = (place + 1) % self.points.size
             steps = STRAIGHT + 1 if place in after else 1
@@ -122,8 +119,7 @@ class TipMotion:
     def tip_where(self, w: Array, u: Array) -> ComplexArray:
         """The path where planet and carrier have turned by w and u, shape (n,) all."""
         there = self.carrier_mm * np.exp(1j * u) + self.arm_mm * np.exp(1j * (u - w))
-        path: ComplexArray = self.axis + (there.conj() if self.clockwise else there)
-        return path
+        return self.axis + (there.conj() if self.clockwise else there)
 
     def ratio(self, count: int) -> tuple[Array, Array]:
         """Angles w that divide a turn evenly, and du/dw there, shape (count,) each."""
@@ -171,10 +167,7 @@ class Refused:
 def motion_from(
     path: WishedPath, axis: complex, beyond_mm: tuple[float, float], *, clockwise: bool
 ) -> TipMotion | Refused:
-    """The smoothest motion about an axis whose path passes the points.
-
-    ``beyond_mm`` is by how much the path goes beyond the farthest and the nearest point.
-    """
+    """The smoothest motion about an axis through all points, with how far it goes beyond the outermost two."""
     seen = path.mirrored if clockwise else path
     arms = seen.points - (axis.conjugate() if clockwise else axis)
     r, theta = np.abs(arms), np.unwrap(np.angle(arms))
@@ -227,9 +220,7 @@ def _turns_of(path: WishedPath, r: Array, far: float, near: float) -> Array | Re
     # The farthest and the nearest point stand on the side on which their farther neighbour of the two lies.
     if falls[1] > falls[-1]:
         turned[0] = -turned[0]
-    if falls[(back + 1) % count] < falls[back - 1]:
-        turned[back] = turned[back]
-    else:
+    if falls[(back + 1) % count] >= falls[back - 1]:
         turned[back] = 2.0 * pi - turned[back]
     found = np.empty(count)
     found[order] = turned
@@ -276,10 +267,8 @@ FREE = 1000.0
 def _link_rad(w: Array, carrier: float, arm: float) -> Array:
     """arg(s + l exp(-i w)), continuous in w: it swings about 0 where s is longer, else it falls with w."""
     if carrier > arm:
-        found: Array = np.angle(carrier + arm * np.exp(-1j * w))
-    else:
-        found = -w + np.angle(arm + carrier * np.exp(1j * w))
-    return found
+        return np.angle(carrier + arm * np.exp(-1j * w))
+    return -w + np.angle(arm + carrier * np.exp(1j * w))
 
 
 def missed_mm(motion: TipMotion, path: WishedPath) -> Array:
@@ -292,8 +281,7 @@ def distances_mm(points: ComplexArray, places: ComplexArray) -> Array:
     start, step = places[:-1], np.diff(places)
     from_start = points[:, None] - start
     share = np.clip((from_start * step.conj()).real / np.abs(step) ** 2, 0.0, 1.0)
-    distance: Array = np.abs(from_start - share * step).min(axis=1)
-    return distance
+    return np.abs(from_start - share * step).min(axis=1)
 
 
 FINE = 2880

@@ -116,6 +116,12 @@ class Condition:
     cures: tuple[str, ...] = ()
 
 
+def contact_condition(contact_ratio: float, *cures: str) -> Condition:
+    """The condition that teeth follow each other without a gap, with what helps where they do not."""
+    met, followed = f"{contact_ratio:.3g} pairs of teeth in mesh at least", contact_ratio > 1.0
+    return Condition("contact ratio", followed, met, () if followed else cures)
+
+
 @dataclass(frozen=True)
 class Told:
     """What a kind tells of its train.

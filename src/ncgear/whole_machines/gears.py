@@ -52,10 +52,7 @@ class GearJob(NamedTuple):
 
 
 def machine_of(text: str, job: GearJob) -> WholeMachine | Unfit:
-    """The smallest machine of a law by the first way of making teeth that can make it, or why there is none.
-
-    ``text`` is that of the design file with its choices.
-    """
+    """The smallest machine of a law by the first way of making teeth that can, or why none; ``text`` is the file."""
     loaded = parsed(text, Path("design.yaml"))
     made: WholeMachine | Unfit = Unfit(("no way of making teeth that may be chosen suits this material",))
     for process in job.processes:

@@ -7,7 +7,9 @@ and from the law under the next higher cap, since two optima can lie side by sid
 
 from __future__ import annotations
 
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +18,8 @@ from ncgear.design.keys.design import Design
 from ncgear.design.keys.optimize import Optimize
 from ncgear.design.laws.base import LawKeys
 from ncgear.design.laws.registry import found_motion
+from ncgear.design.reading.design_file import LoadedDesign, parsed
+from ncgear.design.rewritten import design_copy
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.optimum.certified.limit import Motion
@@ -114,6 +118,25 @@ def flywheel_sizes(design: Design) -> tuple[float, ...]:
     return (asked.least, *middle, asked.most)
 
 
+def with_best_lengths(loaded: LoadedDesign, tell: Callable[[int], None]) -> tuple[LoadedDesign, Mapping[str, float]]:
+    """The design with the best lengths for the flank load with a middle flywheel, and these by their keys.
+
+    ``tell`` takes the number of mechanisms looked at.  Raises NoSuchMechanism where no lengths of the ranges have a
+    law.
+    """
+    from ncgear.project.free_lengths import best_lengths, changed_keys
+
+    design = loaded.design
+    assert design.optimize is not None
+    sizes = flywheel_sizes(design)
+    sought = law_design(design, sizes[len(sizes) // 2])
+    assert sought.optimize is not None
+    free = sought.optimize.model_copy(update={"lengths": design.optimize.lengths})
+    found = best_lengths(sought.model_copy(update={"optimize": free}), None, tell)
+    text = design_copy(loaded, changed_keys(design, found.design))
+    return parsed(text, Path("machine.yaml")), found.values
+
+
 def laws_of(design: Design, job: LawJob) -> list[FoundLaw]:
     """The laws of one flywheel, that of the least power first; empty where none is found."""
     made = law_design(design, job.flywheel_kg_mm2)
@@ -138,20 +161,18 @@ class _Search:
             return []
         most = self.capped(None, [start, least.motion]) or least
         caps = self.caps_w(least.found.peak_power_w, most.found.peak_power_w)
-        upwards: list[FoundLaw] = []
-        near = least
-        for cap in caps:
-            near = self.capped(cap, [near.motion]) or near
-            upwards.append(near)
-        downwards: list[FoundLaw] = []
-        near = most
-        for cap in reversed(caps):
-            near = self.capped(cap, [near.motion]) or near
-            downwards.append(near)
-        both = zip(caps, upwards, reversed(downwards), strict=True)
-        kept = [[one for one in pair if one.found.peak_power_w <= cap * (1.0 + 1e-6)] for cap, *pair in both]
-        best = [min(pair, key=lambda one: one.flank_load_n_mm) for pair in kept if pair]
-        return _without_worse([least, *best, most])
+        under: dict[float, list[FoundLaw]] = {cap: [] for cap in caps}
+        for near, way in ((least, caps), (most, caps[::-1])):
+            for cap in way:
+                near = self.capped(cap, [near.motion]) or near
+                under[cap] += [near] if near.found.peak_power_w <= cap * (1.0 + 1e-6) else []
+        best = [min(laws, key=lambda one: one.flank_load_n_mm) for laws in under.values() if laws]
+        # Those that have less flank load than every law of less power
+        found: list[FoundLaw] = []
+        for law in sorted((least, *best, most), key=lambda one: (one.found.peak_power_w, one.flank_load_n_mm)):
+            if not found or law.flank_load_n_mm < found[-1].flank_load_n_mm:
+                found.append(law)
+        return found
 
     def caps_w(self, least_w: float, most_w: float) -> list[float]:
         """The caps of the power: the powers of motors that can be had, or even ratios."""
@@ -180,15 +201,6 @@ class _Search:
         law = min(laws, key=lambda one: one.goal)
         told = figures(self.task, law.train(self.task.lobes))
         return FoundLaw(tuple(law.ratio.tolist()), self.job.flywheel_kg_mm2, told, self.job.teeth)
-
-
-def _without_worse(laws: list[FoundLaw]) -> list[FoundLaw]:
-    """The laws that have less flank load than every law of less power."""
-    kept: list[FoundLaw] = []
-    for law in sorted(laws, key=lambda one: (one.found.peak_power_w, one.flank_load_n_mm)):
-        if not kept or law.flank_load_n_mm < kept[-1].flank_load_n_mm:
-            kept.append(law)
-    return kept
 
 
 def settled_law(design: Design, teeth: int | None, near: Motion, cap_w: float | None) -> FoundLaw | None:

@@ -44,10 +44,7 @@ OUTSIDE = (
 
 @dataclass(frozen=True)
 class MachineLimit:
-    """For one machine, with its flywheel and power: the flank load that no law is under, and what follows for gears.
-
-    Both are zero where nothing is known.
-    """
+    """The flank load that no law of a machine's flywheel and power is under, and its gears; 0 where unknown."""
 
     flank_load_n_mm: float
     flank_load_gap: float
@@ -79,9 +76,8 @@ class MachineLimits:
         self.design, self.machines = design, machines
         self.task = task_of(bare, inertia)
         self.sweeps = Sweeps(self.task, demands_of(self.task, law_wishes(bare, None)))
-        own = [_driven_gear_kg_mm2(one) - inertia.driven_kg_mm2 for one in machines] if self.task.masses else [0.0]
-        self.gears = min(own), max(own)
-        self.own = own if self.task.masses else [0.0] * len(machines)
+        made = [inertia_as_given(parsed(one.text, Path("machine.yaml")).design) for one in machines]
+        self.own = [one.driven_kg_mm2 - inertia.driven_kg_mm2 if self.task.masses else 0.0 for one in made]
         self.laws = laws
 
     def found(self) -> Limits:
@@ -89,9 +85,8 @@ class MachineLimits:
         each = self.of_machines()
         power = self.power_w()
         least = min(one.figures.peak_power_w for one in self.machines)
-        cost, best = None, [one.cost for one in self.machines if one.cost is not None]
-        if best:
-            cost = self.cost(power)
+        best = [one.cost for one in self.machines if one.cost is not None]
+        cost = self.cost(power) if best else None
         gap = least / power - 1.0 if power > 0.0 else inf
         return Limits(power, gap, tuple(each), cost, min(best) / cost - 1.0 if best and cost else None)
 
@@ -104,24 +99,14 @@ class MachineLimits:
         # With a large flywheel the work of a cycle by itself may tell more
         of_work = bound_of_stroke("flank_load_n_mm", 1.0, self.task, self.sweeps.asked)
         bounds = np.maximum(bounds, 0.0 if of_work is None else of_work.value)
-        return [self._limit(one, float(bound)) for one, bound in zip(self.machines, bounds, strict=True)]
-
-    def _limit(self, one: WholeMachine, bound: float) -> MachineLimit:
-        has = one.figures
-        if not bound > 0.0:
-            return MachineLimit(0.0, inf, 0.0, inf)
-        # Of materials without figures for pitting no gears' volume follows from the flank load
-        pits = has.contact_share < inf
-        volume = has.gear_volume_mm3 / has.contact_share**2 * bound / has.flank_load_n_mm if pits else 0.0
-        gap = has.gear_volume_mm3 / volume - 1.0 if volume > 0.0 else inf
-        return MachineLimit(bound, has.flank_load_n_mm / bound - 1.0, volume, gap)
+        return [machine_limit(one, float(bound)) for one, bound in zip(self.machines, bounds, strict=True)]
 
     def _flywheel_parts(self) -> Array:
         """Parts of the range of flywheels with the gears' inertia, shape (2, parts)."""
         asked = self.design.free_flywheel
         given = self.design.masses.driven_flywheel_kg_mm2 if self.design.masses else 0.0
         low, high = (given, given) if asked is None else (asked.least, asked.most)
-        low, high = low + self.gears[0], high + self.gears[1]
+        low, high = low + min(self.own), high + max(self.own)
         parts = 1 if asked is None else FLYWHEELS
         ends = np.linspace(low, high, parts + 1)
         return np.stack([ends[:-1], ends[1:]])
@@ -167,10 +152,17 @@ class MachineLimits:
         factor = min((one.cost_factor for one in choices.materials or ()), default=1.0)
         speed = self.task.speed_rad_s
         guess = guessed_figures(law, flywheel_kg_mm2, volume_mm3 * factor, speed)
-        guess = type(guess)(**{**vars(guess), "peak_power_w": power_w, "peak_torque_n_m": power_w / speed})
+        guess = replace(guess, peak_power_w=power_w, peak_torque_n_m=power_w / speed)
         return min(cost_of(choices, guess, motor_for(choices, guess), "", one) or 0.0 for one in choices.processes)
 
 
-def _driven_gear_kg_mm2(one: WholeMachine) -> float:
-    design = parsed(one.text, Path("machine.yaml")).design
-    return inertia_as_given(design).driven_kg_mm2
+def machine_limit(one: WholeMachine, bound_n_mm: float) -> MachineLimit:
+    """What follows for a machine's gears from a flank load that no law is under."""
+    has = one.figures
+    if not bound_n_mm > 0.0:
+        return MachineLimit(0.0, inf, 0.0, inf)
+    # Of materials without figures for pitting no gears' volume follows from the flank load
+    pits = has.contact_share < inf
+    volume = has.gear_volume_mm3 / has.contact_share**2 * bound_n_mm / has.flank_load_n_mm if pits else 0.0
+    gap = has.gear_volume_mm3 / volume - 1.0 if volume > 0.0 else inf
+    return MachineLimit(bound_n_mm, has.flank_load_n_mm / bound_n_mm - 1.0, volume, gap)

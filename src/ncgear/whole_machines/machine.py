@@ -147,14 +147,13 @@ def figures_of(drive: Drive) -> tuple[MachineFigures, Figures]:
 
 def guessed_figures(law: Figures, flywheel_kg_mm2: float, volume_mm3: float, speed_rad_s: float) -> MachineFigures:
     """What is known of a machine before its gears are: the law's figures, and a guess of the gears' volume."""
-    unknown = dict.fromkeys(MachineFigures.__dataclass_fields__, 0.0)
-    known = {
-        "peak_power_w": law.peak_power_w,
-        "peak_torque_n_m": law.peak_power_w / speed_rad_s,
-        "gear_volume_mm3": volume_mm3,
-        "driven_flywheel_kg_mm2": flywheel_kg_mm2,
-    }
-    return MachineFigures(**{**unknown, **known})  # type: ignore[arg-type]
+    return replace(
+        MachineFigures(**dict.fromkeys(MachineFigures.__dataclass_fields__, 0.0)),  # type: ignore[arg-type]
+        peak_power_w=law.peak_power_w,
+        peak_torque_n_m=law.peak_power_w / speed_rad_s,
+        gear_volume_mm3=volume_mm3,
+        driven_flywheel_kg_mm2=flywheel_kg_mm2,
+    )
 
 
 def limits_missed(design: Design, found: Figures, pressure_angle_deg: float) -> list[str]:
@@ -220,9 +219,8 @@ def cost_of(
     """What a machine costs; None where the file gives no costs."""
     if choices.cost is None and not choices.motors:
         return None
-    costs, factors = choices.cost or Costs.model_construct(), {}
-    for one in choices.materials or ():
-        factors[one.material.name] = one.cost_factor
+    costs = choices.cost or Costs.model_construct()
+    factors = {one.material.name: one.cost_factor for one in choices.materials or ()}
     return (
         costs.motor_per_w * found.peak_power_w
         + costs.motor_per_n_m * found.peak_torque_n_m

@@ -8,7 +8,6 @@ from typing import TypeVar
 import numpy as np
 
 from ncgear.design.keys.design import Design
-from ncgear.numerics.arrays import Array
 
 Item = TypeVar("Item")
 
@@ -40,28 +39,19 @@ def undominated(items: Sequence[Item], values: Callable[[Item], Sequence[float]]
     return [items[row] for row in kept]
 
 
-def scaled(table: Array) -> Array:
-    """Figures from 0, the least of each column, to 1, the greatest."""
-    low, span = table.min(axis=0), np.ptp(table, axis=0)
-    return np.asarray((table - low) / np.where(span > 0.0, span, 1.0))
-
-
 def far_apart(items: Sequence[Item], values: Callable[[Item], Sequence[float]], count: int) -> list[Item]:
     """At most ``count`` items: the best in each figure, the nearest to all, then the farthest from them."""
     if len(items) <= count:
         return list(items)
-    table = scaled(np.array([values(one) for one in items], dtype=float))
-    taken = [nearest_to_best(table), *np.argmin(table, axis=0).tolist()]
+    table = np.array([values(one) for one in items], dtype=float)
+    span = np.ptp(table, axis=0)
+    table = (table - table.min(axis=0)) / np.where(span > 0.0, span, 1.0)
+    taken = [int(np.argmin(np.linalg.norm(table, axis=1))), *np.argmin(table, axis=0).tolist()]
     taken = list(dict.fromkeys(taken))[:count]
     while len(taken) < count:
         gap = np.min(np.linalg.norm(table[:, None, :] - table[None, taken, :], axis=2), axis=1)
         taken.append(int(np.argmax(gap)))
     return [items[row] for row in sorted(taken)]
-
-
-def nearest_to_best(table: Array) -> int:
-    """The row of scaled figures that is nearest to the best of all."""
-    return int(np.argmin(np.linalg.norm(table, axis=1)))
 
 
 def recommended(

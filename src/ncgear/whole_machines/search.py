@@ -19,12 +19,11 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.project.law_task import refuse_guide_friction
 from ncgear.project.sizing import FEWEST_TEETH
-from ncgear.project.tooth_form import rack_of
 from ncgear.shown import Shown
 from ncgear.strength.materials import TABLE, Plastic
 from ncgear.whole_machines.conflict import refusal_of_gears
 from ncgear.whole_machines.gears import GearJob, machine_of
-from ncgear.whole_machines.laws import FoundLaw, LawJob, flywheel_sizes, laws_of
+from ncgear.whole_machines.laws import FoundLaw, LawJob, flywheel_sizes, law_design, laws_of, with_best_lengths
 from ncgear.whole_machines.limits import Limits, MachineLimits
 from ncgear.whole_machines.machine import Unfit, WholeMachine, cost_of, guessed_figures, motor_for
 from ncgear.whole_machines.pareto import far_apart, objectives_of, recommended, undominated
@@ -122,19 +121,16 @@ class MachineSearch:
     def run(self) -> WholeMachines:
         """The machines; raises NoSuchMechanism where there is no law, or no gears of any law, with what would do."""
         if self.design.free_lengths:
-            from ncgear.whole_machines.lengths import with_best_lengths
-
             self.loaded, self.lengths = with_best_lengths(self.loaded, lambda tried: self._on_step("lengths", tried, 0))
             self.design = self.loaded.design
         self._find_laws(None)
         if not self.laws:
             self._refuse_laws()
         constants = self._reference()
-        candidates = self._candidates(constants)
-        wanted = self.choices.machines
         # The reference has been made already
-        picked = far_apart(candidates, self._guessed, wanted + MORE)
-        self._make([GearJob(one.law, one.material, self.processes_of(one.material)) for one in picked])
+        picked = far_apart(self._candidates(constants), self._guessed, self.choices.machines + MORE)
+        jobs = [GearJob(one.law, one.material, self.processes_of(one.material)) for one in picked]
+        _ = list(self._numbered("machines", jobs))
         if not self.made:
             raise self._refused_gears()
         return self.proven(self.found)
@@ -166,13 +162,12 @@ class MachineSearch:
     def _find_laws(self, teeth: int | None) -> None:
         powers = tuple(sorted({one.power_w for one in self.choices.motors or ()}))
         jobs = [LawJob(size, teeth, powers) for size in flywheel_sizes(self.design)]
-        for laws in self._done("laws", partial(laws_of, self.design), jobs):
+        for _, laws in self._done("laws", partial(laws_of, self.design), jobs):
             self.laws += laws
 
     def _refuse_laws(self) -> None:
         """Raise the refusal of ``ncgear optimize`` with what could be asked for instead, checked by doing it."""
         from ncgear.project.best_law import BestLaw
-        from ncgear.whole_machines.laws import law_design
 
         for size in reversed(flywheel_sizes(self.design)):
             _ = BestLaw(law_design(self.design, size)).law
@@ -209,7 +204,7 @@ class MachineSearch:
         """The driving teeth from which on the pitch curves of a law undercut none."""
         gears = self.design.gears
         assert gears is not None
-        rack = rack_of(gears, 1.0)
+        rack = gears.rack.in_mm(1.0)
         angle = min(rack.angles_rad)
         depth = rack.dedendum_mm - rack.root_radius_mm * (1.0 - sin(angle))
         return ceil(gears.lobes.driving * law.found.curvature_turns * depth / (pi * sin(angle) ** 2))
@@ -227,8 +222,7 @@ class MachineSearch:
         assert gears is not None
         own = gears.material.each[0] if material is None and gears.material is not None else material
         plastic = own is not None and isinstance(TABLE[own.name], Plastic)
-        able = [one for one in self.choices.processes if (one == "printed" and plastic) or one != "printed"]
-        able = [one for one in able if one != "wire_cut" or not plastic]
+        able = [one for one in self.choices.processes if one != ("wire_cut" if plastic else "printed")]
         if self.choices.cost is not None:
             making = self.choices.cost.making
             able.sort(key=lambda one: float(getattr(making, one)))
@@ -266,11 +260,8 @@ class MachineSearch:
             "cost": self._guessed_cost(one),
         }
         own = [known[name] for name in self.objectives]
-        return own if "cost" in self.objectives or not self._has_cost else [*own, known["cost"]]
-
-    @property
-    def _has_cost(self) -> bool:
-        return self.choices.cost is not None or any(one.cost for one in self.choices.motors or ())
+        has_cost = self.choices.cost is not None or any(one.cost for one in self.choices.motors or ())
+        return own if "cost" in self.objectives or not has_cost else [*own, known["cost"]]
 
     def _guessed_cost(self, one: Candidate) -> float:
         law = one.law
@@ -283,37 +274,26 @@ class MachineSearch:
         """The speed of the driving shaft."""
         return self.design.operation.speed_rpm * RAD_S_PER_RPM
 
-    def _make(self, jobs: Sequence[GearJob]) -> None:
-        for _ in self._numbered("machines", jobs):
-            pass
-
     def _numbered(self, what: str, jobs: Sequence[GearJob]) -> Iterator[tuple[int, WholeMachine | Unfit]]:
         """The machines of jobs with the places of the jobs, as they are finished; they are kept."""
-        numbers = list(range(len(jobs)))
-        for number, made in self._done_numbers(what, partial(_numbered_machine, self.loaded.text, list(jobs)), numbers):
+        for number, made in self._done(what, partial(_numbered_machine, self.loaded.text, jobs), range(len(jobs))):
             if isinstance(made, WholeMachine):
                 self.made.append(made)
             else:
                 self.unfit.append(made)
             yield number, made
 
-    def _done_numbers(self, what: str, function: Callable[[int], Any], numbers: list[int]) -> Iterator[tuple[int, Any]]:
-        self._on_step(what, 0, len(numbers))
-        for done, (number, result) in enumerate(finished(function, numbers, *self.where), start=1):
-            self._on_step(what, done, len(numbers))
-            yield number, result
-
-    def _done(self, what: str, function: Callable[[LawJob], Any], jobs: list[LawJob]) -> Iterator[Any]:
+    def _done(self, what: str, function: Callable[[Any], Any], jobs: Sequence[Any]) -> Iterator[tuple[Any, Any]]:
+        """Jobs and what a function makes of them, as they are finished; each step is told."""
         self._on_step(what, 0, len(jobs))
-        for done, (_, result) in enumerate(finished(function, jobs, *self.where), start=1):
+        for done, pair in enumerate(finished(function, list(jobs), *self.where), start=1):
             self._on_step(what, done, len(jobs))
-            yield result
+            yield pair
 
 
 def _brakes(law: FoundLaw) -> bool:
     return (law.found.braking_power_w or 0.0) > BRAKING * law.found.peak_power_w
 
 
-def _numbered_machine(text: str, jobs: list[GearJob], number: int) -> WholeMachine | Unfit:
-    """The machine of one job, computed in its own process."""
+def _numbered_machine(text: str, jobs: Sequence[GearJob], number: int) -> WholeMachine | Unfit:
     return machine_of(text, jobs[number])

@@ -58,10 +58,9 @@ def _listed(words: Sequence[str]) -> str:
 def machines_answer(found: WholeMachines, then: str = "") -> Answer:
     """The machines side by side, the recommended one first among what is said of them."""
     best = found.machines[found.recommended]
-    rows = [Row(_mark(found, place), _cells(one)) for place, one in enumerate(found.machines)]
-    for place, one in enumerate(found.machines):
-        if place != found.recommended:
-            rows.append(Row(one.name, (difference_words(one, best, _told(found)),)))
+    rows = [Row(f"{one.name} *" if one is best else one.name, _cells(one)) for one in found.machines]
+    others = (one for one in found.machines if one is not best)
+    rows += [Row(one.name, (difference_words(one, best, _told(found)),)) for one in others]
     rows.append(Row("made", (f"{best.material}, {best.process.replace('_', ' ')}: {best.cut}",)))
     rows += [Row("motor", (best.motor.name,))] if best.motor else []
     rows += [Row("cost", (to_digits(best.cost, 4),))] if best.cost is not None else []
@@ -83,7 +82,6 @@ def machines_answer(found: WholeMachines, then: str = "") -> Answer:
 
 
 def _sizes(lengths: Mapping[str, float]) -> Iterator[tuple[str, str, float]]:
-    """Names, units and values."""
     for key, value in lengths.items():
         yield (*label_and_unit(key), value)
 
@@ -118,11 +116,6 @@ def prices_words(found: WholeMachines) -> str:
 def _told(found: WholeMachines) -> tuple[str, ...]:
     has_cost = all(one.cost is not None for one in found.machines) and "cost" not in found.objectives
     return (*found.objectives, "cost") if has_cost else found.objectives
-
-
-def _mark(found: WholeMachines, place: int) -> str:
-    name = found.machines[place].name
-    return f"{name} *" if place == found.recommended else name
 
 
 def _cells(one: WholeMachine) -> tuple[str, ...]:

@@ -102,10 +102,7 @@ def wish_prices(
     scheduler: str | None = None,
     processes: int | None = None,
 ) -> tuple[WishPrice, ...]:
-    """What each wish and limit of a machine costs, the dearest first, where it costs anything.
-
-    ``on_law`` is called with how many are done and of how many.
-    """
+    """What each wish and limit of a machine costs, the dearest first; ``on_law`` takes how many of how many."""
     keys = ["", *wish_keys(one.text)]
     found: dict[str, Needed] = {}
     for key, needed in finished(partial(needed_without, one.text), keys, scheduler, processes):

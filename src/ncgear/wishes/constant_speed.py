@@ -6,10 +6,9 @@ from dataclasses import replace
 from math import exp, tanh
 
 from ncgear.frozen import dataclass
-from ncgear.kinematics.crank_stretches import CrankStretch, Stroke, crank_angle_rad
+from ncgear.kinematics.crank_stretches import CrankStretch, Stroke, crank_angle_rad, speeds_mm_s
 from ncgear.kinematics.even_speed import spread
 from ncgear.kinematics.motion import Machine
-from ncgear.kinematics.over_stretches import speeds_mm_s
 from ncgear.mechanisms.mechanism import Mechanism, Unit
 from ncgear.numerics.bounds import shown_above
 from ncgear.wishes.requirements import EvenSpeed, Requirement, SpeedWithin
@@ -42,7 +41,7 @@ class ConstantSpeed(Wish):
         return (SpeedWithin(stretch, least, most),)
 
     def outcome(self, machine: Machine) -> Outcome:
-        """The share by which the speed leaves the wished one, or, where none is wished, the one that suits it best."""
+        """The share by which the speed leaves the wished speed or, where none is wished, the best suited speed."""
         (least, most), speed = speeds_mm_s(machine, self.stretch(machine.linkage)), self.speed_mm_s
         if speed is None:
             share, speed = (most - least) / (most + least), (most + least) / 2.0

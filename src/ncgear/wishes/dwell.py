@@ -5,9 +5,8 @@ from __future__ import annotations
 from math import degrees
 
 from ncgear.frozen import dataclass
-from ncgear.kinematics.crank_stretches import CrankStretch, End, about_end, nearest_dwell_mm
+from ncgear.kinematics.crank_stretches import CrankStretch, End, about_end, nearest_dwell_mm, taken_rad
 from ncgear.kinematics.motion import Machine
-from ncgear.kinematics.over_stretches import taken_rad
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.wishes.requirements import Requirement, TimeWithin

@@ -7,9 +7,15 @@ from math import degrees, exp, inf, pi
 from typing import ClassVar
 
 from ncgear.frozen import dataclass
-from ncgear.kinematics.crank_stretches import CrankStretch, Stroke, crank_angle_rad
+from ncgear.kinematics.crank_stretches import (
+    CrankStretch,
+    Stroke,
+    crank_angle_rad,
+    crank_rad,
+    deceleration_mm_s2,
+    speeds_mm_s,
+)
 from ncgear.kinematics.motion import Machine
-from ncgear.kinematics.over_stretches import crank_rad, deceleration_mm_s2, speeds_mm_s
 from ncgear.mechanisms.mechanism import Mechanism, Unit
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.wishes.requirements import DecelerationWithin, Requirement, SpeedWithin, TimeWithin

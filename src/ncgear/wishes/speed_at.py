@@ -6,9 +6,8 @@ from dataclasses import field
 from math import exp, inf
 
 from ncgear.frozen import dataclass
-from ncgear.kinematics.crank_stretches import CrankStretch, Stroke, place_of
+from ncgear.kinematics.crank_stretches import CrankStretch, Stroke, place_of, speeds_mm_s
 from ncgear.kinematics.motion import Machine
-from ncgear.kinematics.over_stretches import speeds_mm_s
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.wishes.requirements import PushedSpeed, Requirement, SpeedWithin

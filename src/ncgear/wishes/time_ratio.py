@@ -1,11 +1,10 @@
-"""A quick return: the time of the working stroke over that of the return."""
+"""A quick return: the time of the working stroke over the time of the return."""
 
 from __future__ import annotations
 
 from ncgear.frozen import dataclass
-from ncgear.kinematics.crank_stretches import CrankStretch
+from ncgear.kinematics.crank_stretches import CrankStretch, time_ratio
 from ncgear.kinematics.motion import Machine
-from ncgear.kinematics.over_stretches import time_ratio
 from ncgear.mechanisms.mechanism import Mechanism, Unit
 from ncgear.numerics.bounds import shown_below
 from ncgear.wishes.requirements import Requirement, TimeWithin

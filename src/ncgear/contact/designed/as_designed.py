@@ -164,10 +164,7 @@ class AsDesigned(PairTouch, Shown):
 
 
 def as_designed(teeth: ToothedPair, placement: Placement) -> AsDesigned:
-    """Contact of the exact curves of a pair over a whole cycle of meetings.
-
-    Raises NoSuchMechanism, with the angle, where no tooth touches another at all.
-    """
+    """Contact of the exact curves over a cycle of meetings; raises NoSuchMechanism where no tooth touches another."""
     paths = _paths_of(teeth)
     met = meetings(teeth, placement)
     found = _candidates(teeth, paths, placement, met, BESIDE_IN_PITCHES * placement.pitch_mm)
@@ -222,11 +219,7 @@ def first_within(teeth: ToothedPair, placement: Placement, within_mm: float, sid
 def pairs_under_load(
     teeth: ToothedPair, placement: Placement, error_rad: Array
 ) -> tuple[PairsInContact, PairsInContact]:
-    """The pairs of pushing flanks that touch, and of their backs, where a load has set the driven gear beyond the law.
-
-    ``error_rad`` is its angle beyond the law's at each position, shape (n,).  On a side that bears no load there the
-    rigid teeth count.
-    """
+    """Pairs of flanks that touch with the driven gear ``error_rad`` (n,) beyond the law; rigid if unloaded."""
     beside_mm = BESIDE_IN_PITCHES * placement.pitch_mm
     found = _candidates(teeth, _paths_of(teeth), placement, meetings(teeth, placement), beside_mm)
     return found.flanks.touching(_rigid_contacts(found, placement)[1], error_rad)
@@ -234,10 +227,7 @@ def pairs_under_load(
 
 @dataclass(frozen=True, eq=False)
 class _Candidates:
-    """What may touch: the contacts of ``flanks``, and ``hits``, the corners before curves.
-
-    ``first_rad`` (shape (2, n)) is the lead with which flanks first touch.
-    """
+    """What may touch: contacts of flanks, corners before curves, leads (2, n) with which flanks first touch."""
 
     flanks: FlankContacts
     first_rad: Array
@@ -245,7 +235,6 @@ class _Candidates:
 
 
 def _paths_of(teeth: ToothedPair) -> tuple[SidePaths, SidePaths]:
-    """The paths of the driving gear's flanks and of the driven gear's."""
     driving, driven = (side_paths(gear.flanks, gear.sides) for gear in (teeth.driving, teeth.driven))
     return driving, driven
 
@@ -260,10 +249,7 @@ def _candidates(
 
 
 def _contacts_among(found: _Candidates, within_mm: Array | float) -> Contacts:
-    """All contacts of flanks, and the corners that touch within ``within_mm`` of the first contacts.
-
-    ``within_mm`` broadcasts with the shape (2, n) of the sides of the teeth and the positions.
-    """
+    """All contacts of flanks, and corners within ``within_mm`` (broadcasts with (2, n)) of the first contacts."""
     return Contacts.joined([found.flanks.contacts, edge_contacts(found.hits, found.first_rad, within_mm)])
 
 
@@ -292,10 +278,7 @@ def _touch(contacts: Contacts, foremost: Array, placement: Placement) -> tuple[S
 
 
 def _foremost(contacts: Contacts, alike: Mask, placement: Placement) -> IndexArray:
-    """One of the first contacts, which are ``alike``, of each side and position, shape (2, n).
-
-    Flanks go before edges, then comes the nearest to the pitch point.  Raises NoSuchMechanism where there is none.
-    """
+    """First contacts, ``alike``, by side and position: flanks, then nearest the pitch point; or NoSuchMechanism."""
     rows, count = np.flatnonzero(alike), len(URGE) * placement.count
     place, flanks, position = contacts.place(placement)[rows], contacts.flanks[rows], contacts.position[rows]
     between_flanks = np.zeros(count, dtype=bool)

@@ -65,7 +65,6 @@ def tip_clearances(
 
 
 def _tip_clearances(facing: _Facing, side: IndexArray) -> tuple[TipClearance, TipClearance]:
-    """Clearance of the tips at pushing flanks, and at their backs."""
     tips = _tip_lands(facing.tips)
     over_lands, over_fillets = _over_lands(facing, tips), _over_fillets(facing, tips)
     pushing, back = (
@@ -105,9 +104,10 @@ module."""
 
 
 def _from_fillets(paths: SidePaths, flank: IndexArray, point: ComplexArray, free: ComplexArray) -> Array:
-    """Distances of points from the fillets of flanks, shape (n,), infinite where a flank has none.
+    """Distances of points from the fillets of flanks, (n,), infinite where a flank has none.
 
-    A distance is negative where the fillet is between the point and its place of ``free``, which is outside the teeth.
+    A distance is negative where the fillet is between the point and its place of ``free``, which is outside the
+    teeth.
     """
     fillet, away = paths.own_fillet[flank], square(paths.places[flank, :-1] - point[:, None])
     nearest, there = np.argmin(np.where(fillet, away, np.inf), axis=1), fillet.any(axis=1)
@@ -167,10 +167,7 @@ class _Lands:
 
 
 def _tip_lands(paths: SidePaths) -> _Lands:
-    """The tips of all teeth; a pointed tip has no width.
-
-    Raises Unanswered where the point of the pitch curve that a pointed tooth's tip stands over is not found.
-    """
+    """The tips of all teeth, pointed ones of no width; raises Unanswered where a point stands over no found place."""
     flanks, unturned = paths.flanks, paths.corner[:, 0] * np.exp(-1j * paths.flanks.turn_rad)
     foot, height = flanks.curve.feet(unturned, paths.sides.tip_mm, FOOT_IN_MODULES * flanks.rack.module_mm)
     if np.isnan(foot).any():

@@ -149,8 +149,7 @@ class SidePaths:
             np.abs(across(chord, slope)) / np.maximum(sense * along(chord, slope), TINY)
             for slope in (self.slope[:, :-1], self.slope[:, 1:])
         )
-        stray: Array = np.abs(chord) * sum(steep) / 4.0
-        return stray
+        return np.abs(chord) * sum(steep) / 4.0
 
     @cached_property
     def own_fillet(self) -> Mask:

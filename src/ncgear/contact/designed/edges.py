@@ -34,8 +34,7 @@ CLOSE_IN_MODULES = 1e-10
 
 SURELY = 2.0
 """How far the angle at which a curve holds its corner may be from the chord's angle, in strays over the lever: a curve
-leans from its chord, and its arm is a little shorter.
-"""
+leans from its chord, and its arm is a little shorter."""
 
 CUBIC_STEPS = 2
 """Steps of Newton's method from a chord to a circle along the cubic that has the curve's slopes at the chord's ends."""
@@ -141,10 +140,9 @@ def _hits(corners: SeenGear, curves: SeenGear, meetings: Meetings, first_rad: Ar
 
 
 def _met_first(turn_rad: Array, lead_rad: Array, corner: IndexArray) -> Mask:
-    """Which hits of each corner hold it, seen from the law's position.
+    """Which hits of each corner (``corner`` numbers it) hold it, seen from the law's position.
 
-    A corner is inside the other gear where it would come out through the nearest curve; then that curve holds it.
-    Otherwise the curves through which it would go in hold it.  ``corner`` numbers the corners.
+    The nearest curve holds a corner that would come out through it, else all curves through which it would go in.
     """
     out = lead_rad > 0.0
     held: Mask = ~out
@@ -171,10 +169,7 @@ def edge_contacts(found: Sequence[EdgeHits], first_rad: Array, within_mm: Array 
 def first_edge_contacts(
     found: Sequence[EdgeHits], flanks: Contacts, first_rad: Array, within_mm: Array | float
 ) -> Contacts:
-    """As ``edge_contacts``, without corners that surely touch later than another place of their pair of teeth does.
-
-    ``flanks`` are all contacts of flanks.  At each position and on each side the first contact of each pair is kept.
-    """
+    """As ``edge_contacts``: the first of each pair of teeth, side and position, beside all contacts of ``flanks``."""
     near = _hits_within(found, first_rad, within_mm)
     placement = found[0].curves.placement
     error = [SURELY * hits.stray_mm / np.maximum(hits.lever_mm, TINY) for hits in near]
@@ -213,10 +208,7 @@ def _hits_within(found: Sequence[EdgeHits], first_rad: Array, within_mm: Array |
 
 
 def _touching(hits: EdgeHits) -> Contacts:
-    """The exact places of hits on the curves themselves.
-
-    Newton's method may end beyond the chord where the curve turns close by; there the place is bracketed on the chord.
-    """
+    """Exact places of hits on the curves; where Newton's method ends beyond the chord it is bracketed there."""
     gear, squared_radius, module = hits.curves, square(hits.corner), hits.curves.paths.flanks.rack.module_mm
     first, last = hits.ends
     parameter = first + (last - first) * _on_cubics(hits)

@@ -24,8 +24,7 @@ from ncgear.teeth.gear import ToothedPair
 KNOWN, CLOSELY = 1e-3, 1e-6
 """Shares of its variation over the cycle to which an extreme is known at least.  The first is for an error, which has a
 kink at every change of teeth and is known only as far as angles are free of rounding.  The second is for a pressure
-angle, the sliding or the lever, which is a one-sided limit where the teeth change at the extreme.
-"""
+angle, the sliding or the lever, which is a one-sided limit where the teeth change at the extreme."""
 
 
 @dataclass(frozen=True)
@@ -64,10 +63,7 @@ class ContactExtremes:
 def contact_extremes(
     teeth: ToothedPair, pitch: PitchPair, designed: AsDesigned, speed_rad_s: Callable[[Array], Array]
 ) -> ContactExtremes:
-    """The extremes of a pair whose contact is known at even positions.
-
-    ``speed_rad_s`` gives the speed of the driving gear at its angles in rad.  Raises as ``as_designed``.
-    """
+    """The extremes of a pair of known contact; ``speed_rad_s`` is the driving gear's.  Raises as ``as_designed``."""
     touch, even = touch_at(teeth), designed.placement
 
     def quantities(rolled_mm: Array) -> Array:
@@ -129,5 +125,4 @@ def _quantities(touch: PairTouch, speed_rad_s: Callable[[Array], Array]) -> Arra
 
 
 def _told(error_rad: Array) -> Array:
-    """Errors that can be told from rounding; the others are 0."""
     return np.where(np.abs(error_rad) > ALIKE_RAD, error_rad, 0.0)

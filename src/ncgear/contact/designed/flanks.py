@@ -16,15 +16,13 @@ from ncgear.teeth.gear import ToothedGear, ToothedPair
 
 BEYOND_IN_PITCHES = 0.15
 """Flanks are also solved over this rolled length beyond their ends, so that the ends lie between solved positions.  It
-is three positions long, which also covers the shift by backlash.
-"""
+is three positions long, which also covers the shift by backlash."""
 
 END_IN_MODULES = 1e-9
 """Height beyond its end at which a flank still counts as touching: rounding errors where an end meets a position."""
 
 TOUCHING_IN_PITCHES = 1e-4
-"""Distance that the lightest load closes, so teeth touch with the first teeth: a micrometre for module 3.
-"""
+"""Distance that the lightest load closes, so teeth touch with the first teeth: a micrometre for module 3."""
 
 GAP = 1e-3
 """Share of a step between positions: a pair must part so much before the next pair meets for a gap to count.  Beside
@@ -42,10 +40,7 @@ NOWHERE_MM = 1e9
 
 @dataclass(frozen=True, eq=False)
 class _Heights:
-    """What is left of each flank: up to r runs between heights in mm, shape (r, flanks).
-
-    A run that does not exist has its top below its bottom.
-    """
+    """What is left of each flank: up to r runs between heights in mm, (r, flanks); no run where top < bottom."""
 
     top: Array
     bottom: Array
@@ -193,8 +188,7 @@ class FlankContacts:
         inside = (first > GAP) & (last < self.placement.steps - GAP)
         ahead = self.meetings.driving_ahead_mm
         crosses = np.any((ahead[:, :-1] >= 0.0) & (ahead[:, 1:] <= 0.0) & self._steps_there, axis=1)
-        whole: Mask = np.where(lasting.any(axis=(0, 2)), inside, crosses)
-        return whole
+        return np.where(lasting.any(axis=(0, 2)), inside, crosses)
 
     @property
     def reach_ends(self) -> Array:
@@ -219,8 +213,7 @@ class FlankContacts:
         behind_mm = (foremost[0, near.side, near.position] - near.lead_rad) * near.lever_mm
         apart = ~(near.flanks & (behind_mm <= touching_mm(self.placement)))
         parted[near.side[apart], near.position[apart]] = True
-        beside: Mask = parted | np.roll(parted, 1, axis=1) | np.roll(parted, -1, axis=1)
-        return beside
+        return parted | np.roll(parted, 1, axis=1) | np.roll(parted, -1, axis=1)
 
     @cached_property
     def _reaching(self) -> tuple[Array, Array]:
@@ -229,15 +222,11 @@ class FlankContacts:
         return enters, np.where(self._steps_there, leaves, enters)
 
     def _arcs(self, enters: Array, leaves: Array) -> Array:
-        lasting: Array = np.maximum(leaves - enters, 0.0).sum(axis=(0, 2)) / self.placement.per_tooth
-        return lasting
+        return np.maximum(leaves - enters, 0.0).sum(axis=(0, 2)) / self.placement.per_tooth
 
 
 def _fewest(starts: Array, ends: Array, steps: int) -> int:
-    """Least number of stretches that cover a place anywhere; parts shorter than a gap may be are left out.
-
-    Both ``starts`` and ``ends`` are in order.
-    """
+    """Least number of ordered stretches that cover any place; parts shorter than a gap may be are left out."""
     place = np.concatenate([starts, ends])
     order = np.argsort(place, kind="stable")
     number = np.cumsum(np.repeat([1, -1], starts.size)[order])
@@ -260,10 +249,7 @@ def flank_contacts(teeth: ToothedPair, placement: Placement, met: Meetings) -> F
 
 
 def foremost_two(contacts: Contacts, placement: Placement) -> Array:
-    """The first and the next lead of contacts on both sides of the teeth at each position, shape (2, 2, n).
-
-    They are -inf where there is none.
-    """
+    """First and next lead of contacts on both sides at each position, (2, 2, n); -inf where there is none."""
     count = len(URGE) * placement.count
     lead, place = contacts.lead_rad, contacts.place(placement)
     foremost = largest_rows(lead, place, count)

@@ -104,11 +104,10 @@ flanks are rolled unequally."""
 
 @dataclass(frozen=True, eq=False)
 class _State(Columns):
-    """Where a search stands, shape (n,) each: heights in mm and the angle by which the driving gear is seen turned.
+    """Where a search stands, (n,) each: heights in mm and the angle by which the driving gear is seen turned.
 
-    ``point`` and ``slope`` (by the height) belong to the driving flank, ``other_slope`` to the driven flank.  ``gap``
-    leads from the driving point to the driven point; ``bend_rad`` is the angle from the driving tangent to the driven
-    tangent.
+    ``point`` and ``slope`` (by the height) are the driving flank's; ``gap`` leads to the driven point, ``bend_rad``
+    from tangent to tangent.
     """
 
     driving_mm: Array
@@ -145,10 +144,10 @@ class _Rates:
 
 
 def tangencies(facing: FacingFlanks, limits_mm: Array) -> Touches:
-    """Where flanks touch near the heights that the closed form gives.
+    """Where flanks touch near the heights of the closed form.
 
-    Near jumps of the curvature the first touch need not be the only tangency: there it is searched for between
-    ``limits_mm`` (shape (2, 2, n)): the least and the greatest height of the driving flanks and of the driven flanks.
+    Near jumps of the curvature another tangency may come first: it is searched for between ``limits_mm`` (2, 2, n),
+    least and greatest height of the driving and of the driven flanks.
     """
     state = _state(facing, facing.driving_mm, facing.driven_mm, facing.turn_rad)
     met = _met(state, facing.module_mm)
@@ -169,7 +168,6 @@ Merged = TypeVar("Merged", Touches, _State)
 
 
 def _merged(older: Merged, rows: IndexArray, newer: Merged) -> Merged:
-    """The older columns with the chosen rows replaced."""
     columns = [getattr(older, field.name).copy() for field in fields(older)]
     for column, field in zip(columns, fields(older), strict=True):
         column[rows] = getattr(newer, field.name)
@@ -187,8 +185,7 @@ def _state(facing: FacingFlanks, driving_mm: Array, driven_mm: Array, turn_rad: 
 
 
 def _met(state: _State, module_mm: float) -> Mask:
-    met: Mask = (square(state.gap) <= (AGREEMENT * module_mm) ** 2) & (np.abs(state.bend_rad) <= PARALLEL_RAD)
-    return met
+    return (square(state.gap) <= (AGREEMENT * module_mm) ** 2) & (np.abs(state.bend_rad) <= PARALLEL_RAD)
 
 
 def _stepped(facing: FacingFlanks, at: _State) -> _State:
@@ -254,8 +251,7 @@ def _about_joints(facing: FacingFlanks, state: _State) -> Mask:
     unequal = np.maximum(np.abs(state.driving_mm - facing.driving_mm), np.abs(state.driven_mm - facing.driven_mm))
     reach = ABOUT_JOINTS * unequal / flanks.slant.of(facing.driving).height_per_rolled
     rolled = flanks.rolled_mm(facing.driving, state.driving_mm)
-    about: Mask = np.searchsorted(joints, rolled + reach) > np.searchsorted(joints, rolled - reach)
-    return about
+    return np.searchsorted(joints, rolled + reach) > np.searchsorted(joints, rolled - reach)
 
 
 def _touches(state: _State) -> Touches:
@@ -284,10 +280,7 @@ ON_CIRCLE = 1e-11
 
 
 def _first_touches(facing: FacingFlanks, limits_mm: Array) -> Touches:
-    """The first touch of each pair of flanks, between the least and the greatest height that each has.
-
-    ``limits_mm`` has shape (2, 2, n): driving and driven flank, least and greatest height.
-    """
+    """The first touch of pairs of flanks between ``limits_mm`` (2, 2, n), as in ``tangencies``."""
     flanks, middle = facing.teeth.driving.flanks, facing.driving_mm
     slant = flanks.slant.of(facing.driving)
     far = REACH_IN_PITCHES * flanks.rack.pitch_mm * slant.sine * slant.cosine

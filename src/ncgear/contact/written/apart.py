@@ -30,13 +30,11 @@ GRAIN_IN_PITCHES = 0.04
 """The grain of outlines, by which the sizes below count, is the mean length of their chords, and this at most."""
 
 LONGEST = 4.0
-"""Grains from which on driving chords are cut into pieces: a long chord would give all chords many pairs.
-"""
+"""Grains from which on driving chords are cut into pieces: a long chord would give all chords many pairs."""
 
 CELL, MOST_CELLS = 4.0, 2000
 """Size in grains of the cells by which pairs are found, and most cells across an outline.  Smaller cells find fewer
-pairs that are not near, and take longer to make.
-"""
+pairs that are not near, and take longer to make."""
 
 SPANS_IN_STEPS, MOST_TOGETHER = (9.0, 3.0, 1.0, 0.25), 9
 """Steps of the cycle's even positions that a stretch spans, of which the greatest is taken that leaves chords near each
@@ -60,11 +58,7 @@ SLACK_IN_PITCHES = 1e-10
 
 @dataclass(frozen=True, eq=False)
 class Apart:
-    """Play at n positions, shape (n,) each.
-
-    ``known`` tells where outlines are sure to stand apart and the play was found.  There ``up_rad`` and ``down_rad``
-    are how far the driving gear, as the driven gear sees it, can be turned up and down; elsewhere they are infinite.
-    """
+    """Where outlines surely stand apart at n positions, and how far the driving gear then turns up and down."""
 
     up_rad: Array
     down_rad: Array
@@ -120,10 +114,7 @@ class _Pairs:
 
 @dataclass(frozen=True, eq=False)
 class _Placed:
-    """One chord of each of n pairs in the driven gear's frame at k positions; shapes (n, k), or (n, 1) if it stands.
-
-    ``against`` is the turn that lays the chord along the first axis.
-    """
+    """One chord of each of n pairs at k positions, (n, k) or (n, 1); ``against`` turns it onto the first axis."""
 
     start: ComplexArray
     against: ComplexArray
@@ -181,10 +172,7 @@ class Facing:
 
 
 def apart_play(facing: Facing, placement: Placement, reach_mm: float) -> Apart:
-    """Play of two outlines where they stand apart; shape (n,) each.
-
-    Outlines are compared within the sector of the driving gear that ``reach_mm`` from the pitch point spans.
-    """
+    """Play of two outlines where they stand apart, (n,), in the sector of ``reach_mm`` from the pitch point."""
     pitch, grain, chords = facing.pitch_mm, facing.grain_mm, facing.chords
     stretches = _stretches(facing, placement, reach_mm)
     setting = _Setting(placement, stretches, chords, facing.twice, _windows(chords, stretches.width))
@@ -242,8 +230,7 @@ def _together(placement: Placement, steps: float) -> IndexArray:
     run, part = counted_up(np.zeros_like(parts), parts)
     first, last = (begin[run] + count[run] * one // parts[run] for one in (part, part + 1))
     within = np.arange(int((last - first).max()))
-    together: IndexArray = np.minimum(first[:, None] + within, last[:, None] - 1)
-    return together
+    return np.minimum(first[:, None] + within, last[:, None] - 1)
 
 
 def _moving(placement: Placement, position: IndexArray) -> tuple[ComplexArray, Array, Array]:
@@ -322,7 +309,6 @@ def _block_play(setting: _Setting, pairs: _Pairs, rows: IndexArray, reach_mm: fl
 
 
 def _placed(placement: Placement, pairs: _Pairs, position: IndexArray) -> tuple[_Placed, _Placed]:
-    """The driving and the driven chords of pairs at positions, shape (n, k)."""
     driving, driven = pairs.driving, pairs.driven
     start = placement.driving_points(driving.start[:, None], position)
     against = np.conj(placement.driving_directions(driving.direction[:, None], position))
@@ -335,8 +321,7 @@ def _placed(placement: Placement, pairs: _Pairs, position: IndexArray) -> tuple[
 
 def _places(row: IndexArray, number: IndexArray, positions: int) -> IndexArray:
     """Numbers of positions within the block, from flat numbers in arrays of shape (pairs, positions)."""
-    place: IndexArray = row[number // positions] * positions + number % positions
-    return place
+    return row[number // positions] * positions + number % positions
 
 
 def _least_turns(

@@ -72,10 +72,7 @@ class AsWritten:
 
 
 def as_written(outlines: Outlines, teeth: ToothedPair, placement: Placement, reach_mm: float) -> AsWritten:
-    """Contact of outlines over a whole cycle of meetings, compared as far as ``reach_mm`` from the pitch point.
-
-    Raises NoSuchMechanism where outlines that are written do not reach each other.
-    """
+    """Contact of outlines up to ``reach_mm`` from the pitch point; raises NoSuchMechanism where they do not reach."""
     play = outline_play(outlines.facing(placement), placement, reach_mm)
     tips = _tip_clearances(outlines, teeth, placement)
     require_reached(outlines, play, *tips)
@@ -95,8 +92,7 @@ def require_reached(outlines: Outlines, play: WrittenPlay, *tips_mm: float) -> N
 
 PER_CHORD = 2
 """Places of a land per chord, from which the nearest place is searched: between two vertices lands part or near each
-other evenly, apart from the turning of a chord.
-"""
+other evenly, apart from the turning of a chord."""
 
 INSET = 1e-9
 """Share of a land at its ends that is left out, so that a rounding error leads to no flank."""
@@ -128,10 +124,7 @@ Written = tuple[Array, ToothedGear]
 
 
 def _least_clearance(tips: Written, tooth: IndexArray, roots: Written, space: IndexArray) -> float:
-    """Least distance of tip lands from the root lands that they stand over, along the pitch curves' normals.
-
-    It is infinite where no tip land stands over a root land, and no number where an outline is not met.
-    """
+    """Least distance of tip lands from root lands below them; inf where there are none, NaN where one is not met."""
     (tip_mm, gear), (root_mm, mate) = tips, roots
     crossing, after = gear.flanks.crossing_mm.reshape(-1, 2), mate.flanks.crossing_mm
     following = np.append(after[2::2], after[0] + mate.flanks.curve.length_mm)
@@ -177,10 +170,7 @@ def _chords(outline_mm: Array, flanks: Flanks, low_mm: Array, high_mm: Array) ->
 
 
 def _along_normals(outline_mm: Array, flanks: Flanks, sense: float) -> Callable[[Array], Array]:
-    """Distances from points of the pitch curve to the outline, outwards (``sense`` +1) or inwards (-1), shape (n,).
-
-    Of rolled lengths in mm.  Infinite where the outline is not met.
-    """
+    """Distances from the pitch curve at rolled lengths to the outline along ``sense`` (n,); inf where it is not met."""
     outline = as_complex(outline_mm)
     around = polar_outline(outline)
 

@@ -60,8 +60,7 @@ class Cells:
         """Numbers of the cells that places lie in, shape (n,); no chord is near cells at the grid's edge."""
         steps = (places - self.corner).view(float) * (1.0 / self.cell_mm)
         number = np.clip(steps, 0.0, self.side - 1.0).astype(int)
-        cell: IndexArray = number[0::2] * self.side + number[1::2]
-        return cell
+        return number[0::2] * self.side + number[1::2]
 
 
 def cells_near(chords: Chords, near_mm: float, cell_mm: float) -> Cells:

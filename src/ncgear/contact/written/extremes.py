@@ -73,10 +73,7 @@ Touched = tuple[Placement, Array, Array]
 def play_extremes(
     outlines: Outlines, pitch: PitchPair, known: AsWritten, even: Placement, reach_mm: float
 ) -> PlayExtremes:
-    """The extremes of outlines as measured, whose contact is ``known`` at ``even`` positions.
-
-    Raises as ``as_written``.
-    """
+    """The extremes of measured outlines, contact ``known`` at ``even`` positions; raises as ``as_written``."""
     touched = _touched_at(outlines, pitch, known, even, reach_mm)
     finest_rad = FINEST_MM / float(even.driven_radius_mm.min())
     found = _largest(lambda rolled: _ranged(touched(rolled)[1]), even, _ranged(_both_sides(known)), finest_rad)
@@ -86,10 +83,7 @@ def play_extremes(
 def written_extremes(
     outlines: Outlines, pitch: PitchPair, teeth: ToothedPair, known: AsWritten, designed: AsDesigned, reach_mm: float
 ) -> WrittenExtremes:
-    """The extremes of outlines whose contact is ``known`` at the positions of ``designed``.
-
-    Raises as ``as_written``.
-    """
+    """The extremes of outlines, contact ``known`` at the positions of ``designed``; raises as ``as_written``."""
     even, errors_at = designed.placement, _errors_at(pitch, teeth, designed)
     touched = _touched_at(outlines, pitch, known, even, reach_mm)
     found = _largest(
@@ -113,7 +107,6 @@ def _largest(
 def _play_of(
     pitch: PitchPair, even: Placement, found: Sequence[Extremum]
 ) -> tuple[Range, Range, Range, tuple[int, int]]:
-    """What ``PlayExtremes`` has, from the largest values of ``_ranged``."""
     pushing, back, backlash = ranges_of([at_angle(pitch, even, one) for one in found])
     return pushing, back, backlash, _teeth_at(pitch, even, found[-1])
 
@@ -129,7 +122,6 @@ def _both_sides(known: AsWritten) -> Array:
 def _touched_at(
     outlines: Outlines, pitch: PitchPair, known: AsWritten, even: Placement, reach_mm: float
 ) -> Callable[[Array], Touched]:
-    """What touches at rolled lengths, between the even positions at which it is known."""
     rolled, middle = over_cycle(even, _both_sides(known).mean(axis=0, keepdims=True))
     facing = outlines.facing(even)
 
@@ -156,10 +148,7 @@ def _touched_at(
 
 
 def _errors_at(pitch: PitchPair, teeth: ToothedPair, designed: AsDesigned) -> Callable[[Array], Array]:
-    """The errors of the exact teeth on both sides at rolled lengths, shape (2, n).
-
-    Teeth whose errors vary by rounding only have the same errors between the positions.
-    """
+    """The errors of the exact teeth on both sides at rolled lengths, (2, n); alike where they vary by rounding only."""
     sides = np.stack([designed.pushing.error_rad, designed.back.error_rad])
     if np.all(np.ptp(sides, axis=1) <= ALIKE_RAD):
         return lambda rolled_mm: np.broadcast_to(sides.mean(axis=1)[:, None], (2, rolled_mm.size))

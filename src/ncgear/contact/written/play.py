@@ -25,8 +25,7 @@ always the first reach finds its nearer side.  Where nothing is in reach, or an 
 DEEP_IN_PITCHES = 0.05
 """Overlap from which vertices are followed over the greater reach.  A vertex that is too deep inside for the first
 reach has other vertices beside it, which the first reach shows to be this deep.  This holds if no chord is longer than
-the first reach beyond this depth; where a chord is longer, there is no first reach.
-"""
+the first reach beyond this depth; where a chord is longer, there is no first reach."""
 
 BLOCK = 128
 """Positions treated at once, so few that their arrays stay in the processor's cache."""
@@ -122,26 +121,18 @@ class _Crossings:
     @property
     def leading_out(self) -> Mask:
         """Whether the vertex would come out of the other gear there."""
-        out: Mask = np.signbit(self.turn_rad) == self.entering
-        return out
+        return np.signbit(self.turn_rad) == self.entering
 
 
 def facing_outlines(driving_mm: Array, driven_mm: Array, placement: Placement) -> Facing:
-    """Two outlines in their own frames, counter-clockwise, shape (n, 2) each, each around its axis once.
-
-    Of ``placement`` only counts what is the same at all positions.
-    """
+    """Two outlines in their own frames, counter-clockwise, (n, 2), and what is the same at all positions."""
     # Outlines are followed with the material on their left: a ring's goes round the hole the other way.
     driven = as_complex(driven_mm[::-1] if placement.driven_inside else driven_mm)
     return Facing(as_complex(driving_mm), driven, placement.pitch_mm)
 
 
 def outline_play(facing: Facing, placement: Placement, reach_mm: float) -> WrittenPlay:
-    """Play of two outlines at positions.
-
-    Outlines are compared within the sector of the driving gear that ``reach_mm`` from the pitch point spans, which must
-    cover the line of action.
-    """
+    """Play of two outlines at positions, in the sector of ``reach_mm`` that must cover the line of action."""
     driving, driven = facing.driving, facing.driven
     apart = apart_play(facing, placement, reach_mm)
     play = np.stack([apart.up_rad, apart.down_rad, np.zeros(placement.count)])
@@ -248,8 +239,7 @@ def _of_driving_vertices(meets: _Meets, reach_mm: float) -> _Crossings:
 def _of_driven_vertices(meets: _Meets, reach_mm: float, positions: int) -> _Crossings:
     """Circles of the driven outline's vertices across the chords, as far as within reach.
 
-    A vertex that only meets chords at the edge of the windows may look as if it were inside, because nearer chords are
-    missing: it counts as outside.
+    A vertex that only meets chords at the edge of the windows, where nearer ones are missing, counts as outside.
     """
     runs, chords = meets.runs, meets.chords
     first = np.minimum(meets.at_start, meets.at_end)
@@ -270,15 +260,13 @@ def _turned(vertex_rad: Array, heading_rad: Array, aside_mm: Array, radius_mm: A
     """Angles, from -pi to pi, from vertices along their circles to chords; see ``headings``."""
     share = np.clip(aside_mm / radius_mm, -1.0, 1.0)
     turn = heading_rad + np.arcsin(share) - vertex_rad
-    turned: Array = turn - TURN * np.rint(turn / TURN)
-    return turned
+    return turn - TURN * np.rint(turn / TURN)
 
 
 def _across(turn_rad: Array, radius_mm: Array, aside_mm: Array) -> Array:
     """Distances across chords of vertices that angles turn onto them, to first order in the angle."""
     lever = np.sqrt(np.maximum((radius_mm - aside_mm) * (radius_mm + aside_mm), 0.0))
-    across: Array = np.abs(turn_rad) * lever
-    return across
+    return np.abs(turn_rad) * lever
 
 
 def _numbered(position: IndexArray, entry: IndexArray, entries: int, positions: int) -> tuple[IndexArray, IndexArray]:
@@ -297,8 +285,8 @@ def _numbered(position: IndexArray, entry: IndexArray, entries: int, positions: 
 def _free(crossings: _Crossings, positions: int) -> tuple[Array, Array, Array]:
     """Least angles by which the vertices of each position can move up and down, and the depth of the deepest vertex.
 
-    A vertex is inside the other gear if, turned either way, it would come out of the gear before it goes in; the other
-    side of a thick tooth may be out of reach.  It then counts as past the nearer side.
+    A vertex is inside if, turned either way, it comes out of the gear before it goes in; it counts as past the
+    nearer side.
     """
     least = np.full((4, crossings.position.size), np.inf)
     kind = 2 * np.signbit(crossings.turn_rad) + crossings.entering

@@ -156,10 +156,7 @@ class RadialRuns:
 
 
 def radial_runs(outline: ComplexArray, reach_mm: float, pitch_mm: float) -> RadialRuns:
-    """The runs of an outline about the origin, shape (n,).
-
-    A run counts as near a sector if it is no farther from it than ``reach_mm``, along an arc about the axis.
-    """
+    """The runs of an outline (n,) about the origin; near sectors by arcs of up to ``reach_mm``."""
     chord, foot = with_feet(outline, np.roll(outline, -1))
     ring = np.insert(outline, chord + 1, foot)
     rising = square(np.roll(ring, -1)) > square(ring)

@@ -2,14 +2,29 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from ncgear.design.keys.base import Model, fault, given, optional, required
-from ncgear.design.keys.linkages import Linkage
+from ncgear.design.keys.base import (
+    FILE_FORMAT,
+    LONGEST_MM,
+    Faults,
+    FileFormat,
+    FileName,
+    Length,
+    Model,
+    Place,
+    Several,
+    Share,
+    Speed,
+    fault,
+    given,
+    optional,
+    required,
+)
+from ncgear.design.keys.machine import Linkage
 from ncgear.design.keys.masses import HEAVIEST_KG, Mass, Masses
-from ncgear.design.keys.types import FILE_FORMAT, LONGEST_MM, FileFormat, FileName, Length, Place, Several, Share, Speed
 from ncgear.design.words import NAME_PATTERN, listed
 
 MOST_COUNT = 10_000
@@ -95,15 +110,13 @@ class Mechanism(Model):
     best: Best | None = optional("the counterweight that leaves least, beside those that it has")
     sweep: Sweep | None = optional("counterweights to try, beside those that it has")
 
-    @model_validator(mode="after")
-    def _driven_and_massive(self) -> Self:
+    def _faults(self) -> Faults:
         if self.linkage is not None and self.linkage.crank_mm is None:
-            raise fault("linkage.crank_mm", "missing; give the length of the crank in mm")
+            yield fault("linkage.crank_mm", "missing; give the length of the crank in mm")
         if self.linkage is not None and self.masses is None:
-            raise fault("masses", "missing; a linkage given here needs slider_kg, rod and crank")
+            yield fault("masses", "missing; a linkage given here needs slider_kg, rod and crank")
         if self.masses and not self.masses.slider_kg + self.masses.rod.mass_kg + self.masses.crank.mass_kg > 0.0:
-            raise fault("masses", "nothing has a mass; give that of the slider, the rod or the crank")
-        return self
+            yield fault("masses", "nothing has a mass; give that of the slider, the rod or the crank")
 
 
 class Chassis(Model):
@@ -150,11 +163,9 @@ class Excitations(Model):
     engines: Annotated[Several[Engine], Field(max_length=MOST_ITEMS)] = optional("engines, a list", ())
     harmonics: int = optional("harmonics of the slider's acceleration of each mechanism", 0, ge=0, le=1000)
 
-    @model_validator(mode="after")
-    def _something_shakes(self) -> Self:
+    def _faults(self) -> Faults:
         if not self.shafts and not self.engines and not self.harmonics:
-            raise fault("", "nothing shakes; give shafts, engines or harmonics")
-        return self
+            yield fault("", "nothing shakes; give shafts, engines or harmonics")
 
 
 class Holes(Model):
@@ -227,12 +238,10 @@ class Rotor(Model):
     radius_mm: Length | None = optional("radius of the weights in mm, with mass_kg")
     grade: float = optional("grade of balance quality of ISO 21940-11 in mm/s: 16 for G 16", 16.0, gt=0.0, le=4000.0)
 
-    @model_validator(mode="after")
-    def _has_readings(self) -> Self:
+    def _faults(self) -> Faults:
         for key in ("first", "trials"):
             if getattr(self, key) is None:
-                raise fault(key, "missing; give first and trials, or a file of them")
-        return self
+                yield fault(key, "missing; give first and trials, or a file of them")
 
 
 class ChainRun(Model):
@@ -258,11 +267,9 @@ class ChainDrive(Model):
     )
     effect_per_g: Effect | None = optional("amplitude per g of a weight, for corrections; left out: none")
 
-    @model_validator(mode="after")
-    def _has_runs(self) -> Self:
+    def _faults(self) -> Faults:
         if self.runs is None:
-            raise fault("runs", "missing; give runs, or a file of them")
-        return self
+            yield fault("runs", "missing; give runs, or a file of them")
 
 
 QUESTIONS = ("excitations", "gears", "rotor", "chain_drive")
@@ -285,29 +292,25 @@ class Balance(Model):
     rotor: Rotor | None = optional("field balancing from trial weights")
     chain_drive: ChainDrive | None = optional("equivalent unbalance of a chain drive")
 
-    @model_validator(mode="after")
-    def _asks_something(self) -> Self:
+    def _asks_something(self) -> Faults:
         if not self.mechanisms and not given(self, QUESTIONS):
-            raise fault("", f"nothing is asked; give mechanisms, {listed(QUESTIONS)}")
+            yield fault("", f"nothing is asked; give mechanisms, {listed(QUESTIONS)}")
         if self.excitations and self.excitations.harmonics and not self.mechanisms:
-            raise fault("excitations.harmonics", "given, but no mechanism, whose slider has harmonics; give mechanisms")
+            yield fault("excitations.harmonics", "given, but no mechanism, whose slider has harmonics; give mechanisms")
         if self.speed_rpm is None and (self.mechanisms or self.gears):
-            raise fault("speed_rpm", "missing; mechanisms and gears need the speed of their shaft in r/min")
-        return self
+            yield fault("speed_rpm", "missing; mechanisms and gears need the speed of their shaft in r/min")
 
-    @model_validator(mode="after")
-    def _names_are_known_and_differ(self) -> Self:
+    def _names_are_known_and_differ(self) -> Faults:
         names = [mechanism.name for mechanism in self.mechanisms]
         for number, name in enumerate(names):
             if name in names[:number]:
-                raise fault(
+                yield fault(
                     f"mechanisms.{number}.name", f"{name!r} is the name of an earlier mechanism; choose another name"
                 )
         asked = {"move_phase_of": self.move_phase_of}
         asked["chassis.mechanism"] = self.chassis.mechanism if self.chassis else None
         for key, asked_name in asked.items():
             if asked_name is not None and asked_name not in names:
-                raise fault(key, f"{asked_name!r} is no mechanism of this file; {listed(names) or 'none'} is right")
+                yield fault(key, f"{asked_name!r} is no mechanism of this file; {listed(names) or 'none'} is right")
         if self.move_phase_of is not None and len(names) < 2:
-            raise fault("move_phase_of", "a single mechanism has no best phase; give a second one, or leave it out")
-        return self
+            yield fault("move_phase_of", "a single mechanism has no best phase; give a second one, or leave it out")

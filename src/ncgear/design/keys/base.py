@@ -2,20 +2,21 @@
 
 A fault that a model finds between its own fields has the key to which it belongs.  Fields are ``required`` or
 ``optional``.  An angle may be given in radians, in degrees or in multiples of pi, by keys that end in the unit: one
-field marked ``angle`` makes all of them.  What holds between keys of a model stands in its ``RULES``.
+field marked ``angle`` makes all of them.  What holds between keys of a model stands in its ``RULES``, and what no rule
+can say is yielded by methods that return ``Faults``.  The types of values with their limits stand at the end.
 """
 
 from __future__ import annotations
 
 import operator
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import cache, partial, reduce
-from inspect import get_annotations
-from itertools import pairwise
+from inspect import get_annotations, isfunction
+from itertools import chain, pairwise
 from math import pi, radians
-from typing import Any, ClassVar, NamedTuple, Self
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple, Self, TypeVar
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict, model_validator
 from pydantic_core import PydanticCustomError
 
 from ncgear.design.words import UNITS as UNITS
@@ -98,20 +99,23 @@ class Model(BaseModel):
         order = (*own, *base) if first else (*base, *own)
         cls.__pydantic_fields__ = {name: fields[name] for name in order if name in fields}
 
-    def _require_offered(self) -> None:
-        """Refuse what is not offered at all, before what it would need is asked for."""
+    def _broken_rules(self) -> Faults:
+        for rule in (rule for base in reversed(type(self).__mro__) for rule in vars(base).get("RULES", ())):
+            yield from unkept(self, rule)
 
     @model_validator(mode="after")
-    def _rules_hold(self) -> Self:
-        self._require_offered()
-        for rule in _rules_of(type(self)):
-            require(self, rule)
+    def _has_no_fault(self) -> Self:
+        for found in chain.from_iterable(check(self) for check in _checks_of(type(self))):
+            raise found
         return self
 
 
 @cache
-def _rules_of(model: type[Model]) -> list[str]:
-    return [rule for base in reversed(model.__mro__) for rule in vars(base).get("RULES", ())]
+def _checks_of(model: type[Model]) -> list[Callable[[Model], Faults]]:
+    """The methods of a model that return ``Faults``: first what is not offered at all, then those of its bases."""
+    every = [pair for base in reversed(model.__mro__) for pair in vars(base).items()]
+    checks = [pair for pair in every if isfunction(pair[1]) and pair[1].__annotations__.get("return") == "Faults"]
+    return [check for _, check in sorted(checks, key=lambda pair: pair[0] != "_not_offered")]
 
 
 def key_of(model: BaseModel, quantity: str) -> str:
@@ -128,6 +132,8 @@ def _in_rad(model: BaseModel, quantity: str, absent: Any) -> Any:
 
 
 FAULT_TYPE = "ncgear"
+Faults = Iterator[PydanticCustomError]
+"""What is wrong between the keys of a model, in the order in which it is told: the first fault alone counts."""
 
 
 def fault(key: str, problem: str) -> PydanticCustomError:
@@ -152,8 +158,8 @@ _RELATIONS: dict[str, tuple[Callable[[float, float], bool], str]] = {
 }
 
 
-def require(model: BaseModel, rule: str) -> None:
-    """Refuse a model in which a rule between dotted keys does not hold.
+def unkept(model: BaseModel, rule: str) -> Faults:
+    """The fault of a model in which a rule between dotted keys does not hold.
 
     The rules are ``one of A B``, exactly one is given; ``at most one of A B``; ``A with B``, both are given or neither;
     ``A needs B C``, A is given only with B or C; where both are given, ``A as many as B`` of lists and ``A < B``, also
@@ -162,28 +168,28 @@ def require(model: BaseModel, rule: str) -> None:
     match rule.split():
         case ["one", "of", *names]:
             if all(_at(model, name) is None for name in names):
-                raise fault("", f"one of {listed(names)} is missing; give exactly one of them")
-            require(model, f"at most {rule}")
+                yield fault("", f"one of {listed(names)} is missing; give exactly one of them")
+            yield from unkept(model, f"at most {rule}")
         case ["at", "most", "one", "of", *names]:
             found = [name for name in names if _at(model, name) is not None]
             if len(found) > 1:
-                raise fault(found[1], f"{listed(found, 'and')} are given, and only one of them can count; keep one")
+                yield fault(found[1], f"{listed(found, 'and')} are given, and only one of them can count; keep one")
         case [one, "with", other]:
-            require(model, f"{one} needs {other}")
-            require(model, f"{other} needs {one}")
+            yield from unkept(model, f"{one} needs {other}")
+            yield from unkept(model, f"{other} needs {one}")
         case [key, "needs", *others]:
             if _at(model, key) is not None and all(_at(model, other) is None for other in others):
-                raise fault(key, f"given without {listed(others)}; give {listed(others)} as well, or leave {key} out")
+                yield fault(key, f"given without {listed(others)}; give {listed(others)} as well, or leave {key} out")
         case [key, "as", "many", "as", other]:
             counts = [len(values) for name in (key, other) if (values := _at(model, name)) is not None]
             if len(counts) == 2 and counts[0] != counts[1]:
-                raise fault(key, f"{counts[0]} values, but {other} has {counts[1]}; {counts[1]} values are right")
+                yield fault(key, f"{counts[0]} values, but {other} has {counts[1]}; {counts[1]} values are right")
         case [key, relation, other]:
             (holds, words), value, bound = _RELATIONS[relation], _at(model, key), _at(model, other)
             if value is not None and bound is not None and not holds(value, bound):
                 named = (key, value), (other, bound)
                 told, right = (f"{one:.10g} {label_and_unit(name)[1]}".strip() for name, one in named)
-                raise fault(key, f"{told} given, but {other} is {right}; {words.format(right)} is right")
+                yield fault(key, f"{told} given, but {other} is {right}; {words.format(right)} is right")
 
 
 def _at(model: BaseModel, key: str) -> Any:
@@ -191,10 +197,68 @@ def _at(model: BaseModel, key: str) -> Any:
     return reduce(lambda group, name: None if group is None else getattr(group, name), key.split("."), model)
 
 
-def require_rising(key: str, values: Sequence[float], least: float, what: str = "angles") -> None:
-    """Refuse a list under ``key`` in which a value does not follow the one before by at least ``least``."""
+def not_rising(key: str, values: Sequence[float], least: float, what: str = "angles") -> Faults:
+    """The values of a list under ``key`` that do not follow the value before by at least ``least``."""
     for i, (before, after) in enumerate(pairwise(values), start=1):
         if after <= before:
-            raise fault(f"{key}.{i}", f"{after:g} follows {before:g}; the {what} must rise strictly")
+            yield fault(f"{key}.{i}", f"{after:g} follows {before:g}; the {what} must rise strictly")
         if after - before < least:
-            raise fault(f"{key}.{i}", f"{after!r} follows {before!r}; at least {shown_above(least, 2)} apart is right")
+            yield fault(f"{key}.{i}", f"{after!r} follows {before!r}; at least {shown_above(least, 2)} apart is right")
+
+
+LONGEST_MM = 1e7
+"""Ten kilometres: beyond any machine, and far below where the squares of lengths overflow."""
+
+SLOWEST_RPM, FASTEST_RPM = 1e-6, 1e7
+"""One turn in two years, and far above whatever a machine has: squares of speeds stay far from overflow and zero."""
+
+SHORTEST_MM = 1e-12
+"""A hundred-thousandth of an atom's diameter, and far above where powers of lengths vanish."""
+
+
+def not_vanishing(length: float) -> float:
+    """The length itself in mm; a fault where it is too short."""
+    if length < SHORTEST_MM:
+        raise fault("", f"{length!r} given; a length of {SHORTEST_MM:g} mm or over is needed")
+    return length
+
+
+Length = Annotated[float, Field(gt=0.0, le=LONGEST_MM), AfterValidator(not_vanishing)]
+Place = Annotated[float, Field(ge=-LONGEST_MM, le=LONGEST_MM)]
+Speed = Annotated[float, Field(ge=SLOWEST_RPM, le=FASTEST_RPM)]
+Positive = Annotated[float, Field(gt=0.0)]
+Share = Annotated[float, Field(ge=0.0, le=1.0)]
+Direction = Annotated[float, Field(ge=-360.0, le=360.0)]
+"""An angle in degrees."""
+
+LONGEST_EXPRESSION = 1000
+
+Expression = Annotated[str, Field(min_length=1, max_length=LONGEST_EXPRESSION)]
+"""A formula."""
+
+FORMULA = (
+    "made of numbers, pi, + - * / **, sin, cos, tan, exp, log, sqrt, atan, sinh, cosh, tanh, abs, sign, min, max "
+    "and a if u < v else b"
+)
+"""What ``ncgear.numerics.formula`` reads."""
+
+SMOOTH_LAW = (
+    "it may not jump where such pieces meet or where the cycle begins again; where its slope jumps there, gears cannot "
+    "be made"
+)
+"""What the pitch curves ask of a ratio and of dphi2/dphi1."""
+
+Item = TypeVar("Item")
+
+# YAML has only lists, and strict models accept only tuples: so the container is not strict, but its items are.
+Several = Annotated[tuple[Item, ...], Strict(False)]
+Numbers = Several[float]
+FileName = Annotated[str, Field(min_length=1)]
+
+CSV_FILE = (
+    "table (CSV, XLSX, ODS) with {} columns instead, its header naming them; its path counts from the design file"
+)
+
+FileFormat = Literal[1]
+FILE_FORMAT = "version of the file's format; a file of a later format needs a later ncgear; left out: 1"
+"""The formats that this program reads, and what is said of their key: a change that older files do not mean is 2."""

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Self
+from typing import Annotated
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from ncgear.design.keys.base import Model, fault, optional, required
-from ncgear.design.keys.types import Length
+from ncgear.design.keys.base import Faults, Length, Model, fault, optional, required
 
 MOST_HOLES = 100
 
@@ -38,16 +37,14 @@ class Hub(Model):
     height_mm: Length = required("height of the hub over the face in mm")
     set_screw: SetScrew | None = optional("hole for a set screw in the hub; left out: none")
 
-    @model_validator(mode="after")
-    def _screw_in_hub(self) -> Self:
+    def _faults(self) -> Faults:
         screw, height = self.set_screw, self.height_mm
         if screw is None:
-            return self
+            return
         low, high = screw.diameter_mm / 2.0, height - screw.diameter_mm / 2.0
         if screw.height_mm is not None and not low < screw.height_mm < high:
             problem = f"at {screw.height_mm:g} mm the hole leaves the hub; between {low:g} and {high:g} mm is right"
-            raise fault("set_screw.height_mm", problem)
-        return self
+            yield fault("set_screw.height_mm", problem)
 
 
 class Web(Model):

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field
 
-from ncgear.design.keys.base import Model, fault, given, optional, required
+from ncgear.design.keys.base import Faults, Length, Model, Positive, Several, fault, given, optional, required
 from ncgear.design.keys.strength import WrittenMaterial
-from ncgear.design.keys.types import Length, Positive, Several
 
 FEWEST_MACHINES, MOST_MACHINES = 1, 20
 
@@ -79,11 +78,9 @@ class Costs(Model):
     driven_flywheel_per_kg_m2: Price = optional("cost of each kg m2 of the flywheel on the driven shaft", 0.0)
     making: MakingCosts = optional("cost of making the teeth, by the process", MakingCosts)
 
-    @model_validator(mode="after")
-    def _something_costs(self) -> Self:
+    def _faults(self) -> Faults:
         if not self.model_fields_set:
-            raise fault("", "nothing costs anything; give one price or more, or leave the group out")
-        return self
+            yield fault("", "nothing costs anything; give one price or more, or leave the group out")
 
 
 class Choices(Model):
@@ -113,12 +110,10 @@ class Choices(Model):
         "how many machines are wanted at most", 8
     )
 
-    @model_validator(mode="after")
-    def _a_cost_is_given(self) -> Self:
+    def _faults(self) -> Faults:
         if self.least is not None and "cost" in self.least and not (self.cost or self.motors):
-            raise fault("cost", "missing; least names the cost: give what the figures cost, or leave it out of least")
+            yield fault("cost", "missing; least names the cost: give what the figures cost, or leave it out of least")
         for key in given(self, ("processes", "modules_mm", "least")):
             values = getattr(self, key)
             if len(set(values)) < len(values):
-                raise fault(key, "the same is given twice; once is right")
-        return self
+                yield fault(key, "the same is given twice; once is right")

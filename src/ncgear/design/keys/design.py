@@ -5,28 +5,26 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from functools import cache, reduce
 from operator import or_
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self, Union
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Union
 
-from pydantic import Field, TypeAdapter, create_model, model_validator
+from pydantic import Field, TypeAdapter, create_model
 
-from ncgear.design.keys.base import Model, fault, given, optional, required
+from ncgear.design.keys.base import FILE_FORMAT, Faults, FileFormat, Model, fault, given, optional, required
 from ncgear.design.keys.choices import Choices
 from ncgear.design.keys.drivetrain import Drivetrain
 from ncgear.design.keys.gears import SIZES, Gears
-from ncgear.design.keys.linkages import Fit, Linkage, NoLinkage
-from ncgear.design.keys.machine import Comparison, Operation, Output, Resistance
+from ncgear.design.keys.machine import Comparison, Fit, Linkage, NoLinkage, Operation, Output, Resistance
 from ncgear.design.keys.masses import Masses, Simulation
 from ncgear.design.keys.optimize import FlywheelRange, Lengths, Optimize, Range
 from ncgear.design.keys.outline import FollowedOutline
 from ncgear.design.keys.strength import StrengthKeys
 from ncgear.design.keys.tolerances import AssemblyTolerances
-from ncgear.design.keys.types import FILE_FORMAT, FileFormat
 from ncgear.design.laws.base import LawKeys
 from ncgear.design.laws.registry import law_models
 from ncgear.design.mechanisms import MECHANISMS, NO_LINKAGE, entry_of, kind_named
 from ncgear.design.reading.text import quoted
 from ncgear.design.trains.registry import TrainFile, train_models
-from ncgear.design.wishes.group import Wishes
+from ncgear.design.wishes.registry import Wishes
 from ncgear.design.words import LONGEST_DESCRIPTION, NAME_PATTERN, listed
 from ncgear.errors import WrongInput
 from ncgear.shown import Shown
@@ -110,51 +108,42 @@ class Design(Model, Shown):
         """Whether the file gives anything that loads teeth: a resistance, masses or a jam."""
         return any(one is not None for one in (self.resistance, self.masses, self.strength.overload))
 
-    @model_validator(mode="after")
-    def _crank_is_known(self) -> Self:
+    def _crank_is_known(self) -> Faults:
         key = entry_of(self.linkage).stroke_key
         if key is not None and getattr(self.linkage, key) is None and not self.motion.gives_stroke:
             meaning = type(self.linkage).model_fields[key].description
-            raise fault(f"linkage.{key}", f"missing; give it ({meaning})")
-        return self
+            yield fault(f"linkage.{key}", f"missing; give it ({meaning})")
 
-    @model_validator(mode="after")
-    def _gears_by_themselves_move_no_slider(self) -> Self:
+    def _gears_by_themselves_move_no_slider(self) -> Faults:
         if not isinstance(self.linkage, NoLinkage):
-            return self
+            return
         if self.motion.gives_slider:
-            raise fault(
+            yield fault(
                 "linkage",
                 f"missing; motion.law {self.motion.law} tells how a slider moves: give linkage, or a law of the ratio "
                 "or of the driven angle",
             )
         for name in ("wishes", "optimize", "choices", "comparison"):
             if name in self.model_fields_set and getattr(self, name) is not None:
-                raise fault(name, "given, but without linkage nothing moves to and fro; leave it out, or give linkage")
-        return self
+                yield fault(name, "given, but without linkage nothing moves to and fro; leave it out, or give linkage")
 
-    @model_validator(mode="after")
-    def _a_crank_pin_has_a_crank(self) -> Self:
+    def _a_crank_pin_has_a_crank(self) -> Faults:
         pin = self.gears.driven.crank_pin if self.gears else None
         alone = isinstance(self.linkage, NoLinkage)
         fit = {"fit": self.fit} if alone else {"fit.rod_width_mm": self.fit and self.fit.rod_width_mm}
         for key, value in {"gears.driven.crank_pin": pin, **fit}.items():
             if value is not None and not entry_of(self.linkage).has_crank_pin:
-                raise fault(
+                yield fault(
                     key, "given, but the driven shaft turns no crank here; leave it out, or give a linkage with a crank"
                 )
-        return self
 
-    @model_validator(mode="after")
-    def _an_outline_is_drawn(self) -> Self:
+    def _an_outline_is_drawn(self) -> Faults:
         if self.outline is not None and not self.motion.gives_outline:
-            raise fault("outline", f"given, but the law {self.motion.law} draws no pitch curve; leave it out")
-        return self
+            yield fault("outline", f"given, but the law {self.motion.law} draws no pitch curve; leave it out")
 
-    @model_validator(mode="after")
-    def _limits_are_those_of_the_output(self) -> Self:
+    def _limits_are_those_of_the_output(self) -> Faults:
         if self.optimize is None:
-            return self
+            return
         ways = ("mm", "rad") if entry_of(self.linkage).turns else ("rad", "mm")
         groups = {
             "limits": ("peak_speed_{}_s", "peak_acceleration_{}_s2", "peak_jerk_{}_s3", "acceleration_harmonics_{}_s2"),
@@ -165,22 +154,19 @@ class Design(Model, Shown):
                 wrong, right = (name.format(way) for way in ways)
                 if getattr(getattr(self.optimize, group), wrong, None) is not None:
                     does = "turns" if ways[1] == "rad" else "slides"
-                    raise fault(f"optimize.{group}.{wrong}", f"given, but the output {does}; {right} is right")
-        return self
+                    yield fault(f"optimize.{group}.{wrong}", f"given, but the output {does}; {right} is right")
 
     @property
     def free_flywheel(self) -> FlywheelRange | None:
         """The sizes among which a flywheel on the driven shaft is sought; None where it is as the masses say."""
         return None if self.optimize is None else self.optimize.driven_flywheel_kg_mm2
 
-    @model_validator(mode="after")
-    def _a_free_flywheel_has_masses(self) -> Self:
+    def _a_free_flywheel_has_masses(self) -> Faults:
         if self.free_flywheel is not None and self.masses is None:
-            raise fault(
+            yield fault(
                 "optimize.driven_flywheel_kg_mm2",
                 "given, but without masses there is nothing that a flywheel could take up; give masses",
             )
-        return self
 
     @property
     def free_lengths(self) -> Mapping[str, Range]:
@@ -188,62 +174,53 @@ class Design(Model, Shown):
         asked = self.optimize and self.optimize.lengths
         return asked.ranges if asked else {}
 
-    @model_validator(mode="after")
-    def _free_lengths_are_those_of_the_mechanism(self) -> Self:
+    def _free_lengths_are_those_of_the_mechanism(self) -> Faults:
         entry = entry_of(self.linkage)
         own = [name for name in type(self.linkage).model_fields if name in Lengths.model_fields]
         own.append("stroke_deg" if entry.turns else "stroke_mm")
         for name in self.free_lengths:
             if name not in own:
-                raise fault(f"optimize.lengths.{name}", f"given, but this mechanism has {listed(own, 'and')}")
-        return self
+                yield fault(f"optimize.lengths.{name}", f"given, but this mechanism has {listed(own, 'and')}")
 
-    @model_validator(mode="after")
-    def _gears_have_a_size(self) -> Self:
+    def _gears_have_a_size(self) -> Faults:
         if self.gears is None:
-            return self
+            return
         names, needed = (SIZES[:2], "one") if self.motion.gives_center_distance else (SIZES, "two")
         found = given(self.gears, names)
         if len(found) < len(names) - 1:
             said = f"only {found[0]} is given" if found else "no size is given"
             needed = f"{needed} of {listed(names, 'and')} {'is' if needed == 'one' else 'are'} needed"
             follows = ", since the centre distance follows from the law" if self.motion.gives_center_distance else ""
-            raise fault("gears", f"{said}; {needed}{follows}")
+            yield fault("gears", f"{said}; {needed}{follows}")
         if self.motion.solves_shape and self.gears.mesh == "internal":
-            raise fault(
+            yield fault(
                 "gears.mesh",
                 "internal given, but a quantity of a shape is found for a mate beside it only; leave mesh out, or give "
                 "motion.solve_for: center_distance or scale",
             )
-        return self
 
-    @model_validator(mode="after")
-    def _slider_law_has_one_driven_lobe(self) -> Self:
+    def _slider_law_has_one_driven_lobe(self) -> Faults:
         if self.gears and self.motion.gives_slider and self.gears.lobes.driven != 1:
-            raise fault(
+            yield fault(
                 "gears.lobes.driven",
                 f"{self.gears.lobes.driven} given, but a law of the slider's motion drives one crank; 1 is right",
             )
-        return self
 
-    @model_validator(mode="after")
-    def _bearings_bear_no_thrust(self) -> Self:
+    def _bearings_bear_no_thrust(self) -> Faults:
         if not (self.drivetrain and self.gears and self.gears.helix and self.gears.helix.kind == "helical"):
-            return self
+            return
         for name in ("driving_shaft", "driven_shaft"):
             shaft = getattr(self.drivetrain, name)
             if shaft is not None and shaft.bearing_a is not None:
-                raise fault(
+                yield fault(
                     f"drivetrain.{name}.bearing_a",
                     "given, but helical teeth press along their shafts, which is not followed; herringbone or straight "
                     "ones, or leave the bearings out",
                 )
-        return self
 
-    @model_validator(mode="after")
-    def _bearings_stand_beside_their_gears(self) -> Self:
+    def _bearings_stand_beside_their_gears(self) -> Faults:
         if self.drivetrain is None or self.gears is None:
-            return self
+            return
         half = self.gears.face_width_mm / 2.0
         for name in ("driving", "driven"):
             hub, shaft = getattr(self.gears, name).hub, getattr(self.drivetrain, f"{name}_shaft")
@@ -252,25 +229,24 @@ class Design(Model, Shown):
                 one = getattr(shaft, bearing, None)
                 if one is not None and -half < one.at_mm < top:
                     within = "the gear" if one.at_mm < half else "the gear's hub"
-                    raise fault(
+                    yield fault(
                         f"drivetrain.{name}_shaft.{bearing}.at_mm",
                         f"{one.at_mm:.10g} mm is within {within}, which ends at {top:.10g} mm; "
                         f"{-half:.10g} or less, or {top:.10g} or more, is right",
                     )
-        return self
 
-    def _require_offered(self) -> None:
+    def _not_offered(self) -> Faults:
         """Gears that turn less than once are plain pairs; what is not offered for them is refused by its key.
 
         Only they have end stops.  Around two pairs of gears there is no drivetrain.
         """
         gears = self.gears
         if self.drivetrain is not None and self.stages > 1:
-            raise fault("drivetrain", "given, but forces are computed of one pair of gears; leave it out of two stages")
+            yield fault("drivetrain", "given, but forces are computed of one pair of gears; leave it out of two stages")
         if not self.motion.is_open:
             for body in ("driving", "driven"):
                 if gears is not None and getattr(gears, body).end_stop is not None:
-                    raise fault(
+                    yield fault(
                         f"gears.{body}.end_stop",
                         f"given, but gears of {self.motion.law} turn on and on; leave it out, or give a law over a "
                         "range (range_deg, spiral or function_generator)",
@@ -290,21 +266,19 @@ class Design(Model, Shown):
         }
         for key, is_given in asked.items():
             if is_given:
-                raise fault(
+                yield fault(
                     key, "given, but it is not offered for gears that turn to and fro, less than once; leave it out"
                 )
 
-    @model_validator(mode="after")
-    def _stages_have_one_lobe(self) -> Self:
+    def _stages_have_one_lobe(self) -> Faults:
         wished = self.optimize.limits.stages if self.optimize else 1
         lobes = (self.gears.lobes.driving, self.gears.lobes.driven) if self.gears else (1, 1)
         if max(self.stages, wished) > 1 and lobes != (1, 1):
-            raise fault("gears.lobes", f"{lobes[0]}:{lobes[1]} given, but two stages have one lobe each; leave it out")
-        return self
+            yield fault("gears.lobes", f"{lobes[0]}:{lobes[1]} given, but two stages have one lobe each; leave it out")
 
 
 def design_model(data: Any) -> type[Design]:
-    """The model of a design file's data, whose keys are those of the mechanism that ``linkage.kind`` names."""
+    """The model of a design file's data, with the keys of the mechanism that ``linkage.kind`` names."""
     names = tuple(MECHANISMS)
     name = kind_named(data)
     return _design_of(name if name in names else names[0], names)

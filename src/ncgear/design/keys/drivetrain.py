@@ -5,12 +5,11 @@ Which life and which safeties they have is told by ``ncgear simulate``; nothing 
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from ncgear.design.keys.base import Model, fault, optional, required
-from ncgear.design.keys.types import Length, Place, Positive, Speed
+from ncgear.design.keys.base import Faults, Length, Model, Place, Positive, Speed, fault, optional, required
 
 Share = Annotated[float, Field(gt=0.0, le=1.0)]
 Coefficient = Annotated[float, Field(ge=0.0, le=2.0)]
@@ -73,13 +72,11 @@ class DrivingShaft(Model):
     )
     key: ShaftKey | None = optional("key in the gear's keyway; left out: not looked at. Needs the steel")
 
-    @model_validator(mode="after")
-    def _bearings_are_apart(self) -> Self:
+    def _faults(self) -> Faults:
         if self.bearing_a and self.bearing_b and self.bearing_a.at_mm == self.bearing_b.at_mm:
-            raise fault(
+            yield fault(
                 "bearing_b.at_mm", f"{self.bearing_b.at_mm:g} mm given, the place of bearing_a; another place is right"
             )
-        return self
 
     @property
     def has_strength(self) -> bool:

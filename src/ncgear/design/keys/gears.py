@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 from math import pi, radians
-from typing import Annotated, Any, Literal, NamedTuple, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from ncgear.design.keys.base import Model, fault, optional, required
+from ncgear.design.keys.base import Faults, Length, Model, Several, fault, optional, required
 from ncgear.design.keys.bodies import DrivenBody, GearBody
 from ncgear.design.keys.strength import WrittenMaterials
-from ncgear.design.keys.types import Length, Several
 from ncgear.design.words import listed
 from ncgear.teeth.root_radius import fitting_root_radius, largest_root_radius
+
+if TYPE_CHECKING:
+    from ncgear.teeth.form import BasicRack
 
 MOST_TEETH = 10_000
 
@@ -70,16 +72,14 @@ class ProfileShift(Model):
         "are as much deeper and wider"
     )
 
-    @model_validator(mode="after")
-    def _one_way(self) -> Self:
+    def _faults(self) -> Faults:
         if self.against_undercut and (self.driving is not None or self.driven is not None):
-            raise fault(
+            yield fault(
                 "against_undercut",
                 "given, and driving or driven too, which are the shifts; leave out against_undercut, or both shifts",
             )
         if self.per_tooth is not None and (others := sorted(self.model_fields_set - {"per_tooth"})):
-            raise fault("per_tooth", f"{listed(others, 'and')} given as well; leave out per_tooth, or all of them")
-        return self
+            yield fault("per_tooth", f"{listed(others, 'and')} given as well; leave out per_tooth, or all of them")
 
 
 class Cutter(Model):
@@ -92,11 +92,9 @@ class Cutter(Model):
     )
     teeth: int | None = optional("teeth of the pinion cutter; left out: the most that go in", ge=3, le=1000)
 
-    @model_validator(mode="after")
-    def _teeth_of_a_pinion(self) -> Self:
+    def _faults(self) -> Faults:
         if self.teeth is not None and self.kind != "pinion":
-            raise fault("teeth", f"a cutter of kind {self.kind} has no teeth to count; leave it out, or kind: pinion")
-        return self
+            yield fault("teeth", f"a cutter of kind {self.kind} has no teeth to count; leave it out, or kind: pinion")
 
 
 class Rack(Model):
@@ -126,6 +124,17 @@ class Rack(Model):
         """Pressure angles of the pushing and of the idle flanks."""
         pushing, idle = self.pressure_angle_deg, self.idle_pressure_angle_deg
         return pushing, pushing if idle is None else idle
+
+    def in_mm(self, module_mm: float) -> BasicRack:
+        """The basic rack in mm for a given module."""
+        from ncgear.teeth.form import BasicRack
+        from ncgear.teeth.form import TipRelief as Relief
+
+        pushing, idle = map(radians, self.angles_deg)
+        addendum, dedendum, root = (one * module_mm for one in (self.addendum, self.dedendum, self.root_radius))
+        tip = self.tip_relief
+        relief = None if tip is None else Relief(tip.amount * module_mm, tip.start * module_mm, addendum)
+        return BasicRack(module_mm, pushing, addendum, dedendum, root, relief=relief, idle_angle_rad=idle)
 
 
 class Housing(Model):
@@ -321,17 +330,15 @@ class Gears(Model):
     driving: GearBody = optional("body of the driving gear", GearBody)
     driven: DrivenBody = optional("body of the driven gear; of a ring, its rim", DrivenBody)
 
-    @model_validator(mode="after")
-    def _body_is_that_of_the_mesh(self) -> Self:
+    def _body_is_that_of_the_mesh(self) -> Faults:
         ring, driven = self.mesh == "internal", self.driven
         if ring and driven.about_axis:
             name, *_ = driven.about_axis
             part, all_given = name.removesuffix("_mm").replace("_", " "), listed(driven.about_axis, "and")
             why = f"a ring (mesh: internal) has no {part}: it is open about its axis"
-            raise fault(f"driven.{name}", f"given, but {why}; leave {all_given} out")
+            yield fault(f"driven.{name}", f"given, but {why}; leave {all_given} out")
         if not ring and driven.rim_mm is not None:
-            raise fault("driven.rim_mm", "given, but only a ring has a rim; leave it out, or give mesh: internal")
-        return self
+            yield fault("driven.rim_mm", "given, but only a ring has a rim; leave it out, or give mesh: internal")
 
     @property
     def carrying_angle_deg(self) -> float:
@@ -339,13 +346,12 @@ class Gears(Model):
         pushing, idle = self.rack.angles_deg
         return max(pushing, idle) if self.drives == "both_ways" else pushing
 
-    @model_validator(mode="after")
-    def _uneven_teeth_are_exact(self) -> Self:
+    def _uneven_teeth_are_exact(self) -> Faults:
         pushing, idle = self.rack.angles_deg
         if self.method != "exact" and pushing != idle:
-            raise fault("rack.idle_pressure_angle_deg", f"given, but gears of method: {self.method} have one angle")
+            yield fault("rack.idle_pressure_angle_deg", f"given, but gears of method: {self.method} have one angle")
         if self.profile_shift.per_tooth is None:
-            return self
+            return
         unfit = {
             f"method: {self.method}": self.method != "exact",
             "helix": self.helix is not None,
@@ -354,36 +360,29 @@ class Gears(Model):
         }
         for name, is_given in unfit.items():
             if is_given:
-                raise fault(
+                yield fault(
                     "profile_shift.per_tooth",
                     f"given, but not made together with {name}; leave out per_tooth, or {name}",
                 )
-        return self
 
-    @model_validator(mode="after")
-    def _a_housing_is_about_both_gears(self) -> Self:
+    def _a_housing_is_about_both_gears(self) -> Faults:
         if self.housing is None:
-            return self
+            return
         if self.mesh == "internal":
-            raise fault("housing", "given, but what a ring and the gear in it displace is not computed; leave it out")
+            yield fault("housing", "given, but what a ring and the gear in it displace is not computed; leave it out")
         if min(self.lobes.driving, self.lobes.driven) < 2:
-            raise fault(
+            yield fault(
                 "housing",
                 f"given, but with {self.lobes.driving}:{self.lobes.driven} lobes a gear is not at the housing all the "
                 "time between both ports; two lobes or more of each gear are right",
             )
-        return self
 
-    @model_validator(mode="after")
-    def _helical_teeth_are_exact(self) -> Self:
+    def _helical_teeth_are_exact(self) -> Faults:
         if self.helix is not None and self.method != "exact":
-            raise fault("method", f"{self.method} given, but helical teeth are made of exact sections; leave it out")
-        return self
+            yield fault("method", f"{self.method} given, but helical teeth are made of exact sections; leave it out")
 
-    @model_validator(mode="after")
-    def _one_backlash(self) -> Self:
+    def _one_backlash(self) -> Faults:
         if self.backlash_deg is not None and self.backlash_mm > 0.0:
-            raise fault(
+            yield fault(
                 "backlash_deg", f"backlash_mm: {self.backlash_mm:g} is given; leave out backlash_deg or backlash_mm"
             )
-        return self

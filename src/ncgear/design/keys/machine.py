@@ -1,24 +1,34 @@
-"""The keys of the machine around the gears: linkage, operation, resistance, mechanisms to compare with, output."""
+"""The keys of the machine around the gears: operation, resistance, mechanisms to compare with, output, linkage.
+
+Keys under ``linkage`` of the same name mean the same in all mechanisms.
+"""
 
 from __future__ import annotations
 
 from math import inf
-from typing import Annotated, ClassVar, Literal, Self
+from typing import Annotated, ClassVar, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from ncgear.design.keys.base import Model, fault, given, optional, require, require_rising, required
-from ncgear.design.keys.types import (
+from ncgear.design.keys.base import (
     CSV_FILE,
     FORMULA,
     Expression,
+    Faults,
     FileName,
     Length,
+    Model,
     Numbers,
     Place,
     Positive,
     Several,
     Speed,
+    fault,
+    given,
+    not_rising,
+    optional,
+    required,
+    unkept,
 )
 from ncgear.design.words import listed
 from ncgear.errors import WrongInput
@@ -57,11 +67,9 @@ class Published(Model):
         scaled = {key: getattr(self, key) * factor ** FIGURES[key] for key in given(self, FIGURES)}
         return self.model_copy(update={"speed_rpm": speed_rpm, **scaled})
 
-    @model_validator(mode="after")
-    def _figures(self) -> Self:
+    def _faults(self) -> Faults:
         if not given(self, FIGURES):
-            raise fault("", f"no figure to compare; give at least one of {listed(FIGURES)}")
-        return self
+            yield fault("", f"no figure to compare; give at least one of {listed(FIGURES)}")
 
 
 class Comparison(Model):
@@ -90,16 +98,14 @@ class LoadTable(Model):
     COLUMNS: ClassVar[tuple[str, str]]
     """The keys of the places and of the loads."""
 
-    @model_validator(mode="after")
-    def _columns(self) -> Self:
+    def _faults(self) -> Faults:
         for key in self.COLUMNS:
             if getattr(self, key) is None:
                 needed = listed(self.COLUMNS, "and")
-                raise fault(key, f"missing; give it: a table needs {needed}, or a file that has both")
+                yield fault(key, f"missing; give it: a table needs {needed}, or a file that has both")
         places, loads = self.COLUMNS
-        require(self, f"{loads} as many as {places}")
-        require_rising(places, getattr(self, places), NEAREST_MM, f"{label_and_unit(places)[0]}s")
-        return self
+        yield from unkept(self, f"{loads} as many as {places}")
+        yield from not_rising(places, getattr(self, places), NEAREST_MM, f"{label_and_unit(places)[0]}s")
 
 
 class ResistanceTable(LoadTable):
@@ -133,11 +139,9 @@ class Load(Model):
     FRICTION: ClassVar[str] = ""
     """The key of a load against either sense of motion; with it, or with a load on the way back, no form is needed."""
 
-    @model_validator(mode="after")
-    def _one_form(self) -> Self:
+    def _faults(self) -> Faults:
         beside = getattr(self, "returning", None) is not None or self.FRICTION in self.model_fields_set
-        require(self, f"{'at most one' if beside else 'one'} of {' '.join(self.FORMS)}")
-        return self
+        yield from unkept(self, f"{'at most one' if beside else 'one'} of {' '.join(self.FORMS)}")
 
 
 class TurningLoad(Load):
@@ -280,3 +284,68 @@ class Output(Model):
                 key="output.chord_tolerance_mm",
             )
         return given
+
+
+class CrankKeys(Model):
+    """A mechanism with a crank."""
+
+    crank_mm: Length | None = optional(
+        "length of the crank in mm; may be left out only when motion.solve_for is stroke"
+    )
+
+
+class Linkage(CrankKeys):
+    """The crank-slider that the driven gear turns."""
+
+    rod_mm: Length = required("length of the connecting rod in mm")
+    offset_mm: Place = optional("distance of the slider's line from the crank axis in mm", 0.0)
+
+
+class NoLinkage(Model):
+    """Gears by themselves: the driven shaft is the output."""
+
+
+class YokeKeys(CrankKeys):
+    """The Scotch yoke that the driven gear turns."""
+
+
+class RockerKeys(CrankKeys):
+    """The crank-rocker (four-bar linkage) that the driven gear turns."""
+
+    coupler_mm: Length = required("length of the coupler of a crank_rocker, from crank pin to rocker pin, in mm")
+    rocker_mm: Length = required("length of the rocker of a crank_rocker, from its axis to its pin, in mm")
+    ground_mm: Length = required("distance of a crank_rocker's axes, crank to rocker, in mm")
+    side: Literal[1, -1] = optional(
+        "side of the rocker's pin as seen from the crank's axis to the rocker's, with the crank turning clockwise: 1 "
+        "on the left, -1 on the right",
+        1,
+    )
+
+
+class LeverKeys(CrankKeys):
+    """The slotted lever with its ram that the driven gear turns."""
+
+    pivot_mm: Length = required("distance of a slotted_lever's axis from the crank's in mm, over crank_mm")
+    lever_mm: Length = required(
+        "length of a slotted_lever from its axis to the pin of the ram in mm, over pivot_mm + crank_mm"
+    )
+
+
+class RackKeys(Model):
+    """The pinion on the shaft of the driven gear, and the rack that it moves."""
+
+    radius_mm: Length | None = optional("pitch radius of a rack_pinion's pinion in mm; needed")
+
+
+class Fit(Model):
+    """What a build needs to know to tell whether rod and crank pin pass the shafts."""
+
+    rod_width_mm: Length | None = optional(
+        "width of the rod in mm, or of coupler, rocker, lever, and bar and slot of yoke or ram, across its length and "
+        "the axes; left out: none is assumed, and a build tells the widest that passes"
+    )
+    driving_shaft: Literal["through", "ends"] = optional(
+        "through: shaft and hub of the driving gear stand in the plane in which rod and crank pin move; ends: they "
+        "end below it, or are on the other side of the gears",
+        "through",
+    )

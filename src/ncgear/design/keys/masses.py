@@ -9,12 +9,11 @@ source).
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from ncgear.design.keys.base import Model, fault, optional, required
-from ncgear.design.keys.types import Place, Positive, Speed
+from ncgear.design.keys.base import Faults, Model, Place, Positive, Speed, fault, optional, required
 from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import STANDARD_GRAVITY_M_S2
 
@@ -34,11 +33,9 @@ class Rod(Model):
     center_mm: Place = required("distance of its centre of mass from the crank pin towards the slider in mm")
     inertia_kg_mm2: Inertia = required("moment of inertia about its centre of mass in kg mm2")
 
-    @model_validator(mode="after")
-    def _inertia_has_mass(self) -> Self:
+    def _faults(self) -> Faults:
         if self.inertia_kg_mm2 > 0.0 and self.mass_kg == 0.0:
-            raise fault("mass_kg", "0 given, but a body without mass has no moment of inertia; give both or neither")
-        return self
+            yield fault("mass_kg", "0 given, but a body without mass has no moment of inertia; give both or neither")
 
 
 class Crank(Model):
@@ -50,16 +47,14 @@ class Crank(Model):
     )
     inertia_kg_mm2: Inertia = required("moment of inertia about its axis in kg mm2")
 
-    @model_validator(mode="after")
-    def _inertia_is_about_the_axis(self) -> Self:
+    def _faults(self) -> Faults:
         least = self.mass_kg * self.center_mm**2
         if self.inertia_kg_mm2 < least:
-            raise fault(
+            yield fault(
                 "inertia_kg_mm2",
                 f"{self.inertia_kg_mm2:g} kg mm2 is less than the mass at its centre alone has about the axis; "
                 f"{shown_above(least)} or over is right",
             )
-        return self
 
 
 class Swinging(Crank):
@@ -233,12 +228,10 @@ class Simulation(Model):
     )
     turns: float = optional("turns of the driving gear in level dynamic", 1.0, gt=0.0, le=MOST_TURNS)
 
-    @model_validator(mode="after")
-    def _the_teeths_own_stiffness_is_linear(self) -> Self:
+    def _faults(self) -> Faults:
         if self.exponent != 1.0 and self.stiffness_n_mm is None:
-            raise fault(
+            yield fault(
                 "exponent",
                 f"{self.exponent:g} given without stiffness_n_mm, but the teeth's own stiffness is linear; leave it "
                 "out, or give stiffness_n_mm as well",
             )
-        return self

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from ncgear.design.keys.base import Model, fault, given, optional, required
+from ncgear.design.keys.base import Faults, Length, Model, Place, Positive, Speed, fault, given, optional, required
 from ncgear.design.keys.masses import Inertia
-from ncgear.design.keys.types import Length, Place, Positive, Speed
 from ncgear.design.words import listed
 
 FEWEST_KNOTS, MOST_KNOTS = 12, 720
@@ -91,25 +90,18 @@ class Weights(Model):
     jerk_mm_s3: Positive | None = optional("peak jerk in mm/s3 that counts as 1")
     jerk_rad_s3: Positive | None = optional("peak jerk in rad/s3 of an output that turns that counts as 1")
 
-    @model_validator(mode="after")
-    def _two_or_more(self) -> Self:
+    def _faults(self) -> Faults:
         names = tuple(type(self).model_fields)
         if len(given(self, names)) < 2:
-            raise fault("", f"a weighted goal weighs two or more figures; give two of {listed(names)}")
-        return self
+            yield fault("", f"a weighted goal weighs two or more figures; give two of {listed(names)}")
 
 
 class Range(Model):
     """The values of an unknown among which the best is sought."""
 
+    RULES = ("most > least",)
     least: float
     most: float
-
-    @model_validator(mode="after")
-    def _a_range(self) -> Self:
-        if not self.most > self.least:
-            raise fault("most", f"{self.most:g} given; over least, {self.least:g}, is right")
-        return self
 
 
 class FlywheelRange(Range):
@@ -200,13 +192,11 @@ class Optimize(Model):
         "knots of the spline of ln i12 around the turn: more come closer to the limit", 180
     )
 
-    @model_validator(mode="after")
-    def _weights_of_the_weighted(self) -> Self:
+    def _faults(self) -> Faults:
         if self.goal == "weighted" and self.weights is None:
-            raise fault(
+            yield fault(
                 "weights",
                 "missing; give it: a weighted goal needs the figures that count alike",
             )
         if self.goal != "weighted" and self.weights is not None:
-            raise fault("weights", f"given, but the goal is {self.goal}; leave weights out, or goal: weighted")
-        return self
+            yield fault("weights", f"given, but the goal is {self.goal}; leave weights out, or goal: weighted")

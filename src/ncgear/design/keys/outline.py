@@ -2,11 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal, Self
+from typing import TYPE_CHECKING, Literal
 
-from pydantic import model_validator
-
-from ncgear.design.keys.base import Model, fault, given, optional
+from ncgear.design.keys.base import Faults, Model, fault, given, optional
 from ncgear.design.keys.pitch_shapes import (
     BSpline,
     CurvePoints,
@@ -47,11 +45,9 @@ class MateOutline(Model):
         "free",
     )
 
-    @model_validator(mode="after")
-    def _in_the_plane(self) -> Self:
+    def _faults(self) -> Faults:
         if self.points is not None and not self.points.in_plane:
-            raise fault("points", "given in polar form; points in the plane, x_mm and y_mm, are right")
-        return self
+            yield fault("points", "given in polar form; points in the plane, x_mm and y_mm, are right")
 
     def outline_mm(self) -> tuple[Array, Array, str]:
         """Points of the outline, shape (n, 2), the axis in it, shape (2,), and the key that draws it.

@@ -5,12 +5,27 @@ from __future__ import annotations
 from collections.abc import Mapping
 from contextlib import suppress
 from math import cos, hypot, inf, pi, sqrt, tan
-from typing import TYPE_CHECKING, Annotated, ClassVar, Literal, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from ncgear.design.keys.base import Model, angle, fault, given, optional, require, required
-from ncgear.design.keys.types import CSV_FILE, LONGEST_MM, FileName, Length, Numbers, Place, Several
+from ncgear.design.keys.base import (
+    CSV_FILE,
+    LONGEST_MM,
+    Faults,
+    FileName,
+    Length,
+    Model,
+    Numbers,
+    Place,
+    Several,
+    angle,
+    fault,
+    given,
+    optional,
+    required,
+    unkept,
+)
 from ncgear.design.words import listed, spellings
 from ncgear.errors import WrongInput
 from ncgear.numerics.bounds import shown_below
@@ -86,21 +101,19 @@ class CurvePoints(Drawn):
         "how far the smooth curve may be from a point in mm, along its radius", gt=0.0, le=100.0
     )
 
-    @model_validator(mode="after")
-    def _columns(self) -> Self:
+    def _faults(self) -> Faults:
         first = given(self, ANGLE_OR_X)[0]
         second, other = RADIUS_OR_Y if first != "x_mm" else RADIUS_OR_Y[::-1]
         if getattr(self, other) is not None:
-            raise fault(other, f"given, but {first} goes with {second}")
+            yield fault(other, f"given, but {first} goes with {second}")
         if getattr(self, second) is None:
-            raise fault("", f"{second} is missing; {first} needs it")
-        require(self, f"{second} as many as {first}")
+            yield fault("", f"{second} is missing; {first} needs it")
+        yield from unkept(self, f"{second} as many as {first}")
         if first != "x_mm" and self.axis_mm != (0.0, 0.0):
-            raise fault("axis_x_mm", "given, but points in polar form have their axis at the pole; leave it out")
+            yield fault("axis_x_mm", "given, but points in polar form have their axis at the pole; leave it out")
         for i, radius in enumerate(self.radius_mm or ()):
             if not radius > 0.0:
-                raise fault(f"radius_mm.{i}", f"{radius:g} mm given; a radius over 0 is right")
-        return self
+                yield fault(f"radius_mm.{i}", f"{radius:g} mm given; a radius over 0 is right")
 
     @property
     def in_plane(self) -> bool:
@@ -128,12 +141,10 @@ class BSpline(Drawn):
     y_mm: ControlColumn = required("y of the control points in mm")
     degree: int = optional("degree; with 2 the curvature jumps, from 3 on it does not", 3, ge=2, le=HIGHEST_DEGREE)
 
-    @model_validator(mode="after")
-    def _enough_points(self) -> Self:
+    def _faults(self) -> Faults:
         if len(self.x_mm) <= self.degree:
             problem = f"{len(self.x_mm)} control points for degree {self.degree}; {self.degree + 1} or more are right"
-            raise fault("x_mm", problem)
-        return self
+            yield fault("x_mm", problem)
 
 
 class RationalCurve(Model):
@@ -146,18 +157,16 @@ class RationalCurve(Model):
     y: Numbers = required("y of the control points")
     weights: Numbers = required("weights of the control points")
 
-    @model_validator(mode="after")
-    def _whole(self) -> Self:
+    def _faults(self) -> Faults:
         count = len(self.x)
         if not (len(self.y) == len(self.weights) == count and len(self.knots) == count + self.degree + 1):
-            raise fault("knots", f"{count} control points need as many weights, and {count + self.degree + 1} knots")
+            yield fault("knots", f"{count} control points need as many weights, and {count + self.degree + 1} knots")
         if count <= self.degree or any(b < a for a, b in zip(self.knots, self.knots[1:], strict=False)):
-            raise fault("knots", "must rise, and there must be more control points than the degree")
+            yield fault("knots", "must rise, and there must be more control points than the degree")
         if not self.knots[self.degree] < self.knots[-self.degree - 1]:
-            raise fault("knots", "the curve has no length")
+            yield fault("knots", "the curve has no length")
         if min(self.weights) <= 0.0:
-            raise fault("weights", "must be over 0")
-        return self
+            yield fault("weights", "must be over 0")
 
 
 class DrawnContour(Drawn):
@@ -176,11 +185,9 @@ class DrawnContour(Drawn):
     FILE: ClassVar[str]
     """What the key ``file`` names."""
 
-    @model_validator(mode="after")
-    def _has_curves(self) -> Self:
+    def _faults(self) -> Faults:
         if self.curves is None:
-            raise fault("", f"file is missing; the name of {self.FILE} is needed")
-        return self
+            yield fault("", f"file is missing; the name of {self.FILE} is needed")
 
     @property
     def unit_mm(self) -> float:
@@ -368,15 +375,13 @@ class RoundedPolygon(Drawn):
     def _half_angle(self) -> float:
         return pi / self.sides
 
-    @model_validator(mode="after")
-    def _corners_fit(self) -> Self:
+    def _faults(self) -> Faults:
         if self.side_mm is not None and self.corner_radius_mm is not None:
             most = self.side_mm / 2.0 / tan(self._half_angle)
             if self.corner_radius_mm > most:
                 right = f"up to {shown_below(most)} is right"
                 problem = f"{self.corner_radius_mm:g} mm is more than the circle in the polygon; {right}"
-                raise fault("corner_radius_mm", problem)
-        return self
+                yield fault("corner_radius_mm", problem)
 
     @property
     def solvable(self) -> Mapping[str, str]:

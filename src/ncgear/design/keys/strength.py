@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from difflib import get_close_matches
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import AfterValidator, BeforeValidator, Field, model_validator
+from pydantic import AfterValidator, BeforeValidator, Field
 
-from ncgear.design.keys.base import Model, fault, optional, required
+from ncgear.design.keys.base import Faults, Model, fault, optional, required
 from ncgear.design.words import listed
 from ncgear.strength.materials import TABLE, Ferrous
 
@@ -58,23 +58,22 @@ class GearMaterial(Model):
         "own linear thermal expansion in um per m and K, for ncgear tolerance; left out: the table's", ge=0.0, le=500.0
     )
 
-    @model_validator(mode="after")
-    def _hardness_is_of_the_class(self) -> Self:
+    def _faults(self) -> Faults:
         entry = TABLE[self.name]
         if "quality" in self.model_fields_set and not isinstance(entry, Ferrous):
-            raise fault("quality", f"given, but {self.name} has no grades; leave it out")
+            yield fault("quality", f"given, but {self.name} has no grades; leave it out")
         if self.hardness is None:
-            return self
+            return
         if not isinstance(entry, Ferrous):
-            raise fault("hardness", f"given, but the strength of {self.name} does not follow from it; leave it out")
+            yield fault("hardness", f"given, but the strength of {self.name} does not follow from it; leave it out")
+            return
         softest, hardest = entry.group.hardnesses
         if not softest <= self.hardness <= hardest:
-            raise fault(
+            yield fault(
                 "hardness",
                 f"{self.hardness:g} given, but {self.name} ({entry.meaning}) has {softest:g} to {hardest:g} "
                 f"{entry.group.scale}",
             )
-        return self
 
 
 def _by_name(value: Any) -> Any:

@@ -1,20 +1,20 @@
 """A motion law in a design file: a model of its keys that can make the law, and its part of a new design file.
 
-A law needs only fields, the method ``transmission`` and a ``DesignLaw``.  The other methods of ``LawKeys`` have
-defaults that suit a law of the gear ratio.  A law of the slider's stroke, or a law of two pairs of gears, overrides
+A law needs only fields, the method ``transmission``, ``CHOICE`` and ``BEGINS``.  All else of ``LawKeys`` has defaults
+that suit a law of the gear ratio.  A law of the slider's stroke, or a law of two pairs of gears, overrides
 some of them.  The numerical rooms are imported where a law is made, so that reading a design file does not load them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import field
 from enum import StrEnum
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from inspect import get_annotations
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
 
 from pydantic import BeforeValidator, Field
 
-from ncgear.design.keys.base import Model, fault
+from ncgear.design.keys.base import Model, fault, required
 from ncgear.frozen import dataclass
 
 if TYPE_CHECKING:
@@ -82,10 +82,40 @@ class LawNumber:
         return f"{self.before}{value:.12g}{self.after}" if self.before or self.after else value
 
 
-class LawKeys(Model):
-    """The keys under ``motion``: a law's own ones in the class derived from this."""
+class Begins(StrEnum):
+    """What a person begins with who takes a law: the machine, a wish, a shape, a formula, or points."""
 
+    MACHINE = "machine"
+    WISH = "wish"
+    SHAPE = "shape"
+    FORMULA = "formula"
+    POINTS = "points"
+
+
+class LawKeys(Model):
+    """The keys under ``motion``: a law's own ones in the class derived from this, and its part of a new design file."""
+
+    CHOICE: ClassVar[str]
+    """The words for the law in the menu of ``ncgear new``."""
+    BEGINS: ClassVar[Begins]
+    """What a person begins with; gears of a shape or a formula stand by themselves at first."""
+    ASKED_LENGTH: ClassVar[Literal["crank_mm", "stroke_mm"]] = "crank_mm"
+    """The length that ``ncgear new`` asks for; the other length follows from it."""
+    GROWS_WITH_MACHINE: ClassVar[tuple[str, ...]] = ()
+    """Keys of a new file that must grow with stroke and speed, as their units say, so that the law keeps its form."""
+    EXAMPLES: ClassVar[Mapping[str, str]] = {}
+    """Examples for ``ncgear explain``, in the form of a file, for keys that the template leaves out."""
+    NARROWER_RATIO: ClassVar[str] = ""
+    """Advice on what to change where the range of the ratio is too wide; empty where there is none."""
     law: str
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        """Give the law the name of its module."""
+        if cls.__base__ is LawKeys:
+            name = cls.__module__.rpartition(".")[2]
+            cls.__annotations__ = {"law": Literal[name], **get_annotations(cls)}
+            cls.law = required(f"the name of this law: {name}")
+        super().__init_subclass__(**kwargs)
 
     @property
     def gives_slider(self) -> bool:
@@ -196,38 +226,3 @@ class LawKeys(Model):
         ``even_turn`` is the driven angle per driving angle of gears that turn evenly, as a formula.
         """
         return {}
-
-
-class Begins(StrEnum):
-    """What a person begins with who takes a law: the machine, a wish, a shape, a formula, or points."""
-
-    MACHINE = "machine"
-    WISH = "wish"
-    SHAPE = "shape"
-    FORMULA = "formula"
-    POINTS = "points"
-
-
-@dataclass(frozen=True)
-class DesignLaw:
-    """A law as design files and ``ncgear new`` know it."""
-
-    keys: type[LawKeys]
-
-    choice: str
-    """The words for the law in the menu of ``ncgear new``."""
-
-    begins: Begins
-    """What a person begins with; gears of a shape or a formula stand by themselves at first."""
-
-    asked_length: Literal["crank_mm", "stroke_mm"] = "crank_mm"
-    """The length that ``ncgear new`` asks for; the other length follows from it."""
-
-    grows_with_machine: tuple[str, ...] = ()
-    """Keys of a new file that must grow with stroke and speed, as their units say, so that the law keeps its form."""
-
-    examples: Mapping[str, str] = field(default_factory=dict)
-    """Examples for ``ncgear explain``, in the form of a file, for keys that the template leaves out."""
-
-    narrower_ratio: str = ""
-    """Advice on what to change where the range of the ratio is too wide; empty where there is none."""

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from ncgear.design.keys.base import angle, required
-from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawNumber
+from ncgear.design.laws.base import Begins, LawKeys, LawNumber
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -15,7 +15,8 @@ if TYPE_CHECKING:
 class Ellipse(LawKeys):
     """Elliptical gears; with lobes 1:1 two equal ellipses, each turning about a focus."""
 
-    law: Literal["ellipse"] = required("the name of this law: ellipse")
+    CHOICE = "elliptical gears"
+    BEGINS = Begins.SHAPE
     eccentricity: float = required("eccentricity of the ellipse, 0 (a circle) to under 1", ge=0.0, lt=1.0)
     phase: float = angle("driving angle {unit} at which the driving radius is smallest")
 
@@ -33,10 +34,3 @@ class Ellipse(LawKeys):
     def gentler(self, share: float, even_turn: str) -> dict[str, Any]:
         """A smaller eccentricity."""
         return {"eccentricity": share * self.eccentricity}
-
-
-LAW = DesignLaw(
-    keys=Ellipse,
-    choice="elliptical gears",
-    begins=Begins.SHAPE,
-)

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from math import radians
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
-from ncgear.design.keys.base import required
-from ncgear.design.keys.types import FORMULA, Expression
-from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, RangeDeg
+from ncgear.design.keys.base import FORMULA, Expression, required
+from ncgear.design.laws.base import Begins, LawKeys, RangeDeg
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -17,9 +16,11 @@ if TYPE_CHECKING:
 class FunctionGenerator(LawKeys):
     """Both angles are linear scales: the driving one of x, the driven one of y."""
 
+    CHOICE = "a function y = f(x) that the gears compute, over a range of both angles"
+    BEGINS = Begins.FORMULA
+    NARROWER_RATIO = "take a smaller range of x (motion.x_from, motion.x_to) or a function that is more even"
     RULES = ("x_to > x_from",)
 
-    law: Literal["function_generator"] = required("the name of this law: function_generator")
     function: Expression = required(
         f'y as a formula of x: "log(x)", {FORMULA}; it must rise, or fall, throughout, and be smooth'
     )
@@ -41,11 +42,3 @@ class FunctionGenerator(LawKeys):
 
         ranges = radians(self.driving_range_deg), radians(self.driven_range_deg)
         return generated_function(self.function, (self.x_from, self.x_to), *ranges)
-
-
-LAW = DesignLaw(
-    keys=FunctionGenerator,
-    choice="a function y = f(x) that the gears compute, over a range of both angles",
-    begins=Begins.FORMULA,
-    narrower_ratio="take a smaller range of x (motion.x_from, motion.x_to) or a function that is more even",
-)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from math import cos, pi, sin
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 
-from ncgear.design.keys.base import Model, optional, required
-from ncgear.design.keys.types import Several
-from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawPoint
+from ncgear.design.keys.base import Model, Several, optional
+from ncgear.design.laws.base import Begins, LawKeys, LawPoint
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -22,14 +21,14 @@ LARGEST_COEFFICIENT = 10.0
 """Largest coefficient of ln i12: one harmonic of 7 alone has a range of 1:1e6, and the driven gear stands still."""
 
 MOST_POINTS = 31
-"""Points by which the curve of a series is bent: those of 15 harmonics."""
+"""Points by which the curve of a series is bent: as many as 15 harmonics have."""
 
 Coefficient = Annotated[float, Field(ge=-LARGEST_COEFFICIENT, le=LARGEST_COEFFICIENT)]
 Coefficients = Annotated[Several[Coefficient], Field(max_length=MOST_HARMONICS)]
 
 
 class SecondStage(Model):
-    """The share of the second of two pairs in series, the one that drives the crank; the first has the rest."""
+    """The share of the second of two pairs in series, which drives the crank; the first pair has the rest."""
 
     cosine: Coefficients = optional("coefficients of cos(phi2), cos(2 phi2), ... in ln of the second pair's ratio", ())
     sine: Coefficients = optional("coefficients of sin(phi2), sin(2 phi2), ... in ln of the second pair's ratio", ())
@@ -38,7 +37,8 @@ class SecondStage(Model):
 class HarmonicRatio(LawKeys):
     """The logarithm of the ratio by harmonics of the driven angle; what closes the cycle is added."""
 
-    law: Literal["harmonic_ratio"] = required("the name of this law: harmonic_ratio")
+    CHOICE = "the ratio by harmonics of the driven angle"
+    BEGINS = Begins.FORMULA
     cosine: Coefficients = optional(
         "coefficients of cos(phi2), cos(2 phi2), ... in ln i12, phi2 being the driven angle", ()
     )
@@ -98,10 +98,3 @@ class HarmonicRatio(LawKeys):
         if self.second_stage is not None:
             return {}
         return {"cosine": tuple(share * c for c in self.cosine), "sine": tuple(share * s for s in self.sine)}
-
-
-LAW = DesignLaw(
-    keys=HarmonicRatio,
-    choice="the ratio by harmonics of the driven angle",
-    begins=Begins.FORMULA,
-)

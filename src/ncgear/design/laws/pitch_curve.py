@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Literal
 
-from pydantic import model_validator
-
-from ncgear.design.keys.base import angle, fault, given, optional, required
+from ncgear.design.keys.base import FORMULA, Expression, Faults, Length, angle, fault, given, optional
 from ncgear.design.keys.pitch_shapes import (
     HIGHEST_DEGREE,
     KEY,
@@ -23,8 +21,7 @@ from ncgear.design.keys.pitch_shapes import (
     SvgContour,
     drawn_points,
 )
-from ncgear.design.keys.types import FORMULA, Expression, Length
-from ncgear.design.laws.base import Begins, DesignLaw, LawKeys
+from ncgear.design.laws.base import Begins, LawKeys
 from ncgear.design.words import listed
 from ncgear.errors import WrongInput
 
@@ -54,9 +51,21 @@ SHAPES = (
 class PitchCurve(LawKeys):
     """The pitch curve of one gear, by a formula, points, a drawing or a named shape; the mate rolls on it."""
 
+    CHOICE = "the pitch curve of one gear, whose mate follows"
+    BEGINS = Begins.SHAPE
+    EXAMPLES: ClassVar[dict[str, str]] = {
+        "expression_mm": '"30 + 4*cos(phi)"',
+        "points": "{file: points.csv, tolerance_mm: 0.05}",
+        "b_spline": "{x_mm: [30, 0, -30, 0], y_mm: [0, 20, 0, -20]}",
+        "dxf": "{file: contour.dxf, unit: mm}",
+        "svg": "{file: contour.svg}",
+        "picture": "{file: silhouette.png, width_mm: 60, tolerance_mm: 0.1}",
+        "modified_ellipse": "{semi_latus_rectum_mm: 30, eccentricity: 0.3, modification: 1.2}",
+        "rounded_polygon": "{sides: 4, side_mm: 130, corner_radius_mm: 25}",
+    }
+    NARROWER_RATIO = "bring the axis nearer to the middle of the curve, or make the curve rounder"
     RULES = (f"one of {' '.join(SHAPES)}",)
 
-    law: Literal["pitch_curve"] = required("the name of this law: pitch_curve")
     gear: Literal["driving", "driven"] = optional("the gear whose pitch curve is given", "driving")
     expression_mm: Expression | None = optional(
         "radius in mm where the curve faces the mate, as a formula of phi (= the angle in rad, 0 to 2 pi, "
@@ -152,24 +161,22 @@ class PitchCurve(LawKeys):
         """The key of the shape whose value is found; empty for the centre distance and the scale."""
         return self._shape.solvable.get(self.solve_for, "") if self._shape else ""
 
-    @model_validator(mode="after")
-    def _one_unknown(self) -> Self:
+    def _faults(self) -> Faults:
         shape, wanted = given(self, SHAPES)[0], self.solve_for
         solvable: Mapping[str, str] = self._shape.solvable if self._shape else {}
         if wanted not in ("center_distance", "scale", *solvable):
             names = listed(("center_distance", "scale", *solvable))
-            raise fault("solve_for", f"{wanted} given, but {shape} has none; {names} is right")
+            yield fault("solve_for", f"{wanted} given, but {shape} has none; {names} is right")
         if wanted == "center_distance" and self.center_distance_mm is not None:
-            raise fault("center_distance_mm", "given, but solve_for finds it; leave it out")
+            yield fault("center_distance_mm", "given, but solve_for finds it; leave it out")
         if wanted not in ("center_distance", "scale") and self.center_distance_mm is None:
-            raise fault("", "center_distance_mm is missing; only solve_for: center_distance or scale can do without it")
+            yield fault("", "center_distance_mm is missing; only solve_for: center_distance or scale can do without it")
         for name, key in solvable.items():
             value = getattr(self._shape, key)
             if name == wanted and value is not None:
-                raise fault(f"{shape}.{key}", f"{value:g} given, but solve_for finds it; leave it out")
+                yield fault(f"{shape}.{key}", f"{value:g} given, but solve_for finds it; leave it out")
             if name != wanted and value is None:
-                raise fault(shape, f"{key} is missing; only solve_for: {name} can do without it")
-        return self
+                yield fault(shape, f"{key} is missing; only solve_for: {name} can do without it")
 
     def law_on(self, linkage: Mechanism, lobes: Lobes, *, ring: bool = False) -> Law:
         """The law with its centre distance, and what was found as facts."""
@@ -228,21 +235,3 @@ class PitchCurve(LawKeys):
             assert self._shape is not None
             curve = self._shape.curve(key)
         return lambda _: curve, None, facts
-
-
-LAW = DesignLaw(
-    keys=PitchCurve,
-    choice="the pitch curve of one gear, whose mate follows",
-    begins=Begins.SHAPE,
-    examples={
-        "expression_mm": '"30 + 4*cos(phi)"',
-        "points": "{file: points.csv, tolerance_mm: 0.05}",
-        "b_spline": "{x_mm: [30, 0, -30, 0], y_mm: [0, 20, 0, -20]}",
-        "dxf": "{file: contour.dxf, unit: mm}",
-        "svg": "{file: contour.svg}",
-        "picture": "{file: silhouette.png, width_mm: 60, tolerance_mm: 0.1}",
-        "modified_ellipse": "{semi_latus_rectum_mm: 30, eccentricity: 0.3, modification: 1.2}",
-        "rounded_polygon": "{sides: 4, side_mm: 130, corner_radius_mm: 25}",
-    },
-    narrower_ratio="bring the axis nearer to the middle of the curve, or make the curve rounder",
-)

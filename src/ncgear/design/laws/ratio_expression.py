@@ -5,13 +5,10 @@ from __future__ import annotations
 import ast
 from collections.abc import Iterator
 from math import radians
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Any
 
-from pydantic import model_validator
-
-from ncgear.design.keys.base import fault, optional, required
-from ncgear.design.keys.types import FORMULA, SMOOTH_LAW, Expression
-from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawNumber, RangeDeg
+from ncgear.design.keys.base import FORMULA, SMOOTH_LAW, Expression, Faults, fault, optional
+from ncgear.design.laws.base import Begins, LawKeys, LawNumber, RangeDeg
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -54,9 +51,10 @@ def _is_whole(node: ast.AST) -> bool:
 class RatioExpression(LawKeys):
     """A law written as a formula of phi1: the transmission ratio, or the driven angle."""
 
+    CHOICE = "the ratio of the gears as a formula of the driving angle"
+    BEGINS = Begins.FORMULA
     RULES = ("one of ratio driven_angle",)
 
-    law: Literal["ratio_expression"] = required("the name of this law: ratio_expression")
     ratio: Expression | None = optional(
         'transmission ratio i12 = dphi1/dphi2 as a formula of phi (= phi1 in rad): "1 + 0.3*cos(phi)", '
         f"{FORMULA}; {SMOOTH_LAW}"
@@ -74,13 +72,11 @@ class RatioExpression(LawKeys):
         "out: gears that turn on and on"
     )
 
-    @model_validator(mode="after")
-    def _one_formula(self) -> Self:
+    def _faults(self) -> Faults:
         if self.range_deg is not None and self.scale_to_close:
-            raise fault("scale_to_close", "true, but the gears turn over range_deg and do not close; leave it out")
+            yield fault("scale_to_close", "true, but the gears turn over range_deg and do not close; leave it out")
         if self.scale_to_close and self.ratio is None:
-            raise fault("scale_to_close", "true, but there is no ratio to scale; leave it out, or give ratio")
-        return self
+            yield fault("scale_to_close", "true, but there is no ratio to scale; leave it out, or give ratio")
 
     @property
     def is_open(self) -> bool:
@@ -114,10 +110,3 @@ class RatioExpression(LawKeys):
         if self.is_open:
             return {"ratio": f"({self.ratio})**{share:g}"}
         return {"ratio": f"({self.ratio})**{share:g}", "scale_to_close": True}
-
-
-LAW = DesignLaw(
-    keys=RatioExpression,
-    choice="the ratio of the gears as a formula of the driving angle",
-    begins=Begins.FORMULA,
-)

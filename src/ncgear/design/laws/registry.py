@@ -3,8 +3,8 @@
 To add a law ``<name>``:
 
 1. its mathematics, a function that returns a ``Transmission``, in ``ratio/laws``;
-2. ``design/laws/<name>.py``: its keys, how the law is made from them, and a ``LAW`` that holds these keys and the words
-   of the menu (``design/laws/base.py`` says what each of them is); the law's part of a new design file,
+2. ``design/laws/<name>.py``: a class called by the law's name, with its keys, how the law is made from them, and the
+   words of the menu (``design/laws/base.py`` says what each of them is); the law's part of a new design file,
    ``design/templates/laws/<name>.yaml``;
 3. a line in ``LawName`` below;
 4. its closed form, or why it has none: a line in ``formulas/laws.py``;
@@ -24,7 +24,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from ncgear.design.laws.base import DesignLaw, LawKeys
+    from ncgear.design.laws.base import LawKeys
 
 
 class LawName(StrEnum):
@@ -49,21 +49,20 @@ SOUGHT_LAW = LawName.HARMONIC_RATIO
 """The law of a new design of which wishes tell what is sought: it is replaced by the best one."""
 
 
-def design_law(name: LawName) -> DesignLaw:
-    """The keys and the questions of a law."""
-    law: DesignLaw = import_module(f"{__package__}.{name}").LAW
-    return law
+def law_keys(name: LawName) -> type[LawKeys]:
+    """The keys and the questions of a law: the class of its name in words, as ``HarmonicRatio``."""
+    return getattr(import_module(f"{__package__}.{name}"), name.title().replace("_", ""))
 
 
 def law_models() -> dict[str, type[LawKeys]]:
     """The model of the keys of each law, by the law's name."""
-    return {str(name): design_law(name).keys for name in LawName}
+    return {str(name): law_keys(name) for name in LawName}
 
 
 def even_motion(pairs: int) -> LawKeys:
     """A crank that turns evenly, by one pair of round gears or two."""
     law = LawName.HARMONIC_RATIO
-    return design_law(law).keys.model_validate({"law": str(law), "second_stage": {} if pairs > 1 else None})
+    return law_keys(law).model_validate({"law": str(law), "second_stage": {} if pairs > 1 else None})
 
 
 def found_values(ratio: Sequence[float], second: Sequence[float] | None) -> dict[str, Any]:
@@ -74,4 +73,4 @@ def found_values(ratio: Sequence[float], second: Sequence[float] | None) -> dict
 
 def found_motion(ratio: Sequence[float], second: Sequence[float] | None) -> LawKeys:
     """The same as keys of a design."""
-    return design_law(LawName.SPLINE_RATIO).keys.model_validate(found_values(ratio, second))
+    return law_keys(LawName.SPLINE_RATIO).model_validate(found_values(ratio, second))

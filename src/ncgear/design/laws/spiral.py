@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from math import radians
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from ncgear.design.keys.base import required
-from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, RangeDeg
+from ncgear.design.laws.base import Begins, LawKeys, RangeDeg
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -16,7 +16,9 @@ if TYPE_CHECKING:
 class Spiral(LawKeys):
     """Logarithmic spirals over a range of the driving angle; the pressure angle is the same everywhere."""
 
-    law: Literal["spiral"] = required("the name of this law: spiral")
+    CHOICE = "logarithmic spirals that turn less than once"
+    BEGINS = Begins.SHAPE
+    NARROWER_RATIO = "bring motion.ratio_start and motion.ratio_end nearer to each other"
     range_deg: RangeDeg = required(
         "what the driving gear turns from end to end, in degrees; the driven gear's angle follows"
     )
@@ -41,11 +43,3 @@ class Spiral(LawKeys):
         mean = (self.ratio_start * self.ratio_end) ** 0.5
         start, end = (mean * (ratio / mean) ** share for ratio in (self.ratio_start, self.ratio_end))
         return {"ratio_start": start, "ratio_end": end}
-
-
-LAW = DesignLaw(
-    keys=Spiral,
-    choice="logarithmic spirals that turn less than once",
-    begins=Begins.SHAPE,
-    narrower_ratio="bring motion.ratio_start and motion.ratio_end nearer to each other",
-)

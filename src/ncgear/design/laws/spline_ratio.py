@@ -3,13 +3,26 @@
 from __future__ import annotations
 
 from math import pi
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from ncgear.design.keys.base import FULL_TURN, Model, angle, fault, key_of, optional, require, require_rising, required
-from ncgear.design.keys.types import Numbers, Positive, Several
-from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawPoint
+from ncgear.design.keys.base import (
+    FULL_TURN,
+    Faults,
+    Model,
+    Numbers,
+    Positive,
+    Several,
+    angle,
+    fault,
+    key_of,
+    not_rising,
+    optional,
+    required,
+    unkept,
+)
+from ncgear.design.laws.base import Begins, LawKeys, LawPoint
 from ncgear.numerics.bounds import shown_below
 
 if TYPE_CHECKING:
@@ -29,7 +42,7 @@ Angles = Annotated[Numbers, Field(min_length=FEWEST_POINTS, max_length=MOST_POIN
 
 
 class SecondStageRatios(Model):
-    """The share of the second of two pairs in series, the one that drives the crank; the first has the rest."""
+    """The share of the second of two pairs in series, which drives the crank; the first pair has the rest."""
 
     ratio: Ratios = required(
         "ratios of the second pair at the same driven angles, up to a common factor that closes the cycle"
@@ -39,9 +52,14 @@ class SecondStageRatios(Model):
 class SplineRatio(LawKeys):
     """The logarithm of the ratio as a smooth curve over the driven angle; the cycle is closed by a common factor."""
 
+    CHOICE = "the ratio as a smooth curve over the driven angle"
+    BEGINS = Begins.POINTS
+    EXAMPLES: ClassVar[dict[str, str]] = {
+        "driven_angle_rad": "[0, 1.5, 3, 4.5]",
+        "driven_angle_pi": "[0, 0.5, 1, 1.5]",
+    }
     RULES = ("second_stage.ratio as many as ratio",)
 
-    law: Literal["spline_ratio"] = required("the name of this law: spline_ratio")
     ratio: Ratios = required(
         "transmission ratios i12 = dphi1/dphi2 at the driven angles, up to a common factor that closes the cycle"
     )
@@ -55,19 +73,17 @@ class SplineRatio(LawKeys):
         "given: two pairs in series make i12, both as `gears` describes; left out: one pair"
     )
 
-    @model_validator(mode="after")
-    def _angles_rise_within_a_turn(self) -> Self:
+    def _faults(self) -> Faults:
         if key := key_of(self, "driven_angle"):
-            require(self, f"{key} as many as ratio")
+            yield from unkept(self, f"{key} as many as ratio")
             angles, turn = getattr(self, key), FULL_TURN[key.removeprefix("driven_angle_")]
             if angles[0] != 0.0:
-                raise fault(f"{key}.0", f"{angles[0]:g} is the first angle; 0 is right")
-            require_rising(key, angles, NEAREST_TURNS * turn)
+                yield fault(f"{key}.0", f"{angles[0]:g} is the first angle; 0 is right")
+            yield from not_rising(key, angles, NEAREST_TURNS * turn)
             last = next((i for i, angle in enumerate(angles) if not angle <= (1.0 - NEAREST_TURNS) * turn), None)
             if last is not None:
                 said = f"{angles[last]:g} is the end of the turn or beyond it, and the curve closes by itself"
-                raise fault(f"{key}.{last}", f"{said}; under {shown_below(turn)} is right")
-        return self
+                yield fault(f"{key}.{last}", f"{said}; under {shown_below(turn)} is right")
 
     @property
     def driven_angle(self) -> tuple[float, ...]:
@@ -77,7 +93,7 @@ class SplineRatio(LawKeys):
 
     @property
     def law_points(self) -> tuple[LawPoint, ...]:
-        """Every point of the ratio; none of two pairs in series, whose first one has what the second one leaves."""
+        """Every point of the ratio; no points of two pairs in series, which share the ratio."""
         if self.second_stage is not None:
             return ()
         return tuple(
@@ -108,14 +124,3 @@ class SplineRatio(LawKeys):
         if self.second_stage is not None:
             return {}
         return {"ratio": tuple(value**share for value in self.ratio)}
-
-
-LAW = DesignLaw(
-    keys=SplineRatio,
-    choice="the ratio as a smooth curve over the driven angle",
-    begins=Begins.POINTS,
-    examples={
-        "driven_angle_rad": "[0, 1.5, 3, 4.5]",
-        "driven_angle_pi": "[0, 0.5, 1, 1.5]",
-    },
-)

@@ -2,13 +2,25 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, ClassVar, Literal
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from ncgear.design.keys.base import FULL_TURN, angle, fault, given, key_of, optional, require, require_rising, required
-from ncgear.design.keys.types import CSV_FILE, FileName, Numbers
-from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawPoint
+from ncgear.design.keys.base import (
+    CSV_FILE,
+    FULL_TURN,
+    Faults,
+    FileName,
+    Numbers,
+    angle,
+    fault,
+    given,
+    key_of,
+    not_rising,
+    optional,
+    unkept,
+)
+from ncgear.design.laws.base import Begins, LawKeys, LawPoint
 from ncgear.design.words import spellings
 from ncgear.errors import WrongInput
 from ncgear.numerics.bounds import shown_below
@@ -29,12 +41,20 @@ VALUE_COLUMNS = ("displacement_mm", "displacement_deg", "ratio")
 Column = Annotated[Numbers, Field(min_length=FEWEST_POINTS, max_length=MOST_POINTS)]
 
 
-class TableLaw(LawKeys):
+class Table(LawKeys):
     """Points of the law. Points from a CSV file stand in the same columns once the file is loaded."""
 
+    CHOICE = "the ratio or the displacement point by point"
+    BEGINS = Begins.POINTS
+    EXAMPLES: ClassVar[dict[str, str]] = {
+        "phi1_rad": "[0, 1.5, 3, 4.5]",
+        "phi1_deg": "[0, 90, 180, 270]",
+        "phi1_pi": "[0, 0.5, 1, 1.5]",
+        "displacement_mm": "[0, 380, 760, 380]",
+        "displacement_deg": "[0, 20, 40, 20]",
+    }
     RULES = (f"one of {' '.join(VALUE_COLUMNS)}",)
 
-    law: Literal["table"] = required("the name of this law: table")
     phi1: tuple[float, ...] = angle(
         "driving angles {unit}, strictly rising, 0 to {turn}", needed=True, of=Column, absent=()
     )
@@ -48,23 +68,19 @@ class TableLaw(LawKeys):
         "true: multiply the ratio by the constant that makes the driven gear come round", False
     )
 
-    @model_validator(mode="after")
-    def _columns(self) -> Self:
+    def _columns(self) -> Faults:
         if self.scale_to_close and self.ratio is None:
-            raise fault("scale_to_close", "true, but there is no ratio to scale; leave it out, or give ratio")
-        require(self, f"{given(self, VALUE_COLUMNS)[0]} as many as {key_of(self, 'phi1')}")
-        return self
+            yield fault("scale_to_close", "true, but there is no ratio to scale; leave it out, or give ratio")
+        yield from unkept(self, f"{given(self, VALUE_COLUMNS)[0]} as many as {key_of(self, 'phi1')}")
 
-    @model_validator(mode="after")
-    def _angles_rise_within_a_turn(self) -> Self:
+    def _angles_rise_within_a_turn(self) -> Faults:
         key = key_of(self, "phi1")
         angles: tuple[float, ...] = getattr(self, key)
         turn = FULL_TURN[key.removeprefix("phi1_")]
         for i, one in enumerate(angles):
             if not 0.0 <= one <= turn:
-                raise fault(f"{key}.{i}", f"{one:g} is outside the cycle; 0 to {shown_below(turn)} is right")
-        require_rising(key, angles, NEAREST_TURNS * turn)
-        return self
+                yield fault(f"{key}.{i}", f"{one:g} is outside the cycle; 0 to {shown_below(turn)} is right")
+        yield from not_rising(key, angles, NEAREST_TURNS * turn)
 
     @property
     def gives_slider(self) -> bool:
@@ -106,17 +122,3 @@ class TableLaw(LawKeys):
             displacement = np.array(places) / linkage.OUTPUT.place.factor
             return displacement_table_law(phi1, displacement, linkage, lobes)
         return ratio_table_law(phi1, np.array(self.ratio), lobes, scale_to_close=self.scale_to_close)
-
-
-LAW = DesignLaw(
-    keys=TableLaw,
-    choice="the ratio or the displacement point by point",
-    begins=Begins.POINTS,
-    examples={
-        "phi1_rad": "[0, 1.5, 3, 4.5]",
-        "phi1_deg": "[0, 90, 180, 270]",
-        "phi1_pi": "[0, 0.5, 1, 1.5]",
-        "displacement_mm": "[0, 380, 760, 380]",
-        "displacement_deg": "[0, 20, 40, 20]",
-    },
-)

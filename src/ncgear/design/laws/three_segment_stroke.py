@@ -8,13 +8,24 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import degrees, isclose, pi, radians
 from sys import float_info
-from typing import TYPE_CHECKING, Annotated, Any, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from pydantic import BeforeValidator, model_validator
+from pydantic import BeforeValidator
 
-from ncgear.design.keys.base import Model, angle, fault, given, key_of, optional, required
-from ncgear.design.keys.types import Length, Positive, Speed
-from ncgear.design.laws.base import Begins, DesignLaw, LawKeys, LawPoint
+from ncgear.design.keys.base import (
+    Faults,
+    Length,
+    Model,
+    Positive,
+    Speed,
+    angle,
+    fault,
+    given,
+    key_of,
+    optional,
+    required,
+)
+from ncgear.design.laws.base import Begins, LawKeys, LawPoint
 from ncgear.design.reading.text import quoted
 from ncgear.design.words import listed
 from ncgear.errors import WrongInput
@@ -64,7 +75,11 @@ class ReturnOptions(Model):
 class ThreeSegmentStroke(LawKeys):
     """The working stroke in three segments: by way of v1 to v2, constant v2, down to rest; then the return."""
 
-    law: Literal["three_segment_stroke"] = required("the name of this law: three_segment_stroke")
+    CHOICE = "the slider works in three segments: it goes, presses at constant speed, slows down"
+    BEGINS = Begins.WISH
+    ASKED_LENGTH = "stroke_mm"
+    GROWS_WITH_MACHINE = ("v2_mm_s", "a1_mm_s2", "law_speed_rpm")
+    NARROWER_RATIO = "move theta4, or change a1 or the speed at which a1 is stated (a1_speed_rpm), in small steps"
     solve_for: SolveFor = required(
         "the quantity found from the others, its own key left out: law_speed, v1, v2, a1 or stroke"
     )
@@ -98,28 +113,24 @@ class ThreeSegmentStroke(LawKeys):
         """The stroke in mm or rad; None where it is left out."""
         return radians(self.stroke_deg) if self.stroke_deg is not None else self.stroke_mm
 
-    @model_validator(mode="after")
-    def _angles_rise(self) -> Self:
+    def _angles_rise(self) -> Faults:
         if wrong := out_of_order([getattr(self, quantity) for quantity in THETAS]):
             quantity, problem = wrong
-            raise fault(key_of(self, quantity), problem)
-        return self
+            yield fault(key_of(self, quantity), problem)
 
-    @model_validator(mode="after")
-    def _only_the_solved_one_is_absent(self) -> Self:
+    def _only_the_solved_one_is_absent(self) -> Faults:
         keys = [pair[self.turns] for pair in SOLVED_KEYS.values()]
         other = given(self, [pair[not self.turns] for pair in SOLVED_KEYS.values() if pair[0] != pair[1]])
         if other:
-            raise fault(other[0], "given beside keys of an output that turns; keep keys in rad or keys in mm")
+            yield fault(other[0], "given beside keys of an output that turns; keep keys in rad or keys in mm")
         solved = SOLVED_KEYS[self.solve_for][self.turns]
         if getattr(self, solved) is not None:
-            raise fault(solved, f"given, but solve_for: {self.solve_for} says to find it; leave {solved} out")
+            yield fault(solved, f"given, but solve_for: {self.solve_for} says to find it; leave {solved} out")
         # The stroke can always be left out, because the mechanism has one.
         needed = [key for key in keys if key not in (solved, SOLVED_KEYS["stroke"][self.turns])]
         absent = [key for key in needed if getattr(self, key) is None]
         if absent:
-            raise fault(absent[0], f"missing; give it: solve_for: {self.solve_for} needs {listed(needed, 'and')}")
-        return self
+            yield fault(absent[0], f"missing; give it: solve_for: {self.solve_for} needs {listed(needed, 'and')}")
 
     @property
     def gives_slider(self) -> bool:
@@ -165,7 +176,7 @@ class ThreeSegmentStroke(LawKeys):
     def solved_stroke_mm(self, mechanism: type[Mechanism]) -> float:
         """The stroke in mm or rad that follows from the other quantities.
 
-        Raises WrongInput where the keys are not those of the mechanism's output, NoSuchMechanism where there is none.
+        Raises WrongInput where the keys do not suit the mechanism's output, NoSuchMechanism where there is no stroke.
         """
         self._refuse_other_units(mechanism)
         return self._stroke(None, mechanism.OUTPUT).stroke_mm
@@ -173,7 +184,7 @@ class ThreeSegmentStroke(LawKeys):
     def law_on(self, linkage: Mechanism, lobes: Lobes, *, ring: bool = False) -> Law:
         """The closed law, with the figures of its stroke and its return.
 
-        Raises WrongInput where the stroke in the file is not that of the mechanism.
+        Raises WrongInput where the mechanism has another stroke than the file.
         """
         from ncgear.ratio.transmission import Law, PrescribedStroke, single
 
@@ -241,7 +252,7 @@ class ThreeSegmentStroke(LawKeys):
 
 
 def require_stroke_of(stroke: float | None, linkage: Mechanism) -> None:
-    """Refuse a stroke in the file, in mm or rad, that differs from that of the mechanism; raises WrongInput."""
+    """Refuse a stroke in the file, in mm or rad, that differs from the mechanism's stroke; raises WrongInput."""
     if stroke is not None and not isclose(stroke, linkage.stroke_mm, rel_tol=SAME_STROKE):
         relation, place = "longer" if stroke > linkage.stroke_mm else "shorter", linkage.OUTPUT.place
         told, right = (f"{place.factor * one:.9g} {place.text}" for one in (stroke, linkage.stroke_mm))
@@ -273,13 +284,3 @@ def out_of_order(angles_rad: Sequence[float]) -> tuple[str, str] | None:
         f"{wrong} must be {needed}; the angles, in multiples of pi, are {', '.join(in_pi)}; "
         "0 < theta1 < theta2 <= theta3 < theta4 < 2 is right"
     )
-
-
-LAW = DesignLaw(
-    keys=ThreeSegmentStroke,
-    choice="the slider works in three segments: it goes, presses at constant speed, slows down",
-    begins=Begins.WISH,
-    asked_length="stroke_mm",
-    grows_with_machine=("v2_mm_s", "a1_mm_s2", "law_speed_rpm"),
-    narrower_ratio="move theta4, or change a1 or the speed at which a1 is stated (a1_speed_rpm), in small steps",
-)

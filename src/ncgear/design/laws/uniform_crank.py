@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
-from ncgear.design.keys.base import required
-from ncgear.design.laws.base import Begins, DesignLaw, LawKeys
+from ncgear.design.laws.base import Begins, LawKeys
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -15,17 +14,11 @@ if TYPE_CHECKING:
 class UniformCrank(LawKeys):
     """Circular gears: the crank turns uniformly."""
 
-    law: Literal["uniform_crank"] = required("the name of this law: uniform_crank")
+    CHOICE = "circular gears"
+    BEGINS = Begins.MACHINE
 
     def transmission(self, linkage: Mechanism, lobes: Lobes) -> Transmission:
         """A constant ratio."""
         from ncgear.ratio.laws.uniform import uniform_law
 
         return uniform_law(lobes)
-
-
-LAW = DesignLaw(
-    keys=UniformCrank,
-    choice="circular gears",
-    begins=Begins.MACHINE,
-)

@@ -1,7 +1,7 @@
-"""Reading a design: a file, or a mapping of Python in its place, checked against the schema.
+"""Reading a design: a file, or a mapping of Python in its place, checked against the schema; and the file of a train.
 
 Every fault has its line and column; of a mapping, whose arrays may stand for lists, it has its key.  Functions stay in
-``plain``, for ``ncgear.project.function_laws``.
+``plain``, for ``ncgear.project.opened``.
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from ncgear.design.reading.points import Columns, FileKind, columns_kind, values
 from ncgear.design.reading.svg_file import picture_contour_of, svg_contour_of
 from ncgear.design.reading.text import quoted, read_text
 from ncgear.design.reading.yaml import DEEPEST, read_yaml
+from ncgear.design.trains.registry import TrainFile, train_model
 from ncgear.errors import WrongInput, located
 from ncgear.frozen import dataclass
 
@@ -135,3 +136,22 @@ def _keys(value: Any, above: str) -> Iterator[str]:
         key = f"{above}.{name}".lstrip(".")
         yield key
         yield from _keys(one, key)
+
+
+@dataclass(frozen=True)
+class LoadedTrain:
+    """A train file and the places of its values."""
+
+    file: TrainFile
+    source: Source
+
+
+def load_train(path: Path) -> LoadedTrain:
+    """Read and check a train file; WrongInput says where and what is wrong, up to ten faults."""
+    document = read_yaml(read_text(path, limit_mb=LARGEST_MB), str(path))
+    if not isinstance(document.data, dict) or "train" not in document.data:
+        raise WrongInput("holds no train; a train file has name: and train:", location=str(document.place("")))
+    source = Source(document, {})
+    with located(source):
+        model = train_model(document.data)
+    return LoadedTrain(checked(model, source), source)

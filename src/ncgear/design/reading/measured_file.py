@@ -1,6 +1,6 @@
 """Points of a coordinate measuring machine: a text file with x and y in mm, one point a line.
 
-It is a table as ``ncgear.design.reading.table`` reads it.  A header may name the columns, so that files with more
+It is a table as ``ncgear.design.reading.points`` reads it.  A header may name the columns, so that files with more
 columns than x and y are read as well; without one, a third column is taken for z, which hardly changes.
 """
 
@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ncgear.design.reading.table import read_rows
+from ncgear.design.reading.points import read_rows
 from ncgear.design.reading.text import plain_number, quoted
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass

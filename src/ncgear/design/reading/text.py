@@ -20,7 +20,7 @@ TRAIN = re.compile(r"^[\"']?train[\"']?[ \t]*:", re.MULTILINE)
 
 
 def has_train(text: str) -> bool:
-    """Whether the text of a design file is that of a train of gears."""
+    """Whether a design file describes a train of gears."""
     return TRAIN.search(text) is not None
 
 

@@ -8,11 +8,9 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 
 from pydantic import Field
 
-from ncgear.design.keys.base import Model, optional, required
+from ncgear.design.keys.base import Length, Model, Speed, optional, required
 from ncgear.design.keys.gears import Rack
 from ncgear.design.keys.machine import CHORD_MM, COARSEST_IN_MODULES, Output
-from ncgear.design.keys.types import Length, Speed
-from ncgear.design.rack import basic_rack
 from ncgear.errors import WrongInput, renamed
 from ncgear.numerics.bounds import shown_below
 
@@ -86,7 +84,7 @@ class TrainGears(Model):
         """The form of the teeth in mm."""
         from ncgear.teeth.form import Backlash, ToothForm
 
-        return ToothForm(basic_rack(self.rack, module_mm), backlash=Backlash(self.backlash_mm))
+        return ToothForm(self.rack.in_mm(module_mm), backlash=Backlash(self.backlash_mm))
 
     def chord_mm(self, module_mm: float) -> float:
         """The chord tolerance of teeth of a module; raises WrongInput for chords so coarse that they are no teeth."""

@@ -7,8 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from pydantic import Field
 
-from ncgear.design.keys.base import optional, required
-from ncgear.design.keys.types import FORMULA, Expression, Length, Several
+from ncgear.design.keys.base import FORMULA, Expression, Length, Several, optional, required
 from ncgear.design.trains.base import TrainGears, TrainKeys
 from ncgear.errors import WrongInput, renamed
 
@@ -32,6 +31,7 @@ class Chain(TrainKeys):
     """A row of gears."""
 
     KIND = "chain"
+    RULES = ("at most one of idler_radius ratio",)
     MEANING = "a row of gears on fixed axes, each of which meshes with the next"
 
     lobes: Annotated[Several[Lobe], Field(min_length=2, max_length=MOST_GEARS)] = required(
@@ -51,7 +51,6 @@ class Chain(TrainKeys):
     gears: ChainGears = required("the teeth and the bodies of all gears")
 
     def _made(self) -> Train:
-        """The train that the keys ask for; raises WrongInput and NoSuchMechanism where no such gears exist."""
         import numpy as np
 
         from ncgear.ratio.transmission import Lobes
@@ -81,8 +80,6 @@ class Chain(TrainKeys):
         from ncgear.ratio.laws.pitch_curve import GivenCurve, closed_law
         from ncgear.ratio.laws.uniform import uniform_law
 
-        if self.ratio is not None and self.idler_radius is not None:
-            raise WrongInput("given, but a ratio is given as well; one of them is right", key="train.idler_radius")
         if self.idler_radius is not None:
             key = "train.idler_radius"
             curve = formula_curve(self.idler_radius, key)

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 
 from pydantic import Field
 
-from ncgear.design.keys.base import optional, required
-from ncgear.design.keys.types import FORMULA, Expression, Length
+from ncgear.design.keys.base import FORMULA, Expression, Length, optional, required
 from ncgear.design.trains.base import TrainGears, TrainKeys
 from ncgear.errors import NoSuchMechanism, WrongInput, renamed
 
@@ -64,7 +63,6 @@ class LobedMotor(TrainKeys):
     gears: MotorGearKeys = required("the teeth and the bodies of all gears")
 
     def _made(self) -> Train:
-        """The train that the keys ask for; raises WrongInput and NoSuchMechanism where no such gears exist."""
         from ncgear.pitch.lobed import FAMILIES, formula_family, lobed_curves
         from ncgear.trains.lobed_motor import MotorBodies, MotorTeeth, motor_train
 

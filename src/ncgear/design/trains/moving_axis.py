@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from pydantic import Field
 
-from ncgear.design.keys.base import optional, required
-from ncgear.design.keys.types import FORMULA, Expression, Length, Several
+from ncgear.design.keys.base import FORMULA, Expression, Length, Several, optional, required
 from ncgear.design.trains.base import TrainGears, TrainKeys
 from ncgear.errors import WrongInput, renamed
 
@@ -28,6 +27,7 @@ class MovingAxis(TrainKeys):
     """A pair of gears on a moving axis."""
 
     KIND = "moving_axis"
+    RULES = ("one of distances_mm distance_mm",)
     MEANING = "a pair of gears whose centre distance changes while they turn"
 
     distances_mm: Annotated[Several[Length], Field(min_length=3, max_length=64)] | None = optional(
@@ -44,7 +44,7 @@ class MovingAxis(TrainKeys):
 
     def _made(self) -> Train:
         """The train that the keys ask for; raises WrongInput and NoSuchMechanism where no such gears exist."""
-        from ncgear.trains.moving_axis import MovingBodies, module_mm, moving_train
+        from ncgear.trains.moving_axis import module_mm, moving_train
 
         axes, radius = self._axes()
         gears = self.gears
@@ -57,10 +57,8 @@ class MovingAxis(TrainKeys):
                 f"{module:.9g} mm; leave it out, or change distances or teeth",
                 key="train.gears.module_mm",
             )
-        bodies = MovingBodies(gears.face_width_mm, gears.bore_mm)
-        return moving_train(
-            axes, gears.teeth, gears.form(module), bodies, self.speed_rpm, gears.chord_mm(module), radius
-        )
+        form, sizes = gears.form(module), (gears.face_width_mm, gears.bore_mm)
+        return moving_train(axes, gears.teeth, form, *sizes, self.speed_rpm, gears.chord_mm(module), radius)
 
     def _axes(self) -> tuple[MovingAxes, float | None]:
         """The law on its moving axis, and the radius of a round driving gear."""
@@ -89,8 +87,6 @@ class MovingAxis(TrainKeys):
         from ncgear.numerics.jet import Jet
         from ncgear.pitch.moving_axes import even_distances, require_distances
 
-        if (self.distances_mm is None) == (self.distance_mm is None):
-            raise WrongInput("one of distances_mm and distance_mm is needed", key="train")
         if self.distances_mm is not None:
             return require_distances(
                 even_distances(np.array(self.distances_mm), lobes.driving), lobes, "train.distances_mm"

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import degrees, radians
-from typing import TYPE_CHECKING, Annotated, Literal, Self
+from typing import TYPE_CHECKING, Annotated, Literal
 
-from pydantic import Field, Strict, model_validator
+from pydantic import Field, Strict
 
-from ncgear.design.keys.base import Model, fault, optional, required
-from ncgear.design.keys.types import Length, Place, Several
+from ncgear.design.keys.base import Faults, Length, Model, Place, Several, fault, optional, required
 from ncgear.design.trains.base import TrainGears, TrainKeys
 from ncgear.errors import WrongInput, below, renamed
 from ncgear.numerics.units import STANDARD_GRAVITY_M_S2
@@ -86,23 +85,19 @@ class TipPathKeys(Model):
         path = WishedPath(points, tolerances, tools, radians(self.tool_tolerance_deg))
         return path.straightened([one - 1 for one in self.straight]) if self.straight else path
 
-    @model_validator(mode="after")
-    def _corners_are_apart(self) -> Self:
+    def _corners_are_apart(self) -> Faults:
         if self.axis_from_mm is not None and self.axis_to_mm is not None:
             for low, high in zip(self.axis_from_mm, self.axis_to_mm, strict=True):
                 if high <= low:
-                    raise fault("axis_to_mm", f"{high:g} given, but axis_from_mm has {low:g} there; more is right")
-        return self
+                    yield fault("axis_to_mm", f"{high:g} given, but axis_from_mm has {low:g} there; more is right")
 
-    @model_validator(mode="after")
-    def _points_are_there(self) -> Self:
+    def _points_are_there(self) -> Faults:
         for number, one in enumerate(self.tool or ()):
             if one.point > len(self.points_mm):
-                raise fault(f"tool.{number}.point", f"{one.point} given; 1 to {len(self.points_mm)} are right")
+                yield fault(f"tool.{number}.point", f"{one.point} given; 1 to {len(self.points_mm)} are right")
         for place, number in enumerate(self.straight or ()):
             if number > len(self.points_mm):
-                raise fault(f"straight.{place}", f"{number} given; 1 to {len(self.points_mm)} are right")
-        return self
+                yield fault(f"straight.{place}", f"{number} given; 1 to {len(self.points_mm)} are right")
 
 
 class TrainMasses(Model):
@@ -162,37 +157,31 @@ class Planetary(TrainKeys):
     )
     gears: PlanetaryGears = required("the teeth and bodies of all gears")
 
-    @model_validator(mode="after")
-    def _a_shared_idler_is_bent(self) -> Self:
+    def _a_shared_idler_is_bent(self) -> Faults:
         if self.bend_deg is not None and self.idler != "shared":
-            raise fault("bend_deg", "given, but the place of a compound idler follows from its teeth; leave it out")
-        return self
+            yield fault("bend_deg", "given, but the place of a compound idler follows from its teeth; leave it out")
 
-    @model_validator(mode="after")
-    def _masses_come_back(self) -> Self:
+    def _masses_come_back(self) -> Faults:
         if self.masses is not None and self.sun_turns != 0.0:
-            raise fault("masses", "given, but forces are those about a sun that stands; leave out masses or sun_turns")
+            yield fault("masses", "given, but forces are those about a sun that stands; leave out masses or sun_turns")
         if self.masses is not None and self.masses.tool_kg and self.arm_mm is None and self.path is None:
-            raise fault("masses.tool_kg", "given, but there is no arm that carries it; give arm_mm, or leave it out")
-        return self
+            yield fault("masses.tool_kg", "given, but there is no arm that carries it; give arm_mm, or leave it out")
 
-    @model_validator(mode="after")
-    def _a_path_has_its_gears(self) -> Self:
+    def _a_path_has_its_gears(self) -> Faults:
         if self.path is None:
             if self.gears.module_mm is None and self.gears.center_distance_mm is None:
-                raise fault("gears", "module_mm or center_distance_mm is missing; give one of them")
-            return self
+                yield fault("gears", "module_mm or center_distance_mm is missing; give one of them")
+            return
         if self.idler == "shared":
-            raise fault(
+            yield fault(
                 "idler",
                 "shared given, but an idler that meshes with sun and planet makes odd harmonics of the ratio only, and "
                 "a path has others; compound is right",
             )
         if self.gears.center_distance_mm is not None:
-            raise fault("gears.center_distance_mm", "given, but it follows from the path; leave it out")
+            yield fault("gears.center_distance_mm", "given, but it follows from the path; leave it out")
         if self.sun_turns != 0.0:
-            raise fault("sun_turns", "given, but the path is that of an arm about a sun that stands; leave it out")
-        return self
+            yield fault("sun_turns", "given, but the path is that of an arm about a sun that stands; leave it out")
 
     def _made(self) -> Train:
         """The train that the keys ask for; raises NoSuchMechanism where no such gears exist."""

@@ -17,8 +17,7 @@ from typing import Any, Literal
 
 from pydantic import create_model
 
-from ncgear.design.keys.base import Model, optional, required
-from ncgear.design.keys.types import FILE_FORMAT, FileFormat
+from ncgear.design.keys.base import FILE_FORMAT, FileFormat, Model, optional, required
 from ncgear.design.reading.text import quoted
 from ncgear.design.trains.base import TrainKeys
 from ncgear.design.trains.chain import Chain
@@ -41,7 +40,7 @@ class TrainFile(Model):
 
 
 def train_model(data: Mapping[str, Any]) -> type[TrainFile]:
-    """The model of a train file's data, whose keys are those of the kind that ``train.kind`` names.
+    """The model of a train file's data, with the keys of the kind that ``train.kind`` names.
 
     Raises WrongInput for a train of no known kind.
     """

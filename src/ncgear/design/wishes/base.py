@@ -1,6 +1,6 @@
 """What the keys of every kind of wish have, and how they become its value.
 
-Places and speeds of an output that slides are in mm and mm/s, those of one that turns in deg and rad/s.  A kind with a
+An output that slides has places in mm and speeds in mm/s, an output that turns in deg and rad/s.  A kind with a
 place has a twin for an output that turns, whose keys and words follow from its own.  The values are imported where they
 are made, so that reading a design file loads no numerical library.
 """
@@ -10,12 +10,12 @@ from __future__ import annotations
 import re
 from abc import abstractmethod
 from collections.abc import Sequence
+from functools import cache
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal, NamedTuple, Protocol, Self, TypeVar
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from ncgear.design.keys.base import Model, fault, optional, required
-from ncgear.design.keys.types import LONGEST_MM, Positive
+from ncgear.design.keys.base import LONGEST_MM, Faults, Model, Positive, fault, optional, required
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -25,7 +25,7 @@ Way = Annotated[float, Field(ge=0.0, le=LONGEST_MM)]
 StrokeName = Literal["working", "return"]
 
 TURNED = {"Way": Annotated[float, Field(ge=0.0, lt=360.0)], "Length": Annotated[float, Field(gt=0.0, lt=360.0)]}
-"""The types of places in deg, by the names of those of places in mm; speeds have one type."""
+"""The types of places in deg, by the names of the types of places in mm; all speeds have the same type."""
 
 
 class On(NamedTuple):
@@ -46,10 +46,7 @@ class On(NamedTuple):
 
 
 class WishKeys(Model):
-    """What every wish has: whether it must be kept.
-
-    A class with ``turns=True`` is that of an output that turns: places and speeds of its base are in deg and rad/s.
-    """
+    """What every wish has: whether it must be kept."""
 
     KIND: ClassVar[str]
     """Its key under ``wishes``."""
@@ -60,9 +57,6 @@ class WishKeys(Model):
     SEVERAL: ClassVar[bool] = True
     """Whether a design has a list of them."""
 
-    TURNING: ClassVar[type[WishKeys]]
-    """The class for an output that turns."""
-
     INSIDE: ClassVar[tuple[str, ...]] = ()
     REACHING: ClassVar[tuple[str, ...]] = ()
     """Keys without their unit of places that are right under the stroke only, and of such as may be the stroke."""
@@ -72,7 +66,7 @@ class WishKeys(Model):
 
     PLACE: ClassVar[str] = "mm"
     SPEED: ClassVar[str] = "mm_s"
-    """The units of places and of speeds, at the ends of keys; a 2 follows in those of decelerations."""
+    """The units of places and of speeds, at the ends of keys; keys of decelerations add a 2."""
 
     hard: bool = optional("true: the law must keep it; false: it has a weight in the goal", True)
     weight: Positive | None = optional(
@@ -80,26 +74,29 @@ class WishKeys(Model):
         "many percent of what is to be least; left out: 1"
     )
 
-    def __init_subclass__(cls, turns: bool = False, **kwargs: Any) -> None:
-        """Annotate the fields of an output that turns, before pydantic reads the annotations.
-
-        A field in mm of the base is one in deg or rad/s here, and its own name is no field any more.
-        """
-        cls.TURNING = cls
-        if turns:
-            cls.PLACE, cls.SPEED = "deg", "rad_s"
-            base: Any = cls.__mro__[1]
-            base.TURNING = cls
-            for name, annotation in base.__annotations__.items():
-                key = re.sub("_mm$", "_deg", re.sub("_mm(?=_s)", "_rad", name))
-                if key != name:
-                    kind, _, absent = annotation.partition(" | ")
-                    of: Any = TURNED.get(kind, Positive)
-                    words = re.sub(r"\bmm\b(?=/)", "rad", base.model_fields[name].description)
-                    words = words.replace(" mm", " deg").replace("slider", "output")
-                    cls.__annotations__ |= {name: ClassVar[None], key: of | None if absent else of}
-                    setattr(cls, key, optional(words) if absent else required(words))
-        super().__init_subclass__(**kwargs)
+    @classmethod
+    @cache
+    def turning(cls) -> type[WishKeys]:
+        """The class for an output that turns, with places in deg and speeds in rad/s; the class itself without any."""
+        made: dict[str, Any] = {}
+        annotations: dict[str, Any] = {}
+        for name, annotation in cls.__annotations__.items():
+            key = re.sub("_mm$", "_deg", re.sub("_mm(?=_s)", "_rad", name))
+            if key != name:
+                kind, _, absent = annotation.partition(" | ")
+                of: Any = TURNED.get(kind, Positive)
+                words = re.sub(r"\bmm\b(?=/)", "rad", cls.model_fields[name].description or "")
+                words = words.replace(" mm", " deg").replace("slider", "output")
+                # A field of the base is no field any more
+                annotations |= {name: ClassVar[None], key: of | None if absent else of}
+                made[key] = optional(words) if absent else required(words)
+        if not made:
+            return cls
+        words = (cls.__doc__ or "").replace("slider", "output")
+        made |= {"PLACE": "deg", "SPEED": "rad_s", "__annotations__": annotations}
+        made |= {"__doc__": words, "__module__": cls.__module__, "__qualname__": f"Turning{cls.__name__}"}
+        of_models: Any = type(cls)
+        return of_models(f"Turning{cls.__name__}", (cls,), made, first=True)
 
     def place(self, quantity: str) -> Any:
         """The value of a key of a place, such as ``from`` or ``at``, in the unit of the file; None where left out."""
@@ -115,18 +112,17 @@ class WishKeys(Model):
         """The weight of a soft wish; None for a hard one."""
         return None if self.hard else self.weight or 1.0
 
-    @model_validator(mode="after")
-    def _weight_of_the_soft(self) -> Self:
+    def _faults(self) -> Faults:
         if self.hard and self.weight is not None:
-            raise fault("weight", "given, but the wish is hard; hard: false is right with a weight, or leave it out")
-        return self
+            yield fault("weight", "given, but the wish is hard; hard: false is right with a weight, or leave it out")
 
     def refuse(self, key: str, on: On) -> None:
         """Refuse what else no motion can do, by a WrongInput."""
 
     @classmethod
-    def require_agreement(cls, own: Sequence[Self]) -> None:
-        """Refuse wishes of the kind that contradict each other by a fault, whose key counts from ``wishes``."""
+    def disagreements(cls, own: Sequence[Self]) -> Faults:
+        """What contradicts each other among wishes of the kind; keys count from ``wishes``."""
+        yield from ()
 
     @classmethod
     def refuse_together(cls, wishes: Wished, on: On) -> None:

@@ -6,10 +6,9 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field
 
-from ncgear.design.keys.base import fault, optional, require, required
-from ncgear.design.keys.types import Length, Positive
+from ncgear.design.keys.base import Faults, Length, Positive, fault, optional, required, unkept
 from ncgear.design.wishes.base import On, StrokeName, WishKeys
 
 if TYPE_CHECKING:
@@ -34,10 +33,8 @@ class ConstantSpeed(WishKeys):
     stroke: StrokeName = optional("on the way out (working) or on the way back (return)", "working")
     speed_mm_s: Positive | None = optional("that one value in mm/s; left out: whatever the law makes of it")
 
-    @model_validator(mode="after")
-    def _has_length(self) -> Self:
-        require(self, f"to_{self.PLACE} > from_{self.PLACE}")
-        return self
+    def _faults(self) -> Faults:
+        yield from unkept(self, f"to_{self.PLACE} > from_{self.PLACE}")
 
     def agrees(self, next_one: ConstantSpeed) -> bool:
         """Whether both speeds can be had at the one place where this stretch ends and the next begins."""
@@ -48,7 +45,7 @@ class ConstantSpeed(WishKeys):
         return slower * (1.0 + loose) >= faster * (1.0 - tight)
 
     @classmethod
-    def require_agreement(cls, own: Sequence[Self]) -> None:
+    def disagreements(cls, own: Sequence[Self]) -> Faults:
         """Stretches of one stroke are apart, or agree where they meet."""
         for stroke in ("working", "return"):
             strokes = [(number, wish) for number, wish in enumerate(own) if wish.stroke == stroke]
@@ -56,7 +53,7 @@ class ConstantSpeed(WishKeys):
             for (_, low), (number, high) in pairwise(strokes):
                 (start, end), begins = (low.place("from"), low.place("to")), high.place("from")
                 if begins < end or (begins == end and not low.agrees(high)):
-                    raise fault(
+                    yield fault(
                         f"{cls.KIND}.{number}.from_{high.PLACE}",
                         f"{begins:g} given, but even speed is wished from {start:g} to {end:g} {high.PLACE} of "
                         f"the same stroke too; over {end:g} is right",
@@ -75,7 +72,3 @@ class ConstantSpeed(WishKeys):
             speed_mm_s=self.speed("speed"),
             **common,
         )
-
-
-class TurningConstantSpeed(ConstantSpeed, turns=True, first=True):
-    """Even speed of an output that turns from one place to another."""

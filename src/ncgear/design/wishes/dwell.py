@@ -5,8 +5,7 @@ from __future__ import annotations
 from math import degrees
 from typing import TYPE_CHECKING, Any, Literal
 
-from ncgear.design.keys.base import angle, required
-from ncgear.design.keys.types import Positive
+from ncgear.design.keys.base import Positive, angle, required
 from ncgear.design.wishes.base import On, Way, Wished, WishKeys
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.bounds import shown_above
@@ -69,7 +68,3 @@ class Dwell(WishKeys):
 
         within = on.mm(self.place("within"))
         return Value(end=End(self.at), within_mm=within, for_rad=self.for_angle_rad, **common)
-
-
-class TurningDwell(Dwell, turns=True, first=True):
-    """A near-dwell of an output that turns."""

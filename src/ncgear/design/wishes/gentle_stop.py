@@ -3,12 +3,21 @@
 from __future__ import annotations
 
 from math import degrees, pi
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal
 
-from pydantic import model_validator
-
-from ncgear.design.keys.base import angle, fault, given, key_of, listed, optional, require, spellings
-from ncgear.design.keys.types import Length, Positive
+from ncgear.design.keys.base import (
+    Faults,
+    Length,
+    Positive,
+    angle,
+    fault,
+    given,
+    key_of,
+    listed,
+    optional,
+    spellings,
+    unkept,
+)
 from ncgear.design.wishes.base import On, Way, WishKeys
 from ncgear.errors import WrongInput
 
@@ -65,39 +74,35 @@ class GentleStop(WishKeys):
         end = self.place("to")
         return self.place("from") or 0.0, stroke if end is None else end
 
-    @model_validator(mode="after")
-    def _one_bound_and_a_length(self) -> Self:
-        require(self, f"one of {self.bound_key('deceleration')} {self.bound_key('speed')}")
-        require(self, f"to_{self.PLACE} > from_{self.PLACE}")
+    def _one_bound_and_a_length(self) -> Faults:
+        yield from unkept(self, f"one of {self.bound_key('deceleration')} {self.bound_key('speed')}")
+        yield from unkept(self, f"to_{self.PLACE} > from_{self.PLACE}")
         start, end = self.place("from"), self.place("to")
         if self.stroke == "both" and start and end is not None:
-            raise fault(
+            yield fault(
                 "stroke",
                 f"both given from {start:g} to {end:g} {self.PLACE}; a wish for each stroke is right, or leave out "
                 f"from_{self.PLACE} or to_{self.PLACE}, so that both ways meet at an end",
             )
-        return self
 
-    @model_validator(mode="after")
-    def _places_or_driving_angles(self) -> Self:
+    def _places_or_driving_angles(self) -> Faults:
         ends, places = [spellings(f"{end}_phi1") for end in ("from", "to")], (f"from_{self.PLACE}", f"to_{self.PLACE}")
         angles = given(self, (*ends[0], *ends[1]))
         if not angles:
-            return self
+            return
         if beside := given(self, places):
-            raise fault(
+            yield fault(
                 beside[0],
                 f"{listed((*beside, *angles), 'and')} are given: places and driving angles are mixed; "
                 f"{' and '.join(places)}, or from_phi1_deg and to_phi1_deg, are right",
             )
         for names in ends:
-            require(self, f"one of {' '.join(names)}")
+            yield from unkept(self, f"one of {' '.join(names)}")
         if "stroke" in self.model_fields_set:
-            raise fault("stroke", "given with driving angles, which tell the stroke themselves; leave it out")
+            yield fault("stroke", "given with driving angles, which tell the stroke themselves; leave it out")
         if not self.from_rad < self.to_rad:
             start, end = (key_of(self, f"{end}_phi1") for end in ("from", "to"))
-            raise fault(end, f"{getattr(self, end):g} given, which is not over {start}; a larger angle is right")
-        return self
+            yield fault(end, f"{getattr(self, end):g} given, which is not over {start}; a larger angle is right")
 
     def refuse(self, key: str, on: On) -> None:
         """Refuse driving angles beyond the cycle to either side, and a stretch that leaves nothing of it."""
@@ -127,7 +132,3 @@ class GentleStop(WishKeys):
         stroke = None if self.stroke == "both" else Stroke(self.stroke)
         common |= {"from_mm": start, "to_mm": end, "stroke": stroke, "driving": driving}
         return GentleSpeed(most_mm_s=most, **common) if bounded == "speed" else Value(most_mm_s2=most, **common)
-
-
-class TurningGentleStop(GentleStop, turns=True, first=True):
-    """A gentle stop of an output that turns."""

@@ -6,8 +6,7 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Self
 
-from ncgear.design.keys.base import angle, fault, key_of, optional, required
-from ncgear.design.keys.types import Length, Positive
+from ncgear.design.keys.base import Faults, Length, Positive, angle, fault, key_of, optional, required
 from ncgear.design.wishes.base import On, StrokeName, Way, WishKeys
 
 if TYPE_CHECKING:
@@ -31,26 +30,26 @@ class Position(WishKeys):
     )
 
     @classmethod
-    def require_agreement(cls, own: Sequence[Self]) -> None:
+    def disagreements(cls, own: Sequence[Self]) -> Faults:
         """Positions follow each other by the driving angle, and by the displacement in each stroke."""
         strokes = list(strokes_of(own))
         ways = list(zip(own, strokes, strict=True))
         for number, ((before, earlier), (after, later)) in enumerate(pairwise(ways), 1):
             if not before.driving_rad < after.driving_rad:
                 name = key_of(after, "phi1")
-                raise fault(
+                yield fault(
                     f"{cls.KIND}.{number}.{name}",
                     f"{getattr(after, name):g} given, which is not over the angle before it; the driving angles of the "
                     "list must rise",
                 )
             if earlier == "return" and later == "working":
-                raise fault(
+                yield fault(
                     f"{cls.KIND}.{number}.stroke", "working given after a position on the return; return is right"
                 )
             back = later == "return"
             there, here = before.place("at"), after.place("at")
             if earlier == later and not (here < there if back else here > there):
-                raise fault(
+                yield fault(
                     f"{cls.KIND}.{number}.at_{after.PLACE}",
                     f"{here:g} follows {there:g} in the {later} stroke, where displacements "
                     f"{'fall' if back else 'rise'}",
@@ -74,10 +73,6 @@ class Position(WishKeys):
             stroke=Stroke(self.stroke),
             **common,
         )
-
-
-class TurningPosition(Position, turns=True, first=True):
-    """A place that an output that turns passes at a driving angle."""
 
 
 def strokes_of(positions: Sequence[Position]) -> Iterator[StrokeName]:

@@ -13,7 +13,13 @@ limit all follow from these lines.
 
 from __future__ import annotations
 
-from ncgear.design.wishes.base import WishKeys
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import Field
+
+from ncgear.design.keys.base import Faults, Model, Several, optional
+from ncgear.design.wishes.base import Kind, WishKeys
 from ncgear.design.wishes.constant_speed import ConstantSpeed
 from ncgear.design.wishes.dwell import Dwell
 from ncgear.design.wishes.gentle_stop import GentleStop
@@ -31,3 +37,43 @@ KINDS: tuple[type[WishKeys], ...] = (
     GentleStop,
     Position,
 )
+
+
+MOST_WISHES = 50
+"""Wishes of a kind: more than a person writes."""
+
+
+class KeysOfKinds(Model):
+    """The base that gives a class a key for each kind; with ``turns=True`` for an output that turns."""
+
+    def __init_subclass__(cls, turns: bool = False, **kwargs: Any) -> None:
+        """Annotate the fields before pydantic reads the annotations; kinds of which there is one come first."""
+        for kind in sorted(KINDS, key=lambda kind: kind.SEVERAL):
+            keys: Any = kind.turning() if turns else kind
+            several = Annotated[Several[keys], Field(max_length=MOST_WISHES)]
+            cls.__annotations__[kind.KIND] = several if kind.SEVERAL else keys | None
+            setattr(cls, kind.KIND, optional(kind.MEANING, () if kind.SEVERAL else None))
+        super().__init_subclass__(**kwargs)
+
+
+class Wishes(KeysOfKinds):
+    """What a person wishes of the motion."""
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, kind: str) -> Any: ...
+
+    def of(self, kind: type[Kind]) -> Sequence[Kind]:
+        """The wishes of a kind."""
+        found = getattr(self, kind.KIND)
+        if kind.SEVERAL:
+            return found
+        return () if found is None else (found,)
+
+    def _faults(self) -> Faults:
+        for kind in KINDS:
+            yield from kind.disagreements(self.of(kind))
+
+
+class TurningWishes(Wishes, turns=True):
+    """What a person wishes of the motion of an output that turns."""

@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 from math import inf
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import TYPE_CHECKING, Any, Literal
 
-from pydantic import model_validator
-
-from ncgear.design.keys.base import fault, given, optional, require, required
-from ncgear.design.keys.types import Length, Positive
+from ncgear.design.keys.base import Faults, Length, Positive, fault, given, optional, required, unkept
 from ncgear.design.wishes.base import On, StrokeName, WishKeys
 
 if TYPE_CHECKING:
@@ -30,18 +27,16 @@ class SpeedAt(WishKeys):
         "in place of bounds: as slow or as fast there as the goal allows, which needs hard: false"
     )
 
-    @model_validator(mode="after")
-    def _bounds_or_make(self) -> Self:
+    def _faults(self) -> Faults:
         low, high = (f"{bound}_{self.SPEED}" for bound in ("at_least", "at_most"))
         bounds = given(self, (low, high))
         if self.make is None and not bounds:
-            raise fault("", f"says nothing of the speed; give {low}, {high} or make")
+            yield fault("", f"says nothing of the speed; give {low}, {high} or make")
         if self.make is not None and bounds:
-            raise fault(bounds[0], f"given, and make: {self.make} too, but only one of them can count; keep one")
+            yield fault(bounds[0], f"given, and make: {self.make} too, but only one of them can count; keep one")
         if self.make is not None and self.hard:
-            raise fault("make", f"{self.make} has no bound that could be kept; hard: false is right with it")
-        require(self, f"{high} >= {low}")
-        return self
+            yield fault("make", f"{self.make} has no bound that could be kept; hard: false is right with it")
+        yield from unkept(self, f"{high} >= {low}")
 
     def value(self, on: On, **common: Any) -> Wish:
         """Bounds of the speed, or a speed that is pushed."""
@@ -54,7 +49,3 @@ class SpeedAt(WishKeys):
             return ExtremeSpeed(at_mm=at, stroke=stroke, fastest=self.make == "fastest", **common)
         least, most = self.speed("at_least") or 0.0, self.speed("at_most") or inf
         return Value(at_mm=at, stroke=stroke, least_mm_s=least, most_mm_s=most, **common)
-
-
-class TurningSpeedAt(SpeedAt, turns=True, first=True):
-    """The speed of an output that turns at one place."""

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 class TimeRatio(WishKeys):
-    """A quick return: the time of the working stroke over that of the return."""
+    """A quick return: the time of the working stroke over the time of the return."""
 
     KIND = "time_ratio"
     MEANING = "time of the working stroke over the time of the return; left out: free"

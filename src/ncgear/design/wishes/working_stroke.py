@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import Field
 
-from ncgear.design.keys.base import angle
-from ncgear.design.keys.types import Positive
+from ncgear.design.keys.base import Positive, angle
 from ncgear.design.wishes.base import On, WishKeys
 
 if TYPE_CHECKING:

@@ -30,7 +30,7 @@ PURE = (INK, DRIVING, DRIVEN, HIGHLIGHT, MATERIAL)
 """Colours of lines and dots; a palette that is made from the areas of colours would not have them."""
 
 TINT, LINK_SHARE = 0.24, 0.85
-"""Shares of a gear's colour and of that of crank and rod in their fillings; the rest is white."""
+"""Shares of the colour in the filling of a gear, and of crank and rod; the rest is white."""
 
 
 def tinted(color: str, share: float = TINT) -> tuple[float, float, float]:
@@ -124,7 +124,7 @@ def material_artists(axes: Axes, scene: Scene) -> Iterator[MovingArtists]:
 
 
 def _strip(axes: Axes, scene: Scene, chamber: Chamber, name: str) -> MovingArtists:
-    """A strip of unit length, squeezed to that of the material, whose left end is put to its place."""
+    """A strip of unit length, which is squeezed to the length of the material and moved to its left end."""
     squeezed = Affine2D()
     transform = squeezed + axes.transData
     parts: list[Artist] = [

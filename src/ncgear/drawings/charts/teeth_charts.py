@@ -24,7 +24,7 @@ PUSHING, BACKS = "pushing flanks as designed", "backs as designed"
 
 
 def transmission_error(contact: PairContact) -> Chart:
-    """Driven angle less that of the law, as designed and for the worst written outlines."""
+    """Driven angle less the driven angle of the law, as designed and for the worst written outlines."""
     designed, written = contact.as_designed, worst_written(contact)
     lines = (
         Line(Role.OWN, PUSHING, _angle_deg(designed), 1e6 * designed.pushing.error_rad),
@@ -59,13 +59,13 @@ def pressure_angle(designed: AsDesigned) -> Chart:
 
 
 def sliding(designed: AsDesigned) -> Chart:
-    """Speed of sliding at the foremost contact divided by that of the driving gear, on either side of the teeth."""
+    """Sliding speed at the foremost contact divided by the speed of the driving gear, on either side of the teeth."""
     speeds = (side.first.sliding_mm(designed.placement) for side in (designed.pushing, designed.back))
     return Chart("sliding", "mm per rad", _sides(designed, *speeds), _cycle_deg(designed))
 
 
 def _sides(designed: AsDesigned, pushing: Array, back: Array) -> tuple[Line, Line]:
-    """The lines of both flanks; that of the pushing flanks is the last one, which is drawn on top."""
+    """The lines of both flanks; the line of the pushing flanks comes last, and is drawn on top."""
     angle = _angle_deg(designed)
     return Line(Role.OTHER, BACKS, angle, back), Line(Role.OWN, PUSHING, angle, pushing)
 

@@ -2,7 +2,7 @@
 
 Each output stands by itself and loads nothing.  Notebooks tell on the page around an output whether they are dark; the
 style looks for the marks of JupyterLab, VS Code, Colab, marimo and pages of documentation, and is light without one.
-All text that is not of this package is escaped: pieces are put together by ``Markup.format``.
+All text that is not of this package is escaped: pieces are macros of ``pieces.html.j2``.
 
 The machine is the report's scene, run by CSS alone, as notebooks run scripts of few outputs only; a check box runs and
 stops it.  Places between two frames lie on the straight line between them: at ``FRAMES`` to a turn the gears of the
@@ -12,17 +12,19 @@ designs are astray by less than 0.002 rad (tests/test_notebook_in_browser.py).
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from functools import cache
 from hashlib import sha256
+from importlib.resources import files
 from math import ceil, pi
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from jinja2 import Environment, PackageLoader
 from markupsafe import Markup
 from shapely import Polygon
 
-from ncgear.drawings.charts.chart import Line
 from ncgear.drawings.page.assets import scene_style
-from ncgear.drawings.page.chart_figure import PageChart
+from ncgear.drawings.page.chart_figure import ChartFigure, PageChart
 from ncgear.drawings.page.chart_svg import drawn
 from ncgear.drawings.page.scene_svg import closed_path, grid_mm, scene_svg
 from ncgear.drawings.palette import DARK, LIGHT
@@ -51,59 +53,28 @@ DARK_PAGES = (
 )
 """What the page around an output has where it is dark: JupyterLab, VS Code, Colab, Sphinx themes, marimo, MkDocs."""
 
-STYLE = """\
-.ncgear { font: 14px/1.4 system-ui, "Segoe UI", Arial, sans-serif; font-variant-numeric: tabular-nums;
-  color: var(--ink); background: var(--panel); border: 1px solid var(--rule); border-radius: 8px;
-  padding: 0.7rem 0.9rem; max-width: 64rem; }
-.ncgear :is(h3, p, dl, dd, figure, ul) { margin: 0; padding: 0; }
-.ncgear h3 { font-size: 1.1rem; overflow-wrap: anywhere; color: inherit; }
-.ncgear :is(.description, .extremes, dt, .unit, .note, caption) { color: var(--muted); font-weight: 400; }
-.ncgear .description { overflow-wrap: anywhere; white-space: pre-line; }
-.ncgear dl { display: flex; flex-wrap: wrap; gap: 0.3rem 1.5rem; margin: 0.5rem 0; }
-.ncgear dt { font-size: 0.8rem; }
-.ncgear dd { font-weight: 600; }
-.ncgear .refused { border-left: 4px solid var(--warning); background: var(--warning-ground); color: var(--warning);
-  padding: 0.35rem 0.7rem; margin: 0.4rem 0; overflow-wrap: anywhere; }
-.ncgear .row { display: flex; flex-wrap: wrap; gap: 0.6rem 1rem; }
-.ncgear .row > figure { flex: 1 1 19rem; min-width: 0; max-width: 30rem; }
-.ncgear figcaption { font-size: 0.85rem; display: flex; flex-wrap: wrap; gap: 0 0.8rem; color: inherit; }
-.ncgear figcaption b { font-weight: 600; }
-.ncgear .key i { display: inline-block; width: 1.2rem; margin-right: 0.3rem; vertical-align: 0.25em;
-  border-top: 2.5px solid var(--driving); }
-.ncgear .key :is(.other, .uniform) i { border-top-color: var(--uniform); border-top-width: 2px; }
-.ncgear .key .uniform i { border-top-style: dashed; }
-.ncgear .key .limit i { border-top: 2px dotted var(--ink); }
-.ncgear .plot svg { display: block; width: 100%; height: auto; stroke-linejoin: round; overflow: visible; }
-.ncgear .shape svg { display: block; width: 100%; height: 20rem; }
-.ncgear .shape :is(path, circle) { vector-effect: non-scaling-stroke; }
-.ncgear .tables { overflow-x: auto; }
-.ncgear table { border-collapse: collapse; margin: 0.5rem 0; color: inherit; background: none; font-size: 0.92em; }
-.ncgear caption { text-align: left; caption-side: top; padding: 0.2rem 0; }
-.ncgear :is(tr, tr:nth-child(odd), tr:hover) { background: none; }
-.ncgear :is(th, td) { padding: 0.15rem 0.6rem; border: 0; border-top: 1px solid var(--grid); text-align: right;
-  vertical-align: top; font-weight: 400; color: inherit; max-width: none; white-space: normal; }
-.ncgear :is(th:first-child, .words) { text-align: left; }
-.ncgear tr.note td { border-top: 0; text-align: left; padding-top: 0; }
-.ncgear thead .unit { display: block; }
-"""
-
 
 def _colors(colors: Mapping[str, str]) -> str:
     return "".join(f"--{name}:{color};" for name, color in colors.items())
 
 
 def style() -> str:
-    """The style sheet of every output, without that of the scene."""
+    """The style sheet of every output, without the style of the scene."""
     dark = ", ".join(f"{page} .ncgear" for page in DARK_PAGES)
-    return f".ncgear {{ {_colors(LIGHT)} }}\n{dark} {{ {_colors(DARK)} }}\n{STYLE}"
+    css = (files("ncgear.drawings.notebook") / "notebook.css").read_text(encoding="utf-8")
+    return f".ncgear {{ {_colors(LIGHT)} }}\n{dark} {{ {_colors(DARK)} }}\n{css}"
+
+
+@cache
+def _macros() -> Any:
+    """The pieces as macros, by their names."""
+    environment = Environment(loader=PackageLoader("ncgear.drawings.notebook", ""), autoescape=True)
+    return environment.get_template("pieces.html.j2").module
 
 
 def framed(title: str, *pieces: Markup, description: str = "") -> str:
     """A whole output: its style, a title, a description in muted words, and the pieces below them."""
-    told = Markup('<p class="description">{}</p>').format(description) if description else NOTHING
-    head = Markup("<h3>{}</h3>{}").format(title, told)
-    output = Markup('<style>{}</style><div class="ncgear">{}</div>')
-    return output.format(Markup(style()), NOTHING.join([head, *pieces]))
+    return str(_macros().framed(style(), title, description, pieces))
 
 
 def made(piece: Callable[[], Markup]) -> Markup:
@@ -123,13 +94,12 @@ def not_made(error: Exception) -> Markup:
 
 def refusal(words: str) -> Markup:
     """Words of what cannot be made."""
-    return Markup('<p class="refused">{}</p>').format(words)
+    return Markup(_macros().refusal(words))
 
 
 def facts(pairs: Iterable[tuple[str, str]]) -> Markup:
     """Names and values in a line that wraps."""
-    entries = (Markup("<div><dt>{}</dt><dd>{}</dd></div>").format(name, value) for name, value in pairs)
-    return Markup("<dl>{}</dl>").format(NOTHING.join(entries))
+    return Markup(_macros().facts(list(pairs)))
 
 
 def figures(section: Mapping[str, object]) -> Markup:
@@ -139,52 +109,19 @@ def figures(section: Mapping[str, object]) -> Markup:
 
 def table(content: Table) -> Markup:
     """A table with its notes."""
-    heads = NOTHING.join(
-        Markup('<th>{}<span class="unit">{}</span></th>').format(column.label, column.unit)
-        for column in content.columns
-    )
-    top = Markup("<thead><tr>{}</tr></thead>").format(heads) if heads else NOTHING
-    rows = [
-        Markup("<tr><th>{}</th>{}</tr>").format(row.cells[0], _cells(row.cells[1:], row.span)) + _note(row.note)
-        for row in content.html_rows
-    ]
-    below = NOTHING.join(Markup('<p class="note">{}</p>').format(note) for note in content.notes)
-    return Markup('<div class="tables"><table><caption>{}</caption>{}<tbody>{}</tbody></table>{}</div>').format(
-        content.title, top, NOTHING.join(rows), below
-    )
-
-
-def _cells(texts: Sequence[str], span: int) -> Markup:
-    first = Markup(' colspan="{}"').format(span) if span > 1 else NOTHING
-    return NOTHING.join(
-        Markup("<td{}>{}</td>").format(first if number == 0 else NOTHING, text) for number, text in enumerate(texts)
-    )
-
-
-def _note(note: str) -> Markup:
-    return Markup('<tr class="note"><td colspan="99">{}</td></tr>').format(note) if note else NOTHING
+    return Markup(_macros().table(content))
 
 
 def charts(shown: Iterable[PageChart]) -> Markup:
     """Charts beside each other, as the report draws them, each with its extremes and the key of its lines."""
-    return Markup('<div class="row">{}</div>').format(NOTHING.join(map(_chart, shown)))
+    plain = [drawn(one) for one in shown]
+    return Markup(_macros().charts([(one, _named_by_content(one)) for one in plain]))
 
 
-def _chart(shown: PageChart) -> Markup:
-    # Names within an SVG are those of the whole page: they follow from what is drawn, so equal names are equal things.
-    plain = drawn(shown)
-    key = f"ncgear-{digest(plain.drawing)}"
-    drawing = plain.drawing.replace(f'"{shown.key}-', f'"{key}-').replace(f"#{shown.key}-", f"#{key}-")
-    lines = shown.chart.lines
-    keys = NOTHING.join(map(_key, lines)) if len(lines) > 1 else NOTHING
-    return Markup(
-        '<figure class="plot" role="img" aria-label="{0}: {1}"><figcaption><b>{0}</b>'
-        '<span class="extremes">{1}</span><span class="key">{2}</span></figcaption>{3}</figure>'
-    ).format(plain.heading, plain.extremes, keys, Markup(drawing))
-
-
-def _key(line: Line) -> Markup:
-    return Markup('<span class="{}"><i></i>{} </span>').format(line.role.value, line.label)
+def _named_by_content(plain: ChartFigure) -> str:
+    """The drawing of a chart; names within an SVG are those of the whole page, so equal names are equal things."""
+    old, new = plain.page_chart.key, f"ncgear-{digest(plain.drawing)}"
+    return plain.drawing.replace(f'"{old}-', f'"{new}-').replace(f"#{old}-", f"#{new}-")
 
 
 def digest(text: str) -> str:
@@ -225,10 +162,7 @@ def running(scene: Scene) -> Markup:
             f"#{name} #{name}-{body} {{ animation-name: {name}-{body}; }}",
         ]
     svg = still.replace("<svg ", f'<svg id="{name}" ', 1).replace(' tabindex="0"', "")
-    return Markup(
-        '<style>{}</style><label class="run"><input type="checkbox"> run the machine</label>'
-        '<div class="machine">{}</div>'
-    ).format(Markup("\n".join(rules)), Markup(svg.replace('id="scene-', f'id="{name}-')))
+    return Markup(_macros().running("\n".join(rules), svg.replace('id="scene-', f'id="{name}-')))
 
 
 def _keyframes(name: str, transforms: Iterable[str]) -> str:
@@ -269,7 +203,7 @@ FINENESS = 2e-4
 """Tolerance of a drawn outline as a share of the picture's size: a tenth of a pixel."""
 
 ROOM = 1.04
-"""Size of the picture divided by that of what is on it."""
+"""Size of the picture divided by the size of the outlines on it."""
 
 
 RING = 1.1
@@ -287,7 +221,7 @@ class Outline(NamedTuple):
 
 
 def _outline(curve: ClosedPitchCurve, points_mm: Array, axis_mm: float) -> Outline:
-    """The outline of a gear by its pitch curve or teeth: that of a ring is around them."""
+    """The outline of a gear by its pitch curve or teeth; the outline of a ring is around them."""
     if not curve.is_ring:
         return Outline(curve.gear, (points_mm,), axis_mm)
     radius = RING * float(np.hypot(*points_mm.T).max())
@@ -296,7 +230,7 @@ def _outline(curve: ClosedPitchCurve, points_mm: Array, axis_mm: float) -> Outli
 
 
 def pitch_outlines(pitch: PitchPair) -> list[Outline]:
-    """Both pitch curves; those of gears that turn less than once are closed by straight sides to the axis."""
+    """Both pitch curves; curves of gears that turn less than once are closed by straight sides to the axis."""
     outlines = []
     for curve, axis in ((pitch.driving, 0.0), (pitch.driven, pitch.center_distance_mm)):
         points = curve.drawn(CURVE_POINTS).position
@@ -333,17 +267,7 @@ def picture(outlines: Sequence[Outline], name: str) -> Markup:
     grid = grid_mm(FINENESS * float(size.max()))
     # A ring goes behind the gear within it.
     drawn = sorted(outlines, key=lambda outline: -float(np.ptp(outline.contours_mm[0][:, 0])))
-    shapes = NOTHING.join(_shape(outline, grid) for outline in drawn)
-    return Markup(
-        '<figure class="shape"><svg viewBox="{}" role="img" aria-label="{}"><g transform="scale(1 -1)">{}</g></svg>'
-        "</figure>"
-    ).format(box, name, shapes)
-
-
-def _shape(outline: Outline, grid: float) -> Markup:
-    color = outline.gear.value
-    return Markup(
-        '<g transform="translate({0:.6g} 0)"><path transform="scale({1:.6g})" d="{2}" fill="var(--{3})" '
-        'fill-opacity="0.22" fill-rule="evenodd" stroke="var(--{3})" stroke-width="1.4"/>'
-        '<path d="M0 0h0" stroke="var(--ink)" stroke-width="7" stroke-linecap="round"/></g>'
-    ).format(outline.axis_mm, grid, closed_path(outline.contours_mm, grid), color)
+    shapes = [
+        (one.gear.value, f"{one.axis_mm:.6g}", f"{grid:.6g}", closed_path(one.contours_mm, grid)) for one in drawn
+    ]
+    return Markup(_macros().picture(name, box, shapes))

@@ -52,7 +52,7 @@ from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.strong import METHODS, life_words
 from ncgear.figures.summary.check_summary import comparison_rows, peaks
-from ncgear.figures.tables import Column, Table
+from ncgear.figures.tables import Column, Table, columns_of
 from ncgear.kinematics.check import KinematicCheck
 from ncgear.kinematics.motion import Machine, OutputMotion, sample_angles
 from ncgear.mechanisms.mechanism import Mechanism
@@ -76,15 +76,7 @@ from ncgear.whole_machines.told import HEADS, machines_answer
 ANY_SAFETY = WantedSafety(0.0, 0.0)
 """A strength does not know what was wanted; no tooth is too weak then."""
 
-STRENGTH_COLUMNS = (
-    Column("gear"),
-    Column("material"),
-    Column("damage"),
-    Column("weakest tooth"),
-    Column("stress", "MPa"),
-    Column("safety"),
-    Column("life"),
-)
+STRENGTH_COLUMNS = columns_of("gear", "material", "damage", "weakest tooth", "stress, MPa", "safety", "life")
 
 
 def html(value: object) -> str:
@@ -94,7 +86,7 @@ def html(value: object) -> str:
 
 
 def _as_far_as_made(value: object) -> Iterator[Markup]:
-    """The pieces of a value up to one that cannot be made, in the place of which its refusal stands."""
+    """The pieces of a value, up to a piece that cannot be made; the refusal stands in the place of that piece."""
     try:
         yield from _pieces(value)
     except Exception as error:
@@ -311,31 +303,21 @@ def _best_law(best: BestLaw) -> Iterator[Markup]:
 
 @_pieces.register
 def _frontier(found: Frontier) -> Iterator[Markup]:
-    columns = (
-        Column("cap on the power", "W"),
-        Column("limit", "mm/s2"),
-        Column("best law", "mm/s2"),
-        Column("family", "mm/s2"),
-    )
+    columns = columns_of("cap on the power, W", "limit, mm/s2", "best law, mm/s2", "family, mm/s2")
+    pairs = list(zip(found.laws, found.families, strict=True))
     rows = tuple(
-        (
-            shown(law.cap_w),
-            shown(law.limit_mm_s2),
-            shown(law.law.peak_acceleration_mm_s2),
-            shown(family.peak_acceleration_mm_s2),
-        )
-        for law, family in zip(found.laws, found.families, strict=True)
+        tuple(map(shown, (one.cap_w, one.limit_mm_s2, one.law.peak_acceleration_mm_s2, of.peak_acceleration_mm_s2)))
+        for one, of in pairs
     )
     yield table(Table("Least peak acceleration", columns, rows))
     limit = np.array([[law.cap_w, law.limit_mm_s2] for law in found.laws])
     laws = np.array([[law.law.peak_power_w, law.law.peak_acceleration_mm_s2] for law in found.laws])
-    family = np.array(
-        [
-            [one.peak_power_w, one.peak_acceleration_mm_s2]
-            for one in found.families
-            if one.peak_power_w is not None and one.peak_acceleration_mm_s2 is not None
-        ]
-    ).reshape(-1, 2)
+    known = [
+        (one.peak_power_w, one.peak_acceleration_mm_s2)
+        for one in found.families
+        if None not in (one.peak_power_w, one.peak_acceleration_mm_s2)
+    ]
+    family = np.array(known).reshape(-1, 2)
     yield _png(frontier(limit, laws, family, [], "power against acceleration"))
 
 
@@ -350,8 +332,11 @@ def _png(picture_of: bytes) -> Markup:
 def _whole_machines(found: WholeMachines) -> Iterator[Markup]:
     """The machines as the command tells them."""
     answer = machines_answer(found)
-    columns = tuple(Column(head) for head in ("machine", *HEADS))
-    yield table(Table(answer.head, columns, tuple((row.name, *row.texts) for row in answer.rows)))
+    yield table(
+        Table(
+            answer.head, tuple(map(Column, ("machine", *HEADS))), tuple((row.name, *row.texts) for row in answer.rows)
+        )
+    )
 
 
 @_pieces.register
@@ -366,7 +351,7 @@ def _balancing(balancing: Balancing) -> Iterator[Markup]:
 @_pieces.register
 def _design(design: Design) -> Iterator[Markup]:
     """The keys that the file gives, in their order."""
-    yield table(Table("Keys of the file", (Column("key"), Column("value")), tuple(_given(design, ""))))
+    yield table(Table("Keys of the file", columns_of("key", "value"), tuple(_given(design, ""))))
 
 
 def _given(group: Model, above: str) -> Iterator[tuple[str, str]]:

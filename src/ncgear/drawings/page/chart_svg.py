@@ -56,7 +56,7 @@ COLORS = {
     WRITTEN_COLOR: "var(--highlight)",
     JOINT: "var(--joint)",
 }
-"""Colours that stand for those of the page while matplotlib draws; the last one is the colour of joints."""
+"""Colours that stand for the colours of the page while matplotlib draws; the last one is the colour of joints."""
 
 SETTINGS: dict[Any, Any] = {
     "svg.fonttype": "none",

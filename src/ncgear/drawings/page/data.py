@@ -67,7 +67,7 @@ FIRST_STEPS = 16
 """Number of steps on each piece of a law before any step is halved."""
 
 TOOTH_DECIMALS = 5
-"""Decimals of places of teeth in mm: those of a drawing and two more; of modules under a millimetre in modules."""
+"""Decimals of places of teeth: two more than on a drawing; places are in mm, or in modules under a millimetre."""
 
 NUMBER_IN_MODULES = 0.85
 """Height of a tooth's number in modules: two digits are narrower than a tooth."""
@@ -179,7 +179,7 @@ def _places(points_mm: Array, module_mm: float) -> list[list[float]]:
 
 
 def _more(size: float) -> int:
-    """Decimals more than those of sizes of 1 and over."""
+    """How many more decimals a size under 1 has than a size of 1 or more."""
     return max(0, ceil(-log10(size)))
 
 

@@ -22,7 +22,6 @@ from ncgear.drawings.page.data import paces, page_data
 from ncgear.drawings.page.motion_charts import motion_charts
 from ncgear.drawings.page.page_charts import gear_charts
 from ncgear.drawings.page.scene_svg import scene_svg
-from ncgear.drawings.page.solid_view import solid_view
 from ncgear.drawings.page.tables import (
     ToothLinks,
     comparison_tables,
@@ -34,6 +33,7 @@ from ncgear.drawings.page.tables import (
 )
 from ncgear.drawings.scene.scene import scene_of
 from ncgear.drawings.scene.standing import views
+from ncgear.drawings.solid_pair import solid_view
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.machine import gear_facts, machine_facts
 from ncgear.figures.data_sheet.sheet import data_sheet
@@ -48,7 +48,7 @@ JSON_FORM = {"separators": (",", ":"), "sort_keys": False, "allow_nan": False}
 def report_page(
     drive: Drive, loaded: LoadedDesign, contacts: Sequence[PairContact], verdict: Verdict, drawer: Drawer = HERE
 ) -> bytes:
-    """The whole page; ``contacts`` are those of the drive's pairs, none for a design without gears.
+    """The whole page; ``contacts`` has the contact of each pair of gears, and is empty for a design without gears.
 
     ``verdict`` is that on the machine, ``drawer`` draws the charts.  The same design gives the
     same bytes.  Raises WrongInput or NoSuchMechanism as the drive does.

@@ -45,7 +45,7 @@ def _comparison(title: str, rows: Sequence[Mapping[str, Any]]) -> Table:
 
 
 def contact_tables(drive: Drive, contact: PairContact) -> list[Table]:
-    """The worst figures of the contact, and all figures as designed beside those of each form of written outlines."""
+    """The worst figures of the contact; and all figures as designed beside the figures of all written outlines."""
     found = contact_summary(contact, drive.contact_extremes)
     designed, written = found.pop("as_designed"), found.pop("as_written")
     forms = {f"as written to {source.upper()}": figures for source, figures in written.items()}
@@ -118,12 +118,12 @@ TOOTH_COLUMNS = ("tooth", "space after tooth")
 
 @dataclass(frozen=True)
 class ToothLinks:
-    """Makes links of one pair's teeth; ``stage`` is that of two pairs in series, None of a single one."""
+    """Makes links of one pair's teeth; ``stage`` is the number of the pair, None where there is a single pair."""
 
     stage: int | None = None
 
     def text(self, words: str, gear: str = "") -> Markup:
-        """Words as HTML, their teeth as links; ``gear`` is the one that is meant where none is named before."""
+        """Words as HTML, their teeth as links; ``gear`` is the gear of teeth that stand before any name of a gear."""
         made, end = Markup(), 0
         for found in NAMED.finditer(words):
             named, numbers, of = found.groups()

@@ -144,7 +144,7 @@ def _name_below(axes: Axes, text: str, x: float, color: str) -> None:
 
 
 def motion_drawn(charts: Sequence[Chart], title: str) -> dict[str, bytes]:
-    """The picture of the machine's motion, by its file name; what is shown is that of ``drawings.pictures``."""
+    """The picture of the machine's motion, by its file name; ``drawings.pictures`` makes the charts."""
     return {"motion.png": column_png(charts, title, MOTION_LOOK, MOTION_COLUMN)}
 
 

@@ -174,7 +174,7 @@ class Chamber:
 
     @property
     def level_mm(self) -> float:
-        """Level of the middle of the material: that of the slider's line, or on the table."""
+        """Level of the middle of the material: on the slider's line, or on the table."""
         return self.linkage.offset_mm + (self.material_height_mm - self.height_mm) / 2.0
 
     @property

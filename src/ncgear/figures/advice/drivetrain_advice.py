@@ -18,6 +18,7 @@ from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.project.drive import Drive
 
 if TYPE_CHECKING:
+    from ncgear.drivetrain.shafts import KeySafety
     from ncgear.project.drivetrain import PowerTakeOffResult, ShaftResult
     from ncgear.project.motor import MotorResult
 
@@ -37,11 +38,6 @@ def around(drive: Drive) -> Iterator[Advice | NotJudged]:
     yield from _of_crank(drive)
     if found.pto:
         yield from _of_pto(found.pto, N_M_PER_N_MM * found.demand.torque_range_n_mm[1].value)
-    yield from _of_knocks(drive)
-
-
-def _of_knocks(drive: Drive) -> Iterator[NotJudged]:
-    """That shafts, keys and bearings may bear more where teeth knock that are not followed."""
     if drive.knocks is None and drive.rigid.fluctuation.flank_changes_rad.size:
         yield NotJudged(
             "shafts, keys and bearings are not judged for the knocks of teeth whose load changes flanks, which are "
@@ -166,12 +162,24 @@ def _of_bearings(name: str, found: ShaftResult, hours: float) -> Iterator[Advice
                 f"{which} bears more than half its dynamic load rating, up to which ISO 281 holds",
                 _at_least(f"{key}.dynamic_rating_n", one.equivalent_n / MOST_OF_RATING),
             )
-        if one.static_safety is not None and one.static_safety < 1.0:
-            yield _advice(
-                f"{which} bears {fixed(one.largest_n.value, 0)} N, more than its static load rating: it would be "
-                "dented",
-                _at_least(f"{key}.static_rating_n", one.largest_n.value),
-            )
+        yield from _dented(name, letter, one.largest_n.value, one.static_safety)
+
+
+def _dented(name: str, letter: str, most_n: float, safety: float | None, when: str = "") -> Iterator[Advice]:
+    """A bearing whose largest force is over its static rating."""
+    if safety is not None and safety < 1.0:
+        bears = f"bears {fixed(most_n, 0)} N, more than its static load rating: it would be dented"
+        helps = _at_least(f"drivetrain.{name}_shaft.bearing_{letter}.static_rating_n", most_n)
+        yield _advice(f"{when}bearing {letter} of the {name} shaft {bears}", helps)
+
+
+def _crushed(name: str, key: KeySafety | None, when: str = "") -> Iterator[Advice]:
+    """A key whose sides bear more than is allowed."""
+    if key is not None and key.safety < 1.0:
+        bears, allowed = (fixed(pressure, 0) for pressure in (key.pressure_mpa, key.pressure_mpa * key.safety))
+        longer = _at_least(f"drivetrain.{name}_shaft.key.length_mm", key.key.length_mm / key.safety)
+        what = f"{when}the key of the {name} shaft bears {bears} MPa, and {allowed} MPa are allowed"
+        yield _advice(what, f"{longer}, or a thicker shaft")
 
 
 def _of_shaft(name: str, found: ShaftResult) -> Iterator[Advice]:
@@ -181,15 +189,11 @@ def _of_shaft(name: str, found: ShaftResult) -> Iterator[Advice]:
             yield _advice(
                 f"the {name} shaft has an estimated safety of {to_digits(safety, 3)} against {against} at its keyway; "
                 f"{LEAST_SAFETY:g} or over is right",
-                _thicker(name, found.enough_mm),
+                "a stronger steel: no shaft ten times as thick holds"
+                if found.enough_mm is None
+                else _thicker(name, found.enough_mm),
             )
-    if found.key is not None and found.key.safety < 1.0:
-        yield _advice(
-            f"the key of the {name} shaft bears {fixed(found.key.pressure_mpa, 0)} MPa, and "
-            f"{fixed(found.key.pressure_mpa * found.key.safety, 0)} MPa are allowed",
-            _at_least(f"drivetrain.{name}_shaft.key.length_mm", found.key.key.length_mm / found.key.safety)
-            + ", or a thicker shaft",
-        )
+    yield from _crushed(name, found.key)
     if found.key is not None and found.key.both_senses:
         yield _advice(
             f"the torque of the {name} shaft changes its sense, for which the pressure on its key is no proof",
@@ -197,33 +201,26 @@ def _of_shaft(name: str, found: ShaftResult) -> Iterator[Advice]:
         )
 
 
+def _thicker(name: str, enough_mm: float) -> str:
+    return f"{_at_least(f'drivetrain.{name}_shaft.diameter_mm', enough_mm)}, in a bore as wide, or a stronger steel"
+
+
 def _of_jam(name: str, found: ShaftResult) -> Iterator[Advice]:
     """What a jam dents, bends or shears."""
-    jammed, key = found.jammed, found.jammed_key
+    jammed = found.jammed
     if jammed is None:
         return
-    shaft = f"drivetrain.{name}_shaft"
     for letter, most, safety in zip("ab", jammed.largest_n, jammed.static_safety, strict=True):
-        if safety is not None and safety < 1.0:
-            yield _advice(
-                f"in a jam bearing {letter} of the {name} shaft bears {fixed(most.value, 0)} N, more than its static "
-                "load rating: it would be dented",
-                _at_least(f"{shaft}.bearing_{letter}.static_rating_n", most.value),
-            )
+        yield from _dented(name, letter, most.value, safety, "in a jam ")
     if jammed.yielding is not None and jammed.yielding < LEAST_SAFETY:
         assert found.shaft is not None
         thick = found.shaft.section.diameter_mm * (LEAST_SAFETY / jammed.yielding) ** (1.0 / 3.0)
         yield _advice(
             f"in a jam the {name} shaft has a safety of {to_digits(jammed.yielding, 3)} against yielding at its "
             f"keyway; {LEAST_SAFETY:g} or over is right",
-            f"{_at_least(f'{shaft}.diameter_mm', thick)}, in a bore as wide, or a stronger steel",
+            _thicker(name, thick),
         )
-    if key is not None and key.safety < 1.0:
-        yield _advice(
-            f"in a jam the key of the {name} shaft bears {fixed(key.pressure_mpa, 0)} MPa, and "
-            f"{fixed(key.pressure_mpa * key.safety, 0)} MPa are allowed",
-            _at_least(f"{shaft}.key.length_mm", key.key.length_mm / key.safety) + ", or a thicker shaft",
-        )
+    yield from _crushed(name, found.jammed_key, "in a jam ")
 
 
 class Fault(Enum):
@@ -305,12 +302,6 @@ def _of_motor(drive: Drive, found: MotorResult, most: MotorResult) -> Iterator[A
             f"drivetrain.motor.gearbox.ratio: {to_digits(ratio, 4)}",
             Kind.MOTOR,
         )
-
-
-def _thicker(name: str, enough_mm: float | None) -> str:
-    if enough_mm is None:
-        return "a stronger steel: no shaft ten times as thick holds"
-    return f"{_at_least(f'drivetrain.{name}_shaft.diameter_mm', enough_mm)}, in a bore as wide, or a stronger steel"
 
 
 def _of_pto(found: PowerTakeOffResult, most_n_m: float) -> Iterator[Advice]:

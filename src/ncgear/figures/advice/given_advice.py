@@ -132,131 +132,67 @@ def _idle_keys(drive: Drive) -> Iterator[Idle]:
     made = design.tolerances
     of = {"tolerances.driving": made.driving, "tolerances.driven": made.driven} if made else {}
     graded = {name: None in (one.single_pitch_mm, one.profile_mm) for name, one in of.items()}
-    idle: list[tuple[bool, tuple[str, ...], str, str]] = [
-        (
-            design.simulation.damping_n_s_mm is not None,
-            ("simulation.damping_ratio",),
-            "beside damping_n_s_mm, which holds alone",
-            "keep one of the two",
-        ),
-        (
-            rub.static == rub.dynamic,
-            ("simulation.friction.static_speed_mm_s", "simulation.friction.dynamic_speed_mm_s"),
-            "with the same friction at rest and in motion",
-            "leave them out",
-        ),
-        (
-            not bearings,
-            ("drivetrain.life_h", "drivetrain.reliability_percent"),
-            "without bearings, which alone have a life",
-            "give bearings of a shaft",
-        ),
-        (
-            motor is not None and motor.no_load_speed_rpm is None and line is None,
-            ("drivetrain.motor.overrunning_clutch",),
-            "without a line of the motor, so that it runs evenly",
-            "give no_load_speed_rpm",
-        ),
-        (
-            bool(around and around.guide_friction) and _presses_on_no_guide(drive),
-            ("drivetrain.guide_friction",),
-            f"with {drive.linkage.NAME}, of which nothing presses on a guide",
-            "leave it out",
-        ),
-        (
-            design.strength.lubrication == "dry",
-            ("strength.oil_viscosity_mm2_s", "strength.oil_viscosity_100_mm2_s", "strength.oil_fzg_stage"),
-            "with dry teeth, which no oil parts",
-            "leave it out, or choose oil",
-        ),
-        (
-            design.stages == 1
-            and masses is not None
-            and None not in (masses.driving_gear_kg_mm2, masses.driven_gear_kg_mm2),
-            ("masses.density_kg_m3",),
-            "beside the inertias of both gears, which hold alone",
-            "leave it out",
-        ),
-        (
-            gears is not None and gears.driving.bore_mm is None and gears.driven.bore_mm is None,
-            ("gears.tolerances.bore_fit",),
-            "without a bore",
-            "give gears.driving.bore_mm or gears.driven.bore_mm",
-        ),
-        (
-            gears is not None and not gears.index_holes,
-            ("gears.tolerances.index_hole_fit",),
-            "without index holes",
-            "give gears.index_holes: true",
-        ),
-        (
-            gears is not None and not gears.backlash_mm and not gears.backlash_deg,
-            ("gears.backlash_share",),
-            "without a backlash that it could share out",
-            "give gears.backlash_mm over 0",
-        ),
-        (
-            made is not None and made.temperature is None,
-            ("tolerances.housing_expansion_um_m_k",),
-            "without tolerances.temperature, so that nothing expands",
-            "give temperature",
-        ),
-        *(
-            (
-                not drive.machine.load.on(returning).negative_stretches_mm(drive.linkage.stroke_mm),
-                (f"{key}.where_negative",),
-                "with a load that is nowhere negative",
-                "leave it out",
-            )
-            for key, returning, part in _forces(drive)
-            if part
-        ),
-        *(
-            (
-                not asks and not along,
-                (f"{name}.grade",),
-                "beside single_pitch_mm and profile_mm, which hold alone",
-                "leave it out",
-            )
-            for name, asks in graded.items()
-        ),
-        (
-            not along and bool(graded) and not any(asks and of[name].grade is None for name, asks in graded.items()),
-            ("tolerances.grade",),
-            "and each gear has its own grade, or single_pitch_mm and profile_mm",
-            "leave it out",
-        ),
-        *(
-            (shaft is not None and not shaft.has_strength, keys, *OF_STEEL)
-            for name, shaft in shafts.items()
-            for keys in [(f"{name}.blank_mm",) if along else (f"{name}.diameter_mm", f"{name}.blank_mm")]
-        ),
-        (
-            not along,
-            ("gears.lead.crowning_um", "gears.lead.end_relief_um", "gears.lead.end_relief_length_mm"),
-            "where bearings of a shaft are missing, or strength.face_load_factor is given",
-            "give the bearings of both shafts and no factor",
-        ),
-        *(
-            (
-                not along,
-                (f"{name}.bearing_a.stiffness_n_per_um", f"{name}.bearing_b.stiffness_n_per_um"),
-                "where bearings of one shaft are missing, or strength.face_load_factor is given",
-                "give the bearings of both shafts and no factor",
-            )
-            for name in shafts
-        ),
-        *(
-            (shaft is not None and shaft.bearing_a is None, (f"{name}.crank_at_mm",), "without bearings", "give them")
-            for name, shaft in shafts.items()
-        ),
-    ]
-    for true, keys, why, helps in idle:
-        if true and (given := [key for key in keys if is_given(design, key)]):
+
+    def tell(why: str, helps: str, *keys: str) -> Iterator[Idle]:
+        if given := [key for key in keys if is_given(design, key)]:
             yield given, why, helps
 
-
-OF_STEEL = "without the shaft's steel, so that it is not looked at", "give steel"
+    if design.simulation.damping_n_s_mm is not None:
+        yield from tell("beside damping_n_s_mm, which holds alone", "keep one of the two", "simulation.damping_ratio")
+    if rub.static == rub.dynamic:
+        speeds = (f"simulation.friction.{name}_speed_mm_s" for name in ("static", "dynamic"))
+        yield from tell("with the same friction at rest and in motion", "leave them out", *speeds)
+    if not bearings:
+        keys = "drivetrain.life_h", "drivetrain.reliability_percent"
+        yield from tell("without bearings, which alone have a life", "give bearings of a shaft", *keys)
+    if motor is not None and motor.no_load_speed_rpm is None and line is None:
+        why = "without a line of the motor, so that it runs evenly"
+        yield from tell(why, "give no_load_speed_rpm", "drivetrain.motor.overrunning_clutch")
+    if around and around.guide_friction and _presses_on_no_guide(drive):
+        why = f"with {drive.linkage.NAME}, of which nothing presses on a guide"
+        yield from tell(why, "leave it out", "drivetrain.guide_friction")
+    if design.strength.lubrication == "dry":
+        oil = (f"strength.oil_{name}" for name in ("viscosity_mm2_s", "viscosity_100_mm2_s", "fzg_stage"))
+        yield from tell("with dry teeth, which no oil parts", "leave it out, or choose oil", *oil)
+    if design.stages == 1 and masses and None not in (masses.driving_gear_kg_mm2, masses.driven_gear_kg_mm2):
+        yield from tell("beside the inertias of both gears, which hold alone", "leave it out", "masses.density_kg_m3")
+    if gears is not None:
+        if gears.driving.bore_mm is None and gears.driven.bore_mm is None:
+            helps = "give gears.driving.bore_mm or gears.driven.bore_mm"
+            yield from tell("without a bore", helps, "gears.tolerances.bore_fit")
+        if not gears.index_holes:
+            yield from tell("without index holes", "give gears.index_holes: true", "gears.tolerances.index_hole_fit")
+        if not gears.backlash_mm and not gears.backlash_deg:
+            why = "without a backlash that it could share out"
+            yield from tell(why, "give gears.backlash_mm over 0", "gears.backlash_share")
+    if made is not None and made.temperature is None:
+        why = "without tolerances.temperature, so that nothing expands"
+        yield from tell(why, "give temperature", "tolerances.housing_expansion_um_m_k")
+    for key, returning, part in _forces(drive):
+        if part and not drive.machine.load.on(returning).negative_stretches_mm(drive.linkage.stroke_mm):
+            yield from tell("with a load that is nowhere negative", "leave it out", f"{key}.where_negative")
+    for name, asks in graded.items():
+        if not asks and not along:
+            yield from tell("beside single_pitch_mm and profile_mm, which hold alone", "leave it out", f"{name}.grade")
+    if not along and graded and not any(asks and of[name].grade is None for name, asks in graded.items()):
+        why = "and each gear has its own grade, or single_pitch_mm and profile_mm"
+        yield from tell(why, "leave it out", "tolerances.grade")
+    for name, shaft in shafts.items():
+        if shaft is not None and not shaft.has_strength:
+            sizes = ("blank_mm",) if along else ("diameter_mm", "blank_mm")
+            why = "without the shaft's steel, so that it is not looked at"
+            yield from tell(why, "give steel", *(f"{name}.{size}" for size in sizes))
+    if not along:
+        why = "where bearings of {} are missing, or strength.face_load_factor is given"
+        helps = "give the bearings of both shafts and no factor"
+        lead = (f"gears.lead.{key}" for key in ("crowning_um", "end_relief_um", "end_relief_length_mm"))
+        yield from tell(why.format("a shaft"), helps, *lead)
+        for name in shafts:
+            both = (f"{name}.bearing_{letter}.stiffness_n_per_um" for letter in "ab")
+            yield from tell(why.format("one shaft"), helps, *both)
+    for name, shaft in shafts.items():
+        if shaft is not None and shaft.bearing_a is None:
+            yield from tell("without bearings", "give them", f"{name}.crank_at_mm")
 
 
 def _presses_on_no_guide(drive: Drive) -> bool:

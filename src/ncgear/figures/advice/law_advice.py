@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterator, Sequence
 from math import cos, degrees, floor, isclose, radians
 
 from ncgear.design.keys.optimize import Optimize
-from ncgear.design.laws.registry import LawName, design_law
 from ncgear.figures.advice.values import Advice, Change, Kind, NotJudged, Remedy, Where, changed
 from ncgear.figures.numbers import drawn, fixed, micrometres, placed, to_digits
 from ncgear.numerics.bounds import shown_above, shown_below
@@ -43,7 +42,7 @@ def ratio_range(drive: Drive) -> Advice | None:
     low, high = drive.pair.transmission.ratio_range
     if not _too_wide(drive.pair.transmission):
         return None
-    words = design_law(LawName(drive.design.motion.law)).narrower_ratio
+    words = drive.design.motion.NARROWER_RATIO
     narrower = (Remedy(words),) if words else ()
     best = optimised(drive, ratio_min=1.0 / WIDEST_RATIO, ratio_max=WIDEST_RATIO)
     return Advice(
@@ -64,7 +63,7 @@ def _too_wide(transmission: Transmission) -> bool:
 
 
 def speeds(drive: Drive) -> Advice | None:
-    """A remark where the machine runs at another speed than the one at which its law's velocities hold.
+    """A remark where the machine runs at another speed than the speed at which the velocities of its law hold.
 
     The machine's speed is always given by a person, and so are the velocities: it says what holds at that speed.
     """
@@ -319,8 +318,12 @@ def pin_beside_hub(drive: Drive) -> Advice | None:
     )
 
 
-def concave(drive: Drive, gear: Gear) -> Advice | None:
-    """A pitch curve that is dented; where a hob does no harm to its flanks, that is only a remark."""
+def concave(drive: Drive) -> list[Advice | None]:
+    """Pitch curves that are dented; where a hob does no harm to the flanks, that is only a remark."""
+    return [_dented(drive, gear) for gear in Gear]
+
+
+def _dented(drive: Drive, gear: Gear) -> Advice | None:
     # A check needs no module that makes teeth.
     from ncgear.teeth.tool import HARMLESS, gouged_mm
 
@@ -370,7 +373,7 @@ def _stretch(ends_deg: tuple[float, float]) -> str:
 
 
 def _convex(drive: Drive, gear: Gear) -> tuple[Remedy, ...]:
-    """Laws that leave no dent; none of a ring, which no hob cuts either way."""
+    """Laws that leave no dent; no remedy for a ring, which no hob cuts in any case."""
     mesh = drive.pitch.mesh
     if shape.is_ring(gear, mesh):
         return ()

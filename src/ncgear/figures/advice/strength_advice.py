@@ -1,14 +1,17 @@
-"""What is said of teeth that do not hold the load that is known of them, or of which that is not judged."""
+"""Advices about loaded teeth: strength, scuffing and wear of flanks, vibration of the mesh."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from math import degrees
+from typing import TYPE_CHECKING
 
 from ncgear.figures.advice.tried_advice import ENOUGH
 from ncgear.figures.advice.values import Advice, Kind, NotJudged, Remedy, Search, Where, changed
-from ncgear.figures.numbers import placed, to_digits
-from ncgear.numerics.bounds import shown_above
+from ncgear.figures.flanks import BAND, hours_words, place_words, stretches_words, vibration_of_rating
+from ncgear.figures.numbers import fixed, placed, to_digits
+from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.rough_strength import RoughStrength, beside_refusal, rough_damage, rough_strength
@@ -20,8 +23,13 @@ from ncgear.project.strengthening import (
     deciding_loads,
     known_rating,
 )
+from ncgear.project.vibration import ToldVibration
+from ncgear.strength.film import Regime
 from ncgear.strength.holding import Damage, Weakest, face_width_factor, module_factor, worst
 from ncgear.strength.iso6336 import THINNEST_WEB
+
+if TYPE_CHECKING:
+    from ncgear.strength.surfaces import Film, Place, Surfaces, Wear
 
 SIZE = "ncgear size"
 
@@ -146,7 +154,7 @@ is larger by what this takes."""
 
 
 def _rough_remedies(drive: Drive, found: RoughStrength) -> tuple[Remedy, ...]:
-    """Sizes by how stresses scale; ncgear size finds none of teeth whose strength is not computed."""
+    """Sizes by how stresses scale; `ncgear size` finds no sizes for teeth whose strength is not computed."""
     short = [(one, SAFE_SIDE * one.wanted / one.safety) for one in found.weak]
     wider = max(times ** (1.0 if one.damage is Damage.BENDING else 2.0) for one, times in short)
     larger = max(times ** (0.5 if one.damage is Damage.BENDING else 1.0) for one, times in short)
@@ -204,3 +212,130 @@ def _together(drive: Drive) -> Remedy:
         return Remedy(f"let {SIZE} find module, teeth and face width together", short=SIZE)
     words = "change material, module and face width together; both stages share them"
     return Remedy(words, short="material, module and face width together")
+
+
+FLANK_LOADS_UNKNOWN = "the loads of the flanks are not followed"
+"""Why flanks are not judged whose strength is not computed, where no other reason is known."""
+
+
+def flanks(drive: Drive) -> Iterator[Advice | NotJudged]:
+    """Flanks that scuff or wear away; that oil hardly parts them is a remark, since it is usual of slow gears.
+
+    What follows from a thin film is that flanks wear, and that is judged by itself: a machine whose flanks lose next to
+    nothing within the wanted life keeps the condition, though no film parts them.
+    """
+    rating = known_rating(drive)
+    if not isinstance(rating, Rating):
+        rough = beside_refusal(drive, rating)
+        if rough is not None:
+            yield NotJudged(rough.unjudged or rough.needs_teeth or FLANK_LOADS_UNKNOWN)
+        return
+    from ncgear.strength.surfaces import LEAST_SCUFFING
+
+    found = drive.surfaces_by(rating.strength.method)
+    if found.film is not None and found.scuffing_safety is not None and found.scuffing_safety < LEAST_SCUFFING:
+        yield _scuffing(found.film, found, found.scuffing_safety, LEAST_SCUFFING)
+    if not found.wear.holds:
+        yield _wear(found.wear, drive.conditions.lubrication)
+    if found.film is not None and found.film.regime is Regime.BOUNDARY:
+        yield _boundary(found.film, found)
+    if why := unfollowed_knocks(rating):
+        yield NotJudged(why)
+
+
+def _where(place: Place, gear: Gear) -> Where:
+    at = degrees(place.phi1_rad)
+    return Where(gear.value, (place.tooth(gear),), ((at, at),))
+
+
+def _scuffing(film: Film, found: Surfaces, safety: float, wanted: float) -> Advice:
+    told = shown_below(safety, 2)
+    return Advice(
+        Kind.FLANKS,
+        (_where(film.flash_k, Gear.DRIVING),),
+        f"the flanks scuff: contacts reach {fixed(film.hottest_c, 0)} deg C at {place_words(film.flash_k)}, and the "
+        f"oil fails at {fixed(found.scuffing_c or 0.0, 0)} deg C, a safety of {told} and {wanted:g} wanted",
+        "flanks weld and tear where they slide under load, at once",
+        (
+            Remedy("take an oil of a higher FZG load stage", short="an oil of a higher FZG load stage"),
+            Remedy("take larger gears, which press their flanks less", short="larger gears"),
+        ),
+        brief=f"the flanks scuff: safety {told}, {wanted:g} wanted",
+    )
+
+
+def _wear(wear: Wear, lubrication: str) -> Advice:
+    gear, deepest = max(zip(Gear, wear.depth_mm, strict=True), key=lambda one: one[1].value)
+    oil = [Remedy("let oil part the flanks", short="oil")] if lubrication == "dry" else []
+    return Advice(
+        Kind.FLANKS,
+        (_where(deepest, gear),),
+        f"the flanks wear away: in {hours_words(wear.wanted_h)} tooth {deepest.tooth(gear)} of the {gear.value} gear "
+        f"loses {to_digits(deepest.value, 2)} mm, and a tenth of the module, {to_digits(wear.limit_mm, 3)} mm, after "
+        f"{hours_words(wear.life_h)}",
+        f"teeth get thin and the backlash grows by up to {to_digits(wear.play_mm, 2)} mm; wear is known to a factor of "
+        "ten at best",
+        (
+            *oil,
+            Remedy("harden the flanks", short="hardened flanks"),
+            Remedy("take larger gears, which press their flanks less", short="larger gears"),
+        ),
+        brief=f"the flanks wear away: a tenth of the module in about {hours_words(wear.life_h)}, "
+        f"{hours_words(wear.wanted_h)} wanted",
+    )
+
+
+def _boundary(film: Film, found: Surfaces) -> Advice:
+    least = to_digits(film.thickness.value, 2)
+    return Advice(
+        Kind.FLANKS,
+        (_where(film.thickness, Gear.DRIVING),),
+        f"the oil hardly parts the flanks: its film is {least} of their roughness Ra at {place_words(film.thickness)}",
+        "flanks touch and wear, as slow gears do; pitting is rated with Z_L Z_v Z_R = "
+        f"{to_digits(min(found.pitting_factor), 2)} for oil, speed and roughness, which knows nothing of micropitting",
+        matters=False,
+        brief=f"boundary lubrication: a film of {least} of the roughness",
+    )
+
+
+LOADS_UNKNOWN = "the loads of the teeth are not followed"
+"""Why a mesh is not judged whose strength is not computed, where no other reason is known."""
+
+
+def vibration(drive: Drive) -> Iterator[Advice | NotJudged]:
+    """Where the rated teeth resonate."""
+    rating = known_rating(drive)
+    if isinstance(rating, Rating):
+        yield from _resonance(drive, vibration_of_rating(drive, rating))
+    elif (found := beside_refusal(drive, rating)) is not None:
+        yield NotJudged(found.unjudged or found.needs_teeth or LOADS_UNKNOWN)
+
+
+def rough_vibration(drive: Drive) -> Iterator[Advice | NotJudged]:
+    """The same without teeth: the resonance ratio goes as the root of a stiffness that is known without them, too."""
+    found = rough_strength(drive)
+    if found is None:
+        return
+    if found.unjudged:
+        yield NotJudged(found.unjudged)
+    yield from _resonance(drive, found.vibration)
+
+
+def _resonance(drive: Drive, told: ToldVibration | None) -> Iterator[Advice]:
+    if told is None or not told.resonates_deg or told.critical_rpm is None:
+        return
+    speed, (low, high) = f"{drive.design.operation.speed_rpm:g} r/min", told.critical_rpm
+    where = stretches_words(told)
+    yield Advice(
+        Kind.VIBRATION,
+        (Where(angles_deg=told.resonates_deg),),
+        f"the mesh resonates ({BAND}) {where} at {speed}: K_V is {to_digits(told.factor, 2)} where teeth bear most",
+        "teeth part and hammer, and gears howl; K_V is least sure there, and is for gears that stay in the resonance",
+        (
+            Remedy(
+                f"run under {shown_below(low, 2)} r/min or over {shown_above(high, 2)} r/min", short="another speed"
+            ),
+            Remedy("take lighter gears, or fewer and larger teeth, which pass more slowly", short="fewer teeth"),
+        ),
+        brief=f"the mesh resonates ({BAND}) {where} at {speed}",
+    )

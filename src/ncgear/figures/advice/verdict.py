@@ -17,21 +17,15 @@ from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
 from ncgear.errors import DesignError
 from ncgear.figures.advice import (
-    drawing_advice,
     drivetrain_advice,
-    flank_advice,
     given_advice,
     law_advice,
-    linkage_advice,
-    made_advice,
+    machine_advice,
     strength_advice,
     tried_advice,
-    vibration_advice,
-    wish_advice,
 )
 from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy
 from ncgear.frozen import dataclass
-from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import is_given
 from ncgear.project.drive import Drive
 
@@ -47,6 +41,9 @@ class Known(IntEnum):
     TEETH = 2
 
 
+TEETH = Known.TEETH
+
+
 class State(StrEnum):
     """What was found of a condition."""
 
@@ -56,9 +53,9 @@ class State(StrEnum):
 
 
 Found = Advice | NotJudged | None
-"""What a judge finds of a condition; None where it is kept."""
 
-Judge = Callable[[Drive], Iterable[Found]]
+Judge = Callable[[Drive], Found | Iterable[Found]]
+"""What finds the faults of a condition, or one; None where it is kept."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,8 +87,20 @@ def _beside(drive: Drive) -> bool:
     return _gears(drive) and drive.moves_output and bool(drive.linkage.rod_lines_mm)
 
 
-def _load(drive: Drive) -> bool:
-    return drive.design.resistance is not None or drive.design.masses is not None
+def _loaded(drive: Drive) -> bool:
+    return _gears(drive) and (drive.design.resistance is not None or drive.design.masses is not None)
+
+
+def _toothed(drive: Drive) -> bool:
+    return _gears(drive) and drive.design.loads_teeth
+
+
+def _ring(drive: Drive) -> bool:
+    return _gears(drive) and drive.gears.mesh == "internal"
+
+
+def _helical(drive: Drive) -> bool:
+    return _gears(drive) and drive.helix is not None
 
 
 def _motor(drive: Drive) -> bool:
@@ -105,14 +114,10 @@ def _wishes(drive: Drive) -> bool:
     return drive.achieved is not None and bool(drive.achieved.outcomes)
 
 
-def _one(judge: Callable[[Drive], Found]) -> Judge:
-    return lambda drive: (judge(drive),)
-
-
 def _of_teeth(kind: Kind) -> Judge:
     """What judges teeth; a check does not need the modules that make them, which are slow to import."""
 
-    def judge(drive: Drive) -> Iterable[Found]:
+    def judge(drive: Drive) -> Found | Iterable[Found]:
         from ncgear.figures.advice.teeth_advice import JUDGES
 
         return JUDGES[kind](drive)
@@ -122,54 +127,38 @@ def _of_teeth(kind: Kind) -> Judge:
 
 CONDITIONS: dict[Kind, Condition] = {
     Kind.MADE: Condition(
-        "making the gears",
-        "the gears can be made",
-        _gears,
-        _one(made_advice.bodies),
-        Known.TEETH,
-        _one(made_advice.made),
+        "making the gears", "the gears can be made", _gears, machine_advice.bodies, TEETH, machine_advice.made
     ),
     Kind.STRENGTH: Condition(
-        "strength",
-        "the teeth hold their load",
-        lambda drive: _gears(drive) and drive.design.loads_teeth,
-        _one(strength_advice.strength),
-        Known.TEETH,
-        _one(strength_advice.rough),
+        "strength", "the teeth hold their load", _toothed, strength_advice.strength, TEETH, strength_advice.rough
     ),
     Kind.FLANKS: Condition(
-        "film and wear",
-        "flanks neither scuff nor wear away",
-        lambda drive: _gears(drive) and _load(drive),
-        flank_advice.flanks,
-        Known.TEETH,
+        "film and wear", "flanks neither scuff nor wear away", _loaded, strength_advice.flanks, TEETH
     ),
     Kind.VIBRATION: Condition(
         "vibration",
         "the mesh resonates at no place of the turn",
-        lambda drive: _gears(drive) and _load(drive),
-        vibration_advice.vibration,
-        Known.TEETH,
-        vibration_advice.rough,
+        _loaded,
+        strength_advice.vibration,
+        TEETH,
+        strength_advice.rough_vibration,
     ),
-    Kind.JAMS: Condition(
-        "assembly", "the gears can be put together and turn", _gears, _of_teeth(Kind.JAMS), Known.TEETH
-    ),
+    Kind.JAMS: Condition("assembly", "the gears can be put together and turn", _gears, _of_teeth(Kind.JAMS), TEETH),
     Kind.CONTACT_RATIO: Condition(
-        "contact", "flanks touch at every position", _gears, _of_teeth(Kind.CONTACT_RATIO), Known.TEETH
+        "contact", "flanks touch at every position", _gears, _of_teeth(Kind.CONTACT_RATIO), TEETH
     ),
     Kind.PRESSURE_ANGLE: Condition(
         "pressure angle",
         f"the pressure angle stays within {law_advice.STEEPEST_DEG:g} deg",
         _gears,
-        _one(law_advice.pressure_angle),
+        law_advice.pressure_angle,
     ),
     Kind.TRANSMISSION_ANGLE: Condition(
         "transmission angle",
-        f"the transmission angle stays over the angle of friction, {linkage_advice.FLATTEST_DEG:g} deg unless "
+        f"the transmission angle stays over the angle of friction, {machine_advice.FLATTEST_DEG:g} deg unless "
         "drivetrain.guide_friction is given",
         lambda drive: bool(drive.linkage.RODS),
-        _one(linkage_advice.transmission_angle),
+        machine_advice.transmission_angle,
         of_pair=False,
     ),
     Kind.CRANK_PIN: Condition(
@@ -189,7 +178,7 @@ CONDITIONS: dict[Kind, Condition] = {
         "the motor moves the machine at its speed and is not overloaded",
         _motor,
         drivetrain_advice.motor,
-        Known.TEETH,
+        TEETH,
         drivetrain_advice.motor_without_teeth,
         of_pair=False,
     ),
@@ -198,29 +187,25 @@ CONDITIONS: dict[Kind, Condition] = {
         "shafts, keys, bearings and couplings hold",
         lambda drive: drive.design.drivetrain is not None,
         drivetrain_advice.around,
-        Known.TEETH,
+        TEETH,
         drivetrain_advice.before_teeth,
         of_pair=False,
     ),
     Kind.MISSED_WISH: Condition(
-        "wishes",
-        "the motion keeps every hard wish",
-        _wishes,
-        _one(wish_advice.missed_wishes),
-        of_pair=False,
+        "wishes", "the motion keeps every hard wish", _wishes, machine_advice.missed_wishes, of_pair=False
     ),
     Kind.SPEEDS: Condition(
         "speed",
         "the law's velocities are told at the machine's speed",
         lambda drive: drive.law.stroke is not None,
-        _one(law_advice.speeds),
+        law_advice.speeds,
         of_pair=False,
     ),
     Kind.DRAWING: Condition(
         "drawing",
         "the drawing names the unit of the design, and its parts meet",
         lambda drive: drive.design.motion.contour is not None,
-        drawing_advice.drawing,
+        machine_advice.drawing,
         of_pair=False,
     ),
     Kind.NEGATIVE_RESISTANCE: Condition(
@@ -235,7 +220,7 @@ CONDITIONS: dict[Kind, Condition] = {
         "what is given acts",
         lambda _: True,
         given_advice.with_teeth,
-        Known.TEETH,
+        TEETH,
         given_advice.before_teeth,
         of_pair=False,
     ),
@@ -243,42 +228,27 @@ CONDITIONS: dict[Kind, Condition] = {
         "ratio",
         f"the ratio stays within 1:{law_advice.WIDEST_RATIO:g} and {law_advice.WIDEST_RATIO:g}:1",
         lambda _: True,
-        _one(law_advice.ratio_range),
+        law_advice.ratio_range,
     ),
     Kind.INDEX_HOLES: Condition(
         "index holes",
         "both gears have their index hole",
         lambda drive: _gears(drive) and drive.gears.index_holes,
         _of_teeth(Kind.INDEX_HOLES),
-        Known.TEETH,
+        TEETH,
     ),
-    Kind.UNDERCUT: Condition("undercut", "no tooth is undercut", _gears, _of_teeth(Kind.UNDERCUT), Known.TEETH),
-    Kind.POINTED: Condition("points", "no tip is pointed", _gears, _of_teeth(Kind.POINTED), Known.TEETH),
-    Kind.SHORTENED: Condition("tips", "tips have their height", _gears, _of_teeth(Kind.SHORTENED), Known.TEETH),
-    Kind.CONCAVE: Condition(
-        "hob",
-        "no pitch curve is concave",
-        _gears,
-        lambda drive: [law_advice.concave(drive, gear) for gear in Gear],
-    ),
-    Kind.RING: Condition(
-        "ring",
-        "no gear is internal",
-        lambda drive: _gears(drive) and drive.gears.mesh == "internal",
-        _one(law_advice.ring),
-    ),
-    Kind.THRUST: Condition(
-        "thrust",
-        "no thrust bears on the shafts",
-        lambda drive: _gears(drive) and drive.helix is not None,
-        _of_teeth(Kind.THRUST),
-    ),
+    Kind.UNDERCUT: Condition("undercut", "no tooth is undercut", _gears, _of_teeth(Kind.UNDERCUT), TEETH),
+    Kind.POINTED: Condition("points", "no tip is pointed", _gears, _of_teeth(Kind.POINTED), TEETH),
+    Kind.SHORTENED: Condition("tips", "tips have their height", _gears, _of_teeth(Kind.SHORTENED), TEETH),
+    Kind.CONCAVE: Condition("hob", "no pitch curve is concave", _gears, law_advice.concave),
+    Kind.RING: Condition("ring", "no gear is internal", _ring, law_advice.ring),
+    Kind.THRUST: Condition("thrust", "no thrust bears on the shafts", _helical, _of_teeth(Kind.THRUST)),
     Kind.IDLE_FLANKS: Condition(
         "idle flanks",
         "idle flanks hold as pushing ones do",
         lambda drive: _gears(drive) and drive.gears.drives != "both_ways",
         _of_teeth(Kind.IDLE_FLANKS),
-        Known.TEETH,
+        TEETH,
     ),
 }
 """All conditions, the most serious first, as ``Kind`` has them."""
@@ -373,7 +343,7 @@ class Verdict:
 
 
 def together(verdicts: Iterable[Verdict]) -> Verdict:
-    """The verdict on a machine from those of its pairs, each of which says the same of the whole machine."""
+    """The verdict on a machine from the verdicts on its pairs; each of them says the same of the whole machine."""
     rows = {(row.kind, row.stage): row for verdict in verdicts for row in verdict.rows}
     serious = list(CONDITIONS)
     return Verdict(tuple(sorted(rows.values(), key=lambda row: (serious.index(row.kind), row.stage or 0))))
@@ -382,7 +352,7 @@ def together(verdicts: Iterable[Verdict]) -> Verdict:
 def judged(
     drive: Drive, known: Known, found: Sequence[Advice] = (), seconds: float = tried_advice.MOST_SECONDS
 ) -> Verdict:
-    """The verdict on a machine and its pairs of gears, or that of one pair with what it says of the whole machine.
+    """The verdict on a machine and its pairs of gears, or on one pair and the whole machine.
 
     ``found`` is what a command itself has found of the whole machine.  Values of remedies that only trials tell are
     searched for with so many ``seconds`` of processor time at the most.
@@ -413,7 +383,7 @@ def _judged(drive: Drive, kind: Kind, condition: Condition, known: Known) -> Jud
     if judge is None:
         return Judged(kind, stage, (), ONLY_TEETH)
     try:
-        found = [one for one in judge(drive) if one is not None]
+        found = _found(judge, drive)
     except DesignError:
         if known is Known.TEETH:
             raise
@@ -422,11 +392,16 @@ def _judged(drive: Drive, kind: Kind, condition: Condition, known: Known) -> Jud
     return Judged(kind, stage, advices, "; ".join(one.why for one in found if isinstance(one, NotJudged)))
 
 
+def _found(judge: Judge, drive: Drive) -> list[Advice | NotJudged]:
+    found = judge(drive)
+    return [one for one in (found if isinstance(found, Iterable) else (found,)) if one is not None]
+
+
 def _tried(drive: Drive, row: Judged, judge: Judge, seconds: float) -> Judged:
     """What was found of a pair, with the values of remedies that trials tell."""
 
     def again(changed: Drive) -> bool:
-        return not any(isinstance(one, Advice) and one.matters for one in judge(changed))
+        return not any(isinstance(one, Advice) and one.matters for one in _found(judge, changed))
 
     advices = (tried_advice.with_values(one, again, drive, seconds) for one in row.advices)
     return replace(row, advices=tuple(_within_what_is_asked(one, drive.design) for one in advices))

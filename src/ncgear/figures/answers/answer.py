@@ -85,11 +85,11 @@ def row(key: str, *values: object) -> Row:
 
 
 ROUNDING = 1e-9
-"""Share of a figure below which that of another machine is no more than rounding errors of what it is the sum of."""
+"""Share of a figure: where another machine has less than this share, it has rounding errors and no more."""
 
 
 def difference(own: float, other: float) -> str:
-    """Words for how a figure differs from that of another machine; empty where that has none."""
+    """How a figure differs from the same figure of another machine, in words; empty where the other has none."""
     if abs(other) <= ROUNDING * abs(own):
         return ""
     share = own / other
@@ -110,7 +110,7 @@ def faults_of(verdict: Verdict) -> tuple[Fault, ...]:
 
 
 def answer_text(answer: Answer, paths: Sequence[Path] = (), kept: Sequence[Path] = ()) -> str:
-    """The answer on one screen, with the files written and those of others that were kept."""
+    """The answer on one screen, with the files written and the kept files of others."""
     last = [line for end in (*_written(paths), *_kept(kept), _next(answer.then)) for line in _wrapped(end)]
     return "\n\n".join(
         "\n".join(block)
@@ -125,7 +125,7 @@ def whole_answer(answer: Answer) -> list[list[str]]:
 
 
 def _blocks(answer: Answer, lines: int, told: Sequence[Told]) -> list[list[str]]:
-    """What it is, what it achieves, and what is wrong, which is ``told``, in so many lines with those between them."""
+    """Three blocks in so many lines: what it is, what it achieves, and what is wrong, which is ``told``."""
     top = [line for note in answer.notes for line in _wrapped(note)]
     top += [*([""] if top else []), *_wrapped(answer.head), *_wrapped(answer.about)]
     unknown = _wrapped(answer.not_judged)
@@ -149,7 +149,7 @@ def _wrapped(text: str, indent: str = "") -> list[str]:
 
 
 def _with_room(answer: Answer, room: int) -> list[str]:
-    """The lines of as many rows as have room, the heads apart; the first are the most telling."""
+    """The lines of as many rows as have room below the heads; the first rows are the most telling."""
     tried = (_aligned(replace(answer, rows=answer.rows[:count])) for count in range(len(answer.rows), 0, -1))
     return next((lines for lines in tried if len(lines) - bool(answer.heads) <= room), [])
 
@@ -180,7 +180,7 @@ def _columns(texts: Sequence[str], widths: Sequence[int]) -> str:
 
 
 Told = tuple[list[str], list[str]]
-"""The lines of what is wrong, with what would help where a line has room for both, and those of it below."""
+"""Lines of what is wrong, with what would help where a line has room for both; and the lines below them."""
 
 
 def _wrong(answer: Answer, told: Sequence[Told], room: int) -> list[str]:

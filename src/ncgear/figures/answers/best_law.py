@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from math import degrees
 
 from ncgear.design.keys.base import listed
 from ncgear.design.keys.design import Design
 from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.best_law import (
-    felt_keys,
-    felt_text,
+    FELT,
+    felt,
     limits_not_reached,
     not_closed,
     other_mechanisms,
@@ -26,7 +26,7 @@ from ncgear.optimum.makeable.wishes import Goal
 from ncgear.optimum.task import Figures
 from ncgear.project.best_law import BestLaw
 from ncgear.project.frontier_run import Frontier
-from ncgear.project.sought_machine import SoughtMachine
+from ncgear.project.law_task import SoughtMachine
 
 GOALS = {Goal.WEIGHTED: "least weighted sum"}
 """Words for goals whose own name says too little."""
@@ -86,81 +86,71 @@ def _rows(best: BestLaw, found: list[Figures]) -> list[Row]:
         "convex": lambda one: shown(one.convex),
     }
     rows = [Row(name, tuple(map(text, found))) for name, text in told.items()]
-    for key in felt_keys(best.figures):
-        unit = label_and_unit(key)[1]
-        rows.append(Row(name_of(key), tuple(f"{felt_text(key, one)} {unit}" for one in found)))
-    rows += [*_of_lengths(best), *_of_flywheel(best)]
+    rows += [
+        Row(name_of(key), tuple(figure(key, felt(key, one)) for one in found))
+        for key in FELT
+        if felt(key, best.figures) is not None
+    ]
+    said = [*_of_lengths(best), *_of_flywheel(best)]
     if best.starts.count > 1:
-        rows.append(Row("starts", (starts_text(best),)))
-    distance = not_closed(best)
-    if distance is not None:
-        rows.append(Row("the limit", (distance,)))
+        said.append(("starts", starts_text(best)))
+    if (distance := not_closed(best)) is not None:
+        said.append(("the limit", distance))
     if best.not_covered:
-        rows.append(Row("the limit", (f"knows nothing of {listed(best.not_covered, 'or')} and may lie higher",)))
+        said.append(("the limit", f"knows nothing of {listed(best.not_covered, 'or')} and may lie higher"))
     if far := limits_not_reached(best):
         named = (f"{key} {shown(limit)} ({to_digits(value, 4)})" for key, (limit, value) in far.items())
-        rows.append(Row("not reached", (f"by this law: {listed(list(named), 'and')}",)))
+        said.append(("not reached", f"by this law: {listed(list(named), 'and')}"))
     if best.task.masses is not None and best.design.masses is not None:
         gear = figure("driven_gear_kg_mm2", best.task.masses.driven_inertia_kg_mm2)
         relaxed = "" if distance is None else ", and may lie higher"
-        rows.append(Row("masses", (f"count; the limit holds for a driven gear of {gear}{relaxed}",)))
-    return [*rows, *_without_masses(best)]
+        said.append(("masses", f"count; the limit holds for a driven gear of {gear}{relaxed}"))
+    return [*rows, *(Row(name, (text,)) for name, text in said), *_without_masses(best)]
 
 
 def _where_asked(best: BestLaw) -> dict[str, Callable[[Figures], str]]:
     """Peak speed, peak jerk, flank load, harmonics and centre distance where they are limited or have a price."""
-    wishes, unit = best.wishes, best.task.linkage.OUTPUT.speed.ending
+    wishes, limits, prices, output = best.wishes, best.wishes.limits, best.wishes.prices, best.task.linkage.OUTPUT
     told: dict[str, Callable[[Figures], str]] = {}
-    if wishes.limits.peak_speed_mm_s is not None or wishes.prices.peak_speed_mm_s:
-        told[name_of(f"peak_speed_{unit}")] = lambda one: figure(f"peak_speed_{unit}", one.peak_speed_mm_s)
-    if wishes.peak_jerk_mm_s3 is not None or wishes.prices.peak_jerk_mm_s3:
-        told[name_of(f"peak_jerk_{unit}3")] = lambda one: figure(f"peak_jerk_{unit}3", one.peak_jerk_mm_s3)
-    if wishes.limits.flank_load_n_mm is not None or wishes.prices.flank_load_n_mm:
-        told[name_of("flank_load_n_mm")] = lambda one: figure("flank_load_n_mm", one.flank_load_n_mm)
-    if best.task.harmonics_above is not None:
-        above, heard = (
-            best.task.harmonics_above,
-            f"acceleration_harmonics_{best.task.linkage.OUTPUT.acceleration.ending}",
-        )
-        told[f"acceleration above order {above}"] = lambda one: figure(heard, one.acceleration_harmonics_mm_s2)
+
+    def tell(key: str, field: str, *asked: object, name: str = "") -> None:
+        if any(one is not None and one != 0.0 for one in asked):
+            told[name or name_of(key)] = lambda one: figure(key, getattr(one, field))
+
+    tell(f"peak_speed_{output.speed.ending}", "peak_speed_mm_s", limits.peak_speed_mm_s, prices.peak_speed_mm_s)
+    tell(f"peak_jerk_{output.speed.ending}3", "peak_jerk_mm_s3", wishes.peak_jerk_mm_s3, prices.peak_jerk_mm_s3)
+    tell("flank_load_n_mm", "flank_load_n_mm", limits.flank_load_n_mm, prices.flank_load_n_mm)
+    if (above := best.task.harmonics_above) is not None:
+        heard = f"acceleration_harmonics_{output.acceleration.ending}"
+        tell(heard, "acceleration_harmonics_mm_s2", True, name=f"acceleration above order {above}")
         if best.task.masses is not None:
-            told[f"torque above order {above}"] = lambda one: figure("torque_harmonics_n_m", one.torque_harmonics_n_m)
-    if wishes.center_distance_mm is not None or wishes.prices.center_distance_mm:
-        told[name_of("center_distance_mm")] = lambda one: figure("center_distance_mm", one.center_distance_mm)
+            tell("torque_harmonics_n_m", "torque_harmonics_n_m", True, name=f"torque above order {above}")
+    tell("center_distance_mm", "center_distance_mm", wishes.center_distance_mm, prices.center_distance_mm)
     return told
 
 
-def _of_lengths(best: BestLaw) -> list[Row]:
+def _of_lengths(best: BestLaw) -> Iterator[tuple[str, str]]:
     """The lengths of the mechanism that were chosen, and the limit with any lengths."""
-    chosen = best.lengths
-    if chosen is None:
-        return []
-    sizes = []
-    for key, value in chosen.values.items():
-        name, unit = label_and_unit(key)
-        asked = best.given.free_lengths[key]
-        sizes.append(f"{name} {to_digits(value, 4)} {unit} ({shown(asked.least)} to {shown(asked.most)})")
-    crank = f"crank {to_digits(best.task.linkage.crank_mm, 4)} mm"
-    with_any = chosen.least_with_any
-    least = f"; with any lengths none has less than {_in_unit(best, with_any)}" if with_any else ""
-    said = f"{listed([*sizes, crank], 'and')}; the limit above holds for these lengths{least}"
-    return [Row("chosen", (said,))]
+    if (chosen := best.lengths) is not None:
+        sizes = []
+        for key, value in chosen.values.items():
+            (name, unit), asked = label_and_unit(key), best.given.free_lengths[key]
+            sizes.append(f"{name} {to_digits(value, 4)} {unit} ({shown(asked.least)} to {shown(asked.most)})")
+        sizes.append(f"crank {to_digits(best.task.linkage.crank_mm, 4)} mm")
+        with_any = chosen.least_with_any
+        least = f"; with any lengths none has less than {_in_unit(best, with_any)}" if with_any else ""
+        yield "chosen", f"{listed(sizes, 'and')}; the limit above holds for these lengths{least}"
 
 
-def _of_flywheel(best: BestLaw) -> list[Row]:
+def _of_flywheel(best: BestLaw) -> Iterator[tuple[str, str]]:
     """The flywheel on the driven shaft that was chosen, and the limit with any flywheel of its range."""
     chosen, asked = best.flywheel, best.given.free_flywheel
-    if chosen is None or asked is None:
-        return []
-    size = figure("driven_flywheel_kg_m2", KG_M2 * chosen.inertia_kg_mm2)
-    among = f"{shown(KG_M2 * asked.least)} to {shown(KG_M2 * asked.most)}"
-    least = (
-        ""
-        if not chosen.least_with_any
-        else f"; with any of them none has less than {_in_unit(best, chosen.least_with_any)}"
-    )
-    said = f"on the driven shaft, the best of {among}; the limit above holds for this flywheel{least}"
-    return [Row("chosen", (f"a flywheel of {size} {said}",))]
+    if chosen is not None and asked is not None:
+        size = figure("driven_flywheel_kg_m2", KG_M2 * chosen.inertia_kg_mm2)
+        among, with_any = f"{shown(KG_M2 * asked.least)} to {shown(KG_M2 * asked.most)}", chosen.least_with_any
+        least = f"; with any of them none has less than {_in_unit(best, with_any)}" if with_any else ""
+        holds = f"the limit above holds for this flywheel{least}"
+        yield "chosen", f"a flywheel of {size} on the driven shaft, the best of {among}; {holds}"
 
 
 def _without_masses(best: SoughtMachine) -> list[Row]:

@@ -2,11 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from itertools import chain
 from math import degrees, pi, radians
 from operator import itemgetter
-from typing import TYPE_CHECKING
 
 from ncgear.figures.advice.law_advice import speeds
 from ncgear.figures.advice.verdict import Known, Verdict, judged
@@ -22,9 +19,6 @@ from ncgear.project.rough_strength import beside_refusal, rough_damage
 from ncgear.project.strengthening import Rating, known_rating
 from ncgear.ratio.transmission import Transmission
 
-if TYPE_CHECKING:
-    from ncgear.contact.pair import PairContact
-
 Facts = list[tuple[str, str]]
 """Names of figures and their texts with units."""
 
@@ -39,37 +33,22 @@ THIS = "this design"
 
 def check_answer(drive: Drive, file: str, notes: tuple[str, ...] = ()) -> Answer:
     """What a check found; ``file`` is what a build of it is given."""
-    verdict = judged(drive, Known.MOTION)
     then = f"ncgear build {file}" if drive.design.gears is not None else "give gears in the file: ncgear explain gears"
+    rows = *_published(drive), *_solved(drive), *_motion(drive), *_ratios(drive)
+    return _answer(drive, rows, judged(drive, Known.MOTION), then, notes)
+
+
+def build_answer(drive: Drive, verdict: Verdict, then: str, notes: tuple[str, ...] = ()) -> Answer:
+    """What a build found; ``verdict`` is the verdict on all pairs, ``then`` is what to do next."""
+    gears = [one for pair in drive.by_stage for one in _gears(pair)]
+    return _answer(drive, (*gears, *_published(drive), *_motion(drive), *_ratios(drive)[:1]), verdict, then, notes)
+
+
+def _answer(drive: Drive, rows: tuple[Row, ...], verdict: Verdict, then: str, notes: tuple[str, ...]) -> Answer:
+    """The answer about a machine: its figures beside the even crank's, other ``rows``, and the verdict."""
     return Answer(
         head_of(drive),
-        (*compared_rows(drive), *_published(drive), *_solved(drive), *_motion(drive), *_ratios(drive)),
-        faults_of(verdict),
-        in_one_line(drive.design.description),
-        notes,
-        (THIS, drive.linkage.UNIFORM),
-        verdict.good,
-        not_judged=verdict.not_judged,
-        then=then,
-    )
-
-
-def build_answer(
-    drive: Drive,
-    contacts: Sequence[PairContact],
-    verdict: Verdict,
-    then: str,
-    notes: tuple[str, ...] = (),
-) -> Answer:
-    """What a build found; ``then`` is what to do next.
-
-    ``contacts`` are those of ``drive.by_stage`` as read back from what was written, ``verdict`` is that of all pairs.
-    """
-    pairs = zip(drive.by_stage, contacts, strict=True)
-    gears = [one for pair, contact in pairs for one in _gears(pair, contact)]
-    return Answer(
-        head_of(drive),
-        (*compared_rows(drive), *gears, *_published(drive), *_motion(drive), *_ratios(drive)[:1]),
+        (*compared_rows(drive), *rows),
         faults_of(verdict),
         in_one_line(drive.design.description),
         notes,
@@ -100,7 +79,7 @@ IN_FULL = ("rms_torque_n_m", "energy_swing_j")
 
 
 def compared_rows(drive: Drive) -> list[Row]:
-    """The peaks of the machine beside those of the same machine with an even crank, at equal driving speed."""
+    """The peaks of the machine beside the peaks of the same machine with an even crank, at equal driving speed."""
     returns = drive.linkage.RETURNS
     own, uniform = peaks(drive.check, returns=returns), peaks(drive.uniform_check, returns=returns)
     powered = drive.design.resistance is not None or drive.check.with_masses is not None
@@ -109,7 +88,9 @@ def compared_rows(drive: Drive) -> list[Row]:
         for key in own
         if not key.endswith("_at_rad") and key not in IN_FULL and (powered or not key.endswith("_power_w"))
     ]
-    rows = [_beside(key, own[key], uniform[key]) for key in keys]
+    rows = [
+        Row(name_of(key), (*row(key, own[key], uniform[key]).texts, difference(own[key], uniform[key]))) for key in keys
+    ]
     # Where the largest acceleration is in the working stroke, its own row would say the same once more.
     texts = [one.texts for one in rows]
     told = [one for place, one in enumerate(rows) if one.texts not in texts[place + 1 :]]
@@ -122,25 +103,16 @@ def _masses(drive: Drive) -> Facts:
     return [("masses", note)] if note else []
 
 
-def _beside(key: str, own: float, other: float) -> Row:
-    return Row(name_of(key), (*row(key, own, other).texts, difference(own, other)))
-
-
 def _published(drive: Drive) -> list[Row]:
     """Published mechanisms at the same speed, whose peak power is known."""
     found = [one for one in comparison_rows(drive)[2:] if one["same_speed"] and one["peak_power_w"] is not None]
     own = drive.check.peak_power_resistance_w.value
-    alone = " of the resistance alone" if drive.check.with_masses else ""
-    return [
-        Row(
-            in_one_line(str(one["name"]), 24),
-            (
-                f"{name_of('peak_power_w')} {figure('peak_power_w', one['peak_power_w'])} at equal speed; this "
-                f"design's{alone}: {difference(own, one['peak_power_w'])}",
-            ),
-        )
-        for one in found[:PUBLISHED]
-    ]
+    alone, rows = " of the resistance alone" if drive.check.with_masses else "", []
+    for one in found[:PUBLISHED]:
+        power = one["peak_power_w"]
+        text = f"{name_of('peak_power_w')} {figure('peak_power_w', power)} at equal speed; this design's{alone}"
+        rows.append(Row(in_one_line(str(one["name"]), 24), (f"{text}: {difference(own, power)}",)))
+    return rows
 
 
 def _solved(drive: Drive) -> list[Row]:
@@ -148,14 +120,10 @@ def _solved(drive: Drive) -> list[Row]:
     if drive.law.stroke is None or "solved_for" not in drive.law.stroke.facts:
         return []
     facts = {**drive.law.stroke.facts, "law_speed_rpm": drive.law_speed_rpm}
-    words = str(facts["solved_for"]).replace("_", " ")
-    remark = speeds(drive)
+    words, remark = str(facts["solved_for"]).replace("_", " "), speeds(drive)
     held = "" if remark is None else f"; {remark.brief}"
-    return [
-        Row("solved for", (f"{name_of(key)} {figure(key, value)}{held}",))
-        for key, value in facts.items()
-        if label_and_unit(key)[0] == words
-    ]
+    found = {key: value for key, value in facts.items() if label_and_unit(key)[0] == words}
+    return [Row("solved for", (f"{name_of(key)} {figure(key, value)}{held}",)) for key, value in found.items()]
 
 
 def _motion(drive: Drive) -> list[Row]:
@@ -166,19 +134,19 @@ def _motion(drive: Drive) -> list[Row]:
     rows = [Row(name, (text,)) for name, text in motion_facts(found, drive.linkage)]
     wishes = sorted(wish_rows(found), key=lambda one: bool(one["kept"]))
     told = wishes if len(wishes) <= WISHES else wishes[: WISHES - 1]
-    rows += [Row("", (_wish(wish_line(one)),)) for one in told]
+    # Where a line has no room for it, by how much a wish is missed follows from what is wished
+    lines = (
+        line if len(line) <= COLUMNS - len(INDENT) else line.partition(", missed by ")[0]
+        for line in map(wish_line, told)
+    )
+    rows += [Row("", (line,)) for line in lines]
     if len(told) < len(wishes):
         rows.append(Row("", (f"of all {len(wishes)} wishes {sum(one['kept'] for one in wishes)} are kept",)))
     return rows
 
 
-def _wish(line: str) -> str:
-    """A wish in one line: where there is no room, by how much it is missed follows from what is wished."""
-    return line if len(line) <= COLUMNS - len(INDENT) else line.partition(", missed by ")[0]
-
-
 def _ratios(drive: Drive) -> list[Row]:
-    """The ratio and, where there are two pairs of gears, that of each with its greatest pressure angle."""
+    """The ratio; where there are two pairs of gears, also the ratio and the greatest pressure angle of each pair."""
     rows = [Row("ratio", (_ratio(drive.transmission),))]
     for pair in drive.by_stage if drive.design.stages > 1 else ():
         found = [f"ratio {_ratio(pair.pair.transmission)}"]
@@ -195,18 +163,6 @@ def _ratio(transmission: Transmission) -> str:
     return f"{shown(low.value)} to {shown(high.value)}"
 
 
-def _gears(drive: Drive, contact: PairContact) -> list[Row]:
-    """The gears of a pair, how they touch, and whether they hold."""
-    of = "" if drive.stage is None else f"stage {drive.stage}: "
-    facts = dict(gear_facts(drive))
-    rows = [
-        *([] if (safety := _safety(drive)) is None else [("safety", safety)]),
-        *((first, _joined(facts, first, others)) for first, others in TOGETHER.items()),
-        *((name, facts[name]) for name in facts if name not in {*TOGETHER, *chain.from_iterable(TOGETHER.values())}),
-    ]
-    return [Row(of + name, (text,)) for name, text in rows]
-
-
 TOGETHER = {
     "teeth": (name_of("module_mm"), name_of("face_width_mm")),
     name_of("center_distance_mm"): (name_of("max_pressure_angle_deg"),),
@@ -215,8 +171,15 @@ TOGETHER = {
 """Facts of gears that are told in one row, behind the first."""
 
 
-def _joined(facts: dict[str, str], first: str, others: Sequence[str]) -> str:
-    return ", ".join([facts[first], *(f"{name.removeprefix(f'{first}, ')} {facts[name]}" for name in others)])
+def _gears(drive: Drive) -> list[Row]:
+    """The gears of a pair, how they touch, and whether they hold."""
+    of, facts, found = "" if drive.stage is None else f"stage {drive.stage}: ", dict(gear_facts(drive)), safeties(drive)
+    held = [f"{safety} against {damage} ({wanted} wanted)" for damage, safety, wanted in found or ()]
+    rows = [] if found is None else [("safety", ", ".join(held) or "not judged")]
+    for first, others in TOGETHER.items():
+        more = [f"{name.removeprefix(f'{first}, ')} {facts.pop(name)}" for name in others]
+        rows.append((first, ", ".join([facts.pop(first), *more])))
+    return [Row(of + name, (text,)) for name, text in [*rows, *facts.items()]]
 
 
 def safeties(drive: Drive) -> list[tuple[str, str, str]] | None:
@@ -239,14 +202,6 @@ def safeties(drive: Drive) -> list[tuple[str, str, str]] | None:
         ]
     least = [min((one for one in told if one[0] == damage), key=itemgetter(1)) for damage, *_ in dict.fromkeys(told)]
     return [(damage, safety, f"{wanted:g}") for damage, _, safety, wanted in dict.fromkeys(least)]
-
-
-def _safety(drive: Drive) -> str | None:
-    """All least safeties in one text; None where no load is known."""
-    found = safeties(drive)
-    if not found:
-        return None if found is None else "not judged"
-    return ", ".join(f"{safety} against {damage} ({wanted} wanted)" for damage, safety, wanted in found)
 
 
 SIZES = ("module_mm", "face_width_mm", "center_distance_mm")
@@ -274,23 +229,17 @@ def gear_facts(drive: Drive) -> Facts:
     size, designed = drive.pitch.size, drive.designed_contact
     steepest = drive.pitch.largest_pressure_angle_deg(radians(drive.gears.carrying_angle_deg))
     sizes = size.module_mm, drive.gears.face_width_mm, size.center_distance_mm
-    displaced = drive.pumped
-    pumped = (
-        []
-        if displaced is None
-        else [
-            ("displacement", f"{figure('per_turn_cm3', CM3_PER_MM3 * displaced.per_turn_mm3)} a turn"),
-            _fact("pulsation_percent", 100.0 * displaced.pulsation),
-        ]
-    )
-    return [
+    facts = [
         ("teeth", f"{size.driving_teeth} : {size.driven_teeth}"),
         *(_fact(key, value) for key, value in zip(SIZES, sizes, strict=True)),
         _fact("max_pressure_angle_deg", steepest),
         _fact("contact_ratio_mean", designed.contact_ratio),
         _fact("contact_ratio_min", designed.least_arc),
-        *pumped,
     ]
+    if (pumped := drive.pumped) is not None:
+        facts.append(("displacement", f"{figure('per_turn_cm3', CM3_PER_MM3 * pumped.per_turn_mm3)} a turn"))
+        facts.append(_fact("pulsation_percent", 100.0 * pumped.pulsation))
+    return facts
 
 
 def _fact(key: str, value: float) -> tuple[str, str]:

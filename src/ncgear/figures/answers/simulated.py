@@ -130,11 +130,8 @@ def _around(found: Mapping[str, Any]) -> list[Row]:
     strong = [shaft["estimate_of_shaft"] for shaft in shafts if "estimate_of_shaft" in shaft]
     strong += [shaft["jam"] for shaft in shafts if "jam" in shaft]
     safeties = [one[key] for one in strong for key in ("fatigue_safety", "yield_safety") if one.get(key) is not None]
-    said = []
-    if lives:
-        said.append(f"bearings last {figure('life_h', min(lives))} or more")
-    if safeties:
-        said.append(f"shaft safety {figure('safety', min(safeties))}")
+    said = [f"bearings last {figure('life_h', min(lives))} or more"] if lives else []
+    said += [f"shaft safety {figure('safety', min(safeties))}"] if safeties else []
     if "motor" in found:
         turning = found["motor"].get("with_flywheel", found["motor"]["even_speed"])
         said.append(f"motor at {to_digits(turning['rms_torque_of_rated'], 3)} of its torque")

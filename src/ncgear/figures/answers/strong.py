@@ -9,7 +9,7 @@ from ncgear.design.keys.base import listed
 from ncgear.figures.advice.values import Advice, Kind, Remedy, changed
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.answer import Answer, Fault, Row, faults_of
-from ncgear.figures.flanks import surfaces_rows
+from ncgear.figures.flanks import surfaces_rows, vibration_of_rating, vibration_words
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.sized import parts_that_fail, sized_rows
@@ -29,7 +29,6 @@ from ncgear.figures.strong import (
     teeth_words,
     weakest_cells,
 )
-from ncgear.figures.vibration import vibration_of_rating, vibration_words
 from ncgear.project.drive import Drive
 from ncgear.project.sizing import Sized
 from ncgear.project.strengthening import Rating
@@ -91,45 +90,35 @@ def _rows(of: str, rating: Rating, beside: Rating | None) -> list[Row]:
 
 def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
     """The gears, their largest force, and how they touch under load."""
-    size, loading, force_n = drive.pitch.size, rating.loading, rating.strength.peak_pair_n
-    gears = (
-        f"{size.driving_teeth} : {size.driven_teeth}, module {figure('module_mm', size.module_mm)}, "
-        f"{name_of('face_width_mm')} {figure('face_width_mm', drive.gears.face_width_mm)}"
+    size, loading, strength, error = drive.pitch.size, rating.loading, rating.strength, "transmission_error_rad"
+    width, force = (
+        figure(*one) for one in (("face_width_mm", drive.gears.face_width_mm), ("force_n", strength.peak_pair_n))
     )
-    error, told = "transmission_error_rad", vibration_of_rating(drive, rating)
-    return [
-        Row(f"{of}teeth", (gears,)),
-        Row(f"{of}material", (materials_words(drive, rating.strength),)),
-        Row(f"{of}force", (f"up to {figure('force_n', force_n)} on one pair of teeth, times {jolts_words(drive)}",)),
-        *([Row(f"{of}jam", (words,))] if (words := jam_words(drive, rating)) else []),
-        *([Row(f"{of}knocks", (words,))] if (words := knock_words(loading.knocks)) else []),
-        *([Row(f"{of}decided", (words,))] if (words := deciding_words(drive, rating)) else []),
-        *([Row(f"{of}rim", (words,))] if (words := rim_words(drive, rating)) else []),
-        Row(f"{of}face load", (face_load_words(drive, rating),)),
-        *([Row(f"{of}vibration", (vibration_words(told),))] if told else []),
-        *(
-            Row(f"{of}{name}", (words,))
-            for name, words in surfaces_rows(drive, drive.surfaces_by(rating.strength.method))
-        ),
-        Row(
-            f"{of}under load",
-            (
-                f"contact ratio {shown(loading.contact_ratio)}, {name_of(error)} "
-                f"{figure(error, loading.transmission_error_rad)}"
-                if loading.contact_ratio
-                else "not judged, because only a jam presses the teeth",
-            ),
-        ),
-        *([Row(f"{of}joints", (words,))] if (words := _forces_words(drive)) else []),
+    told, module = vibration_of_rating(drive, rating), figure("module_mm", size.module_mm)
+    under_load = "not judged, because only a jam presses the teeth"
+    if loading.contact_ratio:
+        off = f"{name_of(error)} {figure(error, loading.transmission_error_rad)}"
+        under_load = f"contact ratio {shown(loading.contact_ratio)}, {off}"
+    joints = (
+        f"{name_of(key)} {figure(key, most)} by {DECIDING[load]}"
+        for key, (most, load) in deciding_forces(drive).items()
+    )
+    teeth = f"{size.driving_teeth} : {size.driven_teeth}, module {module}, {name_of('face_width_mm')} {width}"
+    rows = [
+        ("teeth", teeth),
+        ("material", materials_words(drive, strength)),
+        ("force", f"up to {force} on one pair of teeth, times {jolts_words(drive)}"),
+        ("jam", jam_words(drive, rating)),
+        ("knocks", knock_words(loading.knocks)),
+        ("decided", deciding_words(drive, rating)),
+        ("rim", rim_words(drive, rating)),
+        ("face load", face_load_words(drive, rating)),
+        ("vibration", vibration_words(told) if told else ""),
+        *surfaces_rows(drive, drive.surfaces_by(strength.method)),
+        ("under load", under_load),
+        ("joints", ", ".join(joints)),
     ]
-
-
-def _forces_words(drive: Drive) -> str:
-    """The largest forces in joints and bearings and the load of each; empty without knocks and a jam."""
-    return ", ".join(
-        f"{name_of(key)} {figure(key, force_n)} by {DECIDING[load]}"
-        for key, (force_n, load) in deciding_forces(drive).items()
-    )
+    return [Row(f"{of}{name}", (words,)) for name, words in rows if words]
 
 
 def _herringbone_words(one: Sized | Literal["none"]) -> str:

@@ -1,12 +1,16 @@
-"""All figures of a balance file by the names of its parts, and their text for the terminal."""
+"""All figures of a balance file by the names of its parts, and the answer that is told from them."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from ncgear.errors import below
+from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.balance.shaking import chassis_figures, excitation_figures, frame_figures, mechanism_figures
 from ncgear.figures.balance.turning import chain_figures, gear_figures, rotor_figures
+from ncgear.figures.numbers import fixed, to_digits
+from ncgear.figures.quantities import figure
 from ncgear.project.balancing import Balancing
 
 PARTS = {
@@ -32,3 +36,131 @@ def figures_of(balancing: Balancing) -> dict[str, Any]:
         figures["frame"] = frame_figures(balancing)
     asked = {part: answer for part, answer in PARTS.items() if getattr(balance, part) is not None}
     return {**figures, **{part: answer(balancing) for part, answer in asked.items()}}
+
+
+HEADS = "force up to", "r.m.s.", "counterweight", "leaves up to", "r.m.s."
+
+NAMED = 3
+"""Planes of a rotor and predictions of a chain drive that are told."""
+
+
+def balance_answer(figures: Mapping[str, Any]) -> Answer:
+    """How much each part shakes and what would stop it, and what is near a natural frequency."""
+    rows, faults = list[Row](), list[Fault]()
+    for one in figures.get("mechanisms", []):
+        rows += _mechanism(one)
+    for part, told in ROWS.items():
+        if part in figures:
+            rows += told(figures[part])
+    faults += _unbalanced(figures.get("gears", {}))
+    excitations = figures.get("excitations", [])
+    faults += _near(excitations)
+    return Answer(
+        f"{figures['name']}: {_parts(figures)}",
+        tuple(rows),
+        tuple(faults),
+        heads=HEADS,
+        good="No frequency is near a natural one." if excitations else "",
+        then="move a speed or a stiffness; campbell.png shows where" if any(one["near"] for one in excitations) else "",
+    )
+
+
+def _parts(figures: Mapping[str, Any]) -> str:
+    """What the file has, in words."""
+    count = len(figures.get("mechanisms", []))
+    names = [f"{count} mechanism{'s' if count > 1 else ''}"] if count else []
+    if "excitations" in figures:
+        names.append(f"{len(figures['excitations'])} excitations")
+    names += [part.replace("_", " ") for part in ("chassis", "gears", "rotor", "chain_drive") if part in figures]
+    return ", ".join(names)
+
+
+def _mechanism(found: Mapping[str, Any]) -> Iterator[Row]:
+    """The shaking force of a mechanism, and what the counterweight with the least peak leaves of it."""
+    shaking, best = found["shaking"], found.get("best", {}).get("least_peak")
+    now = figure("max_n", shaking["max_n"]), figure("rms_n", shaking["rms_n"])
+    if best is None:
+        yield Row(found["name"], (*now, "", "", ""))
+    else:
+        added = f"{figure('counterweight_kg', best['counterweight_kg'])} at {figure('angle_deg', best['angle_deg'])}"
+        left = figure("max_n", best["max_n"]), figure("rms_n", best["rms_n"])
+        yield Row(found["name"], (*now, added, *left))
+    if "even_crank" in found:
+        even = found["even_crank"]
+        yield Row("  on an even crank", (figure("max_n", even["max_n"]), figure("rms_n", even["rms_n"]), "", "", ""))
+    if "complete" in found:
+        complete = found["complete"]
+        weights = " and ".join(
+            f"{figure('counterweight_kg', complete[f'{part}_counterweight_kg'])} on the {part}"
+            for part in ("rod", "crank")
+        )
+        yield Row("in full", (f"{weights} leave no force",))
+
+
+def _frame(found: Mapping[str, Any]) -> Iterator[Row]:
+    together = found["together"]
+    yield Row("all on the frame", (figure("max_n", together["max_n"]), figure("rms_n", together["rms_n"]), "", "", ""))
+    if "best_phase" in found:
+        best = found["best_phase"]
+        phase = f"{figure('phase_deg', best['phase_deg'])} of {best['of']}"
+        yield Row("best phase", (f"{phase}: up to {figure('max_n', best['max_n'])}",))
+
+
+def _chassis(found: Mapping[str, Any]) -> Iterator[Row]:
+    against = figure("mass_kg", found["against_weight_kg"]), figure("mass_kg", found["against_inertia_worst_kg"])
+    total = figure("total_worst_kg", found["total_worst_kg"])
+    yield Row("chassis", (f"{total} at the tail: {against[0]} for the weight, {against[1]} for inertia",))
+
+
+def _gears(found: Mapping[str, Any]) -> Iterator[Row]:
+    for gear, one in found.items():
+        key = "unbalance_kg_mm"
+        said = f"unbalance {figure(key, one[key])}, {figure(key, one['permissible_kg_mm'])} permissible"
+        if "corrected" in one:
+            holes = len(one["corrected"]["holes"])
+            said += f"; {holes} holes leave {figure(key, one['corrected'][key])}" if holes else "; a boss cancels it"
+        yield Row(f"{gear} gear", (said,))
+
+
+def _rotor(found: Mapping[str, Any]) -> Iterator[Row]:
+    for number, plane in enumerate(found["planes"][:NAMED], start=1):
+        weight = f"{figure('correction_g', plane['correction_g'])} at {figure('angle_deg', plane['angle_deg'])}"
+        yield Row(f"rotor, plane {number}", (f"add {weight}",))
+
+
+def _chain(found: Mapping[str, Any]) -> Iterator[Row]:
+    for one in found["predictions"][:NAMED]:
+        said = f"amplitude {to_digits(one['predicted_amplitude'], 3)} expected"
+        if "correction_g" in one:
+            correction = figure("correction_g", one["correction_g"]), figure("angle_deg", one["correction_deg"])
+            said += f"; {correction[0]} at {correction[1]} would cancel it"
+        yield Row(f"chain drive, weight at {figure('weight_deg', one['weight_deg'])}", (said,))
+
+
+ROWS = {"frame": _frame, "chassis": _chassis, "gears": _gears, "rotor": _rotor, "chain_drive": _chain}
+"""The parts beside the mechanisms that have rows."""
+
+
+def _unbalanced(gears: Mapping[str, Any]) -> list[Fault]:
+    """Gears whose unbalance is felt; beside the weight of a slow gear, what a grade forbids is not."""
+    return [
+        Fault(
+            f"the unbalance of the {gear} gear, {figure('force_n', one['unbalance_force_n'])}, is felt",
+            ("correct it, as balance.json has it",),
+        )
+        for gear, one in gears.items()
+        if one.get("worth_correcting")
+    ]
+
+
+def _near(excitations: list[Mapping[str, Any]]) -> list[Fault]:
+    """Excitations near a natural frequency, the nearest first."""
+    near = sorted((one for one in excitations if one["near"]), key=lambda one: abs(one["ratio"] - 1.0))
+    return [
+        Fault(
+            f"{one['source']}, {one['kind']}: {figure('frequency_hz', one['frequency_hz'])} is "
+            f"{fixed(100.0 * abs(one['ratio'] - 1.0), 1)} % from the natural "
+            f"{figure('natural_hz', one['nearest_natural_hz'])}"
+        )
+        for one in near
+    ]

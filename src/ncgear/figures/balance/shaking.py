@@ -61,7 +61,11 @@ def mechanism_figures(given: keys.Mechanism, mechanism: DrivenCrank) -> dict[str
     if given.complete is not None:
         figures["complete"] = _complete(given.complete, mechanism)
     if given.partial is not None:
-        figures["partial"] = _partial(given.partial, mechanism)
+        parts, rows = joint_masses_of(given.partial, mechanism), []
+        for share in given.partial.shares:
+            added = partial_counterweight(mechanism, parts, given.partial.arm_mm, share)
+            rows.append({"share": share, **_added(added), **_left(mechanism, added)})
+        figures["partial"] = rows
     if given.best is not None:
         figures["best"] = _best(given.best, mechanism)
     if given.sweep is not None:
@@ -126,14 +130,6 @@ def _complete(asked: keys.Complete, mechanism: DrivenCrank) -> dict[str, float]:
         "crank_angle_deg": degrees(found.crank.angle_rad),
         "moment_max_n_m": shaking_figures(left)["moment_max_n_m"],
     }
-
-
-def _partial(asked: keys.Partial, mechanism: DrivenCrank) -> list[dict[str, float]]:
-    parts, rows = joint_masses_of(asked, mechanism), []
-    for share in asked.shares:
-        added = partial_counterweight(mechanism, parts, asked.arm_mm, share)
-        rows.append({"share": share, **_added(added), **_left(mechanism, added)})
-    return rows
 
 
 def _added(counterweight: Counterweight) -> dict[str, float]:

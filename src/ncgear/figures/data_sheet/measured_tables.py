@@ -8,7 +8,7 @@ from math import floor
 import numpy as np
 
 from ncgear.figures.numbers import drawn, shown
-from ncgear.figures.tables import Column, Table, Value, cell_text
+from ncgear.figures.tables import Column, Table, Value, cell_text, columns_of
 from ncgear.metrology.cut_by import CutBy
 from ncgear.metrology.pins import Misfit, Pins, TwoPins, over_two_pins
 from ncgear.metrology.span import Spans
@@ -16,7 +16,7 @@ from ncgear.project.workshop_measures import CutGear, GearMeasures
 
 SPACE = Column("space after tooth")
 
-LIMITS = (Column("least", "mm"), Column("greatest", "mm"))
+LIMITS = columns_of("least, mm", "greatest, mm")
 
 Spaces = tuple[int, ...]
 """The space of one pin, or the spaces of two pins."""
@@ -86,13 +86,9 @@ def _pin_notes(pins: Pins, tool: str) -> tuple[str, ...]:
     )
 
 
-SPAN_COLUMNS = (
-    Column("from the back of tooth"),
-    Column("to the front of tooth"),
-    Column("teeth between the plates"),
-    Column("phi1 at their middle", "deg"),
-    Column("span", "mm"),
-    Column("reading when the caliper is tilted"),
+SPAN_COLUMNS = columns_of(
+    *("from the back of tooth", "to the front of tooth", "teeth between the plates", "phi1 at their middle, deg"),
+    *("span, mm", "reading when the caliper is tilted"),
 )
 
 
@@ -127,7 +123,7 @@ def _span_notes(found: Spans) -> tuple[str, ...]:
     )
 
 
-CUT_BY = (Column("tool"), Column("result"), Column("because"))
+CUT_BY = columns_of("tool", "result", "because")
 
 
 def cut_table(gear: CutGear) -> Table:

@@ -8,7 +8,7 @@ import numpy as np
 
 from ncgear.figures.csv_text import csv_text
 from ncgear.figures.numbers import to_digits
-from ncgear.figures.tables import Column, Table
+from ncgear.figures.tables import Table, columns_of
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.highest import largest_from
 from ncgear.pitch.pair import PitchPair
@@ -21,13 +21,8 @@ TURN_DEG = 360.0
 ROUNDING = 1e-9
 """Part of a step by which a turn may exceed whole steps, so that no step is added for a rounding error."""
 
-COLUMNS = (
-    Column("phi1", "deg"),
-    Column("phi2", "deg"),
-    Column("ratio i12"),
-    Column("pitch radius of driving gear", "mm"),
-    Column("pitch radius of driven gear", "mm"),
-)
+RADII = (f"pitch radius of {gear} gear, mm" for gear in ("driving", "driven"))
+COLUMNS = columns_of("phi1, deg", "phi2, deg", "ratio i12", *RADII)
 
 
 def pitch_table(pitch: PitchPair) -> Table:
@@ -67,7 +62,7 @@ OFF = [1, 3, 4]
 """The columns whose interpolation is judged: phi2 and both radii."""
 
 PROBES, KNOWN = 4, 1e-3
-"""Places between two rows from which the greatest error is looked for, and the share to which it is known."""
+"""Places between two rows where the search for the greatest error begins, and the accuracy of that error as a share."""
 
 
 def _interpolated(pitch: PitchPair, phi1_deg: Array) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 from itertools import zip_longest
 from math import degrees, isclose
@@ -10,18 +10,14 @@ from typing import TYPE_CHECKING
 
 from ncgear.design.keys.gears import PROFILES
 from ncgear.errors import DesignError
-from ncgear.figures.data_sheet.accuracy import tolerances
-from ncgear.figures.data_sheet.bodies import bodies
-from ncgear.figures.data_sheet.entry import Entry
+from ncgear.figures.data_sheet.entries import Entry, bodies, passed_rows, tolerances
 from ncgear.figures.data_sheet.measured_tables import cut_table, pin_tables, span_table
 from ncgear.figures.data_sheet.pitch_table import pitch_table
 from ncgear.figures.numbers import micrometres, shown, to_digits
-from ncgear.figures.passed import passed_rows
 from ncgear.figures.quantities import OF_GEAR, figure, name_of
-from ncgear.figures.tables import Cells, Column, Table, Value, markdown, markdown_text
+from ncgear.figures.tables import Cells, Table, Value, columns_of, markdown, markdown_text
 from ncgear.figures.thickness import TITLE, band_table
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array
 from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -63,7 +59,7 @@ def data_sheet(pair: Drive) -> DataSheet:
     """
     pair.require_sound_teeth()
     name = pair.design.name if pair.stage is None else f"{pair.design.name}, stage {pair.stage}"
-    rows: dict[str, Callable[[], Sequence[Entry]]] = {
+    rows: dict[str, Callable[[], Iterable[Entry]]] = {
         "Sizes": partial(sizes, pair),
         "Basic rack": partial(rack_data, pair),
         "Teeth": partial(tooth_data, pair),
@@ -94,7 +90,7 @@ def _missing(error: Exception) -> str:
     return f"could not be computed: {error}"
 
 
-def rows_or_why(rows: Callable[[], Sequence[Entry]]) -> tuple[Entry, ...]:
+def rows_or_why(rows: Callable[[], Iterable[Entry]]) -> tuple[Entry, ...]:
     """The rows of a group, or one that says why they are missing."""
     try:
         return tuple(rows())
@@ -127,29 +123,26 @@ def _of_one(pair: Drive, number: int, tables: Callable[[GearMeasures], tuple[Tab
     return tables(pair.measured[number])
 
 
-def sizes(drive: Drive) -> tuple[Entry, ...]:
+def sizes(drive: Drive) -> Iterator[Entry]:
     """The sizes of the gears and their places to each other."""
-    size, pitch = drive.pitch.size, drive.pitch
-    return (
-        Entry("kind of gear", driving=_kind(pitch.driving), driven=_kind(pitch.driven)),
-        Entry("number of teeth", driving=size.driving_teeth, driven=size.driven_teeth),
-        *_turns(drive),
-        Entry(name_of("module_mm"), "mm", pair=size.module_mm),
-        Entry(name_of("center_distance_mm"), "mm", pair=size.center_distance_mm),
-        Entry(name_of("face_width_mm"), "mm", pair=drive.gears.face_width_mm),
-        _of_both(OF_GEAR["length"], pitch.length_mm(Gear.DRIVING), pitch.length_mm(Gear.DRIVEN)),
-        *_radii(drive),
-        _of_both(OF_GEAR["min radius"], pitch.least_radius_mm(Gear.DRIVING), pitch.least_radius_mm(Gear.DRIVEN)),
-    )
-
-
-def _turns(drive: Drive) -> list[Entry]:
-    """How far gears that turn less than once turn from one end stop to the other."""
-    covered = drive.pitch.transmission.lobes.range
-    if covered is None:
-        return []
-    angles = degrees(covered.driving_rad), degrees(covered.driven_rad)
-    return [Entry("turn between the end stops", "deg", driving=angles[0], driven=angles[1])]
+    pitch, size, covered = drive.pitch, drive.pitch.size, drive.pitch.transmission.lobes.range
+    yield Entry("kind of gear", driving=_kind(pitch.driving), driven=_kind(pitch.driven))
+    yield Entry("number of teeth", driving=size.driving_teeth, driven=size.driven_teeth)
+    if covered is not None:
+        yield _of_both("turn between the end stops", map(degrees, (covered.driving_rad, covered.driven_rad)), "deg")
+    yield Entry(name_of("module_mm"), "mm", size.module_mm)
+    yield Entry(name_of("center_distance_mm"), "mm", size.center_distance_mm)
+    yield Entry(name_of("face_width_mm"), "mm", drive.gears.face_width_mm)
+    yield _of_both(OF_GEAR["length"], map(pitch.length_mm, Gear))
+    section = ", in the section at z = 0" if drive.helix else ""
+    yield from _ends("pitch radius", map(pitch.radius_range_mm, Gear))
+    for place, name in enumerate(("tips", "roots")):
+        radii = (drive.tooth_radii_mm[gear][place] for gear in Gear)
+        yield from _ends(f"radius of {name}{section}", ((float(one.min()), float(one.max())) for one in radii))
+    yield _of_both("greatest radius over all", map(drive.outer_radii_mm.__getitem__, Gear))
+    if drive.housing_radii_mm:
+        yield _of_both("bore of the housing", (2.0 * radius for radius in drive.housing_radii_mm.values()))
+    yield _of_both(OF_GEAR["min radius"], map(pitch.least_radius_mm, Gear))
 
 
 def _kind(curve: PitchCurve) -> str:
@@ -158,38 +151,20 @@ def _kind(curve: PitchCurve) -> str:
     return f"{form}, internal" if curve.is_ring else form
 
 
-def _of_both(label: str, driving: float, driven: float) -> Entry:
-    return Entry(label, "mm", driving=driving, driven=driven)
+def _of_both(label: str, values: Iterable[Value], unit: str = "mm") -> Entry:
+    return Entry(label, unit, None, *values)
 
 
-def _radii(drive: Drive) -> list[Entry]:
-    of_teeth, over_all, housing = drive.tooth_radii_mm, drive.outer_radii_mm, drive.housing_radii_mm
-    section = ", in the section at z = 0" if drive.helix else ""
+def _ends(name: str, ends: Iterable[tuple[float, float]]) -> list[Entry]:
+    """The least and the greatest value of both gears."""
     return [
-        *_ends("pitch radius", *(drive.pitch.radius_range_mm(gear) for gear in Gear)),
-        *_ends(f"radius of tips{section}", *(_range(of_teeth[gear][0]) for gear in Gear)),
-        *_ends(f"radius of roots{section}", *(_range(of_teeth[gear][1]) for gear in Gear)),
-        _of_both("greatest radius over all", over_all[Gear.DRIVING], over_all[Gear.DRIVEN]),
-        *([_of_both("bore of the housing", *(2.0 * radius for radius in housing.values()))] if housing else []),
+        _of_both(f"{word} {name}", both)
+        for word, both in zip(("least", "greatest"), zip(*ends, strict=True), strict=True)
     ]
 
 
-def _range(values: Array) -> tuple[float, float]:
-    return float(values.min()), float(values.max())
-
-
-def _ends(name: str, driving: tuple[float, float], driven: tuple[float, float]) -> list[Entry]:
-    words = ("least", "greatest")
-    return [_of_both(f"{word} {name}", *ends) for word, *ends in zip(words, driving, driven, strict=True)]
-
-
-SHIFTED = (
-    Column("tooth"),
-    Column("profile shift coefficient of the driving gear"),
-    Column("thickness on the driving pitch curve", "mm"),
-    Column("profile shift coefficient of the driven gear"),
-    Column("thickness on the driven pitch curve", "mm"),
-)
+OF_SHIFTED = "profile shift coefficient of the {0} gear", "thickness on the {0} pitch curve, mm"
+SHIFTED = columns_of("tooth", *(head.format(gear.value) for gear in Gear for head in OF_SHIFTED))
 
 
 def shifted_teeth(drive: Drive) -> tuple[Table, ...]:
@@ -218,117 +193,74 @@ CUTTERS = {
 """The workshop's words for the tool that leaves the fillets."""
 
 
-def rack_data(drive: Drive) -> tuple[Entry, ...]:
+def rack_data(drive: Drive) -> Iterator[Entry]:
     """The basic rack that generates both gears."""
-    rack, module, asked = drive.rack, drive.rack.module_mm, drive.gears.rack
+    rack, module, asked, helix = drive.rack, drive.rack.module_mm, drive.gears.rack, drive.helix
+    driving, driven = drive.teeth.driving.flanks, drive.teeth.driven.flanks
+    pushing, idle = map(degrees, rack.angles_rad)
+    if pushing == idle:
+        yield Entry("pressure angle of the rack", "deg", pushing)
+    else:
+        # The driving gear turns counter-clockwise; a pushed flank faces against the driven gear's turning.
+        pushed = "clockwise" if drive.pitch.driven.is_ring else "counter-clockwise"
+        yield Entry("pressure angle of the rack, flanks that push", "deg", pushing)
+        yield Entry("pressure angle of the rack, idle flanks", "deg", idle)
+        yield Entry("flanks that push face, seen from the end z > 0", driving="counter-clockwise", driven=pushed)
     given = asked.model_fields_set & {"addendum", "dedendum", "root_radius"}
     # A root radius that is left out is smaller than the profile's where that does not fit.
     smaller = asked.root_radius < PROFILES[asked.profile].root_radius
     departed = ", coefficients as below" if given or smaller else ""
-    return (
-        *_angles(drive),
-        Entry("basic rack of ISO 53", pair=f"profile {drive.gears.rack.profile}{departed}"),
-        Entry("addendum coefficient", pair=rack.addendum_mm / module),
-        Entry("dedendum coefficient", pair=rack.dedendum_mm / module),
-        Entry("root radius coefficient", pair=rack.root_radius_mm / module),
-        *_relief(drive),
-        _shifts(drive),
-        Entry(name_of("backlash_mm"), "mm", pair=drive.play.least_normal_mm.value),
-        Entry(name_of("backlash_max_mm"), "mm", pair=drive.play.largest_normal_mm.value),
-        *_play(drive),
-        *_helix(drive),
-        Entry("cutter", pair=_cutter(drive)),
-    )
-
-
-def _play(drive: Drive) -> list[Entry]:
-    """The play of the driven gear: one angle, or the least and the greatest."""
+    yield Entry("basic rack of ISO 53", pair=f"profile {asked.profile}{departed}")
+    yield Entry("addendum coefficient", pair=rack.addendum_mm / module)
+    yield Entry("dedendum coefficient", pair=rack.dedendum_mm / module)
+    yield Entry("root radius coefficient", pair=rack.root_radius_mm / module)
+    if (relief := rack.relief) is None:
+        yield Entry("tip relief", pair="none")
+    else:
+        yield Entry(f"tip relief at {to_digits(relief.full_mm / module, 4)} modules", "mm", relief.amount_mm)
+        yield Entry("tip relief begins over the pitch line at", "mm", relief.start_mm)
+    if driving.has_own_shifts:
+        yield Entry("profile shift coefficient", pair="of each tooth, see its table")
+    else:
+        yield _of_both("profile shift coefficient", (one.rack.shift_mm / module for one in (driving, driven)), "")
+    yield Entry(name_of("backlash_mm"), "mm", drive.play.least_normal_mm.value)
+    yield Entry(name_of("backlash_max_mm"), "mm", drive.play.largest_normal_mm.value)
     least, greatest = map(degrees, drive.play_range_rad)
     if drive.play.thicker_mm == 0.0:
-        return [Entry(name_of("play_rad"), "deg", pair=least)]
-    return [
-        Entry(f"{word} {name_of('play_rad')}", "deg", pair=value)
-        for word, value in (("least", least), ("greatest", greatest))
-    ]
-
-
-def _angles(drive: Drive) -> list[Entry]:
-    """The rack's pressure angles and, where they differ, which flanks are which."""
-    pushing, idle = map(degrees, drive.rack.angles_rad)
-    if pushing == idle:
-        return [Entry("pressure angle of the rack", "deg", pair=pushing)]
-    # The driving gear turns counter-clockwise; a pushed flank faces against the driven gear's turning.
-    pushed = "clockwise" if drive.pitch.driven.is_ring else "counter-clockwise"
-    return [
-        Entry("pressure angle of the rack, flanks that push", "deg", pair=pushing),
-        Entry("pressure angle of the rack, idle flanks", "deg", pair=idle),
-        Entry("flanks that push face, seen from the end z > 0", driving="counter-clockwise", driven=pushed),
-    ]
-
-
-def _cutter(drive: Drive) -> str:
-    kind = drive.teeth.cutter
-    each = kind is CutterKind.RACK and drive.teeth.driving.flanks.has_own_shifts
-    return "rack, each space by itself" if each else CUTTERS[kind]
-
-
-def _relief(drive: Drive) -> list[Entry]:
-    relief, module = drive.rack.relief, drive.rack.module_mm
-    if relief is None:
-        return [Entry("tip relief", pair="none")]
-    start = Entry("tip relief begins over the pitch line at", "mm", pair=relief.start_mm)
-    return [Entry(f"tip relief at {to_digits(relief.full_mm / module, 4)} modules", "mm", pair=relief.amount_mm), start]
-
-
-def _shifts(drive: Drive) -> Entry:
-    driving, driven = (gear.flanks.rack for gear in (drive.teeth.driving, drive.teeth.driven))
-    module = drive.rack.module_mm
-    if drive.teeth.driving.flanks.has_own_shifts:
-        return Entry("profile shift coefficient", pair="of each tooth, see its table")
-    return Entry("profile shift coefficient", driving=driving.shift_mm / module, driven=driven.shift_mm / module)
-
-
-def _helix(drive: Drive) -> list[Entry]:
-    helix = drive.helix
+        yield Entry(name_of("play_rad"), "deg", least)
+    else:
+        yield Entry(f"least {name_of('play_rad')}", "deg", least)
+        yield Entry(f"greatest {name_of('play_rad')}", "deg", greatest)
     if helix is None:
-        return [Entry("helix angle", "deg", pair=0.0)]
-    other = {"right": "left", "left": "right"}[helix.hand]
-    kind = "herringbone, at z = 0 " if helix.herringbone else ""
-    return [
-        Entry("helix angle at the pitch curve", "deg", pair=degrees(helix.angle_rad)),
-        Entry("hand of helix", driving=f"{kind}{helix.hand}", driven=f"{kind}{other}"),
-    ]
+        yield Entry("helix angle", "deg", 0.0)
+    else:
+        hands, kind = (
+            (helix.hand, *({"right", "left"} - {helix.hand})),
+            "herringbone, at z = 0 " if helix.herringbone else "",
+        )
+        yield Entry("helix angle at the pitch curve", "deg", degrees(helix.angle_rad))
+        yield _of_both("hand of helix", (f"{kind}{hand}" for hand in hands), "")
+    by_itself = drive.teeth.cutter is CutterKind.RACK and driving.has_own_shifts
+    yield Entry("cutter", pair="rack, each space by itself" if by_itself else CUTTERS[drive.teeth.cutter])
 
 
-def tooth_data(drive: Drive) -> tuple[Entry, ...]:
-    """Undercut and shortened teeth, and how long the teeth touch."""
-    driving, driven = drive.teeth.driving, drive.teeth.driven
-    undercut = _undercut(driving), _undercut(driven)
-    return (
-        Entry("teeth that a tool of full depth undercuts", driving=undercut[0], driven=undercut[1]),
-        Entry("teeth with shortened tips", driving=_shortened(driving), driven=_shortened(driven)),
-        *_contact_ratios(drive),
-        *([Entry("overlap ratio", pair=drive.overlap_ratio)] if drive.helix else []),
-    )
+def tooth_data(drive: Drive) -> Iterator[Entry]:
+    """Undercut and shortened teeth; mean number of pairs of flanks that touch, and least arc of any pair in pitches.
 
-
-def _contact_ratios(drive: Drive) -> list[Entry]:
-    """Mean number of pairs of flanks that touch, and least arc of any pair; under load where it brings more in."""
-    designed, loaded = drive.designed_contact, drive.pairs_under_load
+    Both under load too, where a load brings more flanks into contact.
+    """
+    both, designed, loaded = (drive.teeth.driving, drive.teeth.driven), drive.designed_contact, drive.pairs_under_load
+    yield _of_both("teeth that a tool of full depth undercuts", map(_undercut, both), "")
+    yield _of_both("teeth with shortened tips", map(_shortened, both), "")
     section = ", in the section at z = 0" if drive.helix else ""
     without = f"{section}, without load" if designed.held_apart else section
-    rows = [
-        _ratio("contact_ratio_mean", designed.contact_ratio, without),
-        _ratio("contact_ratio_min", designed.least_arc, without),
-    ]
-    if loaded is None:
-        return rows
-    under, shortest = min(side.contact_ratio for side in loaded), min(side.least_arc for side in loaded)
-    return [
-        *rows,
-        _ratio("contact_ratio_under_load_mean", under, section),
-        _ratio("contact_ratio_under_load_min", shortest, section),
-    ]
+    yield _ratio("contact_ratio_mean", designed.contact_ratio, without)
+    yield _ratio("contact_ratio_min", designed.least_arc, without)
+    if loaded is not None:
+        yield _ratio("contact_ratio_under_load_mean", min(side.contact_ratio for side in loaded), section)
+        yield _ratio("contact_ratio_under_load_min", min(side.least_arc for side in loaded), section)
+    if drive.helix:
+        yield Entry("overlap ratio", pair=drive.overlap_ratio)
 
 
 def _ratio(key: str, value: float, where: str) -> Entry:
@@ -352,19 +284,17 @@ def _with_amount(numbers: list[int], loss: Callable[[ToothedGear], Loss], gear: 
     return f"{shown(numbers)}, by up to {micrometres(found.amount_mm)} (tooth {found.tooth})"
 
 
-def measurements(drive: Drive, gears: tuple[GearMeasures, GearMeasures]) -> tuple[Entry, ...]:
+def measurements(drive: Drive, gears: tuple[GearMeasures, GearMeasures]) -> Iterator[Entry]:
     """The means of measuring, and the number of places where they can be used."""
-    driving, driven = gears
 
     def of_both(label: str, value: Callable[[GearMeasures], Value], unit: str = "") -> Entry:
-        return Entry(label, unit, driving=_cell(partial(value, driving)), driven=_cell(partial(value, driven)))
+        return _of_both(label, (_cell(partial(value, gear)) for gear in gears), unit)
 
-    return (
-        *([Entry("section that is measured, z", "mm", pair=section_z_mm(drive.helix))] if drive.helix else []),
-        of_both(f"diameter of measuring {driving.tool}s", lambda gear: gear.pins.diameter_mm, "mm"),
-        of_both("spaces in which they measure", _spaces),
-        of_both("places of a span", _places),
-    )
+    if drive.helix:
+        yield Entry("section that is measured, z", "mm", section_z_mm(drive.helix))
+    yield of_both(f"diameter of measuring {gears[0].tool}s", lambda gear: gear.pins.diameter_mm, "mm")
+    yield of_both("spaces in which they measure", _spaces)
+    yield of_both("places of a span", _places)
 
 
 def _spaces(gear: GearMeasures) -> Value:

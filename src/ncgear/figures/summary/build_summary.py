@@ -20,9 +20,9 @@ from ncgear.contact.written.as_written import AsWritten
 from ncgear.contact.written.extremes import WrittenExtremes
 from ncgear.errors import DesignError
 from ncgear.figures.advice.verdict import Verdict
+from ncgear.figures.data_sheet.entries import passed_summary
 from ncgear.figures.flanks import surfaces_figures
 from ncgear.figures.numbers import known
-from ncgear.figures.passed import passed_summary
 from ncgear.figures.quantities import extreme
 from ncgear.figures.strong import strength_summary
 from ncgear.figures.summary.check_summary import check_summary
@@ -41,7 +41,6 @@ from ncgear.teeth.tips import Limit
 
 if TYPE_CHECKING:
     from ncgear.solids.mesh.pair import GearSolid
-    from ncgear.solids.plan.body import BodyPlan, Hub
 
 LEAST_JUMP = 1e-6
 """The least jump of curvature in the summary, times the centre distance.
@@ -54,31 +53,33 @@ def build_summary(drive: Drive, contact: PairContact, verdict: Verdict) -> dict[
     """The summary of the check, and pitch curves, teeth, contact and bodies; files and timings are left empty."""
     summary = check_summary(drive, verdict)
     last = {key: summary.pop(key) for key in ("comparison", "warnings", "remarks", "verdict")}
-    return {
-        **summary,
-        "pitch": pitch_summary(drive),
-        "teeth": teeth_summary(drive),
-        "contact": {
-            **contact_summary(contact, drive.contact_extremes),
-            **_under_load(drive),
-            **_overlap(drive, contact),
-        },
-        **({"thickness": thickness_summary(drive)} if drive.thickness_band else {}),
-        **_strength(drive),
-        **_pumped(drive),
-        "bodies": bodies_summary(drive),
-        **passed_summary(drive),
-        "files": {},
-        **last,
-        "timing_s": {},
-    }
+    touching = contact_summary(contact, drive.contact_extremes)
+    if (sides := drive.pairs_under_load) is not None:
+        touching["contact_ratio_under_load_mean"] = min(pairs.contact_ratio for pairs in sides)
+        touching["contact_ratio_under_load_min"] = min(pairs.least_arc for pairs in sides)
+    if drive.helix is not None:
+        least = min(drive.section_contact_ratio, contact.as_designed.least_arc)
+        touching["section_contact_ratio_min"] = least
+        touching["overlap_ratio"] = drive.overlap_ratio
+        touching["total_contact_ratio"] = least + drive.overlap_ratio
+    summary |= {"pitch": pitch_summary(drive), "teeth": teeth_summary(drive), "contact": touching}
+    if drive.thickness_band:
+        summary["thickness"] = thickness_summary(drive)
+    rating = known_rating(drive)
+    if isinstance(rating, DesignError):
+        summary["strength"] = {"refused": rating.problem}
+    elif rating is not None:
+        surfaces = surfaces_figures(drive.surfaces_by(rating.strength.method))
+        summary["strength"] = {**strength_summary(rating, drive), **surfaces}
+    summary |= _pumped(drive) | {"bodies": bodies_summary(drive)} | passed_summary(drive)
+    return {**summary, "files": {}, **last, "timing_s": {}}
 
 
 def with_files(
     summary: dict[str, Any], outline_errors_mm: Mapping[str, float], timing_s: Mapping[str, float]
 ) -> dict[str, Any]:
-    """The summary with what is known once all files are made: how far outlines in them are from the exact ones, by
-    the kinds of files, and how long each step took.
+    """The summary once all files are made: how far outlines in files are from the exact ones, by the kinds of files,
+    and how long each step took.
     """
     return {
         **summary,
@@ -87,61 +88,22 @@ def with_files(
     }
 
 
-def _strength(drive: Drive) -> dict[str, Any]:
-    """The section of strength: nothing where no load is known, and the refusal where there is one."""
-    rating = known_rating(drive)
-    if isinstance(rating, DesignError):
-        return {"strength": {"refused": rating.problem}}
-    if rating is None:
-        return {}
-    return {
-        "strength": {**strength_summary(rating, drive), **surfaces_figures(drive.surfaces_by(rating.strength.method))}
-    }
-
-
-L_PER_MM3 = 1e-3 * CM3_PER_MM3
-
-
 def _pumped(drive: Drive) -> dict[str, Any]:
     """What the gears displace in their housing; nothing where the design has none."""
     found, radii = drive.pumped, drive.housing_radii_mm
     if found is None or radii is None:
         return {}
-    per_minute = L_PER_MM3 * drive.design.operation.speed_rpm
+    per_minute = 1e-3 * CM3_PER_MM3 * drive.design.operation.speed_rpm
+    flow = per_minute * 2.0 * pi
     return {
         "displacement": {
             "per_turn_cm3": CM3_PER_MM3 * found.per_turn_mm3,
             "mean_flow_l_min": per_minute * found.per_turn_mm3,
-            "least_flow_l_min": per_minute * 2.0 * pi * found.least.value,
-            "least_flow_at_rad": found.least.at,
-            "largest_flow_l_min": per_minute * 2.0 * pi * found.most.value,
-            "largest_flow_at_rad": found.most.at,
+            **extreme("least_flow", "l_min", found.least, flow),
+            **extreme("largest_flow", "l_min", found.most, flow),
             "pulsation_percent": 100.0 * found.pulsation,
             **{f"housing_bore_{gear.value}_mm": 2.0 * radius for gear, radius in radii.items()},
         }
-    }
-
-
-def _under_load(drive: Drive) -> dict[str, float]:
-    """The contact ratio under load, where a load is known that brings more flanks into contact."""
-    sides = drive.pairs_under_load
-    if sides is None:
-        return {}
-    return {
-        "contact_ratio_under_load_mean": min(pairs.contact_ratio for pairs in sides),
-        "contact_ratio_under_load_min": min(pairs.least_arc for pairs in sides),
-    }
-
-
-def _overlap(drive: Drive, contact: PairContact) -> dict[str, float]:
-    """The contact ratio of helical teeth: the least one of their sections, the overlap, and the sum."""
-    if drive.helix is None:
-        return {}
-    least = min(drive.section_contact_ratio, contact.as_designed.least_arc)
-    return {
-        "section_contact_ratio_min": least,
-        "overlap_ratio": drive.overlap_ratio,
-        "total_contact_ratio": least + drive.overlap_ratio,
     }
 
 
@@ -166,77 +128,59 @@ def pitch_summary(drive: Drive) -> dict[str, Any]:
 
 def _jumps(pitch: PitchPair) -> list[dict[str, float]]:
     """The places where the curvature of a gear jumps."""
+    sides = [f"{gear}_{side}" for gear in ("driving", "driven") for side in ("before", "after")]
     found = []
     for jump in pitch.curvature_jumps():
         height = max(abs(jump.driving_after - jump.driving_before), abs(jump.driven_after - jump.driven_before))
         if height * pitch.center_distance_mm > LEAST_JUMP:
-            found.append(
-                {
-                    "phi1_rad": jump.phi1_rad,
-                    "driving_before_1_mm": jump.driving_before,
-                    "driving_after_1_mm": jump.driving_after,
-                    "driven_before_1_mm": jump.driven_before,
-                    "driven_after_1_mm": jump.driven_after,
-                }
-            )
+            found.append({"phi1_rad": jump.phi1_rad, **{f"{side}_1_mm": getattr(jump, side) for side in sides}})
     return found
-
-
-def teeth_summary(drive: Drive) -> dict[str, Any]:
-    """Numbers, sizes, undercut, shortened tips."""
-    teeth, size, toothed = drive.teeth, drive.pitch.size, drive.pitch.toothed
-    return {
-        "driving": size.driving_teeth,
-        "driven": size.driven_teeth,
-        "module_mm": size.module_mm,
-        **({"pitches_in_range": toothed.covered_mm / drive.rack.pitch_mm} if toothed else {}),
-        **play_figures(drive.play, *drive.play_range_rad),
-        **_helix(drive),
-        "undercut_driving": teeth.driving.undercut,
-        "undercut_driven": teeth.driven.undercut,
-        **_undercut_depth(teeth.driving),
-        **_undercut_depth(teeth.driven),
-        **_free_of_undercut(drive),
-        "method": drive.gears.method,
-        "cutter": teeth.cutter.value,
-        **_flank_angles(drive),
-        **_shifts(drive),
-        "tips_driving": _tips(teeth.driving),
-        "tips_driven": _tips(teeth.driven),
-        "points_driving": len(teeth.driving.outline_mm),
-        "points_driven": len(teeth.driven.outline_mm),
-    }
-
-
-def _free_of_undercut(drive: Drive) -> dict[str, Any]:
-    """From how many teeth on none is undercut; nothing where teeth have shifts of their own, which more would lack."""
-    driving, driven = drive.teeth.driving.flanks, drive.teeth.driven.flanks
-    if driving.has_own_shifts:
-        return {}
-    return {"free_of_undercut_from_driving_teeth": teeth_free_of_undercut(drive.pitch, driving.rack, driven.rack)}
 
 
 DECIMALS = 9
 """Decimals of shifts that are told, in modules: what comes after is rounding."""
 
 
-def _flank_angles(drive: Drive) -> dict[str, Any]:
-    pushing, idle = map(degrees, drive.rack.angles_rad)
-    return {} if pushing == idle else {"rack_angle_pushing_deg": pushing, "rack_angle_idle_deg": idle}
+def teeth_summary(drive: Drive) -> dict[str, Any]:
+    """Numbers, sizes, undercut, profile shifts, shortened tips.
 
-
-def _shifts(drive: Drive) -> dict[str, Any]:
-    """Profile shifts; of teeth with shifts of their own those of each tooth, and their thickness on the pitch curve."""
-    rack, result = drive.rack, {}
-    for gear in (drive.teeth.driving, drive.teeth.driven):
-        name, flanks = gear.flanks.curve.gear.value, gear.flanks
-        if not drive.teeth.driving.flanks.has_own_shifts:
-            result[f"profile_shift_{name}_mm"] = flanks.rack.shift_mm
+    Of teeth with shifts of their own it tells those of each tooth, and their thickness on the pitch curve.  It does not
+    tell then from how many teeth on none is undercut, which more teeth would lack.
+    """
+    teeth, size, toothed, rack, helix = drive.teeth, drive.pitch.size, drive.pitch.toothed, drive.rack, drive.helix
+    both = {gear.flanks.curve.gear.value: gear for gear in (teeth.driving, teeth.driven)}
+    found: dict[str, Any] = {"driving": size.driving_teeth, "driven": size.driven_teeth, "module_mm": size.module_mm}
+    if toothed:
+        found["pitches_in_range"] = toothed.covered_mm / rack.pitch_mm
+    found |= play_figures(drive.play, *drive.play_range_rad)
+    if helix is not None:
+        found["helix_angle_deg"] = degrees(helix.angle_rad)
+        found["helix_kind"] = "herringbone" if helix.herringbone else "helical"
+        found["hand_driving"] = helix.hand
+    found |= {f"undercut_{name}": gear.undercut for name, gear in both.items()}
+    for name, gear in both.items():
+        if gear.undercut:
+            loss = undercutting(gear)
+            found[f"most_undercut_{name}_um"] = 1e3 * loss.amount_mm
+            found[f"most_undercut_{name}_tooth"] = loss.tooth
+    own_shifts = teeth.driving.flanks.has_own_shifts
+    if not own_shifts:
+        racks = (gear.flanks.rack for gear in both.values())
+        found["free_of_undercut_from_driving_teeth"] = teeth_free_of_undercut(drive.pitch, *racks)
+    found |= {"method": drive.gears.method, "cutter": teeth.cutter.value}
+    pushing, idle = map(degrees, rack.angles_rad)
+    if pushing != idle:
+        found |= {"rack_angle_pushing_deg": pushing, "rack_angle_idle_deg": idle}
+    for name, gear in both.items():
+        if not own_shifts:
+            found[f"profile_shift_{name}_mm"] = gear.flanks.rack.shift_mm
             continue
-        shift = rack.module_mm * np.round((flanks.full_tip_mm[::2] - rack.addendum_mm) / rack.module_mm, DECIMALS)
-        result[f"profile_shift_{name}_mm"] = shift.tolist()
-        result[f"tooth_thickness_{name}_mm"] = thickness_mm(rack.module_mm, shift, rack.angles_rad).tolist()
-    return result
+        shift = (gear.flanks.full_tip_mm[::2] - rack.addendum_mm) / rack.module_mm
+        shift_mm = rack.module_mm * np.round(shift, DECIMALS)
+        found[f"profile_shift_{name}_mm"] = shift_mm.tolist()
+        found[f"tooth_thickness_{name}_mm"] = thickness_mm(rack.module_mm, shift_mm, rack.angles_rad).tolist()
+    found |= {f"tips_{name}": _tips(gear) for name, gear in both.items()}
+    return found | {f"points_{name}": len(gear.outline_mm) for name, gear in both.items()}
 
 
 def _tips(gear: ToothedGear) -> dict[str, Any]:
@@ -250,22 +194,6 @@ def _tips(gear: ToothedGear) -> dict[str, Any]:
         loss = shortening(gear, marked)
         result.update(most_shortened_um=1e3 * loss.amount_mm, most_shortened_tooth=loss.tooth)
     return result
-
-
-def _undercut_depth(gear: ToothedGear) -> dict[str, Any]:
-    """How much of a flank's depth is undercut at most, as in ``undercutting``, and at which tooth."""
-    if not gear.undercut:
-        return {}
-    loss, name = undercutting(gear), gear.flanks.curve.gear.value
-    return {f"most_undercut_{name}_um": 1e3 * loss.amount_mm, f"most_undercut_{name}_tooth": loss.tooth}
-
-
-def _helix(drive: Drive) -> dict[str, Any]:
-    helix = drive.helix
-    if helix is None:
-        return {}
-    kind = "herringbone" if helix.herringbone else "helical"
-    return {"helix_angle_deg": degrees(helix.angle_rad), "helix_kind": kind, "hand_driving": helix.hand}
 
 
 def contact_summary(contact: PairContact, extremes: ContactExtremes) -> dict[str, Any]:
@@ -286,7 +214,7 @@ def contact_summary(contact: PairContact, extremes: ContactExtremes) -> dict[str
 
 
 def designed_contact(designed: AsDesigned, extremes: ContactExtremes) -> dict[str, Any]:
-    """Figures of the contact of the exact teeth, each with its unit at the end of its key."""
+    """Figures of the contact of the exact teeth; the clearance over roots is None where no tip meets a root."""
     pushing, back = designed.pushing, designed.back
     return {
         "transmission_error_rad": extremes.pushing_error_rad.width,
@@ -299,7 +227,12 @@ def designed_contact(designed: AsDesigned, extremes: ContactExtremes) -> dict[st
         **_between("pressure_angle", "deg", extremes.pushing_pressure_angle_rad, degrees(1.0)),
         **_between("pressure_angle_back", "deg", extremes.back_pressure_angle_rad, degrees(1.0)),
         **_deepest(extremes.overlap_mm, extremes.overlap_teeth),
-        **_clearances(designed),
+        **{
+            f"clearance_{gear}_tips{name}_mm": known(min(getattr(tips, key) for tips in both))
+            for gear in ("driving", "driven")
+            for both in [[getattr(side, f"{gear}_tips") for side in (pushing, back)]]
+            for name, key in (("", "over_root_mm"), ("_from_fillets", "from_fillet_mm"))
+        },
     }
 
 
@@ -321,17 +254,6 @@ def _ratios(pairs: PairsInContact, suffix: str) -> dict[str, Any]:
         f"contact_ratio{suffix}_min": pairs.least_arc,
         f"pairs_in_contact{suffix}_min": pairs.fewest,
     }
-
-
-def _clearances(designed: AsDesigned) -> dict[str, Any]:
-    """The least clearances of the tips; the one over roots is None where no tip meets a root of the other gear."""
-    least = {}
-    for gear in ("driving", "driven"):
-        both = [getattr(side, f"{gear}_tips") for side in (designed.pushing, designed.back)]
-        over_root = min(tips.over_root_mm for tips in both)
-        least[f"clearance_{gear}_tips_mm"] = known(over_root)
-        least[f"clearance_{gear}_tips_from_fillets_mm"] = min(tips.from_fillet_mm for tips in both)
-    return least
 
 
 def _as_written(written: AsWritten, extremes: WrittenExtremes, designed: AsDesigned) -> dict[str, Any]:
@@ -382,29 +304,14 @@ def bodies_summary(drive: Drive) -> dict[str, Any]:
 
 def _body(solid: GearSolid) -> dict[str, Any]:
     plan = solid.plan
-    return {
-        "volume_mm3": solid.mesh.volume,
-        "height_mm": plan.height_mm,
-        **({"bore_mm": plan.bore.diameter_mm} if plan.bore else {}),
-        **(_hub(plan.hub) if plan.hub else {}),
-        **_cuts(plan),
-    }
-
-
-def _hub(hub: Hub) -> dict[str, Any]:
-    found: dict[str, Any] = {"hub_diameter_mm": hub.diameter_mm, "hub_height_mm": hub.height_mm}
-    if hub.set_screw is not None:
-        screw = hub.set_screw
-        found["set_screw"] = {
-            "diameter_mm": screw.diameter_mm,
-            "height_mm": screw.height_mm,
-            "direction_deg": degrees(screw.direction_rad),
-        }
-    return found
-
-
-def _cuts(plan: BodyPlan) -> dict[str, Any]:
-    found: dict[str, Any] = {}
+    found: dict[str, Any] = {"volume_mm3": solid.mesh.volume, "height_mm": plan.height_mm}
+    if plan.bore:
+        found["bore_mm"] = plan.bore.diameter_mm
+    if plan.hub:
+        found |= {"hub_diameter_mm": plan.hub.diameter_mm, "hub_height_mm": plan.hub.height_mm}
+        if (screw := plan.hub.set_screw) is not None:
+            sizes = {"diameter_mm": screw.diameter_mm, "height_mm": screw.height_mm}
+            found["set_screw"] = sizes | {"direction_deg": degrees(screw.direction_rad)}
     if plan.web is not None:
         found["web_mm"] = plan.web.thickness_mm
         found["pocket_areas_mm2"] = [float(pocket.area) for pocket in plan.web.pockets]
@@ -413,6 +320,5 @@ def _cuts(plan: BodyPlan) -> dict[str, Any]:
     if plan.lightening_holes:
         found["lightening_holes"] = [asdict(hole) for hole in plan.lightening_holes]
     if plan.slot is not None:
-        found["end_stop_slot_width_mm"] = plan.slot.width_mm
-        found["end_stop_slot_radius_mm"] = plan.slot.radius_mm
+        found |= {"end_stop_slot_width_mm": plan.slot.width_mm, "end_stop_slot_radius_mm": plan.slot.radius_mm}
     return found

@@ -16,13 +16,13 @@ from ncgear.project.drive import Drive
 
 
 def check_summary(drive: Drive, verdict: Verdict | None = None) -> dict[str, Any]:
-    """Kinematics and power.  The ratio is that of the drive's own stage, or else of the whole.
+    """Kinematics and power.  The ratio belongs to the drive's own stage, or to the whole machine.
 
     ``verdict`` is another one than what a check can judge.
     """
     verdict = verdict or judged(drive, Known.MOTION)
     of_ratio = drive.transmission if drive.stage is None else drive.pair.transmission
-    low, high = of_ratio.ratio_range
+    (low, high), found = of_ratio.ratio_range, drive.achieved
     return {
         "design": {"name": drive.design.name, "description": drive.design.description, "law": drive.design.motion.law},
         "drive": _drive(drive),
@@ -30,7 +30,7 @@ def check_summary(drive: Drive, verdict: Verdict | None = None) -> dict[str, Any
         "closure": {"residual_rad": abs(drive.transmission.closure_error_rad), **drive.told_stroke_residual},
         "ratio": {"min": low.value, "max": high.value, "min_at_rad": low.at, "max_at_rad": high.at},
         "check": _check(drive),
-        **_achieved(drive),
+        **({"motion": motion_summary(found, drive.linkage), "wishes": wish_rows(found)} if found else {}),
         "comparison": comparison_rows(drive),
         **verdict_summary(verdict),
     }
@@ -45,62 +45,40 @@ def verdict_summary(verdict: Verdict) -> dict[str, Any]:
     }
 
 
-def _achieved(drive: Drive) -> dict[str, Any]:
-    """What the motion achieves of what may be wished of it; nothing of an output that never returns."""
-    found = drive.achieved
-    return {} if found is None else {"motion": motion_summary(found, drive.linkage), "wishes": wish_rows(found)}
-
-
 def _drive(drive: Drive) -> dict[str, Any]:
     """Speeds, lobes, and the linkage where there is one."""
-    lobes = drive.transmission.lobes
+    lobes, linkage, place = drive.transmission.lobes, drive.linkage, drive.linkage.OUTPUT.place
+    found: dict[str, Any] = {"speed_rpm": drive.design.operation.speed_rpm, "law_speed_rpm": drive.law_speed_rpm}
     if lobes.range is not None:
-        return {
-            "speed_rpm": drive.design.operation.speed_rpm,
-            "law_speed_rpm": drive.law_speed_rpm,
-            "driving_range_deg": degrees(lobes.range.driving_rad),
-            "driven_range_deg": degrees(lobes.range.driven_rad),
-        }
-    return {
-        "speed_rpm": drive.design.operation.speed_rpm,
-        "law_speed_rpm": drive.law_speed_rpm,
-        "lobes_driving": lobes.driving,
-        "lobes_driven": lobes.driven,
-        **(_strokes(drive) if drive.linkage.RETURNS else {}),
-        **(drive.law.stroke.facts if drive.law.stroke else {}),
-        **drive.law.facts,
-    }
-
-
-def _strokes(drive: Drive) -> dict[str, float]:
-    """The crank and both strokes."""
-    linkage, place = drive.linkage, drive.linkage.OUTPUT.place
-    return {
-        "crank_mm": linkage.crank_mm,
-        f"stroke_{place.ending}": place.factor * linkage.stroke_mm,
-        "working_crank_angle_deg": degrees(linkage.working_angle_rad),
-        "working_driving_angle_deg": degrees(drive.machine.extended_rad),
-    }
+        found["driving_range_deg"] = degrees(lobes.range.driving_rad)
+        return found | {"driven_range_deg": degrees(lobes.range.driven_rad)}
+    found |= {"lobes_driving": lobes.driving, "lobes_driven": lobes.driven}
+    if linkage.RETURNS:
+        found |= {"crank_mm": linkage.crank_mm, f"stroke_{place.ending}": place.factor * linkage.stroke_mm}
+        found["working_crank_angle_deg"] = degrees(linkage.working_angle_rad)
+        found["working_driving_angle_deg"] = degrees(drive.machine.extended_rad)
+    return found | (drive.law.stroke.facts if drive.law.stroke else {}) | drive.law.facts
 
 
 def stages_summary(drive: Drive) -> dict[str, Any]:
-    """The section of two pairs in series: the number of the drive's own stage, or else ratios and angles of both."""
+    """The section of two pairs in series: the number of the drive's own stage, or else ratios and angles of both.
+
+    The number stands with the place of the stage in the machine; phi1 of the stage is the angle of its driving gear.
+    """
     if drive.design.stages == 1:
         return {}
-    if drive.stage is not None:
-        return {"stage": _stage(drive, drive.stage)}
-    return {"stages": {f"stage_{pair.stage}": _range_and_angle(pair) for pair in drive.by_stage}}
-
-
-def _stage(drive: Drive, stage: int) -> dict[str, Any]:
-    """The number of the stage and its place in the machine; phi1 of the stage is the angle of its own driving gear."""
+    if drive.stage is None:
+        return {"stages": {f"stage_{pair.stage}": _range_and_angle(pair) for pair in drive.by_stage}}
+    first, between = drive.stage == 1, "shaft between the stages"
     return {
-        "number": stage,
-        "of": drive.design.stages,
-        "driving_gear_on": "driving shaft" if stage == 1 else "shaft between the stages",
-        "driven_gear_on": "shaft between the stages" if stage == 1 else "crank shaft",
-        # The first pair turns the shaft between them the other way round.
-        "seen_from": "driving end" if stage == 1 else "other end of the shafts",
+        "stage": {
+            "number": drive.stage,
+            "of": drive.design.stages,
+            "driving_gear_on": "driving shaft" if first else between,
+            "driven_gear_on": between if first else "crank shaft",
+            # The first pair turns the shaft between them the other way round.
+            "seen_from": "driving end" if first else "other end of the shafts",
+        }
     }
 
 
@@ -108,15 +86,15 @@ def _range_and_angle(drive: Drive) -> dict[str, Any]:
     low, high = drive.pair.transmission.ratio_range
     tangent = degrees(largest_tangent_angle_rad(drive.pair.transmission).value)
     found = {"ratio_min": low.value, "ratio_max": high.value, "max_tangent_angle_deg": tangent}
-    if drive.design.gears is None:
-        return found
-    return {**found, "max_pressure_angle_deg": tangent + drive.design.gears.carrying_angle_deg}
+    if drive.design.gears is not None:
+        found["max_pressure_angle_deg"] = tangent + drive.design.gears.carrying_angle_deg
+    return found
 
 
 def masses_note(drive: Drive) -> str:
     """How masses count in the figures of power where that is to be told; empty where they count as the file gives them.
 
-    A design that gives neither resistance nor masses has no power of which anything could be said.
+    A design that gives neither resistance nor masses has no power, and nothing is told of power.
     """
     why = drive.masses_left_out
     if why is not None:
@@ -144,7 +122,7 @@ def uniform_key(drive: Drive) -> str:
 
 
 def peaks(check: KinematicCheck, *, returns: bool) -> dict[str, Any]:
-    """Peaks of a check with the driving angle of each; those of a working stroke only where there is a return."""
+    """Peaks of a check with the driving angle of each; peaks of the working stroke only where there is a return."""
     speed, acceleration = check.output.speed.ending, check.output.acceleration.ending
     working = {
         f"peak_acceleration_working_{acceleration}": check.peak_acceleration_working.value,
@@ -166,33 +144,23 @@ def comparison_rows(drive: Drive) -> list[dict[str, Any]]:
     Each row has ``name``, ``note``, ``same_speed`` (whether it holds at the operating speed) and figures in the units
     that its keys end in, None where one is not known.
     """
-    speed = drive.design.operation.speed_rpm
+    speed, own, other = drive.design.operation.speed_rpm, drive.check, drive.uniform_check
+    against_uniform = _saved("", own.peak_power_w.value, other.peak_power_w.value)
     published = drive.design.comparison.published if drive.design.comparison else ()
     return [
-        _checked("this design", drive.check, speed, ""),
-        _checked(drive.linkage.UNIFORM, drive.uniform_check, speed, _against_uniform(drive)),
+        _checked("this design", own, speed, ""),
+        _checked(drive.linkage.UNIFORM, other, speed, against_uniform),
         *(_scaled(drive, mechanism) for mechanism in published),
         *(row for mechanism in published for row in _mixed(drive, mechanism)),
     ]
 
 
-def _against_uniform(drive: Drive) -> str:
-    """Words for the peak power of this design against that of the uniform crank with the same masses."""
-    own, other = drive.check.peak_power_w.value, drive.uniform_check.peak_power_w.value
-    return _saved("this design's peak power", own, other)
-
-
-def _against_published(drive: Drive, other_power_w: float | None) -> str:
-    """Words for the peak power of this design against a published one, which counts no masses of this machine."""
-    alone = ", of the resistance alone," if drive.check.with_masses else ""
-    return _saved(f"this design's peak power{alone}", drive.check.peak_power_resistance_w.value, other_power_w)
-
-
 def _saved(what: str, own_w: float, other_w: float | None) -> str:
+    """Words for a peak power of this design against the power of another machine; empty where the other has none."""
     if not other_w:
         return ""
     saving = 100.0 * (1.0 - own_w / other_w)
-    return f"{what} is {fixed(abs(saving), 1)} % {'lower' if saving >= 0 else 'higher'}"
+    return f"this design's peak power{what} is {fixed(abs(saving), 1)} % {'lower' if saving >= 0 else 'higher'}"
 
 
 def _checked(name: str, check: KinematicCheck, speed: float, note: str) -> dict[str, Any]:
@@ -219,7 +187,10 @@ def _scaled(drive: Drive, published: Published) -> dict[str, Any]:
     """Published figures at the operating speed."""
     found = published.at_speed(drive.design.operation.speed_rpm)
     power, pressing = found.peak_power_w, found.compression_speed_mm_s
-    notes = [_against_published(drive, power), f"compression speed {to_digits(pressing, 4)} mm/s" if pressing else ""]
+    # A publication counts no masses of this machine
+    alone = ", of the resistance alone," if drive.check.with_masses else ""
+    saved = _saved(alone, drive.check.peak_power_resistance_w.value, power)
+    notes = [saved, f"compression speed {to_digits(pressing, 4)} mm/s" if pressing else ""]
     output = drive.linkage.OUTPUT
     row = _row(output, found.name, found.speed_rpm, power, found.peak_acceleration_mm_s2, found.peak_speed_mm_s)
     return {**row, "same_speed": True, "note": "; ".join(note for note in notes if note)}

@@ -191,7 +191,7 @@ def _write(document: Document, notes: Sequence[str], low: Array, high: Array, de
 
 
 LETTERS, DIMENSIONS = "LETTERS", "DIMENSIONS"
-"""Layers beside those of the pens; the style of texts and that of dimensions have the same names."""
+"""Layers beside the layers of the pens; the styles of texts and of dimensions have the same names."""
 
 TYPES = {Measured.LENGTH: 1, Measured.DIAMETER: 3, Measured.RADIUS: 4}
 OWN_BLOCK = 32

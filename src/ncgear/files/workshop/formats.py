@@ -75,7 +75,7 @@ WRITERS = {
 class Written:
     """Files by their names, and how far the outlines in them, read back, are from the exact ones, in mm by their kind.
 
-    Of drawings only those of one gear each have an outline.
+    A drawing has an outline where it shows one gear.
     """
 
     files: dict[str, bytes]

@@ -37,7 +37,7 @@ NAMESPACES = {
     "xmlns:s": "slice/2015/07",
     "xmlns:sc": "securecontent/2019/04",
 }
-"""Namespaces of a model; that of production has the identities."""
+"""Namespaces of a model; the identities are in the namespace of production."""
 
 RELATIONS = (
     HEAD + '<Relationships xmlns="http://schemas.openxmlformats.org/package/2006/relationships">'

@@ -22,8 +22,7 @@ PLACES = 240
 """Places of a cycle: on the baler the limit is then within 0.1 % of the limit on a much finer grid."""
 
 NEAREST = 0.15
-"""Least distance of two places, in steps of the even grid: relations of nearer places lose digits, gain nothing.
-"""
+"""Least distance of two places, in steps of the even grid: relations of nearer places lose digits, gain nothing."""
 
 SAME = 1e-9
 """Crank angle in rad by which the ends of a stretch may miss the places that were made for them."""
@@ -122,7 +121,7 @@ def _angles(task: Task, places: int, at_rad: Sequence[float]) -> Array:
 
 
 def _turns_of_load(task: Task) -> list[float]:
-    """Crank angles at which the load turns, the largest forces first: they count where several are near each other."""
+    """Crank angles at which the load turns, the largest forces first: these count where several are close."""
     found: list[tuple[float, float]] = []
     for returning in (False, True):
         turns = task.load.turns_mm(task.linkage.stroke_mm, returning)
@@ -158,16 +157,11 @@ def _over_cells(task: Task, angles: Array, step: Array, integrand: Callable[[Arr
     unit, weight = np.polynomial.legendre.leggauss(GAUSS)
     inner = starts[:, None] + width[:, None] * (1.0 + unit) / 2.0
     parts = integrand(inner.ravel()).reshape(inner.shape) @ weight * (width / 2.0)
-    integrals: Array = np.add.reduceat(parts, np.searchsorted(starts, angles))
-    return integrals
+    return np.add.reduceat(parts, np.searchsorted(starts, angles))
 
 
 def _cuts(task: Task, step_rad: float) -> Array:
-    """Crank angles, shape (k,), that cut cells about corners which are narrower than the step.
-
-    Each cut is twice as far from the corner as the cut before it, so no part is wider than its distance from the
-    corner.
-    """
+    """Crank angles (k,) that cut cells about narrow corners, each twice as far from its corner as the one before."""
     cuts = [np.empty(0)]
     for angle, width in task.linkage.corners:
         if width < step_rad:

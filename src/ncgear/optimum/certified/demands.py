@@ -89,6 +89,17 @@ class Demands:
         return [one.asked for one in self.wishes if isinstance(one.asked, kind)]
 
 
+PEAKS = {
+    "power_w": ("peak_power_w", "W"),
+    "acceleration_mm_s2": ("peak_acceleration_mm_s2", "mm/s^2"),
+    "speed_mm_s": ("peak_speed_mm_s", "mm/s"),
+    "braking_w": ("braking_power_w", "W of braking power"),
+    "torque_n_mm": ("rms_torque_n_m", "N m of r.m.s. torque"),
+    "fluctuation_n_mm": ("flywheel_kg_mm2", "kg mm^2 of flywheel"),
+}
+"""Demands that can be given too low: the name of the limit and its unit in a design file, of an output that slides."""
+
+
 @dataclass(frozen=True)
 class Priced:
     """A figure in a weighted sum, by its name in ``Demands``: the range that it is looked for in."""

@@ -23,7 +23,7 @@ from ncgear.optimum.certified.proof import Linear, least
 from ncgear.optimum.certified.ranges import cells_that_matter, rows_of_places
 from ncgear.optimum.certified.refusals import refusal, refuse_ratios, turning_point
 from ncgear.optimum.certified.time_rows import needs_times
-from ncgear.optimum.certified.tree import Effort, FigureRanges, Solved, Trials, TriedMotion, bisected, motion_along
+from ncgear.optimum.certified.tree import Effort, Solved, Trials, TriedMotion, bisected, motion_along
 from ncgear.optimum.task import Task
 
 PLACES_ROUGH = 960
@@ -104,8 +104,7 @@ def least_acceleration(task: Task, asked: Demands, places: int | None = None, *,
 def least_acceleration_roughly(problem: LimitProblem) -> float:
     """The least peak of acceleration in mm/s^2 as ``least_acceleration`` gives it, with the driving curve left free.
 
-    It is certain, a few percent lower at most on balers, and takes a tenth of the time.  A demand on acceleration
-    itself is not looked at.
+    It is certain, a few percent lower at most on balers, and takes a tenth of the time.
     """
     problem = problem.under(acceleration_mm_s2=inf)
     made = problem.programme(with_peak=True)
@@ -142,12 +141,14 @@ def least_power(task: Task, asked: Demands, places: int | None = None, *, proven
 def least_of(task: Task, asked: Demands, name: str, places: int | None = None, guess: float | None = None) -> Bound:
     """Least value of a demand, by its name in ``Demands``, with which the other demands can be kept.
 
-    The driving curve is left free, and with masses the limit is a relaxation; ``raised`` gives a higher limit from a
-    known law.  The search begins at a guess, else at about the mean power.  Raises NoSuchMechanism as
-    ``least_acceleration`` does.
+    The driving curve is left free, and with masses the limit is a relaxation. The search begins at a guess, else at
+    about the mean power. Raises NoSuchMechanism as ``least_acceleration`` does.
     """
     problem = problem_of(task, asked, places).under(**{name: inf})
-    found = turning_point(lambda value: problem.under(**{name: value}).excess, guess or _mean_power_w(task), BISECTED)
+    # The mean power, or about the power that moves the masses, if more
+    moving = task.moving.slider_kg * task.linkage.stroke_mm**2 / task.cycle_s**3 / 1e6
+    guess = guess or max(abs(task.work_n_mm) / 1000.0 / task.cycle_s, moving, 1e-3)
+    found = turning_point(lambda value: problem.under(**{name: value}).excess, guess, BISECTED)
     if found is None:
         raise refusal(problem)
     certain, enough = found
@@ -157,12 +158,6 @@ def least_of(task: Task, asked: Demands, name: str, places: int | None = None, g
         if near is not None:
             break
     return Bound(certain, problem.on.count, None if near is None else motion_of(problem.on, near))
-
-
-def _mean_power_w(task: Task) -> float:
-    """Mean power over the cycle in W, or about the power that moves the masses, if more: a first guess of any limit."""
-    moving = task.moving.slider_kg * task.linkage.stroke_mm**2 / task.cycle_s**3 / 1e6
-    return max(abs(task.work_n_mm) / 1000.0 / task.cycle_s, moving, 1e-3)
 
 
 LeastValue = Callable[[LimitProblem, Ranges | NearMotion | None], TriedMotion]
@@ -202,8 +197,7 @@ def _with_curves(problem: LimitProblem, least_value: LeastValue, name: str, *, p
 def _solved(problem: LimitProblem, least_value: LeastValue, name: str) -> tuple[LimitProblem, Trials, Solved]:
     """The least value without the driving curve, and its motion; raises NoSuchMechanism where there is none.
 
-    Where demands are so tight that no motion is found, the problem with slightly easier demands is solved: its certain
-    limit holds for this problem too.
+    Where no motion is found, slightly easier demands are tried: their certain limit holds for this problem too.
     """
     for factor in EASED:
         easier = problem.eased(factor)
@@ -217,21 +211,17 @@ def _solved(problem: LimitProblem, least_value: LeastValue, name: str) -> tuple[
 
 
 def _trials(problem: LimitProblem, least_value: LeastValue, name: str) -> Trials:
-    """What the search for ranges asks of the programmes."""
-
-    def tried_in(curve: Ranges | NearMotion | None, figures: FigureRanges, below: float) -> TriedMotion:
-        return least_value(problem, curve)
-
-    def programme(ranges: Ranges | None, figures: FigureRanges, below: float) -> MotionProgramme:
-        return problem.under(**{name: below}).programme(ranges)
-
-    return Trials(problem.on, tried_in, programme, {})
+    return Trials(
+        problem.on,
+        lambda curve, figures, below: least_value(problem, curve),
+        lambda ranges, figures, below: problem.under(**{name: below}).programme(ranges),
+        {},
+    )
 
 
 def q_of(q: Linear, variables: Array) -> Array:
     """q at the places, never zero."""
-    values: Array = np.maximum(variables[q.columns[0]], 1e-9)
-    return values
+    return np.maximum(variables[q.columns[0]], 1e-9)
 
 
 def motion_of(on: CrankCycle, q: Array) -> Motion:

@@ -149,14 +149,12 @@ class MotionProgramme:
     def _slope(self) -> Linear:
         """The mean along the way of the acceleration in each cell, over crank w^2, positive where the speed rises."""
         per = 1.0 / self.length
-        slope: Linear = self.energy[self.next] * per - self.energy * per
-        return slope
+        return self.energy[self.next] * per - self.energy * per
 
     def limit_decelerations(self) -> None:
         """Wished decelerations over stretches: the mean over each whole cell, and the deceleration at a dead centre.
 
-        A law that keeps the deceleration at every point also keeps it in the mean, so the rows hold for every such law.
-        They miss the swing of the deceleration within a cell, which is of first order in the step.
+        A law that keeps the deceleration at every point keeps the mean too; the swing within a cell is of first order.
         """
         on = self.on
         for limit in self.asked.requirements(DecelerationWithin):
@@ -251,10 +249,7 @@ class MotionProgramme:
         return self.priced.get(name, LimitedFigure(self.constant(np.ones(1)), 1.0, most))
 
     def _limit_flow(self, name: str, given: Linear) -> None:
-        """The energy given in each cell takes its time at a peak power.
-
-        The product of the power's share and the time lies below both planes of McCormick.
-        """
+        """Cells take their time at a peak power; its share times the time lies below both planes of McCormick."""
         power = self._limit(name)
         if power is None:
             return
@@ -266,8 +261,7 @@ class MotionProgramme:
     def _slower(self) -> Linear:
         """What s is no less than at the places: its chord in q over the range."""
         slow, fast = np.sqrt(self.lowest), np.sqrt(np.maximum(self.highest, self.lowest))
-        chord: Linear = (self.q - self.lowest) * (1.0 / (slow + fast)) + slow
-        return chord
+        return (self.q - self.lowest) * (1.0 / (slow + fast)) + slow
 
     def _swing(self, given: Linear, total: float, swing: LimitedFigure) -> None:
         """The energy at each place less the mean torque's stays within a band."""

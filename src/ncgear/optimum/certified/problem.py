@@ -11,7 +11,7 @@ from typing import Any
 from ncgear.frozen import dataclass
 from ncgear.optimum.certified.curve_rows import follow_driving_curve, limit_bulge, limit_driving_curve, limit_lean
 from ncgear.optimum.certified.cycle import CrankCycle
-from ncgear.optimum.certified.demands import Demands, NearMotion, Priced, Ranges
+from ncgear.optimum.certified.demands import PEAKS, Demands, NearMotion, Priced, Ranges
 from ncgear.optimum.certified.motion import MotionProgramme
 from ncgear.optimum.certified.proof import least
 from ncgear.optimum.certified.time_rows import least_times, limit_times, needs_times, take_time
@@ -109,15 +109,7 @@ class LimitProblem:
 
     def eased(self, factor: float) -> LimitProblem:
         """The problem with higher peaks and steepness."""
-        names = (
-            "acceleration_mm_s2",
-            "speed_mm_s",
-            "power_w",
-            "braking_w",
-            "fluctuation_n_mm",
-            "torque_n_mm",
-            "steepness",
-        )
+        names = (*PEAKS, "steepness")
         return self.under(**{name: factor * getattr(self.asked, name) for name in names})
 
     def under(self, **demands: Any) -> LimitProblem:

@@ -139,10 +139,7 @@ class ConicAnswer:
 
 
 def least(programme: ConicProgramme, goal: Linear) -> ConicAnswer:
-    """The least value of a goal, a single expression, and variables that come near it.
-
-    Raises WrongInput where Clarabel is not installed.
-    """
+    """The least of a goal, a single expression, and variables near it; raises WrongInput without Clarabel."""
     require("clarabel", "optimize", "a certified limit")
     import clarabel
 
@@ -258,5 +255,4 @@ class Proof:
         flat = each.size - 3 * self.cones
         three = each[flat:].reshape(-1, 3)
         three[:, 0], three[:, 1:] = three.sum(axis=1), 0.0
-        let_out: Array = each
-        return let_out
+        return each

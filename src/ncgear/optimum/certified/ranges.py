@@ -100,8 +100,7 @@ def _spare(on: CrankCycle, q: Array) -> Array:
     s = np.sqrt(q)
     forward, backward = (np.roll(s, -1) - s) / after, (s - np.roll(s, 1)) / before
     bend, slope = 2.0 * (forward - backward) / (after + before), (forward + backward) / 2.0
-    spare: Array = (1.0 + s - s * bend + slope**2) / (1.0 + s + np.abs(s * bend) + slope**2)
-    return spare
+    return (1.0 + s - s * bend + slope**2) / (1.0 + s + np.abs(s * bend) + slope**2)
 
 
 def rows_of_places(cells: IndexArray, count: int) -> list[IndexArray]:
@@ -139,10 +138,7 @@ def everywhere(
 
 
 def _leaning(known: Array, angle_rad: Array, steepness: float) -> tuple[Array, Array]:
-    """Greatest q at places from known places, and in the cells, where 1 + s changes by exp(t d) at most over d rad.
-
-    With a negative steepness, the least q.
-    """
+    """Greatest q at places and in cells where 1 + s changes by exp(t d) over d rad; the least where t is negative."""
     sign = 1.0 if steepness > 0.0 else -1.0
     far, height = abs(steepness) * angle_rad, sign * np.log1p(np.sqrt(known))
     onward = np.minimum.accumulate(height - far) + far
@@ -245,5 +241,4 @@ def _tangent(product: Array, about: Array) -> Array:
     lifted = np.where(c >= 0.0, product - LEAST_C, product + LEAST_C)
     lifted = np.where(lifted > 0.0, lifted, product + LEAST_C)
     moved = 1.0 / np.maximum(lifted, 1e-3) ** 2
-    found: Array = np.where(np.abs(c) < LEAST_C, moved, about)
-    return found
+    return np.where(np.abs(c) < LEAST_C, moved, about)

@@ -14,7 +14,7 @@ from typing import Any
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.optimum.certified.cycle import cycle
-from ncgear.optimum.certified.demands import Demands, WishDemand
+from ncgear.optimum.certified.demands import PEAKS, Demands, WishDemand
 from ncgear.optimum.certified.problem import LimitProblem
 from ncgear.optimum.offers import Refused
 from ncgear.optimum.task import Task
@@ -78,8 +78,7 @@ NOT_CONVEX = Offer("pitch curves that are not convex", (("optimize.limits.convex
 LEAST_ROOM = 1e-9
 """Share of the mean ratio by which a limit must differ from it: a mean that is written with ten digits differs by less.
 
-The bounds themselves hold down to 1e-12; below that, rounding decides whether there is a law.
-"""
+The bounds themselves hold down to 1e-12; below that, rounding decides whether there is a law."""
 
 
 def _too_tight(said: str, offers: Sequence[Offer], key: str) -> Refused:
@@ -126,17 +125,6 @@ def _at_one_ratio(ratio: str, crank_rad: float, driving_rad: float) -> str:
     return f"at the {ratio} throughout, {taken}, and the wish asks for"
 
 
-PEAKS = {
-    "power_w": ("peak_power_w", "W"),
-    "acceleration_mm_s2": ("peak_acceleration_mm_s2", "mm/s^2"),
-    "speed_mm_s": ("peak_speed_mm_s", "mm/s"),
-    "braking_w": ("braking_power_w", "W of braking power"),
-    "torque_n_mm": ("rms_torque_n_m", "N m of r.m.s. torque"),
-    "fluctuation_n_mm": ("flywheel_kg_mm2", "kg mm^2 of flywheel"),
-}
-"""Demands that can be given too low: the name of the limit and its unit in a design file, of an output that slides."""
-
-
 def _key_and_unit(task: Task, name: str) -> tuple[str, str]:
     """The dotted key of a demand, and its unit at this key, in units of the output."""
     key, unit = PEAKS[name]
@@ -164,8 +152,7 @@ def too_little(task: Task, name: str, value: float, enough: float) -> Refused:
 def refusal(problem: LimitProblem) -> Refused:
     """The error that says why no law keeps the demands: the peaks that bind, then curves and wishes.
 
-    For a peak that is too low with any values of the others: its nearest value with the others as they are, if it
-    exists.  Else the nearest value of each peak that binds.
+    A peak that is too low with any values of the others is told with its nearest value; else each peak that binds.
     """
     asked, task = problem.asked, problem.task
     given = {name: getattr(asked, name) for name in PEAKS if getattr(asked, name) < inf}
@@ -218,10 +205,7 @@ def _least(problem: LimitProblem, name: str) -> float:
 
 
 def _of_curves_and_wishes(problem: LimitProblem) -> Refused:
-    """The refusal where no peak is enough: convex curves, the pressure angle or a wish leave no law.
-
-    A wish that cannot be kept alone is told before wishes that cannot be kept together.
-    """
+    """The refusal where no peak is enough; a wish that cannot be kept alone is told before wishes together."""
     wishes, bare = problem.asked.in_order, problem.under(wishes=())
     for wish in wishes:
         alone = bare.under(wishes=(wish,))
@@ -240,7 +224,6 @@ def _of_curves_and_wishes(problem: LimitProblem) -> Refused:
 
 
 def _without(problem: LimitProblem, wish: WishDemand) -> LimitProblem:
-    """The problem without one of its wishes."""
     return problem.under(wishes=tuple(one for one in problem.asked.wishes if one is not wish))
 
 
@@ -267,10 +250,7 @@ def _nearest_wish(free: LimitProblem, wish: WishDemand) -> list[Offer]:
 
 
 def _eased(problem: LimitProblem, demands: Callable[[float], dict[str, Any]], guess: float) -> float:
-    """The least value with which demands that follow from it can be kept, to a share of EASED; infinite where none is.
-
-    Where the grid has many places, a grid of few places tells where to look.
-    """
+    """The least value with which demands that follow can be kept, to a share of EASED; infinite where none is."""
 
     def turned(on: LimitProblem, guess: float, step: float) -> tuple[float, float] | None:
         return turning_point(lambda value: on.under(**demands(value)).excess, guess, EASED, step)

@@ -137,9 +137,8 @@ def raised(
 ) -> tuple[float, Effort]:
     """A certain least sum of priced figures, by their names in ``Demands``, and the effort of its proof.
 
-    From the figures and the motion of a law.  Ranges of q all around the turn, and of the figures, are narrowed and
-    divided.  Both pitch curves must be convex, or their tangent limited.  Raises NoSuchMechanism where the demands
-    themselves cannot be kept.
+    Ranges of q all around the turn, and of the figures, are narrowed and divided from a law's figures and motion.  Both
+    pitch curves must be convex, or their tangent limited.  Raises NoSuchMechanism where the demands cannot be kept.
     """
     whole = sum(price * law[name] for name, price in prices.items())
     value, effort = _raised_on(PLACES_RAISED, task, asked, prices, law, motion, budget)
@@ -161,7 +160,6 @@ def _raised_on(
     motion: Motion,
     budget: Budget,
 ) -> tuple[float, Effort]:
-    """The least sum on a grid of this number of places."""
     problem = problem_of(task, asked, places)
     trials, whole = _trials(problem, prices), sum(price * law[name] for name, price in prices.items())
     without = trials.least(None, dict.fromkeys(prices, (0.0, inf)), whole).value
@@ -175,8 +173,6 @@ def _raised_on(
 
 
 def _trials(problem: LimitProblem, prices: Mapping[str, float]) -> Trials:
-    """The programmes of motions by the sum of priced figures."""
-
     def programme(
         curve: Ranges | NearMotion | None, figures: FigureRanges, below: float
     ) -> tuple[MotionProgramme, Linear]:

@@ -50,7 +50,7 @@ LOWERED, STEPS_DOWN = 0.998, 20
 ROUNDING = 1e-7
 """Share of the time of a cycle, and of levels, that rounding errors may make."""
 
-STANDING = 1e-9
+STANDING = 1e-7
 """Share of the stroke under which the way for an angle of the crank is that of a dead centre."""
 
 
@@ -170,10 +170,9 @@ class Sweeps:
     def _barrier(
         self, limits: SweptLimits, cell: int, q: Array, nodes: tuple[int, int], most: int
     ) -> tuple[Array, Array]:
-        """The value at the other end of a cell that no motion passes, and the steepest slope towards it.
+        """The value at the other end of a cell that no motion passes, and the steepest slope towards it, or infinity.
 
-        ``most`` is 1 for the greatest slope, forwards, and 0 for the least, backwards.  Infinite where no limit bounds
-        the slope.
+        ``most`` is 1 for the greatest slope, forwards, and 0 for the least, backwards.
         """
         here, there = nodes
         step = self.step[cell] if most else -self.step[cell]
@@ -191,10 +190,7 @@ class Sweeps:
         return np.where(bounded, end, inf), np.where(bounded, line, sign * inf)
 
     def slopes(self, limits: SweptLimits, at: tuple[int, int], q: Array) -> tuple[Array, Array]:
-        """The least and the greatest q' that all limits let be at a place of a cell, by its numbers, shape (k,).
-
-        The least is over the greatest where no motion has such a q there.
-        """
+        """The least and the greatest q' that all limits allow at a place of a cell, (k,); crossed where none is."""
         asked, speed, known = self.asked, self.task.speed_rad_s, self.known
         s = np.sqrt(q)
         most = 2.0 * asked.steepness * (q + s) if asked.steepness < inf else np.full(q.shape, inf)
@@ -279,8 +275,7 @@ def least_flank_load(
 ) -> Array:
     """For k caps of the power and ranges of the flywheel a flank load in N mm that no law is under, shape (k,).
 
-    It is looked for between a ``share`` of ``most_n_mm``, such as the load of a law that was found, and all of it; zero
-    where none of that range is certain.
+    It is sought between a ``share`` of ``most_n_mm`` and all of it; zero where none of that range is certain.
     """
 
     def made(levels: Array, problem: IndexArray) -> SweptLimits:

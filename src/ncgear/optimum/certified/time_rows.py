@@ -44,8 +44,7 @@ def limit_times(of: MotionProgramme, known: Ranges) -> None:
         half = half[cells]
 
         def mean(s: Array) -> Array:
-            longest: Array = -np.log1p(-np.expm1(half) / s) / half * (1.0 + ROUNDING)
-            return longest
+            return -np.log1p(-np.expm1(half) / s) / half * (1.0 + ROUNDING)
 
     for_ends = []
     for end in (cells, of.next[cells]):

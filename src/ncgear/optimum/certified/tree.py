@@ -296,9 +296,9 @@ class Tree:
 
 
 class Seen:
-    """The least and the greatest q at the places, shape (n,), of all motions that were found while a box is narrowed.
+    """The least and the greatest q at the places of all motions found while a box is narrowed, shape (n,).
 
-    What was seen near an end of a range says that this end will hardly move.
+    An end of a range near which a motion was seen will hardly move.
     """
 
     def __init__(self, count: int) -> None:
@@ -318,8 +318,7 @@ class Seen:
 def bisected(trials: Trials, parts: Sequence[IndexArray], without: float, motion: Solved, asked: Demands) -> float:
     """A certain least value with ranges of q in parts of the turn, places in a row each, from one box.
 
-    ``without`` is the certain limit without ranges, ``motion`` a motion that keeps all relations.  Each time the box is
-    not empty, the target goes halfway back to the certain limit.
+    ``without`` is the limit without ranges, ``motion`` keeps all relations.  The target is halved towards the limit.
     """
     tree, box = whole_tree(trials, parts, without, motion, asked, Budget(0))
     target = (1.0 - ENOUGH) * motion.value
@@ -332,10 +331,7 @@ def bisected(trials: Trials, parts: Sequence[IndexArray], without: float, motion
 
 
 def proven(tree: Tree, whole: MotionBox, law: float, lacking: float) -> tuple[float, Effort]:
-    """A certain least value, from boxes into which the whole box is divided, and the effort.
-
-    ``law`` is the value of a law, ``lacking`` the part of it that the grid misses.
-    """
+    """A certain least value from divided boxes, and the effort; the grid misses ``lacking`` of the law's value."""
     budget, without = tree.budget, whole.value
     # One box alone first: it may be narrow enough for the highest target
     target = (1.0 - ENOUGH) * law

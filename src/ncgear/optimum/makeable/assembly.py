@@ -163,7 +163,6 @@ class Assembly:
         )
 
     def _slopes(self, local_rows: Any, whole_rows: Any) -> _Combined:
-        """The rows' first derivatives."""
         term, variable = self.local.of_slopes
         place = local_rows.col // self.rows.terms
         row, source, each, weight = [], [], [], []
@@ -250,6 +249,5 @@ class Assembly:
         return casadi.vertcat(*at)
 
     def _mapped(self, function: Any, at: Any, *more: Any) -> Any:
-        """A local function at all places."""
         data = casadi.DM(np.vstack(self.rows.at.slider))
         return function.map(self._places)(at, data, *more)

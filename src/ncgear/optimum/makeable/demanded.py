@@ -12,10 +12,10 @@ from ncgear.errors import NoSuchMechanism, Unanswered
 from ncgear.kinematics.crank_stretches import CrankStretch
 from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.optimum.certified.demands import Demands, WishDemand
+from ncgear.optimum.certified.demands import PEAKS, Demands, WishDemand
 from ncgear.optimum.certified.limit import Bound, Motion, least_acceleration, least_of, least_power, problem_of
 from ncgear.optimum.certified.motion import ROUNDING
-from ncgear.optimum.certified.refusals import LEAST_ROOM, PEAKS, in_demand, refusal, too_little
+from ncgear.optimum.certified.refusals import LEAST_ROOM, in_demand, refusal, too_little
 from ncgear.optimum.certified.sums import PeakWeights, least_weighted_sum, raised
 from ncgear.optimum.certified.tree import Budget
 from ncgear.optimum.makeable.driving_ranges import Passed, passed_by_all, ranges
@@ -37,10 +37,7 @@ OF_LOADS = {figure: DEMANDS[figure] for figure in LOAD_LIMITS if figure in DEMAN
 
 
 def knows_loads(task: Task, wishes: Wishes) -> bool:
-    """Whether the limit knows power and torque of the driving shaft.
-
-    It does not where a shaft between two pairs has inertia: its part depends on how the pairs share the ratio.
-    """
+    """Whether the limit knows power and torque: not with a shaft of inertia between two pairs, which moves freely."""
     return wishes.two_stages is None or not task.moving.between_inertia_kg_mm2
 
 
@@ -76,7 +73,6 @@ def demands_of(task: Task, wishes: Wishes, case: Case = NO_CASE) -> Demands:
 
 
 def _least_ratio(task: Task, wishes: Wishes) -> float:
-    """The least ratio i12 that the limits let a law have."""
     slowest = 0.0 if wishes.driven_speed_rad_s is None else task.speed_rad_s / wishes.driven_speed_rad_s
     return max(wishes.limits.ratio_min, slowest)
 
@@ -129,10 +125,7 @@ def _demands(task: Task, wish: Wish, asked: Requirement, ratio_max: float) -> It
 
 
 def certified_limit(task: Task, wishes: Wishes) -> Bound | None:
-    """The limit of a goal, in the goal's unit; None for a goal that no limit is known of.
-
-    Raises NoSuchMechanism where certainly no law keeps the limits.
-    """
+    """The limit of a goal in its unit, if one is known; raises NoSuchMechanism where certainly no law is left."""
     return _limit(task, wishes, demands_of(task, wishes))
 
 
@@ -160,7 +153,6 @@ def _limit(task: Task, wishes: Wishes, asked: Demands) -> Bound | None:
 
 
 def _known_prices(task: Task, wishes: Wishes) -> dict[str, float]:
-    """The prices of the figures that the limit knows."""
     known = DEMANDS if knows_loads(task, wishes) else ("peak_acceleration_mm_s2", "peak_speed_mm_s")
     return {name: price for name, price in vars(wishes.prices).items() if price and name in known}
 
@@ -169,8 +161,7 @@ OF_WAY = {"peak_speed_mm_s": (2.0, 1), "peak_acceleration_mm_s2": (16.0, 2), "pe
 """Least peaks of any motion to and fro, whatever makes it: a number times stroke over a power of the cycle time.
 
 A periodic motion whose n-th derivative is at most m swings by at most 2 K m/w^n with w = 2 pi/T and K = pi/2, pi^2/8
-and pi^3/24 (J. Favard, 1937).
-"""
+and pi^3/24 (J. Favard, 1937)."""
 
 
 def least_of_way(figure: str, stroke_mm: float, cycle_s: float) -> float:
@@ -181,20 +172,16 @@ def least_of_way(figure: str, stroke_mm: float, cycle_s: float) -> float:
 
 OF_STROKE: dict[str, Callable[[Task, Demands], float]] = {
     "peak_jerk_mm_s3": lambda task, asked: least_of_way("peak_jerk_mm_s3", task.linkage.stroke_mm, task.cycle_s),
-    "tooth_force_n": lambda task, asked: _least_tooth_force_n(task),
+    "tooth_force_n": lambda task, asked: (
+        0.0 if task.gears is None else max(task.work_n_mm, 0.0) / task.gears.rolled_mm(task.lobes)
+    ),
     "flank_load_n_mm": lambda task, asked: _least_flank_load_n_mm(task, asked.steepness),
     "center_distance_mm": lambda task, asked: _least_center_distance_mm(task, asked.steepness),
 }
 """Least values of figures in closed form, whatever the other limits are.
 
 The force between teeth does the work of the cycle along the way that the teeth go across the line of centres, and
-never more than its size times this way.
-"""
-
-
-def _least_tooth_force_n(task: Task) -> float:
-    """The least peak of the force between teeth in N: zero where a load drives the machine."""
-    return 0.0 if task.gears is None else max(task.work_n_mm, 0.0) / task.gears.rolled_mm(task.lobes)
+never more than its size times this way."""
 
 
 def _least_flank_load_n_mm(task: Task, steepness: float) -> float:
@@ -211,10 +198,7 @@ def _least_flank_load_n_mm(task: Task, steepness: float) -> float:
 
 
 def _least_center_distance_mm(task: Task, steepness: float) -> float:
-    """The least centre distance in mm of gears with given teeth and module, under a limit of their curves' tangent t.
-
-    A curve is longer than the way across the line of centres by at most 1/cos(atan t); zero without a limit.
-    """
+    """The least centre distance in mm of gears of a size: curves are longer than the way across by 1/cos(t) at most."""
     size = task.gears
     if size is None or size.teeth is None or size.module_mm is None:
         return 0.0
@@ -231,8 +215,8 @@ def bound_of_stroke(name: str, price: float, task: Task, asked: Demands) -> Boun
 def _least_tangent(task: Task, asked: Demands, price: float) -> Bound | None:
     """The limit of the pitch curves' angle times its price: the least steepness with which no other demand is missed.
 
-    The driving curve is left free.  None where the programme knows no angle that is too small: it knows no upper bounds
-    of times, which a time ratio needs.
+    None where the programme knows no angle that is too small: it has no upper bounds of times, as a time ratio
+    needs.
     """
     _refuse_together(task, asked)
     found = least_of(task, asked, "steepness", guess=1.0)
@@ -257,12 +241,11 @@ def raised_limit(
     motion: Motion,
     tell: Callable[[int, int], None] = lambda used, most: None,
 ) -> Bound:
-    """The limit of a goal, raised towards the figures of a law, if it is not close to them, from the law's motion.
+    """The limit of a goal, raised towards the figures of a law from the law's motion, where it is not close to them.
 
-    Where the limit is close to a motion of the places, the law could come nearer to it with more knots.  Ranges of q
-    all around the turn can raise it where both curves must be convex or the pressure angle is limited, and cases of
-    driving ranges where there are some.  ``tell`` is called with the numbers of cases, or of programmes, solved and at
-    most to be solved.
+    Cases of driving ranges raise it, and ranges of q all around the turn where both curves must be convex or the
+    pressure angle is limited. ``tell`` takes the numbers of cases, or of programmes, solved and at most to be
+    solved.
     """
     asked = demands_of(task, wishes)
     priced = _known_prices(task, wishes)
@@ -279,10 +262,9 @@ def raised_limit(
 
 
 def _by_cases(task: Task, wishes: Wishes, known: float, law: float, tell: Callable[[int, int], None]) -> float:
-    """The least limit of all cases of driving ranges; the case with the least limit is halved until it is close to a
-    law.
+    """The least limit of all cases of driving ranges, halved where it is least until it is close to a law.
 
-    ``known`` is the limit of all laws.  The value is never over the value of the law, which is in one of the cases.
+    ``known`` is the limit of all laws. The value is never over the law's, which is in one of the cases.
     """
     every = _every_law(task, wishes)
     left: list[tuple[float, int, Case]] = [(known, 0, every)] if every else []

@@ -54,10 +54,7 @@ Found = TypeVar("Found", bound=FoundLaw)
 
 
 class Passed(NamedTuple):
-    """The least and the greatest crank angle in rad at which laws begin a driving range, and at which they end it.
-
-    Every law is in one case; halved again and again, the cases tell the crank angles of each law in the range.
-    """
+    """The least and the greatest crank angle in rad at which laws begin a driving range, and at which they end it."""
 
     start: tuple[float, float]
     end: tuple[float, float]
@@ -88,11 +85,7 @@ class Passed(NamedTuple):
 
 
 def passed_by_all(driving: DrivingRange, cycle_rad: float, ratio_min: float, ratio_max: float) -> Passed:
-    """The case of every law with i12 = dphi1/dphi2 in a range.
-
-    The crank turns by phi1/i12_max to phi1/i12_min from the retracted dead centre on, and likewise back from the next
-    retracted dead centre.
-    """
+    """The case of every law with i12 = dphi1/dphi2 in a range: the crank turns by phi1/i12_max to phi1/i12_min."""
 
     def turned(phi1: float) -> tuple[float, float]:
         turns, local = divmod(phi1, cycle_rad)
@@ -130,10 +123,9 @@ def held_as(wishes: Wishes, motion: Motion, cycle_rad: float) -> Wishes:
 
 
 def best_held(wishes: Wishes, found: Found, find: Callable[[Wishes, Motion], Found | None]) -> Found:
-    """The best law that ``find`` finds for wishes whose driving ranges are held over other crank angles.
+    """The best law that ``find`` finds, from a motion, with driving ranges held over other crank angles.
 
-    ``found`` is the law for the crank angles of ``wishes``; ``find`` starts from a motion.  Each end is moved by
-    itself, so that both together may do better.
+    ``found`` is the law for the crank angles of ``wishes``; each end is moved by itself.
     """
     first, ends = found.goal, [(number, end) for number in ranges(wishes) for end in (0, 1)]
     for step in STEPS:

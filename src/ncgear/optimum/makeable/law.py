@@ -124,20 +124,14 @@ def _held_law(task: Task, wishes: Wishes, start: Motion) -> MakeableLaw:
 
 
 def nearest_law(task: Task, wishes: Wishes) -> MakeableLaw:
-    """The law that comes nearest to keeping all limits, for wishes that no law keeps all of.
-
-    Raises NoSuchMechanism where none is found.
-    """
+    """The law nearest to keeping all limits, where no law keeps them; raises NoSuchMechanism where none is found."""
     search = searched(task, wishes)
     near = _nearest(search, search.begun(EVEN)).coefficients
     return law_of(search, Kept(search.rounded(near), search.reached(near)))
 
 
 def law_from(task: Task, wishes: Wishes, start: Motion, number: int) -> MakeableLaw | None:
-    """The best law found from another start than a motion, of many that are told apart by numbers; None where none is.
-
-    See ``LawSearch.elsewhere``.
-    """
+    """The best law from another start than a motion, told by a number (``LawSearch.elsewhere``); None where none is."""
     return kept_law(task, held_as(wishes, start, task.cycle_rad), start, number)
 
 
@@ -178,9 +172,8 @@ def _nearest(search: LawSearch, start: Array) -> Solution:
 def _kept_between(search: LawSearch, near: Array) -> MakeableLaw:
     """A law that keeps all limits between the places too, from coefficients that keep them at the places.
 
-    Raises NoSuchMechanism.  It names, for each limit, the least value found with which a law keeps all other limits
-    everywhere.  Where no such law was found, it names the values that the coefficients reach of the limits that they
-    overstep.
+    Raises NoSuchMechanism with the least value of each limit with which a law keeps all others everywhere; where
+    none was found, with the values that the coefficients reach of the limits that they overstep.
     """
     levels, reached = search.programme.levels, search.reached(near)
     limited = dict.fromkeys(level.wish for level in levels if level.limit is not None and level.wish != CONVEX)
@@ -203,10 +196,7 @@ def _kept_without(search: LawSearch, wishes: Sequence[str], *starts: Array | Sol
 
 
 def _freed(search: LawSearch, wishes: Sequence[str]) -> LawSearch:
-    """The search that keeps all other limits, and comes to the limits of these wishes as near as it can.
-
-    Of a wish with two sides, as a place at an angle, no law is better for a side that has room.
-    """
+    """The search that keeps all other limits, and comes as near as it can to both sides of these wishes."""
     levels = search.programme.levels
     freed = np.array([level.wish in wishes for level in levels])
     dents = np.array([level.wish == CONVEX for level in levels])
@@ -255,11 +245,7 @@ def _told(enough: str, said: str, offers: Sequence[Offer]) -> str:
 
 
 def _eased(search: LawSearch, near: Solution) -> Iterator[tuple[str, Solution]]:
-    """Each wish that presses, with the law that keeps all others at the places and it as nearly as it can, if any.
-
-    The wishes that press keep up the excess of ``near``, the law that comes nearest to keeping all limits.  Without any
-    of the others the same law would still be the nearest.
-    """
+    """Each wish that presses, without which a law of less excess exists, with the law that keeps all others, if any."""
     for wish in dict.fromkeys(level.wish for level, share in _shares(search, near) if share > PRESSING):
         share = sum(share for level, share in _shares(search, near) if level.wish == wish)
         found = _without(search, [wish], DEARER / share, near)
@@ -272,17 +258,15 @@ Eased = Callable[[float], list[Offer]]
 
 
 def found_instead(task: Task, wishes: Wishes, over: float = NO_EXCESS) -> list[Eased]:
-    """Limits and wishes, each eased alone to a value with which a law was found that keeps all others everywhere.
+    """Limits and wishes, each eased alone to a value with which a law of few knots keeps all others everywhere.
 
-    For wishes of which no law keeps all.  The laws have few knots and take about a second each; with more knots less
-    easing may be enough.  Empty where no law was found, and where a law oversteps all limits by no more than ``over``.
+    Empty where no law was found, and where a law oversteps all limits by no more than ``over``.
     """
     found = (list(_found_instead(search, over)) for search in _few_knots(task, wishes))
     return next(filter(None, found), [])
 
 
 def _few_knots(task: Task, wishes: Wishes) -> Iterator[LawSearch]:
-    """The searches for laws of few knots, one after the other."""
     return (searched(task, replace(wishes, knots=wishes.knots // ceil(wishes.knots / most))) for most in FEW_KNOTS)
 
 
@@ -307,10 +291,9 @@ def _eased_by(search: LawSearch, wishes: Sequence[str], reached: Array) -> Eased
 def _freed_together(
     search: LawSearch, near: Solution, may_give: Callable[[Level], bool]
 ) -> tuple[list[str], Solution | None]:
-    """Wishes that give way, without which a law keeps all other wishes at the places, and that law.
+    """Wishes that give way, the most pressing first, without which a law keeps all others at the places, and that law.
 
-    The most pressing wish is given up, then the wish that presses most without it, and so on.  Then each is kept again
-    where the others are enough.  The law is None where no law was found.
+    Each is kept again where the others are enough.  The law is None where no law was found.
     """
     freed: list[str] = []
     found: Solution | None = near
@@ -331,10 +314,7 @@ def _freed_together(
 
 
 def found_together(task: Task, wishes: Wishes, *, limits_alone: bool) -> Eased | None:
-    """Limits that, all eased together, leave a law that keeps all wishes and all other limits everywhere.
-
-    Wishes give way as well unless ``limits_alone``.  None where no law was found.
-    """
+    """Limits (and wishes, unless ``limits_alone``) that, eased together, leave a law that keeps all others."""
     found = (_found_together(search, limits_alone) for search in _few_knots(task, wishes))
     return next((one for one in found if one is not None), None)
 
@@ -367,8 +347,7 @@ def _from_even(search: LawSearch) -> Kept | None:
 def _without(search: LawSearch, wishes: Sequence[str], price: float, near: Solution) -> Solution | None:
     """The law with these wishes' levels as low as they go; an excess over all other caps costs the price.
 
-    Where the method does not settle from the coefficients of the nearest law, it goes on from all its variables.  Where
-    a small excess is left because it was too cheap, it goes on with a higher price.
+    Where the method does not settle it goes on from all variables of the nearest law; a small excess is priced higher.
     """
     free = _freed(search, wishes)
     nearest = free.programme.nearest
@@ -379,7 +358,6 @@ def _without(search: LawSearch, wishes: Sequence[str], price: float, near: Solut
 
 
 def _shares(search: LawSearch, near: Solution) -> Iterator[tuple[Level, float]]:
-    """Every level, with its share in keeping up the excess."""
     return zip(search.programme.levels, near.pressing.tolist(), strict=True)
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from enum import Enum
-from functools import partial
 from math import inf, pi
 from typing import Any
 
@@ -34,10 +33,10 @@ Sides = Callable[[Place, Slider, Term], tuple[Term, ...]]
 
 
 class LevelKind(Enum):
-    """What a level bounds, from its terms at the places of its stretch.
+    """What a level bounds, from its terms at the places of its stretch; integrals are over the driving angle in rad.
 
-    An integral is over the driving angle phi1 in rad.  So the integral of the term 1.0 is the driving angle that a
-    stretch takes, and the integral of a term divided by the cycle is the term's mean over time.
+    So the integral of the term 1.0 is the driving angle that a stretch takes, and a term's integral over the cycle's
+    driving angle is its mean over time.
     """
 
     PEAK = "peak"
@@ -129,6 +128,15 @@ def limited(
     return Level(name, limit, weight, sides, lambda level: limit_offer(name, words, number(level)), **more)
 
 
+def of_figure(
+    name: str, words: str, unit: float, limit: float | None, price: float, sides: Sides, **more: Any
+) -> Iterator[Level]:
+    """The level of a figure, in units of the figure, where it has a limit or a price."""
+    if limit is not None or price:
+        cap = None if limit is None else limit / unit
+        yield limited(name, words, lambda level: shown_above(level * unit), cap, price * unit, sides, **more)
+
+
 # --- forces of a machine with its masses, in units of the order of the forces at a crank that turns evenly ----------
 
 LEAST_N_MM, LEAST_N = 1.0, 1e-3
@@ -171,15 +179,8 @@ def of_loads(task: Task, units: MachineScales, limits: Limits, prices: Prices) -
     def driving(at: Place, slider: Slider, _: Term = 0.0) -> Term:
         return quantities.driving_torque(at, slider, speed) / torque
 
-    def level(
-        name: str, words: str, unit: float, sides: Sides, kind: LevelKind = LevelKind.PEAK, **more: Any
-    ) -> Iterator[Level]:
-        """The level of a figure with a limit or a price; ``unit`` is the level's unit in units of the figure."""
-        limit, price = getattr(limits, name), getattr(prices, name, 0.0)
-        if limit is not None or price:
-            cap = None if limit is None else limit / unit
-            number = partial(_in_unit, unit)
-            yield limited(name, words, number, cap, price * unit, sides, kind=kind, **more)
+    def level(name: str, words: str, unit: float, sides: Sides, **more: Any) -> Iterator[Level]:
+        return of_figure(name, words, unit, getattr(limits, name), getattr(prices, name, 0.0), sides, **more)
 
     def size(force: Callable[[Place, Slider, Term], tuple[Term, Term]], unit: float) -> Sides:
         def sides(at: Place, slider: Slider, _: Term) -> tuple[Term, ...]:
@@ -194,31 +195,24 @@ def of_loads(task: Task, units: MachineScales, limits: Limits, prices: Prices) -
     yield from level("braking_power_w", "a braking power of {} W", per_power, lambda *at: (-driving(*at), 0.0))
     unit, rms, cycle = torque * N_M_PER_N_MM, LevelKind.RMS, task.cycle_rad
     words = "an r.m.s. torque of {} N m"
-    yield from level("rms_torque_n_m", words, unit, lambda *at: (driving(*at),), rms, cycle_rad=cycle)
-    words, order = "an r.m.s. torque of {} N m in high harmonics", task.harmonics_above
-    yield from level(
-        "torque_harmonics_n_m", words, unit, lambda *at: (driving(*at),), rms, order=order, cycle_rad=cycle
-    )
+    yield from level("rms_torque_n_m", words, unit, lambda *at: (driving(*at),), kind=rms, cycle_rad=cycle)
+    words, high = "an r.m.s. torque of {} N m in high harmonics", {"kind": rms, "order": task.harmonics_above}
+    yield from level("torque_harmonics_n_m", words, unit, lambda *at: (driving(*at),), cycle_rad=cycle, **high)
     per_swing = KG_MM2 * torque / (task.speed_fluctuation * speed**2)
     words = "a flywheel of {} kg mm^2"
-    yield from level("flywheel_kg_mm2", words, per_swing, lambda *at: (driving(*at),), LevelKind.SWING)
+    yield from level("flywheel_kg_mm2", words, per_swing, lambda *at: (driving(*at),), kind=LevelKind.SWING)
     bearing, shaking = units.bearing_n, units.shaking_n
     words = "a force of {} N on the crank's bearings"
     yield from level("bearing_force_n", words, bearing, size(quantities.bearing_force, bearing))
     words = "a force of {} N on the frame"
     yield from level("shaking_force_n", words, shaking, size(quantities.shaking_force, shaking))
     if limits.tooth_force_n is not None or prices.tooth_force_n:
-        yield _tooth_force(task, units, limits.tooth_force_n, prices.tooth_force_n)
+        yield from _tooth_force(task, units, limits.tooth_force_n, prices.tooth_force_n)
     if limits.flank_load_n_mm is not None or prices.flank_load_n_mm:
-        yield _flank_load(task, units, limits.flank_load_n_mm, prices.flank_load_n_mm)
+        yield from _flank_load(task, units, limits.flank_load_n_mm, prices.flank_load_n_mm)
 
 
-def _in_unit(unit: float, level: float) -> str:
-    """A level in the unit of its limit."""
-    return shown_above(level * unit)
-
-
-def _tooth_force(task: Task, units: MachineScales, limit: float | None, price: float) -> Level:
+def _tooth_force(task: Task, units: MachineScales, limit: float | None, price: float) -> Iterator[Level]:
     """The force of the flanks that carry; the other sign, of flanks that do not, is far under the limit."""
     size, angles = task.gears, _rack_angles_rad(task)
     assert size is not None
@@ -234,15 +228,14 @@ def _tooth_force(task: Task, units: MachineScales, limit: float | None, price: f
         pushing, back = quantities.inverse_levers(at, angles)
         return torque * pushing / distance / unit, -torque * back / distance / unit
 
-    words, cap = "a force of {} N between the teeth", None if limit is None else 1.0
-    return limited("tooth_force_n", words, lambda level: shown_above(level * unit), cap, price * unit, sides)
+    return of_figure("tooth_force_n", "a force of {} N between the teeth", unit, limit, price, sides)
 
 
 ROUND_GEARS = 8.0
 """(1 + s)^3/s of round gears of one size."""
 
 
-def _flank_load(task: Task, units: MachineScales, limit: float | None, price: float) -> Level:
+def _flank_load(task: Task, units: MachineScales, limit: float | None, price: float) -> Iterator[Level]:
     """The load of the flanks that carry, which decides face width times centre distance squared against pitting."""
     angles, unit = _rack_angles_rad(task), limit or ROUND_GEARS * units.torque_n_mm
 
@@ -252,8 +245,7 @@ def _flank_load(task: Task, units: MachineScales, limit: float | None, price: fl
         per = quantities.relative_curvature(at) / unit
         return torque * pushing * per, -torque * back * per
 
-    words, cap = "a flank load of {} N mm", None if limit is None else 1.0
-    return limited("flank_load_n_mm", words, lambda level: shown_above(level * unit), cap, price * unit, sides)
+    return of_figure("flank_load_n_mm", "a flank load of {} N mm", unit, limit, price, sides)
 
 
 def _rack_angles_rad(task: Task) -> tuple[float, float]:

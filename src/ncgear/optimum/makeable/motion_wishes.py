@@ -106,11 +106,7 @@ def _speed(task: Task, wish: Wish, asked: SpeedWithin) -> Level:
 
 
 def _deceleration(task: Task, wish: Wish, asked: DecelerationWithin) -> Level:
-    """Deceleration over ``most_mm_s2``, less 1; the speed falls where acceleration is against velocity.
-
-    Both strokes have one level. x' has the sign of the stroke at every place, since places at dead centres are moved
-    in.
-    """
+    """Deceleration over ``most_mm_s2``, less 1, in both strokes; no place stands at a dead centre."""
 
     def sides(at: Place, slider: Slider, _: Term) -> tuple[Term, ...]:
         forwards = slider.first / abs(slider.first)

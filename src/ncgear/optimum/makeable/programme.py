@@ -81,10 +81,7 @@ class LawProgramme:
         return self._solved(caps, np.append(weights, 0.0), start, 0.0, kept_back, missed)
 
     def nearest(self, caps: Array, weights: Array, price: float, start: Array | Solution) -> Solution | None:
-        """A law that may overstep all caps by one excess, which has a price beside the weights of the levels.
-
-        Such a law always exists.  Where caps can be kept and the price is high enough, it has no excess.
-        """
+        """A law, which always exists, that oversteps all caps by one excess of a price: none where caps can be kept."""
         return self._solved(caps, np.append(weights, price), start, np.inf, 0.0, 0.0)
 
     def coefficient_bounds(self, size: int) -> tuple[Array, Array]:
@@ -109,6 +106,7 @@ class LawProgramme:
         highest[of_levels], highest[of_excess], lowest[of_excess] = caps, most, 0.0
         lowest[of_levels] = [level.least for level in self.levels]
         lowest[size + np.array(columns.sizes, dtype=int)] = SMALLEST
+
         lowest[:size], highest[:size] = self.coefficient_bounds(size)
         least, greatest = self._row_bounds(caps, most, kept_back, missed)
         # The solver warns of an interrupt; its status says it.

@@ -136,8 +136,7 @@ class JudgedLaw:
     def beyond(self, blocks: Sequence[RowBlock], coarse: Places) -> Array:
         """By how much every row's term is further out around its place than at it, shape (rows at or below zero,).
 
-        "Around" is half a step of the coarse places to both sides.  An integral rises by the part that the coarse
-        places miss.
+        "Around" is half a step of the coarse places; an integral rises by the part that the coarse places miss.
         """
         flat = [(level, term) for level, terms in zip(self.levels, self.terms, strict=True) for term in terms]
         return np.concatenate([self._beyond(block, *flat[block.term], coarse) for block in blocks])
@@ -203,10 +202,7 @@ def running(at: Places, term: Array) -> Array:
 
 
 def _rise(values: Array, number: IndexArray, count: int) -> Array:
-    """By how much values in cells, shape (n, p + 1), rise around ``count`` places, whose numbers have shape (n, q + 1).
-
-    A place that no cell has rises by nothing.
-    """
+    """By how much values in cells (n, p + 1) rise around ``count`` places, numbered by (n, q + 1); 0 without a cell."""
     steps, coarse = values.shape[1] - 1, number.shape[1] - 1
     nearest = np.floor((np.arange(steps) + 0.5) * coarse / steps + 0.5).astype(int)
     there, around = np.zeros(count), np.full(count, -np.inf)
@@ -216,10 +212,7 @@ def _rise(values: Array, number: IndexArray, count: int) -> Array:
 
 
 def peaks(values: Array) -> Array:
-    """Largest value in every step, ends included, of values in cells, shape (n, p + 1) with an even p; shape (n, p).
-
-    It is the largest value of the parabola through the ends and the middle of two steps.
-    """
+    """Largest value in every step of the parabolas through values in cells, shape (n, p + 1), p even; shape (n, p)."""
     start, middle, end = values[:, :-1:2], values[:, 1::2], values[:, 2::2]
     tops = np.maximum(values[:, :-1], values[:, 1:])
     slope, bend = (end - start) / 2.0, start - 2.0 * middle + end

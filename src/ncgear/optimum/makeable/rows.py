@@ -60,13 +60,6 @@ class WholeLaw(ABC):
         """Cosine and sine."""
 
 
-def unknowns_of(level: Level) -> int:
-    """Number of variables of the whole law for each term of a level; of a root mean square its size is the last."""
-    if level.kind is LevelKind.RMS:
-        return 1 if level.order is None else 2 * level.order + 2
-    return 1 if level.kind is LevelKind.SWING else 0
-
-
 def level_terms(
     levels: Sequence[Level], ratios: Sequence[Place], slider: Slider, lengths: Sequence[Term], whole: WholeLaw
 ) -> list[list[Term]]:
@@ -194,8 +187,9 @@ def rows_of(
     unknown, sizes = pairs, []
     for level, count in zip(levels, term_counts, strict=True):
         for _ in range(count):
-            unknown += unknowns_of(level)
+            unknown += level.kind is LevelKind.SWING
             if level.kind is LevelKind.RMS:
+                unknown += 1 if level.order is None else 2 * level.order + 2
                 sizes.append(unknown - 1)
     columns = WholeColumns(pairs, unknown, unknown + len(levels), sizes)
     rows = ProgrammeRows(at, columns, of_levels + 2 * pairs, columns.excess + 1)
@@ -211,7 +205,10 @@ def rows_of(
     running = {term: _running(rows, term) for term, (_, level) in enumerate(each) if level.kind is LevelKind.SWING}
     rows.equations = rows.count
     for term, (number, level) in enumerate(each):
-        places, base = _places_of(level, at), None
+        places, base = at.within(level.stretch), None
+        if level.kind in RUNNING:
+            # Ends of cells, or no place at all
+            places = np.arange(at.number.shape[0]) if level.kind is LevelKind.SWING else np.zeros(1, dtype=int)
         if level.kind in SPANNING:
             base = int(rows.new_wholes(1)[0])
         for sense in (1, -1) if level.kind in TWO_SIDED else (1,):
@@ -219,15 +216,7 @@ def rows_of(
     return rows
 
 
-def _places_of(level: Level, at: Places) -> IndexArray:
-    """Numbers of the places, or ends of cells, at which a level holds its terms."""
-    if level.kind is LevelKind.SWING:
-        return np.arange(at.number.shape[0])
-    return np.zeros(1, dtype=int) if level.kind in RUNNING else at.within(level.stretch)
-
-
 def _hold(rows: ProgrammeRows, level: Level, block: RowBlock) -> None:
-    """Add the rows of a block."""
     at, sense, columns = rows.at, block.sense, rows.columns
     row = rows.new(block.places.size, -sense * level.target)
     if level.kind is LevelKind.SWING:

@@ -28,8 +28,7 @@ STEPS = 2
 
 STRAYING = 0.3
 """Standard deviation of the first random harmonic of ln i12 by which other starts differ from the usual start; the n-th
-harmonic has an n-th of it.  Ratios then begin up to three times as large or as small.
-"""
+harmonic has an n-th of it.  Ratios then begin up to three times as large or as small."""
 
 STRAYING_WAVES = (1.0, 2.0, 3.0)
 
@@ -38,8 +37,7 @@ FINER = 16
 
 FINER_TURN = 2880
 """Fewest steps of the judge's places between even knots in a turn.  The error of a parabola at a peak falls with the
-third power of the step, and is under a millionth with a tenth of these steps.
-"""
+third power of the step, and is under a millionth with a tenth of these steps."""
 
 FINEST = 256
 """Most steps of the judge's places in a cell, for narrow peaks of the force."""
@@ -99,8 +97,7 @@ class LawSearch:
         pairs, random = len(self.programme.cycles_rad), np.random.default_rng(number)
         angle = np.linspace(0.0, 2.0 * pi, begun.size // pairs, endpoint=False)
         waves = np.array([shape(wave * angle) / wave for wave in STRAYING_WAVES for shape in (np.cos, np.sin)])
-        strayed: Array = begun + (STRAYING * random.normal(size=(pairs, len(waves))) @ waves).ravel()
-        return strayed
+        return begun + (STRAYING * random.normal(size=(pairs, len(waves))) @ waves).ravel()
 
     def judged(self, ratio: Array) -> JudgedLaw:
         """A law by its ratios at the knots, shape (pairs, n), at the judge's places."""
@@ -182,10 +179,9 @@ def scales(task: Task) -> Scales:
 def kept(search: LawSearch, start: Array | Solution) -> Kept | None:
     """The best law from a start, solved again until all limits hold on the finer grid; None where they never hold.
 
-    Every term is kept back at each place by its rise beside the place.  Each round leaves less excess; in the last
-    rounds, the rest is also taken off the caps.  Soft wishes are told exactly, too: a law that misses a soft wish by
-    more than its places say is solved again, as is a law whose goal rises between them, and the law that costs least is
-    taken.
+    Every term is kept back at each place by its rise beside the place; in the last rounds the rest is taken off the
+    caps. A law that misses a soft wish by more than its places say, or whose goal rises between them, is solved
+    again, too; the law that costs least is taken.
     """
     programme = search.programme
     blocks, coarse, levels = programme.rows.blocks, programme.rows.at, programme.levels
@@ -210,7 +206,7 @@ def kept(search: LawSearch, start: Array | Solution) -> Kept | None:
         kept_back = np.where(exact, beyond, np.maximum(kept_back, beyond + MARGIN))
         if tried >= PATIENCE:
             caps = caps - over
-        # Where the next solution is too far away to be reached from this solution, solve afresh from its coefficients
+        # Where the next solution is too far away to be reached onwards, solve afresh from the coefficients
         missed = judged.missed(coarse)
         onwards = programme.solved(caps, search.weights, found, kept_back, missed)
         found = onwards or programme.solved(caps, search.weights, found.coefficients, kept_back, missed)

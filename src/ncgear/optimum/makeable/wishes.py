@@ -1,7 +1,4 @@
-"""The wishes of a makeable law, and each wish as a level: a number that bounds a quantity around the turn.
-
-A limit holds its level down; a goal makes it as low as it will go.
-"""
+"""The wishes of a makeable law, and each as a level: limits hold levels down, goals make them as low as they go."""
 
 from __future__ import annotations
 
@@ -16,7 +13,7 @@ from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.certified.refusals import NOT_CONVEX
 from ncgear.optimum.makeable import quantities
-from ncgear.optimum.makeable.levels import Level, LevelKind, MachineScales, limit_offer, limited, of_loads
+from ncgear.optimum.makeable.levels import Level, LevelKind, MachineScales, limit_offer, limited, of_figure, of_loads
 from ncgear.optimum.makeable.motion_wishes import of_motion_wishes
 from ncgear.optimum.makeable.quantities import Place, Slider, Term
 from ncgear.optimum.task import Limits, Prices, Task
@@ -124,16 +121,14 @@ CONVEX = "convex"
 
 STEEPEST = tan(radians(60.0))
 """Limit of the tangent of each pair where two stages have no pressure angle given: with its rack such a pair has 80
-degrees and almost locks.  Without a limit the method strays into ratios that only cancel each other.
-"""
+degrees and almost locks.  Without a limit the method strays into ratios that only cancel each other."""
 
 EASE = 0.3
 """Cost of a tangent of 1, in units of the goal, where two stages have no pressure angle given.  On the baler 2 % of
 acceleration buy nine degrees; at a tenth the method takes five times as long, and at times finds nothing."""
 
 EVENLY = 1e-3
-"""The same cost with a given pressure angle: it picks the way with the least angle, at almost no cost.
-"""
+"""The same cost with a given pressure angle: it picks the way with the least angle, at almost no cost."""
 
 
 NEXT_TO_LOCKED = radians(89.0)
@@ -166,81 +161,70 @@ def levels(wishes: Wishes, scales: Scales) -> list[Level]:
 
 
 def _of_peaks(wishes: Wishes, scales: Scales) -> Iterator[Level]:
-    limits, prices, speed, output = wishes.limits, wishes.prices, scales.task.speed_rad_s, scales.task.linkage.OUTPUT
-    unit, limit, told = scales.acceleration_mm_s2, limits.peak_acceleration_mm_s2, output.acceleration
-    if limit is not None or prices.peak_acceleration_mm_s2:
-        yield limited(
-            f"peak_acceleration_{told.ending}",
-            f"a peak acceleration of {{}} {told.text[:-1]}^2",
-            lambda level: shown_above(level * unit),
-            None if limit is None else limit / unit,
-            unit * prices.peak_acceleration_mm_s2,
-            lambda at, slider, _: _both(quantities.acceleration(at, slider, speed) / unit),
-        )
+    limits, prices, task = wishes.limits, wishes.prices, scales.task
+    unit, speed, output = scales.acceleration_mm_s2, task.speed_rad_s, task.linkage.OUTPUT
+    told = output.acceleration
+    yield from of_figure(
+        f"peak_acceleration_{told.ending}",
+        f"a peak acceleration of {{}} {told.text[:-1]}^2",
+        unit,
+        limits.peak_acceleration_mm_s2,
+        prices.peak_acceleration_mm_s2,
+        lambda at, slider, _: _both(quantities.acceleration(at, slider, speed) / unit),
+    )
     if scales.loads is not None:
-        yield from of_loads(scales.task, scales.loads, limits, prices)
-    elif limits.peak_power_w is not None or prices.peak_power_w:
-        most, watt = limits.peak_power_w, scales.power_w
-        yield limited(
+        yield from of_loads(task, scales.loads, limits, prices)
+    else:
+        yield from of_figure(
             "peak_power_w",
             "a peak power of {} W",
-            lambda level: shown_above(level * watt),
-            None if most is None else most / watt,
-            watt * prices.peak_power_w,
-            lambda at, slider, _: (quantities.power(at, slider, speed) / watt,),
+            scales.power_w,
+            limits.peak_power_w,
+            prices.peak_power_w,
+            lambda at, slider, _: (quantities.power(at, slider, speed) / scales.power_w,),
         )
-    if wishes.peak_jerk_mm_s3 is not None or prices.peak_jerk_mm_s3:
-        jerk = wishes.peak_jerk_mm_s3 or unit * speed
-        yield limited(
-            f"peak_jerk_{output.speed.ending}3",
-            f"a peak jerk of {{}} {output.speed.text}^3",
-            lambda level: shown_above(level * jerk),
-            None if wishes.peak_jerk_mm_s3 is None else 1.0,
-            jerk * prices.peak_jerk_mm_s3,
-            lambda at, slider, _: _both(quantities.jerk(at, slider, speed) / jerk),
+    jerk = wishes.peak_jerk_mm_s3 or unit * speed
+    yield from of_figure(
+        f"peak_jerk_{output.speed.ending}3",
+        f"a peak jerk of {{}} {output.speed.text}^3",
+        jerk,
+        wishes.peak_jerk_mm_s3,
+        prices.peak_jerk_mm_s3,
+        lambda at, slider, _: _both(quantities.jerk(at, slider, speed) / jerk),
+    )
+    yield from of_figure(
+        f"acceleration_harmonics_{told.ending}",
+        f"an r.m.s. acceleration of {{}} {told.text[:-1]}^2 in high harmonics",
+        unit,
+        wishes.acceleration_harmonics_mm_s2,
+        prices.acceleration_harmonics_mm_s2,
+        lambda at, slider, _: (quantities.acceleration(at, slider, speed) / unit,),
+        kind=LevelKind.RMS,
+        order=task.harmonics_above,
+        cycle_rad=task.cycle_rad,
+    )
+    most, price, size = wishes.center_distance_mm, prices.center_distance_mm, task.gears
+    if size is not None and size.teeth is not None and size.module_mm is not None:
+        around = size.teeth * pi * size.module_mm / task.lobes.driving
+        distance = most or around / pi
+        # The length of the curves over that for one mm, the same at every place
+        yield from of_figure(
+            "center_distance_mm",
+            "a centre distance of {} mm",
+            distance,
+            most,
+            price,
+            lambda at, slider, length: (around / length / distance,),
+            stretch=CrankStretch(0.0, 0.0),
         )
-    most, price = wishes.acceleration_harmonics_mm_s2, prices.acceleration_harmonics_mm_s2
-    if most is not None or price:
-        yield limited(
-            f"acceleration_harmonics_{told.ending}",
-            f"an r.m.s. acceleration of {{}} {told.text[:-1]}^2 in high harmonics",
-            lambda level: shown_above(level * unit),
-            None if most is None else most / unit,
-            unit * price,
-            lambda at, slider, _: (quantities.acceleration(at, slider, speed) / unit,),
-            kind=LevelKind.RMS,
-            order=scales.task.harmonics_above,
-            cycle_rad=scales.task.cycle_rad,
-        )
-    yield from _center_distance(wishes, scales.task)
-    if limits.peak_speed_mm_s is not None or prices.peak_speed_mm_s:
-        most_mm_s = limits.peak_speed_mm_s or scales.task.linkage.half_way * speed
-        yield limited(
-            f"peak_speed_{output.speed.ending}",
-            f"a peak speed of {{}} {output.speed.text}",
-            lambda level: shown_above(level * most_mm_s),
-            None if limits.peak_speed_mm_s is None else 1.0,
-            most_mm_s * prices.peak_speed_mm_s,
-            lambda at, slider, _: _both(quantities.velocity(at, slider, speed) / most_mm_s),
-        )
-
-
-def _center_distance(wishes: Wishes, task: Task) -> Iterator[Level]:
-    """The centre distance of gears with given teeth and module: the length of their curves over that for one mm."""
-    most, price, size = wishes.center_distance_mm, wishes.prices.center_distance_mm, task.gears
-    if (most is None and not price) or size is None or size.teeth is None or size.module_mm is None:
-        return
-    around = size.teeth * pi * size.module_mm / task.lobes.driving
-    unit = most or around / pi
-    yield limited(
-        "center_distance_mm",
-        "a centre distance of {} mm",
-        lambda level: shown_above(level * unit),
-        None if most is None else 1.0,
-        unit * price,
-        lambda at, slider, length: (around / length / unit,),
-        # The same at every place
-        stretch=CrankStretch(0.0, 0.0),
+    fastest = limits.peak_speed_mm_s or task.linkage.half_way * speed
+    yield from of_figure(
+        f"peak_speed_{output.speed.ending}",
+        f"a peak speed of {{}} {output.speed.text}",
+        fastest,
+        limits.peak_speed_mm_s,
+        prices.peak_speed_mm_s,
+        lambda at, slider, _: _both(quantities.velocity(at, slider, speed) / fastest),
     )
 
 
@@ -253,16 +237,12 @@ def _of_ratio(wishes: Wishes, scales: Scales) -> Iterator[Level]:
     def slow(at: Place, *_: object) -> tuple[Term, ...]:
         return (at.log,)
 
-    def of_fast(level: float) -> str:
-        return shown_below(exp(-level))
-
-    def of_slow(level: float) -> str:
-        return shown_above(exp(level))
-
     # With two stages the limits hold for the ratio of the whole and for each pair's
     for of_pairs in (False, True)[: wishes.pairs]:
-        yield limited("ratio_min", "a least ratio of {}", of_fast, -log(low), free, fast, of_pairs=of_pairs)
-        yield limited("ratio_max", "a greatest ratio of {}", of_slow, log(high), free, slow, of_pairs=of_pairs)
+        words, number = "a least ratio of {}", lambda level: shown_below(exp(-level))
+        yield limited("ratio_min", words, number, -log(low), free, fast, of_pairs=of_pairs)
+        words, number = "a greatest ratio of {}", lambda level: shown_above(exp(level))
+        yield limited("ratio_max", words, number, log(high), free, slow, of_pairs=of_pairs)
     if wishes.driven_speed_rad_s is not None:
         top, rpm = log(wishes.driven_speed_rad_s / scales.task.speed_rad_s), scales.task.speed_rad_s / RAD_S_PER_RPM
         words = "a driven gear at {} r/min"

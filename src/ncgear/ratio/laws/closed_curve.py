@@ -77,13 +77,14 @@ class SmoothPart:
 
         return SmoothPart(self.start, self.end, polar, self.knots)
 
-    def mirrored(self) -> SmoothPart:
-        """The stretch at the angles' negatives, from its end to its start."""
+    def backwards(self, *, mirrored: bool = False) -> SmoothPart:
+        """The stretch from its end to its start; ``mirrored``, at the angles' negatives."""
+        side = -1.0 if mirrored else 1.0
 
         def polar(at: Array, order: int) -> tuple[Jet, Jet]:
             signs = np.where(np.arange(order + 1) % 2, -1.0, 1.0)[:, None]
             angle, radius = self.polar(-at, order)
-            return Jet(-angle.coefficients * signs), Jet(radius.coefficients * signs)
+            return Jet(side * angle.coefficients * signs), Jet(radius.coefficients * signs)
 
         return SmoothPart(-self.end, -self.start, polar, tuple(-knot for knot in reversed(self.knots)))
 
@@ -121,8 +122,7 @@ class Radius:
 
         def counted(parameter: Array) -> Array:
             """Angles from the start of this radius on."""
-            found: Array = self.start_rad + (stretch.polar(parameter, 0)[0].value - first) / self._stretched
-            return found
+            return self.start_rad + (stretch.polar(parameter, 0)[0].value - first) / self._stretched
 
         angles = counted(grid)
 
@@ -176,7 +176,7 @@ class ClosedCurve:
 
     def mirrored(self) -> ClosedCurve:
         """The curve mirrored at the ray of angle 0, again counter-clockwise."""
-        return ClosedCurve(tuple(stretch.mirrored() for stretch in reversed(self.stretches)), self.endless)
+        return ClosedCurve(tuple(one.backwards(mirrored=True) for one in reversed(self.stretches)), self.endless)
 
     def radii(self, low_rad: float, high_rad: float) -> tuple[Radius, ...]:
         """The radius between two angles less than a turn apart, or a turn, on consecutive stretches."""
@@ -257,18 +257,7 @@ def drawn(points: Sequence[tuple[PointFunction, Sequence[float]]], key: str, *, 
         raise NoSuchMechanism(f"the pitch curve {said}; once is right: move the axis, or mend the curve", key=key)
     curve = ClosedCurve(tuple(stretches), endless)
     # Mirrored and reversed, then mirrored again without reversing: only the sense in which it is run through changes.
-    return curve if turned > 0.0 else ClosedCurve(tuple(map(_backwards, reversed(stretches))), endless)
-
-
-def _backwards(stretch: SmoothPart) -> SmoothPart:
-    """The same stretch from its end to its start."""
-
-    def polar(at: Array, order: int) -> tuple[Jet, Jet]:
-        signs = np.where(np.arange(order + 1) % 2, -1.0, 1.0)[:, None]
-        angle, radius = stretch.polar(-at, order)
-        return Jet(angle.coefficients * signs), Jet(radius.coefficients * signs)
-
-    return SmoothPart(-stretch.end, -stretch.start, polar, tuple(-knot for knot in reversed(stretch.knots)))
+    return curve if turned > 0.0 else ClosedCurve(tuple(one.backwards() for one in reversed(stretches)), endless)
 
 
 def _polar(point: PointFunction, breaks: Array, key: str) -> PolarFunction:

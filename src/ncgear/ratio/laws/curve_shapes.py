@@ -104,7 +104,7 @@ def ellipse(semi_major_mm: float, semi_minor_mm: float, axis_mm: Point, key: str
 def rounded_polygon(sides: int, side_mm: float, corner_radius_mm: float, axis_mm: Point, key: str) -> ClosedCurve:
     """A regular polygon about its centre, the middle of a side at +x, whose corners are rounded by arcs.
 
-    ``side_mm`` is the side of the sharp polygon; the radius is at most that of the circle in it.
+    ``side_mm`` is the side of the sharp polygon; the radius is at most the radius of the circle in it.
     """
     step = tau / sides
     flat = side_mm / 2.0 / tan(step / 2.0)
@@ -192,7 +192,7 @@ def one_contour(curves: Sequence[RationalSpline], near_mm: float, key: str) -> t
     size = float(np.max(np.ptp(every, axis=0)))
     near = min(max(near_mm, JOINED * size), ROUGHEST * size)
     left = [curve for curve in curves if np.max(np.ptp(curve.points, axis=0)) > near]
-    # Both ends of all parts; those of parts that are in the chain are nowhere.
+    # Both ends of all parts; the ends of parts in the chain are infinitely far.
     ends_mm = np.array([[curve.points[0], curve.points[-1]] for curve in left])
     found, first = [left[0]], left[0].points[0]
     ends_mm[0] = np.inf
@@ -281,8 +281,7 @@ def smoothed_points(
     closed = np.append(angles, angles[0] + period), np.append(radii, radii[0])
 
     def missed(spline: BSpline) -> Array:
-        distance: Array = np.abs(spline(folded, extrapolate="periodic") - radius_mm)
-        return distance
+        return np.abs(spline(folded, extrapolate="periodic") - radius_mm)
 
     each = angles.size // MANY_PLACES
     # Where places are many, the means of a few beside each other tell of the curve; all of them are judged.

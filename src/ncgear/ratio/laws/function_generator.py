@@ -83,7 +83,7 @@ def _piece(
 def generated_angle(
     formula: Formula, first: float, rate: float, zero: float, scale: float, phi1: Array, order: int
 ) -> Jet:
-    """phi2 in rad, with derivatives: ``scale`` times what the function is over ``zero`` at x = first + rate phi1."""
+    """phi2 in rad, with derivatives: ``scale`` times the function less ``zero``, at x = first + rate phi1."""
     return (formula(Jet.variable(phi1, order) * rate + first) - zero) * scale
 
 

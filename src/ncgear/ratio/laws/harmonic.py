@@ -42,8 +42,7 @@ class LogSeries:
         """Values at ``count`` evenly spaced points of [0, 2 pi), more than two for each harmonic."""
         spectrum = np.zeros(count // 2 + 1, dtype=complex)
         spectrum[1 : self.harmonics + 1] = (self.cosine - 1j * self.sine) * (count / 2.0)
-        values: Array = np.fft.irfft(spectrum, count)
-        return values
+        return np.fft.irfft(spectrum, count)
 
     def at(self, angle: Array, order: int) -> Jet:
         """The series with derivatives by t at angles t in rad, shape (n,)."""

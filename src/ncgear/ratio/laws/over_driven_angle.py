@@ -79,7 +79,7 @@ class LogRatioLaw:
 
 @dataclass(frozen=True, eq=False)
 class StagedLaw:
-    """A law shared by two pairs in series, one lobe each: the law of the whole, and that of the second pair."""
+    """A law shared by two pairs in series, one lobe each: the law of the whole, and the law of the second pair."""
 
     whole: LogRatioLaw
     second: LogRatioLaw
@@ -96,14 +96,12 @@ class StagedLaw:
     def shaft_speed(self, phim: Array) -> Array:
         """Speed of the shaft between over the driving shaft's, at angles of the shaft between in rad, shape (n,)."""
         turned = self.second.driven_angle(np.mod(phim, 2.0 * pi), 0).value
-        speed: Array = self.whole.speed(turned, 0).value / self.second.speed(turned, 0).value
-        return speed
+        return self.whole.speed(turned, 0).value / self.second.speed(turned, 0).value
 
     def shaft_rad(self, phim: Array) -> Array:
         """phi1 in rad at angles of the shaft between in rad, shape (n,)."""
         within = np.mod(phim, 2.0 * pi)
-        phi1: Array = self.whole.integral.at(self.second.driven_angle(within, 0).value) + (phim - within)
-        return phi1
+        return self.whole.integral.at(self.second.driven_angle(within, 0).value) + (phim - within)
 
     @property
     def first(self) -> Transmission:

@@ -133,7 +133,7 @@ def closed_law(given: GivenCurve, lobes: Lobes, center_distance_mm: float | None
     transmission = make(curve, closing)
     if center_distance_mm is None:
         return ClosedLaw(transmission, closing, 1.0)
-    # The law is that of the curve and its mate at any size.
+    # Curve and mate have the same law at any size.
     return ClosedLaw(transmission, center_distance_mm, center_distance_mm / closing)
 
 
@@ -168,8 +168,7 @@ class TurnedBy:
 
         def slope(at: Array) -> Array:
             radius, angle = self.weighted(at).T
-            values: Array = self.mate.turned_per(radius, center_distance_mm) * angle
-            return values
+            return self.mate.turned_per(radius, center_distance_mm) * angle
 
         return chebyshev.fitted(slope, self.weighted.breaks).integrated().final
 

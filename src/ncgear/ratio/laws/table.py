@@ -145,7 +145,7 @@ def _between(closed: Array, at: int, top: int) -> str:
 class TablePoints:
     """Points at phi1 (shape (n,)), their interpolated ``values``, and the numbers of those that may be moved.
 
-    ``values`` less ``trend`` are periodic.  ``in_file`` turns a value into that of the file, in its ``unit``.
+    ``values`` less ``trend`` are periodic.  ``in_file`` turns a value into the number of the file, in its ``unit``.
     """
 
     phi1: Array
@@ -214,7 +214,7 @@ def _periodic_spline(phi1: Array, values: Array, lobes: Lobes, key: str) -> BSpl
 
 
 def splined_angle(spline: BSpline, lobes: int, phi1: Array, order: int) -> Jet:
-    """phi2 in rad, with derivatives: a spline beside an even turn; ``lobes`` are those of the driving gear."""
+    """phi2 in rad, with derivatives: a spline beside an even turn; ``lobes`` are the driving gear's."""
     return spline_jet(spline, phi1, order) + Jet.variable(phi1, order) * float(lobes)
 
 

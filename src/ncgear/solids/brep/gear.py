@@ -56,10 +56,7 @@ SEWN_MM = 10.0 * SAME_MM
 
 
 def gear_shape(contour: Contour, plan: BodyPlan) -> TopoDS_Shape:
-    """A gear from z = 0 up to its upper face or its hub's, as its plan says, but for chamfer and clearance.
-
-    Raises Unanswered unless the kernel finds one valid solid; a prism is one where its face is valid.
-    """
+    """A gear without chamfer and clearance from z = 0 up; raises Unanswered unless it is one valid solid."""
     outer, holes = wire_of(contour.curves), _holes(plan)
     if plan.hub is not None or plan.web is not None:
         return sound(_cut_and_bored(prism(outer, holes, 0.0, plan.face_width_mm), plan))
@@ -81,16 +78,12 @@ def ring_shape(contour: Contour, plan: BodyPlan, radius_mm: float) -> TopoDS_Sha
 
 
 def _holes(plan: BodyPlan) -> list[TopoDS_Wire]:
-    """The round through holes beside the axis, and the slot."""
     slot = [slot_wire(plan.slot)] if plan.slot else []
     return slot + [circle_wire(hole.x_mm, hole.y_mm, hole.diameter_mm / 2.0) for hole in plan.round_holes]
 
 
 def _cut_and_bored(shape: TopoDS_Shape, plan: BodyPlan) -> TopoDS_Shape:
-    """The toothed shape with pockets, hub, bore and set-screw hole.
-
-    Pockets come first, so that a hub stands on what they leave; the bore last, so that it is one face all the way up.
-    """
+    """The toothed shape with pockets first, so that a hub stands on them, and the bore last, as one face."""
     shape = cut(shape, _pocket_tools(plan))
     if plan.hub is not None:
         circle = circle_wire(0.0, 0.0, plan.hub.diameter_mm / 2.0)
@@ -134,10 +127,7 @@ def _screw_drill(plan: BodyPlan) -> list[TopoDS_Shape]:
 
 
 def _helical_shape(patches: Patches, *, herringbone: bool) -> TopoDS_Shape:
-    """The toothed solid without anything cut into it, from z = 0 up.
-
-    Raises Unanswered where the surfaces do not close.
-    """
+    """The toothed solid alone, from z = 0 up; raises Unanswered where the surfaces do not close."""
     halves = [patches.poles_mm]
     if herringbone:
         top = float(patches.poles_mm[..., 2].max())
@@ -148,7 +138,6 @@ def _helical_shape(patches: Patches, *, herringbone: bool) -> TopoDS_Shape:
 
 
 def _side(patches: Patches, poles: Array) -> TopoDS_Face:
-    """The face through poles (n along, n up, 3)."""
     grid = Array2_gp_Pnt(1, poles.shape[0], 1, poles.shape[1])
     for (row, column), _ in np.ndenumerate(poles[..., 0]):
         grid.SetValue(row + 1, column + 1, gp_Pnt(*poles[row, column].tolist()))

@@ -42,10 +42,7 @@ UP = gp_Dir(0.0, 0.0, 1.0)
 
 
 def wire_of(curves: Sequence[Curve], height_mm: float = 0.0) -> TopoDS_Wire:
-    """A closed wire of curves, each of which begins where the last one ends; they share vertices there.
-
-    Raises Unanswered where the kernel finds them apart.
-    """
+    """A closed wire of curves that share vertices; raises Unanswered where the kernel finds them apart."""
     vertices = [BRepBuilderAPI_MakeVertex(_point(curve.start, height_mm)).Vertex() for curve in curves]
     maker = BRepBuilderAPI_MakeWire()
     for curve, start, end in zip(curves, vertices, [*vertices[1:], vertices[0]], strict=True):
@@ -112,10 +109,7 @@ def slot_wire(slot: ArcSlot) -> TopoDS_Wire:
 
 
 def prism(outer: TopoDS_Wire, holes: Sequence[TopoDS_Wire], low_mm: float, high_mm: float) -> TopoDS_Shape:
-    """The solid between an outer wire and holes in z = 0, whatever their senses, from one height to another.
-
-    Raises Unanswered where the face between them is not valid, as where a wire crosses itself or another one.
-    """
+    """The solid between an outer wire and holes in z = 0, between heights; raises Unanswered where wires cross."""
     maker = BRepBuilderAPI_MakeFace(gp_Pln(), outer, True)
     for hole in holes:
         maker.Add(hole)

@@ -24,7 +24,6 @@ from ncgear.pitch.shape import Gear
 from ncgear.solids.helical.helix import Helix
 from ncgear.solids.helical.sections import said_of_section
 from ncgear.teeth.fitting import least_overlap
-from ncgear.teeth.flank import Flanks
 from ncgear.teeth.form import WAYS, Ceiling, Ceilings, ToothForm, Way
 from ncgear.teeth.gear import pair_tips
 from ncgear.teeth.tips import Limit, Tips
@@ -37,20 +36,14 @@ Fits = list[tuple[Tips, Tips]]
 
 
 def with_even_tips(pitch: PitchPair, form: ToothForm, helix: Helix) -> ToothForm:
-    """The form with one way for all sections, and with ceilings over the tips of both gears.
-
-    Raises NoSuchMechanism, naming the height, where no tooth can stand.
-    """
+    """The form with one way and ceilings for all sections; raises NoSuchMechanism with the height without teeth."""
     heights, step = heights_fitted(helix, form.rack.pitch_mm)
     way, fits = _best_fits(pitch, form, helix, heights)
     return replace(form, limits=replace(form.limits, way=way, ceilings=ceilings_over(fits, step)))
 
 
 def heights_fitted(helix: Helix, pitch_mm: float) -> tuple[Array, float]:
-    """Heights of the sections that are fitted, and the rolled length in mm from one to the next.
-
-    Over the whole helix or, without its end, over the first pitch of advance.
-    """
+    """Heights of fitted sections, up to the end or the first pitch of advance, and the rolled step in mm."""
     share = min(1.0, pitch_mm / helix.largest_advance_mm)
     advance = share * helix.largest_advance_mm
     steps = max(FEWEST, ceil(PER_PITCH * advance / pitch_mm))
@@ -105,17 +98,16 @@ def _ceiling(fits: list[Tips], step: float) -> Ceiling:
     flanks = fits[0].flanks
     at = np.stack([fit.flanks.crossing_mm for fit in fits]) % flanks.curve.length_mm
     height = np.stack([fit.flanks.tip_height_mm for fit in fits])
-    sides = [_of_side(at[:, side::2].ravel(), height[:, side::2].ravel(), flanks, step) for side in (0, 1)]
-    return Ceiling(flanks.curve.length_mm, *(np.stack(column) for column in zip(*sides, strict=True)))
-
-
-def _of_side(at: Array, height: Array, flanks: Flanks, step: float) -> tuple[Array, Array]:
-    """Arc lengths in order and the ceilings there, from heights of all flanks of one side."""
-    order = np.argsort(at)
-    at, height = at[order], height[order]
-    gap = np.diff(at, append=at[0] + flanks.curve.length_mm)
-    low = _low_sides(height, gap, gap < 1.5 * step, flanks.rack.module_mm)
-    return at, _rising(at, np.minimum(low, np.roll(low, 1)), flanks.curve.length_mm)
+    # Of back and front flanks, each in the order of arc lengths
+    at, height = (values.reshape(-1, 2).T for values in (at, height))
+    order = np.argsort(at, axis=1)
+    at, height = (np.take_along_axis(values, order, axis=1) for values in (at, height))
+    ceilings = []
+    for along, high in zip(at, height, strict=True):
+        gap = np.diff(along, append=along[0] + flanks.curve.length_mm)
+        low = _low_sides(high, gap, gap < 1.5 * step, flanks.rack.module_mm)
+        ceilings.append(_rising(along, np.minimum(low, np.roll(low, 1)), flanks.curve.length_mm))
+    return Ceiling(flanks.curve.length_mm, at, np.stack(ceilings))
 
 
 def _low_sides(height: Array, gap: Array, fitted: Mask, module: float) -> Array:

@@ -102,10 +102,7 @@ class _Tube:
 
     @property
     def volume_mm3(self) -> float:
-        """Volume inside, negative for a hole.
-
-        Between two rings the area is a quadratic of height, so that Simpson's rule is exact.
-        """
+        """Volume inside, negative for a hole, by Simpson's rule, exact for areas quadratic in height."""
         lower, upper = self.rings[:-1], self.rings[1:]
         mean = (signed_area(lower) + 4.0 * signed_area(middle_section(lower, upper)) + signed_area(upper)) / 6.0
         return float(np.sum(mean * np.diff(self.heights)))

@@ -91,7 +91,6 @@ def _apart(found: BSpline, exact: list[tuple[float, list[Stretch]]], probes: Arr
 
 
 def _curves(sections: Sections, gear: Gear, height: float) -> list[Stretch]:
-    """The curves of a gear's exact outline at a height."""
     own = sections.at(height).of(gear)
     return whole_curves(own.tips, own.sides)
 
@@ -112,7 +111,6 @@ def _order(curves: list[Stretch]) -> IndexArray:
 
 
 def _points(curves: list[Stretch], height: float, share: Array) -> Array:
-    """Points of all curves in their order, shape (patches, n, 3)."""
     flat = np.concatenate([_rows(stretch, share)[0] for stretch in curves])[_order(curves)]
     return np.concatenate([flat, np.full((*flat.shape[:2], 1), height)], axis=2)
 

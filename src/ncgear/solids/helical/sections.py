@@ -109,10 +109,7 @@ def said_of_section(height_mm: float) -> Iterator[None]:
 
 
 def least_section_contact(sections: Sections) -> float:
-    """Least arc of contact, in pitches, of any pair of flanks in sections over the height.
-
-    Shapes differ with height, and with them how long flanks touch.
-    """
+    """Least arc of contact, in pitches, of pairs of flanks in all sections, whose shapes differ."""
     placement, heights = placed(sections.pitch), np.linspace(0.0, sections.helix.rise_mm, LOOKED_AT)
     return min(least_arc(sections.at(float(height)).teeth, placement) for height in heights)
 
@@ -146,10 +143,7 @@ class Pieces:
 
 
 def pieces_of(gear: ToothedGear) -> Pieces:
-    """The outline of a gear cut at its teeth's places.
-
-    Raises Unanswered where these are not found on it in their order.
-    """
+    """A gear's outline cut at its teeth's places; raises Unanswered where these are not found in order."""
     from scipy.spatial import cKDTree
 
     places = _places(gear)

@@ -226,8 +226,7 @@ def falls(lower_mm: Array, upper_mm: Array) -> Mask:
     """Whether quadrilaterals between rings (..., c, 2) are folded from an upper point to the next lower one."""
     falling = np.roll(lower_mm, -1, axis=-2) - upper_mm
     rising = np.roll(upper_mm, -1, axis=-2) - lower_mm
-    shorter: Mask = np.sum(falling**2, axis=-1) < np.sum(rising**2, axis=-1)
-    return shorter
+    return np.sum(falling**2, axis=-1) < np.sum(rising**2, axis=-1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -273,10 +272,7 @@ def spread_columns(sections: Sequence[Pieces], limits: StrayLimits) -> Columns:
 
 
 def close_columns(columns: Columns, sections: Sequence[Pieces], limits: StrayLimits) -> Columns:
-    """The columns with others halfway between them until the limits are kept on all sections.
-
-    Raises Unanswered if they cannot be kept so.
-    """
+    """The columns with others halfway between until all sections keep the limits; raises Unanswered else."""
     for _ in range(COLUMN_HALVINGS):
         wide = _wanted(columns, sections, limits) > 1.0
         if not wide.any():
@@ -286,10 +282,7 @@ def close_columns(columns: Columns, sections: Sequence[Pieces], limits: StrayLim
 
 
 def _wanted(columns: Columns, sections: Sequence[Pieces], limits: StrayLimits) -> Array:
-    """Into how many parts each interval would have to be divided, shape (c,).
-
-    A sagitta falls with the square of the interval, a twist in proportion to it.
-    """
+    """Parts into which intervals would have to be divided, (c,): sagittas fall with squares, twists evenly."""
     rings = columns.rings(sections)
     sagitta = np.max([sagittas(columns, *pair) for pair in zip(sections, rings, strict=True)], axis=0)
     return np.asarray(np.maximum(np.sqrt(sagitta / limits.sagitta_mm), twists(rings) / limits.twist_mm))

@@ -34,10 +34,7 @@ LEVEL_DIGITS = 9
 
 
 def finished(toothed: TriangleMesh, plan: BodyPlan) -> TriangleMesh:
-    """A toothed mesh of the plan's face width and through cuts with the plan's pockets, hub and set screw.
-
-    Raises Unanswered if the mesh is not sound.
-    """
+    """A toothed mesh with the plan's pockets, hub and set screw; raises Unanswered if the mesh is not sound."""
     if plan.is_plate:
         return toothed
     solid, volume = _solid_of(toothed), toothed.volume

@@ -90,9 +90,6 @@ def ring_solid(outline_mm: Array, blank: RingBlank, module_mm: float, chord_tole
 
 
 def solid_of_plan(plan: BodyPlan) -> GearSolid:
-    """The solid of a gear with straight teeth.
-
-    Raises WrongInput where the gear has a part too thin for the chamfer, Unanswered if the mesh is not sound.
-    """
+    """The solid of straight teeth; raises WrongInput for a chamfer too thick, Unanswered if it is not sound."""
     bevel = bevel_of(plan.section, plan.chamfer_mm, plan.chord_tolerance_mm, CHAMFER_KEY) if plan.chamfer_mm else None
     return GearSolid(drilled_hub(slab_mesh(plan.slabs, bevel), plan), plan)

@@ -51,7 +51,12 @@ class Bevel:
     @property
     def below_mm3(self) -> float:
         """Volume between the slopes and z = 0."""
-        return sum(_volume_below(slope.triangles) for slope in self.slopes)
+        volume = 0.0
+        for triangles in (slope.triangles for slope in self.slopes):
+            a, b = triangles[:, 1, :2] - triangles[:, 0, :2], triangles[:, 2, :2] - triangles[:, 0, :2]
+            areas = np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2.0
+            volume += float(np.sum(areas * triangles[:, :, 2].mean(axis=1)))
+        return volume
 
 
 def slab_mesh(slabs: Sequence[Slab], bevel: Bevel | None = None) -> TriangleMesh:
@@ -106,10 +111,7 @@ def faces(area: BaseGeometry, height_mm: float, *, up: bool) -> list[TriangleMes
 
 
 def filling(points: Array, ends: IndexArray) -> IndexArray:
-    """Triangles, shape (t, 3), between rings of points (n, 2) that end at ``ends``; every point is a corner of some.
-
-    Earcut passes over points exactly in line with their neighbours; after uneven shifts there are none.
-    """
+    """Triangles (t, 3) between rings (n, 2) that end at ``ends``; shifts keep earcut from passing over points."""
     uneven = points * (1.0 + UNEVEN * np.random.default_rng(0).random((len(points), 1)))
     return earcut(uneven, ends)
 
@@ -132,10 +134,7 @@ def walls(area: BaseGeometry, low_mm: float, high_mm: float) -> list[TriangleMes
 
 
 def facing(vertices: Array, triangles: IndexArray, *, up: bool) -> TriangleMesh:
-    """Triangles of one sense turned, all or none, so that they face up, or down.
-
-    They are turned together: by itself a triangle of three points in line would be turned by their rounding.
-    """
+    """Triangles turned together to face up, or down: rounding would turn those of three points in line."""
     area = float(np.sum(signed_area(vertices[triangles][..., :2])))
     return TriangleMesh(vertices, triangles if (area > 0.0) == up else triangles[:, ::-1])
 
@@ -201,10 +200,3 @@ def _level_lines(triangles: Array, height: float) -> Array:
     low, high = start[crossing], end[crossing]
     share = (height - low[:, 2:]) / (high[:, 2:] - low[:, 2:])
     return np.asarray((low[:, :2] + share * (high[:, :2] - low[:, :2])).reshape(-1, 2, 2))
-
-
-def _volume_below(triangles: Array) -> float:
-    """Volume between triangles (t, 3, 3) and z = 0."""
-    a, b = triangles[:, 1, :2] - triangles[:, 0, :2], triangles[:, 2, :2] - triangles[:, 0, :2]
-    areas = np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) / 2.0
-    return float(np.sum(areas * triangles[:, :, 2].mean(axis=1)))

@@ -28,10 +28,7 @@ TINY = 1e-200
 
 @dataclass(frozen=True, eq=False)
 class TriangleMesh:
-    """Triangles in mm: ``vertices`` (n, 3), and for each triangle the numbers of its corners in ``faces`` (t, 3).
-
-    The corners run counter-clockwise, seen from outside.
-    """
+    """Triangles in mm: ``vertices`` (n, 3) and ``faces`` (t, 3), counter-clockwise seen from outside."""
 
     vertices: Array
     faces: IndexArray
@@ -99,10 +96,7 @@ def with_used_vertices(mesh: TriangleMesh) -> TriangleMesh:
 
 
 def merged(vertices: Array, faces: IndexArray) -> TriangleMesh:
-    """The mesh with vertices at the same place, to ``MERGED``, as one: the first of them.
-
-    Vertices keep their order; those that no triangle has are left out.
-    """
+    """The mesh with vertices at one place, to ``MERGED``, as their first, in order; unused ones left out."""
     mesh = with_used_vertices(TriangleMesh(vertices, faces))
     # Powers of ten: what is written in decimals is rounded as it stands.
     grain = MERGED * 10.0 ** ceil(log10(max(float(np.abs(mesh.vertices).max(initial=0.0)), TINY)))
@@ -142,12 +136,10 @@ def section_rings(vertices: Array, faces: IndexArray, height: float) -> list[Arr
 
 def _edge_keys(start: IndexArray, end: IndexArray, count: int) -> IndexArray:
     """A number for each edge, which is the same in both facets that the edge joins."""
-    keys: IndexArray = np.minimum(start, end) * count + np.maximum(start, end)
-    return keys
+    return np.minimum(start, end) * count + np.maximum(start, end)
 
 
 def _cycles(following: list[int]) -> Iterator[list[int]]:
-    """The cycles of a permutation."""
     left = set(range(len(following)))
     while left:
         ring = [left.pop()]

@@ -90,11 +90,7 @@ def stl_resolution_mm(coordinates_mm: ArrayLike) -> float:
 
 
 def moved_inwards(section: Polygon, distance_mm: float, tolerance_mm: float, key: str) -> Polygon:
-    """The inner parallel of a section; moved back, it is the section again to the tolerance.
-
-    Raises TooThick for ``key``, with the largest distance that can be, where it would lose something: a tooth, a wall
-    between two holes, or a tip narrower than twice the distance.
-    """
+    """The inner parallel of a section; raises TooThick for ``key`` where moving it back does not give the section."""
     inner = parallel(section, -distance_mm)
     if _comes_back(section, inner, distance_mm, tolerance_mm):
         return shapely.get_parts(inner)[0]
@@ -107,11 +103,7 @@ def moved_inwards(section: Polygon, distance_mm: float, tolerance_mm: float, key
 
 
 def moved_outwards(section: Polygon, distance_mm: float, tolerance_mm: float, key: str) -> Polygon:
-    """The outer parallel of a section, along which a cutter of twice the distance leaves the section to the tolerance.
-
-    Raises TooThick for ``key``, with the widest cut that can be, where it would leave more: in a fillet that is
-    rounder than the cutter, or in a space or hole that closes.
-    """
+    """The outer parallel of a section; raises TooThick for ``key`` where a cutter along it leaves more than that."""
     outer = parallel(section, distance_mm)
     if _leaves(section, outer, distance_mm, tolerance_mm):
         return shapely.get_parts(outer)[0]
@@ -142,10 +134,7 @@ def _comes_back(section: Polygon, inner: BaseGeometry, distance: float, toleranc
 
 
 def largest_fitting(fits: Callable[[float], bool], low_mm: float, high_mm: float) -> float:
-    """The largest size in mm that fits between two, by bisection; 0 where none does.
-
-    Every size smaller than a fitting one must fit as well; ``low_mm`` itself is not tried.
-    """
+    """The largest size in mm that fits between two, by bisection, ``low_mm`` not tried; 0 where none does."""
     fitting, least = 0.0, NEXT_TO_NOTHING * high_mm
     while high_mm - low_mm > max(RESOLUTION * high_mm, least):
         middle = (low_mm + high_mm) / 2.0

@@ -135,10 +135,7 @@ class EndStop:
         return middle_rad + self.turned_rad / 2.0
 
     def slot(self, middle_rad: float) -> ArcSlot:
-        """The slot about a polar angle in the gear's own frame.
-
-        Where the pin stops the gear, its centre is half the clearance beyond that of the slot's round end.
-        """
+        """The slot about a polar angle in the gear's frame, beyond the stopping pin by half the clearance."""
         beyond = 2.0 * asin(self.clearance_mm / 4.0 / self.radius_mm)
         half = abs(self.turned_rad) / 2.0 - beyond
         return ArcSlot(self.radius_mm, self.width_mm, middle_rad - half, middle_rad + half)
@@ -194,10 +191,7 @@ class Blank:
 
 @dataclass(frozen=True)
 class RingBlank:
-    """What is asked of a ring beside its teeth: face width, rim outside the roots, and whether it has an index hole.
-
-    Chamfer and clearance are those of ``Blank``; the clearance is not taken off the outer circle.
-    """
+    """What is asked of a ring beside its teeth: face width, rim, index hole, ``Blank``'s chamfer and clearance."""
 
     face_width_mm: float
     rim_mm: float
@@ -309,10 +303,7 @@ class BodyPlan:
 
 
 def body_kg_mm2(plan: BodyPlan, density_kg_m3: float) -> float:
-    """Moment of inertia of a gear's body about its axis, slab by slab, without its chamfer and set screw.
-
-    The section of helical teeth at z = 0 stands for all their sections.
-    """
+    """Moment of inertia about the axis by slabs, helical ones by z = 0, without chamfer and set screw."""
     polar = (slab.thickness_mm * area_moments(slab.section).polar_mm4 for slab in plan.slabs)
     return KG_MM3 * density_kg_m3 * sum(polar)
 

@@ -142,10 +142,7 @@ def _free(plan: BodyPlan, room: Polygon) -> BaseGeometry:
 
 
 def _with_kerf(plan: BodyPlan, half_mm: float) -> BodyPlan:
-    """The body with all that is cut through moved out of the material by half a kerf; pockets stay, a mill makes them.
-
-    Raises TooThick where the cutter does not leave the finished gear, or does not go into a bore, keyway or hole.
-    """
+    """The body, its pockets apart, with all cuts moved out by half a kerf; raises TooThick for too thick a cutter."""
     openings = [(width, name) for name, width in _widths_cut(plan)]
     if openings and min(openings)[0] <= 2.0 * half_mm:
         width, name = min(openings)
@@ -216,8 +213,5 @@ def ring_section(outline_mm: Array, rim_mm: float, tolerance_mm: float) -> Polyg
 
 
 def outer_radius_mm(outline_mm: Array, rim_mm: float) -> float:
-    """Radius of the circle about the axis that leaves the rim outside the root farthest out.
-
-    A circle, and not a curve parallel to the teeth: rings are turned, clamped and borne on it.
-    """
+    """Radius of the circle that leaves the rim outside all roots; rings are turned and clamped by circles."""
     return float(np.hypot(outline_mm[:, 0], outline_mm[:, 1]).max()) + rim_mm

@@ -53,10 +53,7 @@ def _kept(cuts: Sequence[Array], hub: float, module: float, tolerance: float) ->
 
 
 def _pockets(disc: Polygon, kept: BaseGeometry, rim: float, corner: float, tolerance: float) -> list[Polygon]:
-    """The room for pockets with rounded corners, without points that the tolerance does not need.
-
-    Chords of arcs may bring it nearer to a wall by a tolerance, points left out by half of one; so two are kept.
-    """
+    """The room for pockets with rounded corners, two tolerances from walls: for chords and for points left out."""
     inside = disc.buffer(-rim - corner - 2.0 * tolerance, quad_segs=quarter_chords(rim + corner, tolerance))
     quarter = quarter_chords(corner, tolerance)
     room = inside.difference(kept.buffer(corner + 2.0 * tolerance, quad_segs=quarter)).buffer(corner, quad_segs=quarter)
@@ -64,10 +61,7 @@ def _pockets(disc: Polygon, kept: BaseGeometry, rim: float, corner: float, toler
 
 
 def quarter_chords(radius_mm: float, tolerance_mm: float) -> int:
-    """Parts of a quarter circle, by shapely's count, with which a parallel's arcs keep within a tolerance.
-
-    shapely closes an arc with a chord of up to two parts, which strays four times as far.
-    """
+    """Parts of a quarter circle, by shapely's count, that keep a parallel's arcs within a tolerance."""
     return max(2, ceil(pi / 4.0 / acos(max(1.0 - tolerance_mm / 4.0 / radius_mm, 0.0))))
 
 

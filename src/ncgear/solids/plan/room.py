@@ -45,10 +45,7 @@ RADII = 60
 
 
 def full_disc(outline_mm: Array, key: str) -> Polygon:
-    """The full disc inside a tooth outline (mm, shape (n, 2)).
-
-    Raises NoSuchMechanism for ``key`` (``gears.driving``), naming the place, where the outline crosses itself.
-    """
+    """The disc inside an outline (mm, (n, 2)); raises NoSuchMechanism for ``key`` with the place of a crossing."""
     gap = outline_mm - np.roll(outline_mm, 1, axis=0)
     return simple_polygon(outline_mm[np.hypot(gap[:, 0], gap[:, 1]) > stl_resolution_mm(outline_mm)], key)
 
@@ -62,10 +59,7 @@ def common_disc(outlines_mm: Sequence[Array], key: str) -> Polygon:
 def require_room(
     disc: Polygon, bore: Bore, wall_mm: float, chord_tolerance_mm: float, key: str, clearance_mm: float
 ) -> None:
-    """Raise WrongInput for ``key``.bore_mm unless bore and keyway leave a wall everywhere.
-
-    They are widened by the clearance first.  The message states the largest bore that fits.
-    """
+    """Raise WrongInput for ``key``.bore_mm, with the largest bore, unless widened bore and keyway leave a wall."""
     if _has_room(disc, bore.widened(clearance_mm), wall_mm, chord_tolerance_mm):
         return
     largest = largest_bore_mm(disc, bore, wall_mm, chord_tolerance_mm, clearance_mm)
@@ -79,10 +73,7 @@ def require_room(
 def largest_bore_mm(
     disc: Polygon, bore: Bore, wall_mm: float, chord_tolerance_mm: float, clearance_mm: float = 0.0
 ) -> float:
-    """Largest diameter in mm, up to ``bore``'s own, at which it fits with the same keyway; 0 when none does.
-
-    A bore lies within every larger one with the same keyway, so that what fits is one interval.
-    """
+    """Largest diameter up to ``bore``'s own, in mm, that fits with the same keyway; 0 when none does."""
 
     def fits(diameter: float) -> bool:
         return _has_room(disc, replace(bore, diameter_mm=diameter).widened(clearance_mm), wall_mm, chord_tolerance_mm)
@@ -97,10 +88,7 @@ def _has_room(disc: Polygon, bore: Bore, wall: float, tolerance: float) -> bool:
 
 
 def require_wall_around_bore(bore: Bore, about_axis_mm: float, wall_mm: float, key: str) -> None:
-    """Raise WrongInput for ``key`` unless what stands about the axis leaves a wall around bore and keyway.
-
-    ``about_axis_mm`` is its diameter; the message states the smallest one that does.
-    """
+    """Raise WrongInput for ``key`` unless ``about_axis_mm`` leaves a wall around the bore; tells the smallest."""
     least = 2.0 * (bore.farthest_mm + wall_mm)
     if about_axis_mm < least:
         problem = f"{about_axis_mm:g} mm leaves less than {wall_mm:g} mm, one module, around bore and keyway"
@@ -108,10 +96,7 @@ def require_wall_around_bore(bore: Bore, about_axis_mm: float, wall_mm: float, k
 
 
 def require_hub_room(disc: Polygon, hub: Hub, key: str) -> None:
-    """Raise WrongInput for ``key``.hub.diameter_mm unless the hub stands within the gear's tooth roots.
-
-    Then no hub reaches over its own outline, and hubs of two gears meet as little as their outlines do.
-    """
+    """Raise WrongInput for ``key``.hub.diameter_mm unless the hub stands within the tooth roots."""
     axis = Point(0.0, 0.0)
     largest = 2.0 * float(disc.exterior.distance(axis)) if disc.contains(axis) else 0.0
     if hub.diameter_mm <= largest:
@@ -124,10 +109,7 @@ def require_hub_room(disc: Polygon, hub: Hub, key: str) -> None:
 def require_slot_room(
     disc: Polygon, stop: EndStop, around_axis: BaseGeometry, middle_rad: float, wall_mm: float, key: str
 ) -> None:
-    """Raise WrongInput for ``key``.end_stop.radius_mm unless the slot keeps a wall to everything, itself included.
-
-    ``around_axis`` is what is cut about the axis or stands there.  The message states a radius that would do.
-    """
+    """Raise WrongInput for ``key``.end_stop.radius_mm, with one that would do, unless slots keep walls."""
 
     def fits(radius_mm: float) -> bool:
         if radius_mm <= stop.width_mm / 2.0:

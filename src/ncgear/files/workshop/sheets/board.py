@@ -113,7 +113,8 @@ class Board:
         while some := list(islice(waiting, TOGETHER)):
             roomy = self._roomy(shapely.polygons([_widened(dimension.text.corners) for dimension, *_ in some]))
             for dimension, *rings in compress(some, roomy):
-                if self.is_free([*dimension.lines, *(Line(ring.points, closed=True) for ring in rings)]):
+                circles = (Line(ring.points, closed=True) for ring in rings)
+                if self.is_free(dimension.lines) and (not rings or self.is_free(circles)):
                     self.add(dimension, *rings)
                     return True
         return False

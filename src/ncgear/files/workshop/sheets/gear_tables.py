@@ -8,9 +8,7 @@ from math import radians
 
 import numpy as np
 
-from ncgear.figures.data_sheet.accuracy import bore_text, tolerances
-from ncgear.figures.data_sheet.bodies import bodies
-from ncgear.figures.data_sheet.entry import Entry
+from ncgear.figures.data_sheet.entries import Entry, bodies, bore_text, tolerances
 from ncgear.figures.data_sheet.measured_tables import allowed_texts, one_pin_table, span_table, two_pin_table
 from ncgear.figures.data_sheet.sheet import rack_data, rows_found, rows_or_why, sizes
 from ncgear.figures.numbers import drawn

@@ -19,10 +19,9 @@ import shapely
 from ncgear.drawings.scene.bodies import chamber_of
 from ncgear.drawings.scene.scene import Scene
 from ncgear.drawings.scene.standing import supports_mm
-from ncgear.figures.data_sheet.accuracy import distance_text, general_text
+from ncgear.figures.data_sheet.entries import distance_text, general_text, shafts_below
 from ncgear.figures.data_sheet.pitch_table import pitch_table
 from ncgear.figures.numbers import drawn
-from ncgear.figures.passed import shafts_below
 from ncgear.figures.tables import Table
 from ncgear.files.workshop.drawing import Cross
 from ncgear.files.workshop.sheets import sheet as paper

@@ -1,0 +1,222 @@
+"""Lines of the data sheet: bodies, the way past what stands beside the gears, tolerances, and these in words."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from math import degrees
+from typing import TYPE_CHECKING, Any
+
+from ncgear.design.keys.tolerances import AssemblyTolerances
+from ncgear.figures.numbers import drawn
+from ncgear.figures.tables import Value, cell_text
+from ncgear.frozen import dataclass
+from ncgear.project.drive import Drive
+from ncgear.project.gear_solids import rim_mm_of
+from ncgear.project.passing import CRANK_PIN
+from ncgear.project.tolerance_limits import Process, tolerances_of
+from ncgear.tolerances.drawn import MADE_C
+from ncgear.tolerances.iso286 import distance_deviation_mm, hole_text
+
+if TYPE_CHECKING:
+    from ncgear.solids.plan.body import RoundHole
+
+
+@dataclass(frozen=True)
+class Entry:
+    """One line of the sheet: a value of the ``pair``, or one each of the ``driving`` and the ``driven`` gear.
+
+    ``unit`` may be empty.
+    """
+
+    label: str
+    unit: str = ""
+    pair: Value = None
+    driving: Value = None
+    driven: Value = None
+
+    @property
+    def of_pair(self) -> bool:
+        """Whether the value belongs to the pair, so that it needs one cell only."""
+        return self.pair is not None
+
+    @property
+    def texts(self) -> tuple[str, ...]:
+        """The value of the pair, or the values of both gears, as text with the decimals of the unit."""
+        values = (self.pair,) if self.of_pair else (self.driving, self.driven)
+        return tuple(cell_text(value, self.unit) for value in values)
+
+
+def tolerances(drive: Drive) -> tuple[Entry, ...]:
+    """The tolerances of a pair."""
+    given, gears, lead = drive.gears.tolerances, drive.gears, drive.gears.lead
+    pin = gears.driven.crank_pin
+    pinned = None if pin is None else hole_text(given.crank_pin_fit, pin.diameter_mm)
+    driving, driven = (
+        None if body.bore_mm is None else bore_text(drive, body.bore_mm) for body in (gears.driving, gears.driven)
+    )
+    rows = (
+        Entry("standard", pair=given.standard or None),
+        Entry("accuracy grade", pair=given.grade or None),
+        Entry("lead crowning of both gears together", "\u00b5m", pair=lead.crowning_um or None),
+        Entry("end relief of both gears together", "\u00b5m", pair=lead.end_relief_um),
+        Entry("length of the end relief", "mm", pair=lead.end_relief_length_mm),
+        Entry("lower deviation of tooth thickness", "mm", pair=given.tooth_thickness_lower_mm),
+        Entry("upper deviation of tooth thickness", "mm", pair=given.tooth_thickness_upper_mm),
+        Entry("deviation of the centre distance", "mm", pair=distance_text(drive)),
+        Entry("fit of the bore", "mm", driving=driving, driven=driven),
+        Entry("fit of the crank pin's hole", "mm", driven=pinned),
+        Entry("fit of the index hole", pair=given.index_hole_fit if gears.index_holes else None),
+        Entry("sizes without a tolerance", pair=general_text(drive)),
+        Entry("roughness Ra of flanks; elsewhere", "\u00b5m", pair=f"{given.flank_ra_um:g}; {given.ra_um:g}"),
+        Entry("note", pair=given.note or None),
+    )
+    return _given(rows)
+
+
+def distance_text(drive: Drive) -> str | None:
+    """How far the centre distance may be off, either way, in mm: as assemblies are judged, or JS7 where they are exact.
+
+    None where neither the file nor the standard says.
+    """
+    judged_mm = tolerances_of(drive)[0].center_distance_mm
+    deviation_mm = judged_mm or distance_deviation_mm(drive.pitch.center_distance_mm)
+    return f"\u00b1{drawn(deviation_mm, 'mm')}" if deviation_mm else None
+
+
+def bore_text(drive: Drive, diameter_mm: float) -> str:
+    """The fit of a bore."""
+    return hole_text(drive.gears.tolerances.bore_fit, diameter_mm)
+
+
+def general_text(drive: Drive) -> str:
+    """The class of sizes without a tolerance of their own."""
+    return f"ISO 2768-{drive.gears.tolerances.general}"
+
+
+def bodies(drive: Drive) -> tuple[Entry, ...]:
+    """Bores, keyways and the other parts of the bodies; solids are made only where a gear has round holes."""
+    gears, both, clearance = drive.gears, (drive.gears.driving, drive.gears.driven), drive.gears.process_clearance_mm
+    rows = [
+        _of_both("bore", *(body.bore_mm for body in both)),
+        _of_both(
+            "keyway, width x depth", *(x and f"{_mm(x.width_mm)} x {_mm(x.depth_mm)}" for x in _each(both, "keyway"))
+        ),
+        _of_both(
+            "hub, diameter x height", *(x and f"{_mm(x.diameter_mm)} x {_mm(x.height_mm)}" for x in _each(both, "hub"))
+        ),
+        _of_both("thickness of web", *(x and x.thickness_mm for x in _each(both, "web"))),
+    ]
+    if any((gears.index_holes, *_each(both, "lightening_holes"), gears.driven.crank_pin)):
+        plans = drive.solids.driving.plan, drive.solids.driven.plan
+        pin, holes = plans[1].crank_pin, _each(plans, "lightening_holes")
+        rows.append(Entry("diameter of the crank pin's hole", "mm", driven=pin and pin.diameter_mm))
+        rows.append(Entry("centre of the crank pin's hole, x and y", "mm", driven=pin and _place(pin)))
+        sizes = (f"{len(one)} x {_mm(one[0].diameter_mm)}" if one else None for one in holes)
+        rows.append(_of_both("lightening holes, number x diameter", *sizes))
+        if gears.index_holes:
+            marks = _each(plans, "index_hole")
+            rows.append(_of_both("diameter of index hole", *(x.diameter_mm if x else "no room for one" for x in marks)))
+            rows.append(_of_both("centre of index hole, x and y", *(x and _place(x) for x in marks)))
+    stops = (x and f"{_mm(x.pin_mm)}, {_mm(x.radius_mm)}" for x in _each(both, "end_stop"))
+    rim = rim_mm_of(gears, drive.rack.module_mm) if drive.pitch.driven.is_ring else None
+    rows.append(_of_both("pin of the end stop, diameter, distance from the axis", *stops))
+    rows.append(Entry("rim outside the deepest root", "mm", driven=rim))
+    rows.append(Entry("bevel of the edges at z = 0", "mm", gears.first_layer_chamfer_mm or None))
+    kerf = Entry("kerf that drawings allow for, half on each side of the lines", "mm", -2.0 * clearance)
+    rows.append(kerf if clearance < 0.0 else Entry("clearance for the process", "mm", clearance or None))
+    return _given(rows)
+
+
+def _of_both(label: str, driving: Value, driven: Value) -> Entry:
+    return Entry(label, "mm", None, driving, driven)
+
+
+def _each(both: Iterable[object], name: str) -> list[Any]:
+    """What each gear has under a name."""
+    return [getattr(one, name) for one in both]
+
+
+def _given(rows: Iterable[Entry]) -> tuple[Entry, ...]:
+    """The rows that say something."""
+    return tuple(row for row in rows if row.of_pair or row.driving or row.driven)
+
+
+def _mm(size_mm: float) -> str:
+    return drawn(size_mm, "mm")
+
+
+def _place(hole: RoundHole) -> str:
+    return f"{_mm(hole.x_mm)}, {_mm(hole.y_mm)}"
+
+
+def passed_summary(drive: Drive) -> dict[str, Any]:
+    """The section ``fit`` of the summary: nothing for gears that turn no crank.
+
+    The keys of each distance begin with the names of both, as ``rod_to_driving_shaft``.  ``width_max`` is the widest
+    part that passes, less than 0 where none does; ``clearance`` is there where the width is given.
+    """
+    found: dict[str, Any] = {}
+    for one in drive.passings:
+        name = f"{one.part} to {one.standing.name}".replace("'s", "").replace(" ", "_")
+        found[f"{name}_min_mm"] = one.distance_mm
+        found[f"{name}_min_at_rad"] = one.phi1_rad
+        if one.room_mm is not None:
+            found[f"{name}_width_max_mm"] = one.room_mm
+        if one.clearance_mm is not None:
+            found[f"{name}_clearance_mm"] = one.clearance_mm
+    return {"fit": found} if found else {}
+
+
+def passed_rows(drive: Drive) -> tuple[Entry, ...]:
+    """The same as rows of the data sheet: distances between middles, the angles, and the widest part that passes."""
+    rows = []
+    for one in drive.passings:
+        name, room = f"{one.part} to {one.standing.name}", one.room_mm
+        rows.append(Entry(f"{name}: least distance of their middles", "mm", pair=one.distance_mm))
+        rows.append(Entry(f"{name}: driving angle there", "deg", pair=degrees(one.phi1_rad)))
+        if room is not None:
+            rows.append(Entry(f"{name}: widest {one.part} that passes", "mm", pair=room if room > 0.0 else "none"))
+        if one.clearance_mm is not None:
+            rows.append(Entry(f"{name}: clearance, under 0 where they meet", "mm", pair=one.clearance_mm))
+    rows += [Entry(f"{shaft} beside the {part}", pair="must end below it") for part, shaft in shafts_below(drive)]
+    return tuple(rows)
+
+
+def shafts_below(drive: Drive) -> list[tuple[str, str]]:
+    """Each rod that meets the driving gear's shaft or hub, and what must end below it."""
+    return [
+        (one.part, one.standing.name)
+        for one in drive.passings
+        if one.meets and one.part != CRANK_PIN and one.standing.about_driving_axis
+    ]
+
+
+def limit_words(given: AssemblyTolerances) -> list[str]:
+    """What deviates, by its largest value."""
+    driving, driven, warm = given.driving, given.driven, given.temperature
+    words = [
+        f"centre distance \u00b1{given.center_distance_mm:g} mm" if given.center_distance_mm else "",
+        _both("bores off by {} mm", driving.eccentricity_mm, driven.eccentricity_mm),
+        _both("tilted by {} deg", driving.tilt_deg, driven.tilt_deg),
+        _both("keyways \u00b1{} deg", driving.index_deg, driven.index_deg),
+        _both("single pitch \u00b1{} mm", driving.single_pitch_mm or 0.0, driven.single_pitch_mm or 0.0),
+        _both("profile within {} mm", driving.profile_mm or 0.0, driven.profile_mm or 0.0),
+        _both("wear up to {} mm", driving.wear_mm, driven.wear_mm),
+    ]
+    if warm is not None and (warm.largest_c > warm.least_c or warm.least_c != MADE_C):
+        words.append(f"{warm.least_c:g} to {warm.largest_c:g} \u00b0C")
+    grades = {one.grade or given.grade for one in (driving, driven)} - {None}
+    if grades:
+        words.insert(0, f"grade {' and '.join(str(one) for one in sorted(g for g in grades if g))} of ISO 1328-1")
+    return [word for word in words if word] or ["none"]
+
+
+def assumed_words(process: Process | None) -> str:
+    """What stands before tolerances that the file does not give; nothing before those that it gives."""
+    return "" if process is None else f"usual for {process} gears, "
+
+
+def _both(text: str, driving: float, driven: float) -> str:
+    if not (driving or driven):
+        return ""
+    return text.format(f"{driving:g}" if driving == driven else f"{driving:g} and {driven:g}")

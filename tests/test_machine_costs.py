@@ -1,0 +1,370 @@
+"""What machines cost, how far they are from limits, what is told of them: figures by hand, sums beside brute force."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import partial
+from math import ceil, inf, log, pi, radians, sin
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from drives import DESIGNS, loaded
+from ncgear.design.keys.choices import Choices
+from ncgear.design.reading.design_file import LoadedDesign, parsed
+from ncgear.numerics.jet import Jet
+from ncgear.optimum.certified.limit import Bound
+from ncgear.optimum.certified.sweeps import Sweeps
+from ncgear.optimum.task import Figures, figures
+from ncgear.project.law_task import inertia_as_given, task_of
+from ncgear.project.sizing import Sized
+from ncgear.ratio.laws.uniform import uniform_law
+from ncgear.ratio.transmission import single
+from ncgear.whole_machines import conflict, gears, limits, wish_prices
+from ncgear.whole_machines.laws import (
+    CAPS,
+    FoundLaw,
+    LawJob,
+    _Search,
+    flywheel_sizes,
+    law_design,
+    law_wishes,
+)
+from ncgear.whole_machines.machine import (
+    MachineFigures,
+    Unfit,
+    WholeMachine,
+    cost_of,
+    guessed_figures,
+    limits_missed,
+    motor_for,
+)
+from ncgear.whole_machines.pareto import far_apart, undominated
+from ncgear.whole_machines.search import Candidate, MachineSearch
+from ncgear.whole_machines.told import difference_words, machines_answer, machines_figures
+
+pytestmark = pytest.mark.judges("whole_machines")
+
+PUSHER = (DESIGNS / "pusher.yaml").read_text(encoding="utf-8")
+WITH_FLYWHEEL = """
+masses:
+  slider_kg: 2.0
+  rod: {mass_kg: 0, center_mm: 0, inertia_kg_mm2: 0}
+  crank: {mass_kg: 0, center_mm: 0, inertia_kg_mm2: 300.0}
+  driving_gear_kg_mm2: 100.0
+  driven_gear_kg_mm2: 200.0
+  driven_flywheel_kg_mm2: 1000.0
+optimize: {goal: least_power, driven_flywheel_kg_mm2: {least: 1000.0, most: 9000.0}}
+"""
+SPEED = 30.0 * pi / 30.0
+MEAN = Figures(20.0, 700.0, 190.0, 0.8, 1.25, 3.0, 0.2, True, 7.0, flank_load_n_mm=5000.0)
+HAS = MachineFigures(
+    **dict.fromkeys(MachineFigures.__dataclass_fields__, 1.0)
+    | {"peak_power_w": 20.0, "peak_torque_n_m": 20.0 / SPEED, "gear_volume_mm3": 2e6, "flank_load_n_mm": 5000.0}
+    | {"contact_share": 1.25, "bending_share": 1.5, "teeth": 40, "driven_flywheel_kg_mm2": 3e6}
+)
+CHOICES = Choices.model_validate(
+    {
+        "cost": {
+            "motor_per_w": 2.0,
+            "motor_per_n_m": 3.0,
+            "gears_per_dm3": 10.0,
+            "driven_flywheel_per_kg_m2": 7.0,
+            "making": {"hobbed": 11.0, "shaped": 5.0},
+        },
+        "materials": [{"material": "C45", "cost_factor": 1.5}, {"material": "42CrMo4", "cost_factor": 2.0}],
+        "processes": ["hobbed", "shaped"],
+    }
+)
+
+
+def read(more: str = "") -> LoadedDesign:
+    return parsed(PUSHER + more, Path("machine.yaml"))
+
+
+def machine(text: str = PUSHER, cost: float | None = None, **has: Any) -> WholeMachine:
+    return WholeMachine("pusher", text, replace(HAS, **has), "C45", "hobbed", "a hob cuts", None, cost)
+
+
+def found_law(flank_load: float, **has: Any) -> FoundLaw:
+    return FoundLaw((1.0,) * 8, 0.0, replace(MEAN, flank_load_n_mm=flank_load, **has))
+
+
+def test_the_cost_is_the_sum_of_figures_times_prices() -> None:
+    """20 W, 20/w N m, 2 dm3 of steel that costs twice as much, 3 kg m2, hobbing and the motor."""
+    motor = Choices.model_validate({"motors": [{"name": "m", "power_w": 30.0, "cost": 13.0}]}).motors
+    assert motor
+    cost = 2.0 * 20.0 + 3.0 * 20.0 / SPEED + 10.0 * 2.0 * 2.0 + 7.0 * 3.0 + 11.0 + 13.0
+    assert cost_of(CHOICES, HAS, motor[0], "42CrMo4", "hobbed") == pytest.approx(cost, rel=1e-12)
+    assert cost_of(Choices(), HAS, None, "42CrMo4", "hobbed") is None
+
+
+def test_the_cheapest_motor_that_does() -> None:
+    """By its power and its torque, and of two of one cost the weaker."""
+    sizes = [(19.0, 99.0, 1.0), (20.0, 6.0, 2.0), (50.0, 99.0, 4.0), (30.0, 99.0, 4.0), (60.0, None, 9.0)]
+    rows = [
+        {"name": str(row), "power_w": power, "cost": cost, **({} if torque is None else {"torque_n_m": torque})}
+        for row, (power, torque, cost) in enumerate(sizes)
+    ]
+    chosen = motor_for(Choices.model_validate({"motors": rows}), HAS)
+    assert chosen is not None
+    assert chosen.name == "3"
+    assert motor_for(Choices.model_validate({"motors": rows[:2]}), HAS) is None
+
+
+def test_a_machine_is_guessed_by_its_law() -> None:
+    guess = guessed_figures(MEAN, 3e6, 2e6, SPEED)
+    assert (guess.peak_torque_n_m, guess.gear_volume_mm3) == (20.0 / SPEED, 2e6)
+    assert (guess.driven_flywheel_kg_mm2, guess.face_width_mm) == (3e6, 0.0)
+
+
+def test_each_limit_is_missed_by_what_exceeds_it() -> None:
+    """A figure a tenth over each limit is told with both numbers; a tenth under none is."""
+    given = (
+        "optimize: {goal: least_flank_load, limits: {peak_acceleration_mm_s2: 700, ratio_min: 0.8, ratio_max: 1.25}}\n"
+    )
+    design = read(given).design
+    assert limits_missed(design, MEAN, 30.0) == []
+    worse = replace(MEAN, peak_acceleration_mm_s2=770.0, ratio_max=1.375, ratio_min=0.72)
+    told = ["peak_acceleration_mm_s2 770 over 700", "ratio_max 1.375 over 1.25", "ratio_min 0.72"]
+    assert limits_missed(design, worse, 30.0) == told
+
+
+def test_the_farthest_one_is_taken_next() -> None:
+    """Of even places on a line: the middle, both ends, then those farthest from all, the first of two alike."""
+    points = [(float(x), 10.0 - x) for x in range(11)]
+    assert [x for x, _ in far_apart(points, list, 5)] == [0.0, 2.0, 5.0, 7.0, 10.0]
+    assert undominated([(1.0, 1.0), (1.0015, 1.0), (0.9995, 1.0005)], list) == [(1.0, 1.0)]
+
+
+def test_gears_go_with_the_flank_load_and_the_square_of_the_safety() -> None:
+    """Hertz: the width times the centre distance squared is in proportion to the load over the squared stress."""
+    limit = limits.machine_limit(machine(), 4000.0)
+    assert limit.flank_load_gap == pytest.approx(0.25, rel=1e-12)
+    assert limit.gear_volume_mm3 == pytest.approx(2e6 * (4.0 / 5.0) / 1.25**2, rel=1e-12)
+    assert limit.gear_volume_gap == pytest.approx(1.25 * 1.25**2 - 1.0, rel=1e-12)
+    without_pitting = limits.machine_limit(machine(contact_share=inf), 4000.0)
+    assert (without_pitting.gear_volume_mm3, without_pitting.gear_volume_gap) == (0.0, inf)
+    assert limits.machine_limit(machine(), 0.0).flank_load_n_mm == 0.0
+
+
+LOADS = (230.0, 60_000.0), (210.0, 50_000.0)
+"""Costs and flank loads of machines."""
+
+
+def of_power(power_w: Any) -> Any:
+    """A flank load that falls with the power, as if the two had a constant product."""
+    return 1e5 / np.asarray(power_w)
+
+
+def test_no_machine_is_under_the_least_cost(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The least cost over a fine line of powers lies over the limit by no more than a part of the powers is wide."""
+    monkeypatch.setattr(limits, "least_flank_load", lambda sweeps, power, flywheel, most, share: of_power(power))
+    monkeypatch.setattr(limits, "Sweeps", partial(Sweeps, cells=24))
+    design = read().design.model_copy(update={"choices": CHOICES})
+    some = [machine(cost=cost, gear_volume_mm3=400.0 * load, flank_load_n_mm=load) for cost, load in LOADS]
+    of = limits.MachineLimits(design, some, [found_law(5000.0, peak_power_w=40.0)])
+    power = np.linspace(10.0, 80.0, 20_001)
+    volume = 400.0 / 1.25**2 * of_power(power)
+    cost = (2.0 + 3.0 / SPEED) * power + 10.0 * volume / 1e6 * 1.5 + 5.0
+    assert cost.min() / 4.0 ** (1.0 / 12.0) < of.cost(10.0) < cost.min()
+    # Where no law has so much power a hundredth more is looked at; beyond it no gears cost anything
+    assert of.cost(60.0) == pytest.approx((2.0 + 3.0 / SPEED) * 60.6 + 5.0)
+
+    monkeypatch.setattr(limits, "swept_power", lambda sweeps, parts, most: np.full(parts.shape[1], 15.0))
+    monkeypatch.setattr(limits, "least_power", lambda task, asked: Bound(16.0, 0, None))
+    monkeypatch.setattr(limits, "least_flank_load", lambda sweeps, power, flywheel, most, share=0.0: 0.8 * most)
+    found = of.found()
+    assert (found.power_w, found.power_gap) == (16.0, pytest.approx(0.25))
+    assert [one.flank_load_gap for one in found.each] == pytest.approx([0.25, 0.25], rel=1e-5)
+    assert found.cost is not None
+    assert found.cost_gap == pytest.approx(210.0 / found.cost - 1.0)
+
+
+def test_the_flywheel_s_range_in_parts_with_the_gears_inertia(monkeypatch: pytest.MonkeyPatch) -> None:
+    """8 even parts from the least to the most; the least power is the mean power where sweeps tell less."""
+    design = read(WITH_FLYWHEEL).design
+    monkeypatch.setattr(limits, "Sweeps", partial(Sweeps, cells=24))
+    some = [machine(PUSHER + WITH_FLYWHEEL, driven_flywheel_kg_mm2=2000.0)]
+    of = limits.MachineLimits(design, some, [])
+    taken = list[np.ndarray]()
+    monkeypatch.setattr(
+        limits, "swept_power", lambda sweeps, parts, most: taken.append(parts) or np.full(parts.shape[1], 0.1)
+    )
+    mean = of.task.work_n_mm / 1000.0 / of.task.cycle_s
+    assert of.power_w() == pytest.approx(mean, rel=1e-9)
+    assert taken[0][0] == pytest.approx(np.arange(1000.0, 9000.0, 1000.0))
+    assert taken[0][1] == pytest.approx(np.arange(2000.0, 9001.0, 1000.0))
+
+
+def test_sizes_of_the_flywheel_in_even_ratios_of_the_whole_inertia() -> None:
+    """Between the ends each whole inertia is the geometric mean of its neighbours, to three digits."""
+    design = read(WITH_FLYWHEEL).design
+    sizes = np.array(flywheel_sizes(design))
+    assert (sizes.size, sizes[0], sizes[-1]) == (5, 1000.0, 9000.0)
+    # The one inertia beside the flywheel with which the middle size is the geometric mean
+    own = (sizes[2] ** 2 - sizes[0] * sizes[4]) / (sizes[0] + sizes[4] - 2.0 * sizes[2])
+    steps = np.diff(np.log(sizes + own))
+    assert np.ptp(steps) < 0.02 * steps.mean()
+    task = task_of(law_design(design, 0.0), inertia_as_given(law_design(design, 0.0)))
+    angle = 2.0 * pi * np.arange(2000) / 2000
+    slope = task.linkage.displacement(Jet.variable(angle, 1)).derivative(1)
+    assert own == pytest.approx(500.0 + 2.0 * float(np.mean(slope**2)), rel=0.15)
+
+
+def test_the_fewest_teeth_of_even_circular_gears() -> None:
+    """2 h / sin^2 of the pressure angle, where h is the depth of the straight flank under the pitch line: 18."""
+    search = MachineSearch(loaded("pusher"))
+    design = law_design(search.design)
+    task = task_of(design, inertia_as_given(design))
+    even = FoundLaw((1.0,) * 8, 0.0, figures(task, single(uniform_law(task.lobes))))
+    angle = radians(20.0)
+    assert search.fewest_teeth(even) == ceil(2.0 * (1.25 - 0.38 * (1.0 - sin(angle))) / sin(angle) ** 2) == 18
+    motion = replace(even, ratio=(0.5, 2.0)).motion
+    assert (motion.crank_angle_rad.tolist(), motion.turning.tolist()) == ([0.0, pi], [2.0, 0.5])
+    assert search.speed_rad_s == pytest.approx(SPEED)
+
+
+def test_candidates_are_guessed_by_their_law() -> None:
+    """The gears' volume is the flank load times what gears of a law of the same kind need for each N mm of it."""
+    design = read().design.model_copy(update={"choices": CHOICES})
+    search = MachineSearch(replace(loaded("pusher"), design=design))
+    assert search.processes_of(None) == ("shaped", "hobbed")
+    search.laws = [
+        found_law(5000.0, braking_power_w=0.0),
+        found_law(4000.0, peak_power_w=30.0, braking_power_w=0.0301),
+        found_law(3000.0, peak_power_w=40.0, braking_power_w=0.0399),
+    ]
+    steel, better = (material for material, _ in search.materials)
+    found = search._candidates({(False, 0): 400.0, (True, 0): 500.0, (False, 1): 300.0, (True, 1): 600.0})
+    volumes = [(search.laws.index(one.law), one.material, one.volume_mm3) for one in found]
+    assert volumes == [(0, better, 1.5e6), (2, better, 0.9e6)]
+    power, volume, cost = search._guessed(Candidate(search.laws[0], steel, 1.5, 2e6))
+    assert (power, volume) == (20.0, 2e6)
+    assert cost == pytest.approx(2.0 * 20.0 + 3.0 * 20.0 / SPEED + 10.0 * 2.0 * 1.5 + 5.0)
+
+
+def test_reference_gears_give_the_volume_for_each_flank_load(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Of pitting with the square of its safety, of a material without it with that of breakage, and the law in between.
+
+    Where the law needs more teeth than balance breakage and pitting, laws of gentler curves are looked for, for the
+    geometric mean of both.
+    """
+    search = MachineSearch(loaded("pusher"))
+    search.laws = [found_law(load, curvature_turns=12.0) for load in (5000.0, 4000.0, 6000.0)]
+    jobs, teeth = list[Any](), list[int]()
+    made = machine(contact_share=2.0, teeth=20)
+
+    def numbered(what: str, asked: list[Any]) -> list[tuple[int, WholeMachine]]:
+        jobs.extend(asked)
+        return [(number, made) for number in range(len(asked))]
+
+    monkeypatch.setattr(search, "_numbered", numbered)
+    monkeypatch.setattr(search, "_find_laws", teeth.append)
+    assert search._reference() == {(False, 0): 2e6 / 4.0 / 5000.0}
+    assert [job.law.flank_load_n_mm for job in jobs] == [5000.0]
+    needed = search.fewest_teeth(search.laws[0])
+    assert teeth == [ceil((max(20.0 * 1.5 / 4.0, gears.FEWEST_TEETH) * needed) ** 0.5)]
+    made = machine(contact_share=inf, bending_share=1.6, teeth=20)
+    assert search._reference() == {(False, 0): 2e6 / 1.6 / 5000.0}
+
+
+def test_caps_of_the_power() -> None:
+    """Even ratios from just over the least power on, or the motors that can be had between both."""
+    design = law_design(loaded("pusher").design)
+    task = task_of(design, inertia_as_given(design))
+
+    def caps(least_w: float, most_w: float, *powers: float) -> list[float]:
+        return _Search(task, law_wishes(design, None), LawJob(0.0, None, powers)).caps_w(least_w, most_w)
+
+    found = caps(10.0, 20.0)
+    assert len(found) == CAPS
+    assert found[0] == pytest.approx(10.03)
+    assert np.diff(np.log([*found, 20.0])) == pytest.approx(log(20.0 / 10.03) / CAPS)
+    assert caps(10.0, 10.1) == []
+    assert caps(10.0, 20.0, 25.0, 15.0, 10.02, 12.0, 20.0) == [12.0, 15.0]
+
+
+def test_faces_are_widened_until_teeth_hold(monkeypatch: pytest.MonkeyPatch) -> None:
+    """By the factor that is told, to whole mm and by one mm at least; gears that need no width end it."""
+    making = gears._Making(loaded("pusher"), gears.GearJob(found_law(5000.0), None, ("hobbed",)), "hobbed")
+    widths, answers = list[float](), [1.26, 1.01, 1.0, None]
+
+    def judged(text: str, process: str, choices: Choices) -> Unfit:
+        design = parsed(text, Path("machine.yaml")).design
+        assert design.gears is not None
+        assert design.gears.face_width_mm is not None
+        widths.append(design.gears.face_width_mm)
+        return Unfit(("weak",), answers[len(widths) - 1])
+
+    monkeypatch.setattr(gears, "judged_machine", judged)
+    monkeypatch.setattr(gears._Making, "values", lambda self, sized: {"gears.face_width_mm": 12})
+    assert making.finished(Sized({}, None, None)).why == ("weak",)  # type: ignore[arg-type,union-attr]
+    # 12 * 1.26 = 15.1, 16 * 1.01 = 16.2, and one more
+    assert widths == [12.0, 16.0, 17.0, 18.0]
+
+
+def test_the_price_of_a_wish_is_what_is_needed_more_with_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The dearest first; less than half a percent, and what no law was found for, is not told."""
+    needed = {
+        "": wish_prices.Needed(12.0, 5000.0),
+        "a": wish_prices.Needed(10.0, 5000.0),
+        "b": wish_prices.Needed(12.0, 4000.0),
+        "c": wish_prices.Needed(11.95, 4990.0),
+        "d": wish_prices.Needed(6.0, inf),
+    }
+    monkeypatch.setattr(wish_prices, "wish_keys", lambda text: list("abcd"))
+    monkeypatch.setattr(wish_prices, "finished", lambda function, keys, *where: needed.items())
+    found = wish_prices.wish_prices(machine(), lambda done, count: None)
+    assert [(one.key, one.motor, one.gears) for one in found] == [
+        ("b", 0.0, pytest.approx(0.25)),
+        ("a", pytest.approx(0.2), 0.0),
+    ]
+
+
+def test_what_is_told_of_a_machine_that_was_made_by_easing() -> None:
+    choices = Choices.model_validate({"modules_mm": [2.0], "face_width_modules": {"least": 5, "most": 20}})
+    keys = [one.key for one in conflict.easings(choices, "C45")]
+    assert keys == ["choices.modules_mm", "choices.face_width_modules.most", "gears.material", "all"]
+    wide = choices.model_copy(
+        update={"face_width_modules": choices.face_width_modules.model_copy(update={"most": 30.0})}
+    )
+    assert [one.key for one in conflict.easings(wide, conflict.STRONGER[-1])] == ["choices.modules_mm"]
+    easing = conflict.Easing("choices.face_width_modules.most", ())
+    assert "of 6.25 modules" in conflict._needs(easing, machine(face_width_mm=12.5, module_mm=2.0))
+
+
+def test_what_machines_gain_and_cost_beside_the_recommended_one() -> None:
+    one = machine()
+    names = ("peak_power_w", "gear_volume_mm3", "driven_flywheel_kg_mm2")
+    assert difference_words(machine(peak_power_w=22.4, gear_volume_mm3=1.2e6), one, names) == (
+        "40 % smaller gears for 12 % more motor"
+    )
+    assert difference_words(machine(peak_power_w=20.09), one, names) == "the same"
+    assert difference_words(machine(peak_power_w=50.0, driven_flywheel_kg_mm2=0.0), one, names) == (
+        "no flywheel for 2.5 times the motor"
+    )
+    assert difference_words(one, machine(driven_flywheel_kg_mm2=0.0), names) == "a flywheel"
+
+
+def test_machines_are_told_in_their_own_units() -> None:
+    search = MachineSearch(loaded("pusher"))
+    search.made = [machine(cost=3.0), machine(cost=9.0, peak_power_w=15.0, gear_volume_mm3=4e6)]
+    limit = limits.MachineLimit(4000.0, 0.25, 1e6, 0.6)
+    price = wish_prices.WishPrice("optimize.limits.ratio_max", 0.17, -0.2)
+    found = replace(search.found, limits=limits.Limits(12.5, 0.6, (limit, limit)), prices=(price,))
+    assert [one.figures.peak_power_w for one in found.machines] == [15.0, 20.0]
+    assert found.recommended == 1
+    told = {row.name: row.texts for row in machines_answer(found).rows}
+    assert told["pusher-2 *"][:3] == ("20", "2", "3")
+    assert told["least power"][0].startswith("12.5 W")
+    assert told["flank load"][0].startswith("25.0 %")
+    assert told["gears"][0].startswith("60.0 %")
+    assert told["wishes"] == ("ratio_max costs 17 % of motor or 0 % of gears",)
+    written = machines_figures(found)
+    assert [one["beside_recommended"] for one in written["machines"]] == [
+        "25 % less motor for 100 % larger gears and 3 times the cost",
+        "",
+    ]
