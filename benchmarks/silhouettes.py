@@ -13,6 +13,8 @@ import sys
 from pathlib import Path
 from time import process_time
 
+os.environ |= {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1"}
+
 import numpy as np
 
 import ncgear

@@ -255,7 +255,7 @@ def follower(place: MatePlace) -> Rolled:
 @pytest.mark.judges("optimum")
 def test_the_mate_moves_in_its_drawing_as_differences_say() -> None:
     curve = follower(MatePlace(np.array([1.0, 2.0]), 0.3, 1.2))
-    index = np.array([0, 5, 800, 1300, 2040])
+    index = np.array([0, 5, 600, 975, 1530])
     way = rays(np.array([0.1, 1.2, 2.3, 3.4, 5.5]))[0]
     change, step = np.cos(np.arange(64) ** 2), 1e-5
     ends = []

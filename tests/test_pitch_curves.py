@@ -834,3 +834,19 @@ def test_a_polygon_of_any_size_has_its_sides(scale: float) -> None:
     curve = rounded_polygon(4, 40.0 * scale, 19.999 * scale, (0.0, 0.0), KEY)
     whole = rounded_polygon(4, 40.0, 19.999, (0.0, 0.0), KEY)
     assert len(curve.stretches) == len(whole.stretches) == 8
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("bump_mm", [0.0, 0.5])
+def test_many_points_are_all_kept_to_their_tolerance(bump_mm: float) -> None:
+    """Of 8000 points of a circle of 30 mm about a place off its middle; a bump of ten points is kept, too."""
+    polar = tau * np.arange(8000) / 8000
+    radius = 3.0 * np.cos(polar) + np.sqrt(30.0**2 - 9.0 * np.sin(polar) ** 2)
+    noise = np.random.default_rng(7).uniform(-2e-3, 2e-3, polar.size)
+    bump = bump_mm * np.exp(-(((polar - 2.0) / 4e-3) ** 2))
+    curve, missed = smoothed_points(polar, radius + noise + bump, 0.01, 1, "motion.points")
+    (part,) = curve.stretches
+    angle, found = (one.value for one in part.polar(polar, 0))
+    assert missed <= 0.01
+    assert angle == pytest.approx(polar)
+    assert np.max(np.abs(found - radius - bump)) < 0.0121

@@ -1,14 +1,13 @@
-"""The nearest pair that can be made: a pitch curve near an outline, its teeth made, and limits set by them in turn.
+"""The nearest pair that can be made: a pitch curve near an outline, and trials of its teeth, one after another.
 
-Conditions on curvature only tell about where teeth can stand.  So the teeth of each curve are made.  Where contact is
-too short, the limits of places nearby are drawn in; between a pair that was made and one that was refused others are
-tried.
+Between a pair whose exact teeth do and one that was refused others are tried.  The nearest one is also judged by its
+written outlines.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import field, replace
+from dataclasses import replace
 from math import pi, radians
 from typing import Any, Literal
 
@@ -20,7 +19,7 @@ from ncgear.design.keys.outline import FollowedOutline, MateOutline
 from ncgear.design.keys.pitch_shapes import FEWEST_POINTS, MOST_POINTS
 from ncgear.design.laws.base import LawKeys
 from ncgear.design.reading.design_file import parsed_mapping
-from ncgear.errors import NoSuchMechanism, RefusedAt, WrongInput
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.outline.conditions import Kind, Limits, conditions
@@ -35,12 +34,21 @@ from ncgear.optimum.outline.nearest import (
 )
 from ncgear.optimum.outline.outline import Outline, outline_of
 from ncgear.optimum.outline.programme import MateWanted, Wanted
-from ncgear.optimum.outline.rolled import FINER, Basis, Rolled, rays
-from ncgear.pitch.curve import CurvePoints
+from ncgear.optimum.outline.rolled import Basis, Rolled
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.finer import require_made
-from ncgear.teeth.gear import ToothedGear
+from ncgear.project.outline_trial import (
+    STUBBORN,
+    Made,
+    between,
+    drawn_in,
+    gears_of,
+    given_gear,
+    judged,
+    made_pair,
+    most_lacking,
+)
 
 TRIALS, NEARER = 10, 2
 """Pairs made at most until one is not refused, and how many more are tried between it and the last refusal where it
@@ -48,33 +56,6 @@ came soon; else one."""
 
 WORTH = 0.01
 """Share of the deviation that another pair must be able to save to be tried."""
-
-DRAWN_IN, MORE, MOST_DRAWN_IN = 0.05, 0.03, 0.3
-"""By what share limits are drawn in where no flanks touch for a moment, beside the length of that in pitches; how much
-more after each refusal; and the most of it."""
-
-ROOMY, EASED = 1.25, 1.05
-"""Arc of contact in pitches of all flanks about a place over which its limits are eased, and by what factor."""
-
-BESIDE_PITCHES = 2.0
-"""How far from a pair of flanks its contact sets the limits, in pitches."""
-
-CLASH, SHORT = 0.15, 1.1
-"""What teeth that run into each other count as a lack of contact, in pitches, and under which arcs of contact flanks
-are taken for the ones that written outlines leave without contact."""
-
-NO_TEETH = 0.9
-"""By what limits are drawn in everywhere where teeth cannot be made at all."""
-
-STUBBORN, LAST, FEW_LACKING = 2, 6, 8
-"""After how many refusals slopes and room are drawn in as well, where teeth run into each other or contact lacks at
-more than a few places, and where it lacks at few."""
-
-ROUNDER, ROOMIER, MOST_ROOM = 0.85, 0.05, 0.35
-"""By what share slopes are drawn in, by how much room grows, and the most of it."""
-
-LEAST_SHARE, MOST_SHARE = 0.25, 1.3
-"""Range of the shares of the limits."""
 
 NEXT_TEETH = (1.5, 2.0)
 """Numbers of teeth that are tried beside the wanted one, by it."""
@@ -153,7 +134,7 @@ class OutlineFit:
     @property
     def given_gear(self) -> Gear:
         """The gear whose pitch curve is drawn."""
-        return _given_gear(self.motion)
+        return given_gear(self.motion)
 
     @property
     def contact_ratio(self) -> float:
@@ -245,7 +226,7 @@ def fitted(design: Design, on_trial: OnTrial = lambda done, most: None) -> Outli
     Raises WrongInput for a design that has no outline, no size, or several lobes, and for a fixed axis outside;
     NoSuchMechanism where no pair near the outline can be made.
     """
-    gears = _gears_of(design)
+    gears = gears_of(design)
     asked = design.outline
     outline, axis = _outline_and_axis(design.motion, asked is not None and asked.axis == "fixed", "outline.axis")
     wanted = Wanted(asked is not None and asked.criterion == "greatest", axis is not None, mate=_mate_wanted(asked))
@@ -288,7 +269,7 @@ def _mate_wanted(asked: FollowedOutline | None) -> MateWanted | None:
     return MateWanted(outline, asked.mate.weight, axis, asked.mate.size == "fixed")
 
 
-def _mate_fit(made: _Made, wanted: MateWanted | None) -> MateFit | None:
+def _mate_fit(made: Made, wanted: MateWanted | None) -> MateFit | None:
     """How near the mate comes to its outline."""
     curve, place = made.curve, made.curve.mate_place
     if wanted is None or place is None:
@@ -297,22 +278,6 @@ def _mate_fit(made: _Made, wanted: MateWanted | None) -> MateFit | None:
     nearest = np.argmin(np.hypot(*(points - np.array(away.toward_mm if away.of_outline else away.at_mm)).T))
     bound_by = _binding(made, float(curve.basis.phi_rad[nearest]))
     return MateFit(wanted.outline, away, points, place.axis_mm / place.scale, place.scale, bound_by)
-
-
-def _gears_of(design: Design) -> Gears:
-    """The design's gears; raises WrongInput for a design of which there is no fit."""
-    gears = design.gears
-    if not design.motion.gives_outline:
-        raise WrongInput(f"{design.motion.law} given; pitch_curve, which draws an outline, is right", key="motion.law")
-    if gears is None:
-        raise WrongInput("missing; a fit needs gears.teeth or gears.module_mm", key="gears")
-    if gears.mesh == "internal":
-        raise WrongInput("internal given; a fit is offered for gears side by side: leave it out", key="gears.mesh")
-    if (gears.lobes.driving, gears.lobes.driven) != (1, 1):
-        raise WrongInput("several lobes given; a fit is offered for one lobe each: leave it out", key="gears.lobes")
-    if gears.teeth is None and (gears.module_mm is None or not design.motion.gives_center_distance):
-        raise WrongInput("missing; a fit needs the number of teeth", key="gears.teeth")
-    return gears
 
 
 def _steepest_rad(pressure_angle_deg: float, gears: Gears) -> float:
@@ -324,28 +289,6 @@ def _steepest_rad(pressure_angle_deg: float, gears: Gears) -> float:
             key="outline.pressure_angle_deg",
         )
     return radians(left)
-
-
-def _given_gear(motion: Mapping[str, Any]) -> Gear:
-    return Gear(motion.get("gear", Gear.DRIVING.value))
-
-
-@dataclass(frozen=True, eq=False)
-class _Made:
-    """A curve with the drive of its teeth, and their refusal if any.
-
-    ``meetings_mm`` are arc lengths of the curve at which flanks meet, with their arcs of contact in pitches.
-    ``lacking`` has rows of an arc length and of the pitches by which contact is too short there.
-    """
-
-    curve: Rolled
-    limits: Limits
-    drive: Drive
-    motion: Mapping[str, Any]
-    refusal: NoSuchMechanism | None = None
-    meetings_mm: Array = field(default_factory=lambda: np.empty(0))
-    arcs: Array = field(default_factory=lambda: np.empty(0))
-    lacking: Array = field(default_factory=lambda: np.empty((0, 2)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -360,156 +303,54 @@ class _Search:
 
     def with_module(self) -> Rolled:
         """A near curve for the whole number of teeth whose module is nearest to the design's."""
-        gears = _gears_of(self.design)
+        gears = gears_of(self.design)
         assert gears.module_mm is not None
         pitch = pi * gears.module_mm
         about = max(round(self.outline.hull_length_mm / pitch), FEWEST_TEETH)
         free = nearest_curve(self.outline, about, self.limits, self.wanted, self.axis_mm)
         return _with_teeth(free, max(round(free.length_mm / pitch), FEWEST_TEETH))
 
-    def best(self, teeth: int, start: Rolled | None, on_trial: OnTrial) -> _Made:
+    def best(self, teeth: int, start: Rolled | None, on_trial: OnTrial) -> Made:
         """The nearest of the pairs that were made; raises NoSuchMechanism where all are refused."""
         limits, curve = self.limits, start
-        kept: _Made | None = None
-        refused: _Made | None = None
+        good = list[Made]()
+        refused: Made | None = None
         left = TRIALS
         for trial in range(TRIALS + NEARER):
             on_trial(trial, TRIALS + NEARER)
             curve = nearest_curve(self.outline, teeth, limits, self.wanted, self.axis_mm, curve)
-            made = _made(self.design, curve, limits)
+            made = made_pair(self.design, curve, limits)
             left -= 1
             if made.refusal is not None:
                 refused = made
-            elif kept is None:
-                kept, left = made, NEARER if trial < STUBBORN else 1
-            elif self._away_mm(made) < self._away_mm(kept):
-                kept = made
-            if kept is not None and refused is not None and self._away_mm(kept) < (1 + WORTH) * self._away_mm(refused):
-                break
-            if left == 0:
-                break
-            limits = _between(kept, refused) if kept is not None else _drawn_in(made, trial)
-        if kept is None:
-            assert refused is not None
-            assert refused.refusal is not None
-            raise NoSuchMechanism(
-                f"no pair near the outline can be made with {teeth} teeth{_most_lacking(refused)}; more teeth of a "
-                f"smaller module, or a rounder outline there, are right; at last: {refused.refusal.problem}",
-                key=refused.refusal.key,
-            )
-        return kept
+            elif not good:
+                good, left = [made], NEARER if trial < STUBBORN else 1
+            elif self._away_mm(made) < self._away_mm(good[-1]):
+                good.append(made)
+            near = good and refused is not None and self._away_mm(good[-1]) < (1 + WORTH) * self._away_mm(refused)
+            if near or left == 0:
+                # Written outlines hardly ever refuse what exact teeth allow, and take as long as these.
+                while good:
+                    made = judged(good.pop(), lambda one: require_made(one.drive))
+                    if made.refusal is None:
+                        return made
+                    refused = made
+                left = TRIALS + NEARER - 1 - trial
+            limits = between(good[-1], refused) if good else drawn_in(made, trial)
+        assert refused is not None
+        assert refused.refusal is not None
+        raise NoSuchMechanism(
+            f"no pair near the outline can be made with {teeth} teeth{most_lacking(refused)}; more teeth of a "
+            f"smaller module, or a rounder outline there, are right; at last: {refused.refusal.problem}",
+            key=refused.refusal.key,
+        )
 
-    def _away_mm(self, made: _Made) -> float:
+    def _away_mm(self, made: Made) -> float:
         """What is to be least."""
         return away_mm(self.outline, made.curve, self.wanted)
 
 
-def control_points(curve: Rolled) -> Array:
-    """Control points, shape (n, 2), of a closed uniform quintic B-spline in the plane that is the curve to 0.1 um."""
-    count = 2 * curve.basis.count
-    phi = 2.0 * pi * np.arange(count) / count
-    radius = curve.basis.at(phi) @ curve.coefficients
-    return Basis(count).through(curve.axis_mm + radius[:, None] * rays(phi)[0])
-
-
-def _made(design: Design, curve: Rolled, limits: Limits) -> _Made:
-    """The teeth of a curve, and how long their flanks touch."""
-    gears, motion = _gears_of(design), design.motion.along(control_points(curve), curve.axis_mm)
-    # The curve has a size, and its teeth are counted; a phase would only turn it.
-    size = {"teeth": curve.teeth} | ({"module_mm": None} if design.motion.gives_center_distance else {})
-    keys = type(design.motion).model_validate({key: value for key, value in motion.items() if key[:5] != "phase"})
-    changes = {"motion": keys, "masses": None, "gears": gears.model_copy(update=size)}
-    drive = Drive(design.model_copy(update=changes))
-    made = _Made(curve, limits, drive, motion)
-    gear = _given_gear(motion)
-    try:
-        made = _with_contact(made, drive.teeth.of(gear), gears)
-        require_made(drive)
-    except RefusedAt as refusal:
-        at = _places(curve, drive.pitch.of(gear).at_angle(np.array([refusal.phi1_rad])))
-        rows = np.column_stack([at, np.full(1, CLASH)])
-        return replace(made, refusal=refusal, lacking=np.vstack([made.lacking, rows]))
-    except NoSuchMechanism as refusal:
-        short = made.arcs < SHORT
-        rows = np.column_stack([made.meetings_mm[short], SHORT - made.arcs[short]])
-        return replace(made, refusal=refusal, lacking=np.vstack([made.lacking, rows]))
-    return made
-
-
-def _places(curve: Rolled, at: CurvePoints) -> Array:
-    """Arc lengths of the curve at points of its gear's pitch curve."""
-    polar = np.mod(np.arctan2(at.position[:, 1], at.position[:, 0]), 2.0 * pi)
-    return np.interp(polar, curve.phi_rad, curve.arc_mm, period=2.0 * pi)
-
-
-def _with_contact(made: _Made, gear: ToothedGear, gears: Gears) -> _Made:
-    """The same with how long flanks touch; ``gear`` is the one whose curve is given."""
-    contact, placement = made.drive.free_contact, made.drive.free_contact.placement
-    sides, own = (contact.pushing, contact.back), gear.flanks.curve.gear.value
-    crossing = np.concatenate([gear.flanks.crossing_mm[getattr(side.meetings, own)] for side in sides])
-    places = _places(made.curve, gear.flanks.curve.at_length(crossing))
-    phi1 = gear.flanks.curve.driving_angle(crossing)
-    arcs = np.concatenate([side.pairs.arcs for side in sides])
-    least = max(gears.least_contact_ratio, 1.0)
-    lacking = [(place, least - arc) for place, arc in zip(places, arcs, strict=True) if arc < least]
-    judged = sides if gears.drives == "both_ways" else sides[:1]
-    for low, high in np.concatenate([side.pairs.gaps for side in judged]):
-        middle = placement.phi1_rad[round((low + high) / 2.0) % placement.count]
-        # The flanks that cross nearest to where none touch.
-        lacking.append((places[np.argmax(np.cos(phi1 - middle))], (high - low) / placement.per_tooth))
-    return replace(made, meetings_mm=places, arcs=arcs, lacking=np.array(lacking).reshape(-1, 2))
-
-
-def _drawn_in(made: _Made, refusals: int) -> Limits:
-    """Limits drawn in where contact is too short and, the first time, eased where all flanks nearby touch for long."""
-    curve, limits = made.curve, made.limits
-    short = made.refusal is not None and made.refusal.key == "gears.least_contact_ratio"
-    many = not short or len(made.lacking) > FEW_LACKING
-    if refusals >= (STUBBORN if many else LAST):
-        # It is no single place: a rounder curve altogether has gentler slopes and more room.
-        rounder, room = limits.steepest_rad * ROUNDER, min(limits.nearest + ROOMIER, MOST_ROOM)
-        limits = replace(limits, steepest_rad=rounder, nearest=room)
-    share = np.broadcast_to(limits.share, curve.arc_mm.shape)
-    if not made.lacking.size:
-        return replace(limits, share=np.maximum(share * NO_TEETH, LEAST_SHARE))
-    reach = BESIDE_PITCHES * curve.length_mm / curve.teeth
-    near = np.maximum(1.0 - curve.apart_mm(made.lacking[:, 0]) / reach, 0.0)
-    less = np.max(near * np.minimum(DRAWN_IN + MORE * refusals + made.lacking[:, 1], MOST_DRAWN_IN), axis=1)
-    shortest = np.min(np.where(curve.apart_mm(made.meetings_mm) < reach, made.arcs, np.inf), axis=1, initial=np.inf)
-    eased = np.where((refusals == 0) & (less == 0.0) & (shortest > ROOMY), EASED, 1.0)
-    return replace(limits, share=np.clip(share * (1.0 - less) * eased, LEAST_SHARE, MOST_SHARE))
-
-
-def _most_lacking(made: _Made) -> str:
-    """Where in the drawing the contact of a refused pair lacks most, in words; nothing where that is not known."""
-    if not made.lacking.size:
-        return ""
-    place = made.lacking[np.argmax(made.lacking[:, 1]), 0]
-    points, _ = made.curve.points()
-    nearest = int(np.argmin(made.curve.apart_mm(np.array([place]))[:, 0]))
-    x, y = points[nearest * FINER]
-    own, mate = (one[nearest] * made.curve.module_mm for one in made.curve.curvature)
-    bent, given = min(own, mate), _given_gear(made.motion)
-    concave = given if own <= mate else next(gear for gear in Gear if gear is not given)
-    hollow = f", where the {concave.value} gear is concave, {bent:.3g} per module" if bent < 0.0 else ""
-    return f": their contact fails at ({x:.4g}, {y:.4g}) mm of the drawing{hollow}"
-
-
-def _between(kept: _Made, refused: _Made | None) -> Limits:
-    """Limits half-way between a pair that was made and a refused pair; a little eased where no pair was refused."""
-    share = np.asarray(kept.limits.share)
-    if refused is None:
-        return replace(kept.limits, share=np.minimum(share * EASED**2, MOST_SHARE))
-    other = refused.limits
-    return replace(
-        kept.limits,
-        share=(share + np.asarray(other.share)) / 2.0,
-        steepest_rad=(kept.limits.steepest_rad + other.steepest_rad) / 2.0,
-        nearest=(kept.limits.nearest + other.nearest) / 2.0,
-    )
-
-
-def _binding(made: _Made, there: float) -> tuple[Kind, ...]:
+def _binding(made: Made, there: float) -> tuple[Kind, ...]:
     """The conditions that bind beside a polar angle of the curve, the most binding first."""
     curve = made.curve
     at = np.interp([there], curve.phi_rad, curve.arc_mm, period=2.0 * pi)
@@ -528,7 +369,7 @@ def _with_teeth(curve: Rolled, teeth: int) -> Rolled:
     return Rolled(basis, radius, curve.axis_mm, curve.center_distance_mm, teeth, curve.mate_place)
 
 
-def _next_sizes(outline: Outline, made: _Made, wanted: Wanted) -> tuple[NextSize, ...]:
+def _next_sizes(outline: Outline, made: Made, wanted: Wanted) -> tuple[NextSize, ...]:
     """The same with more teeth of a smaller module, from the curve that was found."""
     sizes = list[NextSize]()
     share = np.broadcast_to(made.limits.share, made.curve.arc_mm.shape)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -123,6 +124,7 @@ def _fitted_to_mates(
     plain = _regular_tips(gears, bounds, undercut, limits)
     raised = (_raised(gears[0], plain[1], mates[0]), _raised(gears[1], plain[0], mates[1]))
     same = [tips if own is gear else None for tips, own, gear in zip(plain, raised, gears, strict=True)]
+    raised_tips = cache(lambda: _regular_tips(raised, bounds, undercut, limits, same))
     paths = None
     if min(gear.curve.curvature_bounds[0] for gear in gears) < 0.0:
         paths = paths_near_concave(gears, mates)
@@ -130,7 +132,7 @@ def _fitted_to_mates(
     refusals: list[NoSuchMechanism] = []
     for way in WAYS if limits.way is None else (limits.way,):
         try:
-            tips = _regular_tips(raised, bounds, undercut, limits, same) if way.raised else plain
+            tips = raised_tips() if way.raised else plain
             free = _freed(tips, paths, way.first)
             first, second = _below_ceilings(free, limits)
             one, other = _deepened(first, second, mates[0], clearance), _deepened(second, first, mates[1], clearance)

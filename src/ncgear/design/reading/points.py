@@ -119,7 +119,7 @@ def _refuse_both(cells: Sequence[str], line: int, decimals: dict[str, int], path
     ``decimals`` has the first line of each sign, and gets that of ``cells``.
     """
     for sign, pattern in ((".", DECIMAL_POINT), (",", DECIMAL_COMMA)):
-        if any(pattern.fullmatch(cell) for cell in cells):
+        if any(sign in cell and pattern.fullmatch(cell) for cell in cells):
             decimals.setdefault(sign, line)
     if len(decimals) == len({".", ","}):
         problem = (
@@ -129,7 +129,7 @@ def _refuse_both(cells: Sequence[str], line: int, decimals: dict[str, int], path
 
 
 def _with_point(cell: str) -> str:
-    return cell.replace(",", ".") if DECIMAL_COMMA.fullmatch(cell) else cell
+    return cell.replace(",", ".") if "," in cell and DECIMAL_COMMA.fullmatch(cell) else cell
 
 
 def _of_sheet(path: Path, limit_mb: int) -> Iterator[Row]:

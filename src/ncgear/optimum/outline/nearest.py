@@ -20,7 +20,7 @@ from ncgear.optimum.outline.rolled import Basis, MatePlace, Rolled, closing_dist
 FEWEST_COEFFICIENTS, MOST_COEFFICIENTS = 48, 250
 """Coefficients of a curve with few teeth, and with many; between them it has one for each tooth."""
 
-HEATS, HEATS_OF_TWO = ((8, 3), (3, 4), (1, 20)), ((8, 6), (3, 8), (1, 20))
+HEATS, HEATS_OF_TWO = ((8, 2), (3, 4), (1, 20)), ((8, 6), (3, 8), (1, 20))
 """How many of the best curves go on, from so many starts at first, and with how many programmes each; the turn of two
 outlines to each other is told later than an axis alone."""
 

@@ -24,7 +24,7 @@ from ncgear.numerics.arrays import Array, IndexArray
 DEGREE = 5
 """Degree of the spline: curvature and its change are continuous."""
 
-PER_COEFFICIENT, FINER = 4, 8
+PER_COEFFICIENT, FINER = 3, 8
 """Places for each coefficient at which conditions are held, and how many points there are for each such place."""
 
 

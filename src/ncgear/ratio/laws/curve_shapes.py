@@ -34,6 +34,9 @@ STRAIGHT = 1e-9
 SMOOTHINGS = 60
 """Most halvings of the smoothing of points until they are kept to their tolerance; then the curve goes through them."""
 
+MANY_PLACES = 4000
+"""Places of points from twice of which on a spline is sought through means of them first."""
+
 SAME_PLACE_RAD = 1e-9
 """Angles of points nearer than this are one place of the curve."""
 
@@ -280,14 +283,18 @@ def smoothed_points(
     def missed(spline: BSpline) -> Array:
         return np.abs(spline(folded, extrapolate="periodic") - radius_mm)
 
-    sum_ = angles.size * tolerance_mm**2
-    for halving in range(SMOOTHINGS):
-        knots_and_more, _, fault, _ = splrep(*closed, k=DEGREE, s=sum_ / 2.0**halving, per=True, full_output=1, quiet=1)
-        spline = BSpline(*knots_and_more)
-        if fault > 0:
-            break
-        if np.max(missed(spline)) <= tolerance_mm:
-            return _periodic(spline, period, repeats), float(np.max(missed(spline)))
+    each = angles.size // MANY_PLACES
+    # Where places are many, the means of a few beside each other tell of the curve; all of them are judged.
+    for few in (_means(*closed, each, period), closed) if each > 1 else (closed,):
+        sum_ = len(few[0]) * tolerance_mm**2
+        for halving in range(SMOOTHINGS):
+            smoothing = sum_ / 2.0**halving
+            knots_and_more, _, fault, _ = splrep(*few, k=DEGREE, s=smoothing, per=True, full_output=1, quiet=1)
+            spline = BSpline(*knots_and_more)
+            if fault > 0 or (few is not closed and len(spline.t) > len(few[0]) // 2):
+                break
+            if np.max(missed(spline)) <= tolerance_mm:
+                return _periodic(spline, period, repeats), float(np.max(missed(spline)))
     spline = make_interp_spline(*closed, k=DEGREE, bc_type="periodic")
     worst = int(np.argmax(missed(spline)))
     if missed(spline)[worst] > tolerance_mm:
@@ -298,6 +305,14 @@ def smoothed_points(
             key=key,
         )
     return _periodic(spline, period, repeats), float(missed(spline)[worst])
+
+
+def _means(angles: Array, radii: Array, each: int, period: float) -> tuple[Array, Array]:
+    """Means of ``each`` places beside each other of a closed curve, and the first of them once more at the end."""
+    first = np.arange(0, len(angles) - 1, each)
+    count = np.diff(np.append(first, len(angles) - 1))
+    mean = [np.add.reduceat(values[:-1], first) / count for values in (angles, radii)]
+    return np.append(mean[0], mean[0][0] + period), np.append(mean[1], mean[1][0])
 
 
 def _periodic(spline: BSpline, period: float, repeats: int) -> ClosedCurve:

@@ -1,0 +1,203 @@
+"""A pair of gears that is tried near an outline: its teeth, where its contact lacks, and the limits of the next pair.
+
+Conditions on curvature only tell about where teeth can stand.  Where contact of the teeth that are made is too short,
+the limits of places nearby are drawn in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import field, replace
+from functools import partial
+from math import pi
+from typing import Any
+
+import numpy as np
+
+from ncgear.design.keys.design import Design
+from ncgear.design.keys.gears import Gears
+from ncgear.errors import NoSuchMechanism, RefusedAt, WrongInput
+from ncgear.frozen import dataclass
+from ncgear.numerics.arrays import Array
+from ncgear.optimum.outline.conditions import Limits
+from ncgear.optimum.outline.rolled import FINER, Basis, Rolled, rays
+from ncgear.pitch.curve import CurvePoints
+from ncgear.pitch.shape import Gear
+from ncgear.project.drive import Drive
+
+DRAWN_IN, MORE, MOST_DRAWN_IN = 0.05, 0.03, 0.3
+"""By what share limits are drawn in where no flanks touch for a moment, beside the length of that in pitches; how much
+more after each refusal; and the most of it."""
+
+ROOMY, EASED = 1.25, 1.05
+"""Arc of contact in pitches of all flanks about a place over which its limits are eased, and by what factor."""
+
+BESIDE_PITCHES = 2.0
+"""How far from a pair of flanks its contact sets the limits, in pitches."""
+
+CLASH, SHORT = 0.15, 1.1
+"""What teeth that run into each other count as a lack of contact, in pitches, and under which arcs of contact flanks
+are taken for the ones that written outlines leave without contact."""
+
+NO_TEETH = 0.9
+"""By what limits are drawn in everywhere where teeth cannot be made at all."""
+
+STUBBORN, LAST, FEW_LACKING = 2, 6, 8
+"""After how many refusals slopes and room are drawn in as well, where teeth run into each other or contact lacks at
+more than a few places, and where it lacks at few."""
+
+ROUNDER, ROOMIER, MOST_ROOM = 0.85, 0.05, 0.35
+"""By what share slopes are drawn in, by how much room grows, and the most of it."""
+
+LEAST_SHARE, MOST_SHARE = 0.25, 1.3
+"""Range of the shares of the limits."""
+
+
+@dataclass(frozen=True, eq=False)
+class Made:
+    """A curve with the drive of its teeth, and their refusal if any.
+
+    ``meetings_mm`` are arc lengths of the curve at which flanks meet, with their arcs of contact in pitches.
+    ``lacking`` has rows of an arc length and of the pitches by which contact is too short there.
+    """
+
+    curve: Rolled
+    limits: Limits
+    drive: Drive
+    motion: Mapping[str, Any]
+    refusal: NoSuchMechanism | None = None
+    meetings_mm: Array = field(default_factory=lambda: np.empty(0))
+    arcs: Array = field(default_factory=lambda: np.empty(0))
+    lacking: Array = field(default_factory=lambda: np.empty((0, 2)))
+
+
+def given_gear(motion: Mapping[str, Any]) -> Gear:
+    """The gear whose pitch curve the keys of a law draw."""
+    return Gear(motion.get("gear", Gear.DRIVING.value))
+
+
+def gears_of(design: Design) -> Gears:
+    """The design's gears; raises WrongInput for a design of which there is no fit."""
+    gears = design.gears
+    if not design.motion.gives_outline:
+        raise WrongInput(f"{design.motion.law} given; pitch_curve, which draws an outline, is right", key="motion.law")
+    if gears is None:
+        raise WrongInput("missing; a fit needs gears.teeth or gears.module_mm", key="gears")
+    if gears.mesh == "internal":
+        raise WrongInput("internal given; a fit is offered for gears side by side: leave it out", key="gears.mesh")
+    if (gears.lobes.driving, gears.lobes.driven) != (1, 1):
+        raise WrongInput("several lobes given; a fit is offered for one lobe each: leave it out", key="gears.lobes")
+    if gears.teeth is None and (gears.module_mm is None or not design.motion.gives_center_distance):
+        raise WrongInput("missing; a fit needs the number of teeth", key="gears.teeth")
+    return gears
+
+
+def control_points(curve: Rolled) -> Array:
+    """Control points, shape (n, 2), of a closed uniform quintic B-spline in the plane that is the curve to 0.1 um."""
+    count = 2 * curve.basis.count
+    phi = 2.0 * pi * np.arange(count) / count
+    radius = curve.basis.at(phi) @ curve.coefficients
+    return Basis(count).through(curve.axis_mm + radius[:, None] * rays(phi)[0])
+
+
+def made_pair(design: Design, curve: Rolled, limits: Limits) -> Made:
+    """The teeth of a curve, and how long their flanks touch."""
+    gears, motion = gears_of(design), design.motion.along(control_points(curve), curve.axis_mm)
+    # The curve has a size, and its teeth are counted; a phase would only turn it.
+    size = {"teeth": curve.teeth} | ({"module_mm": None} if design.motion.gives_center_distance else {})
+    keys = type(design.motion).model_validate({key: value for key, value in motion.items() if key[:5] != "phase"})
+    changes = {"motion": keys, "masses": None, "gears": gears.model_copy(update=size)}
+    drive = Drive(design.model_copy(update=changes))
+    return judged(Made(curve, limits, drive, motion), partial(_with_contact, gears=gears))
+
+
+def judged(made: Made, judge: Callable[[Made], Made | None]) -> Made:
+    """The pair as a judge of it leaves it, or with the refusal that the judge raises, and where it lacks contact."""
+    found = made
+    try:
+        found = judge(made) or made
+        found.drive.require_sound_teeth()
+    except RefusedAt as refusal:
+        pitch = made.drive.pitch.of(given_gear(made.motion))
+        at = _places(made.curve, pitch.at_angle(np.array([refusal.phi1_rad])))
+        rows = np.column_stack([at, np.full(1, CLASH)])
+        return replace(found, refusal=refusal, lacking=np.vstack([found.lacking, rows]))
+    except NoSuchMechanism as refusal:
+        short = found.arcs < SHORT
+        rows = np.column_stack([found.meetings_mm[short], SHORT - found.arcs[short]])
+        return replace(found, refusal=refusal, lacking=np.vstack([found.lacking, rows]))
+    return found
+
+
+def _places(curve: Rolled, at: CurvePoints) -> Array:
+    """Arc lengths of the curve at points of its gear's pitch curve."""
+    polar = np.mod(np.arctan2(at.position[:, 1], at.position[:, 0]), 2.0 * pi)
+    return np.interp(polar, curve.phi_rad, curve.arc_mm, period=2.0 * pi)
+
+
+def _with_contact(made: Made, gears: Gears) -> Made:
+    """The same with how long flanks touch."""
+    gear = made.drive.teeth.of(given_gear(made.motion))
+    contact, placement = made.drive.free_contact, made.drive.free_contact.placement
+    sides, own = (contact.pushing, contact.back), gear.flanks.curve.gear.value
+    crossing = np.concatenate([gear.flanks.crossing_mm[getattr(side.meetings, own)] for side in sides])
+    places = _places(made.curve, gear.flanks.curve.at_length(crossing))
+    phi1 = gear.flanks.curve.driving_angle(crossing)
+    arcs = np.concatenate([side.pairs.arcs for side in sides])
+    least = max(gears.least_contact_ratio, 1.0)
+    lacking = [(place, least - arc) for place, arc in zip(places, arcs, strict=True) if arc < least]
+    judged = sides if gears.drives == "both_ways" else sides[:1]
+    for low, high in np.concatenate([side.pairs.gaps for side in judged]):
+        middle = placement.phi1_rad[round((low + high) / 2.0) % placement.count]
+        # The flanks that cross nearest to where none touch.
+        lacking.append((places[np.argmax(np.cos(phi1 - middle))], (high - low) / placement.per_tooth))
+    return replace(made, meetings_mm=places, arcs=arcs, lacking=np.array(lacking).reshape(-1, 2))
+
+
+def drawn_in(made: Made, refusals: int) -> Limits:
+    """Limits drawn in where contact is too short and, the first time, eased where all flanks nearby touch for long."""
+    curve, limits = made.curve, made.limits
+    short = made.refusal is not None and made.refusal.key == "gears.least_contact_ratio"
+    many = not short or len(made.lacking) > FEW_LACKING
+    if refusals >= (STUBBORN if many else LAST):
+        # It is no single place: a rounder curve altogether has gentler slopes and more room.
+        rounder, room = limits.steepest_rad * ROUNDER, min(limits.nearest + ROOMIER, MOST_ROOM)
+        limits = replace(limits, steepest_rad=rounder, nearest=room)
+    share = np.broadcast_to(limits.share, curve.arc_mm.shape)
+    if not made.lacking.size:
+        return replace(limits, share=np.maximum(share * NO_TEETH, LEAST_SHARE))
+    reach = BESIDE_PITCHES * curve.length_mm / curve.teeth
+    near = np.maximum(1.0 - curve.apart_mm(made.lacking[:, 0]) / reach, 0.0)
+    less = np.max(near * np.minimum(DRAWN_IN + MORE * refusals + made.lacking[:, 1], MOST_DRAWN_IN), axis=1)
+    shortest = np.min(np.where(curve.apart_mm(made.meetings_mm) < reach, made.arcs, np.inf), axis=1, initial=np.inf)
+    eased = np.where((refusals == 0) & (less == 0.0) & (shortest > ROOMY), EASED, 1.0)
+    return replace(limits, share=np.clip(share * (1.0 - less) * eased, LEAST_SHARE, MOST_SHARE))
+
+
+def most_lacking(made: Made) -> str:
+    """Where in the drawing the contact of a refused pair lacks most, in words; nothing where that is not known."""
+    if not made.lacking.size:
+        return ""
+    place = made.lacking[np.argmax(made.lacking[:, 1]), 0]
+    points, _ = made.curve.points()
+    nearest = int(np.argmin(made.curve.apart_mm(np.array([place]))[:, 0]))
+    x, y = points[nearest * FINER]
+    own, mate = (one[nearest] * made.curve.module_mm for one in made.curve.curvature)
+    bent, given = min(own, mate), given_gear(made.motion)
+    concave = given if own <= mate else next(gear for gear in Gear if gear is not given)
+    hollow = f", where the {concave.value} gear is concave, {bent:.3g} per module" if bent < 0.0 else ""
+    return f": their contact fails at ({x:.4g}, {y:.4g}) mm of the drawing{hollow}"
+
+
+def between(kept: Made, refused: Made | None) -> Limits:
+    """Limits half-way between a pair that was made and a refused pair; a little eased where no pair was refused."""
+    share = np.asarray(kept.limits.share)
+    if refused is None:
+        return replace(kept.limits, share=np.minimum(share * EASED**2, MOST_SHARE))
+    other = refused.limits
+    return replace(
+        kept.limits,
+        share=(share + np.asarray(other.share)) / 2.0,
+        steepest_rad=(kept.limits.steepest_rad + other.steepest_rad) / 2.0,
+        nearest=(kept.limits.nearest + other.nearest) / 2.0,
+    )
