@@ -225,10 +225,15 @@ def test_a_check_warns_of_each_stage_by_its_own_load() -> None:
     known = [rough_strength(pair) for pair in one.by_stage]
     found = [min(rough.safety for rough in pair.safeties) for pair in known if pair is not None]
     assert found == pytest.approx([0.56, 0.35], rel=0.1)
-    rough = [advice for advice in judged(one, Known.MOTION).advices if advice.kind is Kind.STRENGTH]
-    assert len(rough) == 2
-    for number, advice in enumerate(rough, start=1):
-        assert f"the teeth of stage {number} will hardly hold" in advice.line
+    rough = [
+        (row.of, advice)
+        for row in judged(one, Known.MOTION).rows
+        for advice in row.advices
+        if row.kind is Kind.STRENGTH
+    ]
+    assert [of for of, _ in rough] == ["stage 1: ", "stage 2: "]
+    for _, advice in rough:
+        assert "the teeth will hardly hold" in advice.line
         assert "ncgear size" not in advice.line
 
 

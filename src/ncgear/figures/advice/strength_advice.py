@@ -110,13 +110,12 @@ def _roughly(drive: Drive, found: RoughStrength | None) -> Advice | NotJudged | 
     load = "the masses" if design.masses else "the resistance"
     load = "a jam" if first in found.jammed else load
     at, damage = degrees(first.phi1_rad), rough_damage(found, first)
-    teeth = "the teeth" if drive.stage is None else f"the teeth of stage {drive.stage}"
     if needs_teeth := found.needs_teeth_for(first):
-        said, stress = f"{teeth} will not hold", ""
+        said, stress = "the teeth will not hold", ""
         safety = f"under half the safety of {first.wanted:g} that is wanted against {damage}"
         more = f"; how much under is not told, since {needs_teeth}"
     else:
-        said, stress = f"{teeth} will hardly hold", f" with {to_digits(first.stress_mpa, 2)} MPa"
+        said, stress = "the teeth will hardly hold", f" with {to_digits(first.stress_mpa, 2)} MPa"
         safety = f"safety about {_under(first.safety, first.wanted)} against {damage}, {first.wanted:g} wanted"
         more = ""
     meaning = "ncgear strength computes every tooth"
