@@ -294,7 +294,7 @@ def test_two_given_sizes_stay_two() -> None:
     assert drive_of(followed(data, remedy)).pitch.center_distance_mm == pytest.approx(48.0)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_shift_is_advised_where_it_is_enough_in_place_of_the_given_one() -> None:
     data = merged(
         SMALL, {"gears": {"teeth": 12, "lobes": {"driving": 1, "driven": 4}, "profile_shift": {"driving": 0.1}}}

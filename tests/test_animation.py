@@ -165,6 +165,7 @@ def test_the_same_scene_gives_the_same_bytes() -> None:
     assert once == again
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["baler", "rocker-drive", "log-generator"])
 def test_numbers_stand_between_their_words(name: str) -> None:
     """In every pose, and some pose leaves no more room than a letter."""

@@ -72,7 +72,7 @@ def test_a_check_is_a_screen(name: str) -> None:
     assert ("Next: ncgear build" in text) == (loaded(name).design.gears is not None)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["ellipse", "baler-66-two-stage"])
 def test_a_check_makes_no_tooth(name: str) -> None:
     made = Drive(loaded(name).design)
@@ -203,6 +203,7 @@ def test_the_most_serious_comes_first_and_remarks_are_left_out() -> None:
     assert [fault.what for fault in faults_of(verdict)] == ["stage 2: strength", "ring"]
 
 
+@pytest.mark.slow
 @at_once("name", [*QUICK, "baler-66-two-stage", "feeder-wishes"])
 def test_every_warning_of_a_check_is_a_fault(name: str) -> None:
     made = drive(name)

@@ -196,7 +196,7 @@ LIBRARIES = SOLVERS | {
 """Every solver and algebra; meshes, plots, planes, drawings, pages, exact solids."""
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_help_loads_no_library_at_all() -> None:
     assert loaded_by("--help") & (LIBRARIES | {"numpy", "pydantic", "ruamel", "rich"}) == set()
 
@@ -225,7 +225,7 @@ def test_a_check_of_a_table_loads_splines_and_nothing_more() -> None:
     assert loaded_by("check", "designs/feeder-table.yaml") & LIBRARIES == {"scipy"}
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "arguments", [("explain", "gears.module_mm"), ("explain", "--of", "balance"), ("new", "mine")], ids=" ".join
 )

@@ -169,7 +169,7 @@ def transverse_contact_ratio(first: float, second: float, angle: float) -> float
     return float(length / (pi * MODULE * cos(angle)))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @at_once(
     ("name", "teeth", "angle_deg"),
     [("uniform", 18, 20.0), ("uniform", 25, 20.0), ("uniform 1:2", 24, 20.0), ("uniform 3:2", 30, 20.0),

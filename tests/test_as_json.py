@@ -171,6 +171,7 @@ def test_sizes_are_those_of_the_design_that_is_written(run: Run) -> None:
     assert (first["teeth_driving"], first["teeth_driven"]) == (built["teeth"]["driving"], built["teeth"]["driven"])
 
 
+@pytest.mark.slow
 def test_a_sweep_tells_the_best_as_a_check_does_and_why_others_are_refused(run: Run) -> None:
     """A rod of 40 mm is shorter than the crank."""
     write_files(DESIGN)

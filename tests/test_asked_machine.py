@@ -97,6 +97,7 @@ def test_ten_questions_at_a_terminal(tmp_path: Path) -> None:
     assert made.choices.center_distance_mm == 150.0
 
 
+@pytest.mark.slow
 def test_options_with_design(run: Run) -> None:
     assert run("new", "a", "--design", "--machine", "baler", "--speed-rpm", "30") == (0, "a.yaml\n", "")
     made = load(Path("a.yaml")).design

@@ -113,7 +113,7 @@ def test_it_ends_with_its_context(monkeypatch: pytest.MonkeyPatch) -> None:
     assert not process.is_alive()
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("under_way", ["nothing", "a drawing", "many drawings", "its death"])
 def test_no_thread_of_it_is_left(monkeypatch: pytest.MonkeyPatch, under_way: str) -> None:
     """A thread that still closes a pipe would meet the end of the interpreter, which writes to that pipe."""

@@ -81,7 +81,7 @@ GROWING: dict[str, Callable[[int], str]] = {
 }
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("name", GROWING)
 def test_reading_costs_in_proportion_to_the_size(name: str) -> None:
     text = GROWING[name](2000)
@@ -116,7 +116,7 @@ LEAST_TOLERANCE_MM, USUAL_TOLERANCE_MM = 1e-5, 0.005
 MOST_BYTES_OF_TEETH = 150e6
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @at_once(
     ("module_mm", "tolerance_mm", "made"),
     [

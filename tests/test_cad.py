@@ -125,7 +125,7 @@ def test_an_answer_has_the_same_solids_and_pitch_curves() -> None:
 
 @at_once("name", ["ellipse", "rounded-square", "spiral-pair"])
 @at_once("gear", list(Gear))
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_the_spline_of_a_pitch_curve_follows_it_also_at_joints(name: str, gear: Gear) -> None:
     """Distances by many chords of the exact curve at other places than the spline was judged at."""
     curve, within = drive(name).pitch.of(gear), 5e-4

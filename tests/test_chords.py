@@ -104,7 +104,7 @@ def test_points_of_sampled_curves_are_on_them_and_stray_inwards(tolerance: float
         assert (radius - np.hypot(*middles.T)).max() > 0.0
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-6])
 def test_points_of_straddled_arcs_stand_off_as_far_as_middles_stand_in(tolerance: float) -> None:
     for radius, points in zip(RADII, polylines(straddled, "arcs", tolerance), strict=True):

@@ -240,6 +240,7 @@ def test_a_table_and_a_chart_from_python() -> None:
     assert slow == pytest.approx(fast / 2.0)
 
 
+@pytest.mark.slow
 def test_a_machine_without_a_load_has_no_power_to_compare() -> None:
     found = ncgear.compare(DESIGNS / "pusher.yaml", EVEN)
     assert found.figures[0]["peak_power_w"] > 0.0

@@ -271,7 +271,7 @@ LEVEL = ReturnEnds(4.0, 6.0, 3.0, 5.0, 1.0, 0.0, 1.0, 0.0)
 """A return that is a straight line: 2 rad of both gears, ratio 1."""
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("inverse", [False, True])
 def test_level_ends_give_the_level_return(inverse: bool) -> None:
     linkage = CrankSlider(100.0, 400.0)
@@ -300,7 +300,7 @@ def test_the_same_ends_are_fine_in_the_ratio_basis() -> None:
     assert abs(law.closure_error_rad) <= 1e-12
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(("constant", "covered"), [(20.0, 0.1), (20.0, 15.0), (0.0, 5.0)])
 def test_closure_holds_however_far_the_driven_gear_must_turn(covered: float, constant: float) -> None:
     """Ratios far below and above 1, whose reciprocals have poles next to the real axis."""

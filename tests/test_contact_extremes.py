@@ -39,7 +39,7 @@ def extremes(name: str, teeth: int, backlash_mm: float = 0.0, **kinds: Any) -> C
     return contact_extremes(pair, pitch, designed(name, teeth, backlash_mm, **kinds), evenly)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "teeth", "ratio"), [("uniform", 26, 1.0), ("uniform 1:2", 18, 2.0)])
 def test_sliding_of_circular_gears_is_the_closed_form(name: str, teeth: int, ratio: float) -> None:
     """At the end of contact: (w1 + w2) times the line of action from the pitch point to the larger tip circle's end.
@@ -119,7 +119,7 @@ def test_positions_that_the_search_did_not_use_find_nothing_beyond(
     assert max(one.pushing.overlap_mm.max() for one in judged) <= found.overlap_mm.value + 1e-9
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_pressure_angle_that_passes_zero_is_least_at_zero() -> None:
     """Where the normal's angle against the pitch curve changes its sign; circular gears never come so far."""
     steep, even = extremes("long ellipse", 60, 0.1), extremes("uniform", 26)

@@ -81,6 +81,7 @@ def test_an_axis_elsewhere_turns_the_hole_in_the_gear() -> None:
     assert between == pytest.approx(np.radians(40.0), abs=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.judges("files")
 def test_files_have_the_hole() -> None:
     made = pinned()
@@ -124,7 +125,7 @@ def test_step_has_the_hole() -> None:
     assert axis == pytest.approx((hole.x_mm, hole.y_mm), abs=1e-5)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(("clearance", "wide"), [(0.1, 6.2), (-0.1, 5.8)])
 def test_a_process_widens_or_narrows_the_hole(clearance: float, wide: float) -> None:
     assert pinned(clearance=clearance).solids.driven.plan.crank_pin.diameter_mm == pytest.approx(wide)

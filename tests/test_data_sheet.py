@@ -176,7 +176,7 @@ def test_a_given_pin_is_taken_and_spaces_where_it_measures_nothing_are_named() -
     assert any(note.startswith("not defined in the spaces after teeth") for note in notes)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_pin_that_measures_in_no_space_is_refused_with_those_that_do() -> None:
     with pytest.raises(WrongInput, match=r"pins of 20 mm measure in no space .*; (\S+) to (\S+) mm do") as told:
         _ = changed("ellipse", measuring_pin_mm=20.0).measured

@@ -319,7 +319,7 @@ def test_dimensions_of_the_balers_gears_are_those_of_its_design_and_data_sheet()
     assert len(found) == 7
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_dimensions_of_the_assembly_are_those_of_the_machine() -> None:
     found = dimensions("baler", "pair")
     assert found["74.8853 \u00b10.03"] == pytest.approx(drive("baler").pitch.center_distance_mm, abs=2e-6)
@@ -342,6 +342,7 @@ def test_holes_of_any_kind_have_their_diameter() -> None:
     assert drive("printed-pump").solids.driving.plan.bore.diameter_mm == pytest.approx(8.1)  # type: ignore[union-attr]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("asked", "limits"), [({}, "H7 (0 to +0.015)"), ({"crank_pin_fit": "H9"}, "H9 (0 to +0.036)")])
 def test_the_hole_of_the_crank_pin_has_diameter_and_fit(asked: dict[str, str], limits: str) -> None:
     """8 mm as it shall come out, though a print makes it wider: IT7 is 15 and IT9 36 micrometres from 6 to 10 mm."""

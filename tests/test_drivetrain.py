@@ -617,7 +617,7 @@ def test_speed_course_against_scipy() -> None:
     assert_allclose(solved.y[0], course.speed_rad_s(places), rtol=2e-6)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_large_flywheel_has_the_fluctuation_of_the_energy_swing() -> None:
     """J C w^2 = E_max - E_min with a motor that hardly reacts: of high inertia, the course agrees with the formula."""
     asked = demand(5e10)

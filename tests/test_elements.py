@@ -146,7 +146,7 @@ def ring_error(order: int, parts: int) -> float:
     return float(np.abs(stress / exact - 1.0).max())
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(("order", "rate"), [(1, 2.0), (2, 4.0)])
 def test_stress_at_an_edge_converges(order: int, rate: float) -> None:
     """At the Gauss points of edges one power better than gradients elsewhere; two for elements of nine nodes."""

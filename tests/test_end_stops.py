@@ -108,6 +108,7 @@ def test_solid_and_drawing_lack_the_slot() -> None:
     assert flat.area == pytest.approx(exact_area(plan.slot), rel=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gear", list(Gear))
 def test_the_pitch_curve_that_is_drawn_is_the_sector_of_the_range(gear: Gear) -> None:
     curve = stopped().pitch.of(gear)

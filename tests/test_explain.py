@@ -136,7 +136,7 @@ def test_the_last_part_finds_every_key_of_that_name(run: Run) -> None:
     assert "a whole number, 3 or over, up to 10000" in out
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "root"), [("design", Design), ("balance", Balance)])
 def test_the_table_of_keys_is_that_of_the_models(kind: str, root: type[BaseModel]) -> None:
     """Otherwise `PYTHONPATH=docs:src python -m made` writes it anew."""

@@ -166,6 +166,7 @@ def test_a_jump_is_overshot_as_in_closed_form(speed_rad_s: float) -> None:
     assert all(knock.phi1_rad < 0.1 for knock in found.knocks)
 
 
+@pytest.mark.slow
 def test_knocks_of_an_uneven_driven_side_are_those_of_another_solver() -> None:
     """DOP853 follows M q.. + M' q.^2 / 2 + U' = moment with all of its terms, M and U changing with the angle."""
 

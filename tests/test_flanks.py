@@ -199,7 +199,7 @@ def even(contacts: LoadedContacts) -> Array:
     return np.full(contacts.force_n.shape, 1.3)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_extremes_are_those_of_a_search_by_brute_force() -> None:
     """At 60 times as many places as pairs are solved at: the least film and the most heat and wear are no worse."""
     made = drive_of_text(TEXT)
@@ -241,7 +241,7 @@ def test_extremes_are_those_of_a_search_by_brute_force() -> None:
     assert wear.play_mm <= wear.depth_mm[0].value + wear.depth_mm[1].value + 1e-12
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_circular_gears_have_the_film_and_the_heat_of_their_involutes() -> None:
     """By hand at every contact: of the loads only the forces are taken, the rest follows from involutes.
 
@@ -333,7 +333,7 @@ def test_flanks_that_wear_or_scuff_are_told_and_a_thin_film_is_a_remark() -> Non
     assert [one.matters for one in flanks(helical) if isinstance(one, Advice)] == [False]
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_creep_of_polyacetal_and_what_is_not_known_of_others() -> None:
     """A tooth of 24 bears for as many 24ths of its life as pairs bear in the mean; by hand from the data sheet."""
     text = """\

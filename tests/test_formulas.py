@@ -200,7 +200,7 @@ def test_a_number_that_is_changed_by_a_billionth_is_found() -> None:
     assert changes > 30
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_formula_that_differs_is_not_told(monkeypatch: pytest.MonkeyPatch, run: Run) -> None:
     monkeypatch.setattr(checked, "AGREED", 1e-18)
     status, out, err = run("formulas", str(DESIGNS / "pusher.yaml"))
@@ -327,7 +327,7 @@ def test_a_law_without_closed_form_says_so(run: Run) -> None:
     assert "law: no closed form, since the pitch curve is followed point by point" in out
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_ends_are_told_in_pi_where_they_are(run: Run) -> None:
     status, out, _ = run("formulas", str(DESIGNS / "pusher.yaml"))
     assert status == 0

@@ -127,7 +127,7 @@ def test_the_family_of_a_machine_with_masses_is_what_check_says(monkeypatch: pyt
         assert check.peak_power_resistance_w.value != pytest.approx(power, rel=1e-3)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_other_mechanisms_have_the_same_masses(monkeypatch: pytest.MonkeyPatch) -> None:
     """They are those of check, and no law is searched for to tell them."""
     monkeypatch.setattr(of_makeable, "makeable_law", None)

@@ -82,7 +82,7 @@ def test_an_eccentric_disc_with_holes() -> None:
     assert found.inertia_kg_mm2 == pytest.approx(per_area * polar, rel=1e-7)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @at_once("name", ["ellipse", "baler-86"])
 @at_once("gear", ["driving", "driven"])
 def test_the_outline_and_the_mesh_agree(name: str, gear: str) -> None:
@@ -181,7 +181,7 @@ def test_no_boss_of_the_height_is_lighter() -> None:
     assert found.section.area == pytest.approx(least, rel=0.02)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_holes_and_a_boss_balance_an_elliptical_gear() -> None:
     """Its unbalance is too much for holes alone: they say how much they leave, the boss takes that."""
     gear, width = section("ellipse", "driving"), 12.0

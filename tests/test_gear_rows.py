@@ -56,7 +56,7 @@ def test_elliptic_idlers_in_a_straight_row_square_the_ratio() -> None:
     assert slope.derivative(1) == pytest.approx((slopes[1] - slopes[0]) / (2.0 * step), abs=1e-7)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.judges("trains")
 def test_mates_of_an_eccentric_idler_by_quadrature() -> None:
     """The idler's radius where it faces each mate, by its polar angle: 30 digits, without the code's laws."""

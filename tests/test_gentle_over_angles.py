@@ -130,6 +130,7 @@ def test_a_law_keeps_what_is_asked_of_its_case_and_breaks_that_of_others(seed: i
             assert own[0] - 1e-9 <= held.stretch.start_rad < held.stretch.end_rad <= own[1] + 1e-9
 
 
+@pytest.mark.slow
 @at_once("wish", ALL)
 @at_once("seed", range(2))
 def test_what_is_asked_is_enough(seed: int, wish: GentleStretch) -> None:

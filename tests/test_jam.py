@@ -263,6 +263,7 @@ def test_a_jam_alone_is_rated_as_beside_a_resistance() -> None:
         rating_of(drive_of_text(text_of(None).replace(resistance, "")))
 
 
+@pytest.mark.slow
 @pytest.mark.judges("project")
 @pytest.mark.parametrize("times", [100, 100_000])
 def test_a_check_judges_flanks_and_life_of_teeth_in_a_jam(times: int) -> None:
@@ -292,6 +293,7 @@ strength: {overload: {driving_torque_n_m: 40, times: 100}}
 """
 
 
+@pytest.mark.slow
 def test_flanks_that_only_a_jam_presses_are_not_judged_for_film_and_wear() -> None:
     """A resistance that is nowhere more than none is the same machine, and a force that is more is not."""
     told = []

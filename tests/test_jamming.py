@@ -149,6 +149,7 @@ def test_an_estimate_that_forgets_a_source_is_off(forgotten: str) -> None:
 # --- the distribution ------------------------------------------------------------------------------------------
 
 
+@pytest.mark.slow
 def test_what_is_enough_is_enough_for_the_share_and_no_less() -> None:
     """By the share itself, with the confidence taken off: its backlash rises to nothing as numbers grow."""
     own = Needed(np.linspace(-0.01, 0.02, 100_000), 0.004)
@@ -189,7 +190,7 @@ def small(**gears: Any) -> Drive:
     return Drive(design_of(data))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_gears_without_backlash_jam_and_with_the_advised_one_do_not() -> None:
     found = jams(small())
     assert isinstance(found, Advice)
@@ -201,7 +202,7 @@ def test_gears_without_backlash_jam_and_with_the_advised_one_do_not() -> None:
     assert isinstance(jams(small(backlash_mm=0.5 * change.value)), Advice)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_teeth_that_are_made_thinner_need_no_backlash() -> None:
     """Where the limits of their thickness leave more room than the advised backlash; with a tenth of it they jam."""
     enough_mm = jamming_of(small()).enough
@@ -210,7 +211,7 @@ def test_teeth_that_are_made_thinner_need_no_backlash() -> None:
         assert (jams(small(tolerances=thickness)) is None) is turns
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("key", ["backlash_mm", "backlash_deg"])
 def test_a_backlash_of_0_that_is_written_down_is_wanted(key: str) -> None:
     found = jams(small(**{key: 0.0}))
@@ -218,7 +219,7 @@ def test_a_backlash_of_0_that_is_written_down_is_wanted(key: str) -> None:
     assert "the exact pair jam" in found.why
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_degrees_are_told_where_the_file_has_them() -> None:
     """The advised angle times the least arm of the idle flanks is about the advised backlash in mm."""
     in_mm = jamming_of(small(backlash_mm=0.01))
@@ -260,7 +261,7 @@ def test_gears_too_wide_for_any_backlash_are_told_the_width_that_turns(
     assert isinstance(wider, Advice)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(("eccentricity_mm", "fits"), [(0.3, True), (3.0, False)])
 def test_a_backlash_with_which_teeth_are_pointed_is_not_advised(eccentricity_mm: float, fits: bool) -> None:
     """It leaves some of each tooth at the pitch curve, and yet the teeth with it are refused."""

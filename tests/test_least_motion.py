@@ -243,6 +243,7 @@ def test_the_force_of_round_gears_is_over_the_limit() -> None:
         assert force > limit.value
 
 
+@pytest.mark.slow
 def test_no_law_has_less_flank_load_than_the_limit() -> None:
     """Random laws, each with its own greatest tangent as the limit's; 4 W/(pi cos alpha) where none leans."""
     task, angle = best("least_flank_load").begun.task, np.linspace(0.0, 2.0 * pi, 24, endpoint=False)

@@ -325,7 +325,7 @@ def test_figures_under_those_of_the_law_are_broken(name: str) -> None:
     assert max(broken_with_mass(seed, {name: 1.0}, 0.98) for seed in (2, 5, 8)) > 10.0 * SAMPLED
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @at_once("seed", range(6))
 def test_without_convexity_the_roof_of_acceleration_is_kept(seed: int) -> None:
     """The programme itself, fed with the law's figures, is open to it."""

@@ -96,6 +96,7 @@ def test_each_goal_is_least_at_its_own_law() -> None:
         assert own < 0.98 * getattr(uniform, name), goal
 
 
+@pytest.mark.slow
 def test_the_levels_of_the_search_are_the_exact_figures() -> None:
     """At the judge's places, with parabolas between them, every level is the figure of the rigid level to 1e-4."""
     every = {name: 1e3 * value for name, value in LIMITS.items()}

@@ -72,7 +72,7 @@ def test_round_gears_are_a_planetary_gear_of_circles() -> None:
     assert turn == pytest.approx(0.3 * 24.0 / 60.0 * (1.0 - 72.0 / 12.0), abs=1e-9)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.judges("pitch")
 @pytest.mark.parametrize("case", MOTORS)
 def test_the_ring_rolls_with_the_sun(case: tuple[str, tuple[int, int], int, int]) -> None:
@@ -150,7 +150,7 @@ def test_chambers_are_what_is_left_between_the_curves(case: tuple[str, tuple[int
     assert areas == pytest.approx(np.sort(chambers.area_mm2(places)), abs=0.02)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.judges("pitch")
 @pytest.mark.parametrize("case", MOTORS)
 def test_displacement_by_chambers_by_the_integral_and_by_rates(case: tuple[str, tuple[int, int], int, int]) -> None:

@@ -101,7 +101,7 @@ def test_what_another_program_makes_is_made_or_mended() -> None:
         assert 1.0 < search.found.contact_ratio < 2.0
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("teeth", [17, 30])
 def test_a_pressure_angle_of_25_degrees_alone_builds(teeth: int) -> None:
     drive = drive_of(data_of(EVEN, teeth, rack={"pressure_angle_deg": 25.0}))
@@ -462,6 +462,7 @@ def test_too_much_backlash_is_named_with_the_most_tenths_that_work(key: str, giv
     assert refusal_of_teeth(drive_of(with_changes(data, {key: works + given / 10.0}))) is not None
 
 
+@pytest.mark.slow
 def test_backlash_that_is_not_the_cause_is_not_blamed() -> None:
     data = data_of({"law": "ellipse", "eccentricity": 0.2}, 8, backlash_mm=0.05)
     search = mending(drive_of(data))

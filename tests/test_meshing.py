@@ -76,7 +76,7 @@ def test_a_wrong_sign_of_the_damping_is_told_by_the_balance() -> None:
     assert np.abs(imbalance(wrong)).max() > 0.1
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "teeth"), PAIRS)
 def test_what_the_teeth_take_is_never_given_back(name: str, teeth: int) -> None:
     found = meshing(name, teeth)

@@ -101,6 +101,7 @@ def test_the_motor_that_is_told_does(no_load: float, stall_n_m: float) -> None:
     assert motor_row(drive_of_text(text)) == (State.KEPT, "")
 
 
+@pytest.mark.slow
 def test_a_motor_that_cannot_go_on_is_told_though_its_flywheel_lasts_through_the_turn() -> None:
     drive = drive_of_text(heavy(with_motor(90, 2.0)))
     assert motor_stall(drive) is None

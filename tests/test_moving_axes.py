@@ -140,7 +140,7 @@ def test_an_axis_that_is_too_fast_and_a_distance_that_jumps_are_refused() -> Non
     assert refused.value.key == "train.ratio"
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.judges("trains")
 @pytest.mark.parametrize(
     "changes", [(), *(pytest.param(one, marks=pytest.mark.slow) for one in (ROUND, UNEVEN, LOBES))]

@@ -245,6 +245,7 @@ wishes:
     assert load(Path("a.yaml")).design.wishes == loads(template("a", law) + by_hand).design.wishes
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("wish", "said"),
     [

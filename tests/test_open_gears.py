@@ -316,6 +316,7 @@ def test_contact_goes_from_end_to_end_without_a_gap(name: str) -> None:
     assert found.contact_ratio >= found.least_arc - 1.0 / found.pushing.pairs.pitches
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["spiral", "log", "wavy"])
 def test_written_outlines_touch_where_the_exact_teeth_do(name: str) -> None:
     found, pair = contact(name), teeth(name)
@@ -357,7 +358,7 @@ def test_flatter_racks_have_more_teeth_beside_the_range() -> None:
     assert found.pushing.touching.driving.max() // 2 + 1 <= flat.size.driving_teeth
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @at_once(
     ("made", "said"),
     [
@@ -445,6 +446,7 @@ def test_files_tell_the_end_stops() -> None:
     assert built("spiral-pair").summary["drive"]["driven_range_deg"] == pytest.approx(degrees(driven), rel=1e-13)
 
 
+@pytest.mark.slow
 def test_pictures_swing() -> None:
     scene = scene_of(drive("spiral-pair"))
     assert scene.swings

@@ -209,7 +209,7 @@ def test_flanks_use_the_tolerance(name: str, teeth: int, tolerance: float) -> No
 # --- the polygon -------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "teeth"), CASES)
 def test_outline_is_a_simple_counter_clockwise_polygon(name: str, teeth: int) -> None:
     for gear in gears(name, teeth):

@@ -81,7 +81,7 @@ def test_transmission_error_of_other_outlines_vanishes_too(name: str) -> None:
     assert off[2].max() < off[1].max() / 2.0 < off[0].max() / 4.0
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "teeth"), [("uniform", 25), ("ellipse", 37), ("sine", 100)])
 def test_tips_clear_roots_by_what_the_rack_says(name: str, teeth: int) -> None:
     found = written(name, teeth)

@@ -98,7 +98,7 @@ def test_nothing_is_nearer_at_thousands_of_angles(kind: str, axis: float) -> Non
         assert there.distance(center) == pytest.approx(one.distance_mm, abs=1e-9)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_pin_passes_the_driving_axis_at_the_difference_of_both_lengths() -> None:
     for kind, axis in KINDS:
         found = made(kind, axis)
@@ -250,6 +250,7 @@ def test_fit_without_a_crank_or_gears_is_refused(text: str) -> None:
 LEVER = "{{kind: slotted_lever, crank_mm: 30, pivot_mm: {pivot}, lever_mm: 90}}"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("pivot", "meets"), [(31, True), (35.9, True), (36.1, False), (45, False)])
 def test_a_crank_pin_that_covers_the_lever_s_axis_is_told(pivot: float, meets: bool) -> None:
     """The pin, 12 mm thick as the shaft, comes within pivot - crank of the axis, whatever the driving shaft does."""
@@ -258,6 +259,7 @@ def test_a_crank_pin_that_covers_the_lever_s_axis_is_told(pivot: float, meets: b
     assert told == ([f"the crank pin passes {pivot - 30:g} mm from the middle of the lever's axis"] if meets else [])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("width", "meets"), [(1.01, True), (0.99, False)])
 def test_a_coupler_that_covers_the_rocker_s_axis_is_told(width: float, meets: bool) -> None:
     """By sampled triangles of crank pin, rocker's pin and its axis; the rocker itself may lie over its own axis."""
@@ -292,6 +294,7 @@ def test_a_crank_pin_that_sweeps_over_an_end_stop_is_told(axis: float, radius: f
     assert ["driven gear's end stop" in advice.what for advice in found] == [True] * told
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("axis", "met"), [(90.0, ["lever", "ram"]), (180.0, []), (-90.0, ["lever"])])
 def test_a_lever_s_ram_meets_a_shaft_in_its_way(axis: float, met: list[str]) -> None:
     """The ram's line is 70 mm over the crank's axis, the shaft's middle 79.6 mm: a bar 24 mm wide reaches it."""

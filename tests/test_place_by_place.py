@@ -37,7 +37,7 @@ def by_arrays(found: ToothedMachine, at: Array) -> Array:
     return np.stack([*moved, answer.torque_n_mm * at[1], answer.teeth.loss_n_mm_s.sum(axis=-1)])
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MESHES)
 def test_one_by_one_states_change_as_in_arrays(name: str) -> None:
     teeth = MESHES[name]()

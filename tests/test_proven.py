@@ -127,7 +127,7 @@ def test_a_smooth_formula_gets_no_more_panels_than_its_samples_ask_for() -> None
         assert resolved(text).breaks.size <= sampled.breaks.size
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("text", "near"),
     [
@@ -203,7 +203,7 @@ def test_a_ratio_with_a_dent_is_integrated(at: float, width: float) -> None:
     assert abs(law.closure_error_rad) <= 1e-12
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(("at", "width"), DENTS)
 def test_the_peak_of_acceleration_is_in_the_dent(at: float, width: float) -> None:
     law = ratio_expression_law(dented(at, width), Lobes(), scale_to_close=True)
@@ -273,6 +273,7 @@ CORNERED_RATIOS = {
 }
 
 
+@pytest.mark.slow
 @at_once("text", CORNERED_RATIOS)
 def test_a_ratio_may_have_corners_and_gears_may_not(text: str) -> None:
     """The driven angle by quadrature that is told of the corners; gears are refused at the first of them."""
@@ -340,7 +341,7 @@ def test_a_steep_step_gives_finite_numbers_everywhere() -> None:
 # --- resistances -----------------------------------------------------------------------------------------------------
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(("at", "width"), [(22.2, 0.02), (51.5, 0.003), (12.34, 0.4)])
 def test_a_narrow_peak_of_resistance_counts(at: float, width: float) -> None:
     """Work by its closed form, the peak of power by samples in the peak."""

@@ -387,6 +387,7 @@ def test_the_harm_of_a_rack_is_that_of_its_polygon() -> None:
     assert cut_by_polygons(convex) < 0.001
 
 
+@pytest.mark.slow
 def test_a_rack_is_refused_for_harm_and_not_for_a_sign() -> None:
     """A concave radius of metres is cut; one of decimetres is not, and the message says how deep the rack would cut."""
     flat = drive_of(sine(0.1505, "rack"))

@@ -112,7 +112,7 @@ REPRS = {
 }
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("name", REPRS)
 def test_values_say_in_a_few_lines_what_they_are_and_compute_nothing_more(drive: ncgear.Drive, name: str) -> None:
     value = getattr(drive, name)

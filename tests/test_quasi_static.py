@@ -186,7 +186,7 @@ def test_a_stiffer_law_of_impact_gives_way_less(exponent: float) -> None:
     assert log2(np.median(soft / hard)) == pytest.approx(log2(10.0) / exponent, rel=0.3)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_teeth_pressed_too_deep_are_refused() -> None:
     with pytest.raises(NoSuchMechanism, match="deeper than their teeth can be followed") as caught:
         loaded_contact(meshing("uniform", 24), ANGLES, np.full_like(ANGLES, 1e9), 0.0)

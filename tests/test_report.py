@@ -412,6 +412,7 @@ def test_faint_text_is_seen() -> None:
     assert ("muted", "panel") in too_faint(re.sub("--muted: #[0-9a-f]{6}", "--muted: #a0a0a0", LIGHT))
 
 
+@pytest.mark.slow
 def test_every_colour_of_the_drawings_is_one_of_the_page() -> None:
     known = colors(LIGHT)
     used = set(re.findall(r"var\(--([\w-]+)[,)]", reports.page("baler")))

@@ -295,6 +295,7 @@ def test_the_command_tells_sizes_of_any_gear(module: float, run: Run, tmp_path: 
         assert "gears.module_mm: the module of 0.00012 mm is too small for exact faces" in err
 
 
+@pytest.mark.slow
 def test_a_slot_about_whose_axis_no_pin_has_room_is_refused() -> None:
     """A pin and a clearance that are thicker than their distance from the axis, as of a design scaled down."""
     data = deepcopy(CASES["sector"])

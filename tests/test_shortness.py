@@ -105,7 +105,7 @@ def test_flanks_that_a_relief_holds_apart_do_not_count_unless_a_load_closes_it()
         judge(contact, pair, 1.7, loaded=(closed, closed))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize(("undercut", "pitches"), [(False, "1.16"), (True, "0.83")])
 def test_the_published_baler_touches_over_as_many_pitches_as_the_method_says(undercut: bool, pitches: str) -> None:
     """25 teeth with shortened tips, and undercut by a tool of full depth: docs/method.md."""

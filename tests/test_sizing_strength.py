@@ -191,6 +191,7 @@ def run(run: Run) -> Run:
     return on_text(run, "size", "--verbose")
 
 
+@pytest.mark.slow
 def test_what_is_written_builds_what_was_found(run: Run, pretend: list[int]) -> None:
     status, out, err = run(TEXT, "--space", "100", "--out", "found/right.yaml", "--material", "C45")
     assert (status, err) == (0, "")

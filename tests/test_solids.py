@@ -78,7 +78,7 @@ def test_volume_is_that_of_the_closed_form(bore: Bore | None) -> None:
     np.testing.assert_allclose(mesh.bounds[:, 2], [0.0, 20.0], rtol=0.0, atol=0.0)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @at_once("bore", BORES)
 def test_stl_reads_back_as_the_same_solid(bore: Bore | None) -> None:
     mesh = extruded(wavy(4000), 20.0, bore, TOLERANCE)

@@ -42,7 +42,7 @@ def limit(places: int) -> Bound:
 # --- the certified limit -----------------------------------------------------------------------------------------
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("power_w", [6300.0, 18750.0])
 def test_the_closed_form_is_the_convex_programmes_optimum(power_w: float) -> None:
     """Its grid of 320 has chords where motions peak, which is of second order."""
@@ -103,7 +103,7 @@ def test_the_finest_grid_is_the_best() -> None:
     assert limit(GRIDS[-1]).value > limit(GRIDS[-2]).value
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [1e-2, -1e-2])
 def test_a_limit_that_is_a_hundredth_off_is_told(share: float) -> None:
     """The limit itself misses less than half of that."""

@@ -132,6 +132,7 @@ def test_teeth_that_do_not_hold_are_named_with_what_would_do(run: Run, pretend: 
     assert found["driven"]["contact_too_weak_teeth"] == [1, 2, 3]
 
 
+@pytest.mark.slow
 def test_a_material_without_figures_for_pitting(run: Run, pretend: Callable[..., None]) -> None:
     """Plastics also want more against breakage."""
     pretend(1.9, None)

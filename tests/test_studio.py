@@ -151,7 +151,7 @@ def test_every_law_can_be_chosen(law: LawName) -> None:
     assert "# The baler of J. Wang" in text
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @at_once("kind", list(MECHANISMS))
 def test_every_mechanism_can_be_chosen(kind: str) -> None:
     text = edited(text_of("scotch-yoke-pump"), {"linkage.kind": kind})

@@ -84,6 +84,7 @@ def test_the_best_are_named_first(run: Run) -> None:
     assert float(first[1]) == pytest.approx(float(by_acceleration["check.peak_acceleration_cycle_mm_s2"]), rel=1e-4)
 
 
+@pytest.mark.slow
 def test_of_designs_that_need_the_same_power_the_gentlest_is_named_first(run: Run) -> None:
     """The peak is that of the working stroke, which no choice of the return changes."""
     _, out, _ = run("motion.return.e=0.5:-0.5:5", text=PUBLISHED.replace("e: least_acceleration", "e: 0"))

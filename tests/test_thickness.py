@@ -238,7 +238,7 @@ def _texts(folder: Path, gear: str) -> str:
     return (folder / f"{gear}_drawing.svg").read_text()
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_without_a_deviation_outlines_are_the_same_to_the_last_bit() -> None:
     plain = Drive(loaded("ellipse").design).teeth
     for band in (None, (0.0, 0.0), (-0.03, 0.03)):

@@ -820,7 +820,7 @@ def test_results_are_the_same_whatever_the_workers() -> None:
         assert all(np.array_equal(values, getattr(other, name)) for name, values in arrays.items())
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_places_that_no_assembly_reaches_may_be_left_out() -> None:
     """Even where everything is at its limit; and most of the others are reached by some."""
     one, lot = drive("ellipse"), ellipse_lot()

@@ -145,7 +145,7 @@ def test_the_amount_of_pointed_tips_is_that_of_the_involute_of_their_land() -> N
     assert loss.contact_pitches == pytest.approx((heights[1] - heights[0]) / (sin(angle) * cos(angle)) / (pi * MODULE))
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @at_once("angle_deg", [14.5, 20.0, 25.0])
 @at_once("teeth", [9, 11])
 def test_undercut_ends_at_the_classical_profile_shift(angle_deg: float, teeth: int) -> None:
@@ -299,7 +299,7 @@ UNDERCUT = {
 }
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @at_once("name", UNDERCUT)
 def test_avoiding_undercut_leaves_regular_flanks_down_to_their_fillets(name: str) -> None:
     for gear in both(made(*UNDERCUT[name])):
@@ -340,7 +340,7 @@ def test_flank_kinds_left_by_undercut_are_in_order() -> None:
         assert np.all(np.diff(gear.sides.owner) >= 0)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @at_once("nudge", [-4, -1, 0, 1, 2, 3, 4])
 def test_a_joint_just_before_the_end_of_a_range_is_its_end(nudge: int) -> None:
     """Between them there are no numbers left to tell both sides of the jump apart."""

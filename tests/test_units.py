@@ -28,7 +28,7 @@ DRAWN: dict[str, tuple[Draw, str]] = {
 }
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @at_once("name", DRAWN)
 def test_plots_of_small_and_large_machines_have_the_same_unit(name: str) -> None:
     """The pusher takes 8.7 W, the baler 19 kW."""

@@ -277,6 +277,7 @@ def test_what_is_given_and_changes_nothing_is_told(name: str) -> None:
     assert states(verdict)[Kind.WITHOUT_EFFECT] is State.BROKEN
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ACTING)
 def test_what_changes_something_is_not(name: str) -> None:
     """Negative control."""
@@ -349,6 +350,7 @@ def test_points_beyond_the_stroke_are_a_remark() -> None:
     assert work(5) != pytest.approx(work(8), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_teeth_without_any_force_are_not_said_to_hold() -> None:
     for known in Known:
         rows = states(verdict_of(known, resistance={"friction_n": 0}))

@@ -73,7 +73,7 @@ resistance: {polynomial_n: [4000], returning: {polynomial_n: [4000]}}
 ELLIPSE = ROUND.replace("law: uniform_crank", "law: ellipse, eccentricity: 0.3")
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_round_gears_have_one_resonance_ratio_by_hand() -> None:
     """Two discs of 80 mm: 1/m = 2 r_b^2 / J with J = rho pi b r^4 / 2; at most the teeth's own variation remains."""
     drive = drive_of_text(ROUND)
@@ -120,7 +120,7 @@ def test_an_ellipse_passes_its_teeth_at_a_speed_that_changes_by_its_radii() -> N
     assert passing.max() / passing.min() > 1.7  # The mean pitch speed, as method C took it, knows nothing of this.
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_mesh_is_said_to_resonate_where_it_does_and_nowhere_else() -> None:
     """At a speed within the critical ones; below them it is not.  A check says the same without teeth."""
     drive = drive_of_text(ELLIPSE)
@@ -225,7 +225,7 @@ def test_swings_against_another_solver(share: float) -> None:
     assert found.load_factor[0] == pytest.approx(most, rel=1e-3)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_sweep_of_speed() -> None:
     """Far under the critical speeds the mesh bears its load, and most within them or at a part of them; K_V is its
     own at its own speed."""

@@ -111,7 +111,7 @@ def test_the_even_stretch_of_laws_at_random(seed: int, stroke: Stroke) -> None:
     assert found.most_mm_s <= found.least_mm_s * spread(EVEN) * (1.0 + 3e-9)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 @at_once("name", ["baler", "feeder-table", "pusher", "internal-1-2"])
 def test_the_even_stretch_of_designs(name: str) -> None:
     machine = drive(name).machine
