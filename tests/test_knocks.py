@@ -127,6 +127,17 @@ def test_a_knock_hurries_the_slider_as_newton_says() -> None:
     assert hurry.max() > 5.0 * speed**2
 
 
+def test_flanks_of_round_gears_stand_as_they_are_made_however_hard_they_knock() -> None:
+    """F = T / (r cos 20 deg) on a radius of 24 mm, along a line 20 deg off the tangent, whatever hurries the gear."""
+    machine = shaken(0.1).rigid.machine
+    phi1 = np.linspace(0.0, 2.0 * np.pi, 50)
+    for beyond in (0.0, 3.0, -40.0):
+        loads = machine.at(phi1, np.full(phi1.shape, beyond))
+        force = np.abs(loads.driven_torque.value) / (24.0 * np.cos(np.radians(20.0)))
+        assert loads.mesh_force.size_n.value == pytest.approx(force, rel=1e-12)
+        assert np.degrees(loads.mesh_force.pressure_angle_rad.value) == pytest.approx(20.0, rel=1e-12)
+
+
 @pytest.mark.slow
 def test_bearings_bear_the_knocks_of_the_teeth() -> None:
     knocked, still = shaken(0.1, SHAFTS), shaken(0.0, SHAFTS)
@@ -157,4 +168,4 @@ def test_the_motion_in_time_presses_teeth_as_hard(play_mm: float) -> None:
     in_time = float(one.course.machine.answer(states).teeth.normal_n.max())
     assert 0.95 * in_time < peak_n(one) < 1.15 * in_time
     bearing = one.peaks_of(one.course).forces_n[CRANK_BEARING].value
-    assert 0.95 * bearing < one.knocking_peaks.crank_bearing_n.value < 1.5 * bearing
+    assert 0.95 * bearing < one.knocking_peaks.crank_bearing_n.value < 1.25 * bearing

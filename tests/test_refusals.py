@@ -6,14 +6,16 @@ Refusals are told in this process; what goes to the pipes and what a failed buil
 from __future__ import annotations
 
 import json
+import pickle
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from functools import partial
 from pathlib import Path
 
 import pytest
 
 from commands import ROOT, Process, Run, changed, fresh
+from ncgear import errors
 from ncgear.design.laws.registry import LawName
 from tiers import long_but
 
@@ -250,3 +252,23 @@ def test_a_new_design_builds(law: LawName, program: Program, tmp_path: Path) -> 
     done = program("build", "mine.yaml")
     assert (done.returncode, said_beside_progress(done.stderr)) == (0, "")
     assert (tmp_path / "export" / "mine" / "summary.json").exists()
+
+
+def test_errors_come_back_from_another_process_and_may_be_said_in_other_words() -> None:
+    def kinds(of: type[errors.DesignError]) -> Iterator[type[errors.DesignError]]:
+        yield of
+        for one in of.__subclasses__():
+            yield from kinds(one)
+
+    def made(kind: type[errors.DesignError]) -> errors.DesignError:
+        error = kind.__new__(kind, "no")
+        errors.DesignError.__init__(error, "no", key="a.b")
+        return error
+
+    known = errors.RefusedAt("no", phi1_rad=0.7, key="a.b", location="f:1:2")
+    for error in (*map(made, kinds(errors.DesignError)), known):
+        back = pickle.loads(pickle.dumps(error))
+        assert (type(back), str(back), vars(back)) == (type(error), str(error), vars(error))
+        other = error.saying("yes")
+        assert (type(other), vars(other)) == (type(error), vars(error) | {"problem": "yes"})
+        assert vars(error.saying("yes", "c")) == vars(error) | {"problem": "yes", "key": "c", "location": ""}

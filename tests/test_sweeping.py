@@ -17,8 +17,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from at_once import at_once
 from drives import DESIGNS
-from ncgear.design.reading.design_file import LoadedDesign, load
+from ncgear.design.reading.design_file import LoadedDesign, load, parsed_mapping
 from ncgear.design.space import Listed, Ranged, Space, varied_of
 from ncgear.errors import WrongInput
 from ncgear.files import sweep_run
@@ -323,6 +324,18 @@ def run(folder: Path, count: int = 100) -> Swept:
     screening = screening_of(LOADED.design, LOADED.data, order)
     wanted = Wanted((), (Objective("check.peak_power_w"),))
     return swept(LOADED, order, screening, wanted, folder, lambda *_: None, processes=1)
+
+
+@at_once("left_out", [(), ("driving_gear_kg_mm2",), ("driven_gear_kg_mm2",), ("masses",)])
+def test_a_screening_without_pitch_curves_has_gears_only_where_their_bodies_count(left_out: tuple[str, ...]) -> None:
+    gears = {"driving_gear_kg_mm2": 1e6, "driven_gear_kg_mm2": 1e6}
+    rod, crank = ({"mass_kg": 9.0, "center_mm": 0.0, "inertia_kg_mm2": 1e5} for _ in range(2))
+    given = {"slider_kg": 150.0, "rod": rod, "crank": crank}
+    given |= {key: value for key, value in gears.items() if key not in left_out}
+    data = {**LOADED.data} if "masses" in left_out else {**LOADED.data, "masses": given}
+    order = Order(Space((Ranged("motion.v1_mm_s", 1500.0, 1700.0),), 4), "check")
+    screening = screening_of(parsed_mapping(data).design, data, order)
+    assert ("gears" in screening.data) == bool({*left_out} & {*gears})
 
 
 def contents(folder: Path) -> dict[str, bytes]:

@@ -11,7 +11,8 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Protocol
+from copy import copy
+from typing import Any, Protocol, Self
 
 
 class DesignError(Exception):
@@ -29,6 +30,18 @@ class DesignError(Exception):
         self.key = key
         self.location = location
         self.others = tuple(others)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """How processes hand the error on, whatever its class asks for when it is made."""
+        return type(self).__new__, (type(self), *self.args), self.__dict__
+
+    def saying(self, problem: str, key: str | None = None) -> Self:
+        """The same error in other words; of another key, whose place is not known yet, where one is given."""
+        said = copy(self)
+        said.problem = problem
+        if key is not None:
+            said.key, said.location = key, ""
+        return said
 
     def __str__(self) -> str:
         own = ": ".join(part for part in (self.location, self.key, self.problem) if part)

@@ -77,14 +77,17 @@ class RigidMachine:
     guide_friction: float = 0.0
     between: Transmission | None = None
 
-    def loads(self, phi1: Array, driven_angle: Jet, resistance_n: Jet, returning: Mask) -> Loads:
+    def loads(
+        self, phi1: Array, driven_angle: Jet, resistance_n: Jet, returning: Mask, of_law: Jet | None = None
+    ) -> Loads:
         """The loads at driving angles, shape (n,), for a crank angle that is a jet by them.
 
         Loads and resistance have two orders less than the angle; ``returning`` (shape (n,)) says which stroke it is.
+        ``of_law`` is the crank angle by the law, which the gears were made for, where it is another one.
         """
         pace = EvenPace(self.machine.speed_rad_s)
         joints = self._joints(driven_angle, pace, resistance_n, returning)
-        slope, torque = driven_angle.differentiated(), joints.torque_n_mm
+        slope, torque = (of_law or driven_angle).differentiated(), joints.torque_n_mm
         mesh = None if self.place is None else mesh_force(self.place, slope, torque)
         return Loads(
             driving_torque=slope.truncated(torque.order) * torque + self._of_shaft_between(phi1, pace, torque.order),
@@ -100,11 +103,11 @@ class RigidMachine:
 
         ``beyond`` (shape (n,)) is what d2phi2/dphi1^2 has beyond the law's, as where teeth part and knock.
         """
-        driven = self.machine.transmission.driven_angle(phi1, 2)
+        driven = of_law = self.machine.transmission.driven_angle(phi1, 2)
         if beyond is not None:
-            driven = driven + Jet(np.stack([0.0 * beyond, 0.0 * beyond, beyond / 2.0]))
+            driven = of_law + Jet(np.stack([0.0 * beyond, 0.0 * beyond, beyond / 2.0]))
         returning = ~self.machine.working(driven.value)
-        return self.loads(phi1, driven, self._resistance_n(driven.truncated(0), returning), returning)
+        return self.loads(phi1, driven, self._resistance_n(driven.truncated(0), returning), returning, of_law)
 
     def coming_back(self, phi1: Array) -> Loads:
         """The loads at driving angles in rad, shape (n,), where gears that turn less than once turn back to them."""

@@ -32,7 +32,7 @@ def refusal_with_help(mending: Mending, option: str = "") -> DesignError:
         told = f"what works: {found_words(found)}{_fewer_words(mending, found)}" + (
             f"; {option} takes it" if option else ""
         )
-    return type(refusal)(f"{refusal.problem}; {told}", key=refusal.key, location=refusal.location)
+    return refusal.saying(f"{refusal.problem}; {told}")
 
 
 def _fewer_words(mending: Mending, found: Mend) -> str:

@@ -26,6 +26,7 @@ from ncgear.files.parts import Parts, alone_in, table_bytes
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.project.law import lobes_of
+from ncgear.project.moving_masses import states_inertia
 from ncgear.ratio.transmission import Lobes
 from ncgear.screening.batch import kind_of
 from ncgear.screening.deeper import deepened, deeper_names, require_stage
@@ -78,7 +79,8 @@ def screening_of(design: Design, data: dict[str, Any], order: Order) -> Screenin
 def _gears_count(design: Design, space: Space) -> bool:
     """Whether motion and power depend on the gears: by their lobes, by their own inertia, or because they vary."""
     varied = any(key.startswith("gears.") for key in space.keys)
-    return varied or design.masses is not None or lobes_of(design) != Lobes()
+    weighed = design.masses is not None and not states_inertia(design.masses, design.stages)
+    return varied or weighed or lobes_of(design) != Lobes()
 
 
 def rows_of_part(count: int, fewest: int) -> int:

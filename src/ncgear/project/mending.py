@@ -240,7 +240,7 @@ def _given_backlash(drive: Drive) -> tuple[str, float]:
 def _of_backlash(drive: Drive, refusal: DesignError) -> DesignError:
     """The refusal at the key of the backlash that is too much."""
     key, given = _given_backlash(drive)
-    error = type(refusal)(f"{given:g} {key.rpartition('_')[2]} is too much: {refusal.problem}", key=key)
+    error = refusal.saying(f"{given:g} {key.rpartition('_')[2]} is too much: {refusal.problem}", key)
     if refusal.key in BACKLASH:
         return refusal
     with suppress(DesignError), located(drive.places):

@@ -76,6 +76,12 @@ def _vector(gravity: Gravity | None) -> tuple[float, float]:
     return gravity.acceleration_m_s2 * cos(direction), gravity.acceleration_m_s2 * sin(direction)
 
 
+def states_inertia(given: ShaftMasses | DrivenShaftMasses, stages: int) -> bool:
+    """Whether a file states the moments of inertia of all gears, so that nobody asks for their bodies."""
+    single = None not in (given.driving_gear_kg_mm2, given.driven_gear_kg_mm2)
+    return single and (stages == 1 or given.shaft_between_kg_mm2 is not None)
+
+
 def stated_inertia(given: ShaftMasses | DrivenShaftMasses) -> TrainInertia:
     """The moments of inertia that a file states; moments that it leaves out are zero."""
     return TrainInertia(
@@ -92,8 +98,7 @@ def train_inertia(
     is left out, and is None without gears.
     """
     driving, between, driven = given.driving_gear_kg_mm2, given.shaft_between_kg_mm2, given.driven_gear_kg_mm2
-    known = driving is not None and driven is not None and (between is not None or stages == 1)
-    if known or bodies is None:
+    if bodies is None or states_inertia(given, stages):
         return stated_inertia(given)
     first, last = bodies(0), bodies(-1)
     of_between = first.driven_kg_mm2 + last.driving_kg_mm2 if between is None else between

@@ -32,7 +32,7 @@ from ncgear.mechanisms.mechanism import Mechanism, Mechanisms, Output
 from ncgear.mechanisms.resistance import Resistance, TableResistance
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.project.law import load_of, lobes_of
-from ncgear.project.moving_masses import masses_of, stated_inertia
+from ncgear.project.moving_masses import masses_of, stated_inertia, states_inertia
 from ncgear.ratio.transmission import Lobes
 
 STROKE, HARMONIC = "three_segment_stroke", "harmonic_ratio"
@@ -84,11 +84,10 @@ def kind_of(design: Design) -> BatchKind | None:
     if design.gears is not None and design.gears.mesh == "internal":
         return None
     load, given, around = load_of(design), design.masses, design.drivetrain
-    if given is not None:
-        stated = None not in (given.driving_gear_kg_mm2, given.driven_gear_kg_mm2)
-        # Only a single computation makes the bodies of gears, and counts a guide that rubs.
-        if (design.gears is not None and not stated) or (around is not None and around.guide_friction):
-            return None
+    made = given is not None and design.gears is not None and not states_inertia(given, design.stages)
+    # Only a single computation makes the bodies of gears, and counts a guide that rubs.
+    if made or (given is not None and around is not None and around.guide_friction):
+        return None
     if load.loads_return or isinstance(load.working, TableResistance):
         # Batches know the displacement in the working stroke only.  The bend of a table's force jumps at its points,
         # which no series along a piece resolves.

@@ -150,12 +150,13 @@ def given(model: BaseModel, names: Iterable[str]) -> list[str]:
     return [name for name in names if getattr(model, name) is not None]
 
 
-_RELATIONS: dict[str, tuple[Callable[[float, float], bool], str]] = {
-    "<": (operator.lt, "under {}"),
-    "<=": (operator.le, "{} or less"),
-    ">": (operator.gt, "over {}"),
-    ">=": (operator.ge, "{} or over"),
+_RELATIONS: dict[str, tuple[Callable[[float, float], bool], str, str]] = {
+    "<": (operator.lt, "under {}", "over {}"),
+    "<=": (operator.le, "{} or less", "{} or over"),
+    ">": (operator.gt, "over {}", "under {}"),
+    ">=": (operator.ge, "{} or over", "{} or less"),
 }
+"""Relations of numbers: whether each holds, and what is right of the first number and of the second."""
 
 
 def unkept(model: BaseModel, rule: str) -> Faults:
@@ -185,16 +186,29 @@ def unkept(model: BaseModel, rule: str) -> Faults:
             if len(counts) == 2 and counts[0] != counts[1]:
                 yield fault(key, f"{counts[0]} values, but {other} has {counts[1]}; {counts[1]} values are right")
         case [key, relation, other]:
-            (holds, words), value, bound = _RELATIONS[relation], _at(model, key), _at(model, other)
+            (holds, *words), value, bound = _RELATIONS[relation], _at(model, key), _at(model, other)
             if value is not None and bound is not None and not holds(value, bound):
-                named = (key, value), (other, bound)
-                told, right = (f"{one:.10g} {label_and_unit(name)[1]}".strip() for name, one in named)
-                yield fault(key, f"{told} given, but {other} is {right}; {words.format(right)} is right")
+                sides = [(key, value), (other, bound)]
+                if not _is_written(model, key):
+                    sides.reverse()
+                    words.reverse()
+                (key, _), (other, _) = sides
+                told, right = (f"{one:.10g} {label_and_unit(name)[1]}".strip() for name, one in sides)
+                left_out = "" if _is_written(model, other) else " where it is left out"
+                problem = f"{told} given, but {other} is {right}{left_out}; {words[0].format(right)} is right"
+                yield fault(key, problem)
 
 
 def _at(model: BaseModel, key: str) -> Any:
     """The value at a dotted key; None where it, or a group on the way, is left out."""
     return reduce(lambda group, name: None if group is None else getattr(group, name), key.split("."), model)
+
+
+def _is_written(model: BaseModel, key: str) -> bool:
+    """Whether a file has a dotted key, rather than its value where it is left out."""
+    *way, name = key.split(".")
+    group = _at(model, ".".join(way)) if way else model
+    return name in group.model_fields_set
 
 
 def not_rising(key: str, values: Sequence[float], least: float, what: str = "angles") -> Faults:

@@ -382,7 +382,7 @@ class Gears(Model):
             yield fault("method", f"{self.method} given, but helical teeth are made of exact sections; leave it out")
 
     def _one_backlash(self) -> Faults:
-        if self.backlash_deg is not None and self.backlash_mm > 0.0:
+        if self.backlash_deg is not None and "backlash_mm" in self.model_fields_set:
             yield fault(
                 "backlash_deg", f"backlash_mm: {self.backlash_mm:g} is given; leave out backlash_deg or backlash_mm"
             )
