@@ -165,7 +165,9 @@ def picture_contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
     bright = given.get("light") is True
     ink, over = (light, threshold) if bright else (1.0 - light, 1.0 - threshold)
     if max(ink[0].max(), ink[-1].max(), ink[:, 0].max(), ink[:, -1].max()) > over:
-        raise WrongInput("the silhouette reaches the edge of the picture; leave room around it", location=str(file))
+        raise WrongInput(
+            "has a silhouette that reaches the edge of the picture; leave room around it", location=str(file)
+        )
     lines = contour_generator(z=ink).lines(over)
     closed = [np.asarray(line) for line in lines if line is not None and len(line) > 3 and np.all(line[0] == line[-1])]
     if not closed:
