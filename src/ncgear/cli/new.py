@@ -186,7 +186,7 @@ def _write_shape(shape: str, path: Path) -> None:
 
     text = shape_template(path.stem, shape)
     if shape not in SHAPES:
-        from ncgear.design.beginning import as_read
+        from ncgear.design.drawn import as_read
 
         text = as_read(text, path)
     _create(path, text)

@@ -78,7 +78,7 @@ def shape_template(name: str, shape: str) -> str:
     if shape in SHAPES:
         return f"{_head(name)}{_text('shape', drawn=_text(f'shapes/{shape}'), backlash='0.15')}"
     # Reads as keys are written, which takes the library of YAML.
-    from ncgear.design.beginning import shape_of_file
+    from ncgear.design.drawn import shape_of_file
     from ncgear.design.rewritten import flow_text
 
     kind, keys = shape_of_file(shape, "--shape")

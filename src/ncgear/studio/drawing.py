@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.design.beginning import KINDS, as_read, shape_of_file
+from ncgear.design.drawn import KINDS, as_read, shape_of_file
 from ncgear.design.words import listed
 from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
 from ncgear.files.one_file import put_at_free_place

@@ -1,0 +1,52 @@
+"""A pitch curve by the file of a drawing that somebody has: the keys that name it, and what its reading shows of it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from ncgear.design.reading.design_file import parsed
+from ncgear.design.rewritten import rewritten
+from ncgear.design.words import listed
+from ncgear.errors import WrongInput
+
+PICTURE: dict[str, Any] = {"width_mm": 80, "tolerance_mm": 0.2}
+TABLE: dict[str, Any] = {"tolerance_mm": 0.1}
+KINDS: dict[str, tuple[str, dict[str, Any]]] = {
+    ".svg": ("svg", {}),
+    ".dxf": ("dxf", {"unit": "mm"}),
+    **dict.fromkeys((".png", ".jpg", ".jpeg"), ("picture", PICTURE)),
+    **dict.fromkeys((".csv", ".xlsx", ".ods"), ("points", TABLE)),
+}
+"""The shape of the law and its keys beside ``file``, by the ending of the file."""
+
+MANY_CHORDS, SMOOTHED_MM = 100, 0.1
+"""Chords of a contour from which on it is smoothed, and within what: so many are the chords of a traced outline."""
+
+
+def shape_of_file(file: str, key: str) -> tuple[str, dict[str, Any]]:
+    """The shape of the law ``pitch_curve`` and its keys for a file; raises WrongInput at ``key`` for another ending."""
+    found = KINDS.get(Path(file).suffix.lower())
+    if found is None:
+        right = f"heart, square, star or a file that ends in {listed(KINDS)}"
+        raise WrongInput(f"{file!r} given; {right} is right", key=key)
+    kind, keys = found
+    return kind, {"file": Path(file).as_posix(), **keys}
+
+
+def as_read(text: str, path: Path) -> str:
+    """The text of a design with a drawing, with the unit that the drawing names, and a tolerance for many chords.
+
+    Raises WrongInput where the design or its drawing cannot be read.
+    """
+    motion = parsed(text, path).design.motion
+    contour, changes = motion.contour, dict[str, Any]()
+    if contour is None:
+        return text
+    kind = next(kind for kind, _ in KINDS.values() if getattr(motion, kind, None) is contour)
+    if (unit := getattr(contour, "drawn_in", None)) is not None:
+        changes[f"motion.{kind}.unit"] = unit
+    chords = sum(len(one.x) - 1 for one in contour.curves or () if one.degree == 1)
+    if contour.tolerance_mm is None and chords > MANY_CHORDS:
+        changes[f"motion.{kind}.tolerance_mm"] = SMOOTHED_MM
+    return rewritten(text, changes) if changes else text
