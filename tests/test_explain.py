@@ -179,6 +179,13 @@ def test_an_unknown_key_is_refused_with_what_was_meant(run: Run, asked: str, mea
     assert re.match(rf"{re.escape(asked)}: unknown key; did you mean .*{re.escape(meant)}", err)
 
 
+@at_once(("asked", "of"), [("train.path.tool", "train"), ("counterweights", "balance")])
+def test_a_key_of_another_kind_of_file_is_told_with_the_kind(run: Run, asked: str, of: str) -> None:
+    _, _, err = run("explain", asked)
+    assert f"`ncgear explain {asked} --of {of}` tells it" in err
+    assert run("explain", asked, "--of", of)[0] == 0
+
+
 @at_once(
     ("asked", "first"),
     [

@@ -91,7 +91,10 @@ def _meaning(keys: Sequence[ToldKey], words: str) -> list[ToldKey]:
 
 
 def _unknown(keys: Sequence[ToldKey], wanted: str) -> str:
-    """The message about an unknown key: first the keys that begin with the word, then those with a similar spelling."""
+    """The message about an unknown key: another kind of file that has it, or keys that begin so or are spelt so."""
+    for kind, rows in json.loads(FILE.read_text(encoding="utf-8")).items():
+        if any(f".{row['path']}".endswith(f".{wanted}") for row in rows):
+            return f"unknown key here; `ncgear explain {wanted} --of {kind}` tells it"
     begun = [key.path for key in keys if key.name.startswith(f"{wanted.lower()}_")]
     by_name = {key.name: key.path for key in reversed(keys)}
     by_quantity = {_quantity(name): path for name, path in by_name.items() if label_and_unit(name)[1]}
