@@ -195,8 +195,10 @@ def unkept(model: BaseModel, rule: str) -> Faults:
                 (key, _), (other, _) = sides
                 told, right = (f"{one:.10g} {label_and_unit(name)[1]}".strip() for name, one in sides)
                 left_out = "" if _is_written(model, other) else " where it is left out"
-                problem = f"{told} given, but {other} is {right}{left_out}; {words[0].format(right)} is right"
-                yield fault(key, problem)
+                where = f" beside {key.partition('.')[0]}" if "." in key and "." not in other else ""
+                yield fault(
+                    key, f"{told} given, but {other}{where} is {right}{left_out}; {words[0].format(right)} is right"
+                )
 
 
 def _at(model: BaseModel, key: str) -> Any:
