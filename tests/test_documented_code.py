@@ -30,6 +30,7 @@ LONG = (
     "size",
     "strength",
     "baler",
+    "design",
 )
 THOROUGH = ["docs/commands/balance.md"]
 

@@ -497,6 +497,7 @@ class TestBalerDrivetrain:
         for row, one in zip(heavy, found, strict=True):
             assert one == pytest.approx(by_elements(model, loads.kept(np.array([row]))), rel=0.02)
 
+    @pytest.mark.long
     def test_all_commands_tell_the_same(self, run: Run) -> None:
         """The factor of the place that bears most, in strength, build and what size and remedies rate."""
         drive = drives.drive("baler-drivetrain")

@@ -121,6 +121,7 @@ def test_the_gap_closes_with_the_number_of_programmes() -> None:
     assert parts[0] < parts[-1]
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_the_same_limit_comes_out_again() -> None:
     law = kept("designs/pump-both-ways")

@@ -47,7 +47,7 @@ SAME = 1e-6
 
 NAMES = [*MACHINES, *(f"new {machine.value}" for machine in MachineName)]
 QUICK = ["scotch-yoke-pump", "uniform-crank"]
-SOON = [f"{name}-10.0" for name in ("new baler", "baler-drivetrain", "pump-both-ways", "rocker-drive")]
+SOON = [f"{name}-10.0" for name in ("new baler", "pump-both-ways", "rocker-drive")]
 """Designs with masses, whose figures do not only grow with powers of the speed."""
 
 

@@ -280,6 +280,7 @@ def test_the_mate_of_an_ellipse_about_its_focus_is_found_at_its_turn() -> None:
     assert start.turned_rad % tau == pytest.approx(radians(210.0), abs=0.02)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_both_gears_follow_an_outline() -> None:
     """Distances of both are those of shapely; either gear alone is nearer, and the weight moves them apart."""

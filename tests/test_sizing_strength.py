@@ -321,6 +321,7 @@ def test_gears_far_too_weak_to_be_rated_are_sized_all_the_same() -> None:
     assert found[0].volume_mm3 == pytest.approx(others[0].volume_mm3, rel=0.25)
 
 
+@pytest.mark.long
 @pytest.mark.slow
 def test_parts_that_gears_break_are_told_with_them() -> None:
     """A key that is too short for the torque fails, and a long enough one does not."""
