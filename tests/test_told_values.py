@@ -91,7 +91,9 @@ BOUNDS = {
 }
 
 
-@pytest.mark.tiers(long=["lasts", "dented", "the key of", "r.m.s.", "gives up to", "limiter slips", "half its*"], rest="slow")
+@pytest.mark.tiers(
+    long=["lasts", "dented", "the key of", "r.m.s.", "gives up to", "limiter slips", "half its*"], rest="slow"
+)
 @pytest.mark.parametrize("words", BOUNDS)
 def test_the_bound_that_is_told_is_enough_and_not_much_more(words: str) -> None:
     data = of(BOUNDS[words])
