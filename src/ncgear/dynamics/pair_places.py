@@ -8,7 +8,7 @@ import numpy as np
 
 from ncgear.contact.designed.as_designed import AsDesigned, PairTouch, touch_at
 from ncgear.contact.designed.curves import Contacts
-from ncgear.contact.designed.extremes import Range, at_angle, over_cycle, ranges_of
+from ncgear.contact.designed.extremes import Range, at_angles, over_cycle, ranges_of
 from ncgear.contact.placement import Placement, placed_at
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask
@@ -93,4 +93,4 @@ def stiffness_range(pitch: PitchPair, teeth: ToothedPair, designed: AsDesigned, 
     found = largest_from(
         lambda rolled_mm: both(touch(placed_at(pitch, even, rolled_mm))), places, values, KNOWN * np.ptp(values, axis=1)
     )
-    return ranges_of([at_angle(pitch, even, one) for one in found])[0]
+    return ranges_of(at_angles(pitch, even, found))[0]

@@ -319,7 +319,7 @@ def nearest(curve: RollingCurve, point_mm: Array, start_mm: Array, tolerance_mm:
         arm = point - as_complex(at.position)
         ahead, outwards = along(as_complex(at.tangent), arm), along(as_complex(at.normal), arm)
         found = np.abs(ahead) <= tolerance_mm
-        if found.all():
-            return sigma, outwards
+        if not np.any(np.abs(ahead) > tolerance_mm):
+            break
         sigma = sigma + ahead / np.maximum(1.0 + outwards * at.curvature, LEAST_SHARE)
     return np.where(found, sigma, np.nan), np.where(found, outwards, np.nan)

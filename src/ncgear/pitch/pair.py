@@ -186,9 +186,14 @@ class PitchPair(Shown):
         return [(low, high) for low, high in np.column_stack([edges[:-1], edges[1:]])[dented].tolist()]
 
     @cached_property
+    def leanings(self) -> list[Extremum]:
+        """Where the curves lean most against the normal to the centre line, as ``leanings``."""
+        return leanings(self.transmission, self.mesh)
+
+    @property
     def largest_tangent_angle_rad(self) -> Extremum:
         """Largest angle between the curves' tangent and the normal to the centre line."""
-        return largest_tangent_angle_rad(self.transmission, self.mesh)
+        return _largest_angle(self.leanings)
 
     def largest_pressure_angle_deg(self, rack_angle_rad: float) -> float:
         """Largest angle between the force on a flank and the driven pitch point's velocity, on the worse flank."""
@@ -206,11 +211,16 @@ class PitchPair(Shown):
 
 def largest_tangent_angle_rad(transmission: Transmission, mesh: Mesh = Mesh.EXTERNAL) -> Extremum:
     """Largest angle between the pitch curves' tangent and the normal to the centre line, whatever their size."""
+    return _largest_angle(leanings(transmission, mesh))
 
-    def steepest(piece: Piece) -> tuple[Extremum, Extremum]:
-        return piece.extremes([lambda slope: shape.tangent_slope(slope, mesh)], 1)[0]
 
-    found = [extremum for piece in transmission.made_pieces for extremum in steepest(piece)]
+def leanings(transmission: Transmission, mesh: Mesh) -> list[Extremum]:
+    """Least and largest slope of both curves' tangent against the normal to the centre line, piece by piece."""
+    slopes = [lambda slope: shape.tangent_slope(slope, mesh)]
+    return [extremum for piece in transmission.made_pieces for extremum in piece.extremes(slopes, 1)[0]]
+
+
+def _largest_angle(found: list[Extremum]) -> Extremum:
     worst = max(abs(extremum.value) for extremum in found)
     first = min(extremum.at for extremum in found if abs(extremum.value) >= worst * (1.0 - AS_STEEP))
     return Extremum(atan(worst), first)

@@ -16,7 +16,6 @@ from ncgear.kinematics.motion import sample_angles
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.highest import largest_of_each
 from ncgear.numerics.jet import Jet
-from ncgear.pitch.shape import tangent_slope
 from ncgear.project.tooth_form import mesh_place
 from ncgear.ratio.transmission import Pair
 
@@ -130,8 +129,7 @@ def tooth_load(drive: Geared) -> ToothLoad:
     """The load of the teeth of a drive's pair, as ``asked_of``; raises NoSuchMechanism where they cannot hold it."""
     found, pair = asked_of(drive), drive.pair
     # The pressure angle is judged where it is largest, too, which is where the curves lean most, either way.
-    leaning = pair.transmission.extremes(lambda slope: tangent_slope(slope, found.place.mesh), 1)
-    angle = np.append(sample_angles(pair.transmission), [extremum.at for extremum in leaning])
+    angle = np.append(sample_angles(pair.transmission), [extremum.at for extremum in drive.pitch.leanings])
     torque = found.torque_n_mm(angle)
     refuse_locked_at(angle, torque, found.mesh_force(angle, torque).pressure_angle_rad.value)
     return found

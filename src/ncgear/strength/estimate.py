@@ -291,8 +291,7 @@ def estimate_of(gear: ToothedGear, material: Material, helix_rad: float = 0.0) -
 
 
 def _frames(flanks: Flanks, slender: float) -> ToothFrames:
-    every = np.arange(flanks.count)
-    point, rise = (as_complex(array) for array in flanks.flank(every, np.zeros(flanks.count)))
+    point, rise = flanks.at_pitch_line
     rise = rise / np.abs(rise)
     back, front = point[::2], point[1::2]
     tip = rise[::2] + rise[1::2]
@@ -323,7 +322,7 @@ def _sections(
 ) -> RootSections:
     """The critical sections from samples of the fillets, one flank after the other and each from the tip inwards."""
     every = np.arange(flanks.count)
-    concave = flanks.curve.at_length(flanks.crossing_mm).curvature.reshape(-1, 2).sum(axis=1) < 0.0
+    concave = flanks.crossings.curvature.reshape(-1, 2).sum(axis=1) < 0.0
     wanted = np.where(np.repeat(concave, 2), LEAN_CONCAVE_RAD, LEAN_RAD)
     first = np.searchsorted(flank, every)
     last = np.searchsorted(flank, every, side="right") - 1

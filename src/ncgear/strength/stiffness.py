@@ -43,22 +43,25 @@ FLATTEST_IN_MODULES = 100.0
 
 @dataclass(frozen=True, eq=False)
 class NearestOnFlanks:
-    """The points of flanks nearest to n places, their heights and the derivatives by these; shape (n,) each."""
+    """The points of flanks nearest to n places, their heights, the derivatives by these, and the flanks' curvatures.
+
+    Shape (n,) each; curvatures as ``Flanks.curvature``.
+    """
 
     height_mm: Array
     point: ComplexArray
     slope: ComplexArray
+    curvature: Array
 
 
 def nearest_on_flanks(gear: ToothedGear, places: FlankPlaces) -> NearestOnFlanks:
     """The points of what is left of flanks that are nearest to places."""
     flanks, number = gear.flanks, places.flank
     top, bottom = (limit[number] for limit in gear.sides.flank_range())
-    every = np.arange(flanks.count)
-    origin, slope = (as_complex(part)[number] for part in flanks.flank(every, np.zeros(flanks.count)))
+    origin, slope = (part[number] for part in flanks.at_pitch_line)
     # The flank's length is a h + b h^2 / 2 where the curvature of what rolls does not change.
     length, first = along(slope, places.point - origin) / np.abs(slope), np.abs(slope)
-    turning = flanks.at_rolled(every, flanks.crossing_mm).curvature[number]
+    turning = flanks.crossings.curvature[number]
     slant = flanks.slant.of(number)
     second = turning / (slant.sine * slant.height_per_rolled)
     height = 2.0 * length / (first + np.sqrt(np.maximum(first**2 + 2.0 * second * length, 0.0)))
@@ -66,14 +69,17 @@ def nearest_on_flanks(gear: ToothedGear, places: FlankPlaces) -> NearestOnFlanks
     point = np.empty_like(places.point)
     todo = np.arange(height.size)
     for _ in range(NEWTON_STEPS):
-        at, leading = (as_complex(part) for part in flanks.flank(number[todo], height[todo]))
-        nearer = height[todo] + along(leading, places.point[todo] - at) / np.abs(leading) ** 2
+        which, over = number[todo], height[todo]
+        beside = flanks.standing(which, flanks.rolled_mm(which, over))
+        at, leading = (as_complex(part) for part in flanks.flank_beside(beside, which, over))
+        nearer = over + along(leading, places.point[todo] - at) / np.abs(leading) ** 2
         nearer = np.clip(nearer, bottom[todo], top[todo])
-        moved = np.abs(nearer - height[todo]) > MET_IN_MODULES * flanks.rack.module_mm
-        height[todo], point[todo], slope[todo], todo = nearer, at, leading, todo[moved]
+        moved = np.abs(nearer - over) > MET_IN_MODULES * flanks.rack.module_mm
+        height[todo], point[todo], slope[todo], turning[todo] = nearer, at, leading, beside.curvature
+        todo = todo[moved]
         if not todo.size:
             break
-    return NearestOnFlanks(height, point, slope)
+    return NearestOnFlanks(height, point, slope, flanks.curvature_beside(turning, number, height))
 
 
 def on_flanks(gear: ToothedGear, places: FlankPlaces) -> tuple[FlankPlaces, Array]:
@@ -82,10 +88,10 @@ def on_flanks(gear: ToothedGear, places: FlankPlaces) -> tuple[FlankPlaces, Arra
     An edge is at the end of its flank, and a place on a fillet at the flank's other end.  Shape (n,) each.
     """
     flanks, nearest = gear.flanks, nearest_on_flanks(gear, places)
-    crossing = as_complex(flanks.curve.at_length(flanks.crossing_mm).position)
+    crossing = as_complex(flanks.crossings.position)
     normal = 1j * nearest.slope / np.abs(nearest.slope)
     inwards = normal * np.sign(along(normal, crossing[places.flank ^ 1] - crossing[places.flank]))
-    return FlankPlaces(places.flank, nearest.point, inwards), flanks.curvature(places.flank, nearest.height_mm)
+    return FlankPlaces(places.flank, nearest.point, inwards), nearest.curvature
 
 
 @dataclass(frozen=True, eq=False)

@@ -37,7 +37,7 @@ from math import lcm, remainder
 import numpy as np
 
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import along, as_complex, as_points, cross
 from ncgear.numerics.units import in_words
 from ncgear.pitch.curve import ClosedPitchCurve, CurvePoints
@@ -159,7 +159,7 @@ class Flanks:
     @property
     def lift_mm(self) -> Array:
         """How far the play moves the pitch curve in or out where a flank crosses it, shape (2 z,); 0 without play."""
-        at = self._crossings
+        at = self.crossings
         return np.abs(np.ptp(self.turn_rad) * cross(at.position, at.normal))
 
     @property
@@ -168,13 +168,20 @@ class Flanks:
         return self.rounding.depth_mm
 
     @cached_property
-    def _crossings(self) -> CurvePoints:
+    def crossings(self) -> CurvePoints:
+        """Where all flanks cross the pitch curve, unturned, shape (2 z,)."""
         return self.curve.at_length(self.crossing_mm)
+
+    @cached_property
+    def at_pitch_line(self) -> tuple[ComplexArray, ComplexArray]:
+        """Points of all flanks at the rack's pitch line, and their derivatives by the height, shape (2 z,)."""
+        point, slope = self.flank(np.arange(self.count), np.zeros(self.count))
+        return as_complex(point), as_complex(slope)
 
     def at_rolled(self, flank: IndexArray, sigma_mm: Array) -> CurvePoints:
         """Points of what given flanks roll on, the pitch curve or each one's circle, unturned; shapes broadcast."""
         if self.equivalent:
-            return on_circles(self._crossings.kept(flank), sigma_mm - self.crossing_mm[flank])
+            return on_circles(self.crossings.kept(flank), sigma_mm - self.crossing_mm[flank])
         return self.curve.at_length(sigma_mm)
 
     def standing(self, flank: IndexArray, sigma_mm: Array) -> CurvePoints:
@@ -188,8 +195,11 @@ class Flanks:
 
     def flank(self, flank: IndexArray, height_mm: Array) -> tuple[Array, Array]:
         """Points of flanks at heights over the rack's pitch line, and their derivatives by the height."""
+        return self.flank_beside(self.standing(flank, self.rolled_mm(flank, height_mm)), flank, height_mm)
+
+    def flank_beside(self, at: CurvePoints, flank: IndexArray, height_mm: Array) -> tuple[Array, Array]:
+        """As ``flank``, beside points of the rolling curve as they stand."""
         slant, side = self.slant.of(flank), self.side[flank]
-        at = self.standing(flank, self.rolled_mm(flank, height_mm))
         tangent, normal = as_complex(at.tangent), as_complex(at.normal)
         slope = (slant.sine + height_mm * at.curvature / slant.sine) / slant.height_per_rolled
         inwards = slant.cosine * normal - side * slant.sine * tangent
@@ -215,8 +225,12 @@ class Flanks:
         The tangent turns with the rolling curve's tangent, by k per mm rolled, while the flank runs along itself.  On
         tip relief, the change of k also changes its slope, which is left out.
         """
-        slant = self.slant.of(flank)
         turning = self.at_rolled(flank, self.rolled_mm(flank, height_mm)).curvature
+        return self.curvature_beside(turning, flank, height_mm)
+
+    def curvature_beside(self, turning: Array, flank: IndexArray, height_mm: Array) -> Array:
+        """As ``curvature``, where the rolling curve has the curvatures ``turning``."""
+        slant = self.slant.of(flank)
         slope = (slant.sine + height_mm * turning / slant.sine) / slant.height_per_rolled
         turning = turning / slant.height_per_rolled
         relief = self.rack.relief

@@ -44,6 +44,9 @@ NEIGHBOURS, SPACES_BESIDE = 3, 1
 STEPS, FLANK_POINTS = 32, 33
 """Points of a tip's path per pitch, and of a flank: chords stray by less than a five-thousandth of a module."""
 
+ALIKE = 1e-11
+"""Rolled length, in pitches, by which places count as the same: far above rounding errors."""
+
 ASIDE = 0.02
 """Share of a flank's height, next to the pitch curve, that is left out: there flanks touch as they should."""
 
@@ -99,9 +102,14 @@ def _paths_near_concave(own: Flanks, mate: Flanks, mates: Mates, reach: float) -
     doubtful = np.nonzero(~(least >= 0.0))[0]
     rolled = np.linspace(-reach, reach, 2 * ceil(STEPS * reach / own.rack.pitch_mm) + 1)
     sigma = crossing[doubtful, None] + rolled
-    at, there = own.curve.at_length(sigma), mate.curve.at_length(sigma)
-    paths = TipPaths(mates[0][doubtful], mates[1][doubtful], at, there)
-    return paths.kept(np.any((at.curvature < 0.0) | (there.curvature < 0.0), axis=1))
+    # Flanks that stand whole pitches apart roll over the same places, but for rounding.
+    alike = np.round(sigma.ravel() / (ALIKE * own.rack.pitch_mm))
+    _, first, number = np.unique(alike, return_index=True, return_inverse=True)
+    at, there = (flanks.curve.at_length(sigma.ravel()[first]) for flanks in (own, mate))
+    number = number.reshape(sigma.shape)
+    concave = np.any(((at.curvature < 0.0) | (there.curvature < 0.0))[number], axis=1)
+    doubtful, number = doubtful[concave], number[concave]
+    return TipPaths(mates[0][doubtful], mates[1][doubtful], at.kept(number), there.kept(number))
 
 
 def _reach_mm(own: Flanks, mate: Flanks) -> float:

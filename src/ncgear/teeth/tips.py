@@ -259,9 +259,10 @@ def _crossing_on_circle(flanks: Flanks, which: IndexArray) -> tuple[Array, Array
 
 def _crossing_below_cusp(flanks: Flanks, which: IndexArray) -> tuple[Array, Array, Mask]:
     """The first crossings on the way from the pitch curve up to the cusps, by steps and then in brackets."""
-    tip, every = flanks.tip_height_mm[which], np.arange(which.size)
+    tip = flanks.tip_height_mm[which]
     far = np.clip(FAR * flanks.rack.tip_height_mm, FAR * tip, FARTHEST * tip)
-    high, lost = regular_height(flanks, np.maximum(far, 0.0), which), np.zeros(which.size, dtype=bool)
+    way = regular_height(flanks, np.maximum(far, 0.0), which)[:, None] * np.linspace(0.0, 1.0, PROBES)
+    lost = np.zeros(which.size, dtype=bool)
 
     def excess(height: Array, row: IndexArray) -> Array:
         distance = _foot(flanks, which[row], height)[1] - tip[row]
@@ -269,15 +270,14 @@ def _crossing_below_cusp(flanks: Flanks, which: IndexArray) -> tuple[Array, Arra
         lost[row] |= np.isnan(distance)
         return np.nan_to_num(distance)
 
-    before, after, met = np.zeros(which.size), np.zeros(which.size), np.zeros(which.size, dtype=bool)
-    for share in np.linspace(0.0, 1.0, PROBES)[1:]:
-        rows = every[(tip > 0.0) & ~met & ~lost]
-        before[rows], after[rows] = after[rows], share * high[rows]
-        met[rows] = excess(after[rows], rows) >= 0.0
-        met &= ~lost
-    rows, height = np.nonzero(met)[0], np.full(which.size, np.nan)
+    rows, height = np.nonzero(tip > 0.0)[0], np.full(which.size, np.nan)
+    distance = _foot(flanks, np.repeat(which[rows], PROBES - 1), way[rows, 1:].ravel())[1].reshape(-1, PROBES - 1)
+    # Where no foot is found on the way, the flank does not count as met.
+    step = np.argmax(~(distance < tip[rows, None]), axis=1)
+    met = distance[np.arange(rows.size), step] >= tip[rows]
+    rows, step = rows[met], step[met]
     with searched_for(lambda row: flank_name(flanks, int(which[rows[row]])), "gears.teeth"):
-        height[rows] = zeros_between(lambda trial: excess(trial, rows), before[rows], after[rows])
+        height[rows] = zeros_between(lambda trial: excess(trial, rows), way[rows, step], way[rows, step + 1])
     height[lost] = np.nan
     sigma = _foot(flanks, which, height)[0]
     return height, sigma, np.isfinite(height) & np.isfinite(sigma)

@@ -81,8 +81,8 @@ def rounded_um(tolerance_mm: float) -> float:
 def tooth_diameters_mm(gear: ToothedGear) -> Array:
     """Diameters of curvature where flanks cross, (flanks,); the largest where the curve is flat or hollow."""
     flanks = gear.flanks
-    curvature = np.asarray(flanks.curve.at_length(flanks.crossing_mm).curvature)
-    toothed = flanks.curve.at_length(flanks.crossing_mm[flanks.is_made]).position
+    curvature = flanks.crossings.curvature
+    toothed = flanks.crossings.position[flanks.is_made]
     largest = 2.0 * float(np.linalg.norm(toothed, axis=-1).max())
     local = 2.0 / np.maximum(curvature, 2.0 / largest)
     return np.asarray(np.clip(local, *DIAMETERS_MM))

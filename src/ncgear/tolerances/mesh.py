@@ -316,8 +316,7 @@ def _side(
 
 def crossing_arms_mm(gear: ToothedGear) -> Array:
     """Arm about the gear's axis of each flank's normal where it crosses the pitch curve, shape (flanks,)."""
-    every = np.arange(gear.flanks.count)
-    point, slope = (as_complex(one) for one in gear.flanks.flank(every, np.zeros(every.size)))
+    point, slope = gear.flanks.at_pitch_line
     return np.asarray(np.abs(along(slope, point)) / np.abs(slope))
 
 

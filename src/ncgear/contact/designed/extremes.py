@@ -75,7 +75,7 @@ def contact_extremes(
     shares = np.repeat([KNOWN, CLOSELY, KNOWN], counts)
     told = np.repeat([ALIKE_RAD, 0.0, ALIKE_RAD * float(designed.pushing.first.lever_mm.max())], counts)
     found = largest_from(quantities, places, values, np.maximum(shares * np.ptp(values, axis=1), told))
-    *ranges, sliding, lever, ahead = (at_angle(pitch, even, one) for one in found)
+    *ranges, sliding, lever, ahead = at_angles(pitch, even, found)
     pushing, back, backlash, *angles = ranges_of(ranges)
     pushing_angle, back_angle = (_settled(one) for one in angles)
     overlap, deepest = replace(ahead, value=max(ahead.value, 0.0)), placed_at(pitch, even, np.array([found[-1].at]))
@@ -95,9 +95,10 @@ def over_cycle(even: Placement, values: Array) -> tuple[Array, Array]:
     return np.append(even.rolled_mm, even.cycle_mm), np.hstack([values, values[:, :1]])
 
 
-def at_angle(pitch: PitchPair, even: Placement, found: Extremum) -> Extremum:
-    """An extremum at a rolled length of the cycle of ``even`` positions, as an extremum at the driving angle in rad."""
-    return Extremum(found.value, float(placed_at(pitch, even, np.array([found.at])).phi1_rad[0]))
+def at_angles(pitch: PitchPair, even: Placement, found: Sequence[Extremum]) -> list[Extremum]:
+    """Extremes at rolled lengths of the cycle of ``even`` positions, as extremes at driving angles in rad."""
+    phi1 = placed_at(pitch, even, np.array([one.at for one in found])).phi1_rad
+    return [Extremum(one.value, float(at)) for one, at in zip(found, phi1, strict=True)]
 
 
 def ranges_of(largest: Sequence[Extremum]) -> list[Range]:

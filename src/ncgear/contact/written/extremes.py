@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from ncgear.contact.designed.as_designed import ALIKE_RAD, AsDesigned, touch_at
-from ncgear.contact.designed.extremes import Range, at_angle, over_cycle, ranges_of
+from ncgear.contact.designed.extremes import Range, at_angles, over_cycle, ranges_of
 from ncgear.contact.placement import Placement, placed_at
 from ncgear.contact.written.as_written import AsWritten, Outlines, require_reached
 from ncgear.contact.written.play import outline_play
@@ -91,7 +91,7 @@ def written_extremes(
         even,
         _quantities((even, _both_sides(known), known.overlap_mm), errors_at(even.rolled_mm)),
     )
-    astray, deepest = (at_angle(pitch, even, one) for one in found[-2:])
+    astray, deepest = at_angles(pitch, even, found[-2:])
     overlap = replace(deepest, value=max(deepest.value, 0.0))
     return WrittenExtremes(*_play_of(pitch, even, found[:-2]), astray, overlap, _teeth_at(pitch, even, found[-1]))
 
@@ -107,7 +107,7 @@ def _largest(
 def _play_of(
     pitch: PitchPair, even: Placement, found: Sequence[Extremum]
 ) -> tuple[Range, Range, Range, tuple[int, int]]:
-    pushing, back, backlash = ranges_of([at_angle(pitch, even, one) for one in found])
+    pushing, back, backlash = ranges_of(at_angles(pitch, even, found))
     return pushing, back, backlash, _teeth_at(pitch, even, found[-1])
 
 
