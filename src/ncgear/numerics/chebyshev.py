@@ -123,7 +123,7 @@ class Cells:
 
     def __call__(self, points: Array) -> Array:
         """Values at ``points`` (any shape), the trailing axis appended; as ``PiecewiseChebyshev``."""
-        flat, (count, columns) = np.ravel(points), self.powers.shape[1:]
+        flat, (count, columns) = points.ravel(), self.powers.shape[1:]
         starts, *ends = self._places
         values = np.empty((flat.size, columns))
         for rows in row_blocks(flat.size):
@@ -132,7 +132,7 @@ class Cells:
             left, right = (end.take(cell) for end in ends)
             local = ((some - left) - (right - some)) / (right - left)
             np.matmul(_powers(local, count)[:, None], self.powers.take(cell, axis=0), out=values[rows, None])
-        return values.reshape(*np.shape(points), columns)
+        return values.reshape(*points.shape, columns)
 
 
 def cells_of(form: PiecewiseChebyshev) -> Cells:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -234,7 +234,9 @@ class _Candidates:
     hits: list[EdgeHits]
 
 
+@lru_cache(maxsize=2)
 def _paths_of(teeth: ToothedPair) -> tuple[SidePaths, SidePaths]:
+    """The paths of both gears, kept: even positions, extremes and gaps of a pair ask for the same, 3 ms of 40 teeth."""
     driving, driven = (side_paths(gear.flanks, gear.sides) for gear in (teeth.driving, teeth.driven))
     return driving, driven
 

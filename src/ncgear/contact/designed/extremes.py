@@ -13,11 +13,12 @@ from dataclasses import replace
 import numpy as np
 
 from ncgear.contact.designed.as_designed import ALIKE_RAD, AsDesigned, PairTouch, touch_at
-from ncgear.contact.placement import Placement, placed_at
+from ncgear.contact.placement import BACK, PUSHING, Placement, placed_at
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.highest import largest_from
+from ncgear.numerics.plane import angle_between
 from ncgear.pitch.pair import PitchPair
 from ncgear.teeth.gear import ToothedPair
 
@@ -74,13 +75,38 @@ def contact_extremes(
     counts = [ERRORS, len(known) - ERRORS - 1, 1]
     shares = np.repeat([KNOWN, CLOSELY, KNOWN], counts)
     told = np.repeat([ALIKE_RAD, 0.0, ALIKE_RAD * float(designed.pushing.first.lever_mm.max())], counts)
-    found = largest_from(quantities, places, values, np.maximum(shares * np.ptp(values, axis=1), told))
+    missed = np.maximum(shares * np.ptp(values, axis=1), told)
+    level = {row: at for row, side in LEAST_ANGLES.items() if (at := _level_mm(designed, side)) is not None}
+    if level:
+        angles = quantities(np.array(list(level.values())))[list(level), range(len(level))]
+        level = {row: at for (row, at), angle in zip(level.items(), angles, strict=True) if angle >= -missed[row]}
+    # There is no angle below that: nothing is sought of it.
+    missed[list(level)] = np.inf
+    found = largest_from(quantities, places, values, missed)
+    found = [Extremum(0.0, level[row]) if row in level else one for row, one in enumerate(found)]
     *ranges, sliding, lever, ahead = at_angles(pitch, even, found)
     pushing, back, backlash, *angles = ranges_of(ranges)
     pushing_angle, back_angle = (_settled(one) for one in angles)
     overlap, deepest = replace(ahead, value=max(ahead.value, 0.0)), placed_at(pitch, even, np.array([found[-1].at]))
     found_at = pushing_angle, back_angle, sliding, replace(lever, value=-lever.value), overlap
     return ContactExtremes(pushing, back, backlash, *found_at, deepest.teeth_at(0))
+
+
+def _level_mm(designed: AsDesigned, side: int) -> float | None:
+    """Rolled length at which the pressure angle of first contacts passes zero; None where no four positions show it.
+
+    It is interpolated by the cubic through the angles of one pair of flanks at these positions.
+    """
+    first, rolled = (designed.pushing, designed.back)[side].first, designed.placement.rolled_mm
+    angle = angle_between(first.tangent, first.point)
+    angle -= np.pi * np.round(angle / np.pi)
+    on = first.flanks[1:] & first.flanks[:-1] & (np.diff(first.driving) == 0) & (np.diff(first.driven) == 0)
+    passing = np.flatnonzero(on[:-2] & on[1:-1] & on[2:] & (angle[1:-2] * angle[2:-1] < 0.0))
+    if not passing.size:
+        return None
+    four = passing[0] + np.arange(4)
+    shares = angle[four] / (angle[four] - angle[four, None] + np.diag(angle[four]))
+    return float(np.prod(shares, axis=1) @ rolled[four])
 
 
 def _settled(angle: Range) -> Range:
@@ -106,6 +132,9 @@ def ranges_of(largest: Sequence[Extremum]) -> list[Range]:
     pairs = zip(largest[0::2], largest[1::2], strict=True)
     return [Range(replace(low, value=0.0 - low.value), high) for high, low in pairs]
 
+
+LEAST_ANGLES = {7: PUSHING, 9: BACK}
+"""The quantities that are the least pressure angles, below zero, of sides of the teeth."""
 
 ERRORS = 6
 """The first quantities, in this number, are errors and backlash; the last quantity is the overlap."""
