@@ -220,7 +220,7 @@ def test_what_strays_between_two_sections_is_the_closed_form_of_a_circle() -> No
 def test_sections_of_the_written_file_are_exact(name: str, herringbone: bool) -> None:
     pair = made(name, herringbone=herringbone)
     for gear in ("driving", "driven"):
-        again = read_back(stl_bytes(pair.mesh(gear)), pair.mesh(gear))
+        again = read_back(stl_bytes(pair.mesh(gear)), pair.mesh(gear)).as_trimesh()
         for height in HEIGHTS:
             teeth = exact(name, advance(height, Hand.RIGHT, herringbone=herringbone))
             wanted = Polygon(getattr(teeth, gear).outline_mm)
@@ -266,7 +266,7 @@ def test_tips_that_jump_are_refused_with_height_and_tooth() -> None:
 
 def read_sections(pair: SolidPair, height: float) -> list[Polygon]:
     """Both gears' sections at a height, as read back from their files."""
-    return [section(read_back(stl_bytes(one.mesh), one.mesh), height) for one in (pair.driving, pair.driven)]
+    return [section(read_back(stl_bytes(one.mesh), one.mesh).as_trimesh(), height) for one in (pair.driving, pair.driven)]
 
 
 @pytest.mark.tiers(slow=["86-0.6-15.0-0.02-False"], rest="long")
@@ -332,7 +332,7 @@ def test_teeth_whose_lands_are_shortened_in_some_sections_only() -> None:
     assert set(first) ^ set(last)
     assert set(first) & set(last)
     solids = helical_pair(pitch, form, helix, {gear: Blank(WIDTH) for gear in Gear}, TOLERANCE)
-    again = read_back(stl_bytes(solids.driving.mesh), solids.driving.mesh)
+    again = read_back(stl_bytes(solids.driving.mesh), solids.driving.mesh).as_trimesh()
     for height in (1.0, 6.3):
         teeth = toothed_pair(pitch, form, 2e-4, advance_mm=helix.advance_mm(height))
         assert apart(section(again, height), Polygon(teeth.driving.outline_mm)) <= TOLERANCE

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Mapping
-from io import BytesIO, StringIO
+from io import StringIO
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as Xml
 
@@ -24,7 +24,7 @@ from ncgear.numerics.plane import as_complex, as_points, signed_area
 from ncgear.pitch.shape import Gear
 from ncgear.solids.mesh.pair import SolidPair
 from ncgear.solids.mesh.slabs import require_sound
-from ncgear.solids.mesh.triangles import section_rings
+from ncgear.solids.mesh.triangles import TriangleMesh, merged, section_rings
 from ncgear.solids.plan.areas import parallel, rings
 from ncgear.solids.plan.body import BodyPlan
 from ncgear.teeth.gear import ToothedPair
@@ -51,8 +51,11 @@ Two such points arise where a diagonal crosses the section next to a corner.  Ea
 other one and its other neighbour.
 """
 
-STL_HEAD_BYTES, STL_TRIANGLE_BYTES = 84, 50
-"""What binary STL has before its triangles, the last four bytes of it their number; and for each of them."""
+STL_HEAD_BYTES = 84
+"""What binary STL has before its triangles, the last four bytes of it their number."""
+
+STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+"""What it has for each of them."""
 
 FOOT = 1e-7
 """Height of the section of helical teeth, as a share of the face width: here it is the outline, and farther up it has
@@ -71,21 +74,19 @@ def stl_bytes(mesh: Trimesh) -> bytes:
     return data
 
 
-def mesh_of_stl(data: bytes) -> Trimesh:
+def mesh_of_stl(data: bytes) -> TriangleMesh:
     """The triangles of a binary STL file, with corners at the same place as one vertex.
 
     Raises ValueError where the file is not as long as it says.
     """
-    from trimesh import load_mesh
-
     count = int.from_bytes(data[STL_HEAD_BYTES - 4 : STL_HEAD_BYTES], "little")
-    if len(data) != STL_HEAD_BYTES + count * STL_TRIANGLE_BYTES:
+    if len(data) != STL_HEAD_BYTES + count * STL_TRIANGLE.itemsize:
         raise ValueError(f"an STL file of {len(data)} bytes does not hold {count} triangles")
-    mesh: Trimesh = load_mesh(BytesIO(data), file_type="stl")
-    return mesh
+    corners = np.frombuffer(data, STL_TRIANGLE, offset=STL_HEAD_BYTES)["corners"].reshape(-1, 3).astype(float)
+    return merged(corners, np.arange(len(corners)).reshape(-1, 3))
 
 
-def read_back(data: bytes, original: Trimesh) -> Trimesh:
+def read_back(data: bytes, original: TriangleMesh | Trimesh) -> TriangleMesh:
     """The solid in an STL file, its vertices merged.
 
     Raises Unanswered unless it is closed and has the volume and the bounds of ``original`` to single precision.
@@ -137,7 +138,7 @@ def outline_of_stl(data: bytes, height_mm: float, *, hole: bool = False) -> Arra
     closed there.
     """
     mesh = mesh_of_stl(data)
-    found = section_rings(np.asarray(mesh.vertices), np.asarray(mesh.faces), height_mm)
+    found = section_rings(mesh.vertices, mesh.faces, height_mm)
     ring = min(found, key=signed_area)[::-1] if hole else max(found, key=signed_area)
     # Points go that repeat the point before them, or are on the line through their neighbours.
     step, size = ring - np.roll(ring, 1, axis=0), float(np.abs(ring).max())

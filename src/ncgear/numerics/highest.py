@@ -13,7 +13,7 @@ import numpy as np
 
 from ncgear.errors import Unanswered
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array, Columns, IndexArray, distinct
+from ncgear.numerics.arrays import Array, Columns, IndexArray, distinct, equal_rows
 from ncgear.numerics.extrema import Extremum
 
 SHARES = 8
@@ -141,8 +141,7 @@ def _worth_cutting(left: _Intervals, top: Array, missed: Array) -> _Intervals:
     left = left.kept(left.bound > (top + missed)[left.owner])
     unit = np.maximum(ALIKE * missed, LEAST)[left.owner]
     seen = np.column_stack([left.at_low, left.at_high, *left.rises]) / unit[:, None]
-    _, first = np.unique(np.column_stack([left.owner, np.round(seen)]), axis=0, return_index=True)
-    return left.kept(np.sort(first))
+    return left.kept(np.sort(equal_rows(np.column_stack([left.owner, np.round(seen)]))[0]))
 
 
 def _cut(whole: _Intervals, inner: Array, found: Array) -> _Intervals:

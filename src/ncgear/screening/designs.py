@@ -16,7 +16,7 @@ from ncgear.design.keys.design import Design
 from ncgear.design.space import Space, accepted, checked_design
 from ncgear.errors import DesignError, WrongInput
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array, IndexArray, Mask
+from ncgear.numerics.arrays import Array, IndexArray, Mask, equal_rows
 from ncgear.screening.batch import Batch, BatchKind, kind_of
 from ncgear.screening.rows import figure_names, found_of, single_figures
 from ncgear.screening.samples import Fineness, laws_of, refused_at_once
@@ -113,9 +113,9 @@ def _alike(values: Array, rows: IndexArray) -> list[IndexArray]:
     """Those of some rows whose values (shape (n, keys)) are the same, together."""
     if not values.shape[1] or not rows.size:
         return [rows] if rows.size else []
-    _, group = np.unique(values[rows], axis=0, return_inverse=True)
-    in_order = rows[np.argsort(group.ravel(), kind="stable")]
-    return np.split(in_order, np.cumsum(np.bincount(group.ravel()))[:-1])
+    group = equal_rows(values[rows])[1]
+    in_order = rows[np.argsort(group, kind="stable")]
+    return np.split(in_order, np.cumsum(np.bincount(group))[:-1])
 
 
 class _Table:

@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, largest_rows
+from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, equal_rows, largest_rows
 from ncgear.pitch.shape import Gear
 
 
@@ -87,7 +87,7 @@ class LoadedContacts(Columns):
     def _pairs(self) -> IndexArray:
         """A number for each position and pair of flanks, shape (n,)."""
         key = np.stack([self.position, self.driving_flank, self.driven_flank], axis=1)
-        return np.asarray(np.unique(key, axis=0, return_inverse=True)[1].ravel())  # NumPy 2.0.0 gives it another axis.
+        return equal_rows(key)[1]
 
     @property
     def sliding_mm_s(self) -> Array:

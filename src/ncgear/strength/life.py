@@ -16,7 +16,7 @@ from typing import Literal, TypeVar
 import numpy as np
 
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array, IndexArray, Mask, distinct
+from ncgear.numerics.arrays import Array, IndexArray, Mask, distinct, equal_rows
 from ncgear.pitch.shape import Gear
 from ncgear.strength.answer import ContactStresses, GearStrength, LoadBy, Strength, ToothLife
 from ncgear.strength.conditions import Conditions, Running, face_load_factor_of_roots
@@ -151,8 +151,7 @@ def rated_for_pitting(contacts: LoadedContacts) -> Mask:
     np.maximum.at(most, place, contacts.force_n)
     leading = contacts.flanks & (contacts.force_n >= most[place])
     flanks = np.stack([contacts.driving_flank, contacts.driven_flank, contacts.section], axis=1)
-    _, pair = np.unique(flanks, axis=0, return_inverse=True)
-    pair = pair.ravel()  # NumPy 2.0.0 gives it another axis.
+    pair = equal_rows(flanks)[1]
     ever_leading = np.bincount(pair, weights=leading) > 0.0
     return np.asarray(leading | (contacts.flanks & ~ever_leading[pair]))
 
