@@ -170,7 +170,8 @@ def _draw_pins(board: Board, measured: GearMeasures, view: View) -> None:
     places = dict(zip(pins.space.tolist(), pins.center_mm, strict=True))
     pairs = [(*sorted((places[row[0]], places[row[1]]), key=lambda place: float(place[1])), row) for row in rows]
     pairs.sort(key=lambda pair: abs(pair[1][0] - pair[0][0]) / np.hypot(*(pair[1] - pair[0])))
-    ring, outline = measured.working.is_ring, view.on_paper(measured.toothed.outline_mm)
+    ring, hull = measured.working.is_ring, shapely.MultiPoint(measured.toothed.outline_mm).convex_hull
+    outline = view.on_paper(shapely.get_coordinates(hull))
     by = f"{'between' if ring else 'over'} 2 pins \u00d8{drawn(2.0 * radius, 'mm')}"
 
     def tried() -> Iterator[tuple[Dimension, Ring, Ring]]:
