@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import mp
@@ -45,6 +44,8 @@ def exact_linkage(lengths: Lengths) -> oracle.Linkage:
 @cache
 def loop_derivatives(lengths: Lengths) -> tuple[Callable[[Any], Any], ...]:
     """Derivatives 0 to 4 of the slider's position in the vector loop, by sympy, evaluated by mpmath."""
+    import sympy
+
     crank, rod, offset = (sympy.Rational(length) for length in lengths)
     phi = sympy.Symbol("phi")
     angle = sympy.pi + sympy.asin(offset / (rod - crank)) - phi
