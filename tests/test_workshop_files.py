@@ -138,7 +138,7 @@ def test_a_drawing_has_the_exact_outline_to_a_tenth_of_the_chord_tolerance(name:
     data = files(name)[f"{gear.value}.dxf"]
     (teeth,) = drawn(data, "OUTLINE")
     assert teeth.closed
-    points = np.array(teeth.points(step_rad=0.001))
+    points = np.array(teeth.points(step_rad=0.004))
     tolerance = drive(name).chord_tolerance_mm
     assert 1e-4 < strayed_mm(points, name, gear) <= 0.1 * tolerance
     assert Polygon(points).is_valid
