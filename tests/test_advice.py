@@ -24,6 +24,7 @@ from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where
 from ncgear.figures.advice.verdict import Known, judged
 from ncgear.project.best_law import BestLaw
 from ncgear.project.drive import Drive
+from verdicts import verdict_on
 
 Data = dict[str, Any]
 
@@ -287,7 +288,7 @@ def test_an_undercut_of_half_a_micrometre_is_a_remark(undercut: str, deeper_mm: 
 def test_two_given_sizes_stay_two() -> None:
     data = merged(SMALL, {"gears": {"teeth": None, "module_mm": 4, "center_distance_mm": 48}})
     drive = drive_of(data)
-    advice = next(a for a in judged(drive, Known.TEETH).advices if a.kind is Kind.UNDERCUT)
+    advice = next(iter(verdict_on(Kind.UNDERCUT, drive, Known.TEETH).advices))
     remedy = next(remedy for remedy in advice.remedies if Change("gears.teeth", 18) in remedy.changes)
     assert remedy.changes == (Change("gears.teeth", 18), Change("gears.module_mm", None))
     assert "leave gears.module_mm out" in str(remedy)
@@ -400,7 +401,7 @@ def test_no_advice_undoes_what_a_design_asks_of_its_machine(name: str) -> None:
 def test_a_law_stated_at_another_speed_than_the_given_one_is_a_remark() -> None:
     """By hand: v2 = 1100 mm/s at 52.81 r/min is 624.9 mm/s at 30 r/min."""
     data = merged(loaded("baler").data, {"operation": {"speed_rpm": 30}})
-    (advice,) = (one for one in judged(drive_of(data), Known.MOTION).advices if one.kind is Kind.SPEEDS)
+    (advice,) = verdict_on(Kind.SPEEDS, drive_of(data), Known.MOTION).advices
     assert (advice.matters, advice.remedies) == (False, ())
     assert "v2 is 624.9 mm/s" in advice.line
 
@@ -433,9 +434,7 @@ def test_a_limit_of_the_file_is_not_changed_by_an_advice(
 def test_a_resistance_that_is_said_to_be_negative_is_a_remark() -> None:
     for said in ("keep", "zero"):
         data = merged(data_of("negative resistance"), {"resistance": {"where_negative": said}})
-        (advice,) = (
-            one for one in judged(drive_of(data), Known.MOTION).advices if one.kind is Kind.NEGATIVE_RESISTANCE
-        )
+        (advice,) = verdict_on(Kind.NEGATIVE_RESISTANCE, drive_of(data), Known.MOTION).advices
         assert (advice.matters, advice.remedies) == (False, ())
 
 

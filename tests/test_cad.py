@@ -6,26 +6,27 @@ import json
 import os
 import shutil
 import subprocess
+from importlib.util import find_spec
 from math import pi
 from pathlib import Path
 
 import numpy as np
 import pytest
-
-from at_once import at_once
-
-pytest.importorskip("OCP", reason="python -m pip install 'ncgear[step]' installs what makes exact solids")
-
 from scipy.interpolate import BSpline
 
+from at_once import at_once
 from commands import ROOT, Run
 from drives import DESIGNS, drive
+from later import Later
 from ncgear.errors import Unanswered
 from ncgear.files.freecad import COMMAND, answer, macro
-from ncgear.files.workshop.exact import exact_solids, pitch_spline
 from ncgear.pitch.shape import Gear
-from ncgear.solids.brep.shapes import prism, volume_mm3, wire_of
 from ncgear.teeth.contour import Line
+
+if find_spec("OCP") is None:
+    pytest.skip("python -m pip install 'ncgear[step]' installs what makes exact solids", allow_module_level=True)
+
+faces, shapes = Later("ncgear.files.workshop.exact"), Later("ncgear.solids.brep.shapes")
 
 FREECAD = shutil.which("freecadcmd") or shutil.which("FreeCADCmd")
 
@@ -114,11 +115,11 @@ def test_an_answer_has_the_same_solids_and_pitch_curves() -> None:
     own, told = drive("ellipse"), answer(DESIGNS / "ellipse.yaml")
     (pair,) = told["pairs"]
     assert pair["center_distance_mm"] == own.pitch.center_distance_mm
-    for gear, (shape, _) in exact_solids(own).items():
+    for gear, (shape, _) in faces.exact_solids(own).items():
         found = next(one for one in pair["gears"] if one["name"] == gear.value)
         back = TopoDS_Shape()
         BRepTools.Read_s(back, BytesIO(found["brep"].encode()), BRep_Builder())
-        assert volume_mm3(back) == pytest.approx(volume_mm3(shape), rel=1e-6)
+        assert shapes.volume_mm3(back) == pytest.approx(shapes.volume_mm3(shape), rel=1e-6)
         curve = found["pitch_curve"]
         assert sum(curve["times"]) == len(curve["poles"]) + 4
 
@@ -129,7 +130,7 @@ def test_an_answer_has_the_same_solids_and_pitch_curves() -> None:
 def test_the_spline_of_a_pitch_curve_follows_it_also_at_joints(name: str, gear: Gear) -> None:
     """Distances by many chords of the exact curve at other places than the spline was judged at."""
     curve, within = drive(name).pitch.of(gear), 5e-4
-    spline = pitch_spline(curve, within)
+    spline = faces.pitch_spline(curve, within)
     at = np.linspace(0.0, float(spline.knots[-1]), 4001)
     exact = curve.at_length(at).position
     assert np.linalg.norm(BSpline(spline.knots, spline.poles_mm, 3)(at) - exact, axis=1).max() <= 1.05 * within
@@ -137,11 +138,12 @@ def test_the_spline_of_a_pitch_curve_follows_it_also_at_joints(name: str, gear: 
         assert spline.knots[-1] < 0.5 * curve.length_mm
 
 
+@pytest.mark.slow
 def test_a_face_whose_wire_crosses_itself_makes_no_solid() -> None:
     corners = np.array([[0.0, 0.0], [10.0, 10.0], [10.0, 0.0], [0.0, 10.0]])
-    crossing = wire_of([Line(*ends) for ends in zip(corners, np.roll(corners, -1, axis=0), strict=True)])
+    crossing = shapes.wire_of([Line(*ends) for ends in zip(corners, np.roll(corners, -1, axis=0), strict=True)])
     with pytest.raises(Unanswered, match="not valid"):
-        prism(crossing, [], 0.0, 5.0)
+        shapes.prism(crossing, [], 0.0, 5.0)
 
 
 def test_the_macro_starts_this_python_and_is_plain_python(run: Run, tmp_path: Path) -> None:

@@ -14,7 +14,7 @@ import pytest
 from scipy.special import ellipe
 from shapely import Polygon
 
-from drives import FILES, MACHINES, Built, built, drive
+from drives import FILES, MACHINES, PICTURES, Built, built, drive
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.summary.check_summary import check_summary
 from ncgear.files.build import build
@@ -227,6 +227,13 @@ def test_the_other_reading_of_the_baler_is_flagged_and_refused(tmp_path: Path) -
 @every_design
 def test_all_files_are_there(name: str) -> None:
     assert {path.name for path in built(name).folder.iterdir()} == FILES
+
+
+@pytest.mark.slow
+def test_a_build_draws_all_pictures(tmp_path: Path) -> None:
+    build(drive("ellipse"), tmp_path / "out", lambda step: None)
+    assert {path.name for path in (tmp_path / "out").iterdir()} == FILES | PICTURES
+    assert all(path.read_bytes()[:4] == b"\x89PNG" for path in (tmp_path / "out").glob("*.png"))
 
 
 @in_tiers

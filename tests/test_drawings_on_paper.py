@@ -17,12 +17,12 @@ import numpy as np
 import pytest
 import shapely
 from ezdxf.document import Drawing as Document
-from pypdf import PdfReader
 from shapely import LineString, Polygon
 from svgelements import SVG, Matrix, Shape
 from svgelements import Text as SvgText
 
 from drives import design_of, drive, drive_of_text, loaded
+from later import Later
 from ncgear.figures.assembly import assembly_of
 from ncgear.figures.data_sheet.sheet import data_sheet, sheet_text
 from ncgear.files.strength import tooth_rows
@@ -36,6 +36,8 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.workshop_measures import measured_gears
 from test_workshop_files import strayed_mm
+
+pypdf = Later("pypdf")
 
 DESIGNS = ["baler", "ellipse", "internal-1-2"]
 """Keyways and concave curves; bores alone; a ring."""
@@ -394,7 +396,7 @@ def test_no_number_of_a_tooth_lies_in_a_hole(monkeypatch: pytest.MonkeyPatch) ->
 @pytest.mark.parametrize("sheet", SHEETS)
 @pytest.mark.parametrize("name", DESIGNS)
 def test_a_pdf_file_has_one_page_of_a4_with_the_same_texts(name: str, sheet: str) -> None:
-    reader = PdfReader(BytesIO(files(name)[f"{sheet}_drawing.pdf"]), strict=True)
+    reader = pypdf.PdfReader(BytesIO(files(name)[f"{sheet}_drawing.pdf"]), strict=True)
     (page,) = reader.pages
     size = sorted(float(side) * 25.4 / 72.0 for side in (page.mediabox.width, page.mediabox.height))
     assert size == pytest.approx(A4_MM, abs=0.01)
@@ -407,7 +409,7 @@ def test_texts_of_any_letters_are_written() -> None:
     """Brackets and strokes have a meaning in the file; letters that the font lacks are told as missing."""
     odd = Text("a (b) \\ \u00d85 \u4e2d", (20.0, 20.0))
     data = sheet_pdf(Sheet("(odd", (210.0, 297.0), 1.0, (0.0, 0.0), (odd,)))
-    reader = PdfReader(BytesIO(data), strict=True)
+    reader = pypdf.PdfReader(BytesIO(data), strict=True)
     assert reader.pages[0].extract_text().strip() == "a (b) \\ \u00d85 ?"
     assert reader.metadata is not None
     assert reader.metadata.title == "(odd"

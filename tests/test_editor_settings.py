@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Any
 
 import json5
-import jsonschema
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
@@ -146,6 +145,8 @@ def test_a_folder_that_is_none_is_refused(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_the_schema_takes_every_design_and_no_misspelt_one(tmp_path: Path) -> None:
     put(tmp_path, {"x.yaml": DESIGN, "b/y.yaml": BALANCE})
+    import jsonschema
+
     assert told(tmp_path)[0] == 0
     yaml = YAML(typ="safe")
     for name, folder in (("ncgear", "designs"), ("ncgear-balance", "designs/balance")):

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -23,11 +25,19 @@ from ncgear.design.trains.registry import TrainFile
 from ncgear.figures.explained import IDEAS, explained
 
 FILES = [*ROOT.glob("designs/*.yaml"), *ROOT.glob("designs/balance/*.yaml")]
-ALL = [(root, key) for root in (Design, Balance, TrainFile) for key in keys_of(root)]
+
+
+@cache
+def keys(root: type[BaseModel]) -> list[Key]:
+    return keys_of(root)
+
+
+def every_key() -> Iterator[tuple[type[BaseModel], Key]]:
+    return ((root, key) for root in (Design, Balance, TrainFile) for key in keys(root))
 
 
 def test_every_key_says_what_it_means() -> None:
-    assert [key.path for _, key in ALL if not key.meaning] == []
+    assert [key.path for _, key in every_key() if not key.meaning] == []
 
 
 def written(data: Any, above: str = "") -> set[str]:
@@ -47,7 +57,7 @@ def test_every_key_of_a_worked_example_is_known(path: Path) -> None:
     root = Balance if path.parent.name == "balance" else of_train
     found = written(read_yaml(path.read_text(encoding="utf-8"), path.name).data)
     assert len(found) > 3
-    assert found <= {key.path for key in keys_of(root)}
+    assert found <= {key.path for key in keys(root)}
 
 
 def faults(root: type[BaseModel], key: Key) -> set[str]:
@@ -70,7 +80,7 @@ def faults(root: type[BaseModel], key: Key) -> set[str]:
 
 @pytest.mark.slow
 def test_every_example_is_right() -> None:
-    assert {key.path: found for root, key in ALL if (found := faults(root, key))} == {}
+    assert {key.path: found for root, key in every_key() if (found := faults(root, key))} == {}
 
 
 WHOLE = ["linkage", "resistance.table", "comparison.published", "gears.driving.hub", "gears.driving.web"]
@@ -78,7 +88,7 @@ WHOLE = ["linkage", "resistance.table", "comparison.published", "gears.driving.h
 
 @at_once("path", WHOLE)
 def test_examples_of_groups_with_rules_of_their_own_can_be_copied(path: str) -> None:
-    key = next(key for key in keys_of(Design) if key.path == path)
+    key = next(key for key in keys(Design) if key.path == path)
     (value,) = read_yaml(example(key, Design), "example").data.values()
     TypeAdapter(key.field.annotation).validate_python(value)
 
@@ -98,7 +108,10 @@ SAID = {
 def test_the_unit_told_is_the_one_in_the_description() -> None:
     """Two ways to the same thing: the end of the key, and what a person wrote of it."""
     described = {
-        (key.name, unit) for _, key in ALL for words, unit in SAID.items() if words in key.meaning and not key.group
+        (key.name, unit)
+        for _, key in every_key()
+        for words, unit in SAID.items()
+        if words in key.meaning and not key.group
     }
     assert len(described) > 50
     assert {name: unit_of(name) for name, unit in described if unit_of(name) != unit} == {}
@@ -216,11 +229,11 @@ def test_a_word_that_names_no_key_finds_the_keys_that_speak_of_it(run: Run) -> N
 def test_ideas_without_a_key_are_told(run: Run, idea: str) -> None:
     """Each idea is no key of either file, and every key that it names is one."""
     for root in (Design, Balance):
-        assert idea not in {quantity(key.name) for key in keys_of(root)} | {key.name for key in keys_of(root)}
+        assert idea not in {quantity(key.name) for key in keys(root)} | {key.name for key in keys(root)}
     status, out, _ = run("explain", idea.replace("_", " "))
     assert (status, out.splitlines()[0]) == (0, f"{idea.replace('_', ' ')} (no key)")
     paths = re.findall(r"\b(?:gears|motion|optimize|wishes)\.[\w.]+\w", IDEAS[idea])
-    assert set(paths) <= {key.path for key in keys_of(Design)}
+    assert set(paths) <= {key.path for key in keys(Design)}
 
 
 @pytest.mark.parametrize("asked", ["contact ratio", "face width", "no such key"])
@@ -238,8 +251,7 @@ def test_without_a_key_all_are_listed(run: Run, kind: str, root: type[BaseModel]
     status, out, err = run("explain", "--of", kind)
     assert (status, err) == (0, "")
     words = set(re.findall(r"[\w/]+", out))
-    keys = keys_of(root)
-    shown = folded(key.name for key in keys if not key.is_law_name)
+    shown = folded(key.name for key in keys(root) if not key.is_law_name)
     assert [name for name in shown if name not in words and quantity(name) not in out] == []
 
 
@@ -251,13 +263,15 @@ def test_defaults_that_follow_from_others(run: Run) -> None:
 
 
 def test_ranges_in_words() -> None:
-    words = {key.path: allowed(key) for key in keys_of(Design)}
-    assert words["motion.eccentricity"] == "a number, 0 or over, under 1"
-    assert words["motion.return.e"] == "a number or least_acceleration"
-    assert words["gears.index_holes"] == "true or false"
-    assert words["name"] == "text of letters, digits, - and _, at most 64 of them"
-    assert words["comparison.published"] == "a list (1 to 100) of groups of keys"
-    assert words["resistance.table.force_n"] == "a list (2 to 1000) of: a number, -1e+15 or over, up to 1e+15"
+    said = {
+        "motion.eccentricity": "a number, 0 or over, under 1",
+        "motion.return.e": "a number or least_acceleration",
+        "gears.index_holes": "true or false",
+        "name": "text of letters, digits, - and _, at most 64 of them",
+        "comparison.published": "a list (1 to 100) of groups of keys",
+        "resistance.table.force_n": "a list (2 to 1000) of: a number, -1e+15 or over, up to 1e+15",
+    }
+    assert {key.path: allowed(key) for key in keys(Design) if key.path in said} == said
 
 
 @at_once(

@@ -10,16 +10,18 @@ from typing import Any
 
 import numpy as np
 import pytest
-import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import mp
 
 from at_once import at_once
+from later import Later
 from ncgear.errors import WrongInput
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.formula import CHOICES, FUNCTIONS, LONGEST, composed
 from ncgear.numerics.jet import Jet
+
+sympy = Later("sympy")
 
 KEY = "motion.ratio"
 ORDER = 4

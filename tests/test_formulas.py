@@ -10,27 +10,32 @@ from collections.abc import Callable
 from dataclasses import replace
 from math import tau
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import mpmath
 import numpy as np
 import pytest
-import sympy
 
 import ncgear
 from at_once import at_once
 from commands import Run
 from drives import DESIGNS, MACHINES, drive, drive_of_text
+from later import Later
 from mechanism_cases import CASES, Case
 from ncgear.design.laws.registry import LawName
 from ncgear.design.template import template
 from ncgear.errors import Unanswered
-from ncgear.formulas import checked, laws, linkages
-from ncgear.formulas.laws import Sizes
-from ncgear.formulas.printed import functions_of, printed
-from ncgear.formulas.written import Writer, Written, symbol
 from ncgear.numerics import jet
 from ncgear.numerics.jet import Jet
 from ncgear.project.drive import Drive
+
+if TYPE_CHECKING:
+    from ncgear.formulas.written import Written
+
+sympy = Later("sympy")
+checked, laws, linkages, printing, writing = (
+    Later(f"ncgear.formulas.{name}") for name in ("checked", "laws", "linkages", "printed", "written")
+)
 
 MACHINE = "name: a\nlinkage: {crank_mm: 40, rod_mm: 90}\noperation: {speed_rpm: 30}\n"
 ALONE = "name: a\noperation: {speed_rpm: 30}\n"
@@ -155,11 +160,11 @@ def test_radii_of_an_ellipse_about_its_focus() -> None:
 @pytest.mark.parametrize("case", CASES, ids=str)
 def test_mechanisms_there_and_back(case: Case) -> None:
     """The driven angle at x = phi_1^2, and the displacement at that angle, which is x again."""
-    linkage, write = case.mechanism, Writer("phi_1")
+    linkage, write = case.mechanism, writing.Writer("phi_1")
     x = write.step("x", write.variable**2)
     left = write.step("left", sympy.sqrt(write.number("stroke", linkage.stroke_mm) - x))
     linkages.driven_angle(write, linkage, x, write.step("gone", write.variable), left)
-    write.step("i_12", 1 / write.slope(symbol("phi_2")))
+    write.step("i_12", 1 / write.slope(writing.symbol("phi_2")))
     there = write.written("there", (0.0, linkage.stroke_mm**0.5), {})
     back, at = laws.mechanism(linkage, tau), checked.places_of(there, 9)
     values = there.values(at.tolist())
@@ -177,7 +182,7 @@ def test_numbers_are_those_of_the_law() -> None:
     numbers = {str(name): value for name, value in found.formulas.sections[0].pieces[0].numbers.items()}
     assert [numbers[f"q_{k}"] for k in range(4)] == stroke.approach_root.tolist()
     written = drive_of_text(MOTIONS["ratio by formula"]).formulas.sections[0].pieces[0]
-    assert str(written.steps[symbol("i_12")]) == "(0.3*cos(phi_1)**3 + 1)/factor"
+    assert str(written.steps[writing.symbol("i_12")]) == "(0.3*cos(phi_1)**3 + 1)/factor"
 
 
 # --- what the comparison finds
@@ -187,7 +192,11 @@ def test_numbers_are_those_of_the_law() -> None:
 def test_a_number_that_is_changed_by_a_billionth_is_found() -> None:
     """Negative control, of every number of every piece that a told quantity needs."""
     found = drive("pusher")
-    pieces, law, sizes = found.formulas.sections[0].pieces, found.transmission, Sizes(found.pitch.center_distance_mm)
+    pieces, law, sizes = (
+        found.formulas.sections[0].pieces,
+        found.transmission,
+        laws.Sizes(found.pitch.center_distance_mm),
+    )
     assert checked.missed(pieces, law, law, found.linkage, sizes) < 1e-14
     changes = 0
     for place, piece in enumerate(pieces):
@@ -202,7 +211,7 @@ def test_a_number_that_is_changed_by_a_billionth_is_found() -> None:
 
 @pytest.mark.slow
 def test_a_formula_that_differs_is_not_told(monkeypatch: pytest.MonkeyPatch, run: Run) -> None:
-    monkeypatch.setattr(checked, "AGREED", 1e-18)
+    monkeypatch.setattr("ncgear.formulas.checked.AGREED", 1e-18)
     status, out, err = run("formulas", str(DESIGNS / "pusher.yaml"))
     assert (status, out) == (3, "")
     assert "what is not sure is not told" in err
@@ -216,7 +225,7 @@ def functions(found: Drive) -> dict[str, tuple[str, list[Written]]]:
     return {
         name: (of, [piece for piece in section.pieces if of in piece.quantities])
         for section in found.formulas.sections
-        for name, of in functions_of(section).items()
+        for name, of in printing.functions_of(section).items()
     }
 
 
@@ -274,7 +283,7 @@ def of_kind(kind: str) -> Drive:
 @pytest.mark.tiers(thorough=["pusher"], rest="slow")
 @pytest.mark.parametrize("kind", SOURCES)
 def test_python_runs(kind: str) -> None:
-    call = as_python(printed(of_kind(kind).formulas, "python"))
+    call = as_python(printing.printed(of_kind(kind).formulas, "python"))
     compare(of_kind(kind), call)
     with pytest.raises(ValueError, match="outside"):
         call("ratio" if kind != "harmonic" else "ratio_of_driven_angle", 7.0)
@@ -284,7 +293,7 @@ def test_python_runs(kind: str) -> None:
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no compiler of C")
 @pytest.mark.parametrize("kind", SOURCES)
 def test_c_runs(kind: str, tmp_path: Path) -> None:
-    call = as_c(printed(of_kind(kind).formulas, "c"), tmp_path)
+    call = as_c(printing.printed(of_kind(kind).formulas, "c"), tmp_path)
     compare(of_kind(kind), call)
     assert np.isnan(call("ratio" if kind != "harmonic" else "ratio_of_driven_angle", -0.1))
 
@@ -292,7 +301,7 @@ def test_c_runs(kind: str, tmp_path: Path) -> None:
 @pytest.mark.tiers(thorough=["pusher"], rest="slow")
 @pytest.mark.parametrize("kind", SOURCES)
 def test_matlab_says_the_same(kind: str) -> None:
-    text = printed(of_kind(kind).formulas, "matlab")
+    text = printing.printed(of_kind(kind).formulas, "matlab")
     assert text.count("function") + text.count("if ") - text.count("functions") == len(re.findall(r"\bend\b", text))
     compare(of_kind(kind), as_matlab(text))
 
@@ -301,20 +310,20 @@ def test_matlab_says_the_same(kind: str) -> None:
 def test_a_quantity_without_closed_form_says_so_where_it_is_asked_for() -> None:
     text = (DESIGNS / "pusher.yaml").read_text().replace("basis: inverse_ratio", "basis: ratio")
     found = drive_of_text(text)
-    call = as_python(printed(found.formulas, "python"))
+    call = as_python(printing.printed(found.formulas, "python"))
     assert call("driven_angle", 2.0) == pytest.approx(found.transmission.driven_angle(np.array([2.0])).value[0])
     with pytest.raises(ValueError, match="integral of 1/i_12"):
         call("driven_angle", 5.0)
 
 
 def test_latex_is_balanced_and_names_every_number() -> None:
-    text = printed(drive("pusher").formulas, "latex")
+    text = printing.printed(drive("pusher").formulas, "latex")
     assert text.count("{") == text.count("}")
     assert text.count(r"\begin{align*}") == text.count(r"\end{align*}") == 5
     for piece in drive("pusher").formulas.sections[0].pieces:
         assert all(repr(value).partition("e")[0] in text for value in piece.numbers.values())
     small = MACHINE + "motion: {law: ratio_expression, ratio: 1 + 1.5e-7*cos(phi), scale_to_close: true}\n"
-    assert r"1.5 \cdot 10^{-7} \cos" in printed(drive_of_text(small).formulas, "latex")
+    assert r"1.5 \cdot 10^{-7} \cos" in printing.printed(drive_of_text(small).formulas, "latex")
 
 
 # --- the command
@@ -343,4 +352,4 @@ def test_ends_are_told_in_pi_where_they_are(run: Run) -> None:
 def test_without_gears_radii_are_shares() -> None:
     found = ncgear.loads(MOTIONS["ratio by formula"]).formulas
     assert not found.sized
-    assert "radii as shares of the distance of the axes" in printed(found, "text")
+    assert "radii as shares of the distance of the axes" in printing.printed(found, "text")

@@ -14,10 +14,11 @@ from drives import design_of
 from ncgear.figures.advice.drivetrain_advice import around
 from ncgear.figures.advice.given_advice import without_effect
 from ncgear.figures.advice.values import ONLY_TEETH, Advice, Change, Kind
-from ncgear.figures.advice.verdict import Judged, Known, State, judged
+from ncgear.figures.advice.verdict import Judged, Known, State
 from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import changed_drive
 from ncgear.project.drive import Drive
+from verdicts import verdict_on
 
 Data = dict[str, Any]
 
@@ -165,7 +166,7 @@ def geared(**gears: Any) -> Drive:
 
 
 def rows_of(one: Drive, kind: Kind, known: Known = Known.TEETH) -> Judged:
-    (found,) = [row for row in judged(one, known, seconds=0.0).rows if row.kind is kind]
+    (found,) = verdict_on(kind, one, known).rows
     return found
 
 
@@ -194,7 +195,7 @@ def test_an_index_hole_without_room_is_told_with_a_size_that_leaves_it_room(bodi
 
 def test_holes_that_have_room_or_are_not_asked_for_are_not_told() -> None:
     assert rows_of(geared(index_holes=True), Kind.INDEX_HOLES).state is State.KEPT
-    assert Kind.INDEX_HOLES not in {row.kind for row in judged(geared(driven={"bore_mm": 31}), Known.MOTION).rows}
+    assert verdict_on(Kind.INDEX_HOLES, geared(driven={"bore_mm": 31}), Known.MOTION).rows == ()
 
 
 @pytest.mark.parametrize(("teeth", "idle"), [(26, True), (14, False)])

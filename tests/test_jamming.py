@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.stats import norm
 
 import ncgear
 from at_once import at_once
@@ -165,6 +164,8 @@ def test_nothing_is_needed_where_nothing_deviates() -> None:
 
 
 def test_what_all_positions_share_is_told_from_the_rest() -> None:
+    from scipy.stats import norm
+
     random = np.random.default_rng(5)
     shared = np.stack([0.03 * (random.random(300) - 0.5), random.random(300), np.zeros(300)])
     rest = 0.002 * norm.ppf(random.random(300))

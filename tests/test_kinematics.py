@@ -200,13 +200,11 @@ def quadrature_of_power(of: Machine) -> float:
     zero = np.array([cross for cross in real_zeros(of.load.working) if 0.0 < cross < of.linkage.stroke_mm])
     candidates = np.array([*joints_of(of), of.extended_rad, *crossings(of, zero)])
     edges = np.unique(candidates[candidates <= of.extended_rad])
-    total = 0.0
-    for low, high in itertools.pairwise(edges):
-        for part in range(8):
-            a, b = low + (high - low) * part / 8.0, low + (high - low) * (part + 1) / 8.0
-            phi1 = (a + b) / 2.0 + (b - a) / 2.0 * unit
-            total += (b - a) / 2.0 * float(weights @ of.motion(phi1).power_w)
-    return total / of.transmission.cycle_rad
+    edges = np.concatenate([np.linspace(low, high, 9)[:-1] for low, high in itertools.pairwise(edges)] + [edges[-1:]])
+    halves = np.diff(edges)[:, None] / 2.0
+    phi1 = edges[:-1, None] + halves * (1.0 + unit)
+    power_w = of.motion(phi1.ravel()).power_w.reshape(phi1.shape)
+    return float((halves * weights * power_w).sum()) / of.transmission.cycle_rad
 
 
 def real_zeros(resistance: PolynomialResistance) -> list[float]:

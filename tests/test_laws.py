@@ -337,7 +337,12 @@ def test_elliptical_law_against_quadrature_of_its_radii(eccentricity: float, pha
         start = (1 + mp.mpf(lobes.driven) / lobes.driving) / (1 - mp.mpf(eccentricity) ** 2)
         bracket = (start * mp.mpf("0.7"), start * mp.mpf("1.5"))
         bracket = (max(bracket[0], mp.mpf("1.02") / (1 - mp.mpf(eccentricity))), bracket[1])
-        missing = lambda s: turned(period, s) - 2 * mp.pi / lobes.driven  # noqa: E731
+
+        def missing(size: mp.mpf) -> mp.mpf:
+            # By even places of a period, which miss the mean by 0.41^128 at most.
+            mean = mp.fsum(slope(period * k / 128, size) for k in range(128)) / 128
+            return period * mean - 2 * mp.pi / lobes.driven
+
         size = mp.findroot(missing, bracket, solver="anderson", tol=1e-30)
         for share in (0.2, 0.5, 0.9):
             phi = mp.mpf(float(share * period))

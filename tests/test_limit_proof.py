@@ -85,14 +85,21 @@ def convex_law(seed: int) -> Turning:
 LINKAGES = (BALER_LINKAGE, OFFSET, CrankSlider(380.0, 456.0), CrankSlider(100.0, 900.0, -40.0))
 
 
+def steepness(law: Turning) -> float:
+    """The greatest tangent of a law, from dense samples."""
+    angle = np.linspace(0.0, 2.0 * pi, FINE)
+    s = law.s(angle)
+    return float(np.max(np.abs(s * law.series(angle, 1)) / (1.0 + s))) * BETWEEN
+
+
+@cache
 def exact_demands(task: Task, law: Turning) -> Demands:
     """A law's own figures as demands, from dense samples."""
-    angle = np.linspace(0.0, 2.0 * pi, FINE)
-    s, first = law.s(angle), law.series(angle, 1)
+    s = law.s(np.linspace(0.0, 2.0 * pi, FINE))
     return Demands(
         ratio_min=float(1.0 / s.max()) / BETWEEN,
         ratio_max=float(1.0 / s.min()) * BETWEEN,
-        steepness=float(np.max(np.abs(s * first) / (1.0 + s))) * BETWEEN,
+        steepness=steepness(law),
         convex=True,
         acceleration_mm_s2=acceleration(task, law) * BETWEEN,
         power_w=power(task, law) * BETWEEN,
@@ -388,7 +395,7 @@ def outside_between_checkpoints(law: Turning, apart_rad: float, steepness: float
     return float(low.max()), float(high.max())
 
 
-@at_once("seed", range(6))
+@at_once("seed", range(3))
 def test_between_checkpoints_convex_curves_stay_in_the_ranges(seed: int) -> None:
     for apart in (0.05, 0.1, 0.3):
         assert max(outside_between_checkpoints(convex_law(seed), apart)) < 1e-9
@@ -402,10 +409,10 @@ def test_between_checkpoints_a_wavy_law_leaves_the_ranges() -> None:
     assert min(below, above) > 1e-4
 
 
-@at_once("seed", range(6))
+@at_once("seed", range(3))
 def test_between_checkpoints_a_law_stays_as_near_as_its_tangent_lets_it(seed: int) -> None:
     law = Turning(seed, 0.6)
-    own = exact_demands(AT_SIXTY, law).steepness
+    own = steepness(law)
     for apart in (0.05, 0.1, 0.3):
         assert max(outside_between_checkpoints(law, apart, own)) < 1e-9
     # Negative control: a tangent that the law does not keep
@@ -417,7 +424,7 @@ def test_between_checkpoints_a_law_stays_as_near_as_its_tangent_lets_it(seed: in
 
 @at_once(
     ("crank_mm", "rod_mm", "places"),
-    [(380.0, 960.0, 60), (380.0, 960.0, 180), (380.0, 960.0, 960), (120.0, 120.0002, 240), (120.0, 120.0000001, 97)],
+    [(380.0, 960.0, 60), (380.0, 960.0, 180), (380.0, 960.0, 360), (120.0, 120.0002, 240), (120.0, 120.0000001, 97)],
 )
 def test_lengths_slopes_and_steps_are_those_of_40_digits(crank_mm: float, rod_mm: float, places: int) -> None:
     """Machines in line by the law of cosines; to what the proof charges for errors of data.

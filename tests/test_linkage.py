@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import cache
+from functools import cache, partial
 from math import hypot, inf, nan, pi
 from typing import Any
 
 import numpy as np
 import pytest
-import sympy
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from mpmath import mp
@@ -43,14 +42,17 @@ def exact_linkage(lengths: Lengths) -> oracle.Linkage:
 
 
 @cache
-def loop_derivatives(lengths: Lengths) -> tuple[Callable[[Any], Any], ...]:
+def loop_derivatives() -> tuple[Callable[..., Any], ...]:
     """Derivatives 0 to 4 of the slider's position in the vector loop, by sympy, evaluated by mpmath."""
-    crank, rod, offset = (sympy.Rational(length) for length in lengths)
-    phi = sympy.Symbol("phi")
+    import sympy
+
+    crank, rod, offset, phi = sympy.symbols("crank rod offset phi")
     angle = sympy.pi + sympy.asin(offset / (rod - crank)) - phi
     position = crank * sympy.cos(angle) + sympy.sqrt(rod**2 - (crank * sympy.sin(angle) - offset) ** 2)
-    travelled = position - sympy.sqrt((rod - crank) ** 2 - offset**2)
-    return tuple(sympy.lambdify(phi, sympy.diff(travelled, phi, k), modules="mpmath") for k in range(5))
+    forms = [position - sympy.sqrt((rod - crank) ** 2 - offset**2)]
+    while len(forms) < 5:
+        forms.append(sympy.diff(forms[-1], phi))
+    return tuple(sympy.lambdify((crank, rod, offset, phi), form, modules="mpmath") for form in forms)
 
 
 def exact_taylor(linkage: oracle.Linkage, phi2: Any, order: int) -> list[Any]:
@@ -71,8 +73,8 @@ def test_displacement_and_four_derivatives_against_the_vector_loop(lengths: Leng
     points = np.concatenate([np.linspace(0.0, 2.0 * pi, 9), [1e-9, 0.01, 3.0, 3.3, 6.2]])
     series = CrankSlider(*lengths).displacement(Jet.variable(points, 4))
     with mp.workdps(40):
-        for k, exact in enumerate(loop_derivatives(lengths)):
-            values = np.array([float(exact(mp.mpf(float(point)))) for point in points])
+        for k, exact in enumerate(loop_derivatives()):
+            values = np.array([float(exact(*map(mp.mpf, lengths), mp.mpf(float(point)))) for point in points])
             # About thirty operations; near its least rod projection the almost stuck linkage divides by 1/10 of the rod
             assert np.max(np.abs(series.derivative(k) - values)) <= 1e-13 * max(np.abs(values).max(), lengths[0])
 
@@ -138,9 +140,9 @@ def test_dead_centres_are_where_the_slider_stands_and_crank_and_rod_align(length
 
 @every_linkage
 def test_mpmath_finds_the_same_dead_centre(lengths: Lengths) -> None:
-    position, slope, *_ = loop_derivatives(lengths)
-    start = max(np.linspace(0.5, 6.0, 56).tolist(), key=position)
     with mp.workdps(40):
+        position, slope = (partial(of, *map(mp.mpf, lengths)) for of in loop_derivatives()[:2])
+        start = max(np.linspace(0.5, 6.0, 56).tolist(), key=position)
         extended = mp.findroot(slope, (start - 0.1, start + 0.1), solver="anderson")
         assert abs(CrankSlider(*lengths).working_angle_rad - extended) < 2e-15
 

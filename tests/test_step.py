@@ -7,6 +7,7 @@ import sys
 from collections import Counter
 from dataclasses import replace
 from functools import cache
+from importlib.util import find_spec
 from pathlib import Path
 
 import numpy as np
@@ -14,19 +15,15 @@ import pytest
 from numpy.typing import NDArray
 from shapely import Polygon
 
-pytest.importorskip("OCP", reason="python -m pip install 'ncgear[step]' installs what writes STEP")
-
 from closeness import farthest, farthest_from_pieces
 from commands import Run
 from drives import DESIGNS, drive, drive_of_text, loaded
+from later import Later
 from ncgear.errors import Unanswered, WrongInput
 from ncgear.files.read_back import error_of_step_mm
-from ncgear.files.workshop.step import VOLUME_TOLERANCE, Part, part_bytes, read_back, require_same, step_files
 from ncgear.numerics.plane import signed_area
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
-from ncgear.solids.brep.gear import gear_shape
-from ncgear.solids.brep.shapes import volume_mm3
 from ncgear.solids.helical import patches
 from ncgear.solids.helical.sections import Sections
 from ncgear.solids.plan.body import BodyPlan
@@ -34,6 +31,13 @@ from ncgear.teeth.contour import CURVES_SHARE, Contour, Spline, contour_of
 from ncgear.teeth.gear import ToothedGear
 from oracles.part21 import Entity, Part21
 from pairs import exact_ring
+
+if find_spec("OCP") is None:
+    pytest.skip("python -m pip install 'ncgear[step]' installs what writes STEP", allow_module_level=True)
+
+writer, shapes, brep = (
+    Later(f"ncgear.{name}") for name in ("files.workshop.step", "solids.brep.shapes", "solids.brep.gear")
+)
 
 FINE = 1e-5
 """Chord tolerance of the outlines that files are held against."""
@@ -58,7 +62,7 @@ gears:
 
 @cache
 def files(name: str) -> dict[str, bytes]:
-    return step_files(drive(name))
+    return writer.step_files(drive(name))
 
 
 def sections(file: Part21, solid: Entity, samples: int = DENSE) -> dict[float, list[Array]]:
@@ -126,7 +130,7 @@ def test_the_ring_s_section_is_its_exact_outline() -> None:
 def test_concave_sections_are_the_exact_outlines() -> None:
     own = drive_of_text(CONCAVE)
     assert not own.pitch.convex(Gear.DRIVING)
-    require_agreement(step_files(own)["driving.step"], own.teeth.driving, 5e-4, 6.0)
+    require_agreement(writer.step_files(own)["driving.step"], own.teeth.driving, 5e-4, 6.0)
 
 
 def plate(width: float) -> BodyPlan:
@@ -152,7 +156,7 @@ def test_a_face_that_is_moved_by_two_tolerances_is_seen() -> None:
     gear = drive("ellipse").teeth.driving
     contour = contour_of(gear, 5e-4)
     for off, seen in ((0.0, False), (1e-3, True)):
-        data = part_bytes(Part("driving", gear_shape(moved(contour, off), plate(12.0))), "")
+        data = writer.part_bytes(writer.Part("driving", brep.gear_shape(moved(contour, off), plate(12.0))), "")
         if seen:
             with pytest.raises(AssertionError):
                 require_agreement(data, gear, 5e-4, 12.0)
@@ -211,10 +215,11 @@ def test_the_header_says_how_close_and_nothing_of_clock_or_machine() -> None:
 
 @pytest.mark.slow
 def test_the_same_design_gives_the_same_bytes(capfd: pytest.CaptureFixture[str]) -> None:
-    assert step_files(Drive(loaded("ellipse").design)) == files("ellipse")
+    assert writer.step_files(Drive(loaded("ellipse").design)) == files("ellipse")
     assert capfd.readouterr() == ("", "")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("key", "line"),
     [
@@ -228,7 +233,7 @@ def test_what_only_meshes_have_is_refused(key: str, line: str) -> None:
         WrongInput,
         match=rf"gears\.{key}: given, but solids with exact faces, as in STEP files, have no .*; leave it out",
     ):
-        step_files(own)
+        writer.step_files(own)
 
 
 @pytest.mark.slow
@@ -254,13 +259,13 @@ def test_a_missing_library_is_named_before_the_file_is_read(run: Run, monkeypatc
 @pytest.mark.slow
 def test_a_file_of_another_solid_is_a_fault() -> None:
     contour = contour_of(drive("ellipse").teeth.driving, 5e-4)
-    own, wider = (gear_shape(contour, plate(width)) for width in (12.0, 12.001))
-    data = part_bytes(Part("driving", own), "")
-    require_same(data, [own])
+    own, wider = (brep.gear_shape(contour, plate(width)) for width in (12.0, 12.001))
+    data = writer.part_bytes(writer.Part("driving", own), "")
+    writer.require_same(data, [own])
     with pytest.raises(Unanswered, match="a STEP file holds 224 faces"):
-        require_same(data, [wider])
+        writer.require_same(data, [wider])
     with pytest.raises(Unanswered, match="cannot be read back"):
-        require_same(b"nothing", [own])
+        writer.require_same(b"nothing", [own])
 
 
 def volumes(name: str) -> list[float]:
@@ -289,7 +294,7 @@ def bodied() -> tuple[Drive, dict[str, bytes]]:
     """Hollow gears with all that can be made of their bodies."""
     text = CONCAVE.split("  driving:", 1)[0] + BODIES
     own = drive_of_text(text)
-    return own, step_files(own)
+    return own, writer.step_files(own)
 
 
 UP = [0.0, 0.0, 1.0]
@@ -323,11 +328,11 @@ def test_helical_gears_have_bodies_too() -> None:
     head = (DESIGNS / "helical-ellipse.yaml").read_text(encoding="utf-8").split("  driving:", 1)[0]
     body = "{bore_mm: 6, hub: {diameter_mm: 11, height_mm: 5, set_screw: {diameter_mm: 2}}}"
     own = drive_of_text(f"{head}  driving: {body}\n  driven: {{bore_mm: 6}}\n")
-    made = step_files(own)
+    made = writer.step_files(own)
     found = cylinders(made["driving.step"])
     assert found.count((1.0, [1.0, 0.0, 0.0])) == found.count((3.0, UP)) == found.count((5.5, UP)) == 1
     mesh = own.solids.driving.mesh
-    assert abs(volume_mm3(read_back(made["driving.step"])) - mesh.volume) <= 0.005 * mesh.area
+    assert abs(shapes.volume_mm3(writer.read_back(made["driving.step"])) - mesh.volume) <= 0.005 * mesh.area
 
 
 @pytest.mark.slow
@@ -348,7 +353,7 @@ def test_bodies_stand_on_the_heights_of_their_plans(bodied: tuple[Drive, dict[st
 def test_bodies_hold_what_their_meshes_hold(bodied: tuple[Drive, dict[str, bytes]]) -> None:
     own, made = bodied
     for gear, mesh in (("driving", own.solids.driving.mesh), ("driven", own.solids.driven.mesh)):
-        found = volume_mm3(read_back(made[f"{gear}.step"]))
+        found = shapes.volume_mm3(writer.read_back(made[f"{gear}.step"]))
         assert abs(found - mesh.volume) <= own.chord_tolerance_mm * mesh.area
 
 
@@ -367,7 +372,7 @@ def levels(data: bytes, height: float, samples: int) -> Array:
 def test_helical_sections_at_any_height_are_the_exact_ones(kind: str) -> None:
     text = (DESIGNS / "helical-ellipse.yaml").read_text(encoding="utf-8")
     own = drive_of_text(text.replace("kind: helical", f"kind: {kind}"))
-    made, exact_sections = step_files(own), Sections(own.pitch, own.tooth_form, own.helix, FINE)
+    made, exact_sections = writer.step_files(own), Sections(own.pitch, own.tooth_form, own.helix, FINE)
     for gear in Gear:
         data, height = made[f"{gear.value}.step"], 8.3 if gear is Gear.DRIVING else 3.14
         mirrored = 10.0 - height if kind == "herringbone" and height > 5.0 else height
@@ -379,7 +384,7 @@ def test_helical_sections_at_any_height_are_the_exact_ones(kind: str) -> None:
         # The teeth a hundredth of a millimetre farther up stand elsewhere by a third of it.
         assert farthest(levels(data, height + 0.01, DENSE).reshape(-1, 2), exact) > 2e-3
         mesh = own.solids.of(gear).mesh
-        assert abs(volume_mm3(read_back(data)) - mesh.volume) <= 0.005 * mesh.area
+        assert abs(shapes.volume_mm3(writer.read_back(data)) - mesh.volume) <= 0.005 * mesh.area
 
 
 @pytest.mark.tiers(slow=["baler"], rest="long")
@@ -388,10 +393,10 @@ def test_volumes_are_those_of_the_meshes_and_of_the_kernel(name: str) -> None:
     """Walls of a mesh stray by the chord tolerance at most, all to one side or not: its area measures them."""
     own = drive(name)
     meshes = own.solids.driving.mesh, own.solids.driven.mesh
-    shapes = [read_back(files(name)[f"{gear}.step"]) for gear in ("driving", "driven")]
-    for volume, mesh, shape in zip(volumes(name), meshes, shapes, strict=True):
+    solids = [writer.read_back(files(name)[f"{gear}.step"]) for gear in ("driving", "driven")]
+    for volume, mesh, shape in zip(volumes(name), meshes, solids, strict=True):
         assert abs(volume - mesh.volume) <= own.chord_tolerance_mm * mesh.area
-        assert volume_mm3(shape) == pytest.approx(volume, rel=VOLUME_TOLERANCE)
+        assert shapes.volume_mm3(shape) == pytest.approx(volume, rel=writer.VOLUME_TOLERANCE)
 
 
 @pytest.mark.long

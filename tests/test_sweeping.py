@@ -88,19 +88,19 @@ def dominated_by_pairs(costs: Array) -> list[int]:
 @pytest.mark.judges("screening")
 @pytest.mark.parametrize("objectives", [1, 2, 3, 4])
 def test_the_pareto_set_is_that_of_all_pairs(objectives: int) -> None:
-    costs = np.random.default_rng(objectives).integers(0, 9, (120, objectives)).astype(float)
-    many = np.random.default_rng(objectives).integers(0, 40, (400, objectives)).astype(float)
+    costs = np.random.default_rng(objectives).integers(0, 9, (60, objectives)).astype(float)
+    many = np.random.default_rng(objectives).integers(0, 40, (150, objectives)).astype(float)
     assert non_dominated(many).tolist() == dominated_by_pairs(many)
     assert non_dominated(costs).tolist() == dominated_by_pairs(costs)
-    ranked, left = list[int](), list(range(120))
+    ranked, left = list[int](), list(range(60))
     while left:
         front = [left[row] for row in dominated_by_pairs(costs[left])]
         ranked += sorted(front, key=lambda row: (*costs[row], row))
         left = [row for row in left if row not in front]
     if objectives > 1:
-        assert best_rows(costs, 50).tolist() == ranked[:50]
+        assert best_rows(costs, 30).tolist() == ranked[:30]
     else:
-        assert costs[best_rows(costs, 50), 0].tolist() == sorted(costs[:, 0].tolist())[:50]
+        assert costs[best_rows(costs, 30), 0].tolist() == sorted(costs[:, 0].tolist())[:30]
 
 
 @pytest.mark.parametrize("objectives", [2, 3, 4])

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from scipy.stats import qmc
 
 from ncgear.tolerances.study import (
     INDEXED,
@@ -55,6 +54,8 @@ def test_assemblies_jam_or_knock_where_one_pair_does() -> None:
 
 def test_indices_of_a_sum_are_shares_of_its_variance() -> None:
     """Of 3 x + y, x and y even between 0 and 1: 9/10 and 1/10, alone and in all; nothing acts together."""
+    from scipy.stats import qmc
+
     count = 256
     points = qmc.Sobol(4, seed=3).random(count).T
     one, other = points[:2], points[2:]

@@ -10,7 +10,6 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-import jsonschema
 import mpmath as mp
 import numpy as np
 import pytest
@@ -473,6 +472,8 @@ def test_a_wrong_file_is_told_by_line_and_key(run: Run, old: str, new: str, said
 
 @pytest.mark.slow
 def test_the_schema_takes_worked_trains_and_no_misspelt_one(run: Run) -> None:
+    import jsonschema
+
     judge = jsonschema.Draft202012Validator(json.loads(run("schema", "--of", "train")[1]))
     for path in TRAINS.values():
         data = YAML(typ="safe").load(path.read_text(encoding="utf-8"))

@@ -14,7 +14,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from commands import new_folder
-from drives import DESIGNS, FILES, drive, loaded
+from drives import DESIGNS, FILES, PICTURES, drive, loaded
 from ncgear.contact.designed.as_designed import touch_at
 from ncgear.contact.placement import placed_at
 from ncgear.design.reading.design_file import load
@@ -74,7 +74,8 @@ def test_both_stages_are_written_in_full() -> None:
     assert {path.name for path in built().folder.iterdir()} == {"stage-1", "stage-2", "manifest.json"}
     for stage in STAGES:
         folder = built().folder / f"stage-{stage}"
-        assert {path.name for path in folder.iterdir()} == FILES - {"manifest.json"} | {"driving.svg", "driven.svg"}
+        everything = (FILES | PICTURES | {"driving.svg", "driven.svg"}) - {"manifest.json"}
+        assert {path.name for path in folder.iterdir()} == everything
         assert f"stage {stage}: driving gear" in (folder / "driving.svg").read_text()
         assert json.loads((folder / "summary.json").read_text()) == built().summaries[stage - 1]
         assert f"{folder}/summary.json" in built().text

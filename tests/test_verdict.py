@@ -19,6 +19,7 @@ from ncgear.figures.advice.verdict import CONDITIONS, Judged, Known, State, Verd
 from ncgear.files.workshop.sheets.sheet import Text
 from ncgear.files.workshop.sheets.sheets import pair_sheet
 from ncgear.project.drive import Drive
+from verdicts import verdict_on
 
 pytestmark = pytest.mark.judges("figures")
 
@@ -47,8 +48,9 @@ def text_of(**changed: Any) -> str:
     return yaml.safe_dump({key: value for key, value in data.items() if value is not None})
 
 
-def verdict_of(known: Known, **changed: Any) -> Verdict:
-    return judged(drive_of_text(text_of(**changed)), known)
+def verdict_of(known: Known, only: Kind | None = None, **changed: Any) -> Verdict:
+    one = drive_of_text(text_of(**changed))
+    return judged(one, known) if only is None else verdict_on(only, one, known)
 
 
 def states(verdict: Verdict) -> dict[Kind, State]:
@@ -193,7 +195,7 @@ def test_a_check_says_what_a_build_refuses(run: Run, motion: dict[str, Any], sai
     assert status == 3
     assert said in err
     # Negative control: a smooth law that is built
-    assert states(verdict_of(Known.MOTION))[Kind.MADE] is State.NOT_JUDGED
+    assert states(verdict_of(Known.MOTION, Kind.MADE))[Kind.MADE] is State.NOT_JUDGED
 
 
 # --- what stands in the plane of the rods ----------------------------------------------------------------------------
@@ -201,18 +203,17 @@ def test_a_check_says_what_a_build_refuses(run: Run, motion: dict[str, Any], sai
 
 def test_a_rod_that_runs_through_the_shaft_is_told_without_any_fit() -> None:
     beside = {**PLAIN["gears"], "driving_axis_deg": 0}
-    verdict = verdict_of(Known.MOTION, gears=beside)
-    (advice,) = [one for one in verdict.advices if one.kind is Kind.ROD]
+    (advice,) = verdict_of(Known.MOTION, Kind.ROD, gears=beside).advices
     assert "the rod meets the driving shaft" in advice.what
     assert {change.key: change.value for remedy in advice.remedies for change in remedy.changes} == {
         "fit.driving_shaft": "ends"
     }
-    ends = verdict_of(Known.MOTION, gears=beside, fit={"driving_shaft": "ends"})
+    ends = verdict_of(Known.MOTION, Kind.ROD, gears=beside, fit={"driving_shaft": "ends"})
     assert states(ends)[Kind.ROD] is State.KEPT
     # Negative control: on the other side nothing meets
-    assert states(verdict_of(Known.MOTION))[Kind.ROD] is State.KEPT
+    assert states(verdict_of(Known.MOTION, Kind.ROD))[Kind.ROD] is State.KEPT
     # A shaft of unknown size is not judged
-    unknown = verdict_of(Known.MOTION, gears={**beside, "driving": {}})
+    unknown = verdict_of(Known.MOTION, Kind.ROD, gears={**beside, "driving": {}})
     assert states(unknown)[Kind.ROD] is State.NOT_JUDGED
     assert NO_BORE.why in unknown.not_judged
 
@@ -273,7 +274,7 @@ ACTING: dict[str, dict[str, Any]] = {
 
 @pytest.mark.parametrize("name", SILENT)
 def test_what_is_given_and_changes_nothing_is_told(name: str) -> None:
-    verdict = verdict_of(Known.MOTION, **SILENT[name])
+    verdict = verdict_of(Known.MOTION, Kind.WITHOUT_EFFECT, **SILENT[name])
     assert states(verdict)[Kind.WITHOUT_EFFECT] is State.BROKEN
 
 
@@ -281,7 +282,7 @@ def test_what_is_given_and_changes_nothing_is_told(name: str) -> None:
 @pytest.mark.parametrize("name", ACTING)
 def test_what_changes_something_is_not(name: str) -> None:
     """Negative control."""
-    verdict = verdict_of(Known.MOTION, **ACTING[name])
+    verdict = verdict_of(Known.MOTION, Kind.WITHOUT_EFFECT, **ACTING[name])
     assert states(verdict).get(Kind.WITHOUT_EFFECT, State.KEPT) is State.KEPT
 
 
@@ -289,14 +290,13 @@ def test_a_wide_position_is_missed_by_a_law_that_is_back_before() -> None:
     """68 mm of stroke and 30 mm give or take 40: no place of the way out is beyond, but the way back is."""
     motion = {"law": "harmonic_ratio", "cosine": [-0.69], "sine": [-0.69]}
     early = {"at_mm": 30, "phi1_deg": 150, "tolerance_mm": 40}
-    achieved = Drive(design_of({**PLAIN, "motion": motion, "gears": None, "wishes": {"positions": [early]}})).achieved
-    assert achieved is not None
-    assert achieved.outcomes[0].missed_by == pytest.approx(1.46, abs=0.01)
+    (found,) = Drive(design_of({**PLAIN, "motion": motion, "gears": None, "wishes": {"positions": [early]}})).outcomes
+    assert found.missed_by == pytest.approx(1.46, abs=0.01)
 
 
 def test_a_silent_force_beside_friction_is_told_by_its_own_key() -> None:
     silent = {"friction_n": 20, "expression_n": "20*max(0, x - 90)", "returning": {"polynomial_n": [0]}}
-    told = found(verdict_of(Known.MOTION, resistance=silent), Kind.WITHOUT_EFFECT)
+    told = found(verdict_of(Known.MOTION, Kind.WITHOUT_EFFECT, resistance=silent), Kind.WITHOUT_EFFECT)
     assert len(told) == 1
     assert told[0].startswith("resistance.expression_n and resistance.returning.polynomial_n never act: ")
 
@@ -322,7 +322,8 @@ def test_a_silent_force_leaves_the_power_as_it_is_without_it() -> None:
 )
 def test_a_table_beside_the_stroke_is_a_constant_force(places: list[float], idle: str) -> None:
     forces = [12.0, 48.0, 20.0, 31.0][: len(places)]
-    verdict = verdict_of(Known.MOTION, resistance={"table": {"displacement_mm": places, "force_n": forces}}, gears=None)
+    table = {"displacement_mm": places, "force_n": forces}
+    verdict = verdict_of(Known.MOTION, Kind.WITHOUT_EFFECT, resistance={"table": table}, gears=None)
     told = found(verdict, Kind.WITHOUT_EFFECT)
     if not idle:
         assert told == []

@@ -6,8 +6,6 @@ from pathlib import Path
 
 import nbformat
 import pytest
-from nbclient import NotebookClient
-from nbclient.exceptions import CellExecutionError
 
 from commands import ROOT
 
@@ -18,6 +16,8 @@ LONGEST_S = 120
 
 def run(cells: list[str], folder: Path) -> list[nbformat.NotebookNode]:
     """The outputs of cells that run one after the other in a folder."""
+    from nbclient import NotebookClient
+
     notebook = nbformat.v4.new_notebook(cells=[nbformat.v4.new_code_cell(cell) for cell in cells])
     NotebookClient(
         notebook, timeout=LONGEST_S, kernel_name="python3", resources={"metadata": {"path": folder}}
@@ -49,5 +49,7 @@ def test_a_notebook_runs(path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_cell_that_fails_is_seen(tmp_path: Path) -> None:
+    from nbclient.exceptions import CellExecutionError
+
     with pytest.raises(CellExecutionError, match="ZeroDivisionError"):
         run(["1 / 0"], tmp_path)

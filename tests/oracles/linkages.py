@@ -67,18 +67,15 @@ class Linkage:
         """Torque on the crank in N mm at a crank's speed and acceleration, under a load in N or N mm on the output."""
 
         def inertia(angle: Any) -> Any:
-            total = mp.mpf(0)
-            for name in self.bodies(angle):
-
-                def center(at: Any, name: str = name) -> Any:
-                    return self.bodies(at)[name][2]
-
-                def turned(at: Any, name: str = name) -> Any:
-                    return self.bodies(at)[name][3]
-
-                mass, own = self.bodies(angle)[name][:2]
-                total += mass * abs(mp.diff(center, angle)) ** 2 + own * mp.diff(turned, angle) ** 2
-            return total
+            # Differences over a step of as many digits as are wanted, of numbers that have twice as many.
+            step = mp.mpf(10) ** -mp.dps
+            with mp.workdps(2 * mp.dps + 5):
+                before, after = (self.bodies(angle + side * step) for side in (-1, 1))
+                return sum(
+                    mass * abs((after[name][2] - place) / (2 * step)) ** 2
+                    + own * ((after[name][3] - turned) / (2 * step)) ** 2
+                    for name, (mass, own, place, turned) in before.items()
+                )
 
         def potential(angle: Any) -> Any:
             return -sum(mp.re(mass * mp.conj(self.gravity) * at) for mass, _, at, _ in self.bodies(angle).values())

@@ -156,7 +156,13 @@ def b_spline(xs: list[Real], ys: list[Real], degree: int, axis: tuple[Real, Real
         elif missing(high) <= 0:
             t = high
         else:
-            t = mp.findroot(missing, (low, high), solver="anderson", tol=mp.mpf(10) ** -50, maxsteps=200)
+            c, s = mp.cos(at), mp.sin(at)
+
+            def across(t: Real) -> Real:
+                px, py = point(t)
+                return py * c - px * s
+
+            t = mp.findroot(across, (low, high), solver="anderson", tol=mp.mpf(10) ** -50, maxsteps=200)
         return mp.hypot(*point(t))
 
     return Curve(radius, tuple(sorted({mp.mpf(0), 2 * mp.pi, *map(mod, knots)})))

@@ -25,7 +25,7 @@ from math import pi
 import numpy as np
 
 from ncgear.dynamics.crank_load import CrankLoad
-from ncgear.dynamics.meshing import Impact, Meshing
+from ncgear.dynamics.meshing import Impact, Meshing, ramp
 from ncgear.dynamics.quasi_static import loaded_contact
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
@@ -337,12 +337,12 @@ def moment_n_mm(impact: Impact, pairs: NearPairs, ahead_rad: float, speed_rad_s:
         damped = impact.damping(depths) * arms * (rates - speed_rad_s)
         return float(arms @ impact.force_n(impact.elastic_n(depths, stiffnesses), damped))
     # Plain numbers, as Impact has them for any: the knocks of a turn ask a hundred thousand times.
-    total, full = 0.0, impact.damping_n_s_mm
+    total, exponent, full, deep = 0.0, impact.exponent, impact.damping_n_s_mm, impact.full_damping_depth_mm
     for arm, error_rad, stiffness, rate_rad_s in pairs:
         depth = arm * (error_rad + later_s * rate_rad_s - ahead_rad)
         if depth > 0.0:
-            damping = full if depth >= impact.full_damping_depth_mm else impact.damping(depth)
-            force = stiffness * depth**impact.exponent + damping * arm * (rate_rad_s - speed_rad_s)
+            damping = full if depth >= deep else full * ramp(depth / deep)
+            force = stiffness * depth**exponent + damping * arm * (rate_rad_s - speed_rad_s)
             if force > 0.0:
                 total += arm * force
     return total

@@ -38,6 +38,12 @@ from ncgear.numerics.plane import Vector
 from ncgear.numerics.units import in_words
 
 
+def ramp(share: Number) -> Number:
+    """From 0 to 1 along a cubic that is level at both ends, for shares from 0 to 1."""
+    risen: Number = share * share * (3.0 - 2.0 * share)
+    return risen
+
+
 @dataclass(frozen=True)
 class Impact:
     """Exponent of the depth, and damping in N s/mm, which reaches its full value at a depth in mm.
@@ -56,9 +62,7 @@ class Impact:
 
     def damping(self, depth_mm: Number) -> Number:
         """c(d) in N s/mm."""
-        share = at_most(at_least(depth_mm / self.full_damping_depth_mm, 0.0), 1.0)
-        ramp: Number = self.damping_n_s_mm * share * share * (3.0 - 2.0 * share)
-        return ramp
+        return self.damping_n_s_mm * ramp(at_most(at_least(depth_mm / self.full_damping_depth_mm, 0.0), 1.0))
 
     def force_n(self, elastic_n: Number, damped_n: Number) -> Number:
         """Force that presses the bodies apart, by that of the depth alone and by damping; they never pull."""
@@ -94,9 +98,9 @@ class Friction:
         speed = abs(speed_mm_s)
         rising = at_most(speed / self.static_mm_s, 1.0)
         falling = at_most(at_least((speed - self.static_mm_s) / (self.dynamic_mm_s - self.static_mm_s), 0.0), 1.0)
-        drop = (self.static - self.dynamic) * falling * falling * (3.0 - 2.0 * falling)
+        drop = (self.static - self.dynamic) * ramp(falling)
         sign = 1.0 * (speed_mm_s > 0.0) - 1.0 * (speed_mm_s < 0.0)
-        return sign * (self.static * rising * rising * (3.0 - 2.0 * rising) - drop)
+        return sign * (self.static * ramp(rising) - drop)
 
 
 @dataclass(frozen=True, eq=False)

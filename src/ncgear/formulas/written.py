@@ -122,12 +122,12 @@ class Writer:
 
     def slope(self, of: Any) -> Any:
         """The derivative of a step by the variable, from the derivatives of earlier steps, each written once."""
-        step = self.steps[of]
-        change = step.diff(self.variable)
-        for inner in (one for one in list(self.steps) if one in step.free_symbols):
-            change += step.diff(inner) * self.slope(inner)
-        change = sympy.factor(change)
         if of not in self._slopes:
+            step = self.steps[of]
+            change = step.diff(self.variable)
+            for inner in (one for one in list(self.steps) if one in step.free_symbols):
+                change += step.diff(inner) * self.slope(inner)
+            change = sympy.factor(change)
             self._slopes[of] = self.step(f"d{of}", change) if change.free_symbols else change
         return self._slopes[of]
 

@@ -94,11 +94,7 @@ class Jet:
     def __mul__(self, other: Jet | float | Array) -> Jet:
         if not isinstance(other, Jet):
             return Jet(self.coefficients * other)
-        a, b = self.coefficients, other.coefficients
-        product = a[0] * b
-        for j in range(1, len(a)):
-            product[j:] += a[j] * b[:-j]
-        return Jet(product)
+        return Jet(_product(self.coefficients, other.coefficients, len(self.coefficients)))
 
     __rmul__ = __mul__
 
@@ -160,9 +156,7 @@ def _pair(a: Array, odd: np.ufunc, even: np.ufunc, sign: float) -> tuple[Jet, Je
     """Two functions, the derivative of the odd one being the even one, and the other way round times the sign."""
     sine, cosine = np.empty_like(a), np.empty_like(a)
     sine[0], cosine[0] = odd(a[0]), even(a[0])
-    slopes = _slopes(a)
-    # A straight argument, which is the usual one, has a single slope.
-    count = len(slopes) if a[2:].any() else 1
+    slopes, count = _slopes(a), _rows(a) - 1
     for k in range(1, len(a)):
         last = max(k - count, 0)
         sine[k] = _paired(slopes[: k - last], cosine[last:k]) / k
@@ -196,6 +190,19 @@ def _paired(rising: Array, falling: Array) -> Array:
     if len(rising) == 1:
         return np.asarray(rising[0] * falling[0])
     return (rising * falling[::-1]).sum(axis=0)
+
+
+def _product(a: Array, b: Array, count: int) -> Array:
+    """Product of two series, of which the first one is zero but for so many rows."""
+    product = a[0] * b
+    for j in range(1, count):
+        product[j:] += a[j] * b[:-j]
+    return product
+
+
+def _rows(a: Array) -> int:
+    """How many rows of a series count: a straight argument, which is the usual one, has a single slope."""
+    return len(a) if a[2:].any() else min(len(a), 2)
 
 
 def _whole_power(base: Jet, exponent: int) -> Jet:
@@ -250,10 +257,13 @@ def polynomial(coefficients: Sequence[float] | Array, argument: Jet) -> Jet:
     """Polynomial by Horner, ``coefficients`` from the constant term up, (m,), or (m, n) for one of each point."""
     if len(coefficients) == 1:
         return argument * 0.0 + coefficients[0]
-    result = argument * coefficients[-1] + coefficients[-2]
+    a, count = argument.coefficients, _rows(argument.coefficients)
+    result = a * coefficients[-1]
+    result[0] += coefficients[-2]
     for coefficient in reversed(coefficients[:-2]):
-        result = result * argument + coefficient
-    return result
+        result = _product(a, result, count)
+        result[0] += coefficient
+    return Jet(result)
 
 
 def joined(parts: Sequence[tuple[Mask, Jet]]) -> Jet:

@@ -26,7 +26,6 @@ from math import inf, isfinite, pi
 
 import numpy as np
 from scipy.optimize import minimize
-from scipy.stats import qmc
 
 from ncgear.dynamics.driving_shaft import DrivingShaft, counting_masses
 from ncgear.dynamics.loaded_machine import RigidMachine
@@ -268,7 +267,9 @@ def _merit(family: Family, least: Peak, cap: float, points: Array) -> Array:
 
 def _starts(family: Family, least: Peak, cap: float, random: np.random.Generator, count: int) -> list[Array]:
     """The best points of the box that lie apart from each other."""
-    points = qmc.Sobol(len(BOX), rng=random).random_base2(SOBOL_POWER)
+    from scipy.stats.qmc import Sobol
+
+    points = Sobol(len(BOX), rng=random).random_base2(SOBOL_POWER)
     blocks = np.split(points, len(points) // AT_ONCE)
     merit = np.concatenate([_merit(family, least, cap, block) for block in blocks])
     chosen: list[Array] = []

@@ -230,11 +230,11 @@ def _lift(way: _Way, wave: float) -> float:
     from scipy.optimize import brentq
 
     ends = (_integral(part, part.slope(part.points_rad, 0).value) for part in (way.run_out, way.run_in))
-    rest = way.driven_rad - sum(ends)
+    rest, middle = way.driven_rad - sum(ends), way.with_bumps(0.0, wave)[1]
+    still, raised = (np.polynomial.polynomial.polyval(POINTS, powers) for powers in (middle.coefficients, LIFT))
 
     def missing(lift: float) -> float:
-        middle = way.with_bumps(lift, wave)[1]
-        return _integral(middle, middle.slope(middle.points_rad, 0).value) - rest
+        return _integral(middle, np.exp(still + lift * raised)) - rest
 
     low, high = -MOST_LIFT, MOST_LIFT
     if not (rest > 0.0 and missing(low) < 0.0 < missing(high)):

@@ -134,8 +134,7 @@ def overstepped(design: Design) -> set[str]:
     Only limits of the ratio and of the motion without masses count.  Raises DesignError where there is no such law.
     """
     drive = Drive(design)
-    outcomes = drive.achieved.outcomes if drive.achieved else ()
-    missed = {one.wish.key for one in outcomes if one.wish.hard and not one.kept}
+    missed = {one.wish.key for one in drive.outcomes if one.wish.hard and not one.kept}
     low, high = drive.transmission.ratio_range
     limits = (design.optimize or Optimize()).limits
     least_ratio = {"ratio_min"} if low.value < limits.ratio_min else set()

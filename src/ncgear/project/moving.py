@@ -19,7 +19,7 @@ from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Law, Pair, Transmission
 from ncgear.shown import Shown
 from ncgear.stopwatch import Stopwatch
-from ncgear.wishes.wish import Achieved, Wish, achieved
+from ncgear.wishes.wish import Achieved, Outcome, Wish, achieved
 
 
 class Moving(Shown):
@@ -127,9 +127,16 @@ class Moving(Shown):
         """What the motion achieves without any wish, and of every wish; None for an output that never returns."""
         if not self.linkage.RETURNS:
             return None
-        wishes = self.motion_wishes
+        outcomes = self.outcomes
         with self.stopwatch("wishes"):
-            return achieved(self.machine, wishes)
+            return achieved(self.machine, outcomes)
+
+    @computed
+    def outcomes(self) -> tuple[Outcome, ...]:
+        """What the motion achieves of every wish; none of an output that never returns."""
+        wishes = self.motion_wishes if self.linkage.RETURNS else ()
+        with self.stopwatch("wishes"):
+            return tuple(wish.outcome(self.machine) for wish in wishes) if self.transmission.lobes.repeats else ()
 
     @computed
     def stroke_residual(self) -> float:

@@ -7,7 +7,7 @@ kind.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from math import degrees, floor, inf, log10
 from typing import Self
@@ -195,18 +195,18 @@ class Achieved:
     outcomes: tuple[Outcome, ...]
 
 
-def achieved(machine: Machine, wishes: Sequence[Wish]) -> Achieved:
-    """What a machine's motion achieves at its constant driving speed."""
+def achieved(machine: Machine, outcomes: tuple[Outcome, ...]) -> Achieved:
+    """What a machine's motion achieves at its constant driving speed, beside the outcomes of its wishes."""
     near = near_mm(machine.linkage.stroke_mm)
     if not machine.transmission.lobes.repeats:
         forth = Stroke.WORKING
-        return Achieved({forth: longest_even_stretch(machine, forth, EVEN)}, None, near, {}, ())
+        return Achieved({forth: longest_even_stretch(machine, forth, EVEN)}, None, near, {}, outcomes)
     return Achieved(
         even={stroke: longest_even_stretch(machine, stroke, EVEN) for stroke in Stroke},
         time_ratio=time_ratio(machine),
         near_mm=near,
         dwell_rad={end: taken_rad(machine, about_end(machine.linkage, end, near)) for end in End},
-        outcomes=tuple(wish.outcome(machine) for wish in wishes),
+        outcomes=outcomes,
     )
 
 

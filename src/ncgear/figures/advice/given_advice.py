@@ -282,7 +282,7 @@ def _idle_points(places: tuple[float, ...], forces: tuple[float, ...], stroke: f
 def _kept_by_all(drive: Drive) -> list[str]:
     """The keys of wishes that ask for nothing, whatever the law is."""
     found = []
-    for outcome in drive.achieved.outcomes if drive.achieved else ():
+    for outcome in drive.outcomes:
         wish = outcome.wish
         asked = wish.requirements(drive.linkage, drive.transmission.cycle_rad)
         if isinstance(wish, DrivingWish) and wish.driving is not None:

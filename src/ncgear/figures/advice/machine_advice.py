@@ -185,12 +185,11 @@ NAMED = 3
 
 def missed_wishes(drive: Drive) -> Advice | None:
     """The hard wishes that the motion misses, and by how much."""
-    outcomes = drive.achieved.outcomes if drive.achieved else ()
-    hard = [outcome for outcome in outcomes if outcome.wish.hard]
+    hard = [outcome for outcome in drive.outcomes if outcome.wish.hard]
     missed = [outcome for outcome in hard if not outcome.kept]
     if not missed:
         return None
-    count = f"{len(missed)} of {len(hard)} {'' if len(hard) == len(outcomes) else 'hard '}wishes"
+    count = f"{len(missed)} of {len(hard)} {'' if len(hard) == len(drive.outcomes) else 'hard '}wishes"
     named = ", ".join(f"{outcome.wish.key} (by {missed_by(outcome)})" for outcome in missed)
     shortly = [f"{missed[0].wish.key} by {missed_by(missed[0])}"]
     shortly += [outcome.wish.key.removeprefix("wishes.") for outcome in missed[1:NAMED]]

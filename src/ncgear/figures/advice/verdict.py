@@ -111,7 +111,7 @@ def _motor(drive: Drive) -> bool:
 
 
 def _wishes(drive: Drive) -> bool:
-    return drive.achieved is not None and bool(drive.achieved.outcomes)
+    return bool(drive.outcomes)
 
 
 def _of_teeth(kind: Kind) -> Judge:
