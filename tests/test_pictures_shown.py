@@ -21,6 +21,7 @@ from ncgear.drawings.assembled import Assembled, Position
 from ncgear.drawings.pictures import positions_at
 from ncgear.drawings.plots import canvas
 from ncgear.drawings.plots.assembled_pair import pitch_curves_png, teeth_png
+from ncgear.files.balance import campbell, loops
 from ncgear.files.measured import _along_flanks, _round_factor, deviations_png
 from ncgear.files.strength import HOLDING_SCALE, ColouredGear, coloured_teeth_png
 from ncgear.files.sweep import Axis, _chosen, pareto, scatter_matrix
@@ -228,6 +229,50 @@ def test_sources_stand_by_their_largest_share(shown: Callable[..., Figure]) -> N
     assert min(lows) == 0.0
     (first,) = (segment for segment in axes.collections[0].get_segments() if abs(segment[:, 0].mean() - 70.0) < 1e-6)
     assert first[:, 0] == pytest.approx([60.0, 80.0])
+
+
+# --- balance ---------------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.judges("files")
+def test_closed_curves_are_at_most_eight_and_grow_thinner(shown: Callable[..., Figure]) -> None:
+    curves = {f"{number} kg": np.array([[0.0, number], [1.0, 0.0], [0.0, number]]) for number in range(15)}
+    (axes,) = shown(loops, curves, "N", "title").axes
+    drawn = [float(line.get_ydata()[0]) for line in axes.lines]
+    assert drawn == pytest.approx(np.linspace(0.0, 14.0, 8), abs=0.5)
+    assert [line.get_label() for line in axes.lines] == [f"{number:g} kg" for number in drawn]
+    widths = [line.get_linewidth() for line in axes.lines]
+    assert widths == pytest.approx(np.linspace(2.6, 1.2, 8))
+    assert len({(line.get_color(), line.get_linestyle()) for line in axes.lines}) == 8
+    (few,) = shown(loops, {"one": curves["3 kg"]}, "N", "title").axes
+    assert [line.get_linewidth() for line in few.lines] == [2.6]
+
+
+@pytest.mark.judges("files")
+def test_excitations_rise_with_the_speed_across_natural_frequencies(shown: Callable[..., Figure]) -> None:
+    excitations: Any = [
+        SimpleNamespace(kind="rotation", frequency_hz=2.0),
+        SimpleNamespace(kind="harmonic 3", frequency_hz=30.0),
+        SimpleNamespace(kind="combustion", frequency_hz=9.0),
+        SimpleNamespace(kind="tooth mesh", frequency_hz=40.0),
+    ]
+    (axes,) = shown(campbell, excitations, [25.0, 80.0], 0.1, "title").axes
+    rising = [line for line in axes.lines if len(line.get_xdata()) > 10]
+    for line, one in zip(rising, excitations, strict=True):
+        assert np.array(line.get_ydata()) == pytest.approx(np.array(line.get_xdata()) / 100.0 * one.frequency_hz)
+        assert (line.get_xdata()[0], line.get_xdata()[-1]) == (20.0, pytest.approx(125.0))
+        given = [dot for dot in axes.lines if dot.get_marker() == "o" and dot.get_ydata()[0] == one.frequency_hz]
+        assert [dot.get_color() for dot in given] == [line.get_color()]
+    assert [
+        line.get_ydata()[0] for line in axes.lines if line.get_color() == canvas.INK and len(line.get_xdata()) == 2
+    ][:2] == [25.0, 80.0]
+    bands = [patch.get_bbox() for patch in axes.patches]
+    assert [(one.y0, one.y1) for one in bands] == [pytest.approx((22.5, 27.5)), pytest.approx((72.0, 88.0))]
+    low, high = axes.get_ylim()
+    # All frequencies of the given speed, and room above the highest natural one.
+    assert low < 2.0
+    assert 88.0 < high < 200.0
+    assert axes.get_legend_handles_labels()[1] == ["rotation", "rollers and teeth", "engine", "slider"]
 
 
 # --- sweeps ----------------------------------------------------------------------------------------------------------
