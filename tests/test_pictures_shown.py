@@ -263,9 +263,8 @@ def test_excitations_rise_with_the_speed_across_natural_frequencies(shown: Calla
         assert (line.get_xdata()[0], line.get_xdata()[-1]) == (20.0, pytest.approx(125.0))
         given = [dot for dot in axes.lines if dot.get_marker() == "o" and dot.get_ydata()[0] == one.frequency_hz]
         assert [dot.get_color() for dot in given] == [line.get_color()]
-    assert [
-        line.get_ydata()[0] for line in axes.lines if line.get_color() == canvas.INK and len(line.get_xdata()) == 2
-    ][:2] == [25.0, 80.0]
+    across = [line for line in axes.lines if line.get_color() == canvas.INK and len(line.get_xdata()) == 2]
+    assert [line.get_ydata()[0] for line in across[:2]] == [25.0, 80.0]
     bands = [patch.get_bbox() for patch in axes.patches]
     assert [(one.y0, one.y1) for one in bands] == [pytest.approx((22.5, 27.5)), pytest.approx((72.0, 88.0))]
     low, high = axes.get_ylim()
