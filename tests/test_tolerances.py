@@ -1013,10 +1013,11 @@ def test_all_of_the_variance_is_that_of_a_single_source(source: str, run: Run, t
     assert first["difference"] == 0.0 or first["play_deviation_drawn_mm"] > 0.0
 
 
-def test_a_number_of_samples_that_is_no_power_of_two_is_refused(run: Run) -> None:
-    status, _, said = run("tolerance", str(DESIGNS / "ellipse.yaml"), "--samples", "100")
+@at_once(("samples", "right"), [(100, 128), (5000, 8192), (-3, 64)])
+def test_a_number_of_samples_that_is_no_power_of_two_is_refused(samples: int, right: int, run: Run) -> None:
+    status, _, said = run("tolerance", str(DESIGNS / "ellipse.yaml"), "--samples", str(samples))
     assert status == 2
-    assert "128 is right" in said
+    assert f"{right} is right" in said
 
 
 def test_assemblies_join_in_their_order() -> None:
