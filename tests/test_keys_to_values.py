@@ -15,6 +15,17 @@ from ncgear.design.mechanisms import mechanism_of
 from ncgear.errors import NoSuchMechanism
 from ncgear.numerics.jet import Jet
 from ncgear.optimum.outline.conditions import Limits
+from ncgear.project.alternatives import (
+    changed_drive,
+    enough_teeth,
+    fitted_root_radius,
+    flatter_rack,
+    rack_at,
+    resized,
+    steeper_rack,
+)
+from ncgear.project.bench import BenchStage, Trial, _motion, _pitch_curves, step_count
+from ncgear.project.drive import Drive
 from ncgear.project.forces import mean_inertia, swinging_inertia
 from ncgear.project.free_lengths import _given
 from ncgear.project.law import load_of
@@ -138,3 +149,83 @@ def test_limits_between_a_pair_that_was_made_and_one_that_was_not() -> None:
     assert between(kept, None).share == pytest.approx(1.05**2)
     eased = Made(kept.curve, Limits(share=1.25), Fake(), {})
     assert between(eased, None).share == 1.3
+
+
+# --- other racks and teeth, of circular gears ------------------------------------------------------------------------
+
+
+def wheel(gears: str, motion: str = "{law: uniform_crank}") -> Drive:
+    """Of as many teeth, without a linkage."""
+    head = "name: wheel\noperation: {speed_rpm: 60}\n"
+    return drive_of_text(f"{head}motion: {motion}\ngears: {{face_width_mm: 10, undercut: allow, {gears}}}\n")
+
+
+@at_once("angle_deg", [20.0, 22.5])
+def test_teeth_and_angles_without_undercut_are_those_of_circular_gears(angle_deg: float) -> None:
+    """z = 2 h/sin^2(a), h the height of the tool's straight part: 1.25 less the rounding's 0.25 (1 - sin(a))."""
+    one = wheel(f"teeth: 12, module_mm: 2, rack: {{profile: C, pressure_angle_deg: {angle_deg}}}")
+
+    def limit(degrees: float) -> float:
+        sine = np.sin(np.radians(degrees))
+        return float(2.0 * (1.25 - 0.25 * (1.0 - sine)) / sine**2)
+
+    assert enough_teeth(one) == np.ceil(limit(angle_deg))
+    least = next(angle for angle in range(20, 40) if limit(angle) <= 12.0)
+    assert steeper_rack(one, 60.0) == {"gears.rack.pressure_angle_deg": float(least)}
+    assert steeper_rack(one, least - 0.5) == {}
+    assert flatter_rack(one, 1.04) == {"gears.rack.pressure_angle_deg": float(f"{angle_deg - 1.1:.1f}")}
+    assert flatter_rack(one, 60.0) == {}
+
+
+def test_more_teeth_keep_the_centre_distance() -> None:
+    """By the module where it is given with the teeth, and else by leaving it out."""
+    one = wheel("teeth: 24, module_mm: 2")
+    assert resized(one, 32) == {"gears.teeth": 32, "gears.module_mm": pytest.approx(1.5)}
+    by_distance = wheel("teeth: 24, center_distance_mm: 48")
+    assert resized(by_distance, 32) == {"gears.teeth": 32}
+    all_three = wheel("teeth: 24, center_distance_mm: 48, module_mm: 2")
+    assert resized(all_three, 32) == {"gears.teeth": 32, "gears.module_mm": None}
+    assert changed_drive(one, resized(one, 32)).pitch.center_distance_mm == pytest.approx(48.0)
+
+
+def test_racks_of_two_angles_both_become_as_steep() -> None:
+    two = wheel("teeth: 30, module_mm: 2, rack: {pressure_angle_deg: 20, idle_pressure_angle_deg: 26}").gears
+    changes = rack_at(two, 24.0)
+    assert {key.rpartition(".")[2]: value for key, value in changes.items()} == {
+        "pressure_angle_deg": 24.0,
+        "idle_pressure_angle_deg": 26.0,
+    }
+    # A root radius of 0.38 modules fits at 20 deg below a dedendum of 1.25, and no more at 28: (pi/4 - 1.25 t) / ...
+    given = wheel("teeth: 30, module_mm: 2, rack: {root_radius: 0.38}").gears
+    assert fitted_root_radius(given, 20.0) == {}
+    (fitting,) = fitted_root_radius(given, 28.0).values()
+    angle = np.radians(28.0)
+    assert 0.0 < fitting <= (pi / 4.0 - 1.25 * np.tan(angle)) * np.cos(angle) / (1.0 - np.sin(angle)) < fitting + 0.02
+
+
+# --- stages of a bench -----------------------------------------------------------------------------------------------
+
+
+def test_errors_of_samples_and_chords_fall_with_the_square_of_their_number() -> None:
+    """Chords of a curve of curvature k miss its length by the integral of k^2 h^2/24."""
+    one = wheel("teeth: 30, module_mm: 2", "{law: ellipse, eccentricity: 0.3}")
+    motion, curves = _motion(one), _pitch_curves(one)
+    assert [trial.setting for trial in motion.trials[:5]] == [125.0, 250.0, 500.0, 1000.0, 2000.0]
+    assert all(trial.size == trial.setting + 1 for trial in motion.trials)
+    assert curves.order == pytest.approx(2.0, abs=0.01)
+    assert curves.recommended is not None
+    length = one.pitch.driving.length_mm
+    at = length * np.arange(2000) / 2000
+    k = np.abs(one.pitch.driving.at_length(at).curvature)
+    for trial in curves.trials[:3]:
+        assert trial.error == pytest.approx(
+            float(np.mean(k**2)) * length * (length / trial.setting) ** 2 / 24.0, rel=0.03
+        )
+        assert trial.size == trial.setting
+    assert curves.asked == one.chord_tolerance_mm
+    assert [curves.recommended.error <= curves.asked, curves.trials[0].error > curves.asked] == [True, True]
+    tried = BenchStage(
+        "", "", "mm", "", "", "", "", 0.02, "", 0.0, (Trial(0.4, 0.0, 0.16, 1), Trial(0.1, 0.0, 0.01, 1))
+    )
+    assert tried.order == pytest.approx(2.0)
+    assert step_count(one) == 5
