@@ -17,7 +17,7 @@ import shapely
 from shapely import Polygon, affinity
 
 from commands import Run
-from drives import DESIGNS, drive
+from drives import DESIGNS, drive, drive_of_text
 from ncgear.contact.placement import placed, placed_at
 from ncgear.contact.written.as_written import Outlines, as_written, reach_mm
 from ncgear.design.reading.measured_file import MeasuredFile, read_measured
@@ -26,8 +26,8 @@ from ncgear.figures.answers.answer import COLUMNS, LINES
 from ncgear.figures.compared import alone_points, compared_answer, gear_figures
 from ncgear.metrology import best_fit as best_fit_module
 from ncgear.metrology.alone import alone_mm, are_judged
-from ncgear.metrology.as_measured import outline_as_measured
-from ncgear.metrology.best_fit import best_fit
+from ncgear.metrology.as_measured import _in_order, outline_as_measured
+from ncgear.metrology.best_fit import BestFit, Pose, _fitted, best_fit, on_flanks
 from ncgear.metrology.deviations import deviations
 from ncgear.metrology.exact_outline import TIP_LAND_CURVE, ExactOutline, exact_outline
 from ncgear.numerics.plane import as_complex, as_points
@@ -245,10 +245,9 @@ class TestPointsThatStandAlone:
         )
         assert not best_fit(outline, at + off * normal, 0.0, rigid=False).alone.any()
 
-    @pytest.mark.slow
     def test_two_with_one_between_are_found_wherever_they_are(self) -> None:
         """On a flank of eight points each, at all places from its lower end to its upper one; and two at each end."""
-        outline, count = outline_of("asymmetric-ellipse"), 8
+        outline, count = small(), 8
         at, _, normal = flank_points(outline.gear, count)
         pairs = [(first, first + 2) for first in range(count - 2)]
         rows = [(4 * number + 1) * count + place for number, pair in enumerate(pairs) for place in pair]
@@ -261,13 +260,12 @@ class TestPointsThatStandAlone:
         off[np.array(rows[::2]) + 1] = off[rows[::2]]
         assert not alone_mm(outline, outline.feet(at + off * normal)).any()
 
-    @pytest.mark.slow
     def test_noise_of_normal_distribution_does_not_stand_alone(self) -> None:
         """However few points a flank has, none is named below eight standard deviations."""
-        outline = outline_of("asymmetric-ellipse")
+        outline = small()
         for count in (3, 4, 5):
             at, _, normal = flank_points(outline.gear, count)
-            for seed in range(6):
+            for seed in range(2):
                 noise = np.random.default_rng(seed).normal(scale=2.0 * SIGMA_MM, size=at.size)
                 assert not alone_mm(outline, outline.feet(at + noise * normal)).any()
                 # Control: twelve of them are.
@@ -389,6 +387,119 @@ def test_a_probe_of_a_ball_and_a_slope_are_found() -> None:
     assert np.abs(found.form_mm).max() < 1e-5
     # Negative control: taken as points of the surface, the balls lie outside.
     assert np.nanmin(deviations(outline, best_fit(outline, at + 0.1 * normal, 0.0, rigid=False)).thickness_mm) > 0.2
+
+
+@cache
+def small() -> ExactOutline:
+    """Of a gear of 19 teeth, which takes little time."""
+    gears = "{teeth: 19, module_mm: 1.5, face_width_mm: 10}"
+    text = f"name: small\noperation: {{speed_rpm: 60}}\nmotion: {{law: ellipse, eccentricity: 0.3}}\ngears: {gears}\n"
+    return exact_outline(drive_of_text(text).teeth.driving)
+
+
+def posed(points: np.ndarray, probe_mm: float = 0.0) -> BestFit:
+    """Points of the small gear as they stand, with nothing fitted."""
+    feet = small().feet(points).less(probe_mm)
+    return BestFit(Pose(0.0), feet, on_flanks(small(), feet), 0.0, None, np.zeros(points.size))
+
+
+@pytest.mark.judges("metrology")
+def test_deviations_of_flanks_are_what_was_given() -> None:
+    """Means, slopes and waves of every flank, and what ISO 1328-1 makes of the means, without any fit."""
+    outline, count = small(), 9
+    at, flank, normal = flank_points(outline.gear, count)
+    share = np.tile(np.linspace(0.1, 0.9, count), 38)
+    random = np.random.default_rng(7)
+    given, slope, wave = (random.normal(scale=size, size=38) for size in (0.01, 0.01, 0.004))
+    # Waves that a line of least squares leaves as they are: up, down, up.
+    waves = np.tile(np.where(np.arange(count) == count // 2, -8.0, 1.0), 38)
+    off = given[flank] + slope[flank] * (share - 0.5) + np.abs(wave)[flank] * waves
+    found = deviations(outline, posed(at + (0.3 + off) * normal, 0.3))
+    told = found.flanks
+    assert told.mean_mm == pytest.approx(given, abs=1e-6)
+    assert told.slope_mm == pytest.approx(slope, rel=2e-3, abs=1e-6)
+    assert told.form_mm == pytest.approx(9.0 * np.abs(wave), rel=1e-3, abs=1e-6)
+    every = off.reshape(38, count)
+    assert (told.least_mm, told.greatest_mm) == (pytest.approx(every.min(axis=1)), pytest.approx(every.max(axis=1)))
+    along = given / np.cos(np.radians(20.0))
+    assert found.thickness_mm == pytest.approx(along[0::2] + along[1::2], abs=1e-6)
+    # Metal on a front flank moves it forwards, on a back flank backwards.
+    place = along * np.tile([-1.0, 1.0], 19)
+    for front in (False, True):
+        own = place[int(front) :: 2]
+        assert told.side(told.single_pitch_mm, front) == pytest.approx(own - np.roll(own, 1), abs=1e-6)
+        assert told.cumulative_mm(front) == pytest.approx(np.ptp(own), abs=1e-6)
+    assert told.largest(told.single_pitch_mm) == told.single_pitch_mm[np.argmax(np.abs(told.single_pitch_mm))]
+    assert (told.points.tolist(), found.missing_teeth, found.beside) == (
+        [count] * 38,
+        [],
+        {"root": 0, "tip": 0, "astray": 0},
+    )
+
+
+def test_what_few_points_do_not_tell_is_left_open() -> None:
+    """Three points of a flank, or four close together, have no slope; a flank without points has nothing."""
+    outline = small()
+    at, flank, _ = flank_points(outline.gear, 16)
+    number = np.tile(np.arange(16), 38)
+    left = (flank > 1) & ~((flank == 4) & (number % 5 > 0)) & ~((flank == 6) & (np.abs(number - 8) > 2))
+    beside = [80.0 + 3.0j, 0.0j]
+    found = deviations(outline, posed(np.append(at[left & ~((flank == 4) & (number == 15))], beside)))
+    told = found.flanks
+    assert np.flatnonzero(np.isnan(told.slope_mm)).tolist() == [0, 1, 4, 6]
+    assert np.flatnonzero(np.isnan(told.mean_mm)).tolist() == [0, 1]
+    assert found.missing_teeth == [1]
+    assert np.isnan(found.thickness_mm).tolist() == [True, *[False] * 18]
+    assert found.beside["astray"] == 2
+
+
+@pytest.mark.judges("metrology")
+def test_an_outline_as_measured_goes_through_its_points_and_keeps_the_rest() -> None:
+    """Between the points of a flank it is between them; tooth 1 has none, and is as exact."""
+    outline = small()
+    at, flank, normal = flank_points(outline.gear, 4)
+    given = 0.02 * np.random.default_rng(8).normal(size=at.size)
+    given[flank == 5] = 0.03
+    kept = flank > 1
+    points = (at + given * normal)[kept]
+    found = outline_as_measured(outline, posed(points))
+    ring = shapely.LinearRing(found)
+    assert ring.is_ccw
+    assert ring.distance(shapely.points(as_points(points))).max() < 2e-4
+    exact = shapely.LinearRing(outline.gear.outline_mm)
+    assert ring.distance(shapely.points(as_points(at[~kept]))).max() < 0.003
+    away = np.array([exact.distance(point) for point in shapely.points(found)])
+    assert away.max() < np.abs(given[kept]).max() + 0.003
+    # All of flank 5 stands out by as much, from end to end.
+    whole, _, _ = flank_points(outline.gear, 25)
+    (own,) = np.split(whole, 38)[5:6]
+    assert ring.distance(shapely.points(as_points(own))) == pytest.approx(0.03, abs=0.003)
+
+
+def test_places_that_coincide_are_one_of_their_mean_shift() -> None:
+    place, shift = _in_order(np.array([3.0, 1.0, 1.0 + 1e-9, 2.0]), np.array([3.0j, 1.0, 2.0, 5.0 + 1.0j]), 1e-6)
+    assert place == pytest.approx([1.0, 2.0, 3.0])
+    assert shift == pytest.approx(np.array([1.5, 5.0 + 1.0j, 3.0j]))
+
+
+@pytest.mark.judges("metrology")
+def test_a_gear_beside_its_axis_is_found_with_how_surely() -> None:
+    """Turned by less than half a tooth, and moved: both within what the scatter allows, by hand from linear algebra."""
+    outline = small()
+    at, _, normal = flank_points(outline.gear, 3)
+    noise = SIGMA_MM * np.random.default_rng(9).normal(size=at.size)
+    found = _fitted(outline, (at + noise * normal) * np.exp(0.02j) + (0.05 - 0.03j), 0.0, Pose(0.0), True, 20)
+    assert found is not None
+    levers = np.stack(
+        [(np.conj(normal) * way).real for way in (1j * at, np.ones(at.size), np.full(at.size, 1j))], axis=1
+    )
+    spread = SIGMA_MM * np.sqrt(np.diag(np.linalg.inv(levers.T @ levers)))
+    assert abs(found.pose.angle_rad - 0.02) < 4.5 * spread[0]
+    assert abs(found.pose.shift_mm - (0.05 - 0.03j)) < 4.5 * np.hypot(*spread[1:])
+    assert found.angle_error_rad == pytest.approx(spread[0], rel=0.25)
+    assert found.shift_error_mm == pytest.approx(spread[1:].max(), rel=0.25)
+    assert found.rms_mm == pytest.approx(SIGMA_MM, rel=0.25)
+    assert found.counted.all()
 
 
 class TestForeignPoints:

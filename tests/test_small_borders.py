@@ -18,9 +18,10 @@ from ncgear.figures.advice.strength_advice import THINNEST_WEB, _thin_body
 from ncgear.figures.numbers import to_size
 from ncgear.kinematics.crank_stretches import CrankStretch
 from ncgear.mechanisms.rack_pinion import TEETH, RackPinion
+from ncgear.mechanisms.scotch_yoke import ScotchYoke
 from ncgear.metrology.round_tool import _free
 from ncgear.tolerances.iso286 import LEAST_MM, standard_tolerance_mm
-from ncgear.wishes.requirements import TimeWithin
+from ncgear.wishes.requirements import DecelerationWithin, EvenSpeed, SpeedWithin, TimeWithin
 
 Made: Any = SimpleNamespace
 
@@ -94,6 +95,32 @@ def test_a_time_is_asked_for_in_vain_where_every_ratio_keeps_it() -> None:
     assert _is_empty(drive, TimeWithin(stretch, 0.99 * least, 1.01 * most))
     assert not _is_empty(drive, TimeWithin(stretch, 1.01 * least, 1.01 * most))
     assert not _is_empty(drive, TimeWithin(stretch, 0.99 * least, 0.99 * most))
+
+
+@pytest.mark.judges("figures")
+def test_speeds_and_decelerations_are_asked_for_in_vain_where_every_ratio_keeps_them() -> None:
+    """Of a yoke, x = c (1 - cos(phi)): speeds w c s sin(phi), s at most R; decelerations w^2 c (s^2 cos + s s' sin).
+
+    s' is at most (1 + R) R.  Whatever is asked up to these bounds is asked for; a tenth beyond them nothing is.
+    """
+    crank, speed, most = 30.0, 4.0, BEYOND_ALL
+    linkage = ScotchYoke(crank)
+    drive = Made(linkage=linkage, machine=Made(speed_rad_s=speed), transmission=Made(cycle_rad=2.0 * np.pi))
+    stretch = CrankStretch(0.4, 1.2)
+    highest, lowest = speed * crank * most * np.sin(1.2), speed * crank / most * np.sin(0.4)
+    assert _is_empty(drive, SpeedWithin(stretch, 0.9 * lowest, 1.1 * highest))
+    assert not _is_empty(drive, SpeedWithin(stretch, 1.001 * lowest, 1.1 * highest))
+    assert not _is_empty(drive, SpeedWithin(stretch, 0.9 * lowest, 0.999 * highest))
+    phi = np.linspace(0.4, 1.2, 1001)
+    hardest = speed**2 * crank * float((most**2 * np.cos(phi) + most * (1.0 + most) * most * np.sin(phi)).max())
+    assert _is_empty(drive, DecelerationWithin(stretch, 1.1 * hardest))
+    assert not _is_empty(drive, DecelerationWithin(stretch, 0.999 * hardest))
+    # Over so little the ratio itself changes by exp((1 + R) R 0.001) at most.
+    short = CrankStretch(1.0, 1.001)
+    spread = np.sin(1.001) / np.sin(1.0) * np.exp((1.0 + most) * most * 0.001)
+    assert _is_empty(drive, EvenSpeed(short, 1.2 * spread))
+    assert not _is_empty(drive, EvenSpeed(short, 0.999 * spread))
+    assert not _is_empty(drive, EvenSpeed(CrankStretch(0.0, 0.5), 1e9))
 
 
 @pytest.mark.judges("dynamics")

@@ -5,7 +5,8 @@ from __future__ import annotations
 import csv
 import json
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -142,6 +143,27 @@ def test_a_material_without_figures_for_pitting(run: Run, pretend: Callable[...,
     assert "driving gear, breakage" in out
     assert "contact_safety_min" not in figures()["strength"]["driving"]
     assert rows()[0]["contact_safety"] == ""
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("second", ["", ", second_stage: {cosine: [0.1]}"])
+def test_as_many_steps_come_as_are_said(
+    second: str, run: Run, pretend: Callable[..., None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    told = list[str | int]()
+
+    @contextmanager
+    def counted(count: int) -> Iterator[Callable[[str], None]]:
+        told.append(count)
+        yield told.append
+
+    pretend(2.0, 1.5)
+    monkeypatch.setattr("ncgear.cli.machine.steps_shown", counted)
+    monkeypatch.setattr("ncgear.files.strength.strength_files", lambda *_: {"strength.json": b"{}"})
+    text = HEAD.replace("{law: ellipse, eccentricity: 0.3}", f"{{law: harmonic_ratio, cosine: [0.2]{second}}}")
+    assert run(text + GEARS + LOAD)[0] == 0
+    count, *steps = told
+    assert len(steps) == len(set(steps)) == count
 
 
 @pytest.mark.slow

@@ -77,8 +77,9 @@ def test_curves_and_pixels_are_read_as_they_are_written(tmp_path: Path) -> None:
     expected = drive_of_text(TEXT.replace("SHAPE", ELLIPSE)).law.center_distance_mm
     assert from_svg(tmp_path, page(CUBICS)).law.center_distance_mm == pytest.approx(expected, rel=3e-4)
     px = 96.0 / 25.4
-    size = f'width="{100 * px}" height="{80 * px}" viewBox="0 0 200 160"'
-    assert from_svg(tmp_path, page(ARCS, size)).law.center_distance_mm == pytest.approx(expected, rel=1e-9)
+    pixels = f'width="{100 * px}" height="{80 * px}" viewBox="0 0 200 160"'
+    for size in (pixels, 'width="10cm" height="8cm" viewBox="0 0 200 160"'):
+        assert from_svg(tmp_path, page(ARCS, size)).law.center_distance_mm == pytest.approx(expected, rel=1e-9)
 
 
 def test_an_element_is_picked_and_what_is_missing_is_named(tmp_path: Path) -> None:

@@ -5,11 +5,12 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from functools import cache
-from math import acos, cos, pi, radians, sin, sqrt
+from math import acos, cos, pi, radians, sin, sqrt, tan
 from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 from shapely import Polygon, affinity
 
 from at_once import at_once
@@ -44,7 +45,7 @@ from ncgear.tolerances.drawn import (
 )
 from ncgear.tolerances.iso1328 import flank_tolerances, rounded_um
 from ncgear.tolerances.mesh import RIGID, Deviations, Face, LinearMesh, arc_rates, mesh_of, straight_face
-from ncgear.tolerances.outlines import exact_of, linear_errors
+from ncgear.tolerances.outlines import exact_of, linear_errors, on_sides
 from ncgear.tolerances.study import (
     Workers,
     assemblies_of,
@@ -655,6 +656,57 @@ def test_flanks_that_deviate_the_wrong_way_fail() -> None:
         assert (off_mm < 0.008) == (sign > 0.0)
 
 
+@pytest.mark.judges("tolerances")
+def test_points_on_involutes_have_heights_and_normals_in_closed_form() -> None:
+    """The rack's height is sin(a) (sqrt(r^2 - b^2) - b tan(a)) at a radius r; normals touch the base circle."""
+    gear, base = circular()[1].driving, BASES_MM[0]
+    found = on_sides(gear, ring=False)
+    point, body = found.outline[found.vertex], Polygon(gear.outline_mm)
+    flank = found.share > -0.5
+    assert {*found.flank[flank].tolist()} == set(range(2 * TEETH))
+    top, bottom = (ends[found.flank] for ends in gear.sides.flank_range())
+    height = sin(ALPHA) * (np.sqrt(np.maximum(np.abs(point) ** 2 - base**2, 0.0)) - base * tan(ALPHA))
+    # The flanks' own setback for the backlash turns them, which changes no radius.
+    assert found.share[flank] == pytest.approx(((height - bottom) / (top - bottom) - 0.5)[flank], abs=2e-3)
+    arms = np.abs((np.conj(point) * found.normal).imag)
+    assert arms[flank] == pytest.approx(base, rel=1e-3)
+    assert np.abs(found.normal) == pytest.approx(1.0)
+    outside = shapely.points(*(point + 0.02 * found.normal).view(float).reshape(-1, 2).T)
+    assert not shapely.contains(body, outside).any()
+    inside = shapely.points(*(point - 0.02 * found.normal).view(float).reshape(-1, 2).T)
+    assert shapely.contains(body, inside).all()
+    # A turned involute moves along its normals by the base radius times the turn: into more material on every flank.
+    turned, added, slope = (np.zeros(2 * TEETH) for _ in range(3))
+    turned[4:6], added[8], slope[12] = 1e-4, 0.03, 0.04
+    moved = (np.conj(found.normal) * (found.deviating(turned, added, slope)[found.vertex] - point)).real
+    for own, wanted in (
+        (np.isin(found.flank, [4, 5]), base * 1e-4),
+        (found.flank == 8, 0.03),
+        (found.flank == 12, 0.04 * found.share),
+        (~np.isin(found.flank, [4, 5, 8, 12]), 0.0),
+    ):
+        chosen = own & flank
+        assert moved[chosen] == pytest.approx(np.broadcast_to(wanted, moved.shape)[chosen], rel=2e-3, abs=1e-9)
+
+
+@pytest.mark.judges("tolerances")
+def test_outlines_of_displaced_circular_gears_touch_as_in_closed_form() -> None:
+    """Not to first order but as they are, to their chords of 5 um."""
+    pitch, teeth, placement, mesh = circular()
+    exact = exact_of(pitch, straight_face(teeth, WIDTH_MM), placement, mesh, 4)
+    moved = {**CASES["everything"], "driven_x": -0.03, "housing_growth": 2e-4}
+    moved |= {"driving_growth": 3e-4, "driven_growth": 3e-4}
+    of = of_circular(**moved)
+    at = replace(placement, phi1_rad=placement.phi1_rad[exact.rows], phi2_rad=placement.phi2_rad[exact.rows])
+    found = exact.leads(of) - exact.leads(of_circular())
+    wanted = closed_form(of, at) - closed_form(of_circular(), at)
+    assert np.abs(found - wanted).max() * BASES_MM[1] < 0.006
+    assert np.abs(wanted).max() * BASES_MM[1] > 0.05
+    worn = exact.leads(of_circular(driving_wear=0.03, driven_wear=0.02)) - exact.leads(of_circular())
+    assert worn[PUSHING] * BASES_MM[1] == pytest.approx(-0.05, abs=0.003)
+    assert worn[BACK] * BASES_MM[1] == pytest.approx(0.0, abs=0.003)
+
+
 # --- what is drawn -----------------------------------------------------------------------------------------------
 
 
@@ -961,10 +1013,11 @@ def test_all_of_the_variance_is_that_of_a_single_source(source: str, run: Run, t
     assert first["difference"] == 0.0 or first["play_deviation_drawn_mm"] > 0.0
 
 
-def test_a_number_of_samples_that_is_no_power_of_two_is_refused(run: Run) -> None:
-    status, _, said = run("tolerance", str(DESIGNS / "ellipse.yaml"), "--samples", "100")
+@at_once(("samples", "right"), [(100, 128), (5000, 8192), (-3, 64)])
+def test_a_number_of_samples_that_is_no_power_of_two_is_refused(samples: int, right: int, run: Run) -> None:
+    status, _, said = run("tolerance", str(DESIGNS / "ellipse.yaml"), "--samples", str(samples))
     assert status == 2
-    assert "128 is right" in said
+    assert f"{right} is right" in said
 
 
 def test_assemblies_join_in_their_order() -> None:

@@ -22,7 +22,9 @@ from scipy.spatial.transform import Rotation, Slerp
 from shapely import Polygon
 from svgelements import SVG, Arc, Group, Move
 from svgelements import Path as SvgPath
+from trimesh import Scene as TrimeshScene
 from trimesh import Trimesh
+from trimesh.creation import box
 
 from commands import Run, environment
 from drives import drive
@@ -34,9 +36,9 @@ from ncgear.files.read_back import exact_outlines, outline_errors_mm, outline_of
 from ncgear.files.workshop.drawing import Layer, Use
 from ncgear.files.workshop.formats import USUAL, WRITERS, Format, all_made, begun_workshop_files
 from ncgear.files.workshop.gear_drawing import pitch_points
-from ncgear.files.workshop.turning import _after
+from ncgear.files.workshop.turning import _after, turning
 from ncgear.numerics.arrays import Array
-from ncgear.pitch.shape import Gear
+from ncgear.pitch.shape import Gear, Mesh
 from ncgear.project.drive import Drive
 from ncgear.teeth.outline import exact_curves
 from oracles import dxf
@@ -634,3 +636,42 @@ def test_turns_of_nodes_follow_one_another_as_their_matrices_do() -> None:
     both = Rotation.from_quat(_after(first.as_quat(), second.as_quat())).as_matrix()
     assert both == pytest.approx(first.as_matrix() @ second.as_matrix(), abs=1e-12)
     assert both != pytest.approx(second.as_matrix() @ first.as_matrix(), abs=1e-2)
+
+
+@pytest.mark.parametrize(("name", "mesh"), [("ellipse", Mesh.EXTERNAL), ("internal-1-2", Mesh.INTERNAL)])
+def test_keys_of_nodes_turn_them_in_their_places_by_the_law(name: str, mesh: Mesh) -> None:
+    """A block in place of each gear, y up and in metres: a key for every degree until both stand as at first."""
+    scene, up = TrimeshScene(), np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
+    for gear, x_m, side in (("driving", 0.0, 9.0), ("driven", 0.05, 8.0)):
+        place = np.eye(4)
+        place[:3, :3], place[:3, 3] = 0.001 * up, (x_m, 0.0, 0.0)
+        scene.add_geometry(box((side, 7.0, 5.0)), node_name=gear, geom_name=gear, transform=place)
+    one = drive(name)
+    image = pygltflib.GLTF2.load_from_bytes(turning(scene.export(file_type="glb"), one.pair, mesh, 3.0))
+    blob = image.binary_blob()
+    assert len(blob) >= image.buffers[0].byteLength
+    corners = {place: view.target for place, view in enumerate(image.bufferViews) if view.target}
+    assert set(corners.values()) == {34962, 34963}
+
+    def numbers(place: int, width: int) -> Array:
+        accessor = image.accessors[place]
+        view = image.bufferViews[accessor.bufferView]
+        assert (view.byteOffset % 4, view.byteLength) == (0, 4 * width * accessor.count)
+        return np.frombuffer(blob, "<f4", width * accessor.count, view.byteOffset).reshape(-1, width).astype(float)
+
+    turns = 2 if name == "internal-1-2" else 1
+    phi1 = np.radians(np.arange(360 * turns + 1.0))
+    angles = {"driving": phi1, "driven": mesh.sense * one.pair.transmission.driven_angle(phi1).value}
+    nodes = {node.name: node for node in image.nodes}
+    (animation,) = image.animations
+    for channel, (gear, angle) in zip(animation.channels, angles.items(), strict=True):
+        node, sampler = nodes[gear], animation.samplers[channel.sampler]
+        assert image.nodes[channel.target.node] is node
+        assert (node.matrix, node.scale) == (None, pytest.approx([0.001] * 3))
+        assert node.translation == pytest.approx([0.05 if gear == "driven" else 0.0, 0.0, 0.0])
+        assert Rotation.from_quat(node.rotation).as_matrix() == pytest.approx(up, abs=1e-7)
+        times = image.accessors[sampler.input]
+        assert numbers(sampler.input, 1)[:, 0] == pytest.approx(phi1 / 3.0, abs=1e-6)
+        assert (times.min, times.max) == ([0.0], [pytest.approx(phi1[-1] / 3.0)])
+        keys = Rotation.from_quat(numbers(sampler.output, 4)).as_matrix()
+        assert keys == pytest.approx(up @ Rotation.from_rotvec(angle[:, None] * [0.0, 0.0, 1.0]).as_matrix(), abs=1e-6)
