@@ -343,7 +343,7 @@ def test_ceilings_rise_from_the_lower_side_of_each_jump() -> None:
 
 
 def test_columns_are_halved_where_they_are_marked_and_spread_as_wanted() -> None:
-    """Half way to the next one or to the end of the piece; spread where one interval wants four parts, the others none."""
+    """Half way to the next one or to the end of the piece; spread where one interval wants four parts."""
     columns = Columns(np.array([0, 0, 1]), np.array([0.0, 0.5, 0.0]))
     halved = columns.halved(np.array([False, True, True]))
     assert (halved.piece.tolist(), halved.share.tolist()) == ([0, 0, 0, 1, 1], [0.0, 0.5, 0.75, 0.0, 0.5])
