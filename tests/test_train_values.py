@@ -4,22 +4,36 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import acos, atan, cos, pi, radians, sin
-from typing import Any
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 import shapely
+from scipy.optimize import brentq
 
 from ncgear.pitch.pair import sized_pair
 from ncgear.pitch.shape import Mesh
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
+from ncgear.teeth.gear import ToothedPair
 from ncgear.trains import path_search
 from ncgear.trains.contact import contacts_of, distances_of
 from ncgear.trains.loads import PutMass, TrainLoads, loads_of
 from ncgear.trains.path_search import PathLimits, burden, crowding, found_motion, pair_figures, tool_mount
+from ncgear.trains.planetary import shared_chain
 from ncgear.trains.planetary_told import told_of
-from ncgear.trains.tip_path import HARMONICS, Refused, TipMotion, WishedPath, distances_mm, missed_mm, motion_from
+from ncgear.trains.tip_path import (
+    HARMONICS,
+    Refused,
+    TipMotion,
+    WishedPath,
+    _smoothest,
+    _turns_of,
+    distances_mm,
+    missed_mm,
+    motion_from,
+)
 from ncgear.trains.train import (
     GearMesh,
     Part,
@@ -31,6 +45,7 @@ from ncgear.trains.train import (
     contact_condition,
     seen_from_behind,
 )
+from pairs import sine_law
 
 pytestmark = pytest.mark.judges("trains")
 
@@ -43,11 +58,13 @@ def motion(carrier: float, arm: float, swing: float = 0.2, *, clockwise: bool = 
 
 
 @pytest.mark.parametrize("clockwise", [False, True])
-@pytest.mark.parametrize(("carrier", "arm"), [(100.0, 60.0), (60.0, 100.0)])
-def test_a_path_that_is_known_is_found_from_its_points(carrier: float, arm: float, clockwise: bool) -> None:
+@pytest.mark.parametrize(("carrier", "arm", "first"), [(100.0, 60.0, 0.3), (60.0, 100.0, 0.7)])
+def test_a_path_that_is_known_is_found_from_its_points(
+    carrier: float, arm: float, first: float, clockwise: bool
+) -> None:
     """The lengths are half the sum and half the difference of the greatest and the least distance from the axis."""
     known = motion(carrier, arm, clockwise=clockwise)
-    w = 2.0 * pi * (np.arange(16) + 0.3) / 16
+    w = 2.0 * pi * (np.arange(16) + first) / 16
     path = WishedPath(known.tip(w), np.full(16, 1e-3))
     r = np.abs(path.points - known.axis)
     beyond = 160.0 - r.max(), r.min() - 40.0
@@ -69,6 +86,44 @@ def test_a_path_that_is_known_is_found_from_its_points(carrier: float, arm: floa
         against = motion_from(path, known.axis, beyond, clockwise=not clockwise)
         assert isinstance(against, Refused)
         assert "against the carrier" in against.words
+
+
+@pytest.mark.parametrize(("carrier", "arm"), [(100.0, 60.0), (60.0, 100.0)])
+def test_what_is_said_to_be_missed_is_the_distance_of_the_points(carrier: float, arm: float) -> None:
+    """To first order in tolerances: of points that stand aside by half of it, as the smoothest motion leaves them."""
+    known = motion(carrier, arm)
+    w = 2.0 * pi * (np.arange(16) + 0.3) / 16
+    aside = 0.05 * np.random.default_rng(4).normal(size=(2, 16))
+    path = WishedPath(known.tip(w) + aside[0] + 1j * aside[1], np.full(16, 0.1))
+    arms = path.points - known.axis
+    turned = _turns_of(path, np.abs(arms), carrier + arm, abs(carrier - arm))
+    assert not isinstance(turned, Refused)
+    found, missed = _smoothest(path, np.abs(arms), np.unwrap(np.angle(arms)), turned, carrier, arm)
+    made = TipMotion(known.axis, carrier, arm, float(found[0]), found[1:], False)
+    assert 0.05 < missed.max() <= 0.8
+    # Beside the farthest place, where an error of the distance turns w by its root, first order says little.
+    off = np.abs(np.sin(w)) > 0.2
+    assert missed[off] == pytest.approx(missed_mm(made, path)[off] / 0.1, abs=0.02)
+
+
+def test_gears_about_an_idler_that_two_share_stand_and_turn_as_their_law_says() -> None:
+    """At equal distances, turned off the line by the bend; the planet's mesh has the law of the sun's, kappa later."""
+    pitch = sized_pair(sine_law(0.1), 24, 2.0, None)
+    gear: Any = SimpleNamespace(outline_mm=circle(20.0), teeth=24)
+    chain = shared_chain(pitch, cast(ToothedPair, SimpleNamespace(driving=gear, driven=gear)), 0.4)
+    sun, idler, planet = chain.gears
+    steps = idler.place - sun.place, planet.place - idler.place
+    assert np.abs(steps) == pytest.approx([pitch.center_distance_mm] * 2)
+    assert np.angle(steps[1] / steps[0]) == pytest.approx(0.4)
+    assert (planet.place.imag, chain.carrier_mm) == (0.0, pytest.approx(planet.place.real))
+    u = np.linspace(-1.0, 9.0, 50)
+    law, before = (lambda angle: pitch.transmission.driven_angle(np.atleast_1d(angle)).value), np.angle(steps[0])
+    assert sun.angle(u) == pytest.approx(before - u)
+    assert idler.angle(u) == pytest.approx(before + law(u))
+    start = brentq(lambda angle: float(law(angle)[0]) - (pi - 0.4), 0.0, 2.0 * pi)
+    assert law(chain.planet_rad(u) + start) == pytest.approx(law(u) + pi - 0.4, abs=1e-9)
+    assert planet.angle(u) == pytest.approx(before + 0.4 - pi - start - chain.planet_rad(u))
+    assert chain.direction_rad == pytest.approx(before + 0.4 - pi - start)
 
 
 def test_a_straight_stretch_has_even_points_between_its_ends() -> None:
