@@ -170,29 +170,6 @@ def test_few_holes_fill_the_way_from_bore_to_outline() -> None:
     assert [hole.diameter_mm for hole in holes] == pytest.approx([RADIUS - 5.0 - 2.0 * 4.0] * 3, abs=0.011)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("count", [1, 3])
-def test_holes_too_small_to_save_weight_are_not_made_unasked(count: int) -> None:
-    """Between bore and outline there is room for 1.7 mm, as a given diameter, and not for what takes off weight."""
-    wall = (RADIUS - 5.0 - 1.7) / 2.0
-    with pytest.raises(WrongInput, match=r"the largest that fits is 1\.(69|7) mm, and under 2 mm") as caught:
-        made(Blank(WIDTH, Bore(10.0), holes=HoleSet(count, wall)))
-    assert caught.value.key.endswith("lightening_holes")
-    assert "fewer holes" in caught.value.problem
-    assert made(Blank(WIDTH, Bore(10.0), holes=HoleSet(count, wall, 1.6))).plan.lightening_holes[0].diameter_mm == 1.6
-    enough = made(Blank(WIDTH, Bore(10.0), holes=HoleSet(count, wall - 0.2))).plan.lightening_holes
-    assert enough[0].diameter_mm == pytest.approx(2.1, abs=0.02)
-
-
-@pytest.mark.slow
-def test_many_holes_leave_the_wall_to_each_other() -> None:
-    """On the circle of centres R - w - d/2 neighbours stand 2 (R - w - d/2) sin(pi/n) apart, which is d + w."""
-    holes = made(Blank(WIDTH, Bore(10.0), holes=HoleSet(12, 2.0))).plan.lightening_holes
-    half = sin(pi / 12.0)
-    expected = (2.0 * (RADIUS - 2.0) * half - 2.0) / (1.0 + half)
-    assert [hole.diameter_mm for hole in holes] == pytest.approx([expected] * 12, abs=0.011)
-
-
 ASKED = [
     Blank(WIDTH, Bore(8.0), holes=HoleSet(5, 3.0)),
     Blank(WIDTH, Bore(8.0, Keyway(3.0, 1.4)), True, Hub(18.0, 5.0), holes=HoleSet(4, 2.0, 5.0)),
@@ -245,14 +222,6 @@ def test_volume_of_the_chamfer_is_the_integral_of_its_sections() -> None:
     whole = solid.plan.section
     lost = quad(lambda z: whole.area - whole.buffer(z - 0.4, join_style="mitre", mitre_limit=10.0).area, 0.0, 0.4)[0]
     assert whole.area * WIDTH - solid.mesh.volume == pytest.approx(lost, rel=1e-6)
-
-
-@pytest.mark.slow
-def test_a_round_chamfer_is_a_cone() -> None:
-    solid = made(Blank(WIDTH, Bore(10.0), chamfer_mm=1.0))
-    outer = pi * (RADIUS**2 - (RADIUS**2 + RADIUS * (RADIUS - 1.0) + (RADIUS - 1.0) ** 2) / 3.0)
-    inner = pi * ((25.0 + 30.0 + 36.0) / 3.0 - 25.0)
-    assert pi * (RADIUS**2 - 25.0) * WIDTH - solid.mesh.volume == pytest.approx(outer + inner, rel=2e-3)
 
 
 @pytest.mark.slow

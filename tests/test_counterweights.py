@@ -293,6 +293,12 @@ def test_equal_mechanisms_that_face_each_other_shake_least_in_step() -> None:
     # The root of a difference of squares: half of the digits are lost.
     assert found.value <= 1e-6 * frame_shaking([one]).force.rms
     assert abs(np.exp(1j * found.at) - 1.0) <= 1e-6
+    # Of two that lean against each other a force is left, that of both at the phase that is told.
+    leaning = [one, replace(one, direction_rad=0.7)]
+    found = best_phase(leaning, 1)
+    at, beside = (frame_shaking([one, replace(leaning[1], phase_rad=found.at + off)]).force.rms for off in (0.0, 0.05))
+    assert found.value == pytest.approx(at, rel=1e-6)
+    assert at < beside
 
 
 @pytest.mark.slow
@@ -346,6 +352,7 @@ def test_a_cycle_of_two_turns_beside_one_of_one() -> None:
     two_turns = replace(even(), transmission=driven_angle_expression_law("phi/2", Lobes(1, 2)))
     both = frame_shaking([Mounted(even()), Mounted(two_turns)])
     assert both.along.cycle_rad == pytest.approx(4.0 * pi)
+    assert two_turns.breaks_rad == pytest.approx([0.0, 2.0 * pi, 4.0 * pi])
     phi1 = sampled(two_turns)
     sums = shaking(even()).along(np.mod(phi1, 2.0 * pi)) + shaking(two_turns).along(phi1)
     assert both.along(phi1) == pytest.approx(sums, rel=1e-11)

@@ -6,12 +6,14 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from itertools import pairwise
-from math import acos, cos, degrees, pi, radians, sin, sqrt
+from math import acos, asin, cos, degrees, pi, radians, sin, sqrt
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.testing import assert_allclose
 from scipy.integrate import simpson, solve_ivp
+from scipy.optimize import brentq
 
 from at_once import at_once
 from commands import Run, on_text, simulated
@@ -31,7 +33,7 @@ from ncgear.drivetrain.bearings import (
 )
 from ncgear.drivetrain.cycle import Cycle, ShaftLoads, cycle_of, with_knocks
 from ncgear.drivetrain.demand import Demand
-from ncgear.drivetrain.losses import TouchingTeeth, losses_of, mesh_loss_factor
+from ncgear.drivetrain.losses import TouchingTeeth, losses_of, mesh_loss_factor, most_mesh_loss_factor
 from ncgear.drivetrain.motor import Gearbox, StraightLine, motor_load
 from ncgear.drivetrain.pto import Excursion, running_ahead, slipping
 from ncgear.drivetrain.shafts import (
@@ -47,12 +49,16 @@ from ncgear.drivetrain.shafts import (
     shaft_safety,
 )
 from ncgear.drivetrain.speed import LineDrive, disc, speed_course
+from ncgear.drivetrain.stall import stall_of
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.quadrature import gauss_points
-from ncgear.pitch.shape import Gear
+from ncgear.pitch.pair import sized_pair
+from ncgear.pitch.shape import Gear, Mesh
 from ncgear.project.drive import Drive
 from ncgear.project.drivetrain import DrivetrainResult
+from ncgear.ratio.laws.uniform import uniform_law
+from ncgear.ratio.transmission import Lobes
 
 DESIGN = "baler-drivetrain"
 
@@ -253,6 +259,15 @@ def test_loss_factor_of_circular_gears_is_ohlendorfs(teeth: int) -> None:
     assert found == pytest.approx(closed, rel=2e-6)
     # Negative control: with every pair bearing all of the load it would be far more
     assert found < 0.8 * pi * (2.0 / teeth) * 2.0 * half**2 * 2.0
+
+
+def test_a_bound_of_the_loss_factor_without_teeth() -> None:
+    """Of circular gears (1 + q)^2 / q of the greatest distance over a cos(alpha), or (1 - q)^2 / q inside a ring."""
+    for ratio, mesh, wedge in ((2.0, Mesh.EXTERNAL, 4.5), (0.5, Mesh.EXTERNAL, 4.5), (2.0, Mesh.INTERNAL, 0.5)):
+        lobes = Lobes(1, 2) if ratio == 2.0 else Lobes(2, 1)
+        pitch = sized_pair(uniform_law(lobes), 20, 2.0, None, mesh)
+        wanted = 3.0 * wedge / (pitch.center_distance_mm * cos(radians(20.0)))
+        assert most_mesh_loss_factor(pitch, 3.0, radians(20.0)) == pytest.approx(wanted, rel=1e-9)
 
 
 @pytest.mark.slow
@@ -487,15 +502,22 @@ def test_lives_count_by_the_angle_of_their_own_shaft(gear: Gear) -> None:
 
 
 class Waveform(Demand):
-    """A demand of known form, in place of a machine's."""
+    """A demand of known form, in place of a machine's: a mean torque and a sine, and an even inertia in N mm s^2."""
 
     def torque_n_mm(self, phi1_rad: Array) -> Array:
         return 200.0 + 500.0 * np.sin(phi1_rad)
 
+    def inertia(self, phi1_rad: Array) -> tuple[Array, Array]:
+        return np.full(phi1_rad.shape, 40.0), np.zeros(phi1_rad.shape)
+
+
+def waveform() -> Waveform:
+    return Waveform(small().cycle, small().losses)
+
 
 def test_rms_of_a_known_waveform() -> None:
     """sqrt(200^2 + 500^2/2); it brakes where sin < -0.4, with the mean of that part, in closed form."""
-    found = motor_load(Waveform(small().cycle, small().losses), Gearbox())
+    found = motor_load(waveform(), Gearbox())
     assert found.rms_n_mm == pytest.approx(sqrt(200.0**2 + 500.0**2 / 2.0), rel=1e-9)
     assert found.mean_n_mm == pytest.approx(200.0, rel=1e-9)
     assert (found.most_n_mm.value, found.least_n_mm.value) == pytest.approx((700.0, -300.0), rel=1e-9)
@@ -567,18 +589,50 @@ def test_speed_course_against_another_solver(added_kg_mm2: float, clutch: bool) 
         assert (course.motor_range_n_mm[0] == 0.0) == (added_kg_mm2 == 0.0)
 
 
-def test_the_course_of_a_small_machine_against_another_solver() -> None:
-    """With a motor whose torque falls to nothing at twice the speed, and no gearbox."""
-    asked = small(3e5)
-    line = StraightLine(2.0 * asked.fluctuation.mean_torque_n_mm, 2.0 * asked.speed_rad_s)
-    course = speed_course(asked, LineDrive(line, Gearbox(1.0, 1.0)))
+@pytest.mark.parametrize("clutch", [False, True])
+def test_the_course_of_a_small_machine_against_another_solver(clutch: bool) -> None:
+    """With a motor whose torque falls to nothing at twice the speed, or at the speed itself behind a clutch."""
+    asked = small(1e5 if clutch else 3e5)
+    free, box = (1.0 if clutch else 2.0) * asked.speed_rad_s, Gearbox(3.0, 0.8)
+    line = StraightLine(2.0 * asked.fluctuation.mean_torque_n_mm, 3.0 * free)
+    course = speed_course(asked, LineDrive(line, box, clutch))
     start = float(course.speed_rad_s(np.zeros(1))[0])
-    speed = followed(asked, (0.0, 2.0 * pi), start, lambda speed: line.stall_n_mm * (1.0 - speed / line.no_load_rad_s))
-    places = np.linspace(0.0, 2.0 * pi, STEPS + 1)[:-1]
-    assert_allclose(speed[:-1], course.speed_rad_s(places), rtol=1e-6)
+
+    def motor(speed: Array | float) -> Any:
+        torque = line.stall_n_mm * (1.0 - speed / free)
+        return np.maximum(torque, 0.0) if clutch else torque
+
+    def given(speed: float) -> float:
+        torque = float(motor(speed))
+        return torque * 3.0 * (0.8 if torque > 0.0 else 1.0 / 0.8)
+
+    speed = followed(asked, (0.0, 2.0 * pi), start, given)
+    places = np.linspace(0.0, 2.0 * pi, STEPS + 1)
+    assert_allclose(speed[:-1], course.speed_rad_s(places[:-1]), rtol=1e-6)
     assert speed[-1] == pytest.approx(start, rel=1e-6)
     assert course.drive_work_n_mm == pytest.approx(course.asked_work_n_mm, rel=1e-9)
     assert [one.value for one in course.range_rad_s] == pytest.approx([speed.min(), speed.max()], rel=1e-6)
+    period = np.trapezoid(1.0 / speed, places)
+    assert (course.period_s, course.mean_rad_s) == pytest.approx((period, 2.0 * pi / period), rel=1e-6)
+    assert course.fluctuation == pytest.approx(np.ptp(speed) * period / (2.0 * pi), rel=1e-5)
+    square = np.trapezoid(motor(speed) ** 2 / speed, places) / period
+    assert course.rms_n_mm == pytest.approx(sqrt(square), rel=1e-5)
+    assert course.motor_range_n_mm == pytest.approx((motor(speed.max()), motor(speed.min())), rel=1e-5, abs=1e-3)
+    assert (course.motor_range_n_mm[0] == 0.0) == clutch
+    assert course.asked_work_n_mm == pytest.approx(asked.fluctuation.work_n_mm, rel=1e-9)
+
+
+def test_a_rounded_clutch_has_the_slope_of_its_torque() -> None:
+    """And passes half of the rounding where the motor gives nothing; without rounding it passes what is over 0."""
+    for clutch in (False, True):
+        motor = LineDrive(StraightLine(100.0, 60.0), Gearbox(2.0, 0.9), clutch)
+        speed = np.array([5.0, 29.0, 31.0, 40.0])
+        torque, slope = motor.rounded_n_mm(speed, 8.0)
+        ahead, behind = (motor.rounded_n_mm(speed + step, 8.0)[0] for step in (1e-5, -1e-5))
+        assert slope == pytest.approx((ahead - behind) / 2e-5, rel=1e-7)
+        assert motor.rounded_n_mm(speed, 0.0)[0] == pytest.approx(motor.torque_n_mm(speed), abs=1e-12)
+        assert motor.rounded_n_mm(np.array([30.0]), 8.0)[0] == pytest.approx([4.0 if clutch else 0.0])
+        assert torque[0] == pytest.approx(100.0 * (1.0 - 5.0 / 30.0) * 1.8, rel=2e-3)
 
 
 @pytest.mark.slow
@@ -684,6 +738,58 @@ def test_a_limiter_that_slips_against_the_equation_of_motion(
         places = np.linspace(one.start_rad, one.end_rad, speed.size)
         heat = np.trapezoid(limit * (asked.speed_rad_s / speed - 1.0), places)
         assert one.heat_n_mm == pytest.approx(heat, rel=1e-5)
+
+
+def test_a_limiter_below_the_mean_torque_lets_the_machine_stop() -> None:
+    """Set to 180 N mm it slips from sin = -0.04 on; the energy that is lost there is in closed form."""
+    asked = waveform()
+    (one,) = slipping(asked, 180.0)
+    begin, least = 2.0 * pi - asin(0.04), 3.0 * pi + asin(0.04)
+    assert (one.start_rad, one.end_rad, one.heat_n_mm) == (pytest.approx(begin, abs=1e-9), None, None)
+    lost = 20.0 * (least - begin) - 500.0 * (cos(least) - cos(begin))
+    assert one.energy_n_mm == pytest.approx(-lost, rel=1e-9)
+    left = asked.speed_rad_s**2 - 2.0 * lost / 40.0
+    assert one.speed_rad_s.value == pytest.approx(sqrt(left), rel=1e-9)
+    assert one.speed_rad_s.at == pytest.approx(least - 2.0 * pi, abs=1e-4)
+    assert one.last_rad == pytest.approx(begin + 2.0 * pi)
+
+
+def test_couplings_that_never_catch_gain_or_lose_the_whole_work() -> None:
+    """A limiter below all torques stops the machine; a clutch lets one that never asks for any go."""
+
+    class Uneven(Waveform):
+        def torque_n_mm(self, phi1_rad: Array) -> Array:
+            return 60.0 * float(self.added_kg_mm2) + 20.0 * np.sin(phi1_rad)
+
+    cycle, losses = small().cycle, small().losses
+    (slips,) = slipping(Uneven(cycle, losses, 1.0), 30.0)
+    assert (slips.start_rad, slips.end_rad, slips.speed_rad_s.value, slips.heat_n_mm) == (0.0, None, 0.0, None)
+    assert slips.energy_n_mm == pytest.approx(-(60.0 - 30.0) * 2.0 * pi, rel=1e-9)
+    (free,) = running_ahead(Uneven(cycle, losses, -1.0))
+    assert (free.speed_rad_s.value, free.end_rad) == (small().speed_rad_s, None)
+    assert free.energy_n_mm == pytest.approx(60.0 * 2.0 * pi, rel=1e-9)
+    assert slipping(Uneven(cycle, losses, 1.0), 81.0) == running_ahead(Uneven(cycle, losses, 1.0)) == []
+
+
+def test_a_weak_motor_stops_where_its_energy_is_spent() -> None:
+    """With 100 N mm against 200 + 500 sin from an energy that lasts into the second turn, in closed form."""
+    asked = waveform()
+
+    def energy(phi1: float) -> float:
+        return 1500.0 - 100.0 * phi1 + 500.0 * (cos(phi1) - 1.0)
+
+    place = brentq(energy, 2.0 * pi, 3.0 * pi)
+    start = sqrt(2.0 * 1500.0 / 40.0)
+    found = stall_of(asked, lambda speed: np.full(speed.shape, 100.0), start, 4.0 * pi)
+    assert found is not None
+    assert found.phi1_rad == pytest.approx(place, abs=1e-5)
+    assert found.needed_n_mm == pytest.approx(200.0 + 500.0 * sin(place), rel=1e-5)
+    assert (found.most_n_mm.value, found.most_n_mm.at, found.given_n_mm) == pytest.approx(
+        (700.0, pi / 2.0, 100.0), rel=1e-4
+    )
+    turned = small_drive().transmission.driven_angle(np.array([place]), 0).value[0]
+    assert found.crank_rad == pytest.approx(turned, abs=1e-4)
+    assert stall_of(asked, lambda speed: np.full(speed.shape, 100.0), start, 2.0 * pi) is None
 
 
 @pytest.mark.thorough

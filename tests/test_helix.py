@@ -8,6 +8,7 @@ from functools import cache
 from math import cos, pi, radians, tan
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -29,7 +30,7 @@ from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.laws.expression import ratio_expression_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Transmission
-from ncgear.solids.helical.even_tips import heights_fitted, with_even_tips
+from ncgear.solids.helical.even_tips import ceilings_over, heights_fitted, with_even_tips
 from ncgear.solids.helical.helix import Hand, Helix
 from ncgear.solids.helical.mesh import helical_pair
 from ncgear.solids.helical.sections import Sections, pieces_of
@@ -312,6 +313,44 @@ def test_what_seems_to_stray_is_the_bend_across_the_outline(turned: float) -> No
     rings = (heights**2)[:, None, None] * np.stack([corners.real, corners.imag], axis=-1)
     columns = Columns(np.zeros(4, dtype=int), np.arange(4.0))
     assert Stack(heights, columns, rings).seems_to_stray_mm() == pytest.approx([0.25, 0.25], rel=1e-12)
+
+
+def test_ceilings_rise_from_the_lower_side_of_each_jump() -> None:
+    """Tips are 1 mm high, and 0.6 mm along a stretch: from its ends on the ceiling rises by half, both ways round."""
+    length, step, count = 60.0, 0.25, 240
+    at = np.arange(count) * step
+    high = np.where((at > 20.1) & (at < 30.1), 0.6, 1.0)
+    fits = []
+    for start in range(4):
+        tips: Any = SimpleNamespace(
+            flanks=SimpleNamespace(
+                crossing_mm=np.repeat(at[start::4], 2) + length * (start == 2),
+                tip_height_mm=np.repeat(high[start::4], 2),
+                curve=SimpleNamespace(length_mm=length),
+                rack=SimpleNamespace(module_mm=1.0),
+            )
+        )
+        fits.append((tips, tips))
+    for ceiling in ceilings_over(fits, step):
+        assert (ceiling.length_mm, ceiling.at_mm.shape) == (length, (2, count))
+        for places, heights in zip(ceiling.at_mm, ceiling.height_mm, strict=True):
+            assert places == pytest.approx(at)
+            ends = np.array([20.0, 20.25, 30.0, 30.25])
+            apart = np.abs(places[:, None] - ends)
+            wanted = np.minimum(0.6 + 0.5 * np.minimum(apart, length - apart).min(axis=1), 10.0)
+            assert heights == pytest.approx(wanted)
+        assert ceiling.over(np.array([25.0, 21.0, 80.125, 35.0])) == pytest.approx([2.975, 0.975, 0.6, 2.975])
+
+
+def test_columns_are_halved_where_they_are_marked_and_spread_as_wanted() -> None:
+    """Half way to the next one or to the end of the piece; spread where one interval wants four parts."""
+    columns = Columns(np.array([0, 0, 1]), np.array([0.0, 0.5, 0.0]))
+    halved = columns.halved(np.array([False, True, True]))
+    assert (halved.piece.tolist(), halved.share.tolist()) == ([0, 0, 0, 1, 1], [0.0, 0.5, 0.75, 0.0, 0.5])
+    spread = columns.spread(np.array([3.8, 0.0, 0.5]))
+    assert spread.piece.tolist() == [0, 0, 0, 0, 1]
+    # All parts but a thousandth are in the first half of the piece.
+    assert spread.share == pytest.approx([0.0, 0.125, 0.25, 0.375, 0.0], abs=2e-3)
 
 
 def test_even_tips_change_nothing_where_none_jumps() -> None:

@@ -6,6 +6,7 @@ from dataclasses import replace
 from functools import partial
 from math import ceil, inf, log, pi, radians, sin
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -23,6 +24,7 @@ from ncgear.project.sizing import Sized
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import single
 from ncgear.whole_machines import conflict, gears, limits, wish_prices
+from ncgear.whole_machines import machine as machine_room
 from ncgear.whole_machines.laws import (
     CAPS,
     FoundLaw,
@@ -114,6 +116,38 @@ def test_the_cheapest_motor_that_does() -> None:
     assert motor_for(Choices.model_validate({"motors": rows[:2]}), HAS) is None
 
 
+@pytest.mark.parametrize(
+    ("has", "cut", "motors", "said"),
+    [
+        ({"flank_share": 1.1}, "a hob cuts", [], None),
+        ({"flank_share": 0.99}, "a hob cuts", [], "the teeth do not hold"),
+        ({"bending_share": 0.99, "flank_share": 2.0}, "a hob cuts", [], "the teeth do not hold"),
+        ({"flank_share": 1.1}, None, [], "gears of this kind cannot be hobbed"),
+        ({"flank_share": 1.1}, "a hob cuts", [19.0], "no motor that can be had gives 20 W"),
+        ({"flank_share": 1.1}, "a hob cuts", [21.0], None),
+    ],
+)
+def test_a_machine_holds_is_cut_and_has_a_motor(
+    monkeypatch: pytest.MonkeyPatch, has: dict[str, float], cut: str | None, motors: list[float], said: str | None
+) -> None:
+    """With a verdict that breaks nothing; what does not hold is told with the width that would do."""
+    monkeypatch.setattr(machine_room, "judged", lambda drive, known, seconds: SimpleNamespace(rows=()))
+    monkeypatch.setattr(machine_room, "figures_of", lambda drive: (replace(HAS, **has), MEAN))
+    monkeypatch.setattr(machine_room, "cut_words", lambda drive, process: cut)
+    monkeypatch.setattr(machine_room, "_wider", lambda drive: 1.3)
+    rows = [{"name": "m", "power_w": power, "cost": 2.0} for power in motors]
+    choices = Choices.model_validate({"motors": rows}) if rows else Choices()
+    found = machine_room.judged_machine(PUSHER, "hobbed", choices)
+    if said is None:
+        assert isinstance(found, WholeMachine)
+        assert (found.material, found.cut, found.motor is None) == ("42CrMo4", "a hob cuts", not motors)
+        assert found.cost == (2.0 if motors else None)
+        return
+    assert isinstance(found, Unfit)
+    assert said in " ".join(found.why)
+    assert found.wider == (1.3 if "hold" in said else None)
+
+
 def test_a_machine_is_guessed_by_its_law() -> None:
     guess = guessed_figures(MEAN, 3e6, 2e6, SPEED)
     assert (guess.peak_torque_n_m, guess.gear_volume_mm3) == (20.0 / SPEED, 2e6)
@@ -197,6 +231,9 @@ def test_the_flywheel_s_range_in_parts_with_the_gears_inertia(monkeypatch: pytes
     assert of.power_w() == pytest.approx(mean, rel=1e-9)
     assert taken[0][0] == pytest.approx(np.arange(1000.0, 9000.0, 1000.0))
     assert taken[0][1] == pytest.approx(np.arange(2000.0, 9001.0, 1000.0))
+    # Where they tell more, the least of all parts.
+    monkeypatch.setattr(limits, "swept_power", lambda sweeps, parts, most: mean * (2.0 + (np.arange(8.0) - 3.0) ** 2))
+    assert of.power_w() == pytest.approx(2.0 * mean, rel=1e-9)
 
 
 def test_sizes_of_the_flywheel_in_even_ratios_of_the_whole_inertia() -> None:
@@ -347,6 +384,8 @@ def test_what_machines_gain_and_cost_beside_the_recommended_one() -> None:
         "no flywheel for 2.5 times the motor"
     )
     assert difference_words(one, machine(driven_flywheel_kg_mm2=0.0), names) == "a flywheel"
+    assert difference_words(machine(peak_power_w=44.0), one, names) == "2.2 times the motor"
+    assert difference_words(machine(peak_power_w=39.8), one, names) == "99 % more motor"
 
 
 def test_machines_are_told_in_their_own_units() -> None:

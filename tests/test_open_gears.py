@@ -37,6 +37,7 @@ from ncgear.ratio.laws.spiral import logarithmic_spirals
 from ncgear.ratio.transmission import Transmission, WholeTurns
 from ncgear.teeth.form import BasicRack, ToothForm
 from ncgear.teeth.gear import ToothedPair, toothed_pair
+from ncgear.teeth.outline import whole_curves
 from pairs import rack
 
 TOLERANCE_MM = 0.01
@@ -260,6 +261,36 @@ def test_outlines_mesh_without_overlap_over_the_whole_range(name: str) -> None:
     # An overlap as deep as the chord tolerance would be this large on a tenth of a module of flank.
     assert overlap <= 0.1 * pitch(name).size.module_mm * TOLERANCE_MM
     assert gap <= 2.0 * TOLERANCE_MM
+
+
+@pytest.mark.parametrize("name", ["spiral", "rising spiral"])
+@pytest.mark.parametrize("gear", list(Gear))
+def test_behind_the_last_tooth_are_radial_walls_round_corners_and_a_heel(name: str, gear: Gear) -> None:
+    """One closed chain without corners but where walls meet lands; its slopes are those of differences."""
+    found, module = teeth(name).of(gear), pitch(name).size.module_mm
+    *_, between, before, heel = whole_curves(found.tips, found.sides)
+    rows, share = np.arange(heel.owner.size)[:, None], np.linspace(0.0, 1.0, 401)
+    point, slope = (array @ [1.0, 1.0j] for array in heel.at(rows, share))
+    last = between.kept(between.owner == 2 * found.teeth - 1)
+    ends = last.at(np.zeros(1, dtype=int), np.ones(1))[0], before.at(np.zeros(1, dtype=int), np.zeros(1))[0]
+    assert [point[0, 0], point[-1, -1]] == pytest.approx([complex(*end[0]) for end in ends], abs=1e-9)
+    assert point[1:, 0] == pytest.approx(point[:-1, -1], abs=1e-9)
+    assert np.abs(np.angle(slope[1:, 0] / slope[:-1, -1])).max() < 1e-3
+    for part, own, rate in zip(heel.owner, point, slope, strict=True):
+        assert rate[1:-1] == pytest.approx((own[2:] - own[:-2]) / (2.0 / 400.0), abs=1e-4 * np.abs(rate).max())
+        radius = np.abs(own)
+        if part in (0, 4):
+            assert np.abs(np.angle(own / own[0])).max() < 1e-12
+        elif part in (1, 3):
+            # Of a module, or of half the wall's height where that is less.
+            high, low = (point[0, 0], own[-1]) if part == 1 else (point[-1, -1], own[0])
+            rounding = min(module, (abs(high) - abs(low)) / 2.0)
+            center = own[0] + 1j * rate[0] / abs(rate[0]) * rounding * (1.0 if gear is Gear.DRIVING else -1.0)
+            assert np.abs(own - center) == pytest.approx(np.full(401, rounding), rel=1e-9)
+        else:
+            assert np.diff(radius) == pytest.approx(np.full(400, (radius[-1] - radius[0]) / 400.0), abs=1e-9)
+            assert np.ptp(radius) < 0.25 * module
+            assert radius.max() - 1e-9 <= min(abs(point[0, 0]), abs(point[-1, -1])) + 1e-9
 
 
 def test_a_wrong_angle_is_seen_by_the_judge() -> None:

@@ -3,20 +3,49 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import acos, atan, cos, pi, sin
-from typing import Any
+from math import acos, atan, cos, pi, radians, sin
+from types import SimpleNamespace
+from typing import Any, cast
 
 import numpy as np
 import pytest
 import shapely
+from scipy.optimize import brentq
 
+from ncgear.pitch.pair import sized_pair
 from ncgear.pitch.shape import Mesh
+from ncgear.ratio.laws.uniform import uniform_law
+from ncgear.ratio.transmission import Lobes
+from ncgear.teeth.gear import ToothedPair
 from ncgear.trains import path_search
 from ncgear.trains.contact import contacts_of, distances_of
-from ncgear.trains.loads import PutMass, loads_of
+from ncgear.trains.loads import PutMass, TrainLoads, loads_of
 from ncgear.trains.path_search import PathLimits, burden, crowding, found_motion, pair_figures, tool_mount
-from ncgear.trains.tip_path import HARMONICS, Refused, TipMotion, WishedPath, distances_mm, missed_mm, motion_from
-from ncgear.trains.train import GearMesh, Part, Poses, Told, Train
+from ncgear.trains.planetary import shared_chain
+from ncgear.trains.planetary_told import told_of
+from ncgear.trains.tip_path import (
+    HARMONICS,
+    Refused,
+    TipMotion,
+    WishedPath,
+    _smoothest,
+    _turns_of,
+    distances_mm,
+    missed_mm,
+    motion_from,
+)
+from ncgear.trains.train import (
+    GearMesh,
+    Part,
+    PinHole,
+    Poses,
+    Told,
+    Trace,
+    Train,
+    contact_condition,
+    seen_from_behind,
+)
+from pairs import sine_law
 
 pytestmark = pytest.mark.judges("trains")
 
@@ -29,11 +58,13 @@ def motion(carrier: float, arm: float, swing: float = 0.2, *, clockwise: bool = 
 
 
 @pytest.mark.parametrize("clockwise", [False, True])
-@pytest.mark.parametrize(("carrier", "arm"), [(100.0, 60.0), (60.0, 100.0)])
-def test_a_path_that_is_known_is_found_from_its_points(carrier: float, arm: float, clockwise: bool) -> None:
+@pytest.mark.parametrize(("carrier", "arm", "first"), [(100.0, 60.0, 0.3), (60.0, 100.0, 0.7)])
+def test_a_path_that_is_known_is_found_from_its_points(
+    carrier: float, arm: float, first: float, clockwise: bool
+) -> None:
     """The lengths are half the sum and half the difference of the greatest and the least distance from the axis."""
     known = motion(carrier, arm, clockwise=clockwise)
-    w = 2.0 * pi * (np.arange(16) + 0.3) / 16
+    w = 2.0 * pi * (np.arange(16) + first) / 16
     path = WishedPath(known.tip(w), np.full(16, 1e-3))
     r = np.abs(path.points - known.axis)
     beyond = 160.0 - r.max(), r.min() - 40.0
@@ -55,6 +86,44 @@ def test_a_path_that_is_known_is_found_from_its_points(carrier: float, arm: floa
         against = motion_from(path, known.axis, beyond, clockwise=not clockwise)
         assert isinstance(against, Refused)
         assert "against the carrier" in against.words
+
+
+@pytest.mark.parametrize(("carrier", "arm"), [(100.0, 60.0), (60.0, 100.0)])
+def test_what_is_said_to_be_missed_is_the_distance_of_the_points(carrier: float, arm: float) -> None:
+    """To first order in tolerances: of points that stand aside by half of it, as the smoothest motion leaves them."""
+    known = motion(carrier, arm)
+    w = 2.0 * pi * (np.arange(16) + 0.3) / 16
+    aside = 0.05 * np.random.default_rng(4).normal(size=(2, 16))
+    path = WishedPath(known.tip(w) + aside[0] + 1j * aside[1], np.full(16, 0.1))
+    arms = path.points - known.axis
+    turned = _turns_of(path, np.abs(arms), carrier + arm, abs(carrier - arm))
+    assert not isinstance(turned, Refused)
+    found, missed = _smoothest(path, np.abs(arms), np.unwrap(np.angle(arms)), turned, carrier, arm)
+    made = TipMotion(known.axis, carrier, arm, float(found[0]), found[1:], False)
+    assert 0.05 < missed.max() <= 0.8
+    # Beside the farthest place, where an error of the distance turns w by its root, first order says little.
+    off = np.abs(np.sin(w)) > 0.2
+    assert missed[off] == pytest.approx(missed_mm(made, path)[off] / 0.1, abs=0.02)
+
+
+def test_gears_about_an_idler_that_two_share_stand_and_turn_as_their_law_says() -> None:
+    """At equal distances, turned off the line by the bend; the planet's mesh has the law of the sun's, kappa later."""
+    pitch = sized_pair(sine_law(0.1), 24, 2.0, None)
+    gear: Any = SimpleNamespace(outline_mm=circle(20.0), teeth=24)
+    chain = shared_chain(pitch, cast(ToothedPair, SimpleNamespace(driving=gear, driven=gear)), 0.4)
+    sun, idler, planet = chain.gears
+    steps = idler.place - sun.place, planet.place - idler.place
+    assert np.abs(steps) == pytest.approx([pitch.center_distance_mm] * 2)
+    assert np.angle(steps[1] / steps[0]) == pytest.approx(0.4)
+    assert (planet.place.imag, chain.carrier_mm) == (0.0, pytest.approx(planet.place.real))
+    u = np.linspace(-1.0, 9.0, 50)
+    law, before = (lambda angle: pitch.transmission.driven_angle(np.atleast_1d(angle)).value), np.angle(steps[0])
+    assert sun.angle(u) == pytest.approx(before - u)
+    assert idler.angle(u) == pytest.approx(before + law(u))
+    start = brentq(lambda angle: float(law(angle)[0]) - (pi - 0.4), 0.0, 2.0 * pi)
+    assert law(chain.planet_rad(u) + start) == pytest.approx(law(u) + pi - 0.4, abs=1e-9)
+    assert planet.angle(u) == pytest.approx(before + 0.4 - pi - start - chain.planet_rad(u))
+    assert chain.direction_rad == pytest.approx(before + 0.4 - pi - start)
 
 
 def test_a_straight_stretch_has_even_points_between_its_ends() -> None:
@@ -247,3 +316,81 @@ def test_a_body_that_turns_unevenly_takes_torque_by_its_inertia() -> None:
     faster, rate = -0.3 * np.sin(phi), 2.0 + 0.3 * np.cos(phi)
     assert loads.torque_n_m == pytest.approx(inertia * faster * speed**2 * rate / 1e6, rel=1e-3, abs=1e-9)
     assert loads.moment_n_m == pytest.approx(-inertia * faster * speed**2 / 1e6, rel=1e-3, abs=1e-9)
+
+
+# --- what is told
+
+
+def carried(cycle_rad: float = 2.0 * pi) -> Train:
+    """A sun that stands still, a carrier of 100 mm, and a planet that keeps its direction: its tip runs on a circle."""
+    parts = Part("sun", circle(40.0), 5.0), Part("carrier", circle(10.0), 5.0), Part("planet", circle(40.0), 5.0)
+
+    def poses_at(driving: np.ndarray) -> Poses:
+        still = 0.0 * driving
+        places = np.stack([still, still, 100.0 * np.exp(1j * driving)])
+        return Poses(places.real, places.imag, np.stack([still, driving, still]))
+
+    trace = Trace("path_1", "planet", (30.0, 0.0))
+    return Train(parts, (), poses_at, "carrier", cycle_rad, 60.0, 0.01, Told("made by hand"), (trace,))
+
+
+def test_what_is_told_of_a_tip_that_runs_on_a_circle() -> None:
+    """About 30 mm beside the axis, with 100 mm and one turn a second; the lowest place moves forwards at that speed."""
+    angles = np.array([0.3, 1.7, 4.0])
+    points = 30.0 + np.array([100.0, 100.4, 99.8]) * np.exp(1j * angles)
+    wished = WishedPath(points, np.array([0.1, 0.5, 0.1]))
+    pair = sized_pair(uniform_law(Lobes()), 20, 4.0, None)
+    told = told_of(carried(), "compound", (pair, pair), radians(20.0), wished, None, -150.0, None)
+    found, speed = told.figures, 100.0 * 2.0 * pi
+    assert (found["carrier_mm"], found["axis_x_mm"], found["arms"]) == pytest.approx((100.0, 0.0, 1))
+    assert (found["arm_mm"], found["path_length_mm"]) == pytest.approx((30.0, speed), rel=1e-5)
+    assert found["tip_speed_max_mm_s"] == pytest.approx(speed, rel=1e-5)
+    assert found["path_missed_mm"] == pytest.approx([0.0, 0.4, 0.2], abs=1e-3)
+    assert found["point_speeds_mm_s"] == pytest.approx([speed] * 3, rel=1e-5)
+    assert found["spacing_mm"] == pytest.approx(150.0)
+    assert found["lowest_speed_over_ground_mm_s"] == pytest.approx(speed - 150.0, rel=1e-5)
+    assert (found["modules_mm"], found["center_distances_mm"]) == ([4.0, 4.0], pytest.approx([80.0, 80.0]))
+    assert (found["max_pressure_angle_deg"], found["convex"]) == (pytest.approx(20.0), True)
+    held = {one.name: one for one in told.conditions}
+    assert (held["assembly"].holds, held["path"].holds, held["forces"].holds) == (True, False, None)
+    assert "0.2 of 0.1 mm allowed at point 3" in held["path"].said
+    open_end = told_of(carried(1.5 * pi), "compound", (pair, pair), radians(20.0), None, None, 0.0, None)
+    assert not open_end.conditions[0].holds
+
+
+@pytest.mark.parametrize(("left", "balanced"), [(0.85, False), (0.95, True)])
+def test_a_counterweight_is_told_that_takes_a_tenth_off(left: float, balanced: bool) -> None:
+    wave = np.exp(1j * np.linspace(0.0, 2.0 * pi, 8, endpoint=False))
+    loads = TrainLoads(
+        np.angle(wave), 3.0 * wave.real + 1.0, 20.0 * wave, 5.0 * wave.imag, 40.0j, left * 20.0 * wave, 7.0
+    )
+    pair = sized_pair(uniform_law(Lobes()), 20, 4.0, None)
+    told = told_of(carried(), "compound", (pair, pair), radians(20.0), None, None, 0.0, loads)
+    found = told.figures
+    assert (found["torque_min_n_m"], found["torque_max_n_m"], found["torque_mean_n_m"]) == pytest.approx(
+        (-2.0, 4.0, 1.0)
+    )
+    assert (found["counterweight_kg_mm"], found["counterweight_deg"]) == pytest.approx((40.0, 90.0))
+    assert (found["shaking_force_max_n"], found["shaking_moment_max_n_m"]) == pytest.approx((20.0, 5.0))
+    assert found["shaking_force_left_max_n"] == pytest.approx(left * 20.0)
+    assert {one.name: one.holds for one in told.conditions}["balance"] is balanced
+
+
+def test_sizes_of_a_part_and_what_is_seen_from_behind() -> None:
+    """The widest bore of a rectangle about a point 3 mm from its side; a reflected train turns the other way."""
+    bar = Part(
+        "bar", np.array([[-10.0, -3.0], [50.0, -3.0], [50.0, 7.0], [-10.0, 7.0]]), 5.0, holes=(PinHole(40.0, 2.0, 4.0),)
+    )
+    assert bar.widest_bore_mm == pytest.approx(6.0)
+    assert replace(bar, rim_mm=2.0).reach_mm == pytest.approx(np.hypot(50.0, 7.0) + 2.0)
+    above = replace(bar, low_mm=5.0)
+    assert (bar.overlaps(above), bar.overlaps(replace(above, low_mm=4.9)), above.overlaps(bar)) == (False, True, False)
+    train = replace(carried(), parts=(*carried().parts[:2], replace(bar, name="planet")))
+    other, angles = seen_from_behind(train), np.array([0.3, 2.0])
+    assert other.trace_mm(other.traces[0], angles) == pytest.approx(
+        train.trace_mm(train.traces[0], angles) * [1.0, -1.0]
+    )
+    assert other.part("planet").holes == (PinHole(40.0, -2.0, 4.0),)
+    assert shapely.Polygon(other.part("planet").outline_mm).exterior.is_ccw
+    assert contact_condition(1.01).holds
+    assert contact_condition(0.99, "more teeth").cures == ("more teeth",)

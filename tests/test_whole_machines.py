@@ -33,7 +33,6 @@ from ncgear.whole_machines.laws import law_design, law_wishes
 from ncgear.whole_machines.machine import Unfit, WholeMachine, judged_machine
 from ncgear.whole_machines.pareto import far_apart, recommended, undominated
 from ncgear.whole_machines.search import MachineSearch
-from ncgear.whole_machines.told import difference_words
 
 PUSHER = (DESIGNS / "pusher.yaml").read_text(encoding="utf-8")
 
@@ -202,17 +201,6 @@ def test_no_motor_that_is_too_weak_is_taken() -> None:
     assert (made.motor and made.motor.name, made.cost) == ("large", 2.0)
     assert isinstance(judged_machine(text, "hobbed", Choices.model_validate({"motors": motors[:1]})), Unfit)
     assert isinstance(judged_machine(text, "printed", Choices()), Unfit)
-
-
-@pytest.mark.slow
-def test_differences_in_words() -> None:
-    one = shipped()
-    has = one.figures
-    more = replace(has, peak_power_w=1.12 * has.peak_power_w, gear_volume_mm3=0.6 * has.gear_volume_mm3)
-    other = replace(one, figures=more)
-    names = ("peak_power_w", "gear_volume_mm3")
-    assert difference_words(other, one, names) == "40 % smaller gears for 12 % more motor"
-    assert difference_words(one, one, names) == "the same"
 
 
 # The command

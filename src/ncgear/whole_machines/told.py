@@ -36,7 +36,7 @@ def difference_words(one: WholeMachine, other: WholeMachine, objectives: Sequenc
     for name in objectives:
         own, beside = one.value(name), other.value(name)
         less, more = WORDS[name]
-        if abs(own - beside) <= ALIKE * max(abs(beside), abs(own)):
+        if abs(own - beside) <= ALIKE * beside:
             continue
         if beside == 0.0 or own == 0.0:
             (gains if own < beside else losses).append(f"no {less.split()[-1]}" if own == 0.0 else "a flywheel")
