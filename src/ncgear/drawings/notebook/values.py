@@ -51,9 +51,9 @@ from ncgear.figures.mended import found_words, tried_words
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.strong import METHODS, life_words
-from ncgear.figures.summary.check_summary import comparison_rows, peaks
+from ncgear.figures.summary.check_summary import comparison_rows
 from ncgear.figures.tables import Column, Table, columns_of
-from ncgear.kinematics.check import KinematicCheck
+from ncgear.kinematics.check import KinematicCheck, peak_figures
 from ncgear.kinematics.motion import Machine, OutputMotion, sample_angles
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.units import RAD_S_PER_RPM
@@ -186,7 +186,7 @@ def _motion(motion: OutputMotion) -> Iterator[Markup]:
 @_pieces.register
 def _check(check: KinematicCheck) -> Iterator[Markup]:
     yield facts([("speed", f"{shown(check.speed_rpm)} r/min")])
-    yield figures(peaks(check, returns=True))
+    yield figures(peak_figures(check))
 
 
 @_pieces.register

@@ -119,7 +119,7 @@ def negative_resistance(drive: Drive, returning: bool) -> Advice | None:
 
 def pressure_angle(drive: Drive) -> Advice | None:
     """Flanks that press on the shafts more than they turn the driven gear."""
-    angle = drive.pitch.largest_pressure_angle_deg(radians(drive.gears.carrying_angle_deg))
+    angle = drive.largest_pressure_angle_deg
     if angle <= STEEPEST_DEG:
         return None
     at = degrees(drive.pitch.largest_tangent_angle_rad.at)

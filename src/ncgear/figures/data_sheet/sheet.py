@@ -14,13 +14,14 @@ from ncgear.figures.data_sheet.entries import Entry, bodies, passed_rows, tolera
 from ncgear.figures.data_sheet.measured_tables import cut_table, pin_tables, span_table
 from ncgear.figures.data_sheet.pitch_table import pitch_table
 from ncgear.figures.numbers import micrometres, shown, to_digits
-from ncgear.figures.quantities import OF_GEAR, figure, name_of
+from ncgear.figures.quantities import OF_GEAR, told
 from ncgear.figures.tables import Cells, Table, Value, columns_of, markdown, markdown_text
 from ncgear.figures.thickness import TITLE, band_table
 from ncgear.frozen import dataclass
 from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.project.figures import figures_of
 from ncgear.project.workshop_measures import GearMeasures, cut_gears, section_z_mm
 from ncgear.teeth.form import CutterKind
 from ncgear.teeth.lost import Loss, shortening, undercutting
@@ -130,9 +131,7 @@ def sizes(drive: Drive) -> Iterator[Entry]:
     yield Entry("number of teeth", driving=size.driving_teeth, driven=size.driven_teeth)
     if covered is not None:
         yield _of_both("turn between the end stops", map(degrees, (covered.driving_rad, covered.driven_rad)), "deg")
-    yield Entry(name_of("module_mm"), "mm", size.module_mm)
-    yield Entry(name_of("center_distance_mm"), "mm", size.center_distance_mm)
-    yield Entry(name_of("face_width_mm"), "mm", drive.gears.face_width_mm)
+    yield from _of_pair(drive, "module_mm", "center_distance_mm", "face_width_mm")
     yield _of_both(OF_GEAR["length"], map(pitch.length_mm, Gear))
     section = ", in the section at z = 0" if drive.helix else ""
     yield from _ends("pitch radius", map(pitch.radius_range_mm, Gear))
@@ -143,6 +142,13 @@ def sizes(drive: Drive) -> Iterator[Entry]:
     if drive.housing_radii_mm:
         yield _of_both("bore of the housing", (2.0 * radius for radius in drive.housing_radii_mm.values()))
     yield _of_both(OF_GEAR["min radius"], map(pitch.least_radius_mm, Gear))
+
+
+def _of_pair(drive: Drive, *keys: str, before: str = "", after: str = "") -> Iterator[Entry]:
+    """Figures of the pair, with what stands before and after their names."""
+    for key, value in figures_of(drive, *keys).items():
+        name, text, unit = told(key, value)
+        yield Entry(f"{before}{name}{after}", unit, text)
 
 
 def _kind(curve: PitchCurve) -> str:
@@ -223,14 +229,12 @@ def rack_data(drive: Drive) -> Iterator[Entry]:
         yield Entry("profile shift coefficient", pair="of each tooth, see its table")
     else:
         yield _of_both("profile shift coefficient", (one.rack.shift_mm / module for one in (driving, driven)), "")
-    yield Entry(name_of("backlash_mm"), "mm", drive.play.least_normal_mm.value)
-    yield Entry(name_of("backlash_max_mm"), "mm", drive.play.largest_normal_mm.value)
-    least, greatest = map(degrees, drive.play_range_rad)
+    yield from _of_pair(drive, "backlash_mm", "backlash_max_mm")
     if drive.play.thicker_mm == 0.0:
-        yield Entry(name_of("play_rad"), "deg", least)
+        yield from _of_pair(drive, "play_rad")
     else:
-        yield Entry(f"least {name_of('play_rad')}", "deg", least)
-        yield Entry(f"greatest {name_of('play_rad')}", "deg", greatest)
+        yield from _of_pair(drive, "play_rad", before="least ")
+        yield from _of_pair(drive, "play_greatest_rad")
     if helix is None:
         yield Entry("helix angle", "deg", 0.0)
     else:
@@ -249,22 +253,16 @@ def tooth_data(drive: Drive) -> Iterator[Entry]:
 
     Both under load too, where a load brings more flanks into contact.
     """
-    both, designed, loaded = (drive.teeth.driving, drive.teeth.driven), drive.designed_contact, drive.pairs_under_load
+    both = drive.teeth.driving, drive.teeth.driven
     yield _of_both("teeth that a tool of full depth undercuts", map(_undercut, both), "")
     yield _of_both("teeth with shortened tips", map(_shortened, both), "")
     section = ", in the section at z = 0" if drive.helix else ""
-    without = f"{section}, without load" if designed.held_apart else section
-    yield _ratio("contact_ratio_mean", designed.contact_ratio, without)
-    yield _ratio("contact_ratio_min", designed.least_arc, without)
-    if loaded is not None:
-        yield _ratio("contact_ratio_under_load_mean", min(side.contact_ratio for side in loaded), section)
-        yield _ratio("contact_ratio_under_load_min", min(side.least_arc for side in loaded), section)
+    without = f"{section}, without load" if drive.designed_contact.held_apart else section
+    yield from _of_pair(drive, "contact_ratio_mean", "contact_ratio_min", after=without)
+    if drive.pairs_under_load is not None:
+        yield from _of_pair(drive, "contact_ratio_under_load_mean", "contact_ratio_under_load_min", after=section)
     if drive.helix:
         yield Entry("overlap ratio", pair=drive.overlap_ratio)
-
-
-def _ratio(key: str, value: float, where: str) -> Entry:
-    return Entry(f"{name_of(key)}{where}", pair=figure(key, value))
 
 
 def _undercut(gear: ToothedGear) -> str:

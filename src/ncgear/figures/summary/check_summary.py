@@ -9,7 +9,7 @@ from ncgear.design.keys.machine import Published
 from ncgear.figures.advice.verdict import Known, Verdict, judged
 from ncgear.figures.numbers import fixed, shown, to_digits
 from ncgear.figures.wished import motion_summary, wish_rows
-from ncgear.kinematics.check import KinematicCheck, power_figures
+from ncgear.kinematics.check import KinematicCheck, peak_figures
 from ncgear.mechanisms.mechanism import Output
 from ncgear.pitch.pair import largest_tangent_angle_rad
 from ncgear.project.drive import Drive
@@ -105,13 +105,13 @@ def masses_note(drive: Drive) -> str:
 
 
 def _check(drive: Drive) -> dict[str, Any]:
-    result = peaks(drive.check, returns=drive.linkage.RETURNS)
+    result = peak_figures(drive.check, returns=drive.linkage.RETURNS)
     if drive.law.stroke is not None:
         found = drive.check_at_rpm(drive.law_speed_rpm)
-        of_law = peaks(found, returns=drive.linkage.RETURNS)
+        of_law = peak_figures(found, returns=drive.linkage.RETURNS)
         told = {key: value for key, value in of_law.items() if key.startswith("peak_") and not key.endswith("_at_rad")}
         result["at_law_speed"] = {"speed_rpm": drive.law_speed_rpm, **told}
-    result[uniform_key(drive)] = peaks(drive.uniform_check, returns=drive.linkage.RETURNS)
+    result[uniform_key(drive)] = peak_figures(drive.uniform_check, returns=drive.linkage.RETURNS)
     note = masses_note(drive)
     return {**result, "masses": note} if note else result
 
@@ -119,23 +119,6 @@ def _check(drive: Drive) -> dict[str, Any]:
 def uniform_key(drive: Drive) -> str:
     """The key of the figures of the same machine where the driven gear turns evenly."""
     return drive.linkage.UNIFORM.replace(" ", "_")
-
-
-def peaks(check: KinematicCheck, *, returns: bool) -> dict[str, Any]:
-    """Peaks of a check with the driving angle of each; peaks of the working stroke only where there is a return."""
-    speed, acceleration = check.output.speed.ending, check.output.acceleration.ending
-    working = {
-        f"peak_acceleration_working_{acceleration}": check.peak_acceleration_working.value,
-        "peak_acceleration_working_at_rad": check.peak_acceleration_working.at,
-    }
-    return {
-        **power_figures(check),
-        f"peak_speed_{speed}": check.peak_speed.value,
-        "peak_speed_at_rad": check.peak_speed.at,
-        **(working if returns else {}),
-        f"peak_acceleration_cycle_{acceleration}": check.peak_acceleration_cycle.value,
-        "peak_acceleration_cycle_at_rad": check.peak_acceleration_cycle.at,
-    }
 
 
 def comparison_rows(drive: Drive) -> list[dict[str, Any]]:
