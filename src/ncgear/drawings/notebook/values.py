@@ -39,19 +39,19 @@ from ncgear.drawings.notebook.pieces import (
 from ncgear.drawings.page.chart_figure import PageChart
 from ncgear.drawings.page.motion_charts import motion_charts
 from ncgear.drawings.page.page_charts import ratio_chart
-from ncgear.drawings.page.tables import comparison_tables, typeset
+from ncgear.drawings.page.tables import typeset
 from ncgear.drawings.plots.frontier_plot import frontier
 from ncgear.drawings.scene.scene import scene_of
 from ncgear.figures.advice.verdict import Known, judged
 from ncgear.figures.answers.machine import gear_facts, machine_facts
 from ncgear.figures.balance.parts import figures_of
 from ncgear.figures.best_law import figures_summary
+from ncgear.figures.comparison import comparison_rows, comparison_tables
 from ncgear.figures.data_sheet.measured_tables import cut_table
 from ncgear.figures.mended import found_words, tried_words
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.strong import METHODS, life_words
-from ncgear.figures.summary.check_summary import comparison_rows
 from ncgear.figures.tables import Column, Table, columns_of
 from ncgear.kinematics.check import KinematicCheck, peak_figures
 from ncgear.kinematics.motion import Machine, OutputMotion, sample_angles

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import platform
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from importlib.metadata import version
 from typing import Any
 
@@ -18,30 +18,16 @@ from markupsafe import Markup, escape
 from ncgear import __version__
 from ncgear.contact.pair import PairContact
 from ncgear.figures.data_sheet.sheet import DataSheet, Group
-from ncgear.figures.numbers import shown
 from ncgear.figures.strong import weakest_table
 from ncgear.figures.summary.build_summary import contact_summary
 from ncgear.figures.tables import Column, HtmlRow, Table
-from ncgear.figures.terminal import MIXED_SPEEDS, SAME_SPEED, compared_columns, labelled
+from ncgear.figures.terminal import labelled
 from ncgear.frozen import dataclass
 from ncgear.project.drive import Drive
 from ncgear.project.strengthening import Rating, known_rating
 
 LIBRARIES = ("numpy", "scipy", "shapely", "trimesh", "mapbox-earcut", "matplotlib", "pydantic", "ruamel.yaml")
 """The libraries that compute the figures of the page, beside ncgear and Python."""
-
-
-def comparison_tables(rows: Sequence[Mapping[str, Any]]) -> list[Table]:
-    """A table of the mechanisms at equal speed, and one of the figures that were published at other speeds."""
-    same, mixed = ([row for row in rows if row["same_speed"] is wanted] for wanted in (True, False))
-    return [_comparison(title, chosen) for title, chosen in ((SAME_SPEED, same), (MIXED_SPEEDS, mixed)) if chosen]
-
-
-def _comparison(title: str, rows: Sequence[Mapping[str, Any]]) -> Table:
-    compared = compared_columns(rows)
-    cells = [(str(row["name"]), *(shown(row[key]) for key in compared)) for row in rows]
-    columns = (Column("mechanism"), *compared.values())
-    return Table(title, columns, tuple(cells), row_notes=tuple(row["note"] for row in rows))
 
 
 def contact_tables(drive: Drive, contact: PairContact) -> list[Table]:

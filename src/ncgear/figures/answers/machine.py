@@ -6,11 +6,12 @@ from math import pi
 from operator import itemgetter
 
 from ncgear.figures.advice.law_advice import speeds
-from ncgear.figures.advice.verdict import Known, Verdict, judged
+from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.answer import COLUMNS, INDENT, Answer, Row, difference, faults_of, in_one_line, row
+from ncgear.figures.comparison import comparison_rows
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
-from ncgear.figures.summary.check_summary import comparison_rows, masses_note, stages_summary
+from ncgear.figures.summary.check_summary import masses_note, stages_summary
 from ncgear.figures.terminal import labelled
 from ncgear.figures.wished import motion_facts, wish_line, wish_rows
 from ncgear.kinematics.check import peak_figures
@@ -33,11 +34,11 @@ PUBLISHED = 2
 THIS = "this design"
 
 
-def check_answer(drive: Drive, file: str, notes: tuple[str, ...] = ()) -> Answer:
-    """What a check found; ``file`` is what a build of it is given."""
+def check_answer(drive: Drive, verdict: Verdict, file: str, notes: tuple[str, ...] = ()) -> Answer:
+    """What a check found; ``verdict`` is what it can judge, ``file`` what a build of it is given."""
     then = f"ncgear build {file}" if drive.design.gears is not None else "give gears in the file: ncgear explain gears"
     rows = *_published(drive), *_solved(drive), *_motion(drive), *_ratios(drive)
-    return _answer(drive, rows, judged(drive, Known.MOTION), then, notes)
+    return _answer(drive, rows, verdict, then, notes)
 
 
 def build_answer(drive: Drive, verdict: Verdict, then: str, notes: tuple[str, ...] = ()) -> Answer:
