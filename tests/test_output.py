@@ -504,7 +504,7 @@ def test_curvature_jumps_are_counted_only_where_it_jumps(name: str, angles_pi: l
 
 
 def test_timing_adds_up() -> None:
-    drive: Any = SimpleNamespace(timing_s={"teeth": 0.25, "pitch curves": 0.5}, stage=None, by_stage=())
+    drive: Any = SimpleNamespace(timing_s={"teeth": 0.25, "pitch curves": 0.5}, of="", by_stage=())
     assert timing_text(drive).split("\n")[-1].split() == ["sum", "0.750"]
 
 

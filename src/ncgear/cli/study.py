@@ -164,7 +164,7 @@ def measured(
 
         files = read_files({Gear.DRIVING: driving, Gear.DRIVEN: driven})
         drive, how = Drive(loaded.design).of_stage(stage), Fit(fit.value)
-        name = loaded.design.name + ("" if drive.stage is None else f"-stage-{drive.stage}")
+        name = drive.stem
         folder = prepared(out, f"{name}-measured")
         with naming_what_helps(drive, BUILD), steps_shown(2) as on_step:
             on_step("best fit and contact")

@@ -146,8 +146,7 @@ def timing_text(drive: Drive) -> str:
     """The seconds that each step took, and their sum."""
     taken = {}
     for pair in (drive, *(pair for pair in drive.by_stage if pair is not drive)):
-        of = "" if pair.stage is None else f"stage {pair.stage}: "
-        taken.update({f"{of}{step}": seconds for step, seconds in pair.timing_s.items()})
+        taken.update({f"{pair.of}{step}": seconds for step, seconds in pair.timing_s.items()})
     rows = [(step, fixed(seconds, 3)) for step, seconds in {**taken, "sum": sum(taken.values())}.items()]
     return "\n".join(["Time in s", *aligned(rows, left=1, least=[0, LEAST_WIDTH])])
 

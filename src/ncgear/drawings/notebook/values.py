@@ -101,9 +101,7 @@ def _title(value: object) -> tuple[str, str]:
         return value.name, value.description or ""
     if not isinstance(value, Drive):
         return type(value).__name__, ""
-    design = value.design
-    stage = "" if value.stage is None else f", stage {value.stage}"
-    return f"{design.name}{stage}", design.description or ""
+    return value.title, value.design.description or ""
 
 
 @singledispatch
@@ -136,7 +134,7 @@ def _verdict(drive: Drive) -> Markup:
 
 
 def _about_pair(pair: Drive) -> Markup:
-    return facts(typeset(gear_facts(pair), pair.stage))
+    return facts(typeset(gear_facts(pair), pair.of))
 
 
 def _mechanism(linkage: Mechanism) -> str:

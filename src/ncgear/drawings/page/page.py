@@ -59,7 +59,7 @@ def report_page(
     about_pairs = {
         "facts": [
             *typeset(machine_facts(drive)),
-            *chain.from_iterable(typeset(gear_facts(pair), pair.stage) for pair, _ in pairs),
+            *chain.from_iterable(typeset(gear_facts(pair), pair.of) for pair, _ in pairs),
         ],
         "pairs": [
             {

@@ -37,7 +37,7 @@ def contact_tables(drive: Drive, contact: PairContact) -> list[Table]:
     forms = {f"as written to {source.upper()}": figures for source, figures in written.items()}
     return [
         Table("The worst of all", (), tuple(labelled(found))),
-        _beside("In detail", {"as designed": designed, **forms}),
+        beside("In detail", {"as designed": designed, **forms}),
     ]
 
 
@@ -47,7 +47,7 @@ def strength_tables(drive: Drive) -> list[Table]:
     return [weakest_table(drive, rating)] if isinstance(rating, Rating) else []
 
 
-def _beside(title: str, sections: Mapping[str, Mapping[str, Any]]) -> Table:
+def beside(title: str, sections: Mapping[str, Mapping[str, Any]]) -> Table:
     """The same figures of several sections side by side, without lists of teeth, which summary.json has."""
     plain = [{key: value for key, value in one.items() if not isinstance(value, list)} for one in sections.values()]
     columns = [dict(labelled(section)) for section in plain]
@@ -78,9 +78,8 @@ TYPESET = (("mm/s2", "mm/s\u00b2"), ("rad/s2", "rad/s\u00b2"), (" cm3", " cm\u00
 """Units as they are typed on a terminal, and as they are set on a page."""
 
 
-def typeset(facts: Iterable[tuple[str, str]], stage: int | None = None) -> list[tuple[str, str]]:
-    """Names and texts of facts for the page; the names begin with the stage where there are two."""
-    of = f"stage {stage}: " if stage else ""
+def typeset(facts: Iterable[tuple[str, str]], of: str = "") -> list[tuple[str, str]]:
+    """Names and texts of facts for the page; the names begin with what they are of, as ``stage 1: ``."""
     found = []
     for name, text in facts:
         for typed, set_ in TYPESET:

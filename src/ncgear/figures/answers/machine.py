@@ -179,13 +179,13 @@ TOGETHER = {
 
 def _gears(drive: Drive) -> list[Row]:
     """The gears of a pair, how they touch, and whether they hold."""
-    of, facts, found = "" if drive.stage is None else f"stage {drive.stage}: ", dict(gear_facts(drive)), safeties(drive)
+    facts, found = dict(gear_facts(drive)), safeties(drive)
     held = [f"{safety} against {damage} ({wanted} wanted)" for damage, safety, wanted in found or ()]
     rows = [] if found is None else [("safety", ", ".join(held) or "not judged")]
     for first, others in TOGETHER.items():
         more = [f"{name.removeprefix(f'{first}, ')} {facts.pop(name)}" for name in others]
         rows.append((first, ", ".join([facts.pop(first), *more])))
-    return [Row(of + name, (text,)) for name, text in [*rows, *facts.items()]]
+    return [Row(drive.of + name, (text,)) for name, text in [*rows, *facts.items()]]
 
 
 def safeties(drive: Drive) -> list[tuple[str, str, str]] | None:

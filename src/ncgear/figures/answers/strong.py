@@ -52,15 +52,16 @@ def strength_answer(
         heads.insert(1, f"by {beside.strength.method}")
     rows, faults, about = [], list[Fault](), list[Row]()
     for pair, rating, remedies, other in pairs:
-        of = "" if pair.stage is None else f"stage {pair.stage}: "
-        rows += _rows(of, rating, other)
+        rows += _rows(pair.of, rating, other)
         weak = [one for one in rating.weakest if not one.holds]
         cures = [remedy.brief for remedy in remedies]
         faults += [
-            Fault(f"{of}{one.gear.value} gear, {one.damage.words}: {teeth_words(one.too_weak)}", tuple(cures[place:]))
+            Fault(
+                f"{pair.of}{one.gear.value} gear, {one.damage.words}: {teeth_words(one.too_weak)}", tuple(cures[place:])
+            )
             for place, one in enumerate(sorted(weak, key=lambda one: one.share))
         ]
-        about += _about(of, pair, rating)
+        about += _about(pair, rating)
     design = drive.design
     others = faults_of(verdict.without(Kind.STRENGTH))
     held = holding_words(any(rating.strength.wears for _, rating, *_ in pairs))
@@ -88,7 +89,7 @@ def _rows(of: str, rating: Rating, beside: Rating | None) -> list[Row]:
     return found
 
 
-def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
+def _about(drive: Drive, rating: Rating) -> list[Row]:
     """The gears, their largest force, and how they touch under load."""
     size, loading, strength, error = drive.pitch.size, rating.loading, rating.strength, "transmission_error_rad"
     width, force = (
@@ -118,7 +119,7 @@ def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
         ("under load", under_load),
         ("joints", ", ".join(joints)),
     ]
-    return [Row(f"{of}{name}", (words,)) for name, words in rows if words]
+    return [Row(f"{drive.of}{name}", (words,)) for name, words in rows if words]
 
 
 def _herringbone_words(one: Sized | Literal["none"]) -> str:

@@ -59,7 +59,6 @@ def data_sheet(pair: Drive) -> DataSheet:
     that cannot be computed says why, where it would stand.
     """
     pair.require_sound_teeth()
-    name = pair.design.name if pair.stage is None else f"{pair.design.name}, stage {pair.stage}"
     rows: dict[str, Callable[[], Iterable[Entry]]] = {
         "Sizes": partial(sizes, pair),
         "Basic rack": partial(rack_data, pair),
@@ -80,7 +79,7 @@ def data_sheet(pair: Drive) -> DataSheet:
         tables[f"Span of the {gear.value} gear"] = partial(_of_one, pair, number, span_table)
         tables[f"Pins in the {gear.value} gear"] = partial(_of_one, pair, number, pin_tables)
     told = tuple(table for title, of in tables.items() for table in tables_or_why(title, of))
-    return DataSheet(name, tuple(group for group in groups if group.entries), told)
+    return DataSheet(pair.title, tuple(group for group in groups if group.entries), told)
 
 
 MISSING = (ArithmeticError, ValueError, DesignError)
