@@ -15,6 +15,7 @@ from ncgear.cli.arguments import (
     Timing,
     Verbose,
     files_to_complete,
+    folder_option,
     opened,
     pasted,
     prepared,
@@ -67,9 +68,7 @@ def check(
 
 def build(
     design_file: DesignFile,
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>")
-    ] = None,
+    out: Annotated[Path | None, folder_option()] = None,
     kinds: Annotated[
         list[Format] | None,
         typer.Option(
@@ -133,9 +132,7 @@ def build(
 
 def report(
     design_file: DesignFile,
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>")
-    ] = None,
+    out: Annotated[Path | None, folder_option()] = None,
     as_json: AsJson = False,
     timing: Timing = False,
 ) -> None:
@@ -235,9 +232,7 @@ def simulate(
         Level,
         typer.Option(help="rigid: inverse dynamics in closed form; quasi_static: teeth under load; dynamic: in time."),
     ] = Level.RIGID,
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-<level>")
-    ] = None,
+    out: Annotated[Path | None, folder_option("-<level>")] = None,
     as_json: AsJson = False,
     verbose: Verbose = False,
     timing: Timing = False,
@@ -280,9 +275,7 @@ def strength(
             show_default="as the file says",
         ),
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-strength")
-    ] = None,
+    out: Annotated[Path | None, folder_option("-strength")] = None,
     as_json: AsJson = False,
     verbose: Verbose = False,
     timing: Timing = False,
@@ -327,9 +320,7 @@ def balance(
     balance_file: Annotated[
         Path, typer.Argument(metavar="FILE.yaml", help="The balance file.", autocompletion=files_to_complete)
     ],
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<name>-balance")
-    ] = None,
+    out: Annotated[Path | None, folder_option("-balance", "name")] = None,
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> None:

@@ -26,7 +26,7 @@ from ncgear.optimum.flywheels import KNOTS, FlywheelPoint
 from ncgear.optimum.frontier import FamilyPoint, LawPoint
 from ncgear.optimum.makeable.demanded import CLOSE
 from ncgear.optimum.makeable.wishes import Goal
-from ncgear.optimum.task import LOAD_LIMITS, Figures
+from ncgear.optimum.task import Figures, by_limit
 from ncgear.project.best_law import BestLaw
 from ncgear.project.free_lengths import changed_keys
 from ncgear.project.frontier_run import Frontier
@@ -152,24 +152,16 @@ def limits_not_reached(best: BestLaw) -> dict[str, tuple[float, float]]:
     given = best.design.optimize.limits if best.design.optimize else None
     if given is None:
         return {}
-    found, rack = best.figures, best.wishes.limits.rack_angle_rad
-    moved = ("peak_speed", ""), ("peak_acceleration", "2"), ("peak_jerk", "3"), ("acceleration_harmonics", "2")
-    has = {
-        **{f"{key}_{u}_s{n}": getattr(found, f"{key}_mm_s{n}") for key, n in moved for u in ("mm", "rad")},
-        "center_distance_mm": found.center_distance_mm,
-        "pressure_angle_deg": degrees(found.tangent_rad + rack),
-        "ratio_max": found.ratio_max,
-        "peak_power_w": found.peak_power_w,
-        **{name: getattr(found, name) for name in LOAD_LIMITS},
-    }
+    found = best.figures
+    has = by_limit(found, degrees(found.tangent_rad + best.wishes.limits.rack_angle_rad))
     if best.wishes.pairs > 1:
         # Each pair has an angle of its own
         del has["pressure_angle_deg"]
     stated = {name: getattr(given, name) for name in given.model_fields_set}
     far = {
-        name: (limit, has[name])
+        name: (limit, value)
         for name, limit in stated.items()
-        if limit is not None and has.get(name) is not None and has[name] < REACHED * limit
+        if limit is not None and (value := has.get(name)) is not None and value < REACHED * limit
     }
     least = stated.get("ratio_min")
     return {**far, "ratio_min": (least, found.ratio_min)} if least and found.ratio_min > least / REACHED else far

@@ -12,7 +12,7 @@ from ncgear.design.rewritten import told_copy
 from ncgear.figures.advice.drivetrain_advice import around
 from ncgear.figures.advice.values import Advice, changed
 from ncgear.figures.numbers import shown, to_digits
-from ncgear.figures.strong import strength_summary
+from ncgear.figures.strong import of_weakest, strength_summary
 from ncgear.pitch.shape import Gear
 from ncgear.project.figures import figures_of
 from ncgear.project.sizing import Sized, stated_inertias
@@ -56,11 +56,10 @@ def sized_figures(found: Sequence[Sized], herringbone: Sized | None = None) -> d
     """
     first = found[0]
     design, rating = first.drive.design, first.rating
-    materials: dict[str, dict[str, Any]] = {
-        gear.value: {"material": rating.strength.of(gear).material.name} for gear in Gear
+    wanted = of_weakest(rating, lambda one: {"safety_wanted": one.wanted})
+    materials = {
+        gear.value: {"material": rating.strength.of(gear).material.name, **wanted[gear.value]} for gear in Gear
     }
-    for one in rating.weakest:
-        materials[one.gear.value][f"{one.damage}_safety_wanted"] = one.wanted
     return {
         "design": {"name": design.name, "description": design.description},
         "load": {"speed_rpm": design.operation.speed_rpm},
