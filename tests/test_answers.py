@@ -12,7 +12,7 @@ import reports
 from at_once import at_once
 from commands import ROOT, Run
 from drives import DESIGNS, MACHINES, designs_with, drive, loaded
-from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
+from ncgear.figures.advice.values import Advice, Kind, Remedy
 from ncgear.figures.advice.verdict import Judged, Known, Verdict, judged, together
 from ncgear.figures.answers.answer import (
     COLUMNS,
@@ -190,7 +190,7 @@ def test_columns_stand_below_their_heads() -> None:
 
 
 def advice(kind: Kind, matters: bool = True) -> Advice:
-    return Advice(kind, (Where(),), "what", "meaning", (Remedy("text"),), matters, brief=kind.value)
+    return Advice(kind, "what", "meaning", (Remedy("text"),), matters, brief=kind.value)
 
 
 def test_the_most_serious_comes_first_and_remarks_are_left_out() -> None:

@@ -16,7 +16,7 @@ from ncgear.dynamics.rigid import LoadPeaks
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.flanks import hours_words, surfaces_figures, surfaces_rows, vibration_figures, vibration_of_rating
-from ncgear.figures.numbers import fixed, known, shown, to_digits
+from ncgear.figures.numbers import fixed, known, to_digits
 from ncgear.figures.quantities import figure
 from ncgear.figures.simulated import SAME_AS_MESH, force_figures
 from ncgear.figures.summary.check_summary import stages_summary, verdict_summary
@@ -380,11 +380,6 @@ WEAR = "No tooth breaks: no safety is under the wanted one; dry metal wears."
 def holding_words(wears: bool) -> str:
     """What is said of teeth that hold; ``wears`` tells whether they are of metal and run dry."""
     return WEAR if wears else HOLD
-
-
-def teeth_words(numbers: Sequence[int]) -> str:
-    """``teeth 3-5, 8``."""
-    return f"{'tooth' if len(numbers) == 1 else 'teeth'} {shown(sorted(numbers))}"
 
 
 def _degrees(angle_rad: float) -> str:

@@ -10,7 +10,7 @@ from ncgear.figures.advice.values import Advice, Kind, Remedy, changed
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.answer import Answer, Fault, Row, faults_of
 from ncgear.figures.flanks import surfaces_rows, vibration_of_rating, vibration_words
-from ncgear.figures.numbers import shown, to_digits
+from ncgear.figures.numbers import shown, teeth_words, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.sized import parts_that_fail, sized_rows
 from ncgear.figures.strong import (
@@ -26,7 +26,6 @@ from ncgear.figures.strong import (
     load_words,
     materials_words,
     rim_words,
-    teeth_words,
     weakest_cells,
 )
 from ncgear.project.drive import Drive
