@@ -21,11 +21,11 @@ from ncgear.design.words import ending_in
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import shown
 from ncgear.frozen import dataclass
-from ncgear.numerics.units import KG_M2
+from ncgear.numerics.units import KG_M2, label_and_unit
 from ncgear.optimum.flywheels import KNOTS, FlywheelPoint
 from ncgear.optimum.frontier import FamilyPoint, LawPoint
 from ncgear.optimum.makeable.demanded import CLOSE
-from ncgear.optimum.makeable.wishes import Goal
+from ncgear.optimum.makeable.wishes import ALONE, Goal
 from ncgear.optimum.task import Figures, by_limit
 from ncgear.project.best_law import BestLaw
 from ncgear.project.free_lengths import changed_keys
@@ -33,20 +33,8 @@ from ncgear.project.frontier_run import Frontier
 from ncgear.project.law import kept_size
 from ncgear.project.law_task import SoughtMachine
 
-UNITS = {
-    Goal.POWER: "W",
-    Goal.BRAKING_POWER: "W",
-    Goal.RMS_TORQUE: "N m",
-    Goal.FLYWHEEL: "kg mm2",
-    Goal.BEARING_FORCE: "N",
-    Goal.SHAKING_FORCE: "N",
-    Goal.TOOTH_FORCE: "N",
-    Goal.FLANK_LOAD: "N mm",
-    Goal.TORQUE_HARMONICS: "N m",
-    Goal.CENTER_DISTANCE: "mm",
-    Goal.PRESSURE_ANGLE: "deg beside the rack's",
-    Goal.WEIGHTED: "1",
-}
+NO_UNITS = {Goal.PRESSURE_ANGLE: "deg beside the rack's", Goal.WEIGHTED: "1"}
+"""What stands for the unit of a goal that is no figure by itself."""
 
 ARGUMENT = (
     "Between places of the crank every motion keeps relations that are convex in the squared ratio of speeds, for "
@@ -61,14 +49,11 @@ SUFFIX = "-optimized"
 
 def unit_of_goal(best: BestLaw) -> str:
     """The unit of what is least."""
-    output = best.task.linkage.OUTPUT
-    of_motion = {
-        Goal.SPEED: output.speed.text,
-        Goal.ACCELERATION: output.acceleration.text,
-        Goal.ACCELERATION_HARMONICS: output.acceleration.text,
-        Goal.JERK: f"{output.speed.text}3",
-    }
-    return {**UNITS, **of_motion}[best.wishes.goal]
+    goal = best.wishes.goal
+    if goal in NO_UNITS:
+        return NO_UNITS[goal]
+    (key,) = _named({key: price for key, price in vars(ALONE[goal]).items() if price}, best)
+    return label_and_unit(key)[1]
 
 
 def _named(values: dict[str, Any], beside: SoughtMachine) -> dict[str, Any]:
