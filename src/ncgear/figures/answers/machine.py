@@ -179,13 +179,20 @@ TOGETHER = {
 
 def _gears(drive: Drive) -> list[Row]:
     """The gears of a pair, how they touch, and whether they hold."""
-    facts, found = dict(gear_facts(drive)), safeties(drive)
-    held = [f"{safety} against {damage} ({wanted} wanted)" for damage, safety, wanted in found or ()]
-    rows = [] if found is None else [("safety", ", ".join(held) or "not judged")]
+    found, rows = safeties(drive), gear_rows(drive)
+    if found is not None:
+        held = [f"{safety} against {damage} ({wanted} wanted)" for damage, safety, wanted in found]
+        rows = {"safety": ", ".join(held) or "not judged", **rows}
+    return [Row(drive.of + name, (text,)) for name, text in rows.items()]
+
+
+def gear_rows(drive: Drive) -> dict[str, str]:
+    """The main figures of a pair of gears, those that belong together in one text."""
+    facts, rows = dict(gear_facts(drive)), dict[str, str]()
     for first, others in TOGETHER.items():
         more = [f"{name.removeprefix(f'{first}, ')} {facts.pop(name)}" for name in others]
-        rows.append((first, ", ".join([facts.pop(first), *more])))
-    return [Row(drive.of + name, (text,)) for name, text in [*rows, *facts.items()]]
+        rows[first] = ", ".join([facts.pop(first), *more])
+    return rows | facts
 
 
 def safeties(drive: Drive) -> list[tuple[str, str, str]] | None:

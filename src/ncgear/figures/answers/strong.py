@@ -9,6 +9,7 @@ from ncgear.design.keys.base import listed
 from ncgear.figures.advice.values import Advice, Kind, Remedy, changed
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.answer import Answer, Fault, Row, faults_of
+from ncgear.figures.answers.machine import gear_rows
 from ncgear.figures.flanks import surfaces_rows, vibration_of_rating, vibration_words
 from ncgear.figures.numbers import shown, teeth_words, to_digits
 from ncgear.figures.quantities import figure, name_of
@@ -90,11 +91,8 @@ def _rows(of: str, rating: Rating, beside: Rating | None) -> list[Row]:
 
 def _about(drive: Drive, rating: Rating) -> list[Row]:
     """The gears, their largest force, and how they touch under load."""
-    size, loading, strength, error = drive.pitch.size, rating.loading, rating.strength, "transmission_error_rad"
-    width, force = (
-        figure(*one) for one in (("face_width_mm", drive.gears.face_width_mm), ("force_n", strength.peak_pair_n))
-    )
-    told, module = vibration_of_rating(drive, rating), figure("module_mm", size.module_mm)
+    loading, strength, error = rating.loading, rating.strength, "transmission_error_rad"
+    told, force = vibration_of_rating(drive, rating), figure("force_n", strength.peak_pair_n)
     under_load = "not judged, because only a jam presses the teeth"
     if loading.contact_ratio:
         off = f"{name_of(error)} {figure(error, loading.transmission_error_rad)}"
@@ -103,9 +101,8 @@ def _about(drive: Drive, rating: Rating) -> list[Row]:
         f"{name_of(key)} {figure(key, most)} by {DECIDING[load]}"
         for key, (most, load) in deciding_forces(drive).items()
     )
-    teeth = f"{size.driving_teeth} : {size.driven_teeth}, module {module}, {name_of('face_width_mm')} {width}"
     rows = [
-        ("teeth", teeth),
+        ("teeth", gear_rows(drive)["teeth"]),
         ("material", materials_words(drive, strength)),
         ("force", f"up to {force} on one pair of teeth, times {jolts_words(drive)}"),
         ("jam", jam_words(drive, rating)),

@@ -103,7 +103,7 @@ def masses_note(drive: Drive) -> str:
 
 
 def _check(drive: Drive) -> dict[str, Any]:
-    result = peak_figures(drive.check, returns=drive.linkage.RETURNS)
+    result: dict[str, Any] = peak_figures(drive.check, returns=drive.linkage.RETURNS)
     if drive.law.stroke is not None:
         found = drive.check_at_rpm(drive.law_speed_rpm)
         of_law = peak_figures(found, returns=drive.linkage.RETURNS)
