@@ -20,8 +20,9 @@ from ncgear.design.reading.design_file import parsed
 from ncgear.design.template import MachineName
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.advice.law_advice import NO_BORE, crank_pin, stretches_in_words
-from ncgear.figures.advice.values import Advice, Change, Kind, Remedy, Where
+from ncgear.figures.advice.values import Advice, Change, Kind, Remedy
 from ncgear.figures.advice.verdict import Known, judged
+from ncgear.figures.numbers import teeth_words
 from ncgear.project.best_law import BestLaw
 from ncgear.project.drive import Drive
 from verdicts import verdict_on
@@ -164,7 +165,7 @@ NOT_REMOVED = {Kind.NEGATIVE_RESISTANCE}
 )
 def test_an_advice_says_what_there_is_and_where(name: str, kind: Kind, gear: str, said: str) -> None:
     advice = next(advice for advice in advices(name) if advice.kind is kind)
-    assert advice.where[0].gear == gear
+    assert gear in advice.what
     assert said in advice.line
 
 
@@ -307,8 +308,7 @@ def test_a_shift_is_advised_where_it_is_enough_in_place_of_the_given_one() -> No
 
 
 def test_values_read_as_text() -> None:
-    where = Where("driving", (1, 2, 3, 7), ((10.0, 10.0), (20.0, 31.0)))
-    assert str(where) == "teeth 1-3, 7 of the driving gear, phi1 = 10, 20..31 deg"
+    assert (teeth_words([7, 1, 2, 3]), teeth_words([5])) == ("teeth 1-3, 7", "tooth 5")
     assert str(Change("motion.sine", (0.5, 0.25, 0.1, 0.05))) == "motion.sine: [0.5, 0.25, 0.1, and 1 more]"
     assert str(Remedy("do it", (Change("a.b", True),), "ncgear optimize")) == "do it (a.b: true, then ncgear optimize)"
 
@@ -335,7 +335,7 @@ def test_a_crank_pin_that_meets_a_shaft_or_hub_is_told(
     told = [one for one in found if isinstance(one, Advice)]
     # Without a bore nothing is known of the shaft
     assert (NO_BORE in found) is not bool(driving and driven)
-    assert [advice.where[0].gear for advice in told] == near
+    assert [one.brief.partition(" touches the ")[2].partition(" ")[0] for one in told] == near
     for advice in told:
         passed = abs(80.0 - crank) if near == ["driving"] else crank
         assert f"{passed:.3g} mm from the {near[0]} gear" in advice.what
@@ -424,7 +424,7 @@ def test_a_limit_of_the_file_is_not_changed_by_an_advice(
     case: str, given: Data, kind: Kind, left: list[str] | None
 ) -> None:
     data = merged(data_of(case), given)
-    (advice,) = (one for one in judged_advices(drive_of(data)) if one.kind is kind and one.where[0].gear != "driven")
+    (advice,) = (one for one in judged_advices(drive_of(data)) if one.kind is kind and "driven pitch" not in one.what)
     searches = [one for one in advice.remedies if one.command]
     changed = [[change.key.rpartition(".")[2] for change in one.changes] for one in searches]
     assert changed == ([] if left is None else [left])

@@ -12,7 +12,7 @@ import reports
 from at_once import at_once
 from commands import ROOT, Run
 from drives import DESIGNS, MACHINES, designs_with, drive, loaded
-from ncgear.figures.advice.values import Advice, Kind, Remedy, Where
+from ncgear.figures.advice.values import Advice, Kind, Remedy
 from ncgear.figures.advice.verdict import Judged, Known, Verdict, judged, together
 from ncgear.figures.answers.answer import (
     COLUMNS,
@@ -29,7 +29,7 @@ from ncgear.figures.answers.machine import build_answer, check_answer, head_of
 from ncgear.figures.data_sheet.sheet import data_sheet
 from ncgear.figures.quantities import NAMES, SIZES, name_of
 from ncgear.figures.summary.build_summary import build_summary
-from ncgear.figures.terminal import _table, summary_text
+from ncgear.figures.terminal import _table, figures_text
 from ncgear.project.drive import Drive
 from tiers import long_but
 
@@ -59,7 +59,7 @@ def test_the_screen_is_the_one_that_is_meant() -> None:
 
 def checked(name: str) -> str:
     made = drive(name)
-    return answer_text(check_answer(made, f"designs/{name}.yaml"))
+    return answer_text(check_answer(made, judged(made, Known.MOTION), f"designs/{name}.yaml"))
 
 
 @pytest.mark.tiers(quick=QUICK, rest="slow")
@@ -76,7 +76,7 @@ def test_a_check_is_a_screen(name: str) -> None:
 @pytest.mark.parametrize("name", ["ellipse", "baler-66-two-stage"])
 def test_a_check_makes_no_tooth(name: str) -> None:
     made = Drive(loaded(name).design)
-    answer_text(check_answer(made, "d.yaml"))
+    answer_text(check_answer(made, judged(made, Known.MOTION), "d.yaml"))
     assert all("teeth" not in vars(pair) for pair in (made, *made.by_stage))
 
 
@@ -190,7 +190,7 @@ def test_columns_stand_below_their_heads() -> None:
 
 
 def advice(kind: Kind, matters: bool = True) -> Advice:
-    return Advice(kind, (Where(),), "what", "meaning", (Remedy("text"),), matters, brief=kind.value)
+    return Advice(kind, "what", "meaning", (Remedy("text"),), matters, brief=kind.value)
 
 
 def test_the_most_serious_comes_first_and_remarks_are_left_out() -> None:
@@ -280,7 +280,7 @@ def everywhere(name: str) -> dict[str, dict[str, str]]:
     summary = build_summary(made, reports.contacts(name)[0], judged(made, Known.TEETH))
     return {
         "screen": in_answer(name),
-        "verbose": in_terminal(summary_text(summary)),
+        "verbose": in_terminal(figures_text(summary)),
         "report": in_report(name),
         "sheet": in_sheet(name),
     }

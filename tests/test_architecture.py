@@ -15,7 +15,8 @@ from commands import ROOT, loaded_by, modules_after
 from drives import loaded
 from every_command import completing
 from ncgear import shown
-from ncgear.figures.terminal import check_text
+from ncgear.figures.summary.check_summary import check_summary
+from ncgear.figures.terminal import figures_text
 from ncgear.project.drive import Drive
 
 SOURCE = ROOT / "src" / "ncgear"
@@ -265,7 +266,7 @@ VALUES = ("law", "machine", "check", "uniform_check", "pitch", "teeth", "designe
 def test_a_check_makes_no_tooth(name: str) -> None:
     """It judges pitch curves, and strength roughly."""
     drive = Drive(loaded(name).design)
-    check_text(drive)
+    figures_text(check_summary(drive))
     made = [value for value in VALUES if value in vars(drive)]
     assert made == ["law", "machine", "check", "uniform_check", "pitch"]
 

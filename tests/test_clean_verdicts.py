@@ -6,6 +6,7 @@ said to be broken, the judge must not find it kept; what both allow each other s
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -172,7 +173,8 @@ def _worst(seen: Seen) -> Pair:
 def contact(seen: Seen, row: Judged) -> Finding:
     """Flanks touch at the law's angles, but for chords, or part about the angle that is told."""
     if row.state is not State.KEPT:
-        gap = max(_gaps(seen, *angles).max() for angles in row.advices[0].where[0].angles_deg)
+        told = re.findall(r"[\d.]+", re.findall("phi1 = (.*?) deg, no flanks", row.advices[0].what)[0])
+        gap = max(_gaps(seen, angle, angle).max() for angle in map(float, told))
         return None if gap > seen.chord_mm or _hidden(seen) else f"flanks part by {gap:.2g} mm only where it is told"
     phi1, phi2 = seen.angles(outside.POSITIONS)
     found = [seen.pair._judged(one, other) for one, other in zip(phi1.tolist(), phi2.tolist(), strict=True)]
@@ -235,13 +237,18 @@ def _beside(row: Judged, value: float, limit: float, error: float = 1e-4) -> Fin
     return None
 
 
+def _gears_of(row: Judged) -> set[str]:
+    """The gears that the advices of a row name."""
+    return {gear.value for gear in Gear for advice in row.advices if gear.value in advice.what}
+
+
 def concave(seen: Seen, row: Judged) -> Finding:
     """The least bend of the pitch polylines; what is nearly straight is left to either."""
     own, mate = outside.pitch_radii(seen.law, seen.distance_mm, internal=seen.internal)
     bends = {"driving": outside.least_bend(own, seen.law.phi1)}
     if not seen.internal:
         bends["driven"] = outside.least_bend(mate, seen.law.phi2)
-    told = {where.gear for advice in row.advices for where in advice.where}
+    told = _gears_of(row)
     for gear, bend in bends.items():
         if gear in told and bend > 1e-3:
             return f"the {gear} curve bends by {bend:.3g} at least and is told to be concave"
@@ -335,7 +342,7 @@ def undercut(seen: Seen, row: Judged) -> Finding:
         place = (radius * way)[: _once(seen, gear)]
         outline = np.asarray(cut.teeth.of(gear).outline_mm)
         found[gear.value] = outside.narrowed_mm(outline, np.column_stack([place.real, place.imag]), seen.module_mm)
-    told = {where.gear for advice in row.advices for where in advice.where}
+    told = _gears_of(row)
     narrower = {gear for gear, by in found.items() if by > HARDLY_NARROWER * seen.module_mm}
     wrong = not narrower <= told or (told and not narrower)
     return f"teeth are narrower below by {found}, told of {sorted(told)}" if wrong else None
@@ -447,7 +454,7 @@ def kept(kind: Kind) -> Judged:
 
 def broken(kind: Kind) -> Judged:
     """What a verdict that sees everything would say."""
-    return Judged(kind, None, (Advice(kind, (), "it is wrong", "it breaks", brief="it is wrong"),))
+    return Judged(kind, None, (Advice(kind, "it is wrong", "it breaks", brief="it is wrong"),))
 
 
 def seen_of(seed: int, **gears: Any) -> Seen:
@@ -457,7 +464,7 @@ def seen_of(seed: int, **gears: Any) -> Seen:
     return Seen(data, Drive(design_of(data)))
 
 
-SILENT = Advice(Kind.WITHOUT_EFFECT, (), "resistance never acts", "no force", brief="resistance never acts")
+SILENT = Advice(Kind.WITHOUT_EFFECT, "resistance never acts", "no force", brief="resistance never acts")
 
 CLEAN = 126
 """A crank-slider with masses that keeps everything."""

@@ -27,7 +27,7 @@ from ncgear.figures.data_sheet.sheet import data_sheet, sheet_text
 from ncgear.figures.numbers import drawn, fixed, json_text, shown, to_digits
 from ncgear.figures.quantities import SIZES, name_of, told
 from ncgear.figures.summary.build_summary import build_summary
-from ncgear.figures.terminal import summary_text
+from ncgear.figures.terminal import figures_text
 from ncgear.files.workshop.drawing import written
 from ncgear.files.workshop.dxf import dxf_files
 from ncgear.files.workshop.gear_drawing import pair_drawings
@@ -100,7 +100,7 @@ both = pytest.mark.parametrize("name", NAMES)
 @both
 def test_the_terminal_has_no_rounding_errors(name: str) -> None:
     """Sizes of gears have the decimals of a drawing, all other figures five digits."""
-    text = summary_text(build_summary(drive(name), reports.contacts(name)[0], judged(drive(name), Known.TEETH)))
+    text = figures_text(build_summary(drive(name), reports.contacts(name)[0], judged(drive(name), Known.TEETH)))
     assert noise(text) == []
     lines = text.splitlines()
     sizes = [line for line in lines if line.startswith(tuple(f"  {name_of(key)}  " for key in SIZES))]

@@ -184,7 +184,8 @@ def test_an_index_hole_without_room_is_told_with_a_size_that_leaves_it_room(bodi
     assert rows_of(one, Kind.INDEX_HOLES, Known.MOTION).state is State.NOT_JUDGED
     (advice,) = rows_of(one, Kind.INDEX_HOLES).advices
     lacking = [gear for gear, plan in zip(Gear, one.finished_plans, strict=True) if plan.index_hole is None]
-    assert [where.gear for where in advice.where] == [gear.value for gear in lacking]
+    names = " and ".join(gear.value for gear in lacking)
+    assert f"index hole of the {names} gear" in advice.what
     room, without = advice.remedies
     assert without.changes == (Change("gears.index_holes", value=False),)
     (change,) = room.changes

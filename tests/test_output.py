@@ -30,11 +30,12 @@ from ncgear.drawings.charts.slider_charts import LOAD, MOTION, motion_chart, ove
 from ncgear.drawings.plots import assembled_pair as gears
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, HIGHLIGHT
 from ncgear.errors import NoSuchMechanism, Unanswered, WrongInput
+from ncgear.figures.comparison import MIXED_SPEEDS, SAME_SPEED
 from ncgear.figures.csv_text import law_csv, outline_csv, rows_text
 from ncgear.figures.numbers import json_text, shown
 from ncgear.figures.summary.build_summary import pitch_summary
 from ncgear.figures.tables import WIDTH, cell_text
-from ncgear.figures.terminal import MIXED_SPEEDS, SAME_SPEED, summary_text, timing_text
+from ncgear.figures.terminal import figures_text, timing_text
 from ncgear.files.build import build
 from ncgear.files.manifest import MANIFEST, publish_run
 from ncgear.files.publish import STAGING_PREFIX, prepare
@@ -434,7 +435,7 @@ SUMMARY: dict[str, Any] = {
 
 
 def test_rows_at_other_speeds_are_set_apart() -> None:
-    text = summary_text(SUMMARY)
+    text = figures_text(SUMMARY)
     same, mixed = text.split(MIXED_SPEEDS)
     assert SAME_SPEED in same
     assert "this design" in same
@@ -446,12 +447,12 @@ def test_rows_at_other_speeds_are_set_apart() -> None:
 
 def test_no_heading_without_rows_at_other_speeds() -> None:
     rows = [row for row in SUMMARY["comparison"] if row["same_speed"]]
-    assert MIXED_SPEEDS not in summary_text({**SUMMARY, "comparison": rows})
-    assert SAME_SPEED not in summary_text({**SUMMARY, "comparison": []})
+    assert MIXED_SPEEDS not in figures_text({**SUMMARY, "comparison": rows})
+    assert SAME_SPEED not in figures_text({**SUMMARY, "comparison": []})
 
 
 def test_report_is_aligned_and_not_too_wide() -> None:
-    lines = summary_text(SUMMARY).split("\n")
+    lines = figures_text(SUMMARY).split("\n")
     assert max(map(len, lines)) <= WIDTH
     rows = [line for line in lines if line.endswith("1874.1")]
     assert len(rows) == 3
@@ -472,7 +473,7 @@ def test_report_is_aligned_and_not_too_wide() -> None:
     ],
 )
 def test_values_are_shown_as_a_person_reads_them(line: str) -> None:
-    assert " ".join(line.split()) in [" ".join(shown_line.split()) for shown_line in summary_text(SUMMARY).split("\n")]
+    assert " ".join(line.split()) in [" ".join(shown_line.split()) for shown_line in figures_text(SUMMARY).split("\n")]
 
 
 def test_numbers_and_units() -> None:
@@ -503,7 +504,7 @@ def test_curvature_jumps_are_counted_only_where_it_jumps(name: str, angles_pi: l
 
 
 def test_timing_adds_up() -> None:
-    drive: Any = SimpleNamespace(timing_s={"teeth": 0.25, "pitch curves": 0.5}, stage=None, by_stage=())
+    drive: Any = SimpleNamespace(timing_s={"teeth": 0.25, "pitch curves": 0.5}, of="", by_stage=())
     assert timing_text(drive).split("\n")[-1].split() == ["sum", "0.750"]
 
 

@@ -42,10 +42,10 @@ CHECK_FIGURES = (
 PITCH_FIGURES = (
     "pitch.center_distance_mm",
     "pitch.length_driving_mm",
-    "pitch.length_driven_mm",
     "pitch.driving_convex",
-    "pitch.driven_convex",
     "pitch.min_radius_driving_mm",
+    "pitch.length_driven_mm",
+    "pitch.driven_convex",
     "pitch.min_radius_driven_mm",
     "pitch.max_tangent_angle_deg",
     "pitch.max_pressure_angle_deg",

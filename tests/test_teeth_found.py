@@ -18,10 +18,14 @@ from drives import drive
 from ncgear.drawings.page.tables import ToothLinks
 from ncgear.drawings.scene.geared_pairs import SceneGear
 from ncgear.drawings.scene.scene import Scene
+from ncgear.figures.advice.values import Kind
 from ncgear.figures.advice.verdict import Known, judged
 from ncgear.figures.tables import Column, Table
 from ncgear.numerics.arrays import Array
+from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.project.strengthening import Rating, known_rating
+from ncgear.teeth.tips import Limit
 from scenes import in_a_browser, scene
 
 DESIGNS = ["pump-1-2", "internal-1-2", "spiral-pair", "helical-ellipse", "desk-toy", "baler-66-two-stage"]
@@ -63,12 +67,28 @@ def links(markup: str) -> list[tuple[str, int]]:
     return [(gear, int(tooth)) for gear, tooth in re.findall(r'data-gear="([\w-]+)" data-tooth="(\d+)"', markup)]
 
 
+def teeth_of(made: Drive, kind: Kind) -> set[tuple[str, int]]:
+    """The teeth that an advice of a kind may name."""
+    both = {gear.value: made.teeth.of(gear) for gear in Gear}
+    if kind in (Kind.UNDERCUT, Kind.POINTED, Kind.SHORTENED):
+        marked = {name: gear.tips.undercut | (gear.tips.limit != Limit.FULL) for name, gear in both.items()}
+        return {(name, int(tooth)) for name, gear in both.items() for tooth in gear.flanks.tooth[marked[name]]}
+    rating = known_rating(made)
+    if kind is Kind.STRENGTH and isinstance(rating, Rating):
+        return {(one.gear.value, one.tooth) for one in rating.weakest}
+    if kind is Kind.FLANKS and isinstance(rating, Rating):
+        wear = made.surfaces_by(rating.strength.method).wear
+        return {(gear.value, depth.tooth(gear)) for gear, depth in zip(Gear, wear.depth_mm, strict=True)}
+    return set()
+
+
 @pytest.mark.tiers(quick=["internal-1-2"], slow=["rounded-square"], rest="long")
 @pytest.mark.parametrize("name", ["pump-1-2", "internal-1-2", "baler-holds", "rounded-square", "baler-86"])
 def test_links_of_a_warning_are_its_teeth(name: str) -> None:
-    """By the places that an advice has as values; further teeth are those that its words put in brackets."""
-    for advice in judged(drive(name), Known.TEETH).advices:
-        known = {(where.gear, tooth) for where in advice.where for tooth in where.teeth}
+    """By the teeth that the drive has as values; further ones are those that its words put in brackets."""
+    made_of = drive(name)
+    for advice in judged(made_of, Known.TEETH).advices:
+        known = teeth_of(made_of, advice.kind)
         made = ToothLinks().text(advice.what)
         bracketed = {tooth for _, tooth in links(str(ToothLinks().text(re.sub(r"^[^(]*", "", advice.what), "any")))}
         assert bool(known) == bool(links(made))

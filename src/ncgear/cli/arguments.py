@@ -81,6 +81,12 @@ def materials_to_complete(incomplete: str) -> list[str]:
 EXPORT = Path("export")
 """Commands write into a folder for each design below this one, unless ``--out`` names another folder."""
 
+
+def folder_option(suffix: str = "", named: str = "design name") -> Any:
+    """The option ``--out`` of a command whose folder has a name with so a suffix."""
+    return typer.Option(metavar="DIR", help="Output folder.", show_default=f"{EXPORT}/<{named}>{suffix}")
+
+
 DesignFile = Annotated[
     Path,
     typer.Argument(

@@ -15,6 +15,7 @@ from ncgear.cli.arguments import (
     Timing,
     Verbose,
     files_to_complete,
+    folder_option,
     opened,
     pasted,
     prepared,
@@ -46,37 +47,28 @@ def check(
         check_train(design_file, as_json=as_json, verbose=verbose)
         return
     with opened(design_file) as loaded:
-        from ncgear.figures.answers.answer import answer_text
+        from ncgear.figures.advice.verdict import Known, judged
         from ncgear.figures.answers.machine import check_answer
         from ncgear.figures.summary.check_summary import check_summary
-        from ncgear.figures.terminal import check_text
 
         made = mended(loaded) if mend else as_given(loaded)
         drive = made.drive
-        if as_json or verbose:
-            made.say(err=as_json)
+        if as_json:
+            made.say()
         with steps_shown(1) as on_step:
             on_step("kinematics and power")
-            if as_json:
-                figures = check_summary(drive)
-            elif verbose:
-                text = check_text(drive)
-            else:
-                file = f"{pasted(design_file)} {OPTION}" if made.text else pasted(design_file)
-                text = answer_text(check_answer(drive, file, made.said))
-        if as_json:
-            print_figures(figures)
-        else:
-            typer.echo(text)
+            verdict = judged(drive, Known.MOTION)
+            file = f"{pasted(design_file)} {OPTION}" if made.text else pasted(design_file)
+            answer = check_answer(drive, verdict, file, made.said)
+            figures = [check_summary(drive, verdict)] if as_json or verbose else []
+        tell(answer, *figures, as_json=as_json, verbose=verbose)
         if timing:
             print_times(drive)
 
 
 def build(
     design_file: DesignFile,
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>")
-    ] = None,
+    out: Annotated[Path | None, folder_option()] = None,
     kinds: Annotated[
         list[Format] | None,
         typer.Option(
@@ -115,12 +107,10 @@ def build(
         folder = prepared(out, loaded.design.name)
 
         from ncgear.drawings.page import REPORT_FILE
-        from ncgear.figures.answers.answer import answer_text
         from ncgear.figures.answers.machine import build_answer
-        from ncgear.figures.terminal import build_text
         from ncgear.files.build import build as build_files
         from ncgear.files.build import step_count
-        from ncgear.files.manifest import holds_as_written
+        from ncgear.files.manifest import Run, holds_as_written
 
         # The report of an earlier design would lie beside gears that it does not show.
         report = report or holds_as_written(folder, REPORT_FILE)
@@ -129,27 +119,20 @@ def build(
         design = made.kept_in(folder)
         # Both runs wrote the manifest.
         paths = list(dict.fromkeys([*built.paths, *design.paths]))
-        kept = [*built.kept, *design.kept]
-        if as_json or verbose:
-            made.say(err=as_json)
+        run = Run(paths, [*built.kept, *design.kept])
         if as_json:
-            print_figures(*built.summaries, kept=kept)
-        elif verbose:
-            typer.echo(build_text(built.summaries, paths, kept))
-        else:
-            shown = folder / f"{loaded.design.name}.yaml" if made.text else design_file
-            then = f"open {folder / REPORT_FILE}" if report else f"ncgear report {pasted(shown)}"
-            answer = build_answer(drive, built.verdict, then, made.said)
-            typer.echo(answer_text(answer, paths, kept))
+            made.say()
+        shown = folder / f"{loaded.design.name}.yaml" if made.text else design_file
+        then = f"open {folder / REPORT_FILE}" if report else f"ncgear report {pasted(shown)}"
+        answer = build_answer(drive, built.verdict, then, made.said)
+        tell(answer, *built.summaries, as_json=as_json, verbose=verbose, run=run)
         if timing:
             print_times(drive)
 
 
 def report(
     design_file: DesignFile,
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>")
-    ] = None,
+    out: Annotated[Path | None, folder_option()] = None,
     as_json: AsJson = False,
     timing: Timing = False,
 ) -> None:
@@ -249,9 +232,7 @@ def simulate(
         Level,
         typer.Option(help="rigid: inverse dynamics in closed form; quasi_static: teeth under load; dynamic: in time."),
     ] = Level.RIGID,
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-<level>")
-    ] = None,
+    out: Annotated[Path | None, folder_option("-<level>")] = None,
     as_json: AsJson = False,
     verbose: Verbose = False,
     timing: Timing = False,
@@ -294,9 +275,7 @@ def strength(
             show_default="as the file says",
         ),
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-strength")
-    ] = None,
+    out: Annotated[Path | None, folder_option("-strength")] = None,
     as_json: AsJson = False,
     verbose: Verbose = False,
     timing: Timing = False,
@@ -341,9 +320,7 @@ def balance(
     balance_file: Annotated[
         Path, typer.Argument(metavar="FILE.yaml", help="The balance file.", autocompletion=files_to_complete)
     ],
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<name>-balance")
-    ] = None,
+    out: Annotated[Path | None, folder_option("-balance", "name")] = None,
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> None:

@@ -57,10 +57,10 @@ class Mended:
 
         return in_lines(self.said)
 
-    def say(self, *, err: bool) -> None:
-        """Print all that is said and an empty line, to stderr or stdout; nothing where nothing is said."""
+    def say(self) -> None:
+        """Print all that is said and an empty line to stderr; nothing where nothing is said."""
         if self.said:
-            typer.echo(f"{self.words}\n", err=err)
+            typer.echo(f"{self.words}\n", err=True)
 
     def kept_in(self, folder: Path) -> Run:
         """Write the mended design file into a folder, beside what was made from it."""

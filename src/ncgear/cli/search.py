@@ -16,6 +16,7 @@ from ncgear.cli.arguments import (
     Processes,
     Scheduler,
     Verbose,
+    folder_option,
     materials_to_complete,
     opened,
     pasted,
@@ -34,9 +35,7 @@ def optimize(
     ] = 1,
     scheduler: Scheduler = None,
     processes: Processes = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-optimized")
-    ] = None,
+    out: Annotated[Path | None, folder_option("-optimized")] = None,
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> None:
@@ -103,9 +102,7 @@ def frontier(
     ] = False,
     scheduler: Scheduler = None,
     processes: Processes = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-frontier")
-    ] = None,
+    out: Annotated[Path | None, folder_option("-frontier")] = None,
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> None:
@@ -147,9 +144,7 @@ def frontier(
 
 def fit(
     design_file: DesignFile,
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-fitted")
-    ] = None,
+    out: Annotated[Path | None, folder_option("-fitted")] = None,
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> None:
@@ -262,9 +257,7 @@ def design(
     design_file: DesignFile,
     scheduler: Scheduler = None,
     processes: Processes = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-machines")
-    ] = None,
+    out: Annotated[Path | None, folder_option("-machines")] = None,
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> None:

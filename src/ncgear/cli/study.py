@@ -14,6 +14,7 @@ from ncgear.cli.arguments import (
     Scheduler,
     Verbose,
     files_to_complete,
+    folder_option,
     opened,
     prepared,
     print_figures,
@@ -27,9 +28,7 @@ from ncgear.memory import keep_freed_memory
 
 def bench(
     design_file: DesignFile,
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-bench")
-    ] = None,
+    out: Annotated[Path | None, folder_option("-bench")] = None,
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> None:
@@ -64,9 +63,7 @@ def compare(
             autocompletion=files_to_complete,
         ),
     ],
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<first name>-compared")
-    ] = None,
+    out: Annotated[Path | None, folder_option("-compared", "first name")] = None,
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> None:
@@ -147,9 +144,7 @@ def measured(
         int | None,
         typer.Option(metavar="N", min=1, max=2, help="Which of two pairs of gears in series was measured: 1 or 2."),
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-measured")
-    ] = None,
+    out: Annotated[Path | None, folder_option("-measured")] = None,
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> None:
@@ -164,7 +159,7 @@ def measured(
 
         files = read_files({Gear.DRIVING: driving, Gear.DRIVEN: driven})
         drive, how = Drive(loaded.design).of_stage(stage), Fit(fit.value)
-        name = loaded.design.name + ("" if drive.stage is None else f"-stage-{drive.stage}")
+        name = drive.stem
         folder = prepared(out, f"{name}-measured")
         with naming_what_helps(drive, BUILD), steps_shown(2) as on_step:
             on_step("best fit and contact")
@@ -191,9 +186,7 @@ def tolerance(
             min=1, max=1024, help="Processes of this computer that compute.", show_default="one; long runs one per core"
         ),
     ] = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-tolerance")
-    ] = None,
+    out: Annotated[Path | None, folder_option("-tolerance")] = None,
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> None:

@@ -16,6 +16,7 @@ from ncgear.cli.arguments import (
     Processes,
     Scheduler,
     Verbose,
+    folder_option,
     opened,
     pasted,
     prepared,
@@ -82,9 +83,7 @@ def sweep(
     keep: Annotated[int, typer.Option(metavar="N", min=1, help="Best designs that go on beyond pitch curves.")] = 100,
     scheduler: Scheduler = None,
     processes: Processes = None,
-    out: Annotated[
-        Path | None, typer.Option(metavar="DIR", help="Output folder.", show_default="export/<design name>-sweep")
-    ] = None,
+    out: Annotated[Path | None, folder_option("-sweep")] = None,
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> None:

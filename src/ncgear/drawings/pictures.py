@@ -60,8 +60,7 @@ def load_pictures(drive: Drive, contact: PairContact) -> tuple[str, list[Chart],
 
 
 def _name_of_pair(drive: Drive) -> str:
-    name = drive.design.name
-    return name if drive.stage is None else f"{name}, stage {drive.stage} by its own angles"
+    return drive.title if drive.stage is None else f"{drive.title} by its own angles"
 
 
 def titled(drive: Drive, what: str) -> str:

@@ -21,32 +21,20 @@ from ncgear.design.words import ending_in
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import shown
 from ncgear.frozen import dataclass
-from ncgear.numerics.units import KG_M2
+from ncgear.numerics.units import KG_M2, label_and_unit
 from ncgear.optimum.flywheels import KNOTS, FlywheelPoint
 from ncgear.optimum.frontier import FamilyPoint, LawPoint
 from ncgear.optimum.makeable.demanded import CLOSE
-from ncgear.optimum.makeable.wishes import Goal
-from ncgear.optimum.task import LOAD_LIMITS, Figures
+from ncgear.optimum.makeable.wishes import ALONE, Goal
+from ncgear.optimum.task import Figures, by_limit
 from ncgear.project.best_law import BestLaw
 from ncgear.project.free_lengths import changed_keys
 from ncgear.project.frontier_run import Frontier
 from ncgear.project.law import kept_size
 from ncgear.project.law_task import SoughtMachine
 
-UNITS = {
-    Goal.POWER: "W",
-    Goal.BRAKING_POWER: "W",
-    Goal.RMS_TORQUE: "N m",
-    Goal.FLYWHEEL: "kg mm2",
-    Goal.BEARING_FORCE: "N",
-    Goal.SHAKING_FORCE: "N",
-    Goal.TOOTH_FORCE: "N",
-    Goal.FLANK_LOAD: "N mm",
-    Goal.TORQUE_HARMONICS: "N m",
-    Goal.CENTER_DISTANCE: "mm",
-    Goal.PRESSURE_ANGLE: "deg beside the rack's",
-    Goal.WEIGHTED: "1",
-}
+NO_UNITS = {Goal.PRESSURE_ANGLE: "deg beside the rack's", Goal.WEIGHTED: "1"}
+"""What stands for the unit of a goal that is no figure by itself."""
 
 ARGUMENT = (
     "Between places of the crank every motion keeps relations that are convex in the squared ratio of speeds, for "
@@ -61,14 +49,11 @@ SUFFIX = "-optimized"
 
 def unit_of_goal(best: BestLaw) -> str:
     """The unit of what is least."""
-    output = best.task.linkage.OUTPUT
-    of_motion = {
-        Goal.SPEED: output.speed.text,
-        Goal.ACCELERATION: output.acceleration.text,
-        Goal.ACCELERATION_HARMONICS: output.acceleration.text,
-        Goal.JERK: f"{output.speed.text}3",
-    }
-    return {**UNITS, **of_motion}[best.wishes.goal]
+    goal = best.wishes.goal
+    if goal in NO_UNITS:
+        return NO_UNITS[goal]
+    (key,) = _named({key: price for key, price in vars(ALONE[goal]).items() if price}, best)
+    return label_and_unit(key)[1]
 
 
 def _named(values: dict[str, Any], beside: SoughtMachine) -> dict[str, Any]:
@@ -152,24 +137,16 @@ def limits_not_reached(best: BestLaw) -> dict[str, tuple[float, float]]:
     given = best.design.optimize.limits if best.design.optimize else None
     if given is None:
         return {}
-    found, rack = best.figures, best.wishes.limits.rack_angle_rad
-    moved = ("peak_speed", ""), ("peak_acceleration", "2"), ("peak_jerk", "3"), ("acceleration_harmonics", "2")
-    has = {
-        **{f"{key}_{u}_s{n}": getattr(found, f"{key}_mm_s{n}") for key, n in moved for u in ("mm", "rad")},
-        "center_distance_mm": found.center_distance_mm,
-        "pressure_angle_deg": degrees(found.tangent_rad + rack),
-        "ratio_max": found.ratio_max,
-        "peak_power_w": found.peak_power_w,
-        **{name: getattr(found, name) for name in LOAD_LIMITS},
-    }
+    found = best.figures
+    has = by_limit(found, degrees(found.tangent_rad + best.wishes.limits.rack_angle_rad))
     if best.wishes.pairs > 1:
         # Each pair has an angle of its own
         del has["pressure_angle_deg"]
     stated = {name: getattr(given, name) for name in given.model_fields_set}
     far = {
-        name: (limit, has[name])
+        name: (limit, value)
         for name, limit in stated.items()
-        if limit is not None and has.get(name) is not None and has[name] < REACHED * limit
+        if limit is not None and (value := has.get(name)) is not None and value < REACHED * limit
     }
     least = stated.get("ratio_min")
     return {**far, "ratio_min": (least, found.ratio_min)} if least and found.ratio_min > least / REACHED else far

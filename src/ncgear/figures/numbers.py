@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import degrees, floor, isfinite, log10, radians
 from typing import Any
 
@@ -145,6 +145,11 @@ def _listed(items: list[Any], unit: str) -> str:
     ]
     left = len(items) - len(texts)
     return ", ".join([*texts, f"and {left} more"] if left else texts)
+
+
+def teeth_words(numbers: Sequence[int]) -> str:
+    """``teeth 3-5, 8``."""
+    return f"{'tooth' if len(numbers) == 1 else 'teeth'} {shown(sorted(numbers))}"
 
 
 def _is_stretch(item: Any) -> bool:

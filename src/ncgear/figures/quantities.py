@@ -29,6 +29,7 @@ NAMES = {
     "contact ratio under load min": "contact ratio, under load, shortest contact",
     "contact safety min": "least safety against pitting",
     "contact tooth": "weakest tooth against pitting",
+    "length_percent": "length, share of the stroke",
     "max pressure angle": "greatest pressure angle",
     "peak acceleration cycle": "peak acceleration",
     "peak acceleration working": "peak acceleration, working stroke",

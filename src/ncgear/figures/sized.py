@@ -12,8 +12,9 @@ from ncgear.design.rewritten import told_copy
 from ncgear.figures.advice.drivetrain_advice import around
 from ncgear.figures.advice.values import Advice, changed
 from ncgear.figures.numbers import shown, to_digits
-from ncgear.figures.strong import strength_summary
+from ncgear.figures.strong import of_weakest, strength_summary
 from ncgear.pitch.shape import Gear
+from ncgear.project.figures import figures_of
 from ncgear.project.sizing import Sized, stated_inertias
 from ncgear.strength.holding import Damage, worst
 
@@ -55,11 +56,10 @@ def sized_figures(found: Sequence[Sized], herringbone: Sized | None = None) -> d
     """
     first = found[0]
     design, rating = first.drive.design, first.rating
-    materials: dict[str, dict[str, Any]] = {
-        gear.value: {"material": rating.strength.of(gear).material.name} for gear in Gear
+    wanted = of_weakest(rating, lambda one: {"safety_wanted": one.wanted})
+    materials = {
+        gear.value: {"material": rating.strength.of(gear).material.name, **wanted[gear.value]} for gear in Gear
     }
-    for one in rating.weakest:
-        materials[one.gear.value][f"{one.damage}_safety_wanted"] = one.wanted
     return {
         "design": {"name": design.name, "description": design.description},
         "load": {"speed_rpm": design.operation.speed_rpm},
@@ -70,13 +70,8 @@ def sized_figures(found: Sequence[Sized], herringbone: Sized | None = None) -> d
 
 
 def _sizes(one: Sized) -> dict[str, Any]:
-    size = one.drive.pitch.size
     return {
-        "module_mm": size.module_mm,
-        "teeth_driving": size.driving_teeth,
-        "teeth_driven": size.driven_teeth,
-        "face_width_mm": one.face_width_mm,
-        "center_distance_mm": size.center_distance_mm,
+        **figures_of(one.drive, "module_mm", "teeth_driving", "teeth_driven", "face_width_mm", "center_distance_mm"),
         "largest_diameter_mm": one.diameter_mm,
         "strength": strength_summary(one.rating, one.drive),
         "parts_that_fail": [told.what for told in parts_that_fail(one)],

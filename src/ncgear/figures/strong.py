@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from math import degrees, inf, isfinite
 from typing import Any
 
@@ -16,7 +16,7 @@ from ncgear.dynamics.rigid import LoadPeaks
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.flanks import hours_words, surfaces_figures, surfaces_rows, vibration_figures, vibration_of_rating
-from ncgear.figures.numbers import fixed, known, shown, to_digits
+from ncgear.figures.numbers import fixed, known, to_digits
 from ncgear.figures.quantities import figure
 from ncgear.figures.simulated import SAME_AS_MESH, force_figures
 from ncgear.figures.summary.check_summary import stages_summary, verdict_summary
@@ -90,8 +90,11 @@ def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rat
     }
     if beside is not None:
         found["strength_beside"] = strength_summary(beside, drive)
+    weakest = of_weakest(rating, _of_weakest)
     for gear, rim in zip(Gear, drive.rims, strict=True):
-        found[gear.value] = _gear_figures(rating, gear, float(rim.factor.max()))
+        material = strength.of(gear).material
+        made_of = {"material": material.name, "source": material.source, "rim_factor_max": float(rim.factor.max())}
+        found[gear.value] = {**made_of, **weakest[gear.value]}
     return found | verdict_summary(verdict)
 
 
@@ -275,35 +278,34 @@ def strength_summary(rating: Rating, drive: Drive) -> dict[str, Any]:
 
     ``face_load_factor`` belongs to the place that bears the largest force for each mm of width.
     """
-    least: dict[str, dict[str, Any]] = {gear.value: {} for gear in Gear}
-    for one in rating.weakest:
-        least[one.gear.value][f"{one.damage}_safety_min"] = one.safety
-        least[one.gear.value][f"{one.damage}_tooth"] = one.tooth
     strength = rating.strength
     return {
         "method": strength.method,
         "load": strength.load,
         "face_load": drive.face_loading.basis,
         "face_load_factor": strength.stresses.decisive_face_load(strength.contacts),
-        **least,
+        **of_weakest(rating, lambda one: {"safety_min": one.safety, "tooth": one.tooth}),
     }
 
 
-def _gear_figures(rating: Rating, gear: Gear, rim: float) -> dict[str, Any]:
-    material = rating.strength.of(gear).material
-    figures: dict[str, Any] = {"material": material.name, "source": material.source, "rim_factor_max": rim}
+def of_weakest(rating: Rating, told: Callable[[Weakest], dict[str, Any]]) -> dict[str, dict[str, Any]]:
+    """Figures of the weakest teeth by gear; their keys begin with the kind of damage."""
+    found: dict[str, dict[str, Any]] = {gear.value: {} for gear in Gear}
     for one in rating.weakest:
-        if one.gear is gear:
-            name = one.damage.value
-            figures |= {
-                f"{name}_safety_wanted": one.wanted,
-                f"{name}_stress_mpa": one.stress_mpa,
-                f"{name}_stress_at_rad": one.phi1_rad,
-                f"{name}_endured_mpa": one.endured_mpa,
-                f"{name}_life_h": known(one.life_h),
-                f"{name}_too_weak_teeth": sorted(one.too_weak),
-            }
-    return figures
+        found[one.gear.value] |= {f"{one.damage}_{key}": value for key, value in told(one).items()}
+    return found
+
+
+def _of_weakest(one: Weakest) -> dict[str, Any]:
+    """What is told of a weakest tooth beside its safety."""
+    return {
+        "safety_wanted": one.wanted,
+        "stress_mpa": one.stress_mpa,
+        "stress_at_rad": one.phi1_rad,
+        "endured_mpa": one.endured_mpa,
+        "life_h": known(one.life_h),
+        "too_weak_teeth": sorted(one.too_weak),
+    }
 
 
 OF_TOOTH = ("stress_mpa", "phi1_rad", "safety", "life_h")
@@ -378,11 +380,6 @@ WEAR = "No tooth breaks: no safety is under the wanted one; dry metal wears."
 def holding_words(wears: bool) -> str:
     """What is said of teeth that hold; ``wears`` tells whether they are of metal and run dry."""
     return WEAR if wears else HOLD
-
-
-def teeth_words(numbers: Sequence[int]) -> str:
-    """``teeth 3-5, 8``."""
-    return f"{'tooth' if len(numbers) == 1 else 'teeth'} {shown(sorted(numbers))}"
 
 
 def _degrees(angle_rad: float) -> str:

@@ -1,4 +1,4 @@
-"""Text for the terminal: a summary in aligned lines, comparisons, warnings, timings, the files written."""
+"""Text for the terminal: every figure in aligned lines, comparisons, warnings, timings, the files written."""
 
 from __future__ import annotations
 
@@ -10,11 +10,10 @@ from textwrap import wrap
 from typing import Any
 
 from ncgear.figures.answers.answer import Answer, whole_answer
-from ncgear.figures.numbers import fixed, placed, shown
+from ncgear.figures.comparison import comparison_tables
+from ncgear.figures.numbers import fixed, placed
 from ncgear.figures.quantities import STATISTICS, figure, name_of, told
-from ncgear.figures.summary.check_summary import check_summary
-from ncgear.figures.tables import WIDTH, Column, aligned
-from ncgear.figures.wished import wish_line
+from ncgear.figures.tables import WIDTH, Table, aligned
 from ncgear.numerics.units import label_and_unit
 from ncgear.project.drive import Drive
 
@@ -24,77 +23,30 @@ PLACE = "_at_rad"
 """End of a key that holds the driving angle at which another key has its extreme value."""
 
 TITLES = {
-    "design": "Design",
-    "drive": "Drive",
-    "stage": "Stage",
     "stages": "Stages in series",
     "closure": "Closure of the cycle",
     "ratio": "Transmission ratio i12 = dphi1/dphi2",
     "pitch": "Pitch curves",
-    "teeth": "Teeth",
-    "contact": "Contact",
     "check": "Motion and power at the operating speed",
+    "motion": "What the motion achieves",
     "masses": "Moving masses",
     "strength": "Strength of the teeth",
     "displacement": "Displacement as a flow meter or pump",
 }
-"""Headings of sections; the heading of any other section is its key."""
+"""Headings of sections; the heading of any other section is its name."""
 
 JUDGED = ("warnings", "remarks", "verdict")
 """Keys of what is judged."""
 
-ELSEWHERE = ("motion", "wishes", "comparison", *JUDGED, "timing_s")
-"""Keys of a summary that are not written as sections."""
-
-COMPARED = (
-    "speed_rpm",
-    "peak_power_w",
-    "peak_power_resistance_w",
-    "mean_power_w",
-    "peak_acceleration_cycle_mm_s2",
-    "peak_speed_mm_s",
-    "peak_acceleration_cycle_rad_s2",
-    "peak_speed_rad_s",
-)
-"""The figures of a comparison of mechanisms, by their keys."""
-
-
-def compared_columns(rows: Sequence[Mapping[str, Any]]) -> dict[str, Column]:
-    """The columns of a comparison of mechanisms by key of its rows, in the units of what they move."""
-    keys = [key for key in COMPARED if any(key in row for row in rows)]
-    return {key: Column(name_of(key), label_and_unit(key)[1]) for key in keys}
-
-
-SAME_SPEED = "Comparison at equal driving speed"
-MIXED_SPEEDS = "At other driving speeds: mixes speeds, so this proves nothing about equal productivity"
+ELSEWHERE = ("comparison", *JUDGED, "timing_s")
+"""Keys of figures that are not written as sections."""
 
 NAME_WIDTH = 36
 LEAST_WIDTH = 8
 """A comparison's first column is at most NAME_WIDTH wide, and each other one at least LEAST_WIDTH."""
 
 
-def check_text(drive: Drive) -> str:
-    """The results of a check: sections, comparison, warnings."""
-    return summary_text(check_summary(drive))
-
-
-def build_text(summaries: Sequence[Mapping[str, Any]], paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
-    """The results of a build: the summary of every pair, the files written, and the kept files of others."""
-    return "\n\n".join([*map(summary_text, summaries), "\n".join(written_lines(paths, kept))])
-
-
-def summary_text(summary: Mapping[str, Any]) -> str:
-    """A summary for reading: its sections, the comparison, the warnings, the remarks."""
-    blocks = [
-        *_sections(summary),
-        motion_lines(summary),
-        *comparison_lines(summary.get("comparison") or []),
-        *judged_blocks(summary),
-    ]
-    return "\n\n".join("\n".join(block) for block in blocks if block)
-
-
-def judged_blocks(figures: Mapping[str, Any]) -> list[list[str]]:
+def _judged(figures: Mapping[str, Any]) -> list[list[str]]:
     """The warnings, the remarks and the verdict that figures hold; empty blocks where there are none."""
     return [
         _marked("warning: ", figures.get("warnings") or []),
@@ -114,23 +66,6 @@ def verdict_lines(rows: Sequence[Mapping[str, Any]]) -> list[str]:
         remark = f"; remark: {row['remark']}" if row["remark"] else ""
         lines.append(f"  {row['verdict']:10}  {of}{row['says']}{because}{remark}")
     return ["Verdict", *lines]
-
-
-def _sections(summary: Mapping[str, Any]) -> list[list[str]]:
-    """One block of lines per section, with the values of all sections in one column."""
-    sections = {key: value for key, value in summary.items() if key not in ELSEWHERE}
-    rows = {
-        TITLES.get(key, label_and_unit(key)[0].capitalize()): (
-            labelled(value) if isinstance(value, Mapping) else [_labelled_value(key, value)]
-        )
-        for key, value in sections.items()
-    }
-    width = max((len(label) for section in rows.values() for label, _ in section), default=0)
-    return [
-        [title, *(line for label, value in section for line in value_lines(label, value, width))]
-        for title, section in rows.items()
-        if section
-    ]
 
 
 def labelled(section: Mapping[str, Any]) -> list[tuple[str, str]]:
@@ -181,58 +116,37 @@ def _marked(start: str, sentences: Sequence[str]) -> list[str]:
     ]
 
 
-def motion_lines(summary: Mapping[str, Any]) -> list[str]:
-    """What the motion achieves, and then every wish; empty for a summary that says nothing of it."""
-    if "motion" not in summary:
-        return []
-    lines = [summary["motion"]["in_words"], *map(wish_line, summary["wishes"])]
-    return ["What the motion achieves", *(part for line in lines for part in _indented(line))]
-
-
-def _indented(line: str) -> list[str]:
-    return wrap(line, WIDTH, initial_indent=INDENT, subsequent_indent=2 * INDENT)
-
-
 def comparison_lines(rows: Sequence[Mapping[str, Any]]) -> list[list[str]]:
-    """One block of lines for the mechanisms at equal speed, and one for mechanisms at other speeds.
-
-    Each row has ``name``, keys of COMPARED (None where unknown), ``same_speed`` and ``note``.
-    """
-    name_width = max((len(line) for row in rows for line in _name_lines(row)), default=0)
-    blocks = []
-    for title, same in ((SAME_SPEED, True), (MIXED_SPEEDS, False)):
-        chosen = [row for row in rows if row["same_speed"] is same]
-        if chosen:
-            blocks.append([title, *_compared(chosen, name_width)])
-    return blocks
+    """One block of lines for the mechanisms at equal speed, and one for mechanisms at other speeds."""
+    name_width = max((len(line) for row in rows for line in _name_lines(row["name"])), default=0)
+    return [[table.title, *_compared(table, name_width)] for table in comparison_tables(rows)]
 
 
-def _compared(rows: Sequence[Mapping[str, Any]], name_width: int) -> list[str]:
+def _compared(table: Table, name_width: int) -> list[str]:
     """The lines of a comparison; long names continue below themselves, and notes are below their rows."""
-    columns = compared_columns(rows)
+    columns, names = table.columns[1:], [_name_lines(str(name)) for name, *_ in table.rows]
     cells = [
-        ["", *(column.label for column in columns.values())],
-        ["", *(column.unit for column in columns.values())],
-        *([_name_lines(row)[0], *(shown(row.get(key)) for key in columns)] for row in rows),
+        ["", *(column.label for column in columns)],
+        ["", *(column.unit for column in columns)],
+        *([name[0], *map(str, row[1:])] for name, row in zip(names, table.rows, strict=True)),
     ]
-    table = aligned(cells, left=1, least=[name_width, *[LEAST_WIDTH] * len(columns)])
-    lines, indent = table[:2], " " * 6
-    for row, line in zip(rows, table[2:], strict=True):
-        note = wrap(row.get("note") or "", WIDTH, initial_indent=indent, subsequent_indent=indent)
-        lines += [line, *(f"{INDENT}{more}" for more in _name_lines(row)[1:]), *note]
-    return lines
+    lines = aligned(cells, left=1, least=[name_width, *[LEAST_WIDTH] * len(columns)])
+    found, indent = lines[:2], " " * 6
+    for name, line, note in zip(names, lines[2:], table.row_notes, strict=True):
+        below = wrap(note, WIDTH, initial_indent=indent, subsequent_indent=indent)
+        found += [line, *(f"{INDENT}{more}" for more in name[1:]), *below]
+    return found
 
 
-def _name_lines(row: Mapping[str, Any]) -> list[str]:
-    return wrap(str(row["name"]), NAME_WIDTH) or [""]
+def _name_lines(name: str) -> list[str]:
+    return wrap(name, NAME_WIDTH) or [""]
 
 
 def timing_text(drive: Drive) -> str:
     """The seconds that each step took, and their sum."""
     taken = {}
     for pair in (drive, *(pair for pair in drive.by_stage if pair is not drive)):
-        of = "" if pair.stage is None else f"stage {pair.stage}: "
-        taken.update({f"{of}{step}": seconds for step, seconds in pair.timing_s.items()})
+        taken.update({f"{pair.of}{step}": seconds for step, seconds in pair.timing_s.items()})
     rows = [(step, fixed(seconds, 3)) for step, seconds in {**taken, "sum": sum(taken.values())}.items()]
     return "\n".join(["Time in s", *aligned(rows, left=1, least=[0, LEAST_WIDTH])])
 
@@ -257,15 +171,21 @@ ROOM = 140
 
 def full_text(answer: Answer, figures: Sequence[Figures], paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
     """The whole answer, then every figure, once for each pair of gears that is told by itself, then the files."""
-    told_by_pair = [block for one in figures for block in (*_blocks(one), *judged_blocks(one))]
-    blocks = [*whole_answer(answer), *told_by_pair, written_lines(paths, kept) if paths else []]
+    written = _text([written_lines(paths, kept) if paths else []])
+    return "\n\n".join(filter(None, [_text(whole_answer(answer)), *map(figures_text, figures), written]))
+
+
+def figures_text(figures: Figures) -> str:
+    """The plain figures, a block for each group or for groups that stand side by side, the comparison, the verdict."""
+    found = {key: value for key, value in figures.items() if key not in ELSEWHERE}
+    groups = [[f"{head[:1].upper()}{head[1:]}", *lines] for head, *lines in _groups(found)]
+    compared = comparison_lines(figures.get("comparison") or [])
+    return _text([_plain_lines("", found), *groups, *compared, *_judged(figures)])
+
+
+def _text(blocks: Sequence[Sequence[str]]) -> str:
+    """Blocks of lines with an empty line between them; empty ones are left out."""
     return "\n\n".join("\n".join(block) for block in blocks if block)
-
-
-def _blocks(figures: Figures) -> list[list[str]]:
-    """The plain figures, and a block for each group or for groups that stand side by side."""
-    found = {key: value for key, value in figures.items() if key not in JUDGED}
-    return [_plain_lines("", found), *_groups(found)]
 
 
 def _plain_lines(name: str, figures: Figures) -> list[str]:
@@ -289,7 +209,7 @@ def _groups(figures: Figures) -> list[list[str]]:
     for keys, alike in groupby(groups, lambda group: _keys(group[1])):
         some = list(alike)
         table = _side_by_side(some) if keys and len(some) > 1 else []
-        found += [table] if table else [[name_of(key), *_content(key, value)] for key, value in some]
+        found += [table] if table else [[TITLES.get(key, name_of(key)), *_content(key, value)] for key, value in some]
     return found
 
 

@@ -57,8 +57,7 @@ def answer(path: Path) -> dict[str, Any]:
             knots, times = np.unique(spline.knots, return_counts=True)
             curve = {"poles": spline.poles_mm.tolist(), "knots": knots.tolist(), "times": times.tolist()}
             gears.append({"name": gear.value, "brep": text.getvalue().decode("ascii"), "pitch_curve": curve})
-        name = drive.design.name if pair.stage is None else f"{drive.design.name}-stage-{pair.stage}"
-        pairs.append({"name": name, "center_distance_mm": pair.pitch.center_distance_mm, "gears": gears})
+        pairs.append({"name": pair.stem, "center_distance_mm": pair.pitch.center_distance_mm, "gears": gears})
     return {"pairs": pairs}
 
 

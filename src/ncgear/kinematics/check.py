@@ -264,6 +264,23 @@ def power_figures(check: KinematicCheck) -> dict[str, float]:
     return {"peak_power_w": peak.value, "peak_power_at_rad": peak.at, **counted, "mean_power_w": check.mean_power_w}
 
 
+def peak_figures(check: KinematicCheck, *, returns: bool = True) -> dict[str, float]:
+    """All figures of a check with the driving angles of peaks; ``returns`` tells peaks of the working stroke, too."""
+    speed, acceleration = check.output.speed.ending, check.output.acceleration.ending
+    working = {
+        f"peak_acceleration_working_{acceleration}": check.peak_acceleration_working.value,
+        "peak_acceleration_working_at_rad": check.peak_acceleration_working.at,
+    }
+    return {
+        **power_figures(check),
+        f"peak_speed_{speed}": check.peak_speed.value,
+        "peak_speed_at_rad": check.peak_speed.at,
+        **(working if returns else {}),
+        f"peak_acceleration_cycle_{acceleration}": check.peak_acceleration_cycle.value,
+        "peak_acceleration_cycle_at_rad": check.peak_acceleration_cycle.at,
+    }
+
+
 def at_speed(check: KinematicCheck, speed_rpm: float) -> KinematicCheck:
     """The check of the same machine, without masses, at another driving speed: power grows as speed, and so on."""
     factor = speed_rpm / check.speed_rpm

@@ -223,6 +223,20 @@ class Figures:
     center_distance_mm: float | None = None
 
 
+def by_limit(found: Figures, pressure_angle_deg: float) -> dict[str, float | None]:
+    """Figures by the keys of their limits in a design file: those of the motion in both units of an output.
+
+    The pressure angle, which counts the rack's own, is that of the pair that is told of.
+    """
+    moved = ("peak_speed", ""), ("peak_acceleration", "2"), ("peak_jerk", "3"), ("acceleration_harmonics", "2")
+    alike = "peak_power_w", "ratio_max", "center_distance_mm", *LOAD_LIMITS
+    return {
+        **{f"{key}_{unit}_s{n}": getattr(found, f"{key}_mm_s{n}") for key, n in moved for unit in ("mm", "rad")},
+        "pressure_angle_deg": pressure_angle_deg,
+        **{name: getattr(found, name) for name in alike},
+    }
+
+
 @dataclass(frozen=True)
 class Prices:
     """The costs of a unit of each figure in a goal, as in ``Figures``; raises WrongInput for an endless price."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from math import radians
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -135,6 +136,11 @@ class Geared(Moving):
     def rack(self) -> BasicRack:
         """The basic rack at the module."""
         return self.gears.rack.in_mm(self.pitch.size.module_mm)
+
+    @property
+    def largest_pressure_angle_deg(self) -> float:
+        """Largest pressure angle of the flanks that carry, the rack's own included."""
+        return self.pitch.largest_pressure_angle_deg(radians(self.gears.carrying_angle_deg))
 
     @computed
     def play(self) -> Play:

@@ -167,20 +167,9 @@ def _prices(asked: Optimize) -> task.Prices:
     if goal is not Goal.WEIGHTED or weights is None:
         return ALONE[goal]
 
-    def price(counting_alike: float | None) -> float:
-        return 1.0 / counting_alike if counting_alike else 0.0
-
-    return task.Prices(
-        peak_acceleration_mm_s2=price(weights.acceleration_mm_s2 or weights.acceleration_rad_s2),
-        peak_power_w=price(weights.power_w),
-        braking_power_w=price(weights.braking_power_w),
-        rms_torque_n_m=price(weights.rms_torque_n_m),
-        flywheel_kg_mm2=price(weights.flywheel_kg_mm2),
-        bearing_force_n=price(weights.bearing_force_n),
-        shaking_force_n=price(weights.shaking_force_n),
-        tooth_force_n=price(weights.tooth_force_n),
-        peak_jerk_mm_s3=price(weights.jerk_mm_s3 or weights.jerk_rad_s3),
-    )
+    alike = {name.replace("_rad_s", "_mm_s"): 1.0 / value for name, value in weights if value is not None}
+    peaks = {name for name in alike if hasattr(task.Prices, f"peak_{name}")}
+    return task.Prices(**{f"peak_{name}" if name in peaks else name: price for name, price in alike.items()})
 
 
 def wishes_of(design: Design) -> Wishes:

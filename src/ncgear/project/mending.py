@@ -13,7 +13,7 @@ from contextlib import contextmanager, suppress
 from enum import StrEnum
 from functools import partial, reduce
 from itertools import product
-from math import ceil, radians
+from math import ceil
 from operator import or_
 from time import process_time
 from typing import assert_never
@@ -149,10 +149,7 @@ class Mend(Shown):
     @property
     def pressure_angle_deg(self) -> float:
         """The largest pressure angle, the rack's own included; of two pairs of gears, the worse's."""
-        return max(
-            pair.pitch.largest_pressure_angle_deg(radians(pair.gears.carrying_angle_deg))
-            for pair in self.drive.by_stage
-        )
+        return max(pair.largest_pressure_angle_deg for pair in self.drive.by_stage)
 
 
 @dataclass(frozen=True, eq=False)

@@ -47,6 +47,21 @@ class Moving(Shown):
         return f"Drive({self.design.name!r}, law {self.design.motion.law}, {speed:g} r/min{stage})"
 
     @property
+    def title(self) -> str:
+        """The name of the design, with the number of the pair where there are two."""
+        return self.design.name if self.stage is None else f"{self.design.name}, stage {self.stage}"
+
+    @property
+    def stem(self) -> str:
+        """The same for names of files."""
+        return self.title.replace(", stage ", "-stage-")
+
+    @property
+    def of(self) -> str:
+        """The beginning of what is said of one pair of two: ``stage 1: ``; else empty."""
+        return "" if self.stage is None else f"stage {self.stage}: "
+
+    @property
     def places(self) -> Places | None:
         """Where the values of the design stand in its file; None where it came from no file."""
         return self.loaded.source if self.loaded else None

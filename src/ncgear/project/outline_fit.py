@@ -160,7 +160,7 @@ class OutlineFit:
     @property
     def pressure_angle_deg(self) -> float:
         """Greatest pressure angle of the flanks that drive, with the rack's own."""
-        return self.drive.pitch.largest_pressure_angle_deg(radians(self.drive.gears.carrying_angle_deg))
+        return self.drive.largest_pressure_angle_deg
 
     @property
     def greatest_at_rad(self) -> float:

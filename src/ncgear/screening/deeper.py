@@ -17,6 +17,7 @@ from ncgear.design.space import checked_design
 from ncgear.errors import DesignError, WrongInput
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.project.figures import CONTACT, OF_PAIR
 from ncgear.screening.designs import MADE, Designs, as_in_file
 
 
@@ -32,24 +33,17 @@ def _strength_of(gear: Gear) -> dict[str, Callable[[Drive], float]]:
     }
 
 
+TEETH = ("teeth_driving", "teeth_driven", "module_mm", "backlash_mm")
+
 STAGES: dict[str, dict[str, Callable[[Drive], float]]] = {
     "teeth": {
-        "teeth.driving": lambda drive: drive.pitch.size.driving_teeth,
-        "teeth.driven": lambda drive: drive.pitch.size.driven_teeth,
-        "teeth.module_mm": lambda drive: drive.pitch.size.module_mm,
-        "teeth.backlash_mm": lambda drive: drive.play.least_normal_mm.value,
+        **{f"teeth.{key.removeprefix('teeth_')}": OF_PAIR[key] for key in TEETH},
         "teeth.undercut_driving": lambda drive: len(drive.teeth.driving.undercut),
         "teeth.undercut_driven": lambda drive: len(drive.teeth.driven.undercut),
     },
-    "contact": {
-        "contact.contact_ratio_mean": lambda drive: drive.designed_contact.contact_ratio,
-        "contact.contact_ratio_min": lambda drive: drive.designed_contact.least_arc,
-        "contact.transmission_error_rad": lambda drive: drive.contact_extremes.pushing_error_rad.width,
-        "contact.backlash_min_rad": lambda drive: drive.contact_extremes.backlash_rad.low.value,
-        "contact.sliding_velocity_max_mm_s": lambda drive: drive.contact_extremes.sliding_mm_s.value,
-    },
+    "contact": {f"contact.{key}": of for key, of in CONTACT.items()},
     "strength": {
-        "strength.peak_tooth_force_n": lambda drive: drive.strength.peak_pair_n,
+        "strength.peak_tooth_force_n": OF_PAIR["peak_tooth_force_n"],
         **_strength_of(Gear.DRIVING),
         **_strength_of(Gear.DRIVEN),
     },

@@ -6,8 +6,8 @@ keys.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
-from math import degrees, pi, radians
+from collections.abc import Iterable
+from math import pi
 
 import numpy as np
 
@@ -17,15 +17,15 @@ from ncgear.design.mechanisms import entry_of
 from ncgear.dynamics.sampled_shafts import torque_figures
 from ncgear.errors import DesignError
 from ncgear.frozen import dataclass
-from ncgear.kinematics.check import OF_MASSES, power_figures
+from ncgear.kinematics.check import OF_MASSES, peak_figures
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.numerics.arrays import Array, IndexArray, Mask, chosen
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.sampled import Functions, Sought, extremes, integrated, integration, sums_at, turning_points
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.pitch.pair import AS_STEEP, CONSISTENT, MOST_TEETH, STRAIGHT, refuse_many_teeth, solved_size
-from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.project.figures import PITCH, figures_of
 from ncgear.project.tooth_form import RIGHT_ANGLE_DEG, require_pushing, require_pushing_flanks
 from ncgear.ratio.transmission import CLOSED, STANDSTILL, Lobes
 from ncgear.screening.batch import Batch, refusals
@@ -112,18 +112,13 @@ def single_figures(design: Design) -> dict[str, float]:
     # With two stages each pair has its own curves, and only a build tells them apart.  Whether teeth can roll on the
     # curves is asked before the peaks of the motion, which take longest.
     pitch = _pitch(drive) if _has_pitch(design) else {}
-    check, output = drive.check, drive.linkage.OUTPUT
-    speed, acceleration = output.speed.ending, output.acceleration.ending
     return {
         "drive.law_speed_rpm": drive.law_speed_rpm,
         "closure.residual_rad": abs(drive.transmission.closure_error_rad),
         **{f"closure.{key}": value for key, value in drive.told_stroke_residual.items()},
         "ratio.min": low.value,
         "ratio.max": high.value,
-        **{f"check.{key}": value for key, value in power_figures(check).items() if not key.endswith("_at_rad")},
-        f"check.peak_speed_{speed}": check.peak_speed.value,
-        f"check.peak_acceleration_working_{acceleration}": check.peak_acceleration_working.value,
-        f"check.peak_acceleration_cycle_{acceleration}": check.peak_acceleration_cycle.value,
+        **{f"check.{key}": value for key, value in peak_figures(drive.check).items() if not key.endswith("_at_rad")},
         **pitch,
     }
 
@@ -132,20 +127,11 @@ WITH_MASSES = tuple(f"check.{key}" for key in OF_MASSES if not key.endswith("_at
 """Keys of the figures that only designs with masses have."""
 
 
-PITCH: dict[str, Callable[[Drive], float]] = {
-    "pitch.center_distance_mm": lambda drive: drive.pitch.center_distance_mm,
-    "pitch.length_driving_mm": lambda drive: drive.pitch.length_mm(Gear.DRIVING),
-    "pitch.length_driven_mm": lambda drive: drive.pitch.length_mm(Gear.DRIVEN),
-    "pitch.driving_convex": lambda drive: drive.pitch.convex(Gear.DRIVING),
-    "pitch.driven_convex": lambda drive: drive.pitch.convex(Gear.DRIVEN),
-    "pitch.min_radius_driving_mm": lambda drive: drive.pitch.least_radius_mm(Gear.DRIVING),
-    "pitch.min_radius_driven_mm": lambda drive: drive.pitch.least_radius_mm(Gear.DRIVEN),
-    "pitch.max_tangent_angle_deg": lambda drive: degrees(drive.pitch.largest_tangent_angle_rad.value),
-    "pitch.max_pressure_angle_deg": lambda drive: drive.pitch.largest_pressure_angle_deg(
-        radians(drive.gears.carrying_angle_deg)
-    ),
-}
-"""Keys of the figures of a pair of pitch curves, and what computes each."""
+NO_NUMBERS = ("mesh", "concave", "_at_rad")
+"""What is in the keys of what pitch curves have beside numbers that every pair has."""
+
+CURVES = tuple(key for key in PITCH if not any(word in key for word in NO_NUMBERS))
+"""Keys of the numbers of a pair of pitch curves."""
 
 
 def _has_pitch(design: Design) -> bool:
@@ -154,7 +140,7 @@ def _has_pitch(design: Design) -> bool:
 
 def _pitch(drive: Drive) -> dict[str, float]:
     require_pushing_flanks(drive.pitch, drive.gears.rack)
-    return {name: float(figure(drive)) for name, figure in PITCH.items()}
+    return {f"pitch.{key}": float(value) for key, value in figures_of(drive, *CURVES).items()}
 
 
 def figure_names(design: Design) -> tuple[str, ...]:
@@ -175,7 +161,7 @@ def figure_names(design: Design) -> tuple[str, ...]:
         f"check.peak_acceleration_working_{output.acceleration.ending}",
         f"check.peak_acceleration_cycle_{output.acceleration.ending}",
     )
-    return (*names, *PITCH) if _has_pitch(design) else names
+    return (*names, *(f"pitch.{key}" for key in CURVES)) if _has_pitch(design) else names
 
 
 @dataclass(frozen=True, eq=False)
@@ -356,10 +342,10 @@ def _pitch_figures(batch: Batch, measured: dict[str, Array]) -> dict[str, Array]
     return {
         "pitch.center_distance_mm": distance,
         "pitch.length_driving_mm": length * lobes.driving / lobes.driven * distance,
-        "pitch.length_driven_mm": length * distance,
         "pitch.driving_convex": (measured["hollow_driving"] <= STRAIGHT).astype(float),
-        "pitch.driven_convex": (measured["hollow_driven"] <= STRAIGHT).astype(float),
         "pitch.min_radius_driving_mm": distance / measured["driving"],
+        "pitch.length_driven_mm": length * distance,
+        "pitch.driven_convex": (measured["hollow_driven"] <= STRAIGHT).astype(float),
         "pitch.min_radius_driven_mm": distance / measured["driven"],
         "pitch.max_tangent_angle_deg": tangent_deg,
         "pitch.max_pressure_angle_deg": tangent_deg + carrying,

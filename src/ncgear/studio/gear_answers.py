@@ -52,7 +52,7 @@ def contact_answers(drive: Drive) -> Iterator[Answer]:
     yield (
         "teeth",
         {
-            "facts": [fact for _, pair in pairs for fact in typeset(gear_facts(pair), pair.stage)],
+            "facts": [fact for _, pair in pairs for fact in typeset(gear_facts(pair), pair.of)],
             "tables": [_contact_table(stage, pair) for stage, pair in pairs],
         },
     )
@@ -68,14 +68,9 @@ def _shown(scene: Scene, *, gears: bool) -> dict[str, Any]:
 
 
 def _contact_table(stage: str, pair: Drive) -> dict[str, Any]:
+    from ncgear.drawings.page.tables import beside
     from ncgear.figures.summary.build_summary import designed_contact
-    from ncgear.figures.tables import Column, Table
-    from ncgear.figures.terminal import labelled
     from ncgear.studio.told import table_data
 
     found = designed_contact(pair.designed_contact, pair.contact_extremes)
-    plain = {key: value for key, value in found.items() if not isinstance(value, list)}
-    rows = tuple(labelled(plain))
-    return table_data(
-        Table(f"Contact of the teeth{f', {stage}' if stage else ''}", (Column(""), Column("as designed")), rows)
-    )
+    return table_data(beside(f"Contact of the teeth{f', {stage}' if stage else ''}", {"as designed": found}))

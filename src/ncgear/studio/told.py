@@ -95,7 +95,7 @@ def safety_facts(pairs: Iterable[Drive]) -> list[tuple[str, str]]:
         fact
         for pair in pairs
         for damage, safety, wanted in safeties(pair) or ()
-        for fact in typeset([(f"safety against {damage}, {wanted} wanted", safety)], pair.stage)
+        for fact in typeset([(f"safety against {damage}, {wanted} wanted", safety)], pair.of)
     ]
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from math import degrees, inf
+from math import inf
 from pathlib import Path
 
 from ncgear.design.keys.choices import Choices, Costs, Motor, Process
@@ -18,7 +18,7 @@ from ncgear.figures.advice.verdict import Judged, Known, State, Verdict, judged
 from ncgear.frozen import dataclass
 from ncgear.metrology.cut_by import CutVerdict, Tool
 from ncgear.numerics.units import KG_M2
-from ncgear.optimum.task import LOAD_LIMITS, Figures, figures
+from ncgear.optimum.task import Figures, by_limit, figures
 from ncgear.project.drive import Drive
 from ncgear.project.law_task import inertia_as_given, task_of
 from ncgear.project.service import choices_of
@@ -130,7 +130,7 @@ def figures_of(drive: Drive) -> tuple[MachineFigures, Figures]:
         braking_power_w=found.braking_power_w or 0.0,
         peak_acceleration=found.peak_acceleration_mm_s2,
         peak_speed=found.peak_speed_mm_s,
-        pressure_angle_deg=degrees(drive.pitch.largest_tangent_angle_rad.value) + drive.gears.carrying_angle_deg,
+        pressure_angle_deg=drive.largest_pressure_angle_deg,
         gear_volume_mm3=sized.volume_mm3,
         center_distance_mm=size.center_distance_mm,
         diameter_mm=sized.diameter_mm,
@@ -159,18 +159,9 @@ def guessed_figures(law: Figures, flywheel_kg_mm2: float, volume_mm3: float, spe
 def limits_missed(design: Design, found: Figures, pressure_angle_deg: float) -> list[str]:
     """The limits of ``optimize`` that figures exceed, in words."""
     limits = (design.optimize or Optimize()).limits
-    has = {
-        **{f"peak_speed_{unit}_s": found.peak_speed_mm_s for unit in ("mm", "rad")},
-        **{f"peak_acceleration_{unit}_s2": found.peak_acceleration_mm_s2 for unit in ("mm", "rad")},
-        **{f"peak_jerk_{unit}_s3": found.peak_jerk_mm_s3 for unit in ("mm", "rad")},
-        "peak_power_w": found.peak_power_w,
-        "pressure_angle_deg": pressure_angle_deg,
-        "ratio_max": found.ratio_max,
-        **{name: getattr(found, name) for name in LOAD_LIMITS},
-    }
     missed = [
         f"{name} {value:.6g} over {limit:g}"
-        for name, value in has.items()
+        for name, value in by_limit(found, pressure_angle_deg).items()
         if (limit := getattr(limits, name)) is not None and value is not None and value > limit * (1.0 + KEPT)
     ]
     return [

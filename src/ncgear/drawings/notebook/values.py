@@ -39,21 +39,21 @@ from ncgear.drawings.notebook.pieces import (
 from ncgear.drawings.page.chart_figure import PageChart
 from ncgear.drawings.page.motion_charts import motion_charts
 from ncgear.drawings.page.page_charts import ratio_chart
-from ncgear.drawings.page.tables import comparison_tables, typeset
+from ncgear.drawings.page.tables import typeset
 from ncgear.drawings.plots.frontier_plot import frontier
 from ncgear.drawings.scene.scene import scene_of
 from ncgear.figures.advice.verdict import Known, judged
 from ncgear.figures.answers.machine import gear_facts, machine_facts
 from ncgear.figures.balance.parts import figures_of
 from ncgear.figures.best_law import figures_summary
+from ncgear.figures.comparison import comparison_rows, comparison_tables
 from ncgear.figures.data_sheet.measured_tables import cut_table
 from ncgear.figures.mended import found_words, tried_words
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.strong import METHODS, life_words
-from ncgear.figures.summary.check_summary import comparison_rows, peaks
 from ncgear.figures.tables import Column, Table, columns_of
-from ncgear.kinematics.check import KinematicCheck
+from ncgear.kinematics.check import KinematicCheck, peak_figures
 from ncgear.kinematics.motion import Machine, OutputMotion, sample_angles
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.units import RAD_S_PER_RPM
@@ -101,9 +101,7 @@ def _title(value: object) -> tuple[str, str]:
         return value.name, value.description or ""
     if not isinstance(value, Drive):
         return type(value).__name__, ""
-    design = value.design
-    stage = "" if value.stage is None else f", stage {value.stage}"
-    return f"{design.name}{stage}", design.description or ""
+    return value.title, value.design.description or ""
 
 
 @singledispatch
@@ -136,7 +134,7 @@ def _verdict(drive: Drive) -> Markup:
 
 
 def _about_pair(pair: Drive) -> Markup:
-    return facts(typeset(gear_facts(pair), pair.stage))
+    return facts(typeset(gear_facts(pair), pair.of))
 
 
 def _mechanism(linkage: Mechanism) -> str:
@@ -186,7 +184,7 @@ def _motion(motion: OutputMotion) -> Iterator[Markup]:
 @_pieces.register
 def _check(check: KinematicCheck) -> Iterator[Markup]:
     yield facts([("speed", f"{shown(check.speed_rpm)} r/min")])
-    yield figures(peaks(check, returns=True))
+    yield figures(peak_figures(check))
 
 
 @_pieces.register

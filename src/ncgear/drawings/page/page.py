@@ -24,7 +24,6 @@ from ncgear.drawings.page.page_charts import gear_charts
 from ncgear.drawings.page.scene_svg import scene_svg
 from ncgear.drawings.page.tables import (
     ToothLinks,
-    comparison_tables,
     contact_tables,
     sheet_tables,
     strength_tables,
@@ -36,9 +35,9 @@ from ncgear.drawings.scene.standing import views
 from ncgear.drawings.solid_pair import solid_view
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.machine import gear_facts, machine_facts
+from ncgear.figures.comparison import comparison_rows, comparison_tables
 from ncgear.figures.data_sheet.sheet import data_sheet
 from ncgear.figures.numbers import shown
-from ncgear.figures.summary.check_summary import comparison_rows
 from ncgear.figures.wished import achieved_lines
 from ncgear.project.drive import Drive
 
@@ -60,7 +59,7 @@ def report_page(
     about_pairs = {
         "facts": [
             *typeset(machine_facts(drive)),
-            *chain.from_iterable(typeset(gear_facts(pair), pair.stage) for pair, _ in pairs),
+            *chain.from_iterable(typeset(gear_facts(pair), pair.of) for pair, _ in pairs),
         ],
         "pairs": [
             {

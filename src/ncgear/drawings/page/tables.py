@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import platform
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from importlib.metadata import version
 from typing import Any
 
@@ -18,30 +18,16 @@ from markupsafe import Markup, escape
 from ncgear import __version__
 from ncgear.contact.pair import PairContact
 from ncgear.figures.data_sheet.sheet import DataSheet, Group
-from ncgear.figures.numbers import shown
 from ncgear.figures.strong import weakest_table
 from ncgear.figures.summary.build_summary import contact_summary
 from ncgear.figures.tables import Column, HtmlRow, Table
-from ncgear.figures.terminal import MIXED_SPEEDS, SAME_SPEED, compared_columns, labelled
+from ncgear.figures.terminal import labelled
 from ncgear.frozen import dataclass
 from ncgear.project.drive import Drive
 from ncgear.project.strengthening import Rating, known_rating
 
 LIBRARIES = ("numpy", "scipy", "shapely", "trimesh", "mapbox-earcut", "matplotlib", "pydantic", "ruamel.yaml")
 """The libraries that compute the figures of the page, beside ncgear and Python."""
-
-
-def comparison_tables(rows: Sequence[Mapping[str, Any]]) -> list[Table]:
-    """A table of the mechanisms at equal speed, and one of the figures that were published at other speeds."""
-    same, mixed = ([row for row in rows if row["same_speed"] is wanted] for wanted in (True, False))
-    return [_comparison(title, chosen) for title, chosen in ((SAME_SPEED, same), (MIXED_SPEEDS, mixed)) if chosen]
-
-
-def _comparison(title: str, rows: Sequence[Mapping[str, Any]]) -> Table:
-    compared = compared_columns(rows)
-    cells = [(str(row["name"]), *(shown(row[key]) for key in compared)) for row in rows]
-    columns = (Column("mechanism"), *compared.values())
-    return Table(title, columns, tuple(cells), row_notes=tuple(row["note"] for row in rows))
 
 
 def contact_tables(drive: Drive, contact: PairContact) -> list[Table]:
@@ -51,7 +37,7 @@ def contact_tables(drive: Drive, contact: PairContact) -> list[Table]:
     forms = {f"as written to {source.upper()}": figures for source, figures in written.items()}
     return [
         Table("The worst of all", (), tuple(labelled(found))),
-        _beside("In detail", {"as designed": designed, **forms}),
+        beside("In detail", {"as designed": designed, **forms}),
     ]
 
 
@@ -61,7 +47,7 @@ def strength_tables(drive: Drive) -> list[Table]:
     return [weakest_table(drive, rating)] if isinstance(rating, Rating) else []
 
 
-def _beside(title: str, sections: Mapping[str, Mapping[str, Any]]) -> Table:
+def beside(title: str, sections: Mapping[str, Mapping[str, Any]]) -> Table:
     """The same figures of several sections side by side, without lists of teeth, which summary.json has."""
     plain = [{key: value for key, value in one.items() if not isinstance(value, list)} for one in sections.values()]
     columns = [dict(labelled(section)) for section in plain]
@@ -92,9 +78,8 @@ TYPESET = (("mm/s2", "mm/s\u00b2"), ("rad/s2", "rad/s\u00b2"), (" cm3", " cm\u00
 """Units as they are typed on a terminal, and as they are set on a page."""
 
 
-def typeset(facts: Iterable[tuple[str, str]], stage: int | None = None) -> list[tuple[str, str]]:
-    """Names and texts of facts for the page; the names begin with the stage where there are two."""
-    of = f"stage {stage}: " if stage else ""
+def typeset(facts: Iterable[tuple[str, str]], of: str = "") -> list[tuple[str, str]]:
+    """Names and texts of facts for the page; the names begin with what they are of, as ``stage 1: ``."""
     found = []
     for name, text in facts:
         for typed, set_ in TYPESET:

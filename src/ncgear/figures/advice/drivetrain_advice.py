@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from ncgear.drivetrain.bearings import MOST_OF_RATING
 from ncgear.drivetrain.shafts import LEAST_SAFETY
 from ncgear.errors import NoSuchMechanism
-from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy, Where
+from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy
 from ncgear.figures.numbers import five_digits, fixed, placed, to_digits
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.numerics.units import N_M_PER_N_MM, RAD_S_PER_RPM
@@ -120,7 +120,7 @@ def _rpm(speed_rad_s: float) -> str:
 
 
 def _advice(what: str, helps: str = "", kind: Kind = Kind.DRIVETRAIN) -> Advice:
-    return Advice(kind, (Where(),), what, "", (Remedy(helps),) if helps else (), brief=what)
+    return Advice(kind, what, "", (Remedy(helps),) if helps else (), brief=what)
 
 
 def _of_crank(drive: Drive) -> Iterator[Advice]:

@@ -11,7 +11,7 @@ import numpy as np
 from ncgear.design.keys.base import Model, listed
 from ncgear.design.keys.machine import LoadTable
 from ncgear.errors import DesignError
-from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy, Where
+from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy
 from ncgear.figures.numbers import to_digits
 from ncgear.kinematics.crank_stretches import CrankStretch
 from ncgear.mechanisms.resistance import TableResistance
@@ -209,7 +209,7 @@ def _idle(names: list[str], why: str, helps: str) -> Advice:
 
 def _advice(what: str, meaning: str, helps: str = "", *, matters: bool = True) -> Advice:
     remedies = (Remedy(helps),) if helps else ()
-    return Advice(Kind.WITHOUT_EFFECT, (Where(),), what, meaning, remedies, matters, brief=what)
+    return Advice(Kind.WITHOUT_EFFECT, what, meaning, remedies, matters, brief=what)
 
 
 def _stroke(drive: Drive) -> str:

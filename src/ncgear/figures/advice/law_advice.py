@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from math import cos, degrees, floor, isclose, radians
 
 from ncgear.design.keys.optimize import Optimize
-from ncgear.figures.advice.values import Advice, Change, Kind, NotJudged, Remedy, Where, changed
+from ncgear.figures.advice.values import Advice, Change, Kind, NotJudged, Remedy, changed
 from ncgear.figures.numbers import drawn, fixed, micrometres, placed, to_digits
 from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.pitch import shape
@@ -47,7 +47,6 @@ def ratio_range(drive: Drive) -> Advice | None:
     best = optimised(drive, ratio_min=1.0 / WIDEST_RATIO, ratio_max=WIDEST_RATIO)
     return Advice(
         Kind.RATIO_RANGE,
-        (Where(angles_deg=tuple((degrees(end.at),) * 2 for end in (low, high))),),
         f"the ratio runs from {to_digits(low.value, 3)} (at {placed(degrees(low.at))} deg) to "
         f"{to_digits(high.value, 3)} (at {placed(degrees(high.at))} deg)",
         f"beyond 1:{WIDEST_RATIO:g} one gear has almost no radius where the other is large: few teeth carry there, and "
@@ -73,7 +72,6 @@ def speeds(drive: Drive) -> Advice | None:
     held = speeds_at_work(drive)
     return Advice(
         Kind.SPEEDS,
-        (Where(),),
         f"the law's velocities hold at {to_digits(law, 5)} r/min, and the machine runs at {operating:g} r/min",
         f"there {held}",
         matters=False,
@@ -108,7 +106,6 @@ def negative_resistance(drive: Drive, returning: bool) -> Advice | None:
     )
     return Advice(
         Kind.NEGATIVE_RESISTANCE,
-        (Where(),),
         f"the resistance{way} is negative for displacements of {named} {place.text}",
         "it is kept, so that it drives the slider" if kept else "it is taken as zero there",
         () if is_given(drive.design, rule) else remedies,
@@ -119,13 +116,12 @@ def negative_resistance(drive: Drive, returning: bool) -> Advice | None:
 
 def pressure_angle(drive: Drive) -> Advice | None:
     """Flanks that press on the shafts more than they turn the driven gear."""
-    angle = drive.pitch.largest_pressure_angle_deg(radians(drive.gears.carrying_angle_deg))
+    angle = drive.largest_pressure_angle_deg
     if angle <= STEEPEST_DEG:
         return None
     at = degrees(drive.pitch.largest_tangent_angle_rad.at)
     return Advice(
         Kind.PRESSURE_ANGLE,
-        (Where(angles_deg=((at, at),)),),
         f"the pressure angle reaches {to_digits(angle, 3)} deg at phi1 = {placed(at)} deg",
         f"only {fixed(100.0 * cos(radians(angle)), 0)} % of the force between the teeth turns the driven gear there; "
         "the rest bears on the shafts, and friction may lock the pair",
@@ -153,7 +149,6 @@ def ring(drive: Drive) -> Advice | None:
         return None
     return Advice(
         Kind.RING,
-        (Where(Gear.DRIVEN.value),),
         "the driven gear is internal: no hob can cut it",
         "wire, mill, print, or a shaper with a smaller cutter can; it is carried on its rim, or by a plate behind the "
         "driving gear",
@@ -182,7 +177,6 @@ def crank_pin(drive: Drive) -> list[Advice | NotJudged]:
         *(
             Advice(
                 Kind.CRANK_PIN,
-                (Where(gear.value),),
                 f"the crank pin passes {drawn(round(passing[gear], 2), 'mm')} mm from the {gear.value} gear's axis, "
                 f"about which there is a {part} of {drawn(2.0 * radius, 'mm')} mm diameter",
                 f"a pin of {drawn(2.0 * pin, 'mm')} mm diameter touches it, where both are on the same side of the "
@@ -196,7 +190,6 @@ def crank_pin(drive: Drive) -> list[Advice | NotJudged]:
         *(
             Advice(
                 Kind.CRANK_PIN,
-                (Where(angles_deg=((degrees(one.phi1_rad),) * 2,)),),
                 f"the crank pin passes {drawn(round(one.distance_mm, 2), 'mm')} mm from the middle of the "
                 f"{one.standing.name}",
                 f"a pin of {drawn(2.0 * pin, 'mm')} mm diameter touches it",
@@ -220,7 +213,6 @@ def _in_slot(drive: Drive, pin_mm: float) -> Iterator[Advice]:
         wide, thick = drawn(fit.rod_width_mm, "mm"), drawn(2.0 * pin_mm, "mm")
         yield Advice(
             Kind.CRANK_PIN,
-            (Where(),),
             f"the crank pin of {thick} mm slides in a slot of a part that is {wide} mm wide",
             "it does not go in",
             (Remedy(f"make that part wider than {thick} mm, or the pin thinner"),),
@@ -291,7 +283,6 @@ def rods(drive: Drive) -> list[Advice | NotJudged]:
         found.append(
             Advice(
                 Kind.ROD,
-                (Where(angles_deg=((at, at),)),),
                 f"the {one.part} meets the {one.standing.name}: its middle passes the centre at "
                 f"{drawn(one.distance_mm, 'mm')} mm, at phi1 = {placed(at)} deg{taken}",
                 f"a {one.part}, {wide}, cannot pass there",
@@ -310,7 +301,6 @@ def pin_beside_hub(drive: Drive) -> Advice | None:
     height = drawn(driven.hub.height_mm, "mm")
     return Advice(
         Kind.CRANK_PIN,
-        (Where(Gear.DRIVEN.value),),
         f"the crank pin stands beside the driven gear's hub, which is {height} mm high",
         "at a dead centre what it moves lies over the axis: let the pin stand out above the hub or on the other face",
         brief="the crank pin stands beside the driven gear's hub",
@@ -332,15 +322,13 @@ def _dented(drive: Drive, gear: Gear) -> Advice | None:
         return None
     stretches = tuple((degrees(a), degrees(b)) for a, b in drive.pitch.concave_ranges(gear))
     named = stretches_in_words(stretches, degrees(drive.pitch.transmission.lobes.driving_period_rad))
-    where = (Where(gear.value, angles_deg=stretches),)
     what = f"the {gear.value} pitch curve is concave for phi1 in {named} deg (radius {to_digits(radius, 4)} mm)"
     depth = gouged_mm(drive.pitch.of(gear), drive.rack)
     if not drive.pitch.of(gear).is_ring and depth <= HARMLESS * drive.rack.module_mm:
         harm = f"a hob cuts {micrometres(depth)} into the flanks there, which does not matter"
-        return Advice(Kind.CONCAVE, where, what, harm, matters=False, brief=f"the {gear.value} gear is hardly concave")
+        return Advice(Kind.CONCAVE, what, harm, matters=False, brief=f"the {gear.value} gear is hardly concave")
     return Advice(
         Kind.CONCAVE,
-        where,
         f"{what}: no hob can cut it",
         "wire, mill, print, or a shaper with a smaller cutter can; the mate's teeth stand close together there and "
         "their tips may have to be shortened",

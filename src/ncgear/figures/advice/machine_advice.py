@@ -9,7 +9,7 @@ from math import atan, copysign, degrees, exp, log, pi, radians, sin
 from ncgear.design.keys.pitch_shapes import UNIT_MM, DxfContour
 from ncgear.design.mechanisms import lengths_of
 from ncgear.errors import DesignError, WrongInput
-from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy, Where
+from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind, NotJudged, Remedy
 from ncgear.figures.numbers import fixed, placed, to_digits
 from ncgear.figures.wished import missed_by
 from ncgear.kinematics.crank_stretches import driving_rad
@@ -68,7 +68,6 @@ def transmission_angle(drive: Drive) -> Advice | None:
         locks = "friction may lock"
     return Advice(
         Kind.TRANSMISSION_ANGLE,
-        (Where(angles_deg=((at, at),)),),
         what,
         meaning,
         tuple(_other_lengths(drive, radians(limit), end)),
@@ -171,7 +170,6 @@ def _refused(refusal: DesignError, remedies: tuple[Remedy, ...], meaning: str = 
     problem = refusal.problem
     return Advice(
         Kind.MADE,
-        (Where(),),
         f"a build refuses these gears: {problem}",
         meaning,
         remedies,
@@ -196,7 +194,6 @@ def missed_wishes(drive: Drive) -> Advice | None:
     more = [f"{len(missed) - NAMED} more by --verbose"] if len(missed) > NAMED else []
     return Advice(
         Kind.MISSED_WISH,
-        (Where(),),
         f"the motion misses {count}: {named}",
         f"the {drive.linkage.OUTPUT.name} moves otherwise than is wished",
         (Remedy("let ncgear optimize look for a law that keeps every hard wish", short="ncgear optimize"),),
@@ -230,4 +227,4 @@ def _of_unit(given: DxfContour, drawn_in: str, sides_mm: Sequence[float]) -> Adv
 
 
 def _remark(what: str, so: str) -> Advice:
-    return Advice(Kind.DRAWING, (Where(),), what, so, matters=False, brief=f"{what}: {so}")
+    return Advice(Kind.DRAWING, what, so, matters=False, brief=f"{what}: {so}")

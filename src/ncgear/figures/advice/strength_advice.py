@@ -8,7 +8,7 @@ from math import degrees
 from typing import TYPE_CHECKING
 
 from ncgear.figures.advice.tried_advice import ENOUGH
-from ncgear.figures.advice.values import Advice, Kind, NotJudged, Remedy, Search, Where, changed
+from ncgear.figures.advice.values import Advice, Kind, NotJudged, Remedy, Search, changed
 from ncgear.figures.flanks import BAND, hours_words, place_words, stretches_words, vibration_of_rating
 from ncgear.figures.numbers import fixed, placed, to_digits
 from ncgear.numerics.bounds import shown_above, shown_below
@@ -29,7 +29,7 @@ from ncgear.strength.holding import Damage, Weakest, face_width_factor, module_f
 from ncgear.strength.iso6336 import THINNEST_WEB
 
 if TYPE_CHECKING:
-    from ncgear.strength.surfaces import Film, Place, Surfaces, Wear
+    from ncgear.strength.surfaces import Film, Surfaces, Wear
 
 SIZE = "ncgear size"
 
@@ -56,7 +56,6 @@ def strength(drive: Drive) -> Advice | NotJudged | None:
     load = LOADS["jam" if deciding_loads(drive, rating)[first.gear, first.damage] == "jam" else rating.strength.load]
     return Advice(
         Kind.STRENGTH,
-        (Where(first.gear.value, (first.tooth,), ((at, at),)),),
         f"the teeth do not hold {load}: tooth {first.tooth} of the {first.gear.value} gear has "
         f"{to_digits(first.stress_mpa, 3)} MPa at phi1 = {placed(at)} deg and endures "
         f"{to_digits(first.endured_mpa, 3)} MPa, a safety of {_under(first.safety, first.wanted)} against "
@@ -123,7 +122,6 @@ def _roughly(drive: Drive, found: RoughStrength | None) -> Advice | NotJudged | 
         meaning = f"{'their life is not judged' if found.at_once else 'the teeth are not followed'}: {found.unjudged}"
     return Advice(
         Kind.STRENGTH,
-        (Where(first.gear.value, angles_deg=((at, at),)),),
         f"{said} the load of {load}: roughly, the {first.gear.value} gear{stress} at phi1 = {placed(at)} deg has "
         f"{safety}{more}",
         meaning,
@@ -242,16 +240,10 @@ def flanks(drive: Drive) -> Iterator[Advice | NotJudged]:
         yield NotJudged(why)
 
 
-def _where(place: Place, gear: Gear) -> Where:
-    at = degrees(place.phi1_rad)
-    return Where(gear.value, (place.tooth(gear),), ((at, at),))
-
-
 def _scuffing(film: Film, found: Surfaces, safety: float, wanted: float) -> Advice:
     told = shown_below(safety, 2)
     return Advice(
         Kind.FLANKS,
-        (_where(film.flash_k, Gear.DRIVING),),
         f"the flanks scuff: contacts reach {fixed(film.hottest_c, 0)} deg C at {place_words(film.flash_k)}, and the "
         f"oil fails at {fixed(found.scuffing_c or 0.0, 0)} deg C, a safety of {told} and {wanted:g} wanted",
         "flanks weld and tear where they slide under load, at once",
@@ -268,7 +260,6 @@ def _wear(wear: Wear, lubrication: str) -> Advice:
     oil = [Remedy("let oil part the flanks", short="oil")] if lubrication == "dry" else []
     return Advice(
         Kind.FLANKS,
-        (_where(deepest, gear),),
         f"the flanks wear away: in {hours_words(wear.wanted_h)} tooth {deepest.tooth(gear)} of the {gear.value} gear "
         f"loses {to_digits(deepest.value, 2)} mm, and a tenth of the module, {to_digits(wear.limit_mm, 3)} mm, after "
         f"{hours_words(wear.life_h)}",
@@ -288,7 +279,6 @@ def _boundary(film: Film, found: Surfaces) -> Advice:
     least = to_digits(film.thickness.value, 2)
     return Advice(
         Kind.FLANKS,
-        (_where(film.thickness, Gear.DRIVING),),
         f"the oil hardly parts the flanks: its film is {least} of their roughness Ra at {place_words(film.thickness)}",
         "flanks touch and wear, as slow gears do; pitting is rated with Z_L Z_v Z_R = "
         f"{to_digits(min(found.pitting_factor), 2)} for oil, speed and roughness, which knows nothing of micropitting",
@@ -327,7 +317,6 @@ def _resonance(drive: Drive, told: ToldVibration | None) -> Iterator[Advice]:
     where = stretches_words(told)
     yield Advice(
         Kind.VIBRATION,
-        (Where(angles_deg=told.resonates_deg),),
         f"the mesh resonates ({BAND}) {where} at {speed}: K_V is {to_digits(told.factor, 2)} where teeth bear most",
         "teeth part and hammer, and gears howl; K_V is least sure there, and is for gears that stay in the resonance",
         (

@@ -7,14 +7,14 @@ from functools import partial
 from math import degrees
 from typing import NamedTuple
 
-from ncgear.contact.designed.as_designed import AsDesigned, SideContact
+from ncgear.contact.designed.as_designed import SideContact
 from ncgear.contact.placement import BACK, PUSHING
 from ncgear.errors import DesignError
 from ncgear.figures.advice.law_advice import STEEPEST_DEG
 from ncgear.figures.advice.tried_advice import FINER, FLATTER
-from ncgear.figures.advice.values import Advice, Change, Kind, NotJudged, Remedy, Where, changed
+from ncgear.figures.advice.values import Advice, Change, Kind, NotJudged, Remedy, changed
 from ncgear.figures.data_sheet.entries import limit_words
-from ncgear.figures.numbers import MICRORAD, micrometres, to_digits
+from ncgear.figures.numbers import MICRORAD, micrometres, placed, teeth_words, to_digits
 from ncgear.numerics.arrays import Mask
 from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import (
@@ -50,8 +50,17 @@ NEGLIGIBLE = 0.02
 where standards ask for a contact ratio to a tenth.  The hundredth of a flank that is kept clear of its cusp costs both
 gears together somewhat over one per cent, however little is undercut."""
 
-Found = tuple[Where, Loss]
-"""Teeth of one gear, and what they have lost."""
+
+class Found(NamedTuple):
+    """Teeth of one gear, and what they have lost."""
+
+    gear: str
+    teeth: list[int]
+    loss: Loss
+
+    def __str__(self) -> str:
+        lost = f"by up to {micrometres(self.loss.amount_mm)} (tooth {self.loss.tooth})"
+        return f"{teeth_words(self.teeth)} of the {self.gear} gear, {lost}"
 
 
 def undercut(drive: Drive) -> Advice | None:
@@ -68,7 +77,7 @@ def undercut(drive: Drive) -> Advice | None:
     what = f"undercut{'' if allowed else ' at full height'}: {_named(found)}"
     brief = f"{_counted(found)} {'are' if allowed else 'would be'} undercut"
     told = Told(found if allowed else shorter, what, meaning, brief)
-    return _judged(drive, Kind.UNDERCUT, found, told, _ways_out_of_undercut)
+    return _judged(drive, Kind.UNDERCUT, told, _ways_out_of_undercut)
 
 
 class Told(NamedTuple):
@@ -80,22 +89,16 @@ class Told(NamedTuple):
     brief: str
 
 
-def _judged(
-    drive: Drive,
-    kind: Kind,
-    found: list[Found],
-    told: Told,
-    remedies: Callable[[Drive], tuple[Remedy, ...]],
-) -> Advice:
+def _judged(drive: Drive, kind: Kind, told: Told, remedies: Callable[[Drive], tuple[Remedy, ...]]) -> Advice:
     """The advice about what was found, or a remark where it costs next to no contact."""
     shorter, what, meaning, brief = told
-    places, cost = tuple(where for where, _ in found), sum(loss.contact_pitches for _, loss in shorter)
+    cost = sum(one.loss.contact_pitches for one in shorter)
     if cost >= NEGLIGIBLE * drive.designed_contact.contact_ratio:
-        return Advice(kind, places, what, meaning, remedies(drive), brief=brief)
+        return Advice(kind, what, meaning, remedies(drive), brief=brief)
     share = to_digits(100.0 * NEGLIGIBLE, 2)
     lost = f"at most {to_digits(cost, 2)} pitches of contact, less than {share} % of the contact ratio"
     costs = f"it costs {lost if cost else 'no contact'} and does not matter"
-    return Advice(kind, places, what, costs, matters=False, brief=brief)
+    return Advice(kind, what, costs, matters=False, brief=brief)
 
 
 def _ways_out_of_undercut(drive: Drive) -> tuple[Remedy, ...]:
@@ -122,7 +125,7 @@ def pointed(drive: Drive) -> Advice | None:
     what = f"shortened tips: at full height their lands would be under {least:g} modules wide; {_named(found)}"
     meaning = "a sharp tip chips when hardened and wears fast, so it ends lower; the contact is shorter for it"
     brief = f"the tips of {_counted(found)} are shortened: their lands would be under {least:g} modules wide"
-    return _judged(drive, Kind.POINTED, found, Told(found, what, meaning, brief), _ways_out_of_points)
+    return _judged(drive, Kind.POINTED, Told(found, what, meaning, brief), _ways_out_of_points)
 
 
 def _ways_out_of_points(drive: Drive) -> tuple[Remedy, ...]:
@@ -141,7 +144,7 @@ def shortened(drive: Drive) -> list[Advice]:
             brief = f"the tips of {_counted(found)} are shortened: {words.partition(',')[0]}"
             told = Told(found, what, "the contact of these teeth is shorter", brief)
             ways_out = _ways_out_of_jumps if reason is Limit.HELIX else _ways_out_of_shortening
-            advices.append(_judged(drive, Kind.SHORTENED, found, told, ways_out))
+            advices.append(_judged(drive, Kind.SHORTENED, told, ways_out))
     return advices
 
 
@@ -166,7 +169,7 @@ def _found(
     both = (("driving", drive.teeth.driving), ("driven", drive.teeth.driven))
     masks = [(name, gear, marked(gear)) for name, gear in both]
     return [
-        (Where(name, tuple(sorted({int(tooth) for tooth in gear.flanks.tooth[mask]}))), loss(gear, mask))
+        Found(name, sorted({int(tooth) for tooth in gear.flanks.tooth[mask]}), loss(gear, mask))
         for name, gear, mask in masks
         if mask.any()
     ]
@@ -174,12 +177,12 @@ def _found(
 
 def _counted(found: list[Found]) -> str:
     """How many teeth were found."""
-    numbers = " and ".join(f"{len(where.teeth)} {where.gear}" for where, _ in found)
+    numbers = " and ".join(f"{len(one.teeth)} {one.gear}" for one in found)
     return f"{numbers} {'tooth' if numbers.startswith('1 ') and len(found) == 1 else 'teeth'}"
 
 
 def _named(found: list[Found]) -> str:
-    return "; ".join(f"{where}, by up to {micrometres(loss.amount_mm)} (tooth {loss.tooth})" for where, loss in found)
+    return "; ".join(map(str, found))
 
 
 def contact_ratio(drive: Drive) -> Advice | None:
@@ -192,14 +195,14 @@ def contact_ratio(drive: Drive) -> Advice | None:
     extremes = drive.contact_extremes
     found = {PUSHING: extremes.pushing_error_rad, BACK: extremes.back_error_rad}
     error = max(found[side.side].width for side in sides)
+    places = [placed(degrees(float(designed.placement.phi1_rad[side.pairs.parted_at]))) for side in sides]
     helix, words = bridging_helix(drive), "make the teeth helical, so that the next ones touch before these part"
     helical = (Remedy(words, changed(helix)),) if helix else ()
     return Advice(
         Kind.CONTACT_RATIO,
-        (Where(angles_deg=tuple(_worst(designed, side) for side in sides)),),
         f"contact ratio: the shortest contact of a flank pair lasts "
         f"{to_digits(min(side.pairs.least_arc for side in sides), 3)} pitches, "
-        "and at some positions no flanks touch",
+        f"and at some positions, as at phi1 = {', '.join(places)} deg, no flanks touch",
         f"the driven gear is carried by an edge there, off the law by up to {to_digits(1e6 * error, 2)} {MICRORAD}; it "
         "knocks and wears",
         (*helical, FINER),
@@ -215,7 +218,7 @@ def parted_in_time(partings: int, apart_s: float, whole_s: float) -> Advice:
     if not partings:
         what = f"in time the pushing flanks never part within {whole}"
     knocks = "they knock when they meet again" if partings else ""
-    return Advice(Kind.CONTACT_RATIO, (Where(),), what, knocks, matters=False, brief=what)
+    return Advice(Kind.CONTACT_RATIO, what, knocks, matters=False, brief=what)
 
 
 def idle_flanks(drive: Drive) -> Advice | None:
@@ -226,7 +229,6 @@ def idle_flanks(drive: Drive) -> Advice | None:
         return None
     return Advice(
         Kind.IDLE_FLANKS,
-        (Where(angles_deg=(_worst(designed, designed.back),) if parts else ()),),
         f"idle flanks: {short or 'at some positions none touch'}",
         "nothing while the driving gear pushes; where masses or a weight turn the torque round, the teeth knock there; "
         "drives: both_ways refuses such teeth",
@@ -240,12 +242,6 @@ def _parts(drive: Drive, side: SideContact) -> bool:
     return side.pairs.longest_gap > drive.overlap_ratio * drive.designed_contact.placement.per_tooth
 
 
-def _worst(designed: AsDesigned, side: SideContact) -> tuple[float, float]:
-    """The middle of the longest way without contact of flanks, in degrees of the driving gear."""
-    at = degrees(float(designed.placement.phi1_rad[side.pairs.parted_at]))
-    return at, at
-
-
 def thrust(drive: Drive) -> Advice | None:
     """The thrust of helical teeth along their axes."""
     helix = drive.helix
@@ -254,7 +250,6 @@ def thrust(drive: Drive) -> Advice | None:
     towards, away = ("growing", "falling") if helix.hand == "right" else ("falling", "growing")
     return Advice(
         Kind.THRUST,
-        (Where(),),
         f"axial thrust: {to_digits(helix.thrust_share, 3)} of the tangential force at the pitch point pushes the "
         f"driving gear towards {towards} z and the driven one towards {away} z",
         "the bearings of both shafts must take it",
@@ -292,7 +287,6 @@ def jams(drive: Drive) -> Advice | NotJudged | None:
         has += ", the teeth are the thickest that the file allows"
     return Advice(
         Kind.JAMS,
-        (Where(),),
         f"{share} assemblies jam: {has}, and with {', '.join(limit_words(found.tolerances))} "
         f"({_made(found)}) it takes {found.enough:g} {unit} for 99.9 % to turn",
         "both flanks of a tooth are pressed somewhere; ncgear tolerance draws assemblies one by one",
@@ -330,9 +324,7 @@ def index_holes(drive: Drive) -> Advice | NotJudged | None:
     room = [Remedy("make room for it", changed({key: one[key] for one in found for key in one}))] if all(found) else []
     without = Remedy("do without, and mark a tooth and its space by hand", (Change("gears.index_holes", value=False),))
     meaning = "nothing on them shows which teeth go together"
-    return Advice(
-        Kind.INDEX_HOLES, tuple(Where(gear.value) for gear in lacking), what, meaning, (*room, without), brief=what
-    )
+    return Advice(Kind.INDEX_HOLES, what, meaning, (*room, without), brief=what)
 
 
 JUDGES: dict[Kind, Callable[[Drive], Advice | NotJudged | Iterable[Advice] | None]] = {

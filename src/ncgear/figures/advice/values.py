@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import KW_ONLY
 from enum import StrEnum
 
-from ncgear.figures.numbers import fixed, placed, shown, to_digits
+from ncgear.figures.numbers import to_digits
 from ncgear.frozen import dataclass
 from ncgear.project.alternatives import Changes, Setting
 
@@ -102,26 +102,6 @@ class Remedy:
 
 
 @dataclass(frozen=True)
-class Where:
-    """The place that an advice is about: a gear or the pair, its teeth, stretches of the driving angle in degrees.
-
-    ``gear`` is driving, driven or empty for the pair; a stretch without length is a single angle.
-    """
-
-    gear: str = ""
-    teeth: tuple[int, ...] = ()
-    angles_deg: tuple[tuple[float, float], ...] = ()
-
-    def __str__(self) -> str:
-        word = "tooth" if len(self.teeth) == 1 else "teeth"
-        teeth = f"{word} {shown(list(self.teeth))}" if self.teeth else ""
-        of = f"{self.gear} gear" if self.gear else ""
-        named = " of the ".join(part for part in (teeth, of) if part)
-        stretches = ", ".join(placed(a) if a == b else f"{fixed(a, 0)}..{fixed(b, 0)}" for a, b in self.angles_deg)
-        return ", ".join(part for part in (named, f"phi1 = {stretches} deg" if stretches else "") if part)
-
-
-@dataclass(frozen=True)
 class Advice:
     """Something a designer should know before cutting metal.
 
@@ -131,7 +111,6 @@ class Advice:
     """
 
     kind: Kind
-    where: tuple[Where, ...]
     what: str
     meaning: str
     remedies: tuple[Remedy, ...] = ()

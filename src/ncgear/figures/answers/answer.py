@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 
 from ncgear.figures.numbers import fixed, to_digits
 from ncgear.figures.quantities import figure, name_of
+from ncgear.figures.tables import GAP, aligned
 from ncgear.frozen import dataclass
 
 if TYPE_CHECKING:
@@ -31,7 +32,7 @@ MANY = 10_000
 FAULTS = 6
 """Lines about what is wrong that have room before the last figures have."""
 
-INDENT, GAP = "  ", "  "
+INDENT = "  "
 CUT = " ..."
 
 VERBOSE = "--verbose"
@@ -159,24 +160,16 @@ def _aligned(answer: Answer) -> list[str]:
     count = len(answer.heads)
     columns = [one for one in answer.rows if len(one.texts) > 1]
     alone = [one for one in answer.rows if len(one.texts) == 1]
-    start = max((len(one.name) for one in columns), default=0)
-    widths = [max(map(len, texts)) for texts in zip(answer.heads, *(one.texts[:count] for one in columns), strict=True)]
-    lines = [f"{'':{start}}{_columns(answer.heads, widths)}"] if columns else []
-    for one in columns:
-        after = "".join(f"{GAP}{text}" for text in one.texts[count:])
-        lines.append(f"{one.name:{start}}{_columns(one.texts[:count], widths)}{after}")
+    cells = [("", *answer.heads), *((one.name, *one.texts[:count]) for one in columns)] if columns else []
+    after = ["", *("".join(f"{GAP}{text}" for text in one.texts[count:]) for one in columns)]
+    lines = [f"{line}{more}".rstrip() for line, more in zip(aligned(cells, left=1), after, strict=False)]
     start = max((len(one.name) for one in alone), default=0)
-    lines = [f"{INDENT}{line}".rstrip() for line in lines]
     for one in alone:
         name = f"{INDENT}{one.name:{start}}{GAP}" if one.name else INDENT
         lines += wrap(
             one.texts[0], COLUMNS, initial_indent=name, subsequent_indent=" " * max(len(name), 2 * len(INDENT))
         )
     return lines
-
-
-def _columns(texts: Sequence[str], widths: Sequence[int]) -> str:
-    return "".join(f"{GAP}{text:>{width}}" for text, width in zip(texts, widths, strict=True))
 
 
 Told = tuple[list[str], list[str]]

@@ -2,19 +2,22 @@
 
 from __future__ import annotations
 
-from math import degrees, pi, radians
+from math import pi
 from operator import itemgetter
 
 from ncgear.figures.advice.law_advice import speeds
-from ncgear.figures.advice.verdict import Known, Verdict, judged
+from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.answer import COLUMNS, INDENT, Answer, Row, difference, faults_of, in_one_line, row
+from ncgear.figures.comparison import comparison_rows
 from ncgear.figures.numbers import shown, to_digits
 from ncgear.figures.quantities import figure, name_of
-from ncgear.figures.summary.check_summary import comparison_rows, masses_note, peaks
+from ncgear.figures.summary.check_summary import masses_note, stages_summary
+from ncgear.figures.terminal import labelled
 from ncgear.figures.wished import motion_facts, wish_line, wish_rows
+from ncgear.kinematics.check import peak_figures
 from ncgear.numerics.units import CM3_PER_MM3, label_and_unit
-from ncgear.pitch.pair import largest_tangent_angle_rad
 from ncgear.project.drive import Drive
+from ncgear.project.figures import figures_of
 from ncgear.project.rough_strength import beside_refusal, rough_damage
 from ncgear.project.strengthening import Rating, known_rating
 from ncgear.ratio.transmission import Transmission
@@ -31,11 +34,11 @@ PUBLISHED = 2
 THIS = "this design"
 
 
-def check_answer(drive: Drive, file: str, notes: tuple[str, ...] = ()) -> Answer:
-    """What a check found; ``file`` is what a build of it is given."""
+def check_answer(drive: Drive, verdict: Verdict, file: str, notes: tuple[str, ...] = ()) -> Answer:
+    """What a check found; ``verdict`` is what it can judge, ``file`` what a build of it is given."""
     then = f"ncgear build {file}" if drive.design.gears is not None else "give gears in the file: ncgear explain gears"
     rows = *_published(drive), *_solved(drive), *_motion(drive), *_ratios(drive)
-    return _answer(drive, rows, judged(drive, Known.MOTION), then, notes)
+    return _answer(drive, rows, verdict, then, notes)
 
 
 def build_answer(drive: Drive, verdict: Verdict, then: str, notes: tuple[str, ...] = ()) -> Answer:
@@ -81,8 +84,8 @@ IN_FULL = ("rms_torque_n_m", "energy_swing_j")
 def compared_rows(drive: Drive) -> list[Row]:
     """The peaks of the machine beside the peaks of the same machine with an even crank, at equal driving speed."""
     returns = drive.linkage.RETURNS
-    own, uniform = peaks(drive.check, returns=returns), peaks(drive.uniform_check, returns=returns)
-    powered = drive.design.resistance is not None or drive.check.with_masses is not None
+    own, uniform = (peak_figures(one, returns=returns) for one in (drive.check, drive.uniform_check))
+    powered = _is_powered(drive)
     keys = [
         key
         for key in own
@@ -147,14 +150,11 @@ def _motion(drive: Drive) -> list[Row]:
 
 def _ratios(drive: Drive) -> list[Row]:
     """The ratio; where there are two pairs of gears, also the ratio and the greatest pressure angle of each pair."""
-    rows = [Row("ratio", (_ratio(drive.transmission),))]
-    for pair in drive.by_stage if drive.design.stages > 1 else ():
-        found = [f"ratio {_ratio(pair.pair.transmission)}"]
-        if drive.design.gears is not None:
-            tangent = degrees(largest_tangent_angle_rad(pair.pair.transmission).value)
-            key = "max_pressure_angle_deg"
-            found.append(f"{name_of(key)} {figure(key, tangent + drive.design.gears.carrying_angle_deg)}")
-        rows.append(Row(f"stage {pair.stage}", (", ".join(found),)))
+    rows, key = [Row("ratio", (_ratio(drive.transmission),))], "max_pressure_angle_deg"
+    for stage, pair in stages_summary(drive).get("stages", {}).items():
+        angle = f", {name_of(key)} {figure(key, pair[key])}" if key in pair else ""
+        ratio = f"ratio {shown(pair['ratio_min'])} to {shown(pair['ratio_max'])}"
+        rows.append(Row(stage.replace("_", " "), (ratio + angle,)))
     return rows
 
 
@@ -162,6 +162,12 @@ def _ratio(transmission: Transmission) -> str:
     low, high = transmission.ratio_range
     return f"{shown(low.value)} to {shown(high.value)}"
 
+
+OF_GEARS = (
+    *("module_mm", "face_width_mm", "center_distance_mm"),
+    *("max_pressure_angle_deg", "contact_ratio_mean", "contact_ratio_min"),
+)
+"""The main figures of a pair of gears."""
 
 TOGETHER = {
     "teeth": (name_of("module_mm"), name_of("face_width_mm")),
@@ -173,13 +179,20 @@ TOGETHER = {
 
 def _gears(drive: Drive) -> list[Row]:
     """The gears of a pair, how they touch, and whether they hold."""
-    of, facts, found = "" if drive.stage is None else f"stage {drive.stage}: ", dict(gear_facts(drive)), safeties(drive)
-    held = [f"{safety} against {damage} ({wanted} wanted)" for damage, safety, wanted in found or ()]
-    rows = [] if found is None else [("safety", ", ".join(held) or "not judged")]
+    found, rows = safeties(drive), gear_rows(drive)
+    if found is not None:
+        held = [f"{safety} against {damage} ({wanted} wanted)" for damage, safety, wanted in found]
+        rows = {"safety": ", ".join(held) or "not judged", **rows}
+    return [Row(drive.of + name, (text,)) for name, text in rows.items()]
+
+
+def gear_rows(drive: Drive) -> dict[str, str]:
+    """The main figures of a pair of gears, those that belong together in one text."""
+    facts, rows = dict(gear_facts(drive)), dict[str, str]()
     for first, others in TOGETHER.items():
         more = [f"{name.removeprefix(f'{first}, ')} {facts.pop(name)}" for name in others]
-        rows.append((first, ", ".join([facts.pop(first), *more])))
-    return [Row(of + name, (text,)) for name, text in [*rows, *facts.items()]]
+        rows[first] = ", ".join([facts.pop(first), *more])
+    return rows | facts
 
 
 def safeties(drive: Drive) -> list[tuple[str, str, str]] | None:
@@ -204,43 +217,30 @@ def safeties(drive: Drive) -> list[tuple[str, str, str]] | None:
     return [(damage, safety, f"{wanted:g}") for damage, _, safety, wanted in dict.fromkeys(least)]
 
 
-SIZES = ("module_mm", "face_width_mm", "center_distance_mm")
-"""The sizes that are told with the numbers of teeth."""
-
-
 def machine_facts(drive: Drive) -> Facts:
     """The main figures of a machine; the peak power where the design has a resistance or masses."""
-    linkage, check, place = drive.linkage, drive.check, drive.linkage.OUTPUT.place
-    found = [("law", drive.design.motion.law.replace("_", " "))]
-    found.append(_fact("speed_rpm", drive.design.operation.speed_rpm))
+    linkage, place, peaks = drive.linkage, drive.linkage.OUTPUT.place, peak_figures(drive.check)
+    moved = {"speed_rpm": drive.design.operation.speed_rpm}
     if linkage.RETURNS:
-        found.append(_fact(f"stroke_{place.ending}", place.factor * linkage.stroke_mm))
-    found.append(("ratio", _ratio(drive.transmission)))
-    if drive.design.resistance is not None or check.with_masses is not None:
-        found.append(_fact("peak_power_w", check.peak_power_w.value))
-    if check.with_masses is not None:
-        found.append(_fact("peak_power_resistance_w", check.peak_power_resistance_w.value))
+        moved[f"stroke_{place.ending}"] = place.factor * linkage.stroke_mm
+    powers = ("peak_power_w", "peak_power_resistance_w") if _is_powered(drive) else ()
+    power = {key: peaks[key] for key in powers if key in peaks}
     acceleration = f"peak_acceleration_cycle_{linkage.OUTPUT.acceleration.ending}"
-    return [*found, *_masses(drive), _fact(acceleration, check.peak_acceleration_cycle.value)]
+    moving = [("law", drive.design.motion.law.replace("_", " ")), *labelled(moved)]
+    loaded = [*labelled(power), *_masses(drive), *labelled({acceleration: peaks[acceleration]})]
+    return [*moving, ("ratio", _ratio(drive.transmission)), *loaded]
+
+
+def _is_powered(drive: Drive) -> bool:
+    """Whether anything takes power: without resistance and masses none is told."""
+    return drive.design.resistance is not None or drive.check.with_masses is not None
 
 
 def gear_facts(drive: Drive) -> Facts:
     """The main figures of a pair of gears."""
-    size, designed = drive.pitch.size, drive.designed_contact
-    steepest = drive.pitch.largest_pressure_angle_deg(radians(drive.gears.carrying_angle_deg))
-    sizes = size.module_mm, drive.gears.face_width_mm, size.center_distance_mm
-    facts = [
-        ("teeth", f"{size.driving_teeth} : {size.driven_teeth}"),
-        *(_fact(key, value) for key, value in zip(SIZES, sizes, strict=True)),
-        _fact("max_pressure_angle_deg", steepest),
-        _fact("contact_ratio_mean", designed.contact_ratio),
-        _fact("contact_ratio_min", designed.least_arc),
-    ]
+    size = drive.pitch.size
+    facts = [("teeth", f"{size.driving_teeth} : {size.driven_teeth}"), *labelled(figures_of(drive, *OF_GEARS))]
     if (pumped := drive.pumped) is not None:
         facts.append(("displacement", f"{figure('per_turn_cm3', CM3_PER_MM3 * pumped.per_turn_mm3)} a turn"))
-        facts.append(_fact("pulsation_percent", 100.0 * pumped.pulsation))
+        facts += labelled({"pulsation_percent": 100.0 * pumped.pulsation})
     return facts
-
-
-def _fact(key: str, value: float) -> tuple[str, str]:
-    return name_of(key), figure(key, value)

@@ -9,8 +9,9 @@ from ncgear.design.keys.base import listed
 from ncgear.figures.advice.values import Advice, Kind, Remedy, changed
 from ncgear.figures.advice.verdict import Verdict
 from ncgear.figures.answers.answer import Answer, Fault, Row, faults_of
+from ncgear.figures.answers.machine import gear_rows
 from ncgear.figures.flanks import surfaces_rows, vibration_of_rating, vibration_words
-from ncgear.figures.numbers import shown, to_digits
+from ncgear.figures.numbers import shown, teeth_words, to_digits
 from ncgear.figures.quantities import figure, name_of
 from ncgear.figures.sized import parts_that_fail, sized_rows
 from ncgear.figures.strong import (
@@ -26,7 +27,6 @@ from ncgear.figures.strong import (
     load_words,
     materials_words,
     rim_words,
-    teeth_words,
     weakest_cells,
 )
 from ncgear.project.drive import Drive
@@ -52,15 +52,16 @@ def strength_answer(
         heads.insert(1, f"by {beside.strength.method}")
     rows, faults, about = [], list[Fault](), list[Row]()
     for pair, rating, remedies, other in pairs:
-        of = "" if pair.stage is None else f"stage {pair.stage}: "
-        rows += _rows(of, rating, other)
+        rows += _rows(pair.of, rating, other)
         weak = [one for one in rating.weakest if not one.holds]
         cures = [remedy.brief for remedy in remedies]
         faults += [
-            Fault(f"{of}{one.gear.value} gear, {one.damage.words}: {teeth_words(one.too_weak)}", tuple(cures[place:]))
+            Fault(
+                f"{pair.of}{one.gear.value} gear, {one.damage.words}: {teeth_words(one.too_weak)}", tuple(cures[place:])
+            )
             for place, one in enumerate(sorted(weak, key=lambda one: one.share))
         ]
-        about += _about(of, pair, rating)
+        about += _about(pair, rating)
     design = drive.design
     others = faults_of(verdict.without(Kind.STRENGTH))
     held = holding_words(any(rating.strength.wears for _, rating, *_ in pairs))
@@ -88,13 +89,10 @@ def _rows(of: str, rating: Rating, beside: Rating | None) -> list[Row]:
     return found
 
 
-def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
+def _about(drive: Drive, rating: Rating) -> list[Row]:
     """The gears, their largest force, and how they touch under load."""
-    size, loading, strength, error = drive.pitch.size, rating.loading, rating.strength, "transmission_error_rad"
-    width, force = (
-        figure(*one) for one in (("face_width_mm", drive.gears.face_width_mm), ("force_n", strength.peak_pair_n))
-    )
-    told, module = vibration_of_rating(drive, rating), figure("module_mm", size.module_mm)
+    loading, strength, error = rating.loading, rating.strength, "transmission_error_rad"
+    told, force = vibration_of_rating(drive, rating), figure("force_n", strength.peak_pair_n)
     under_load = "not judged, because only a jam presses the teeth"
     if loading.contact_ratio:
         off = f"{name_of(error)} {figure(error, loading.transmission_error_rad)}"
@@ -103,9 +101,8 @@ def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
         f"{name_of(key)} {figure(key, most)} by {DECIDING[load]}"
         for key, (most, load) in deciding_forces(drive).items()
     )
-    teeth = f"{size.driving_teeth} : {size.driven_teeth}, module {module}, {name_of('face_width_mm')} {width}"
     rows = [
-        ("teeth", teeth),
+        ("teeth", gear_rows(drive)["teeth"]),
         ("material", materials_words(drive, strength)),
         ("force", f"up to {force} on one pair of teeth, times {jolts_words(drive)}"),
         ("jam", jam_words(drive, rating)),
@@ -118,7 +115,7 @@ def _about(of: str, drive: Drive, rating: Rating) -> list[Row]:
         ("under load", under_load),
         ("joints", ", ".join(joints)),
     ]
-    return [Row(f"{of}{name}", (words,)) for name, words in rows if words]
+    return [Row(f"{drive.of}{name}", (words,)) for name, words in rows if words]
 
 
 def _herringbone_words(one: Sized | Literal["none"]) -> str:

@@ -46,6 +46,11 @@ class Entry:
         return tuple(cell_text(value, self.unit) for value in values)
 
 
+def of_both(label: str, values: Iterable[Value], unit: str = "mm") -> Entry:
+    """A line with a value of each gear, first the driving one's."""
+    return Entry(label, unit, None, *values)
+
+
 def tolerances(drive: Drive) -> tuple[Entry, ...]:
     """The tolerances of a pair."""
     given, gears, lead = drive.gears.tolerances, drive.gears, drive.gears.lead
@@ -97,14 +102,10 @@ def bodies(drive: Drive) -> tuple[Entry, ...]:
     """Bores, keyways and the other parts of the bodies; solids are made only where a gear has round holes."""
     gears, both, clearance = drive.gears, (drive.gears.driving, drive.gears.driven), drive.gears.process_clearance_mm
     rows = [
-        _of_both("bore", *(body.bore_mm for body in both)),
-        _of_both(
-            "keyway, width x depth", *(x and f"{_mm(x.width_mm)} x {_mm(x.depth_mm)}" for x in _each(both, "keyway"))
-        ),
-        _of_both(
-            "hub, diameter x height", *(x and f"{_mm(x.diameter_mm)} x {_mm(x.height_mm)}" for x in _each(both, "hub"))
-        ),
-        _of_both("thickness of web", *(x and x.thickness_mm for x in _each(both, "web"))),
+        of_both("bore", (body.bore_mm for body in both)),
+        of_both("keyway, width x depth", _sizes(_each(both, "keyway"), "width_mm", "depth_mm")),
+        of_both("hub, diameter x height", _sizes(_each(both, "hub"), "diameter_mm", "height_mm")),
+        of_both("thickness of web", (x and x.thickness_mm for x in _each(both, "web"))),
     ]
     if any((gears.index_holes, *_each(both, "lightening_holes"), gears.driven.crank_pin)):
         plans = drive.solids.driving.plan, drive.solids.driven.plan
@@ -112,14 +113,14 @@ def bodies(drive: Drive) -> tuple[Entry, ...]:
         rows.append(Entry("diameter of the crank pin's hole", "mm", driven=pin.diameter_mm if pin else None))
         rows.append(Entry("centre of the crank pin's hole, x and y", "mm", driven=_place(pin) if pin else None))
         sizes = (f"{len(one)} x {_mm(one[0].diameter_mm)}" if one else None for one in holes)
-        rows.append(_of_both("lightening holes, number x diameter", *sizes))
+        rows.append(of_both("lightening holes, number x diameter", sizes))
         if gears.index_holes:
             marks = _each(plans, "index_hole")
-            rows.append(_of_both("diameter of index hole", *(x.diameter_mm if x else "no room for one" for x in marks)))
-            rows.append(_of_both("centre of index hole, x and y", *(x and _place(x) for x in marks)))
+            rows.append(of_both("diameter of index hole", (x.diameter_mm if x else "no room for one" for x in marks)))
+            rows.append(of_both("centre of index hole, x and y", (x and _place(x) for x in marks)))
     stops = (x and f"{_mm(x.pin_mm)}, {_mm(x.radius_mm)}" for x in _each(both, "end_stop"))
     rim = rim_mm_of(gears, drive.rack.module_mm) if drive.pitch.driven.is_ring else None
-    rows.append(_of_both("pin of the end stop, diameter, distance from the axis", *stops))
+    rows.append(of_both("pin of the end stop, diameter, distance from the axis", stops))
     rows.append(Entry("rim outside the deepest root", "mm", driven=rim))
     rows.append(Entry("bevel of the edges at z = 0", "mm", gears.first_layer_chamfer_mm or None))
     kerf = Entry("kerf that drawings allow for, half on each side of the lines", "mm", -2.0 * clearance)
@@ -127,13 +128,14 @@ def bodies(drive: Drive) -> tuple[Entry, ...]:
     return _given(rows)
 
 
-def _of_both(label: str, driving: Value, driven: Value) -> Entry:
-    return Entry(label, "mm", None, driving, driven)
-
-
 def _each(both: Iterable[object], name: str) -> list[Any]:
     """What each gear has under a name."""
     return [getattr(one, name) for one in both]
+
+
+def _sizes(parts: Iterable[Any], *names: str) -> list[Value]:
+    """``10 x 4``: the sizes of each part, None where a gear has none."""
+    return [part and " x ".join(_mm(getattr(part, name)) for name in names) for part in parts]
 
 
 def _given(rows: Iterable[Entry]) -> tuple[Entry, ...]:

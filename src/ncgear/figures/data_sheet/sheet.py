@@ -10,17 +10,18 @@ from typing import TYPE_CHECKING
 
 from ncgear.design.keys.gears import PROFILES
 from ncgear.errors import DesignError
-from ncgear.figures.data_sheet.entries import Entry, bodies, passed_rows, tolerances
+from ncgear.figures.data_sheet.entries import Entry, bodies, of_both, passed_rows, tolerances
 from ncgear.figures.data_sheet.measured_tables import cut_table, pin_tables, span_table
 from ncgear.figures.data_sheet.pitch_table import pitch_table
 from ncgear.figures.numbers import micrometres, shown, to_digits
-from ncgear.figures.quantities import OF_GEAR, figure, name_of
+from ncgear.figures.quantities import OF_GEAR, told
 from ncgear.figures.tables import Cells, Table, Value, columns_of, markdown, markdown_text
 from ncgear.figures.thickness import TITLE, band_table
 from ncgear.frozen import dataclass
 from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.project.figures import figures_of
 from ncgear.project.workshop_measures import GearMeasures, cut_gears, section_z_mm
 from ncgear.teeth.form import CutterKind
 from ncgear.teeth.lost import Loss, shortening, undercutting
@@ -58,7 +59,6 @@ def data_sheet(pair: Drive) -> DataSheet:
     that cannot be computed says why, where it would stand.
     """
     pair.require_sound_teeth()
-    name = pair.design.name if pair.stage is None else f"{pair.design.name}, stage {pair.stage}"
     rows: dict[str, Callable[[], Iterable[Entry]]] = {
         "Sizes": partial(sizes, pair),
         "Basic rack": partial(rack_data, pair),
@@ -79,7 +79,7 @@ def data_sheet(pair: Drive) -> DataSheet:
         tables[f"Span of the {gear.value} gear"] = partial(_of_one, pair, number, span_table)
         tables[f"Pins in the {gear.value} gear"] = partial(_of_one, pair, number, pin_tables)
     told = tuple(table for title, of in tables.items() for table in tables_or_why(title, of))
-    return DataSheet(name, tuple(group for group in groups if group.entries), told)
+    return DataSheet(pair.title, tuple(group for group in groups if group.entries), told)
 
 
 MISSING = (ArithmeticError, ValueError, DesignError)
@@ -129,20 +129,25 @@ def sizes(drive: Drive) -> Iterator[Entry]:
     yield Entry("kind of gear", driving=_kind(pitch.driving), driven=_kind(pitch.driven))
     yield Entry("number of teeth", driving=size.driving_teeth, driven=size.driven_teeth)
     if covered is not None:
-        yield _of_both("turn between the end stops", map(degrees, (covered.driving_rad, covered.driven_rad)), "deg")
-    yield Entry(name_of("module_mm"), "mm", size.module_mm)
-    yield Entry(name_of("center_distance_mm"), "mm", size.center_distance_mm)
-    yield Entry(name_of("face_width_mm"), "mm", drive.gears.face_width_mm)
-    yield _of_both(OF_GEAR["length"], map(pitch.length_mm, Gear))
+        yield of_both("turn between the end stops", map(degrees, (covered.driving_rad, covered.driven_rad)), "deg")
+    yield from _of_pair(drive, "module_mm", "center_distance_mm", "face_width_mm")
+    yield of_both(OF_GEAR["length"], map(pitch.length_mm, Gear))
     section = ", in the section at z = 0" if drive.helix else ""
     yield from _ends("pitch radius", map(pitch.radius_range_mm, Gear))
     for place, name in enumerate(("tips", "roots")):
         radii = (drive.tooth_radii_mm[gear][place] for gear in Gear)
         yield from _ends(f"radius of {name}{section}", ((float(one.min()), float(one.max())) for one in radii))
-    yield _of_both("greatest radius over all", map(drive.outer_radii_mm.__getitem__, Gear))
+    yield of_both("greatest radius over all", map(drive.outer_radii_mm.__getitem__, Gear))
     if drive.housing_radii_mm:
-        yield _of_both("bore of the housing", (2.0 * radius for radius in drive.housing_radii_mm.values()))
-    yield _of_both(OF_GEAR["min radius"], map(pitch.least_radius_mm, Gear))
+        yield of_both("bore of the housing", (2.0 * radius for radius in drive.housing_radii_mm.values()))
+    yield of_both(OF_GEAR["min radius"], map(pitch.least_radius_mm, Gear))
+
+
+def _of_pair(drive: Drive, *keys: str, before: str = "", after: str = "") -> Iterator[Entry]:
+    """Figures of the pair, with what stands before and after their names."""
+    for key, value in figures_of(drive, *keys).items():
+        name, text, unit = told(key, value)
+        yield Entry(f"{before}{name}{after}", unit, text)
 
 
 def _kind(curve: PitchCurve) -> str:
@@ -151,14 +156,10 @@ def _kind(curve: PitchCurve) -> str:
     return f"{form}, internal" if curve.is_ring else form
 
 
-def _of_both(label: str, values: Iterable[Value], unit: str = "mm") -> Entry:
-    return Entry(label, unit, None, *values)
-
-
 def _ends(name: str, ends: Iterable[tuple[float, float]]) -> list[Entry]:
     """The least and the greatest value of both gears."""
     return [
-        _of_both(f"{word} {name}", both)
+        of_both(f"{word} {name}", both)
         for word, both in zip(("least", "greatest"), zip(*ends, strict=True), strict=True)
     ]
 
@@ -222,15 +223,13 @@ def rack_data(drive: Drive) -> Iterator[Entry]:
     if driving.has_own_shifts:
         yield Entry("profile shift coefficient", pair="of each tooth, see its table")
     else:
-        yield _of_both("profile shift coefficient", (one.rack.shift_mm / module for one in (driving, driven)), "")
-    yield Entry(name_of("backlash_mm"), "mm", drive.play.least_normal_mm.value)
-    yield Entry(name_of("backlash_max_mm"), "mm", drive.play.largest_normal_mm.value)
-    least, greatest = map(degrees, drive.play_range_rad)
+        yield of_both("profile shift coefficient", (one.rack.shift_mm / module for one in (driving, driven)), "")
+    yield from _of_pair(drive, "backlash_mm", "backlash_max_mm")
     if drive.play.thicker_mm == 0.0:
-        yield Entry(name_of("play_rad"), "deg", least)
+        yield from _of_pair(drive, "play_rad")
     else:
-        yield Entry(f"least {name_of('play_rad')}", "deg", least)
-        yield Entry(f"greatest {name_of('play_rad')}", "deg", greatest)
+        yield from _of_pair(drive, "play_rad", before="least ")
+        yield from _of_pair(drive, "play_greatest_rad")
     if helix is None:
         yield Entry("helix angle", "deg", 0.0)
     else:
@@ -239,7 +238,7 @@ def rack_data(drive: Drive) -> Iterator[Entry]:
             "herringbone, at z = 0 " if helix.herringbone else "",
         )
         yield Entry("helix angle at the pitch curve", "deg", degrees(helix.angle_rad))
-        yield _of_both("hand of helix", (f"{kind}{hand}" for hand in hands), "")
+        yield of_both("hand of helix", (f"{kind}{hand}" for hand in hands), "")
     by_itself = drive.teeth.cutter is CutterKind.RACK and driving.has_own_shifts
     yield Entry("cutter", pair="rack, each space by itself" if by_itself else CUTTERS[drive.teeth.cutter])
 
@@ -249,22 +248,16 @@ def tooth_data(drive: Drive) -> Iterator[Entry]:
 
     Both under load too, where a load brings more flanks into contact.
     """
-    both, designed, loaded = (drive.teeth.driving, drive.teeth.driven), drive.designed_contact, drive.pairs_under_load
-    yield _of_both("teeth that a tool of full depth undercuts", map(_undercut, both), "")
-    yield _of_both("teeth with shortened tips", map(_shortened, both), "")
+    both = drive.teeth.driving, drive.teeth.driven
+    yield of_both("teeth that a tool of full depth undercuts", map(_undercut, both), "")
+    yield of_both("teeth with shortened tips", map(_shortened, both), "")
     section = ", in the section at z = 0" if drive.helix else ""
-    without = f"{section}, without load" if designed.held_apart else section
-    yield _ratio("contact_ratio_mean", designed.contact_ratio, without)
-    yield _ratio("contact_ratio_min", designed.least_arc, without)
-    if loaded is not None:
-        yield _ratio("contact_ratio_under_load_mean", min(side.contact_ratio for side in loaded), section)
-        yield _ratio("contact_ratio_under_load_min", min(side.least_arc for side in loaded), section)
+    without = f"{section}, without load" if drive.designed_contact.held_apart else section
+    yield from _of_pair(drive, "contact_ratio_mean", "contact_ratio_min", after=without)
+    if drive.pairs_under_load is not None:
+        yield from _of_pair(drive, "contact_ratio_under_load_mean", "contact_ratio_under_load_min", after=section)
     if drive.helix:
         yield Entry("overlap ratio", pair=drive.overlap_ratio)
-
-
-def _ratio(key: str, value: float, where: str) -> Entry:
-    return Entry(f"{name_of(key)}{where}", pair=figure(key, value))
 
 
 def _undercut(gear: ToothedGear) -> str:
@@ -287,14 +280,14 @@ def _with_amount(numbers: list[int], loss: Callable[[ToothedGear], Loss], gear: 
 def measurements(drive: Drive, gears: tuple[GearMeasures, GearMeasures]) -> Iterator[Entry]:
     """The means of measuring, and the number of places where they can be used."""
 
-    def of_both(label: str, value: Callable[[GearMeasures], Value], unit: str = "") -> Entry:
-        return _of_both(label, (_cell(partial(value, gear)) for gear in gears), unit)
+    def measured(label: str, value: Callable[[GearMeasures], Value], unit: str = "") -> Entry:
+        return of_both(label, (_cell(partial(value, gear)) for gear in gears), unit)
 
     if drive.helix:
         yield Entry("section that is measured, z", "mm", section_z_mm(drive.helix))
-    yield of_both(f"diameter of measuring {gears[0].tool}s", lambda gear: gear.pins.diameter_mm, "mm")
-    yield of_both("spaces in which they measure", _spaces)
-    yield of_both("places of a span", _places)
+    yield measured(f"diameter of measuring {gears[0].tool}s", lambda gear: gear.pins.diameter_mm, "mm")
+    yield measured("spaces in which they measure", _spaces)
+    yield measured("places of a span", _places)
 
 
 def _spaces(gear: GearMeasures) -> Value:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict
-from math import degrees, pi, radians
+from math import degrees, pi
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -31,8 +31,8 @@ from ncgear.numerics.arrays import Array
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.units import CM3_PER_MM3
 from ncgear.pitch.pair import PitchPair
-from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
+from ncgear.project.figures import PITCH, figures_of
 from ncgear.project.strengthening import known_rating
 from ncgear.teeth.gear import ToothedGear, teeth_free_of_undercut
 from ncgear.teeth.lost import shortening, undercutting
@@ -54,9 +54,8 @@ def build_summary(drive: Drive, contact: PairContact, verdict: Verdict) -> dict[
     summary = check_summary(drive, verdict)
     last = {key: summary.pop(key) for key in ("comparison", "warnings", "remarks", "verdict")}
     touching = contact_summary(contact, drive.contact_extremes)
-    if (sides := drive.pairs_under_load) is not None:
-        touching["contact_ratio_under_load_mean"] = min(pairs.contact_ratio for pairs in sides)
-        touching["contact_ratio_under_load_min"] = min(pairs.least_arc for pairs in sides)
+    if drive.pairs_under_load is not None:
+        touching |= figures_of(drive, "contact_ratio_under_load_mean", "contact_ratio_under_load_min")
     if drive.helix is not None:
         least = min(drive.section_contact_ratio, contact.as_designed.least_arc)
         touching["section_contact_ratio_min"] = least
@@ -109,21 +108,7 @@ def _pumped(drive: Drive) -> dict[str, Any]:
 
 def pitch_summary(drive: Drive) -> dict[str, Any]:
     """Sizes, convexity, pressure angle, and the jumps of curvature."""
-    pitch = drive.pitch
-    result: dict[str, Any] = {"mesh": pitch.mesh.value, "center_distance_mm": pitch.center_distance_mm}
-    for gear in Gear:
-        name = gear.value
-        result[f"length_{name}_mm"] = pitch.length_mm(gear)
-        result[f"{name}_convex"] = pitch.convex(gear)
-        result[f"min_radius_{name}_mm"] = pitch.least_radius_mm(gear)
-        result[f"min_concave_radius_{name}_mm"] = pitch.least_concave_radius_mm(gear)
-        result[f"concave_{name}_rad"] = [list(stretch) for stretch in pitch.concave_ranges(gear)]
-    tangent = pitch.largest_tangent_angle_rad
-    result["max_tangent_angle_deg"] = degrees(tangent.value)
-    result["max_pressure_angle_deg"] = pitch.largest_pressure_angle_deg(radians(drive.gears.carrying_angle_deg))
-    result["max_pressure_angle_at_rad"] = tangent.at
-    result["curvature_jumps"] = _jumps(pitch)
-    return result
+    return {**figures_of(drive, *PITCH), "curvature_jumps": _jumps(drive.pitch)}
 
 
 def _jumps(pitch: PitchPair) -> list[dict[str, float]]:

@@ -1,16 +1,14 @@
-"""The results of a check as plain values whose keys end in their unit, and the mechanisms to compare with."""
+"""The results of a check as plain values whose keys end in their unit."""
 
 from __future__ import annotations
 
 from math import degrees
 from typing import Any
 
-from ncgear.design.keys.machine import Published
 from ncgear.figures.advice.verdict import Known, Verdict, judged
-from ncgear.figures.numbers import fixed, shown, to_digits
+from ncgear.figures.comparison import comparison_rows
 from ncgear.figures.wished import motion_summary, wish_rows
-from ncgear.kinematics.check import KinematicCheck, power_figures
-from ncgear.mechanisms.mechanism import Output
+from ncgear.kinematics.check import peak_figures
 from ncgear.pitch.pair import largest_tangent_angle_rad
 from ncgear.project.drive import Drive
 
@@ -105,13 +103,13 @@ def masses_note(drive: Drive) -> str:
 
 
 def _check(drive: Drive) -> dict[str, Any]:
-    result = peaks(drive.check, returns=drive.linkage.RETURNS)
+    result: dict[str, Any] = peak_figures(drive.check, returns=drive.linkage.RETURNS)
     if drive.law.stroke is not None:
         found = drive.check_at_rpm(drive.law_speed_rpm)
-        of_law = peaks(found, returns=drive.linkage.RETURNS)
+        of_law = peak_figures(found, returns=drive.linkage.RETURNS)
         told = {key: value for key, value in of_law.items() if key.startswith("peak_") and not key.endswith("_at_rad")}
         result["at_law_speed"] = {"speed_rpm": drive.law_speed_rpm, **told}
-    result[uniform_key(drive)] = peaks(drive.uniform_check, returns=drive.linkage.RETURNS)
+    result[uniform_key(drive)] = peak_figures(drive.uniform_check, returns=drive.linkage.RETURNS)
     note = masses_note(drive)
     return {**result, "masses": note} if note else result
 
@@ -119,97 +117,3 @@ def _check(drive: Drive) -> dict[str, Any]:
 def uniform_key(drive: Drive) -> str:
     """The key of the figures of the same machine where the driven gear turns evenly."""
     return drive.linkage.UNIFORM.replace(" ", "_")
-
-
-def peaks(check: KinematicCheck, *, returns: bool) -> dict[str, Any]:
-    """Peaks of a check with the driving angle of each; peaks of the working stroke only where there is a return."""
-    speed, acceleration = check.output.speed.ending, check.output.acceleration.ending
-    working = {
-        f"peak_acceleration_working_{acceleration}": check.peak_acceleration_working.value,
-        "peak_acceleration_working_at_rad": check.peak_acceleration_working.at,
-    }
-    return {
-        **power_figures(check),
-        f"peak_speed_{speed}": check.peak_speed.value,
-        "peak_speed_at_rad": check.peak_speed.at,
-        **(working if returns else {}),
-        f"peak_acceleration_cycle_{acceleration}": check.peak_acceleration_cycle.value,
-        "peak_acceleration_cycle_at_rad": check.peak_acceleration_cycle.at,
-    }
-
-
-def comparison_rows(drive: Drive) -> list[dict[str, Any]]:
-    """This design, the uniform crank, and published mechanisms scaled to the operating speed; then mixed speeds.
-
-    Each row has ``name``, ``note``, ``same_speed`` (whether it holds at the operating speed) and figures in the units
-    that its keys end in, None where one is not known.
-    """
-    speed, own, other = drive.design.operation.speed_rpm, drive.check, drive.uniform_check
-    against_uniform = _saved("", own.peak_power_w.value, other.peak_power_w.value)
-    published = drive.design.comparison.published if drive.design.comparison else ()
-    return [
-        _checked("this design", own, speed, ""),
-        _checked(drive.linkage.UNIFORM, other, speed, against_uniform),
-        *(_scaled(drive, mechanism) for mechanism in published),
-        *(row for mechanism in published for row in _mixed(drive, mechanism)),
-    ]
-
-
-def _saved(what: str, own_w: float, other_w: float | None) -> str:
-    """Words for a peak power of this design against the power of another machine; empty where the other has none."""
-    if not other_w:
-        return ""
-    saving = 100.0 * (1.0 - own_w / other_w)
-    return f"this design's peak power{what} is {fixed(abs(saving), 1)} % {'lower' if saving >= 0 else 'higher'}"
-
-
-def _checked(name: str, check: KinematicCheck, speed: float, note: str) -> dict[str, Any]:
-    acceleration, velocity = check.peak_acceleration_cycle.value, check.peak_speed.value
-    row = _row(check.output, name, speed, check.peak_power_w.value, acceleration, velocity)
-    alone = {"peak_power_resistance_w": check.peak_power_resistance_w.value} if check.with_masses else {}
-    return {**row, **alone, "mean_power_w": check.mean_power_w, "same_speed": True, "note": note}
-
-
-def _row(
-    output: Output, name: str, speed: float, power: float | None, acceleration: float | None, velocity: float | None
-) -> dict[str, Any]:
-    return {
-        "name": name,
-        "speed_rpm": speed,
-        "peak_power_w": power,
-        "mean_power_w": None,
-        f"peak_acceleration_cycle_{output.acceleration.ending}": acceleration,
-        f"peak_speed_{output.speed.ending}": velocity,
-    }
-
-
-def _scaled(drive: Drive, published: Published) -> dict[str, Any]:
-    """Published figures at the operating speed."""
-    found = published.at_speed(drive.design.operation.speed_rpm)
-    power, pressing = found.peak_power_w, found.compression_speed_mm_s
-    # A publication counts no masses of this machine
-    alone = ", of the resistance alone," if drive.check.with_masses else ""
-    saved = _saved(alone, drive.check.peak_power_resistance_w.value, power)
-    notes = [saved, f"compression speed {to_digits(pressing, 4)} mm/s" if pressing else ""]
-    output = drive.linkage.OUTPUT
-    row = _row(output, found.name, found.speed_rpm, power, found.peak_acceleration_mm_s2, found.peak_speed_mm_s)
-    return {**row, "same_speed": True, "note": "; ".join(note for note in notes if note)}
-
-
-def _mixed(drive: Drive, published: Published) -> list[dict[str, Any]]:
-    """The publication's own comparison, where it compares figures at different speeds."""
-    if published.quoted_power_w is None or published.quoted_speed_rpm is None:
-        return []
-    acceleration, velocity = published.peak_acceleration_mm_s2, published.peak_speed_mm_s
-    output = drive.linkage.OUTPUT
-    theirs = _row(output, published.name, published.speed_rpm, published.peak_power_w, acceleration, velocity)
-    quoted = _row(
-        output, "set against it in the publication", published.quoted_speed_rpm, published.quoted_power_w, None, None
-    )
-    same = drive.check.peak_power_resistance_w.value * published.speed_rpm / drive.design.operation.speed_rpm
-    alone = " for the resistance alone" if drive.check.with_masses else ""
-    note = f"at {published.speed_rpm:g} r/min this design needs {shown(same)} W{alone}"
-    if published.peak_power_w:
-        saving = 100.0 * (1.0 - published.quoted_power_w / published.peak_power_w)
-        note = f"the {fixed(saving, 1)} % between the two rows is a difference of speed; {note}"
-    return [{**theirs, "same_speed": False, "note": ""}, {**quoted, "same_speed": False, "note": note}]

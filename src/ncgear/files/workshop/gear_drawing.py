@@ -119,7 +119,7 @@ def gear_notes(drive: Drive, gear: Gear, plan: BodyPlan) -> tuple[str, ...]:
     designed, and where the body differs from the lines.
     """
     notes = [
-        f"{_title(drive)}: {gear.value} gear",
+        f"{drive.title}: {gear.value} gear",
         _scale(drive),
         "axis at the origin, upper face towards you, pose of phi1 = 0",
         f"module {drive.pitch.size.module_mm:.10g} mm, face width {plan.face_width_mm:g} mm",
@@ -143,14 +143,10 @@ def gear_notes(drive: Drive, gear: Gear, plan: BodyPlan) -> tuple[str, ...]:
 def pair_notes(drive: Drive) -> tuple[str, ...]:
     """Sentences about the drawing of both gears together, its scale and frame."""
     return (
-        f"{_title(drive)}: both gears assembled at phi1 = 0",
+        f"{drive.title}: both gears assembled at phi1 = 0",
         _scale(drive),
         f"driving axis at the origin, driven axis at x = {drawn(drive.pitch.center_distance_mm, 'mm')} mm",
     )
-
-
-def _title(drive: Drive) -> str:
-    return drive.design.name if drive.stage is None else f"{drive.design.name}, stage {drive.stage}"
 
 
 def _scale(drive: Drive) -> str:

@@ -39,12 +39,11 @@ def step_files(drive: Drive) -> dict[str, bytes]:
     Raises the errors of ``exact_solids``.
     """
     solids = exact_solids(drive)
-    title = drive.design.name if drive.stage is None else f"{drive.design.name}-stage-{drive.stage}"
-    words = f"{title}: tooth faces within {max(error for _, error in solids.values()):.1e} mm of the exact ones"
+    words = f"{drive.stem}: tooth faces within {max(error for _, error in solids.values()):.1e} mm of the exact ones"
     files = {f"{gear.value}.step": part_bytes(Part(gear.value, shape), words) for gear, (shape, _) in solids.items()}
     places = zip(solids.items(), (0.0, drive.pitch.center_distance_mm), strict=True)
     parts = [Part(gear.value, shape, x_mm) for (gear, (shape, _)), x_mm in places]
-    files["pair.step"] = assembly_bytes(title, parts, words)
+    files["pair.step"] = assembly_bytes(drive.stem, parts, words)
     require_same(files["pair.step"], [part.shape for part in parts])
     return files
 

@@ -76,11 +76,6 @@ def finished(drive: Drive, gear: Gear) -> BodyPlan:
     )
 
 
-def title_of(drive: Drive) -> str:
-    """The name of the design, with the number of the pair where there are two."""
-    return drive.design.name if drive.stage is None else f"{drive.design.name}, stage {drive.stage}"
-
-
 def material_of(drive: Drive, gear: Gear) -> str:
     """The name of a gear's material; or that the design names none."""
     if drive.gears.material is None:

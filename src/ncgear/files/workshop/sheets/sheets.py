@@ -33,7 +33,6 @@ from ncgear.files.workshop.sheets.body import (
     drawn_shape,
     finished,
     material_of,
-    title_of,
 )
 from ncgear.files.workshop.sheets.frame import (
     TITLE_HEIGHT_MM,
@@ -115,7 +114,7 @@ def pair_sheet(drive: Drive) -> Sheet:
     if layout.mechanism is not None:
         items += _mechanism(drive, bodies, layout.mechanism)
     items += _parts(drive, list(bodies)).drawn(layout.parts.left, layout.parts.high)
-    name = title_of(drive)
+    name = drive.title
     titles = Titles(
         "Assembly", name, "see list of parts", f"{SEEN[mounting.hand]}, pose of phi1 = 0", scale, general_text(drive)
     )
@@ -352,7 +351,7 @@ def gear_sheet(drive: Drive, measured: GearMeasures, pitch_radii: Table) -> Shee
     area = Box(frame.left + GAP_MM, tables.high + GAP_MM, frame.right - GAP_MM, frame.high - GAP_MM)
     view, items = gear_views(drive, measured, plan, area)
     items += gear_tables(drive, measured, plan, pitch_radii, tables)
-    name = title_of(drive)
+    name = drive.title
     titles = Titles(
         f"{gear.value.capitalize()} gear",
         name,
