@@ -261,8 +261,7 @@ def drawn(points: Sequence[tuple[PointFunction, Sequence[float]]], key: str, *, 
 
 
 def _polar(point: PointFunction, breaks: Array, key: str) -> PolarFunction:
-    """Angle and radius of points; the angle counts on over whole turns, by a table that is finer where it turns
-    fast."""
+    """Angle and radius of points; the angle counts on over whole turns, by a table, finer where it turns fast."""
     shares = np.arange(16) / 16
     grid = np.append((breaks[:-1, None] + np.diff(breaks)[:, None] * shares).ravel(), breaks[-1])
     for _ in range(FINEST_TABLE):
