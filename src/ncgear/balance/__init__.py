@@ -1,1 +1,1 @@
-"""What shakes the frame, and what mass where would stop it: linkages, gears and rotors."""
+"""Shaking of the frame, and masses that reduce it: linkages, gears and rotors."""

@@ -51,10 +51,10 @@ FEASIBLE = 1e-10
 """Tolerance of the linear programme on planes, in forces of a slider mass at the pin: well below ``GAP``."""
 
 BOX = 100.0
-"""Largest mass at the pin that is looked for, in slider masses: more would need an x'' a hundred times c''."""
+"""Largest mass at the pin in the search, in slider masses: more would need an x'' a hundred times c''."""
 
 MOST_ROUNDS = 200
-"""Linear programmes after which the search ends as a fault."""
+"""Most linear programmes of a search; with more it ends as a fault."""
 
 NEAR_PEAK = 0.9
 """Share of the peak above which a local maximum gets a plane of its own."""
@@ -64,7 +64,7 @@ NEAR_PEAK = 0.9
 class BestCounterweight:
     """First moment of the counterweight in kg mm: its part towards the pin, and its part across, counter-clockwise.
 
-    ``bound_n`` is a peak of the shaking force that no counterweight can fall below; None for least squares.
+    ``bound_n`` is a lower bound of the peak shaking force for all counterweights; None for least squares.
     """
 
     moment_kg_mm: complex
@@ -77,7 +77,7 @@ class BestCounterweight:
 
 
 def least_squares(mechanism: DrivenCrank, known: Accelerations | None = None) -> BestCounterweight:
-    """The counterweight beside those there with the least mean square; ``known`` accelerations may be given."""
+    """The counterweight of least mean square beside those already there; ``known`` accelerations may be given."""
     known = known or accelerations(mechanism)
     angles, weights = gauss_points(known.form.breaks)
     pin, slider = _pin_and_slider(mechanism, known, angles)
@@ -86,7 +86,7 @@ def least_squares(mechanism: DrivenCrank, known: Accelerations | None = None) ->
 
 
 def minimax(mechanism: DrivenCrank, known: Accelerations | None = None) -> BestCounterweight:
-    """The counterweight beside those there with the least peak; raises Unanswered where ``GAP`` is left."""
+    """The counterweight of least peak beside those already there; raises Unanswered where more than ``GAP`` is left."""
     known, size, crank_mm = known or accelerations(mechanism), abs(mechanism.wrist_kg), mechanism.linkage.crank_mm
     if size <= NOTHING * mechanism.total_kg:  # the rod is balanced, and a crank mass balances the rest
         return BestCounterweight(least_squares(mechanism, known).moment_kg_mm, 0.0)
@@ -147,7 +147,7 @@ def _pin_and_slider(mechanism: DrivenCrank, known: Accelerations, angles: Array)
 
 @dataclass(frozen=True, eq=False)
 class Tried:
-    """A counterweight of some mass: force on the crank's bearing and shaking force in N, and the track."""
+    """A counterweight with a tried mass: force on the crank's bearing and shaking force in N, and the track."""
 
     mass_kg: float
     bearing_n: Statistics
@@ -156,7 +156,7 @@ class Tried:
 
 
 def sweep(mechanism: DrivenCrank, counterweight: Counterweight, masses_kg: Sequence[float]) -> list[Tried]:
-    """A counterweight on the crank with each of the masses beside those there; bearings carry weights with gravity."""
+    """A counterweight on the crank with each mass, beside those already there; with gravity, bearings carry weights."""
     known, found = accelerations(mechanism), []
     for mass in masses_kg:
         one = mechanism.with_counterweight(replace(counterweight, mass_kg=mass))

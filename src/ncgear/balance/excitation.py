@@ -1,4 +1,4 @@
-"""Frequencies at which a machine is shaken, beside its natural frequencies.
+"""Frequencies that shake a machine, beside its natural frequencies.
 
 A shaft at n r/min shakes at n/60, its bearings and sprockets at that times their rollers and teeth; for these and for
 engines see Z. Tang, Y. Li, Y. Zhou, H. Zhang, Shock and Vibration 2019, eqs. 9 to 13.  The slider shakes at the
@@ -17,12 +17,12 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.chebyshev import PiecewiseChebyshev
 
 NEGLIGIBLE = 1e-9
-"""Harmonics below this share of the strongest are left out: those that symmetry forbids are 1e-14 by rounding."""
+"""Harmonics below this share of the strongest are left out: where symmetry forbids them they are 1e-14 by rounding."""
 
 
 @dataclass(frozen=True)
 class Excitation:
-    """One frequency: what shakes and how; ``amplitude`` in m/s^2 is known for harmonics of the slider only."""
+    """One frequency: its source and kind; ``amplitude`` in m/s^2 is known for harmonics of the slider only."""
 
     source: str
     kind: str
@@ -32,7 +32,7 @@ class Excitation:
 
 @dataclass(frozen=True)
 class Shaft:
-    """A shaft, with the number of rollers in its bearing and of teeth on its sprocket or gear where it has them.
+    """A shaft, with the number of rollers in its bearing and of teeth on its sprocket or gear, if any.
 
     ``roller_ratio`` is the diameter of a roller divided by that of the pitch circle of the rollers, times the cosine of
     the contact angle.
@@ -47,7 +47,7 @@ class Shaft:
 
 @dataclass(frozen=True)
 class Engine:
-    """A piston engine; ``inertia_order`` is that of its strongest free inertia force, 2 for four cylinders in line."""
+    """A piston engine; ``inertia_order`` of its strongest free inertia force is 2 for four cylinders in line."""
 
     name: str
     speed_rpm: float
@@ -98,7 +98,7 @@ def of_engine(engine: Engine) -> list[Excitation]:
 
 
 def of_slider(name: str, mechanism: DrivenCrank, count: int) -> list[Excitation]:
-    """Those of the first ``count`` harmonics of the slider's acceleration in m/s^2 that are not negligible."""
+    """Harmonics of the slider's acceleration in m/s^2, of the first ``count``, that are not negligible."""
     form = accelerations(mechanism).form
     scale = mechanism.linkage.crank_mm * mechanism.speed_rad_s**2 / 1000.0
     waves = Waveform(PiecewiseChebyshev(form.breaks, scale * form.coefficients[:, :, WRIST])).harmonics(count)
@@ -109,7 +109,7 @@ def of_slider(name: str, mechanism: DrivenCrank, count: int) -> list[Excitation]
 
 
 def margins(excitations: Sequence[Excitation], natural_hz: Sequence[float], band: float) -> list[Margin]:
-    """Each excitation beside its nearest natural frequency; it is near if they differ by at most ``band`` of that."""
+    """Each excitation beside its nearest natural frequency; near if they differ by at most its share ``band``."""
     natural = np.array(natural_hz)
     found = []
     for excitation in excitations:

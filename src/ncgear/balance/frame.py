@@ -1,12 +1,12 @@
-"""What mechanisms do to the frame they stand on: several on one shaft, two cranks by formula, one on a chassis.
+"""Forces of mechanisms on the frame they stand on: several on one shaft, two cranks by formula, one on a chassis.
 
 Several mechanisms on one shaft: the force of each is turned by the direction of its slider's line, mirrored where its
 crank turns the other way, and shifted by its phase.  The sum is as exact as the parts, and so is the best phase.
 
-Two cranks by formula: what is left of their inertia forces when they work against each other, for equal speeds, equal
-crank radii (else give masses times radius) and long rods.  The reciprocating mass m_C then gives m_C cos, the rotating
-mass a vector that turns.  C. Wei, L. Xu, J. Wang, Y. Li, Int. J. Agric. & Biol. Eng. 11 (2018) 129-137, eqs. 9 to 16.
-That paper's second share depends on the phase, while the integral it states does not.
+Two cranks by formula: the rest of their inertia forces when they work against each other, for equal speeds, equal crank
+radii (else give masses times radius) and long rods.  The reciprocating mass m_C then gives m_C cos, the rotating mass a
+vector that turns.  C. Wei, L. Xu, J. Wang, Y. Li, Int. J. Agric. & Biol. Eng. 11 (2018) 129-137, eqs. 9 to 16. That
+paper's second share depends on the phase, while the integral it states does not.
 
 A chassis on two supports: the counterweight at its tail against the inertia of a slider and against dead weight, from
 moments about the supports.  Z. Tang, Y. Li, Y. Zhou, H. Zhang, Shock and Vibration 2019, eqs. 16 to 20.
@@ -35,8 +35,8 @@ from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.units import STANDARD_GRAVITY_M_S2
 
 HARMONICS = 128
-"""Harmonics used to correlate two forces over their phase.  They fall off slowest for a law with jumps of acceleration,
-by the square of their number; those beyond this one then hold 1e-6 of the mean square."""
+"""Harmonics that correlate two forces over their phase. For a law with jumps of acceleration they fall slowest, with
+the square of their number; harmonics beyond this one then hold 1e-6 of the mean square."""
 
 SAME = 1e-9
 """Share of a cycle within which two breaks, or two cycles, count as one: above the rounding of phases, and below any
@@ -50,7 +50,7 @@ class Mounted:
     """A mechanism in the frame.
 
     ``direction_rad`` is the direction in which its slider moves out, ``place_mm`` the place x + i y of its crank axis,
-    ``phase_rad`` the driving angle by which it is ahead of the shaft.  The crank of a mirrored one turns
+    ``phase_rad`` the driving angle by which it is ahead of the shaft.  The crank of a mirrored mechanism turns
     counter-clockwise.
     """
 
@@ -77,8 +77,8 @@ def frame_shaking(mounted: Sequence[Mounted]) -> Shaking:
 def best_phase(mounted: Sequence[Mounted], moved: int) -> Extremum:
     """The least r.m.s. force in N, and the phase in [0, cycle) of the mechanism number ``moved`` at which it occurs.
 
-    The mean square is a trigonometric polynomial of the phase.  Raises WrongInput as ``frame_shaking``, and for
-    other cycles.
+    The mean square is a trigonometric polynomial of the phase.  Raises WrongInput as ``frame_shaking``, and for cycles
+    of other lengths.
     """
     others = frame_shaking([one for number, one in enumerate(mounted) if number != moved])
     alone = frame_shaking([replace(mounted[moved], phase_rad=0.0)])
@@ -155,7 +155,7 @@ def _in_frame(one: Mounted, own: Shaking, angle: Array) -> Array:
 
 
 def _breaks(one: Mounted, own: Shaking, cycle: float) -> Array:
-    """Where the mechanism's own breaks fall in the common cycle."""
+    """Places of the mechanism's own breaks in the common cycle."""
     times = round(cycle / own.along.cycle_rad)
     starts = np.arange(times)[:, None] * own.along.cycle_rad
     return np.mod((starts + one.mechanism.breaks_rad - one.phase_rad).ravel(), cycle)
@@ -230,7 +230,7 @@ def static_counterweight_kg(chassis: Chassis, slider_kg: float, weight_kg: float
 
 @dataclass(frozen=True)
 class DynamicCounterweights:
-    """M1 in kg: at both dead centres, and the largest over the driving angle, which is the safe one."""
+    """M1 in kg: at both dead centres, and the largest over the driving angle, which is the safe value."""
 
     extended_kg: float
     retracted_kg: float
@@ -240,8 +240,8 @@ class DynamicCounterweights:
 def dynamic_counterweights(chassis: Chassis, mechanism: DrivenCrank) -> DynamicCounterweights:
     """M1 = F a sin(tilt) / (c g): the weight that holds the vertical part of the exact inertia force F of the slider.
 
-    The paper's weight is that of the retracted dead centre; driven evenly, the force is larger at the extended one.
-    g is that of the mechanism's masses or, where they have none, the standard one.
+    The paper takes the weight of the retracted dead centre; driven evenly, the force is larger at the extended one. g
+    is the gravity of the mechanism's masses or, if they have none, the standard value.
     """
     gravity = abs(complex(*mechanism.masses.gravity_m_s2)) or STANDARD_GRAVITY_M_S2
     along = shaking(mechanism).along

@@ -1,10 +1,10 @@
 """A non-circular gear brought to balance: through holes, a boss on its face, or holes first and a boss for the rest.
 
-The unbalance of a gear comes from its section or from its mesh; what is left after a correction from the mesh.
+The unbalance of a gear comes from its section or from its mesh; the rest after a correction comes from the mesh.
 
-Holes are chosen from a hexagonal lattice on which holes of the largest diameter keep their walls.  How much is taken
-out at each place is a linear programme: least material that takes away both components of the unbalance.  At its corner
-solution all holes but two are full.  Where there is no room for all of it, as much as possible is taken, in the
+Holes are chosen from a hexagonal lattice on which holes of the largest diameter keep their walls.  A linear programme
+finds how much is taken out at each place: the least material that removes both components of the unbalance.  At its
+corner solution all holes but two are full.  Where there is no room for all of it, as much as possible is taken, in the
 direction of the unbalance.
 
 A boss is a counterweight cast or welded on.  Of all bosses of one height within a room, the lightest with a given first
@@ -77,7 +77,7 @@ MOST_PLACES = 200_000
 
 @dataclass(frozen=True)
 class Drills:
-    """What may be drilled: diameters in mm, and the least wall between holes and to every edge."""
+    """Limits of holes: diameters in mm, and the least wall between holes and to every edge."""
 
     largest_mm: float
     smallest_mm: float
@@ -85,7 +85,7 @@ class Drills:
 
 
 def drilled_holes(section: Polygon, moment_mm3: complex, drills: Drills, key: str) -> list[RoundHole]:
-    """Holes in the gear's ``section`` in mm whose areas have ``moment_mm3`` about the axis, or the largest share of it.
+    """Holes in the gear's ``section`` in mm whose areas have ``moment_mm3`` about the axis, or as much of it as fits.
 
     Raises NoSuchMechanism for ``key`` where no hole has room, WrongInput for too many places of small holes.
     """
@@ -132,7 +132,7 @@ def _areas(places: Array, moment: complex, largest: float) -> Array:
     scale = largest * float(np.abs(places).max())
     columns = np.vstack([places.real, places.imag]) * largest / scale
     target = np.array([moment.real, moment.imag]) / scale
-    # The last unknown is the share of the moment; it is worth more than all the material
+    # The last unknown is the share of the moment; it counts more than all the material
     system = np.column_stack([columns, -target])
     cost = np.append(np.full(places.size, 1.0 / (places.size + 1.0)), -100.0)
     found = linprog(cost, A_eq=system, b_eq=np.zeros(2), bounds=(0.0, 1.0))
@@ -147,9 +147,9 @@ SOLVED = 1e-9
 """Share of the moment that a boss may miss: rounding of areas of some thousand corners."""
 
 SPARE, ADVISED = 1.02, 1.05
-"""Moment that a room must be able to give, by the moment needed, for a boss to be made, and the same after taking the
-advice.  The moment is largest for a chord near the axis, where it hardly depends on the distance, so that the distance
-cannot be found (tests/test_gear_balance.py takes the advice)."""
+"""Moment that a room must be able to give for a boss, over the needed moment, and the same after taking the advice.
+The moment is largest for a chord near the axis, where it hardly depends on the distance, and the distance cannot be
+found (tests/test_gear_balance.py takes the advice)."""
 
 STARTS = 33
 """Number of chord distances from which the search picks its start, and of directions in which the room is judged."""
@@ -167,9 +167,9 @@ class Boss:
 
 
 def balancing_boss(section: Polygon, moment_mm4: complex, height_mm: float, wall_mm: float, key: str) -> Boss:
-    """The lightest boss in the ``section`` with a wall around, of a height, with minus ``moment_mm4`` (not zero).
+    """The lightest boss of a height in the ``section``, with a wall around, that has minus ``moment_mm4`` (not zero).
 
-    Raises NoSuchMechanism for ``key`` where none is heavy enough; the message names a height that is.
+    Raises NoSuchMechanism for ``key`` where no boss is heavy enough; the message names a sufficient height.
     """
     needed, room = -moment_mm4 / height_mm, section.buffer(-wall_mm)
     most = _largest_multiple(room, needed)
@@ -180,7 +180,7 @@ def balancing_boss(section: Polygon, moment_mm4: complex, height_mm: float, wall
 
 
 def _largest_multiple(room: BaseGeometry, needed: complex) -> float:
-    """The largest multiple of the moment that a part of the room has: moments of parts form a convex set.
+    """The largest multiple of the needed moment that a part of the room has: moments of parts form a convex set.
 
     The room beyond a chord through the axis has the farthest moment across the chord.
     """
@@ -196,7 +196,7 @@ def _beyond_solved_chord(room: BaseGeometry, needed: complex) -> MultiPolygon:
     """The part of the room beyond a chord that has the moment.
 
     With the chord at l.p = 1, the dual is the integral of (l.p - 1) beyond it minus l.needed.  It is convex in l, and
-    its gradient is the moment beyond the chord minus the one needed.
+    its gradient is the moment beyond the chord minus the needed moment.
     """
     reach = float(np.abs(room.bounds).max())
 
@@ -239,7 +239,7 @@ BALANCED = 1e-9
 
 @dataclass(frozen=True)
 class BossSize:
-    """What a boss may be: its height over the face and its wall to every edge, in mm."""
+    """Size of a boss: its height over the face and its wall to every edge, in mm."""
 
     height_mm: float
     wall_mm: float
@@ -247,7 +247,7 @@ class BossSize:
 
 @dataclass(frozen=True)
 class Means:
-    """What may be done to a gear: holes, a boss, or both."""
+    """Means to correct a gear: holes, a boss, or both."""
 
     drills: Drills | None = None
     boss: BossSize | None = None

@@ -57,7 +57,7 @@ def joint_masses(linkage: RodMechanism, masses: RodMasses) -> JointMasses:
 
 
 def partial_counterweight_kg(linkage: RodMechanism, at_joints: JointMasses, arm_mm: float, share: float) -> float:
-    """m_D = (r/r') (m_B + k m_C) opposite the pin at an arm r' in mm, k being the share of the reciprocating mass.
+    """m_D = (r/r') (m_B + k m_C) opposite the pin at an arm r' in mm, where k is the share of the reciprocating mass.
 
     The rotating mass is balanced wholly.  k = 1 would turn all of the reciprocating mass's first harmonic across the
     slider's line, k = 1/2 leaves half of it in each direction, and 1/3 to 1/2 is usual.  Raises WrongInput for an arm
@@ -129,7 +129,7 @@ class DrivenCrank:
 
     @property
     def total_kg(self) -> float:
-        """Mass of all that moves."""
+        """Mass of all moving parts."""
         return self.masses.slider_kg + sum(mass for mass, _ in (*self.on_rod, *self.on_crank))
 
     @property
@@ -156,7 +156,7 @@ class DrivenCrank:
         return replace(self, counterweights=(*self.counterweights, added))
 
     def center_of_mass_mm(self, phi1_rad: Array) -> ComplexArray:
-        """Centre of mass of all that moves, shape (n,)."""
+        """Centre of mass of all moving parts in mm, shape (n,)."""
         at = self.linkage.rod(self.transmission.driven_angle(phi1_rad, 2))
         pin, wrist = (complex_derivative(place, 0) for place in (at.pin, at.wrist))
         return (self.pin_kg * pin + self.wrist_kg * wrist) / self.total_kg
@@ -174,11 +174,11 @@ class CompleteBalance:
 def complete_balance(mechanism: DrivenCrank, rod_arm_mm: float, crank_arm_mm: float) -> CompleteBalance:
     """The two counterweights, beside those already there, that keep the common centre of mass on the crank axis.
 
-    The one on the rod brings the centre of slider and rod to the pin, the one on the crank brings all to the axis; arms
-    are in mm beyond pin and axis.  They hold for every drive, circular or not; the shaking moment stays.  Z. Tang,
-    Y. Li, Y. Zhou, H. Zhang, "Inertial Vibration Characteristics of Track Chassis Caused by Reciprocating Motion of
-    Crank Slider", Shock and Vibration 2019, section 3.1.  Raises WrongInput for arms that are not positive, and where a
-    part is too heavy on that side already.
+    The counterweight on the rod brings the centre of slider and rod to the pin, the other brings all to the axis; arms
+    are in mm beyond pin and axis.  They hold for every drive, circular or not; the shaking moment stays.  Z. Tang, Y.
+    Li, Y. Zhou, H. Zhang, "Inertial Vibration Characteristics of Track Chassis Caused by Reciprocating Motion of Crank
+    Slider", Shock and Vibration 2019, section 3.1.  Raises WrongInput for arms that are not positive, and where a part
+    is too heavy on that side already.
     """
     require_arm(rod_arm_mm, "rod_arm_mm")
     require_arm(crank_arm_mm, "crank_arm_mm")
@@ -202,7 +202,7 @@ def _against(mechanism: DrivenCrank, carrier: Carrier, moment_kg_mm: complex, ar
 
 
 def partial_counterweight(mechanism: DrivenCrank, parts: JointMasses, arm_mm: float, share: float) -> Counterweight:
-    """``partial_counterweight_kg`` less those already there, opposite the pin as a rule; raises WrongInput alike."""
+    """``partial_counterweight_kg`` less the counterweights already there, as a rule opposite the pin; raises alike."""
     bare, linkage = replace(mechanism, counterweights=()), mechanism.linkage
     pin, wrist = mechanism.pin_kg - bare.pin_kg, mechanism.wrist_kg - bare.wrist_kg
     wanted = partial_counterweight_kg(linkage, parts, arm_mm, share) * arm_mm

@@ -1,4 +1,4 @@
-"""Balancing a rotor on its own bearings: how much unbalance is allowed, correction weights, and a chain at its side.
+"""Balancing a rotor on its own bearings: permissible unbalance, correction weights, and a chain at its side.
 
 Readings and weights are complex numbers: amplitude or mass times exp(i phase), phases as the instrument counts them.
 
@@ -11,10 +11,10 @@ weights that cancel the readings of the first run, in the mean square where ther
 T. P. Goodman, "A least-squares method for computing balance corrections", J. Eng. Ind. 86 (1964) 273-279.
 
 A chain drive at the rotor's side adds its equivalent unbalance A to every reading: C = A + B with the weight's part B.
-How much a weight adds is not known beforehand; it is within the range in which every A lies on the side of the wrap.
-A is then resolved into a tight side A1 and a slack side A2 of given phases.  Z. Yu, Y. Li, X. Wang, Z. Tang, J. Lu,
-"Effects of Side Load Chains of a Combine Harvester on Unbalanced Dynamic Vibrations of Its Threshing Drum", Shock and
-Vibration 2021, eqs. 1 to 13.
+The effect of a weight is not known beforehand; it lies in the range that puts every A on the side of the wrap. A is
+then resolved into a tight side A1 and a slack side A2 of given phases.  Z. Yu, Y. Li, X. Wang, Z. Tang, J. Lu, "Effects
+of Side Load Chains of a Combine Harvester on Unbalanced Dynamic Vibrations of Its Threshing Drum", Shock and Vibration
+2021, eqs. 1 to 13.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ def permissible_unbalance_kg_mm(grade_mm_s: float, mass_kg: float, speed_rad_s: 
 
 
 def grade_reached(unbalance_kg_mm: float, mass_kg: float, speed_rad_s: float) -> float:
-    """The finest grade that allows an unbalance; infinity where none does."""
+    """The finest grade that allows an unbalance; infinity where no grade allows it."""
     reached = bisect_left(GRADES_MM_S, unbalance_kg_mm / mass_kg * speed_rad_s)
     return GRADES_MM_S[reached] if reached < len(GRADES_MM_S) else inf
 
@@ -74,10 +74,10 @@ class Correction:
 
 
 def balanced(first: Sequence[complex], trials: Sequence[TrialRun], key: str = "trials") -> Correction:
-    """The corrections from readings without weights and with a trial weight in each plane, taken off again.
+    """The corrections from readings without weights, and with a trial weight in one plane after the other.
 
-    Raises WrongInput for ``key`` for fewer sensors than planes, trials without weight or effect, and planes of one
-    effect.
+    Raises WrongInput for ``key`` for fewer sensors than planes, trials without weight or effect, and planes with the
+    same effect.
     """
     start = np.array(first)
     _check_trials(start, trials, key)
@@ -148,7 +148,7 @@ class ChainUnbalance:
 
 @dataclass(frozen=True)
 class Prediction:
-    """Bounds of the reading with a weight, one for each side of the chain; ``amplitude`` is half of the larger one."""
+    """Bounds of the reading with a weight, one for each side of the chain; ``amplitude`` is half the larger bound."""
 
     by_tight: complex
     by_slack: complex

@@ -1,17 +1,17 @@
-"""Shaking force and shaking moment: what the moving masses of a crank-slider do to its frame.
+"""Shaking force and shaking moment of the moving masses of a crank-slider on its frame.
 
     F = -d/dt sum m v,   M = -d/dt (sum m p x v + sum J w)   about the crank axis
 
-M contains the reaction of whatever drives the crank, which stands on the same frame.  At constant driving speed W the
-time derivative is W d/dphi1.  J. J. Uicker, G. R. Pennock, J. E. Shigley, "Theory of Machines and Mechanisms", 4th
-edition, 2011, chapters 15 and 17.
+M contains the reaction of the crank's drive, which stands on the same frame.  At constant driving speed W the time
+derivative is W d/dphi1.  J. J. Uicker, G. R. Pennock, J. E. Shigley, "Theory of Machines and Mechanisms", 4th edition,
+2011, chapters 15 and 17.
 
-The track of the common centre of mass shows the same thing: the less the centre moves, the less the frame is shaken.
+The track of the common centre of mass shows the same: the less the centre moves, the less the frame is shaken.
 
-Textbooks take two terms of the rod's series and a crank that turns evenly: the slider's acceleration is
--w^2 r (cos t + (r/l) cos 2t), t from the extended dead centre (Z. Tang, Y. Li, Y. Zhou, H. Zhang, Shock and Vibration
-2019, eq. 8), and the pin's is w^2 r towards the axis.  That leaves out terms of (r/l)^3, and everything that an uneven
-crank adds; ``two_term_formula`` says how much.
+Textbooks take two terms of the rod's series and a crank that turns evenly: the slider's acceleration is -w^2 r (cos t +
+(r/l) cos 2t), t from the extended dead centre (Z. Tang, Y. Li, Y. Zhou, H. Zhang, Shock and Vibration 2019, eq. 8), and
+the pin's is w^2 r towards the axis.  That leaves out terms of (r/l)^3, and everything that an uneven crank adds;
+``two_term_formula`` computes the error.
 """
 
 from __future__ import annotations
@@ -68,7 +68,7 @@ class Shaking:
 
 
 def shaking(mechanism: DrivenCrank, known: Accelerations | None = None) -> Shaking:
-    """Shaking force and moment; ``known`` gives the accelerations of the same linkage and law where they are known."""
+    """Shaking force and moment; ``known`` may give the accelerations of the same linkage and law."""
     known = known or accelerations(mechanism)
     return Shaking(
         *waveforms(known.combined(np.column_stack([*_force_weights(mechanism), _moment_weights(mechanism)])))
@@ -104,7 +104,7 @@ def _moment_weights(mechanism: DrivenCrank) -> Array:
 
 
 TRACK_POINTS = 361
-"""Points of a track, the first one repeated: enough for its area, which the trapezoidal rule finds very exactly."""
+"""Points of a track, the first point repeated: enough for its area, which the trapezoidal rule finds very exactly."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,7 +136,7 @@ BALANCED = 1e-12
 
 
 class Speed(StrEnum):
-    """The crank's speed that the textbook formula takes: its mean, or the momentary one."""
+    """The crank's speed in the textbook formula: its mean, or the momentary speed."""
 
     MEAN = "mean"
     MOMENTARY = "momentary"
@@ -144,14 +144,14 @@ class Speed(StrEnum):
 
 @dataclass(frozen=True)
 class TwoTermFormula:
-    """The textbook formula's peak in N, and its largest error by the exact peak; 0 if that is rounding error."""
+    """The textbook formula's peak in N, and its largest error over the exact peak; 0 for a rounding error."""
 
     peak_n: float
     largest_error: float
 
 
 def two_term_formula(mechanism: DrivenCrank, speed: Speed = Speed.MEAN) -> TwoTermFormula:
-    """How far the textbook formula is off for a mechanism in line; raises WrongInput where there is an offset."""
+    """Error of the textbook formula for a mechanism in line; raises WrongInput for an offset."""
     if mechanism.linkage.offset_mm != 0.0:
         raise WrongInput("the two-term formula is for linkages in line; leave the offset out", key="linkage.offset_mm")
     # Both in one form, so that coefficients are subtracted: values of two forms would differ by noise
@@ -168,7 +168,7 @@ def two_term_formula(mechanism: DrivenCrank, speed: Speed = Speed.MEAN) -> TwoTe
 
 
 def _formula(mechanism: DrivenCrank, speed: Speed, phi1: Array) -> Array:
-    """The seven functions by the textbook formula, shape (n, 7); zero for those that only the moment needs."""
+    """The seven functions by the textbook formula, shape (n, 7); zero for functions that only the moment needs."""
     driven = mechanism.transmission.driven_angle(phi1, 1)
     mean = 2.0 * pi / mechanism.transmission.cycle_rad
     squared = (np.full(phi1.shape, mean) if speed is Speed.MEAN else driven.derivative(1)) ** 2

@@ -1,4 +1,4 @@
-"""A quantity over one cycle as a piecewise Chebyshev form, with the mean, r.m.s. value, extremes and harmonics of it.
+"""A quantity over one cycle as a piecewise Chebyshev form, with its mean, r.m.s. value, extremes and harmonics.
 
 Integrals use Gauss-Legendre quadrature on each panel, which is exact for the polynomials there.  Nothing is sampled at
 even steps, so a joint of the law or a short return costs no accuracy.
@@ -29,8 +29,8 @@ RADIANS = 12.0
 """Most radians of a wave on one panel when its harmonic is computed; wider panels are cut."""
 
 MEAN_TOLERANCE = 1e-14
-"""Relative tolerance asked of the quadrature of a vector's length.  It underestimates its own error: 1e-12 gives 1e-10,
-and 1e-14 gives 1e-12 (tests/test_waveform.py)."""
+"""Relative tolerance of the quadrature of a vector's length.  It underestimates its own error: 1e-12 gives 1e-10, and
+1e-14 gives 1e-12 (tests/test_waveform.py)."""
 
 
 @dataclass(frozen=True)
@@ -81,7 +81,7 @@ class Waveform:
         inner = all_zeros(self.form.differentiated())
         angles = np.concatenate([self.form.breaks, inner])
         values = np.concatenate([self.form(self.form.breaks), self.form(inner)])
-        # The form's value at a break is that of the panel to the right; the panel to the left ends at the sum of its
+        # At a break the form has the value of the panel to the right; the panel to the left ends at the sum of its
         # coefficients.
         angles = np.concatenate([angles, self.form.breaks[1:]])
         values = np.concatenate([values, self.form.coefficients.sum(axis=0)])

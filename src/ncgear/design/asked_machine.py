@@ -1,7 +1,7 @@
-"""A design file for ``ncgear design`` from ten answers: a machine's text with the forces, masses and choices told.
+"""A design file for ``ncgear design`` from ten answers: a machine's text with the given forces, masses and choices.
 
-Kind, stroke, speed and wishes are answered as for any new machine (``design.beginning``).  The other answers are texts,
-for which the kind of machine has likely ones.
+Kind, stroke, speed and wishes are answered as for any new machine (``design.beginning``).  The other answers are texts;
+each kind of machine has likely answers to them.
 """
 
 from __future__ import annotations
@@ -36,22 +36,22 @@ QUESTIONS = {
 ANY, NONE = "any", "none"
 
 USUAL = ("hobbed",)
-"""How teeth are made where nothing is said."""
+"""Ways of making the teeth if none is given."""
 
 FORCES = ("force_n", "polynomial_n", "friction_n")
-"""Keys of the resistance that hold forces, or what is in proportion to them."""
+"""Keys of the resistance that hold forces, or values in proportion to forces."""
 
 PLACES = 400
-"""Steps of the stroke at which the resistance is looked at."""
+"""Number of steps of the stroke at which the resistance is computed."""
 
 PRINTED = "PLA-print"
 
 DISC = 7.85e-6 * pi / 640.0
-"""Moment of inertia in kg mm2 of a solid disc of steel, a twentieth as thick as wide, over the fifth power of its
-diameter in mm."""
+"""Moment of inertia in kg mm2 of a solid steel disc, divided by the fifth power of its diameter in mm; its thickness is
+a twentieth of its diameter."""
 
 WIDE = 1.8
-"""Diameter of the largest disc that is likely, in strokes."""
+"""Diameter of the largest likely disc, in strokes."""
 
 DIGITS = 2
 
@@ -59,7 +59,7 @@ DIGITS = 2
 def likely_answers(text: str) -> dict[str, str]:
     """The likely answers to all questions for a machine's text.
 
-    The likely flywheel stores the work of a turn at the mean speed, if a disc of 1.8 strokes is enough for that.
+    The likely flywheel stores the work of a turn at the mean speed, if a disc of 1.8 strokes is enough.
     """
     data = read_yaml(text, "template").data
     stroke_mm, speed = 2.0 * data["linkage"]["crank_mm"], data["operation"]["speed_rpm"] * pi / 30.0
@@ -78,7 +78,7 @@ def likely_answers(text: str) -> dict[str, str]:
 
 
 def fault_of_answer(question: str, text: str, answer: str) -> str | None:
-    """The fault of an answer, in the words of the design file; None where there is none."""
+    """The fault of an answer, in the words of the design file; None for a right answer."""
     data = read_yaml(text + choices_template(_names(answer) if question == PROCESSES else USUAL), "template").data
     try:
         for key, value in _changed(data, text, {question: answer}):
@@ -100,8 +100,8 @@ def asked_text(
 ) -> str:
     """The text of a design file in which ``ncgear design`` finds the rest.
 
-    ``sizes`` and ``wishes`` are as in ``design.beginning``.  The power counts, so a machine's own limit of it is left
-    out.
+    ``sizes`` and ``wishes`` are as in ``design.beginning``.  The power is minimised, so a machine's own limit of power
+    is left out.
     """
     text = begun(name, machine, sizes, wishes)
     build = f"ncgear build {name}.yaml    gears, into export/{name}"
@@ -117,7 +117,8 @@ def asked_text(
 
 
 def _changed(data: Mapping[str, Any], text: str, answers: Mapping[str, str]) -> Iterator[tuple[str, Any]]:
-    """The values that answers change beside the processes, by dotted key; raises ValueError for what is no number."""
+    """The values that answers other than the processes change, by dotted key; raises ValueError for an answer that is
+    no number."""
     likely = likely_answers(text)
     for question, answer in answers.items():
         if question == FORCE and answer != likely[FORCE]:

@@ -1,7 +1,7 @@
 """A new design from a few answers, or from a drawing: the text of a law or a machine, all other values in proportion.
 
-Wishes of the motion are told in words of the command line, each as under ``wishes`` in a file: ``KEY: VALUE``.  Of the
-file of a drawing, its ending tells the keys that name it, and its reading shows unit and tolerance.
+Wishes of the motion are words of the command line, each in the form ``KEY: VALUE`` of the group ``wishes`` of a file.
+The ending of a drawing's file gives the keys that name it, and reading the file gives unit and tolerance.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from ncgear.design.words import listed
 from ncgear.errors import WrongInput
 
 Beginning = LawName | MachineName
-"""What a new design begins with."""
+"""The beginning of a new design."""
 
 ANSWERS = {
     "stroke_mm": "motion.stroke_mm",
@@ -41,10 +41,10 @@ ANSWERS = {
 BORES = tuple(
     f"gears.{gear}.{key}" for gear in ("driving", "driven") for key in ("bore_mm", "keyway.width_mm", "keyway.depth_mm")
 )
-"""Keys that grow with the gears, where a text has them."""
+"""Keys that grow with the gears, if a text has them."""
 
 SIZED = ("resistance", "masses", "wishes", "optimize")
-"""Groups whose values grow with the stroke, and with the speed, by the units their keys end in."""
+"""Groups whose values grow with the stroke and with the speed; the unit at the end of a key tells how."""
 
 GROWTH = {
     "_kg_mm2": (2, 0),
@@ -55,11 +55,11 @@ GROWTH = {
     "_mm": (1, 0),
     "_w": (1, 1),
 }
-"""Powers of the stroke and of the speed that a value grows with, if the same forces and masses move; by its unit."""
+"""Powers of the stroke and of the speed with which a value grows if the same forces and masses move, by its unit."""
 
 
 def fault_of(answer: str, value: object) -> str | None:
-    """The fault of one answer by itself, in the words of the design file; None where there is none."""
+    """The fault of one answer by itself, in the words of the design file; None for a right answer."""
     if value is None:
         # A design file may leave some of these keys out, but the answer to a question is a number.
         return "nothing given; a number is needed"
@@ -73,7 +73,7 @@ def fault_of(answer: str, value: object) -> str | None:
 
 
 def fault_together(answers: Mapping[str, float], beginning: Beginning = DEFAULT_LAW) -> str | None:
-    """The fault of the linkage that some answers give together; None where there is none."""
+    """The fault of the linkage that some answers give together; None for a right linkage."""
     own = proportioned(answers, beginning)
     if "stroke_mm" in answers and own["stroke_mm"] != answers["stroke_mm"]:
         return f"a crank of {own['crank_mm']:g} mm has a stroke of {own['stroke_mm']:g} mm; give one of the two"
@@ -89,11 +89,10 @@ def begun(
 ) -> str:
     """The text of a design file with some answers; all other values keep the usual proportions to them.
 
-    The speeds and the acceleration of the slider grow with the stroke and with the speed, and so do the speeds at which
-    they hold; the resistance extends over the whole stroke.  So the law keeps its form.  A machine's masses lie, its
-    limits and wishes are, as its stroke and its speed say.
-    The bores grow with the gears.  ``wishes`` by their kinds, in the form of a design file, count as they are; they
-    stand in place of a machine's own ones of the same kind.
+    The slider's speeds and acceleration, and the driving speeds that they hold at, grow with the stroke and with the
+    speed; the resistance extends over the whole stroke.  So the law keeps its form.  The places of a machine's masses,
+    its limits and its wishes also follow its stroke and its speed.  The bores grow with the gears.  ``wishes`` by their
+    kinds, in the form of a design file, stay unchanged; they replace the machine's wishes of the same kind.
     """
     values = dict(_values(_document(beginning), beginning, answers)) if answers else {}
     if isinstance(beginning, LawName):
@@ -105,7 +104,7 @@ def begun(
 
 
 def proportioned(answers: Mapping[str, float], beginning: Beginning = DEFAULT_LAW) -> dict[str, float]:
-    """All answers: the given ones, or else the usual ones; any one of stroke, crank and rod gives the other two."""
+    """All answers: the given answers, or else the usual ones; stroke, crank or rod alone gives the other two."""
     usual = usual_answers(beginning)
     crank = _crank_mm(answers, usual)
     rod = answers.get("rod_mm", _rounded(crank / usual["crank_mm"] * usual["rod_mm"]))
@@ -119,7 +118,7 @@ def proportioned(answers: Mapping[str, float], beginning: Beginning = DEFAULT_LA
 
 
 def usual_answers(beginning: Beginning = DEFAULT_LAW) -> dict[str, float]:
-    """The answers that give the text of a law or a machine as it is."""
+    """The answers that give the unchanged text of a law or a machine."""
     usual = _document(beginning)
     found = {answer: usual.at(key) for answer, key in ANSWERS.items()}
     return {**found, "stroke_mm": whole(2.0 * found["crank_mm"])}
@@ -157,7 +156,7 @@ def _values(document: Document, beginning: Beginning, answers: Mapping[str, floa
 def _grown(data: Mapping[str, Any], longer: float, faster: float) -> Iterator[tuple[str, Any]]:
     """The values of a longer and faster machine with the same forces and masses, by dotted key.
 
-    Lists count as one value.  A polynomial has the same force at the same share of the stroke.
+    Lists count as one value.  A polynomial keeps its force at each share of the stroke.
     """
 
     def of_key(key: str, value: Any) -> Any:
@@ -194,14 +193,14 @@ OPTION = "--wish"
 EXAMPLE = "time_ratio: {at_least: 1.5}"
 
 SEVERAL = tuple(name for name, field in Wishes.model_fields.items() if get_origin(field.annotation) is tuple)
-"""Kinds of wishes of which a design can have several: lists in its file."""
+"""Kinds of wishes that a design can have several times: lists in its file."""
 
 
 def wishes_told(texts: Iterable[str]) -> dict[str, Any]:
-    """The wishes of some texts by their kinds, in the form of a design file; a kind of several wishes is a list.
+    """The wishes of some texts by their kinds, in the form of a design file; several wishes of a kind are a list.
 
-    Raises WrongInput for a text that is no ``KEY: VALUE``, for values that no design file can have, and for wishes that
-    contradict each other.
+    Raises WrongInput for a text without the form ``KEY: VALUE``, for values that no design file can have, and for
+    wishes that contradict each other.
     """
     found: dict[str, Any] = {}
     for text in texts:

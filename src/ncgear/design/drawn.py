@@ -1,4 +1,4 @@
-"""A pitch curve by the file of a drawing that somebody has: the keys that name it, and what its reading shows of it."""
+"""A pitch curve from the file of a drawing: the keys that name the file, and the findings of its reading."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ KINDS: dict[str, tuple[str, dict[str, Any]]] = {
 """The shape of the law and its keys beside ``file``, by the ending of the file."""
 
 MANY_CHORDS, SMOOTHED_MM = 100, 0.1
-"""Chords of a contour from which on it is smoothed, and within what: so many are the chords of a traced outline."""
+"""A contour with more chords than this, as a traced outline has, is smoothed within this tolerance in mm."""
 
 
 def shape_of_file(file: str, key: str) -> tuple[str, dict[str, Any]]:
@@ -35,7 +35,7 @@ def shape_of_file(file: str, key: str) -> tuple[str, dict[str, Any]]:
 
 
 def as_read(text: str, path: Path) -> str:
-    """The text of a design with a drawing, with the unit that the drawing names, and a tolerance for many chords.
+    """The text of a design with a drawing, with the unit of the drawing and, for many chords, a tolerance.
 
     Raises WrongInput where the design or its drawing cannot be read.
     """

@@ -1,8 +1,8 @@
 """The list of mechanisms: one line joins a mechanism's class to its keys in design files, and nothing else names it.
 
 The keys under ``linkage`` have the names of the lengths of the class.  The key ``linkage.kind`` tells which mechanism a
-design has; without the key, it is the first.  A design without ``linkage`` has gears by themselves.  Classes are
-imported where a mechanism is made, so that reading a design file loads no numerical library.
+design has; without the key, it is the first one.  A design without ``linkage`` has gears alone.  Classes are imported
+when a mechanism is made, so that reading a design file loads no numerical library.
 """
 
 from __future__ import annotations
@@ -39,34 +39,34 @@ if TYPE_CHECKING:
 class Entry:
     """A mechanism of design files: its class, and its keys under the groups of the file.
 
-    One key under ``linkage`` may have the default None: its length follows if the law gives the stroke.
+    One key under ``linkage`` may have the default None: the length follows if the law gives the stroke.
     """
 
     module: str
-    """The module of its class, which has the same name, in ``ncgear.mechanisms``."""
+    """The module of the class in ``ncgear.mechanisms``; both have the same name."""
 
     linkage: type[Model]
     masses: type[GearMasses] = SlidingMasses
     resistance: type[Load] = Resistance
     wishes: type[Wishes] = Wishes
     proportions: Mapping[str, float] = field(default_factory=dict)
-    """Lengths of a machine that works, as multiples of its crank or pinion, for whoever begins with this mechanism."""
+    """Lengths of a working machine, as multiples of its crank or pinion, for new designs with this mechanism."""
 
     has_crank_pin: bool = True
 
     def load(self) -> type[Mechanism]:
-        """Its class."""
+        """The class of the mechanism."""
         module = import_module(f"ncgear.mechanisms.{self.module}")
         return getattr(module, self.module.title().replace("_", ""))
 
     @property
     def stroke_key(self) -> str | None:
-        """The key of the length that may be left out if the law gives the stroke; None where no law gives it."""
+        """The key of the length that may be left out if the law gives the stroke; None if no law gives it."""
         return next((name for name, field in self.linkage.model_fields.items() if field.default is None), None)
 
     @property
     def turns(self) -> bool:
-        """Whether its output turns."""
+        """Whether the output turns."""
         return issubclass(self.resistance, TurningLoad)
 
     @property
@@ -76,7 +76,7 @@ class Entry:
 
 
 NO_LINKAGE = "none"
-"""The name of gears by themselves."""
+"""The name of gears without a linkage."""
 
 MECHANISMS: dict[str, Entry] = {
     "crank_slider": Entry("crank_slider", Linkage, Masses, proportions={"crank_mm": 1.0, "rod_mm": 3.0}),
@@ -95,7 +95,7 @@ MECHANISMS: dict[str, Entry] = {
     "rack_pinion": Entry("rack_pinion", RackKeys, proportions={"radius_mm": 1.0}, has_crank_pin=False),
     NO_LINKAGE: Entry("driven_shaft", NoLinkage, DrivenShaftMasses, ShaftTorque, has_crank_pin=False),
 }
-"""All mechanisms by their names in ``linkage.kind``; the first one is the usual one."""
+"""All mechanisms by their names in ``linkage.kind``; the first is the usual mechanism."""
 
 
 def entry_of(linkage: Model) -> Entry:
@@ -109,7 +109,7 @@ def usual_mechanism(**lengths: float) -> Mechanism:
 
 
 def lengths_of(linkage: Model) -> dict[str, Any]:
-    """All lengths of a group of keys, None where one is left out."""
+    """All lengths of a group of keys; None for a length that is left out."""
     made: Any = entry_of(linkage).load()
     return {field.name: getattr(linkage, field.name) for field in fields(made)}
 
@@ -124,9 +124,9 @@ def mechanism_of(linkage: Model) -> Mechanism:
 
 
 def mechanism_of_stroke(linkage: Model, stroke_mm_of: Callable[[type[Mechanism]], float]) -> Mechanism:
-    """The mechanism whose crank gives the stroke that follows from a law on a mechanism of its class.
+    """The mechanism with the crank for the stroke that the law gives on a mechanism of its class.
 
-    Raises WrongInput where the file also gives the crank, and where no crank gives that stroke.
+    Raises WrongInput if the file also gives the crank, and if no crank gives that stroke.
     """
     entry, lengths = entry_of(linkage), lengths_of(linkage)
     crank_mm = lengths.pop(entry.stroke_key) if entry.stroke_key is not None else None
@@ -140,7 +140,7 @@ def mechanism_of_stroke(linkage: Model, stroke_mm_of: Callable[[type[Mechanism]]
 
 
 def kind_named(data: Any) -> Any:
-    """The name, as in the file, of the mechanism that the plain values of a design ask for."""
+    """The name of the mechanism, as in the file, in the plain values of a design."""
     if not isinstance(data, Mapping) or "linkage" not in data:
         return NO_LINKAGE
     usual, linkage = next(iter(MECHANISMS)), data["linkage"]

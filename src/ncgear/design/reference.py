@@ -1,8 +1,8 @@
 """The explanation of every key of a file, from the models of its keys.
 
-``keys_of`` lists the keys, and ``told_keys_of`` tells them as ``ncgear explain`` does.  A key's explanation has its
-meaning and the laws that have it, its unit, the allowed values and the default in words, and an example.  The example
-is the template's value, or else an allowed value.
+``keys_of`` lists the keys, and ``told_keys_of`` gives the words of ``ncgear explain`` for them.  A key's explanation
+has its meaning and the laws that have it, its unit, the allowed values and the default in words, and an example.  The
+example is the value of the template, or else an allowed value.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from ncgear.numerics.units import label_and_unit
 
 @dataclass(frozen=True, eq=False)
 class Key:
-    """A key of a model; ``law`` is the motion law that has it, empty for a key that is not of one law.
+    """A key of a model; ``law`` is the motion law that has it, empty for a key of no single law.
 
     ``path`` is dotted, without the numbers of list items.
     """
@@ -67,10 +67,10 @@ class Key:
 
     @property
     def default(self) -> Any:
-        """The default of the key, if the keys from which it follows are also left out."""
+        """The default of the key if the keys that give this default are also left out."""
         if self.field.default_factory is None:
             return self.field.default
-        # Defaults follow from keys further up.
+        # The default may follow from the keys before it.
         defaults: dict[str, Any] = {}
         for name, field in self.model.model_fields.items():
             if field is self.field:
@@ -83,7 +83,7 @@ def keys_of(root: type[BaseModel]) -> list[Key]:
     """All keys of a file whose model is ``root``, a group before its keys; for designs and
     trains, the keys of all mechanisms and kinds.
 
-    Of a key that several mechanisms or kinds have, the first counts.
+    If several mechanisms or kinds have a key, the first counts.
     """
     found: dict[tuple[str, str], Key] = {}
     kinds: dict[type[BaseModel], Callable[[], Mapping[str, type[BaseModel]]]]
@@ -95,7 +95,7 @@ def keys_of(root: type[BaseModel]) -> list[Key]:
 
 
 def told_keys_of(root: type[BaseModel]) -> list[ToldKey]:
-    """All keys of a file whose model is ``root``, in words."""
+    """The words for all keys of a file whose model is ``root``."""
     return [
         ToldKey(
             path=key.path,
@@ -127,7 +127,7 @@ def law_of(model: type[BaseModel]) -> str:
 
 
 BUILDING = Lock()
-"""Pydantic builds a model when it is first used, and fails where two threads do that at the same time."""
+"""Pydantic builds a model at its first use, and fails if two threads build it at the same time."""
 
 
 @cache
@@ -140,11 +140,11 @@ SPELT_OUT = {"deg": "degrees", "rad": "radians"}
 """Units that are written in full here; the map of all units is in ``numerics.units``."""
 
 OTHER_UNITS = {"stiffness_n_mm": "N at a depth of 1 mm", "effect_per_g": "the readings' unit per g"}
-"""Units of keys whose end would give another unit."""
+"""Units of keys whose ending would give another unit."""
 
 
 def unit_of(name: str) -> str:
-    """The unit at the end of a key; empty where there is none."""
+    """The unit at the end of a key; empty if there is none."""
     unit = label_and_unit(name)[1]
     return OTHER_UNITS.get(name, SPELT_OUT.get(unit, unit))
 
@@ -163,7 +163,7 @@ def allowed(key: Key) -> str:
 
 
 def choices(rule: dict[str, Any]) -> list[dict[str, Any]]:
-    """The rules of each allowed kind of value, without the rule for a key that has no value."""
+    """The rules of each allowed kind of value, without the rule for a missing value."""
     return [one for one in rule.get("anyOf", [rule]) if one.get("type") != "null"]
 
 
@@ -203,7 +203,7 @@ def _range(rule: dict[str, Any]) -> str:
 def default_words(key: Key) -> str:
     """The default of a key, in words."""
     if key.field.is_required():
-        # Another model takes the place of this one where the group is left out.
+        # Another model replaces this model if the group is left out.
         return "may be left out" if "; left out:" in key.meaning else "none: it must be given"
     value = key.default
     if value is None or value == ():
@@ -229,7 +229,7 @@ LIKELY = {"mm": 40.0, "degrees": 30.0, "radians": 0.5, "multiples of pi": 0.5, "
 """Values for examples, by their unit."""
 
 OTHERWISE = (0.1, 1.0, 10.0, -10.0)
-"""Values for other units, and for keys whose range does not hold the likely value."""
+"""Values for other units, and for keys whose range excludes the likely value."""
 
 TEETH_OF_TRAIN = "{teeth: 28, module_mm: 2, face_width_mm: 10}"
 
@@ -280,10 +280,10 @@ KNOWN = {
     "lightening_holes.least_wall_mm": "4",
     "lightening_holes.diameter_mm": "12",
 }
-"""Examples in the form of the file, by the ends of paths.
+"""Examples in the form of the file, by the endings of paths.
 
-Some allowed values would make no sense with the keys beside them, such as a table whose points are all the same, or a
-set screw as wide as the hub.  Their keys have an example here.
+Some allowed values make no sense with the keys beside them: a table of equal points, a set screw as wide as the hub.
+Their keys have an example here.
 """
 
 
@@ -307,7 +307,7 @@ def _value(key: Key, root: type[Any]) -> str:
 
 
 def _known(key: Key) -> str:
-    """The example of a key from its law, or from KNOWN by the longest end of its path; empty where there is none."""
+    """The example of a key from its law, or from KNOWN by the longest end of its path; empty if there is none."""
     if key.law and key.name in (examples := law_keys(LawName(key.law)).EXAMPLES):
         return examples[key.name]
     ends = [end for end in KNOWN if f".{key.path}".endswith(f".{end}")]
@@ -315,7 +315,7 @@ def _known(key: Key) -> str:
 
 
 def _in_template(key: Key) -> Any:
-    """The value of the key in the template of its law; None where it has none."""
+    """The value of the key in the template of its law; None if it has none."""
     return _read_template(LawName(key.law) if key.law else DEFAULT_LAW).at(key.path)
 
 
@@ -325,7 +325,7 @@ def _read_template(law: LawName) -> Document:
 
 
 def _group(key: Key, root: type[Any]) -> str:
-    """A group with its required keys, or else with its first key; of several models, the model with the fewest keys."""
+    """A group with its required keys, or else its first key; of several models, the model with the fewest keys."""
     model = min(key.group, key=lambda one: len(fields_of(one)))
     law = law_of(model) if len(key.group) > 1 else key.law
     keys = [Key(f"{key.path}.{name}", law, model, field) for name, field in fields_of(model).items()]

@@ -1,7 +1,7 @@
 """The text of a design file with other values at some of its keys: only the characters of these values differ.
 
-Values are replaced at their places in the text.  A key that is added gets a line of its group's indentation, or a place
-in its group's row, and one that is left out takes its own lines away.  Comments, line ends and order stay.
+Values are replaced at their places in the text.  A new key gets a line with its group's indentation, or a place in its
+group's row; a removed key takes its own lines away.  Comments, line ends and order stay.
 """
 
 from __future__ import annotations
@@ -23,35 +23,35 @@ from ncgear.design.words import LONGEST_DESCRIPTION, ending_in
 from ncgear.frozen import dataclass
 
 LINE_WIDTH = 118
-"""Width over which what is written is broken into lines."""
+"""Largest width of a written line; longer lines are broken."""
 
 BREAK = re.compile(r"\r\n|\r|\n")
 
 _REST = re.compile(r"[ \t]*(#[^\r\n]*)?(\r\n|\r|\n|\Z)")
-"""What stands behind a value on its line: a comment, and the end of the line."""
+"""The text behind a value on its line: a comment, and the end of the line."""
 
 _BETWEEN = re.compile(r"(?:[ \t\r\n]|(?<![^ \t\r\n,])#[^\r\n]*)*")
-"""What stands between two values besides signs: blanks and comments."""
+"""The text between two values besides signs: blanks and comments."""
 
 _STRANGE = r"\x00-\x1f\x7f-\x9f\u2028\u2029\ufeff"
-"""Characters that no text shows."""
+"""Characters that a text does not display."""
 
 _AS_IT_IS = re.compile(rf"[^\s{_STRANGE}\-?:,\[\]{{}}#&*!|>'\"%@`][^{_STRANGE},\[\]{{}}]*")
-"""A text that needs no quotation marks, neither in a row; it has no ``: `` or `` #`` in it, nor blanks about it."""
+"""A text that needs no quotation marks, even in a row; it has no ``: `` or `` #`` in it, and no blanks around it."""
 
 
 @lru_cache(maxsize=8)
 def document_of(text: str) -> Document:
-    """The values of a design's text, which is read once for several changes; raises WrongInput as reading does."""
+    """The values of a design's text, read once for several changes; raises WrongInput as reading does."""
     return read_yaml(text, "design")
 
 
 def rewritten(text: str, values: Mapping[str, Any]) -> str:
     """A design file with other values at some dotted keys; None leaves a key out.
 
-    A key that the file does not have comes after the first one of its group.  A group that is missing is made, and one
-    that is given as a group is written anew.  A number in a key is the place of an item in a list.  Raises WrongInput
-    where the text cannot be read, ValueError, LookupError or TypeError where it has no such places.
+    A key that the file lacks comes after the first key of its group.  A missing group is made, and a value that is a
+    group is written anew.  A number in a key is the place of an item in a list.  Raises WrongInput if the text cannot
+    be read, ValueError, LookupError or TypeError if it has no such places.
     """
     data = document_of(text).data
     wanted = reduce(lambda made, key: with_value(made, key, values[key]), values, data)
@@ -65,8 +65,7 @@ def rewritten(text: str, values: Mapping[str, Any]) -> str:
 def design_copy(loaded: LoadedDesign, values: Mapping[str, Any]) -> str:
     """The text of a design file with other values, for another folder; its comments stay.
 
-    Points that are in a CSV file are written into the text, because the path of that file is relative to the folder of
-    the old design.
+    Points of a CSV file are written into the text, because the path of the file is relative to the old folder.
     """
     points: dict[str, Any] = {}
     for group, table in loaded.source.from_files.items():
@@ -75,14 +74,14 @@ def design_copy(loaded: LoadedDesign, values: Mapping[str, Any]) -> str:
 
 
 def told_copy(loaded: LoadedDesign, suffix: str, said: str, values: Mapping[str, Any]) -> str:
-    """As ``design_copy``, with a name that ends in the suffix and a description that begins with what is ``said``."""
+    """A ``design_copy`` whose name ends in the suffix and whose description begins with ``said``."""
     design = loaded.design
     description = f"{said} {design.description}".strip()[:LONGEST_DESCRIPTION]
     return design_copy(loaded, {"name": ending_in(suffix, design.name), "description": description, **values})
 
 
 def flow_text(value: Any, quote: str | None = None) -> str:
-    """A value as it stands in a file on one line; ``quote`` is the sign in which a text stands already."""
+    """A value as it stands in a file on one line; ``quote`` is the quotation mark that a text already has."""
     match value:
         case dict():
             return "{" + ", ".join(f"{flow_text(key)}: {flow_text(inner)}" for key, inner in value.items()) + "}"
@@ -91,7 +90,7 @@ def flow_text(value: Any, quote: str | None = None) -> str:
         case str():
             return _quoted(str(value), quote)
         case float():
-            # Some readers of YAML take 1e-05 for a text, but never 1.0e-05.
+            # Some YAML readers take 1e-05 for a text, but never 1.0e-05.
             number = float.__repr__(value)
             return {"inf": ".inf", "-inf": "-.inf", "nan": ".nan"}.get(
                 number, number if "." in number else number.replace("e", ".0e")
@@ -112,8 +111,8 @@ def _quoted(text: str, quote: str | None) -> str:
 
 @dataclass(frozen=True)
 class _Part:
-    """A key with its value, or an item, in the text: where it begins, where the sign after the key or before the item
-    ends, and where its value begins and ends."""
+    """A key with its value, or an item, in the text: its start, the end of the sign after the key or before the item,
+    and the start and end of its value."""
 
     start: int
     after: int
@@ -123,7 +122,7 @@ class _Part:
 
 
 class _Rewriting:
-    """One pass over a text and its values; what differs is collected, from place to place with the new characters."""
+    """One pass over a text and its values, which collects the changes: from place to place, with the new characters."""
 
     def __init__(self, text: str, anew: Iterable[str]) -> None:
         self._text, self._anew = text, set(anew)
@@ -176,7 +175,7 @@ class _Rewriting:
         parts = self._parts(node)
         column, flow, shared = node.start_mark.column, bool(node.flow_style), min(len(old), len(new))
         same = next((step for step in range(shared) if old[step] != new[step]), shared)
-        # Items behind the place where one was taken out or put in stay as they are.
+        # Items after the place of a removed or added item stay unchanged.
         tail = next((step for step in range(shared - same) if old[-1 - step] != new[-1 - step]), shared - same)
         middle = shared - tail
         for place in range(same, middle):
@@ -232,7 +231,7 @@ class _Rewriting:
                 if not self._text[line:start].strip():
                     start, end = line, following
                 else:
-                    # A sign of the list in which the group stands is before it.
+                    # A sign of the list around the group is before it.
                     then = parts[place + 1].start
                     end = following if self._text[following:then].strip() else then
                 self._edits.append((start, end, ""))
@@ -246,7 +245,7 @@ class _Rewriting:
                 self._edits.append((start if BREAK.search(between) else start - _blanks(between[::-1]), end, ""))
 
     def _insert_in_row(self, part: _Part, column: int, added: Iterable[str]) -> None:
-        """Put what is added behind a part, in lines of their own where the line would be too long."""
+        """Put the added parts behind a part, on new lines if the line would be too long."""
         found = BREAK.search(self._text, part.end)
         used = (found.start() if found else len(self._text)) - self._line_start(part.end)
         made = ""
@@ -256,7 +255,7 @@ class _Rewriting:
         self._edits.append((part.end, part.end, made))
 
     def _insert_lines(self, end: int, lines: Sequence[str]) -> None:
-        """Put lines behind the line in which a value ends."""
+        """Put lines behind the line on which a value ends."""
         rest = _REST.match(self._text, end)
         at = rest.end() if rest else end
         made = "".join(f"{line}{self._break}" for line in lines)
@@ -295,7 +294,7 @@ class _Rewriting:
         return parts
 
     def _end(self, node: Any, after: int) -> int:
-        """Where a value ends; the parser takes what is beneath a block for a part of it."""
+        """End of a value; the parser counts the text beneath a block as part of the block."""
         if isinstance(node, MappingNode | SequenceNode):
             return node.end_mark.index if node.flow_style else self._parts(node)[-1].end
         if _is_empty(node):
@@ -305,7 +304,7 @@ class _Rewriting:
         return start + len(self._text[start:end].rstrip()) if node.style in ("|", ">") else end
 
     def _sign(self, place: int) -> int:
-        """Where the next sign stands, a comma or the dash of an item, behind blanks and comments."""
+        """Place of the next sign, a comma or the dash of an item, after blanks and comments."""
         found = _BETWEEN.match(self._text, place)
         return found.end() if found else place
 
@@ -314,7 +313,7 @@ class _Rewriting:
 
 
 def _is_empty(node: Any) -> bool:
-    """Whether nothing stands where a value could."""
+    """Whether a value is missing at its place."""
     return node.value == "" and node.style is None and node.start_mark.index == node.end_mark.index
 
 
@@ -323,7 +322,7 @@ def _blanks(text: str) -> int:
 
 
 def _filled(head: str, items: Sequence[Any], indent: int) -> list[str]:
-    """A list in brackets, in lines as full as can be."""
+    """A list in brackets, on lines that are as full as possible."""
     lines = [f"{head}["]
     for place, one in enumerate(items):
         written = flow_text(one) + ("," if place < len(items) - 1 else "]")

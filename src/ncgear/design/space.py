@@ -1,11 +1,11 @@
 """The space of a sweep: some keys of a design file, the values that they take together, and the values they accept.
 
-A key has a grid, a list, or a range of which points are sampled.  All combinations of grids and lists are tried, each
-with all the sampled points, which are the same for every combination.  A design is known by its number alone: whoever
-has the space computes the values of any numbers without those before them.
+A key has a grid, a list, or a range with sampled points.  All combinations of grids and lists are tried, each with all
+the sampled points, which are the same for every combination.  The number of a design gives its values: the space
+computes the values of any numbers without the values before them.
 
-The limits of many numbers at once are read from the models, so they stand in one place.  Faults between several keys
-are not among them.
+The limits of many numbers at once come from the models, so they stand in one place.  They do not cover faults between
+several keys.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ class Ranged:
 
 @dataclass(frozen=True)
 class Space:
-    """What varies in a sweep; ``samples`` points are drawn of all ranges together.
+    """The varied keys of a sweep; ``samples`` points are drawn from all ranges together.
 
     Sobol points are scrambled after Owen by ``scipy.stats.qmc.Sobol``, whose first 2^m points are evenly spread for
     each m.  A Latin hypercube by ``scipy.stats.qmc.LatinHypercube`` has one point in each of ``samples`` layers of each
@@ -84,12 +84,12 @@ class Space:
 
     @property
     def lists(self) -> tuple[Listed, ...]:
-        """The keys with grids or lists; of their combinations the last key varies fastest."""
+        """The keys with grids or lists; the last key varies fastest in their combinations."""
         return tuple(one for one in self.varied if isinstance(one, Listed))
 
     @property
     def ranges(self) -> tuple[Ranged, ...]:
-        """The keys that are sampled, which vary faster than all lists."""
+        """The sampled keys, which vary faster than all lists."""
         return tuple(one for one in self.varied if isinstance(one, Ranged))
 
     @property
@@ -98,7 +98,7 @@ class Space:
         return prod(len(one.values) for one in self.lists) * self.samples
 
     def values(self, first: int, count: int) -> Array:
-        """The values of all keys, shape (count, keys), in the designs from number ``first`` on."""
+        """The values of all keys, shape (count, keys), for the designs from number ``first`` on."""
         numbers = np.arange(first, first + count)
         columns = dict(self._listed(numbers // self.samples))
         if self.ranges:
@@ -114,9 +114,9 @@ class Space:
             yield one.key, np.array(one.values)[place]
 
     def _shares(self, sample: IndexArray) -> Array:
-        """Places in the ranges, 0 to 1, shape (n, ranges), of samples whose numbers run on, and begin anew at the end.
+        """Places in the ranges, 0 to 1, shape (n, ranges), of samples with running numbers, which may begin again at 0.
 
-        Only the points that are asked for are computed of a Sobol sequence; a Latin hypercube is one piece.
+        Only the requested points of a Sobol sequence are computed; a Latin hypercube must be computed as a whole.
         """
         dimensions = len(self.ranges)
         if self.sampling == "latin-hypercube":
@@ -134,7 +134,7 @@ def _sobol(dimensions: int, seed: int, first: int, count: int) -> Array:
 
     sequence = Sobol(dimensions, rng=np.random.default_rng(seed))
     with warnings.catch_warnings():
-        # It says that only powers of two are balanced, which docs/commands/sweep.md says as well.
+        # The warning says that only powers of two are balanced, which docs/commands/sweep.md says as well.
         warnings.simplefilter("ignore", UserWarning)
         points: Array = (sequence.fast_forward(first) if first else sequence).random(count)
     return points
@@ -142,16 +142,16 @@ def _sobol(dimensions: int, seed: int, first: int, count: int) -> Array:
 
 @lru_cache(maxsize=1)
 def _latin_hypercube(dimensions: int, count: int, seed: int) -> Array:
-    """All points, which each process computes once."""
+    """All points; each process computes them once."""
     from scipy.stats.qmc import LatinHypercube
 
     return LatinHypercube(dimensions, rng=np.random.default_rng(seed)).random(count)
 
 
 def varied_of(text: str) -> Listed | Ranged:
-    """A key and what it takes: ``KEY=FROM:TO:COUNT`` even values, both ends included; ``KEY=A,B,C``; ``KEY=FROM:TO``.
+    """A key and its values: ``KEY=FROM:TO:COUNT`` even values, both ends included; ``KEY=A,B,C``; ``KEY=FROM:TO``.
 
-    Raises WrongInput for anything else.
+    Raises WrongInput for any other text.
     """
     key, _, given = text.partition("=")
     listed = "," in given
@@ -190,8 +190,8 @@ def space_of(
 ) -> Space:
     """The space of some keys of a file.
 
-    Raises WrongInput for a key given twice, a key at which the file has no number, ranges without a number of samples
-    or the other way round, a range of a key that takes whole numbers only, and too many designs.
+    Raises WrongInput for a key given twice, a key without a number in the file, ranges without a number of samples or
+    the reverse, a range of a key that takes whole numbers only, and too many designs.
     """
     for one in varied:
         if sum(other.key == one.key for other in varied) > 1:
@@ -217,7 +217,7 @@ def space_of(
 
 
 def _require_number(loaded: LoadedDesign, key: str) -> None:
-    """Refuse a key at which the file has no number."""
+    """Refuse a key without a number in the file."""
     numbers = dict(_numbers(loaded.data, ""))
     if key in numbers:
         return
@@ -227,7 +227,7 @@ def _require_number(loaded: LoadedDesign, key: str) -> None:
 
 
 def _require_fractions(loaded: LoadedDesign, ranged: Ranged) -> None:
-    """Refuse the range of a key that takes whole numbers only, of which nearly no sample would be one."""
+    """Refuse the range of a key that takes whole numbers only: nearly no sample would be whole."""
     tried = checked_design(loaded.data, [ranged.key], [int(ranged.low) + 0.5])
     if isinstance(tried, WrongInput) and tried.key == ranged.key and "whole number" in tried.problem:
         low, high = round(ranged.low), round(ranged.high)
@@ -261,7 +261,7 @@ def checked_design(data: dict[str, Any], keys: Sequence[str], values: Iterable[f
 
 
 def accepted(root: type[Design], data: Mapping[str, Any], key: str, values: Array) -> Mask:
-    """Which values (shape (n,)) the model ``root`` accepts at a dotted key of plain data that has a number there."""
+    """Mask, shape (n,), of values that the model ``root`` accepts at a dotted key of plain data with a number there."""
     parts = list(_parts(_annotation_at(root, data, key)))
     held = np.isfinite(values)
     if int in parts and float not in parts:
@@ -290,7 +290,7 @@ def _annotation_at(root: type[BaseModel], data: Any, key: str) -> Any:
             annotation = next(get_args(one)[0] for one in _nested(annotation) if get_origin(one) is tuple)
             continue
         models = models_in(annotation)
-        # The law of a file tells which of the models of ``motion`` its keys are of.
+        # The law of the file tells which model of ``motion`` has its keys.
         model = law_models()[data["law"]] if len(models) > 1 and "law" in data else models[0]
         field, data = fields_of(model)[part], data[part]
         annotation = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
@@ -298,14 +298,14 @@ def _annotation_at(root: type[BaseModel], data: Any, key: str) -> Any:
 
 
 def _nested(annotation: Any) -> Iterator[Any]:
-    """An annotation and all that it is made of."""
+    """An annotation and all its parts."""
     yield annotation
     for part in get_args(annotation):
         yield from _nested(part)
 
 
 def _parts(annotation: Any) -> Iterator[Any]:
-    """The types and the limits that an annotation is made of, those in a pydantic ``Field`` too."""
+    """The types and limits in an annotation, with the parts of a pydantic ``Field``."""
     for part in _nested(annotation):
         yield part
         if isinstance(part, FieldInfo):

@@ -1,8 +1,8 @@
 """The texts that come with the program: commented design files of ``ncgear new``, and the worked designs as examples.
 
-A new file is of a law on the same machine and gears, of a whole machine or of a plain pair.  Their texts are
-``templates/*.yaml``, apart from the models of the keys, so that a file is written without loading pydantic.  The laws
-of the machines are simple ones whose gears build at once; ``ncgear optimize`` looks for the best law for the same
+A new file has a law on the same machine and gears, a whole machine, or a plain pair.  Their texts are
+``templates/*.yaml``, apart from the models of the keys, so that ncgear writes a file without loading pydantic.  The
+laws of the machines are simple ones whose gears build at once; ``ncgear optimize`` looks for the best law for the same
 wishes.
 
 A wheel holds the folder ``designs`` of the repository; from a checkout it is that folder itself.  An example is named
@@ -43,7 +43,7 @@ CHOICES = {
     MachineName.BALER: "a baler: a steep load, half of a plain crank's power",
     MachineName.DESK_TOY: "a desk toy to print: it lingers at its far end",
 }
-"""What each machine is, in a few words."""
+"""A few words on each machine."""
 
 
 SHAPES = ("heart", "square", "star")
@@ -53,31 +53,31 @@ SHAPES = ("heart", "square", "star")
 def template(name: str, law: LawName = DEFAULT_LAW, wishes: Mapping[str, Any] | None = None) -> str:
     """A complete design file called ``name``, with a comment on every value.
 
-    ``wishes`` of the motion by their kinds, in the form of a design file; with some, the file has limits for the law
-    that keeps them.
+    ``wishes`` of the motion by their kinds, in the form of a design file; with wishes, the file also has limits for the
+    law that keeps them.
     """
     wished = _text("wishes", wishes=_lines(wishes)) if wishes else _text("no_wishes")
     return _head(name) + _text("design", motion=motion_of(law), wishes=wished)
 
 
 def machine_template(name: str, machine: MachineName) -> str:
-    """A complete design file called ``name`` of a machine, with comments: sizes, loads, masses, gears, wishes."""
+    """A complete design file for a machine, called ``name``, with comments: sizes, loads, masses, gears, wishes."""
     return f"{_head(name)}\n{_text(f'machines/{machine}')}"
 
 
 def choices_template(processes: Sequence[str]) -> str:
-    """The group ``choices`` of a design file in which whole machines are sought, with comments."""
+    """The group ``choices`` of a design file for the search of whole machines, with comments."""
     return _text("choices", processes=", ".join(processes))
 
 
 def shape_template(name: str, shape: str) -> str:
-    """A complete design file called ``name`` of a pair of gears to print, by a shape or by the file of a drawing.
+    """A complete design file called ``name`` for a printed pair of gears, from a shape or from the file of a drawing.
 
-    Raises WrongInput for what is neither.
+    Raises WrongInput for any other shape.
     """
     if shape in SHAPES:
         return f"{_head(name)}{_text('shape', drawn=_text(f'shapes/{shape}'), backlash='0.15')}"
-    # Reads as keys are written, which takes the library of YAML.
+    # These modules load the YAML library.
     from ncgear.design.drawn import shape_of_file
     from ncgear.design.rewritten import flow_text
 
@@ -115,14 +115,14 @@ OWN_NAME = re.compile(r"^name:.*$", re.MULTILINE)
 
 
 def examples() -> dict[str, Path]:
-    """The files of all examples by their names, in alphabetical order; none where the folder is missing."""
+    """The files of all examples by their names, in alphabetical order; none if the folder is missing."""
     folder = INSTALLED if INSTALLED.is_dir() else CHECKOUT
     found = {path.relative_to(folder).with_suffix("").as_posix(): path for path in folder.rglob("*.yaml")}
     return dict(sorted(found.items()))
 
 
 def description_of(path: Path) -> str:
-    """What an example is, in its own words: its description, or the comment at its head."""
+    """An example in its own words: its description, or the comment at its head."""
     text = path.read_text(encoding="utf-8")
     found = DESCRIPTION.search(text)
     if found is not None:
@@ -135,7 +135,7 @@ def description_of(path: Path) -> str:
 def example_files(example: str, name: str | None = None) -> dict[str, bytes]:
     """The files of an example by their paths: the design first, then the files that it names.
 
-    A ``name`` becomes the name of the design.  Raises WrongInput where there is no such example.
+    A ``name`` becomes the name of the design.  Raises WrongInput if there is no such example.
     """
     known = examples()
     if example not in known:

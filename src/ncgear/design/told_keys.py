@@ -1,7 +1,7 @@
-"""The keys of files in words, as ``ncgear explain`` and the shell need them, without the models that they come from.
+"""The keys of files in words, for ``ncgear explain`` and the shell, without the models of the keys.
 
 ``told_keys.json`` holds them; ``python -m made`` writes it from the models by ``design/reference.py``, and
-``tests/test_explain.py`` holds it to them.
+``tests/test_explain.py`` compares the two.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ FILE = Path(__file__).with_suffix(".json")
 
 @dataclass(frozen=True)
 class ToldKey:
-    """A key in words; ``law`` is the motion law that has it, empty for a key that is not of one law.
+    """A key in words; ``law`` is the motion law that has it, empty for a key of no single law.
 
     ``path`` is dotted, without the numbers of list items.
     """
@@ -54,8 +54,7 @@ def looked_up(keys: Sequence[ToldKey], asked: str) -> list[ToldKey]:
     """The keys that match best: by the whole path, else by its last parts, with their unit or without.
 
     A word that names no quantity finds the keys whose meaning has that word.  ``asked`` may have numbers of list items,
-    which messages have too.  Raises WrongInput for an unknown key; the message names the keys that a person may have
-    meant.
+    as messages do.  Raises WrongInput for an unknown key; the message names the keys that a person may have meant.
     """
     wanted = ".".join(part for part in asked.strip().replace(" ", "_").split(".") if not part.isdigit())
     whole = [key for key in keys if key.path == wanted]
@@ -79,11 +78,11 @@ def _quantity(path: str) -> str:
 
 
 LEAST_WORD = 3
-"""Letters from which on a word is looked for in the meanings of keys."""
+"""Fewest letters of a word that is searched in the meanings of keys."""
 
 
 def _meaning(keys: Sequence[ToldKey], words: str) -> list[ToldKey]:
-    """The keys whose meaning has these words, in singular or plural."""
+    """The keys with these words in their meaning, in singular or plural."""
     if len(words) < LEAST_WORD:
         return []
     pattern = re.compile(rf"\b{re.escape(words)}s?\b", re.IGNORECASE)
@@ -91,7 +90,7 @@ def _meaning(keys: Sequence[ToldKey], words: str) -> list[ToldKey]:
 
 
 def _unknown(keys: Sequence[ToldKey], wanted: str) -> str:
-    """The message about an unknown key: another kind of file that has it, or keys that begin so or are spelt so."""
+    """The message about an unknown key: another kind of file that has it, or keys with like beginning or spelling."""
     for kind, rows in json.loads(FILE.read_text(encoding="utf-8")).items():
         if any(f".{row['path']}".endswith(f".{wanted}") for row in rows):
             return f"unknown key here; `ncgear explain {wanted} --of {kind}` tells it"

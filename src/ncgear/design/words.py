@@ -42,7 +42,7 @@ NAME_RULE = f"letters, digits, - and _, at most {LONGEST_NAME} of them"
 
 
 def ending_in(suffix: str, name: str) -> str:
-    """The name of a design that is made from another: ``pusher`` -> ``pusher-sized``, no longer than names may be."""
+    """The name of a design made from another design: ``pusher`` -> ``pusher-sized``, no longer than names may be."""
     return name if name.endswith(suffix) else f"{name[: LONGEST_NAME - len(suffix)]}{suffix}"
 
 

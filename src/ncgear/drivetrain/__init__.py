@@ -1,1 +1,1 @@
-"""What stands around the gears: bearings, shafts and keys, losses, motor, flywheel and the couplings before them."""
+"""Parts around the gears: bearings, shafts and keys, losses, motor, flywheel and the couplings before them."""

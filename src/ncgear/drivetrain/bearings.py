@@ -1,7 +1,7 @@
-"""The two bearings of a shaft: their forces over the cycle, and how long they last by ISO 281.
+"""The two bearings of a shaft: their forces over the cycle, and their life by ISO 281.
 
 A gear and a crank press on the shaft at places along it; the moments about either bearing give the force on the other
-one, in both directions across the shaft at once.  Each may sit between the bearings or beyond them.
+one, in both directions across the shaft at once.  Gear and crank may sit between the bearings or beyond them.
 
 The equivalent load is the mean of the forces over the angle that the shaft turns,
 
@@ -33,7 +33,7 @@ EXPONENTS = {"ball": 3.0, "roller": 10.0 / 3.0}
 """Exponent of the life by the kind of bearing."""
 
 MOST_OF_RATING = 0.5
-"""Share of the dynamic rating up to which ISO 281 says that its life holds."""
+"""Share of the dynamic rating up to which the life by ISO 281 holds."""
 
 MILLION = 1e6
 
@@ -67,7 +67,7 @@ class WantedLife:
 
 @dataclass(frozen=True)
 class BearingLife:
-    """What a bearing bears and how long.
+    """Loads and life of a bearing.
 
     ``largest_n`` is its largest force with the driving angle, ``equivalent_n`` its equivalent load at ``speed_rad_s``,
     its mean speed.  ``needed_rating_n`` is the dynamic rating for the wanted life.  ``life_h`` and ``static_safety``
@@ -112,19 +112,19 @@ ROLLERS, ROLLER_LENGTH = 15, 1.2
 """Rollers of a usual bearing, and their length in diameters."""
 
 ROLLER_RATING = 673.0
-"""The same of rollers: 44 (1 - D / d_pw) Z l / D of ISO 76 with D / d_pw = 0.15."""
+"""The same for rollers: 44 (1 - D / d_pw) Z l / D of ISO 76 with D / d_pw = 0.15."""
 
 MOST_LOADED = 5.0
 """Load of the most loaded ball or roller over the mean load, with usual play."""
 
 
 def stiffness_n_mm(bearing: Bearing, force_n: float) -> float:
-    """The stiffness of a bearing across its axis in N/mm under its largest force; infinite where nothing tells it.
+    """The stiffness of a bearing across its axis in N/mm under its largest force; infinite where it is unknown.
 
     By A. Palmgren's approximations for steel (T. A. Harris, "Rolling Bearing Analysis", from secondary sources), with Q
-    the force on the most loaded ball or roller, D its diameter and l its length: 4.36e-4 Q^(2/3) / D^(1/3) mm of balls,
-    7.68e-5 Q^0.9 / l^0.8 mm of rollers.  Number and size are those of usual bearings with this static rating: the balls
-    of 6210 come out within a tenth.
+    the force on the most loaded ball or roller, D its diameter and l its length: 4.36e-4 Q^(2/3) / D^(1/3) mm for
+    balls, 7.68e-5 Q^0.9 / l^0.8 mm for rollers.  Number and size are those of usual bearings with this static rating:
+    the balls of 6210 come out within a tenth.
     """
     if bearing.stiffness_n_mm is not None:
         return bearing.stiffness_n_mm
@@ -142,7 +142,7 @@ def bending_moment_n_mm(
 ) -> ComplexArray:
     """The bending moment at a place along the shaft, (n,), as x + i y in the direction of the forces.
 
-    Of both sides the one with fewer forces is taken: beyond the outermost place is nothing, not rounding errors.
+    The side with fewer forces is taken: beyond the outermost place it gives zero, without rounding errors.
     """
     on_first, on_second = bearing_forces(loads, bearings, crank_at_mm)
     places = 0.0, crank_at_mm, bearings[0].at_mm, bearings[1].at_mm
@@ -166,7 +166,7 @@ def shaft_loads(cycle: Cycle, gear: Gear, phi1_rad: Array) -> ShaftLoads:
 
 
 def peak_places_rad(cycle: Cycle, gear: Gear, bearings: tuple[Bearing, Bearing], crank_at_mm: float) -> Array:
-    """The cycle's places, and where a shaft's torque and its bending at any place are greatest, shape (n,)."""
+    """The cycle's places, and those of a shaft's greatest torque and of its greatest bending anywhere, shape (n,)."""
 
     def sizes(phi1: Array) -> Array:
         shaft = shaft_loads(cycle, gear, phi1)
@@ -187,7 +187,7 @@ def _places(bearings: tuple[Bearing, Bearing], crank_at_mm: float) -> set[float]
 
 
 def most_bent(loads: ShaftLoads, bearings: tuple[Bearing, Bearing], crank_at_mm: float) -> Bend:
-    """Where a shaft is bent most at any of the n angles; it is where a force presses on it."""
+    """The largest bending of a shaft at any of the n angles; it is at a place where a force presses on it."""
     bends = [
         Bend(float(np.abs(bending_moment_n_mm(loads, bearings, crank_at_mm, place)).max()), place)
         for place in _places(bearings, crank_at_mm)
@@ -196,7 +196,7 @@ def most_bent(loads: ShaftLoads, bearings: tuple[Bearing, Bearing], crank_at_mm:
 
 
 def equivalent_load_n(force_n: Array, weight: Array, exponent: float) -> float:
-    """Mean of the forces (shape (n,)) to the power ``exponent``, weighted by the angle turned; 0 where none acts."""
+    """Mean of the forces (shape (n,)) to the power ``exponent``, weighted by the angle turned; 0 without forces."""
     largest = float(np.max(force_n, initial=0.0))
     if largest == 0.0:
         return 0.0

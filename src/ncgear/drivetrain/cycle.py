@@ -36,13 +36,13 @@ of themselves (tests/test_drivetrain.py)."""
 
 @dataclass(frozen=True, eq=False)
 class ShaftLoads:
-    """What one shaft bears at n driving angles, all of shape (n,).
+    """Loads of one shaft at n driving angles, all of shape (n,).
 
     ``turned_rad`` is the angle that the shaft has turned, counter-clockwise in the frame of the mechanism.  ``gear_n``
     and ``crank_n`` are the forces as x + i y in N that press on the shaft where the gear and the crank are; the driving
     shaft has no crank.  ``torque_n_mm`` is the torque that the shaft passes on at its gear.  Torque and force of the
-    driving shaft's gear are larger by the share that friction between the teeth takes: what the motor delivers goes
-    through that shaft, its key and its bearings.
+    driving shaft's gear are larger by the share that friction between the teeth takes: the motor's torque goes through
+    that shaft, its key and its bearings.
     """
 
     turned_rad: Array
@@ -68,7 +68,7 @@ class LoadsAt:
 
 
 def with_tooth_friction(driving_torque: Array, mesh_share: float) -> Array:
-    """The driving torque with the share of its size that friction between the teeth takes, which always resists."""
+    """The driving torque plus its share that friction between the teeth takes, which always resists."""
     return driving_torque + mesh_share * np.abs(driving_torque)
 
 
@@ -77,8 +77,8 @@ def loads_at(
 ) -> LoadsAt:
     """The loads at driving angles in rad; the machine must have gears.
 
-    ``mesh_share`` is what friction between the teeth takes of the driving torque's size.  With ``knocking`` the loads
-    are those of a machine whose teeth knock.
+    ``mesh_share`` is the share of the driving torque's size that friction between the teeth takes.  With ``knocking``
+    the loads are those of a machine whose teeth knock.
 
     The crank turns clockwise in the frame of the mechanism, the driving gear against it or, inside a ring, with it.
     """
@@ -122,7 +122,7 @@ class Cycle:
 
     @property
     def places_rad(self) -> Array:
-        """Driving angles from which largest values are searched, shape (n + m,): loads have kinks at the breaks."""
+        """Driving angles at which searches for largest values begin, shape (n + m,): loads have kinks at the breaks."""
         return np.union1d(self.breaks_rad, self.loads.phi1_rad)
 
     @property
@@ -147,7 +147,7 @@ def rubbing(cycle: Cycle, mesh_share: float) -> Cycle:
 
 
 def with_knocks(cycle: Cycle, knocking: KnockingMachine) -> Cycle:
-    """The cycle with the loads of teeth that knock; its panels end where a swing of theirs turns round."""
+    """The cycle with the loads of teeth that knock; its panels end where one of their swings turns round."""
     first, last = float(cycle.breaks_rad[0]), float(cycle.breaks_rad[-1])
     turns = first + (knocking.turns_rad - first) % cycle.cycle_rad
     breaks = apart(np.concatenate([cycle.breaks_rad, turns]), first, last)
@@ -167,11 +167,11 @@ def cycle_of(rigid: Rigid) -> Cycle:
 
 
 CLOSE_RAD = 1e-9
-"""Driving angles that are not told apart: zeros are found to less, and no load changes within it."""
+"""Driving angles that count as one: zeros are found to less, and no load changes within it."""
 
 
 def apart(places: Array, first: float, last: float) -> Array:
-    """The places (shape (n,)) in order from the first to the last, both among them, one of those that are close."""
+    """The places (shape (n,)) in order from the first to the last, both included; of close places one is kept."""
     inner = np.unique(places)
     inner = inner[(inner > first + CLOSE_RAD) & (inner < last - CLOSE_RAD)]
     kept = np.diff(inner, prepend=first) > CLOSE_RAD

@@ -1,4 +1,4 @@
-"""What the driving shaft is asked for over the cycle, friction counted, and the energy that its machine stores.
+"""Demand on the driving shaft over the cycle, friction counted, and the energy that its machine stores.
 
 At the speed w_0 the torque is T = T1 + share |T1|, with the torque T1 of the rigid level, which counts friction in the
 guide, and the share that the teeth take.  A machine that turns at another speed w has the energy
@@ -7,7 +7,7 @@ J(phi) w^2 / 2, with everything that moves in the inertia J reduced to the drivi
     J = J_shaft + M(phi2) phi2'^2
 
 where M is the crank's reduced inertia (``ncgear.dynamics.crank_load``).  The part of T that accelerates masses at
-constant speed is J' w_0^2 / 2; what is left, A = T - J' w_0^2 / 2, is asked for at any speed.  So
+constant speed is J' w_0^2 / 2; the rest, A = T - J' w_0^2 / 2, is needed at any speed.  So
 
     d(J w^2 / 2) / dphi = T_drive - A
 
@@ -35,7 +35,7 @@ from ncgear.numerics.units import N_PER_KG_MM_S2
 
 @dataclass(frozen=True, eq=False)
 class Demand:
-    """The driving shaft's torque with losses, and its inertia; ``added_kg_mm2`` is what else turns with it."""
+    """The driving shaft's torque with losses, and its inertia; ``added_kg_mm2`` is the inertia of added parts."""
 
     cycle: Cycle
     losses: Losses

@@ -1,11 +1,10 @@
-"""What shafts, keys, bearings and joints bear in a jam: the output is held, and the driving shaft turns on.
+"""Loads of shafts, keys, bearings and joints in a jam: the output is held, and the driving shaft turns on.
 
-The torque T1 at the driving gear makes T1 / (dphi2/dphi1) at the driven one, and the mesh force of both.  What holds
-the output presses on the crank with that torque over the way of the output for each rad of the crank.  Near its dead
-centres that way vanishes, and no torque bounds the force: there it counts as where the output moves HELD of its
-fastest, which a plain crank does 30 degrees before its dead centre, where presses are rated.  Nothing moves, so that no
-mass counts; friction is left out.  What is the weakest in a jam need not be so under the law or in knocks: ``deciding``
-says which load it is.
+The torque T1 at the driving gear makes T1 / (dphi2/dphi1) at the driven gear, and the mesh force of both.  The force
+that holds the output is that torque over the output's way per rad of the crank.  Near its dead centres that way
+vanishes, and no torque bounds the force: there the force counts as where the output moves HELD of its fastest, which a
+plain crank does 30 degrees before its dead centre, where presses are rated.  Nothing moves, so no mass counts; friction
+is left out.  The weakest part in a jam need not be the weakest under the law or in knocks: ``deciding`` names the load.
 """
 
 from __future__ import annotations
@@ -32,20 +31,20 @@ from ncgear.numerics.plane import Vector
 from ncgear.pitch.shape import Gear
 
 Load = Literal["law", "knocks", "jam"]
-"""What a part bears: the forces that the law asks for, those where teeth knock, those of a jam."""
+"""Load of a part: the forces of the law, of teeth that knock, or of a jam."""
 
 MORE = 1e-6
 """Share by which a load is more than another, beyond rounding errors."""
 
 
 def deciding(sizes: Mapping[Load, float]) -> Load:
-    """The load under which a part bears most, by sizes of stress or force; within MORE, the one named first."""
+    """The load under which a part bears most, by sizes of stress or force; within MORE, the load named first."""
     most = max(sizes.values())
     return next(load for load, size in sizes.items() if size * (1.0 + MORE) >= most)
 
 
 HELD = 0.5
-"""Share of the output's fastest way from which on its force in a jam follows from the torque."""
+"""Share of the output's fastest way above which its force in a jam follows from the torque."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +67,7 @@ class Jam:
         return cls(rigid, driving_n_mm, places_rad, HELD * fastest.value)
 
     def loads(self, gear: Gear, phi1_rad: Array) -> ShaftLoads:
-        """What the shaft of a gear bears at driving angles, shape (n,)."""
+        """The loads of the shaft of a gear at driving angles, shape (n,)."""
         force, torque, place = self._mesh(phi1_rad), self._driven_n_mm(phi1_rad), self.rigid.place
         assert place is not None
         mesh = _complex(force.force)
@@ -80,7 +79,7 @@ class Jam:
         return ShaftLoads(turned, mesh, -_complex(held.crank_axis) * output, torque)
 
     def peaks(self) -> LoadPeaks:
-        """The largest forces of a cycle, as a machine tells them that runs."""
+        """The largest forces of a cycle, in the form of a running machine."""
         linkage = self.rigid.machine.linkage
 
         def sizes(phi1: Array) -> Array:
@@ -105,7 +104,7 @@ class Jam:
         return mesh_force(place, self.rigid.machine.transmission.driven_angle(phi1_rad, 2).differentiated(), torque)
 
     def _held(self, phi1_rad: Array) -> tuple[JointForces, Array]:
-        """The forces of 1 N (or N mm) against the output, and how much holds it, shape (n,)."""
+        """The forces of 1 N (or N mm) against the output, and the force that holds it, shape (n,)."""
         held = _held(self.rigid, phi1_rad)
         way = held.torque_n_mm.value
         counted = np.where(way < 0.0, -1.0, 1.0) * np.maximum(np.abs(way), self.least_way_mm)
@@ -125,7 +124,8 @@ def _complex(force: Vector) -> ComplexArray:
 
 @dataclass(frozen=True)
 class JammedShaft:
-    """A shaft in a jam: both bearings' largest force and static safety, if rated, and the keyway's safety, if given."""
+    """A shaft in a jam: both bearings' largest force and static safety, if rated, the keyway's safety, if given,
+    torque."""
 
     largest_n: tuple[Extremum, Extremum]
     static_safety: tuple[float | None, float | None]
@@ -136,7 +136,7 @@ class JammedShaft:
 def jammed_shaft(
     jam: Jam, gear: Gear, bearings: tuple[Bearing, Bearing], crank_at_mm: float, section: ShaftSection | None
 ) -> JammedShaft:
-    """What a gear's shaft and bearings bear in a jam at most; yielding is the full section's, as in ``shafts``."""
+    """The largest loads of a gear's shaft and bearings in a jam; yielding is the full section's, as in ``shafts``."""
 
     def sizes(phi1: Array) -> Array:
         loads = jam.loads(gear, phi1)

@@ -1,4 +1,4 @@
-"""What friction takes: between the teeth, at the slider's guide, and so of the whole.
+"""Losses by friction: between the teeth and at the slider's guide, and the efficiency.
 
 Between the teeth, as H. Ohlendorf, "Verlustleistung und Erwaermung von Stirnraedern", dissertation, TU Muenchen 1958
 (from secondary sources), for circular gears, but integrated over the contacts of the exact teeth of any pair:
@@ -6,13 +6,13 @@ Between the teeth, as H. Ohlendorf, "Verlustleistung und Erwaermung von Stirnrae
     loss = mu H |T1|,   H = integral of sum(F |v|) dphi1 / integral of |T1| dphi1
 
 with the normal force F of each pair of flanks that touches, its speed of sliding v in mm per rad of phi1, and the
-torque T1 of the driving shaft.  Pairs that touch together share the force alike, as they do in his closed form, which
-holds for circular gears under an even load with 1 to 2 pairs in contact:
+torque T1 of the driving shaft.  Pairs that touch together share the force alike, as in his closed form, which holds for
+circular gears under an even load with 1 to 2 pairs in contact:
 
     H_V = pi (1/z1 + 1/z2) (1 - e1 - e2 + e1^2 + e2^2),   e1, e2: contact ratios before and behind the pitch point
 
-The force is the one without friction between the teeth, so that loss is of first order in mu.  The guide takes mu |N|
-of the slider's way, with the force N of the rigid level, which counts that friction itself.
+The force is taken without friction between the teeth, so the loss is of first order in mu.  The guide takes mu |N|
+times the slider's way, with the force N of the rigid level, which counts that friction itself.
 """
 
 from __future__ import annotations
@@ -35,18 +35,18 @@ from ncgear.pitch.pair import PitchPair
 from ncgear.teeth.gear import ToothedPair
 
 HALVINGS = 16
-"""Halvings by which the angles are found at which a pair meets or parts: a twentieth of a pitch to less than 1e-6."""
+"""Halvings to the angles at which a pair meets or parts: a twentieth of a pitch to less than 1e-6."""
 
 NODES = 4
 """Gauss points between two angles at which pairs meet, part or pass the pitch point: loads are smooth there."""
 
 BLOCK = 1024
-"""Positions looked at together, so that pairs with many meetings do not fill the memory."""
+"""Positions computed together, so that pairs with many meetings do not fill the memory."""
 
 
 @dataclass(frozen=True, eq=False)
 class Losses:
-    """Work in N mm per cycle at even speed; ``useful_n_mm`` is without the guide's, ``mesh_loss_factor`` is H."""
+    """Work in N mm per cycle at even speed; ``useful_n_mm`` excludes the guide's, ``mesh_loss_factor`` is H."""
 
     useful_n_mm: float
     moved_n_mm: float
@@ -57,7 +57,7 @@ class Losses:
 
     @property
     def mesh_share(self) -> float:
-        """What friction between the teeth takes of the driving torque's size."""
+        """Share of the driving torque's size that friction between the teeth takes."""
         return self.mesh_friction * (self.mesh_loss_factor or 0.0)
 
     @property
@@ -89,7 +89,7 @@ def losses_of(cycle: Cycle, mesh_loss_factor: float | None, mesh_friction: float
 
 @dataclass(frozen=True, eq=False)
 class TouchingTeeth:
-    """What touches at any rolled length of the cycle of meetings; flanks and backs each as if they alone bore load."""
+    """Contacts at any rolled length of the cycle of meetings; flanks and backs each as if they alone bore load."""
 
     teeth: ToothedPair
     pitch: PitchPair
@@ -105,7 +105,7 @@ class TouchingTeeth:
         return touch_at(self.teeth)
 
     def at(self, rolled_mm: Array) -> list[PairTouch]:
-        """What touches at rolled lengths, shape (n,), in blocks of positions."""
+        """The contacts at rolled lengths, shape (n,), in blocks of positions."""
         inside = np.mod(rolled_mm, self.even.cycle_mm)
         blocks = np.split(inside, range(BLOCK, inside.size, BLOCK))
         return [self._touch(placed_at(self.pitch, self.even, block)) for block in blocks]
@@ -147,7 +147,7 @@ def _pairs(touch: PairTouch, side: int) -> IndexArray:
 def mesh_loss_factor(
     touching: TouchingTeeth, torques: Callable[[Array], tuple[Array, Array]], breaks_rad: Array
 ) -> float:
-    """H over the cycle in which all teeth meet; 0 where nothing is moved.
+    """H over the cycle in which all teeth meet; 0 without torque.
 
     ``torques`` maps driving angles (n,) to both shafts' torques in N mm, smooth and of one sign between breaks
     (m,).
@@ -169,7 +169,7 @@ def mesh_loss_factor(
 
 
 def most_mesh_loss_factor(pitch: PitchPair, reach_mm: float, rack_angle_rad: float) -> float:
-    """A bound of H without teeth, of flanks that touch no farther than ``reach_mm`` from the pitch point.
+    """A bound of H without teeth, for flanks that touch no farther than ``reach_mm`` from the pitch point.
 
     With q = dphi2/dphi1, F = |T1| / (r1 cos p) at the pressure angle p, and |v| = (1 +- q) s at the distance s from the
     pitch point, so that F |v| = |T1| s (1 +- q)^2 / (a q cos p), which is largest where q is least or largest.

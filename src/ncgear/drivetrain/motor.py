@@ -1,10 +1,9 @@
-"""A motor behind a gearbox: what it gives and takes at the driving shaft, and what a cycle asks of it.
+"""A motor behind a gearbox: its torque at the driving shaft, and its load over a cycle.
 
-A gearbox of the ratio i and the efficiency e makes T i e of the motor's torque T where the motor drives, and T i / e
-where it brakes: the gearbox helps to brake.  What counts for a motor's heat is the root of the mean square of its
-torque in time, which has to stay below its rated torque (e.g. R. L. Norton, "Design of Machinery", 5th edition 2012,
-section 2.19 for motors and their speed-torque lines).  A motor of straight line loses its torque in proportion to its
-speed,
+A gearbox of the ratio i and the efficiency e makes T i e from the motor's torque T where the motor drives, and T i / e
+where it brakes: the gearbox helps to brake.  A motor's heat follows from the root mean square of its torque over time,
+which must stay below its rated torque (e.g. R. L. Norton, "Design of Machinery", 5th edition 2012, section 2.19 for
+motors and their speed-torque lines).  A motor with a straight line loses torque in proportion to its speed,
 
     T(w) = T_rated (n_0 - n) / (n_0 - n_rated)
 
@@ -25,7 +24,7 @@ from ncgear.numerics.extrema import Extremum
 
 @dataclass(frozen=True)
 class Gearbox:
-    """Speed of the motor over that of the driving shaft, and the efficiency, 1 without losses."""
+    """Speed of the motor over the driving shaft's speed, and the efficiency, 1 without losses."""
 
     ratio: float = 1.0
     efficiency: float = 1.0
@@ -55,7 +54,7 @@ class StraightLine:
 
 @dataclass(frozen=True, eq=False)
 class MotorLoad:
-    """What a cycle asks of a motor that turns evenly; torques in N mm at the motor's shaft.
+    """Load of a motor that turns evenly over a cycle; torques in N mm at the motor's shaft.
 
     ``braking_share`` is the share of the time in which it brakes, and ``braking_n_mm``, 0 or less, the mean torque over
     that time.
@@ -71,7 +70,7 @@ class MotorLoad:
 
     @property
     def rms_power_n_mm_s(self) -> float:
-        """The power in N mm/s that a motor needs so as not to grow too hot."""
+        """The power in N mm/s for which a motor must be rated to stay cool enough."""
         return self.rms_n_mm * self.speed_rad_s
 
 
@@ -80,7 +79,7 @@ def motor_load(demand: Demand, gearbox: Gearbox) -> MotorLoad:
     cycle = demand.cycle
     torque = gearbox.motor_n_mm(demand.torque_n_mm(cycle.loads.phi1_rad))
 
-    # The gearbox turns no order of torques round
+    # The gearbox keeps the order of torques
     least, most = (
         Extremum(float(gearbox.motor_n_mm(np.array([end.value]))[0]), end.at) for end in demand.torque_range_n_mm
     )

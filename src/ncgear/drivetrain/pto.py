@@ -1,9 +1,9 @@
-"""A shaft that turns at a constant speed, as a tractor's, before a torque limiter or an overrunning clutch.
+"""A shaft of constant speed, as a tractor's, before a torque limiter or an overrunning clutch.
 
 A torque limiter passes no more than a set torque.  Where the machine at the shaft's speed w_0 asks for more, it slips:
-the machine gets the set torque T_s, is slowed down and, once it asks for less, brought back to w_0.  An overrunning
-clutch passes no braking torque: where the machine asks for less than nothing, it gets T_s = 0 and runs ahead.  In
-either case the work that the machine has got beyond that which it asks for at w_0,
+the machine gets the set torque T_s, slows down and, once it asks for less, comes back to w_0.  An overrunning clutch
+passes no braking torque: where the machine would drive the shaft, it gets T_s = 0 and runs ahead.  In either case the
+work that the machine gets beyond its demand at w_0,
 
     D(phi) = integral of (T_s - T) dphi from where it lets go,
 
@@ -66,7 +66,7 @@ def running_ahead(demand: Demand) -> list[Excursion]:
 
 
 def _excursions(demand: Demand, held_n_mm: float, sign: float) -> list[Excursion]:
-    """Stretches in which ``sign`` times held less asked torque is over 0, until the coupling has caught again."""
+    """Stretches in which ``sign`` times (held less asked torque) is over 0, until the coupling has caught again."""
     torque = demand.fluctuation.torque
     series = -sign * torque.coefficients
     series[0] += sign * held_n_mm
@@ -87,7 +87,7 @@ def _excursions(demand: Demand, held_n_mm: float, sign: float) -> list[Excursion
     begins = places[:-1][positive & ~np.roll(positive, 1)]
     found: list[Excursion] = []
     until = -np.inf
-    # Those of a first cycle only tell from where on the second one's are free.
+    # The excursions of a first cycle only show from where on the second cycle is free.
     for begin in [*begins, *(begins + cycle)]:
         if begin < until:
             continue
@@ -99,7 +99,7 @@ def _excursions(demand: Demand, held_n_mm: float, sign: float) -> list[Excursion
 
 
 def _end_rad(gained: Callable[[Array], Array], begin: float, places: Array, cycle: float) -> float | None:
-    """Where what was gained is lost again: between two places the gain only grows or only falls."""
+    """Place where the gained work is lost again: between two places the gain only grows or only falls."""
     later = np.append(places[(places > begin) & (places < begin + cycle)], begin + cycle)
     left = gained(later) - gained(np.array([begin]))
     back = np.nonzero(left < 0.0)[0]

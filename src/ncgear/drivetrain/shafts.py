@@ -1,4 +1,4 @@
-"""Whether a shaft holds at the keyway of its gear, an estimate after DIN 743, and whether the key holds (DIN 6892).
+"""Safety of a shaft at the keyway of its gear, an estimate after DIN 743, and of the key (DIN 6892).
 
 A fibre of the shaft's surface sees the bending moment turn against it, so its stress follows from the moment in the
 frame of the machine and from the angle that the shaft has turned.  It is followed over all turns in which gears and
@@ -10,20 +10,20 @@ repository hanslhansl/din743), with stresses of the full section of diameter d, 
 yield strength in MPa:
 
     sigma_W = 0.5 sigma_B for bending, tau_W = 0.3 sigma_B for torsion, both alternating
-    K_1 = 1 - s lg(d / d_0) beyond d_0, for what a thick blank lacks; each strength has its own (``Steel``)
+    K_1 = 1 - s lg(d / d_0) beyond d_0, for the lower strength of a thick blank; each strength has its own (``Steel``)
     K_2 = 1 - 0.2 lg(d / 7.5 mm) / lg 20 from 7.5 to 150 mm, for bending and torsion of thick shafts
     beta_40 = 3.0 (K_1 sigma_B / 1000)^0.38 for bending, 0.56 of that and 0.1 more for torsion: a keyway at 40 mm
     K_3 = 1 - 0.2 lg(beta_40) lg(d / 7.5 mm) / lg 20,   beta = beta_40 K_3(40 mm) / K_3(d)
     sigma_WK = K_1 sigma_W K_2 / beta
 
 The roughness is in the factor of a keyway already.  Amplitude and mean stress are taken to grow together; the mean then
-lowers what is endured to sigma_WK / (1 + psi sigma_mv / sigma_a), with the equivalent mean stress
-sigma_mv = sqrt(sigma_m^2 + 3 tau_m^2), over sqrt(3) for torsion, and psi = sigma_WK / (2 K_1 sigma_B - sigma_WK).
-Safety against fatigue is 1 / sqrt((sigma_a / sigma_AK)^2 + (tau_a / tau_AK)^2), and against yielding, with the largest
-stresses, K_1 sigma_S / sqrt(sigma^2 + 3 tau^2).
+lowers the endured amplitude to sigma_WK / (1 + psi sigma_mv / sigma_a), with the equivalent mean stress sigma_mv =
+sqrt(sigma_m^2 + 3 tau_m^2), over sqrt(3) for torsion, and psi = sigma_WK / (2 K_1 sigma_B - sigma_WK). Safety against
+fatigue is 1 / sqrt((sigma_a / sigma_AK)^2 + (tau_a / tau_AK)^2), and against yielding, with the largest stresses, K_1
+sigma_S / sqrt(sigma^2 + 3 tau^2).
 
 Left out, on the safe side: the factors for supported yielding (up to 1.2) and for hardened surfaces.  Shoulders,
-grooves and press fits beside the keyway are not looked at: an estimate, in place of no proof.
+grooves and press fits beside the keyway are not checked: this is an estimate.
 
 The key is judged by the pressure on its sides after DIN 6892:2012, method C:
 
@@ -48,19 +48,19 @@ from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.highest import largest_from
 
 LEAST_SAFETY = 1.2
-"""Safety that DIN 743 asks for at least, since its figures scatter."""
+"""Least safety that DIN 743 demands, since its figures scatter."""
 
 FIBRES = 72
-"""Fibres around the shaft from which the worst one is searched."""
+"""Fibres around the shaft from which the search for the worst fibre begins."""
 
 KNOWN = 1e-6
-"""Share of the largest bending stress to which a fibre's largest and least one are known at least, and of what the
-worst fibre uses of its strength."""
+"""Share of the largest bending stress to which a fibre's largest and least stress are known at least; the worst fibre's
+use of its strength is known to the same share."""
 
 
 @dataclass(frozen=True)
 class Fall:
-    """How a strength falls with the diameter of the blank: d_0 in mm, up to which it is whole, and s."""
+    """Fall of a strength with the diameter of the blank: d_0 in mm, up to which it is whole, and s."""
 
     whole_to_mm: float
     per_decade: float
@@ -71,12 +71,12 @@ class Fall:
 
 
 LASTING = Fall(1.0, 0.0)
-"""Of strengths that are known at the shaft's own diameter."""
+"""No fall, for strengths that are known at the shaft's own diameter."""
 
 
 @dataclass(frozen=True)
 class Steel:
-    """Strengths in MPa at the small diameters for which standards state them, and how either falls."""
+    """Strengths in MPa at the small diameters for which standards state them, and their falls."""
 
     tensile_mpa: float
     yield_mpa: float
@@ -99,7 +99,7 @@ STEELS = {
 
 @dataclass(frozen=True)
 class ShaftSection:
-    """A shaft where it has a keyway: its diameter and that of its blank when it was treated in mm, and its steel."""
+    """A shaft at its keyway: its diameter in mm, its blank's diameter when it was treated in mm, and its steel."""
 
     diameter_mm: float
     blank_mm: float
@@ -120,8 +120,8 @@ class ShaftSection:
 class ShaftStresses:
     """Stresses of the full section in MPa.
 
-    ``bending_amplitude_mpa`` and ``bending_mean_mpa`` are those of the fibre of least safety, and torsion's likewise.
-    The largest stresses are the sizes of the largest bending moment and torque.
+    ``bending_amplitude_mpa`` and ``bending_mean_mpa`` are the stresses of the fibre of least safety; torsion is the
+    same at all fibres.  The largest stresses belong to the largest bending moment and torque.
     """
 
     bending_amplitude_mpa: float
@@ -143,16 +143,16 @@ class ShaftSafety:
 
 
 Borne = Callable[[Array], tuple[ComplexArray, Array, Array]]
-"""From driving angles in rad: the bending moment as x + i y in the frame of the machine and the torque in N mm, and
-the angle in rad that the shaft has turned, shape (n,) each."""
+"""Function of driving angles in rad: the bending moment as x + i y in the frame of the machine and the torque in N mm,
+and the angle in rad that the shaft has turned, shape (n,) each."""
 
 
 def shaft_safety(section: ShaftSection, borne: Borne, places_rad: Array, cycles_rad: Array) -> ShaftSafety:
-    """The safety of a shaft by what it bears over one cycle.
+    """The safety of a shaft by its loads over one cycle.
 
-    ``places_rad`` (shape (n,), rising) are driving angles from the beginning of the cycle to its end, among them those
-    of the largest moment and of the least and the largest torque.  ``cycles_rad`` (shape (k,)) are the angles that the
-    shaft has turned at the beginning of the cycles after which it stands as at first, k of them.
+    ``places_rad`` (shape (n,), rising) are driving angles from the beginning of the cycle to its end, among them the
+    angles of the largest moment and of the least and the largest torque.  ``cycles_rad`` (shape (k,)) are the angles
+    that the shaft has turned at the beginning of the cycles after which it stands as at first, k of them.
     """
     resistance_mm3 = pi * section.diameter_mm**3 / 32.0
     moment, torque, _ = borne(places_rad)
@@ -223,7 +223,7 @@ def _fatigue_used(
     equivalent = np.sqrt(mean**2 + 3.0 * torsion_mean**2)
     bending, torsion = fatigue_strengths_mpa(section)
     used = [
-        # sigma_a / sigma_AK, without dividing by an amplitude of 0, where the standard takes the term for 0
+        # sigma_a / sigma_AK, without dividing by an amplitude of 0, where the standard takes the term as 0
         np.where(alternating > 0.0, alternating + strength / (2.0 * section.tensile_mpa - strength) * lasting, 0.0)
         / strength
         for strength, alternating, lasting in (
@@ -238,7 +238,7 @@ ALLOWED_OF_YIELD = 0.9
 """Share of the yield strength that method C allows for ductile parts."""
 
 FREE_HEIGHT_MM = 0.4
-"""What a hub's keyway is deeper than key and hub touch: DIN 6885-1 gives 0.3 to 0.4 mm (secondary source)."""
+"""Depth of a hub's keyway beyond the contact of key and hub: DIN 6885-1 gives 0.3 to 0.4 mm (secondary source)."""
 
 
 @dataclass(frozen=True)

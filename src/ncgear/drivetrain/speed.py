@@ -1,15 +1,15 @@
-"""How fast the driving shaft turns over the cycle where a motor drives it against a flywheel; the flywheel's disc.
+"""Speed of the driving shaft over the cycle where a motor drives it against a flywheel; the flywheel's disc.
 
 With the energy E = J w^2 / 2 of all that moves, and T_drive the motor's torque at the driving shaft,
 
     dE/dphi = T_drive(w) - A(phi),   w = sqrt(2 E / J(phi)),   E(0) = E(cycle)
 
 (``ncgear.drivetrain.demand`` defines J and A).  The torque falls with the speed, so one solution is reached from any
-start.  E is a polynomial on each of many panels and keeps the equation at their Radau nodes (collocation; E. Hairer,
-G. Wanner, "Solving Ordinary Differential Equations II", 2nd edition 1996, section IV.5), which damp what stiff motors
+start.  E is a polynomial on each of many panels and keeps the equation at their Radau nodes (collocation; E. Hairer, G.
+Wanner, "Solving Ordinary Differential Equations II", 2nd edition 1996, section IV.5), which damp what stiff motors
 would let ring; Newton's method solves the equations of all panels and the periodicity together.  Where the motor begins
-to brake, or a clutch lets go, the torque has a kink: panels are made to end there.  All panels are halved until the
-speed no longer changes.
+to brake, or a clutch lets go, the torque has a kink: panels end there.  All panels are halved until the speed no longer
+changes.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.highest import largest_of_each
 
 NODES = 6
-"""Collocation points of a panel; the ends of panels are met to order 11."""
+"""Collocation points of a panel; the energies at ends of panels are of order 11."""
 
 WIDEST_RAD = 2.0 * pi / 24.0
 """Widest panel of the first solution."""
@@ -42,28 +42,28 @@ SOLUTIONS = 4
 """Most solutions, each with panels half as wide as the one before."""
 
 SETTLED = 1e-8
-"""Share by which energies may differ between two solutions: far below what a speed is needed to."""
+"""Largest relative difference of the energies of two solutions that count as equal."""
 
 DOUBTFUL = 1e-3
-"""Share from which on a solution is refused; motors that hardly give way in speed leave up to 1e-5."""
+"""Share above which a solution is refused; motors whose speed hardly yields leave up to 1e-5."""
 
 MOST = 1500
-"""Unknowns from which on panels are not halved again: the equations of all are solved at once."""
+"""Unknowns above which panels are not halved again: the equations of all are solved at once."""
 
 STEPS = 60
-"""Most steps of Newton's method; some 5 are taken."""
+"""Most steps of Newton's method; about 5 are usual."""
 
 SOLVED = 1e-12
-"""Share of the largest energy that the last step changes."""
+"""Largest share of the largest energy that the last step changes."""
 
 ROUNDED = 1.0, 0.1, 1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 0.0
-"""Torques by which the edge of a clutch is rounded, one after the other, as shares of the largest torque."""
+"""Torques that round the edge of a clutch, one after the other, as shares of the largest torque."""
 
 TINY_N_MM = 1e-100
 """Least torque of a rounded edge, so that nothing is divided by zero."""
 
 LEAST_SHARE = 0.1
-"""Share of every energy that a step leaves at least, so that energies stay positive."""
+"""Least share of every energy that a step leaves, so that energies stay positive."""
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ class LineDrive:
 
 @dataclass(frozen=True, eq=False)
 class SpeedCourse:
-    """The periodic motion: ``energy`` in N mm over a cycle; the last finer panels moved it by ``unsettled``."""
+    """The periodic motion: ``energy`` in N mm over a cycle; the last finer panels moved its share ``unsettled``."""
 
     demand: Demand
     drive: LineDrive
@@ -170,7 +170,7 @@ class SpeedCourse:
 
     @property
     def energy_error(self) -> float:
-        """What the motor's work misses of what the machine asks for, over the most that its masses store."""
+        """Difference of the motor's work from the machine's demand, over the most that its masses store."""
         return abs(self.drive_work_n_mm - self.asked_work_n_mm) / float(self.energy(self._points[0]).max())
 
     @property
@@ -203,7 +203,7 @@ def speed_course(demand: Demand, drive: LineDrive) -> SpeedCourse:
 
 
 def _free_rad(course: SpeedCourse) -> Array:
-    """Driving angles at which the speed passes the one without torque, shape (k,), by bisection between points."""
+    """Driving angles at which the speed passes the speed without torque, shape (k,), by bisection between points."""
     points, free = course.demand.cycle.loads.phi1_rad, course.drive.free_rad_s
     beyond = course.speed_rad_s(points) > free
     change = np.nonzero(beyond[:-1] != beyond[1:])[0]
@@ -216,9 +216,9 @@ def _free_rad(course: SpeedCourse) -> Array:
 
 
 def _solved(demand: Demand, drive: LineDrive, ends: Array, known: SpeedCourse | None) -> SpeedCourse:
-    """Newton's method for the energies at the nodes of panels and at the beginning, from a course that is known.
+    """Newton's method for the energies at the nodes of panels and at the beginning, from a known course.
 
-    The edge at which a clutch opens is rounded at first, where no course is known, and then less and less.
+    Without a known course the edge at which a clutch opens is rounded at first, and then less and less.
     """
     unit, weights, inside = _radau()
     half = np.diff(ends)[:, None] / 2.0
@@ -257,12 +257,12 @@ def _solved(demand: Demand, drive: LineDrive, ends: Array, known: SpeedCourse | 
 
 
 def _newton_step(beyond: Array, given: Array, slope: Array, within: Array, whole: Array) -> tuple[Array, float]:
-    """How far the energies at the nodes (shape (n,)) and at the beginning are to be moved.
+    """Steps of the energies at the nodes (shape (n,)) and at the beginning.
 
-    ``beyond`` are the energies beyond that at the beginning, ``given`` the torque that the energies grow by, with its
-    ``slope`` by them, ``within`` (shape (panels, NODES, NODES)) the integrals from a panel's start and ``whole`` the
-    weights of all nodes.  With the steps s at the beginning and a at a panel's start, those in the panel are
-    a u + v: its own equations give u and v, and what it adds to a; that a comes round to s gives s.
+    ``beyond`` are the energies less the energy at the beginning, ``given`` the torque by which the energies grow, with
+    its ``slope`` by them, ``within`` (shape (panels, NODES, NODES)) the integrals from a panel's start and ``whole``
+    the weights of all nodes.  With the steps s at the beginning and a at a panel's start, the steps in the panel are a
+    u + v: its own equations give u and v, and its addition to a; after all panels a equals s, which gives s.
     """
     shape = within.shape[:2]
     torque, rising, weight = (one.reshape(shape) for one in (given, slope, whole))
@@ -282,7 +282,7 @@ def _newton_step(beyond: Array, given: Array, slope: Array, within: Array, whole
 
 
 def _radau() -> tuple[Array, Array, Array]:
-    """Radau's nodes in [-1, 1], the right end among them, their weights, and the matrix of integrals to each node.
+    """Radau's nodes in [-1, 1], the right end included, their weights, and the matrix of integrals to each node.
 
     Integrals are those from -1 on of the polynomial through the values at the nodes.
     """
@@ -330,7 +330,7 @@ class Disc:
 
 
 def disc(inertia_kg_mm2: float, diameter_mm: float, speed_rad_s: float) -> Disc:
-    """The disc of a moment of inertia m d^2 / 8."""
+    """The disc with a moment of inertia m d^2 / 8."""
     mass = 8.0 * inertia_kg_mm2 / diameter_mm**2
     width = mass / (STEEL_KG_MM3 * pi * diameter_mm**2 / 4.0)
     return Disc(diameter_mm, width, mass, speed_rad_s * diameter_mm / 2000.0)

@@ -27,18 +27,18 @@ from ncgear.numerics.highest import largest_of_each
 from ncgear.numerics.units import N_M_PER_N_MM, in_words
 
 ACCURACY = 1e-8
-"""Relative error of a step: a place is then met to some 1e-7 of a turn."""
+"""Relative error of a step: a place is then exact to some 1e-7 of a turn."""
 
 WIDEST_RAD = 0.3
-"""Longest way that is followed at once."""
+"""Longest way that is integrated at once."""
 
 
 @dataclass(frozen=True)
 class Stall:
     """Driving and crank angle at which a motor stops, counted from the start on, and torques at the driving shaft.
 
-    ``needed_n_mm`` is what the machine asks for there, ``most_n_mm`` what it asks for at the most over the cycle, and
-    ``given_n_mm`` what the motor gives at rest.
+    ``needed_n_mm`` is the machine's demand there, ``most_n_mm`` its largest demand over the cycle, and ``given_n_mm``
+    the motor's torque at rest.
     """
 
     phi1_rad: float
@@ -59,7 +59,7 @@ class Stall:
 
     @property
     def brief(self) -> str:
-        """The same in a part of a line."""
+        """The same in less than a line."""
         given, most = N_M_PER_N_MM * self.given_n_mm, N_M_PER_N_MM * self.most_n_mm.value
         return f"the motor stops at phi1 = {degrees(self.phi1_rad):.4g} deg: it has {given:.3g} of {most:.3g} N m"
 
@@ -67,7 +67,7 @@ class Stall:
 def stall_of(
     demand: Demand, torque_n_mm: Callable[[Array], Array], start_rad_s: float, turned_rad: float
 ) -> Stall | None:
-    """Where a motor stops that starts a machine at phi1 = 0 with a speed, within a driving angle; None where it passes.
+    """Where a motor stops, from a start at phi1 = 0 with a speed, within a driving angle; None where it does not stop.
 
     ``torque_n_mm`` gives its torque on the driving shaft, in N mm, at speeds of that shaft in rad/s, shape (n,).
     Raises Unanswered where the solver fails.

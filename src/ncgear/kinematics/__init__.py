@@ -1,1 +1,1 @@
-"""What the slider does: displacement, velocity, acceleration, force and power over a whole cycle."""
+"""Motion of the slider: displacement, velocity, acceleration, force and power over a whole cycle."""

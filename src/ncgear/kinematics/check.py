@@ -1,4 +1,4 @@
-"""The figures a design is judged by: peaks of power, speed and acceleration, located exactly, and the mean power."""
+"""Figures that judge a design: peaks of power, speed and acceleration, located exactly, and the mean power."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from ncgear.shown import Shown
 
 @dataclass(frozen=True)
 class WithMasses:
-    """What is known of the driving shaft's power where masses are counted; each peak with its driving angle.
+    """Figures of the driving shaft's power where masses are counted; each peak with its driving angle.
 
     ``peak_power_resistance_w`` is the peak of the resistance alone, without masses, weights and friction in the guide.
-    ``braking_power_w`` is the largest power that flows back to the motor, as a size.  ``energy_swing_j`` is what the
-    driving shaft stores and gives back in a cycle where the motor's torque is even.
+    ``braking_power_w`` is the largest power that flows back to the motor, as a size.  ``energy_swing_j`` is the energy
+    that the driving shaft stores and gives back in a cycle where the motor's torque is even.
     """
 
     peak_power_resistance_w: Extremum
@@ -38,12 +38,12 @@ class WithMasses:
 class KinematicCheck(Shown):
     """Peaks over one cycle of the output, each with the driving angle at which it occurs.
 
-    Power is that of the driving shaft with all that its design gives; ``with_masses`` is None where that is the
-    resistance alone.
+    Power is the driving shaft's with all that its design gives; ``with_masses`` is None where only the resistance
+    counts.
 
     Speeds and accelerations are in mm/s and mm/s^2, or in rad/s and rad/s^2 where the output turns.  Accelerations are
     magnitudes; ``working`` means from the retracted to the extended dead centre, or all of the cycle of an output that
-    never returns.  Of gears that turn less than once, all are those of the way from end to end.
+    never returns.  For gears that turn less than once, all values are those of the way from end to end.
 
     ``extremes_rad`` are all driving angles at which speed, acceleration or power is least or greatest on a stretch of
     the cycle: samples that include them miss no peak.
@@ -97,10 +97,10 @@ def kinematic_check(machine: Machine) -> KinematicCheck:
 
 
 NODES = 8
-"""Gauss points between two points of a grid on which extremes are looked for."""
+"""Gauss points between two points of a grid on which extremes are searched."""
 
 JUMP = 1e-7
-"""Share of the peak acceleration by which it may differ on both sides of a joint: more is a jump."""
+"""Share of the peak acceleration by which it may differ on both sides of a joint: a larger difference is a jump."""
 
 
 def peak_jerk(machine: Machine) -> Extremum | None:
@@ -140,7 +140,7 @@ It is far larger than the rounding of an angle, and too small to be seen or hit 
 
 
 def both_sides_rad(angles_rad: Sequence[float], end_rad: float) -> Array:
-    """Driving angles from 0 to an end with those right before and after each, since a curve may jump there, rising."""
+    """Rising driving angles from 0 to an end: each with others right before and after it, as a curve may jump there."""
     at = np.array(angles_rad)
     return distinct(np.clip(np.concatenate([at - SIDE_RAD, at, at + SIDE_RAD]), 0.0, end_rad))
 
@@ -177,14 +177,14 @@ class _Peaks:
 
 
 def _peaks(machine: Machine, stretch: Stretch) -> _Peaks:
-    """The peaks of one stretch, looked for together since all follow from the displacement."""
+    """The peaks of one stretch, searched together since all follow from the displacement."""
     returning = not stretch.working
     curves = machine.load.smooth_curves_n(returning)
 
     def quantities(phi1: Array) -> list[Jet]:
         position = stretch.displacement(phi1, 3)
         speed = position.differentiated()
-        # A force may have no more than one derivative at the end of the stroke.
+        # A force may have only one derivative at the end of the stroke.
         near, forward = position.truncated(1), (-speed if returning else speed).truncated(1)
         return [speed, speed.differentiated(), *(force_n(near) * forward for force_n in curves)]
 
@@ -195,7 +195,7 @@ def _peaks(machine: Machine, stretch: Stretch) -> _Peaks:
 
 
 def _grid(machine: Machine, stretch: Stretch) -> Array:
-    """The grid on which the extremes of a stretch are looked for, with the knots of the stretch and of the load."""
+    """The grid on which the extremes of a stretch are searched, with the knots of the stretch and of the load."""
     knots = distinct(np.concatenate([stretch.knots_rad, _passed_rad(machine, stretch)]))
     return grid_between(stretch.start_rad, stretch.end_rad, knots)
 
@@ -219,9 +219,9 @@ def _largest(found: Iterable[Extremum]) -> Extremum:
 
 
 def stroke_error_mm(machine: Machine) -> float:
-    """What the slider's speed, integrated over its working stroke, misses of the mechanism's stroke.
+    """Difference between the integral of the slider's speed over the working stroke and the stroke of the mechanism.
 
-    Of gears that turn less than once, what it misses of the slider's place at the end of the range.
+    For gears that turn less than once: the difference from the slider's place at the end of the range.
     """
     way = machine.linkage.stroke_mm
     if not machine.transmission.lobes.repeats:
@@ -230,7 +230,7 @@ def stroke_error_mm(machine: Machine) -> float:
 
 
 def _end_mm(machine: Machine) -> float:
-    """Where the slider is at the end of a range."""
+    """The slider's place at the end of a range."""
     return float(machine.displacement(np.array([machine.transmission.cycle_rad]), 0).value[0])
 
 
@@ -250,13 +250,13 @@ OF_MASSES: dict[str, Callable[[WithMasses], float]] = {
     "rms_torque_n_m": lambda found: found.rms_torque_n_m,
     "energy_swing_j": lambda found: found.energy_swing_j,
 }
-"""The figures of power that are known only where masses are counted, by keys that end in their units."""
+"""Figures of power that need masses, by keys that end in their units."""
 
 
 def power_figures(check: KinematicCheck) -> dict[str, float]:
     """The figures of power of the driving shaft, by keys that end in their units.
 
-    Where masses are counted, the resistance alone stands beside them.
+    Where masses are counted, the figures of the resistance alone are added.
     """
     found = check.with_masses
     counted = {} if found is None else {key: of(found) for key, of in OF_MASSES.items()}
@@ -282,7 +282,7 @@ def peak_figures(check: KinematicCheck, *, returns: bool = True) -> dict[str, fl
 
 
 def at_speed(check: KinematicCheck, speed_rpm: float) -> KinematicCheck:
-    """The check of the same machine, without masses, at another driving speed: power grows as speed, and so on."""
+    """The check of the same machine, without masses, at another driving speed: accelerations grow with its square."""
     factor = speed_rpm / check.speed_rpm
     return replace(
         check,

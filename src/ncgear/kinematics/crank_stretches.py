@@ -1,4 +1,4 @@
-"""Stretches of the crank angle in which the output moves, and what a motion does there: time, speed, slowing down."""
+"""Stretches of the crank angle in which the output moves, and the motion there: time, speed, deceleration."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def by_stroke(linkage: Mechanism, stretch: CrankStretch) -> list[tuple[CrankStre
 
 
 def about_end(linkage: Mechanism, end: End, within_mm: float) -> CrankStretch:
-    """The crank angles about a dead centre at which the displacement is within so much of it."""
+    """The crank angles about a dead centre at which the displacement is within ``within_mm`` of it."""
     if end is End.EXTENDED:
         place = linkage.stroke_mm - within_mm
         return CrankStretch(*(crank_angle_rad(linkage, place, stroke) for stroke in Stroke))
@@ -91,10 +91,9 @@ def about_end(linkage: Mechanism, end: End, within_mm: float) -> CrankStretch:
 def nearest_dwell_mm(linkage: Mechanism, end: End, for_rad: float, ratio_max: float) -> float:
     """The least distance from an end within which the output can stay for a driving angle, in mm.
 
-    i12 is at most ``ratio_max``, so that the crank turns by for_rad / ratio_max at least; about a dead centre at which
-    x'' = d2x/dphi2^2 that takes the output nearly |x''| (for_rad / ratio_max)^2 / 8 away.  What is returned is exact:
-    the distance that is reached on both sides of the dead centre.  It is the whole stroke where the crank must turn all
-    round.
+    i12 is at most ``ratio_max``, so the crank turns by for_rad / ratio_max at least; with x'' = d2x/dphi2^2 at the dead
+    centre, this takes the output nearly |x''| (for_rad / ratio_max)^2 / 8 away.  The result is exact: the distance that
+    is reached on both sides of the dead centre.  It is the whole stroke where the crank must turn all round.
     """
     crank_rad = for_rad / ratio_max
     low, high = 0.0, 1.0

@@ -16,15 +16,16 @@ from ncgear.numerics.jet import Jet
 from ncgear.numerics.zeros import zeros_between
 
 POINTS = 2048
-"""Fewest driving angles of a stroke at which the longest stretch may begin, evenly spaced within each smooth part.
+"""Least number of driving angles of a stroke at which the longest stretch may begin, evenly spaced within each smooth
+part.
 
-Where the longest stretch begins and ends at slopes, its length is even about the best beginning, so that the nearest of
-n angles costs about 1/n^2 of the stroke.  Where a peak or a dip of the speed decides on it, beginning and end are among
-the angles.  Both are within 1e-6 of the stroke in tests/test_even_speed.py.
+Where the longest stretch begins and ends at slopes, it is even about the best beginning, so the nearest of n angles
+costs about 1/n^2 of the stroke.  Where a peak or a dip of the speed decides, beginning and end are among the angles.
+Both are within 1e-6 of the stroke in tests/test_even_speed.py.
 """
 
 ALIKE = 1e-9
-"""Share by which speeds differ that count as the same: where the speed is constant, it has rounding errors."""
+"""Share by which equal speeds may differ: a constant speed has rounding errors."""
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ class EvenStretch:
 
     @property
     def speed_mm_s(self) -> float:
-        """The one value: the mean of the extreme speeds."""
+        """The mean of the extreme speeds."""
         return (self.least_mm_s + self.most_mm_s) / 2.0
 
 
@@ -70,7 +71,7 @@ def longest_even_stretch(machine: Machine, stroke: Stroke, tolerance: float) -> 
     """
     parts = [part for part in stretches(machine) if part.working is (stroke is Stroke.WORKING)]
     on = _sampled(parts, spread(tolerance))
-    # A stretch from one of the deciding places to another one must fit in spite of rounding errors.
+    # A stretch between two of the deciding places must fit in spite of rounding errors.
     most = spread(tolerance) * (1.0 + ALIKE)
     last, highest, lowest = _reach(on.speed, most)
     share, level = _beyond(on.speed, last, highest, lowest, most)
@@ -90,7 +91,7 @@ def longest_even_stretch(machine: Machine, stroke: Stroke, tolerance: float) -> 
 
 
 def _sampled(parts: Sequence[Stretch], most: float) -> _Samples:
-    """Even samples of every part, its stationary speeds, and the places of every speed that may decide."""
+    """Even samples of every part, its stationary speeds, and the places of all speeds that may decide."""
     still = [
         stationary_points(partial(part.speed, order=1), part.start_rad, part.end_rad, _knots(part)) for part in parts
     ]
@@ -125,7 +126,8 @@ def _distinct(values: Array) -> Array:
 
 
 def _even(part: Stretch, levels: Array, count: int) -> Array:
-    """Driving angles of a part: its grid, cut evenly into ``count`` or more, and where the speed passes any level."""
+    """Driving angles of a part: its grid, cut evenly into ``count`` or more, and places where the speed passes a
+    level."""
     grid = grid_between(part.start_rad, part.end_rad, _knots(part))
     pieces = -(-count // (grid.size - 1))
     shares = np.arange(pieces) / pieces
@@ -143,8 +145,8 @@ def _even(part: Stretch, levels: Array, count: int) -> Array:
 def _reach(speed: Array, most: float) -> tuple[IndexArray, Array, Array]:
     """The last sample that a stretch from each sample reaches, and the highest and lowest speed up to there.
 
-    Doubling: the extremes of 2^k samples in a row follow from those of half as many, and from each sample the longest
-    rows that fit are put together.
+    Doubling: the extremes of 2^k samples in a row follow from the extremes of half as many, and from each sample the
+    longest rows that fit are joined.
     """
     count = speed.size
     tops, lows = [speed], [speed]

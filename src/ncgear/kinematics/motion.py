@@ -1,10 +1,10 @@
-"""What the slider does over a cycle: samples for tables and plots, and smooth stretches for exact derivatives.
+"""Motion of the slider over a cycle: samples for tables and plots, and smooth stretches for exact derivatives.
 
-A machine is a mechanism that a law drives against a load of its slider at constant driving speed.  One cycle of it is
-cut into stretches on which the slider's motion is smooth: at the joints of the law, at the dead centres, and about
-sharp corners of the mechanism.  An example of a corner is a crank-slider whose rod is hardly longer than crank and
-offset: with rod/crank = 1.0001 the slider stands still for half a turn of the crank, and its acceleration there has a
-peak 0.014 rad of the crank wide, which samples over the whole stroke miss.
+A machine is a mechanism that a law drives against a load of its slider at constant driving speed.  Its cycle is cut
+into stretches on which the slider's motion is smooth: at the joints of the law, at the dead centres, and about sharp
+corners of the mechanism.  An example of a corner is a crank-slider whose rod is hardly longer than crank and offset:
+with rod/crank = 1.0001 the slider stands still for half a turn of the crank, and its acceleration there has a peak
+0.014 rad of the crank wide, which samples over the whole stroke miss.
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ from ncgear.shown import Shown
 
 @dataclass(frozen=True, eq=False)
 class OutputMotion(Shown):
-    """Samples over the driving angle, all of shape (n,); the load is the one against the motion, on both strokes.
+    """Samples over the driving angle, all of shape (n,); the load acts against the motion, on both strokes.
 
     Places, speeds, accelerations and loads are in mm, mm/s, mm/s^2 and N, or in rad, rad/s, rad/s^2 and N mm where the
-    output of ``linkage``, the mechanism that moves so, turns.  ``power_w`` is that of the resistance alone;
-    ``torque_with_masses_n_mm`` and ``power_with_masses_w`` are what the driving shaft is asked for with all that the
-    design gives, None where masses are not counted.
+    output of the mechanism ``linkage`` turns.  ``power_w`` is the power of the resistance alone;
+    ``torque_with_masses_n_mm`` and ``power_with_masses_w`` are the driving shaft's with all that the design gives, None
+    where masses are not counted.
     """
 
     linkage: Mechanism
@@ -79,7 +79,7 @@ class Machine(Shown):
 
     @cached_property
     def extended_rad(self) -> float:
-        """Driving angle in the first cycle at which the working stroke ends; the cycle's where no return follows.
+        """Driving angle in the first cycle at which the working stroke ends; the cycle's end where no return follows.
 
         Gears that turn less than once stay within the working stroke: it is the end of their range.
         """
@@ -88,9 +88,9 @@ class Machine(Shown):
         return float(self.driving_angles(np.array([self.linkage.working_angle_rad]))[0])
 
     def driving_angles(self, crank_rad: Array) -> Array:
-        """Driving angles in the first cycle at crank angles in rad, shape (n,), without those at its end or beyond.
+        """Driving angles in the first cycle at crank angles in rad, shape (n,), without angles at its end or beyond.
 
-        Raises Unanswered where one is not found, which a law that rises cannot cause.
+        Raises Unanswered where an angle is not found, which a rising law cannot cause.
         """
 
         def driven(phi1: Array) -> Array:
@@ -106,7 +106,7 @@ class Machine(Shown):
         """Whether the slider is in its working stroke, at driven angles of shape (n,).
 
         A dead centre belongs to the stroke that follows.  It counts as reached where the law misses it by no more than
-        CLOSED, the closure error that a law may have.  Gears that turn less than once are looked at on their way forth.
+        CLOSED, the closure error that a law may have.  Gears that turn less than once count on their way forth.
         """
         if not (self.linkage.RETURNS and self.transmission.lobes.repeats):
             return np.ones(np.shape(phi2), dtype=bool)
@@ -135,7 +135,7 @@ class Machine(Shown):
 def sample_angles(transmission: Transmission) -> Array:
     """Evenly spaced driving angles, 2000 a turn, over one cycle and at least one turn of the driving gear.
 
-    Of an open law 2000 over its range, both ends included.
+    For an open law 2000 over its range, both ends included.
     """
     if not transmission.lobes.repeats:
         return np.linspace(0.0, transmission.cycle_rad, 2001)
@@ -144,8 +144,8 @@ def sample_angles(transmission: Transmission) -> Array:
 
 
 SHARP_RAD = 0.5
-"""Corners narrower than this, in crank angle, are looked at by themselves.  It is a tenth of a stroke, which is sampled
-at 129 points, so that wider corners have over ten; rod/crank = 1.13 has this width (tests/test_kinematics.py)."""
+"""Corners narrower than this, in crank angle, get cuts of their own.  It is a tenth of a stroke, which is sampled at
+129 points, so wider corners have over ten points; rod/crank = 1.13 has this width (tests/test_kinematics.py)."""
 
 WIDENING = 4.0
 """Factor between the distances of neighbouring cuts from a corner.  The acceleration falls with the cube of the

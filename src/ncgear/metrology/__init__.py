@@ -1,1 +1,1 @@
-"""What a workshop measures on a finished gear, from the exact curves of its teeth."""
+"""Measurements of a workshop on a finished gear, from the exact curves of its teeth."""

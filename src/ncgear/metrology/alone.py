@@ -1,9 +1,9 @@
-"""Points that stand alone: dust, a probe that slipped, a digit that is wrong; no metal of the gear.
+"""Points that stand alone: dust, a probe that slipped, a wrong digit; they are not metal of the gear.
 
-What is of the gear goes on from point to point: a flank that stands off does so along all of it, and wear or a burr
-along some of it.  So each point is held against the median of five, itself in their middle, along its flank, root or
-tip land, or at an end of it of the last five: three points that stand off together are the median themselves, and are
-of the gear; one or two are not.  The noise of the measurement is told by the steps from each point to the next, as the
+Metal goes on from point to point: a flank that stands off does so along all of it, wear or a burr along a part.  So
+each point is compared with the median of five, itself in their middle, along its flank, root or tip land; at an end of
+it, with the median of the last five.  Three points that stand off together are the median themselves, and belong to the
+gear; one or two do not.  The noise of the measurement follows from the steps from each point to the next: from the
 median of their distances from their median, which outliers do not move (Hampel 1974;
 ``scipy.stats.median_abs_deviation``).
 """
@@ -21,46 +21,46 @@ TOGETHER = 5
 """Points of a median."""
 
 FEWEST_PLACES = 3
-"""Places of a curve from which on most of them tell that one stands alone."""
+"""Fewest places of a curve that show that one of them stands alone."""
 
 DIGITS = 9
 """Decimals in mm to which points at one place agree: a file has fewer, and rounding of a turned point is less."""
 
 SIGMAS = 8.0
-"""Standard deviations of the noise beyond which no point of a million is by chance, nor of a tail a little heavier."""
+"""Standard deviations of the noise beyond which no point of a million is by chance, even in a slightly heavier tail."""
 
 LEAST_IN_MODULES = 0.002
-"""A point that stands off by less does no harm: that much is the tolerance of small outlines."""
+"""Least distance in modules by which a point must stand off: less does no harm, as in small outlines' tolerance."""
 
 STEEP = 3.0
-"""Where the medians themselves change from point to point, as at the edge of a burr, by so many times their change."""
+"""Factor of the medians' change from point to point, as at a burr's edge, by which a point must stand off there."""
 
 MOST = 0.05
-"""Share of the points from which on they are no faults of a measurement: the gear, or the probe, is rough."""
+"""Share of the points above which they are no faults of a measurement: the gear, or the probe, is rough."""
 
 
 def alone_mm(outline: ExactOutline, feet: Feet) -> Array:
-    """How far each point stands off alone from those beside it, away from the material, in mm, (n,); 0 of all others.
+    """Distance in mm of each point that stands alone from those beside it, away from the material, (n,); 0 for others.
 
-    Points at one place are one.  Of a curve with fewer than three places, and of a rough gear, none stands alone.
+    Points at one place count as one.  No point stands alone on a rough gear, or on a curve of fewer than three places.
     """
     off, same = _standing_off(outline, feet)
     return off[same] if _are_few(off) else np.zeros(same.size)
 
 
 def rough_points(outline: ExactOutline, feet: Feet) -> int:
-    """How many places stand off from those beside them where they are too many to be faults; 0 where they are not."""
+    """Number of places that stand off from those beside them where they are too many to be faults; else 0."""
     off, _ = _standing_off(outline, feet)
     return 0 if _are_few(off) else int(np.count_nonzero(off))
 
 
 def _are_few(off: Array) -> bool:
-    """Whether places that stand off are so few that they are no roughness; one always is, however few points are."""
+    """Whether places that stand off are too few for roughness; one place is, however few points there are."""
     return int(np.count_nonzero(off)) <= max(1.0, MOST * off.size)
 
 
 def _standing_off(outline: ExactOutline, feet: Feet) -> tuple[Array, IndexArray]:
-    """How far each place stands off in mm, 0 where it does not, and the number of the place of each point."""
+    """Distance in mm by which each place stands off, 0 where it does not, and the number of each point's place."""
     from scipy.ndimage import maximum_filter1d
     from scipy.stats import median_abs_deviation
 
@@ -77,7 +77,7 @@ def _standing_off(outline: ExactOutline, feet: Feet) -> tuple[Array, IndexArray]
             off[points] = among - middle
             least[points] = STEEP * change[_about(among.size, min(TOGETHER, among.size))]
             steps.append(np.diff(among))
-    # Of independent errors a step between neighbours has twice the variance.
+    # With independent errors a step between neighbours has twice the variance.
     steps_mm = np.concatenate(steps)
     noise = float(median_abs_deviation(steps_mm, scale="normal")) / sqrt(2.0) if steps_mm.size else 0.0
     least = np.maximum(least, max(SIGMAS * noise, LEAST_IN_MODULES * outline.gear.flanks.rack.module_mm))
@@ -85,7 +85,7 @@ def _standing_off(outline: ExactOutline, feet: Feet) -> tuple[Array, IndexArray]
 
 
 def are_judged(outline: ExactOutline, feet: Feet) -> Mask:
-    """Which points have enough beside them on their curve to tell whether they stand alone, shape (n,)."""
+    """Mask of points with enough others on their curve to show whether they stand alone, shape (n,)."""
     one, same = _places(feet)
     _, curve, places = np.unique(_curves(outline, feet.kept(one)), return_inverse=True, return_counts=True)
     return (places[curve] >= FEWEST_PLACES)[same]
@@ -112,6 +112,6 @@ def _places(feet: Feet) -> tuple[IndexArray, IndexArray]:
 
 
 def _curves(outline: ExactOutline, feet: Feet) -> IndexArray:
-    """A number for the curve that each point is on: a flank is one, however many rows it has; shape (n,)."""
+    """Number of the curve of each point: a flank is one curve, however many rows it has; shape (n,)."""
     on_flank = outline.part[feet.row] == FLANK_CURVE
     return np.where(on_flank, outline.flank[feet.row], outline.gear.flanks.count + feet.row)

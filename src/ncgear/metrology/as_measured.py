@@ -1,10 +1,10 @@
-"""The outline of a gear as it was measured: the exact one, moved by the deviations of its points.
+"""The outline of a gear as it was measured: the exact outline, moved by the deviations of its points.
 
-Where a point was measured the outline goes through it.  Between the points of a flank its deviation along the normal is
-interpolated along the outline, and up to the flank's ends it stays that of the nearest point.  Between flanks, at tip
-and root, the outline moves evenly from the one flank's deviation to the other's, unless points were measured there.
-Of a tip land only the middle third counts: a flank that stands back takes the land's ends with it.  Points that stand
-alone are left out.  Flanks without points are as exact.
+The outline goes through measured points.  Between the points of a flank the deviation along the normal is interpolated
+along the outline; beyond them, up to the flank's ends, it is that of the nearest point.  Between flanks, at tip and
+root, the outline moves evenly from one flank's deviation to the other's, unless points were measured there.  Only the
+middle third of a tip land counts: a flank that stands back takes the land's ends with it.  Points that stand alone are
+left out.  Flanks without points stay exact.
 """
 
 from __future__ import annotations
@@ -19,8 +19,7 @@ from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import as_complex, as_points, signed_area
 
 ALIKE = 1e-8
-"""Points whose feet are nearer to each other than this share of the way around count as one, their mean; so do
-vertices."""
+"""Share of the way around: points whose feet are nearer to each other count as one, their mean; so do vertices."""
 
 
 def outline_as_measured(outline: ExactOutline, fit: BestFit) -> Array:
@@ -53,14 +52,14 @@ def outline_as_measured(outline: ExactOutline, fit: BestFit) -> Array:
 
 
 def is_metal(outline: ExactOutline, fit: BestFit) -> Mask:
-    """Which points the outline as measured goes through, shape (n,)."""
+    """Mask of points that the outline as measured goes through, shape (n,)."""
     feet = fit.feet
     beside_edge = (outline.part[feet.row] == TIP_LAND_CURVE) & (np.abs(feet.share - 0.5) > 1.0 / 6.0)
     return ~is_astray(outline, feet) & ~fit.alone & ~feet.at_end & ~beside_edge
 
 
 def _flank_ends(outline: ExactOutline, row: IndexArray, place: Array, error: Array) -> tuple[Array, ComplexArray]:
-    """Both ends of each flank's curves, and how they move: as the nearest point of that flank, or not at all."""
+    """Both ends of each flank's curves, and their movement: as the nearest point of that flank, or none."""
     flanks = np.flatnonzero(outline.part == FLANK_CURVE)
     rows, share = np.repeat(flanks, 2), np.tile([0.0, 1.0], flanks.size)
     ends = outline.begin_mm[rows] + share * outline.length_mm[rows]
@@ -78,7 +77,7 @@ def _flank_ends(outline: ExactOutline, row: IndexArray, place: Array, error: Arr
 
 
 def _in_order(place: Array, shift: ComplexArray, alike_mm: float) -> tuple[Array, ComplexArray]:
-    """Places in growing order and their shifts; those of places within ``alike_mm`` are averaged."""
+    """Places in growing order and their shifts; shifts of places within ``alike_mm`` are averaged."""
     order = np.argsort(place, kind="stable")
     place, shift = place[order], shift[order]
     group = np.cumsum(np.append(0, np.diff(place) > alike_mm))

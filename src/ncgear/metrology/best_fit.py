@@ -1,13 +1,13 @@
-"""Where a measured gear stands: the turning, and the shift where its bore does not tell, that fit its flanks best.
+"""Pose of a measured gear: the turning, and the shift if the bore does not give it, that fit its flanks best.
 
 The sum of squares of the points' distances along the normals of the exact flanks is made least over the angle theta and
 the shift (x, y).  With n the unit normal away from the material at the foot of a point p,
 
-    d distance / d shift = n,    d distance / d theta = n . (i p) = cross(p, n)
+  d distance / d shift = n,    d distance / d theta = n . (i p) = cross(p, n)
 
-hold exactly, so that the steps of scipy.optimize.least_squares have exact slopes.  Only points on working flanks count:
-root, tip lands, bore and points astray do not turn the gear, nor do those that stand alone (``alone``).  Which points
-these are follows from the fit, and is found again until it stays the same.
+hold exactly, so the steps of scipy.optimize.least_squares have exact slopes.  Only points on working flanks count:
+root, tip lands, bore and points astray do not turn the gear, nor do points that stand alone (``alone``).  The fit
+decides which points these are, and the choice is repeated until it stays the same.
 
 The fit begins at the best of many angles: the outline of a gear with z teeth nearly repeats itself from tooth to tooth.
 """
@@ -27,48 +27,47 @@ from ncgear.numerics.arrays import Array, ComplexArray, Mask
 from ncgear.numerics.plane import across
 
 FEWEST = 12
-"""Fewest points on working flanks that a fit is made of."""
+"""Fewest points on working flanks for a fit."""
 
 ASTRAY_IN_MODULES = 0.25
-"""A point farther from the outline is one of bore, hub or something else."""
+"""Distance in modules from the outline from which on a point belongs to bore, hub or something else."""
 
 AT_END, AT_END_IN_MODULES = 1e-4, 1e-4
-"""Share of a flank, and height in modules, within which a point is at the end of what works: the corners of a written
-outline are, and rounding must not choose among them."""
+"""Share of a flank, and height in modules, within which a point is at the end of the working flank: the corners of a
+written outline are, and rounding must not choose among them."""
 
 BEGUN_PER_TOOTH = 12
 """Angles per tooth pitch from which a fit may begin."""
 
 FEW = 250
-"""Points by which the best of these angles is found."""
+"""Points that find the best of these angles."""
 
 BEGINNINGS = 3
-"""Best angles from which the fit is made, and as many of those that turn least among the nearly as good."""
+"""Number of best angles from which fits begin; as many of the nearly as good angles that turn least are added."""
 
 NEARLY = 1.5
-"""An angle is nearly as good as the best where points are at most this many times as far away on average."""
+"""Factor of the least average distance of points up to which an angle is nearly as good as the best."""
 
 ALIKE = 1.02
-"""A fit is as good as the best one where its r.m.s. is at most this many times that; the one that turns least is taken.
-
-A gear that repeats itself fits as often as it has lobes, and its noise must not choose among them."""
+"""Factor of the least r.m.s. up to which a fit is as good as the best; the fit that turns least is taken.  A gear that
+repeats itself fits as often as it has lobes, and its noise must not choose among them."""
 
 ROUNDING_IN_MODULES = 3e-10
-"""What rounding leaves of the distances of exact points."""
+"""Rounding of the distances of exact points, in modules."""
 
 STEP_TOLERANCE = 1e-11
 """Relative steps and gains at which a fit ends: far below a nanometre at the teeth."""
 
 WORST_CONDITION = 1e8
-"""Condition of the normal equations, in lengths, beyond which angle and shift cannot be told apart."""
+"""Condition of the normal equations, in lengths, beyond which angle and shift cannot be separated."""
 
 TRIED_ROUNDS, ROUNDS = 2, 12
-"""Most rounds of choosing the points that count: where a beginning is tried, and of the fit itself."""
+"""Most rounds of choosing the points that count: for a tried beginning, and for the fit itself."""
 
 
 @dataclass(frozen=True)
 class Pose:
-    """Where the gear stands in the coordinates of its points: turned by an angle in rad and moved by a shift in mm."""
+    """Pose of the gear in the coordinates of its points: turned by an angle in rad and moved by a shift in mm."""
 
     angle_rad: float
     shift_mm: complex = 0j
@@ -82,9 +81,9 @@ class Pose:
 class BestFit:
     """The pose of best fit, and the feet of all n points in the gear's own frame, less the probe's radius.
 
-    ``counted`` tells which points the fit is made of (shape (n,)), and ``alone_mm`` how far those stand off that are
-    left out because they stand alone; 0 of the others.  ``angle_error_rad`` and ``shift_error_mm`` are the
-    standard deviations that the scatter of these points leaves; the shift is None where the bore was kept.
+    ``counted`` (shape (n,)) is the mask of the fit's points, and ``alone_mm`` the distance of points that are left out
+    because they stand alone; 0 for the others.  ``angle_error_rad`` and ``shift_error_mm`` are the standard deviations
+    from the scatter of the fit's points; the shift is None where the bore was kept.
     """
 
     pose: Pose
@@ -96,12 +95,12 @@ class BestFit:
 
     @property
     def alone(self) -> Mask:
-        """Which points stand alone, shape (n,)."""
+        """Mask of points that stand alone, shape (n,)."""
         return self.alone_mm != 0.0
 
     @property
     def rms_mm(self) -> float:
-        """Root mean square of the distances that the fit left."""
+        """Root mean square of the distances after the fit."""
         return sqrt(float(np.mean(self.feet.distance_mm[self.counted] ** 2)))
 
 
@@ -109,7 +108,7 @@ def best_fit(outline: ExactOutline, points: ComplexArray, probe_mm: float, *, ri
     """The pose of points, shape (n,), which are centres of a probe's ball of radius ``probe_mm``; 0 for surface points.
 
     With ``rigid`` the shift is fitted besides the angle.  Raises WrongInput where too few points lie on the flanks, and
-    NoSuchMechanism where the points are not those of this gear.
+    NoSuchMechanism where the points do not determine the pose.
     """
     some = points[:: max(1, points.size // FEW)]
     tried = (
@@ -135,7 +134,7 @@ def best_fit(outline: ExactOutline, points: ComplexArray, probe_mm: float, *, ri
 def _without_those_alone(
     outline: ExactOutline, points: ComplexArray, probe_mm: float, pose: Pose, rigid: bool
 ) -> BestFit | None:
-    """The best fit near a pose of the points that do not stand alone in it; None where too few points are on flanks."""
+    """The best fit near a pose without points that stand alone in it; None for too few points on flanks."""
     found = _fitted(outline, points, probe_mm, pose, rigid, ROUNDS)
     for _ in range(ROUNDS):
         if found is None:
@@ -148,7 +147,7 @@ def _without_those_alone(
 
 
 def _by_teeth(outline: ExactOutline, points: ComplexArray, probe_mm: float, fit: BestFit) -> BestFit:
-    """The best of a rigid fit and those a tooth farther on, and on from there, as long as they are better.
+    """The best of a rigid fit and fits a tooth farther on, and on from there, as long as they are better.
 
     A gear that is nearly round about its middle nearly fits a tooth farther on, its axis moved, wherever its bore is.
     """
@@ -166,7 +165,7 @@ def _by_teeth(outline: ExactOutline, points: ComplexArray, probe_mm: float, fit:
 
 
 def nearness_mm(outline: ExactOutline, points: ComplexArray, probe_mm: float) -> float:
-    """How near points come to an outline at the best of many angles: r.m.s. distance, each up to a quarter module."""
+    """Distance of points from an outline at the best of many angles: r.m.s., each distance up to a quarter module."""
     some = points[:: max(1, points.size // FEW)]
     begun = _begun(outline, some, probe_mm)
     best = min(begun, key=lambda pair: pair[0])[1].angle_rad
@@ -182,7 +181,7 @@ def _nearness_mm(outline: ExactOutline, points: ComplexArray, probe_mm: float, p
 
 
 def _beginnings(outline: ExactOutline, points: ComplexArray, probe_mm: float, rigid: bool) -> list[Pose]:
-    """The poses from which fits are made, the best of many; if ``rigid`` also about the middle of the points."""
+    """The poses from which fits begin, the best of many; if ``rigid`` also about the middle of the points."""
     poses = _chosen(_begun(outline, points, probe_mm))
     return poses + (_chosen(_begun(outline, points, probe_mm, by_middle=True)) if rigid else [])
 
@@ -199,7 +198,7 @@ def _chosen(begun: list[tuple[float, Pose]]) -> list[Pose]:
 def _begun(
     outline: ExactOutline, points: ComplexArray, probe_mm: float, *, by_middle: bool = False
 ) -> list[tuple[float, Pose]]:
-    """Poses at many angles from -pi to pi, 0 among them, and their nearness; the axis at 0 or by the points' mean."""
+    """Poses at many angles from -pi to pi, 0 among them, and their distance; the axis at 0 or by the points' mean."""
     count = BEGUN_PER_TOOTH * (outline.gear.flanks.count // 2)
     angles = [step * 2.0 * pi / count for step in range(-(count // 2), count - count // 2)]
     middle, own = (complex(points.mean()), outline.middle_mm) if by_middle else (0j, 0j)
@@ -222,7 +221,7 @@ def _fitted(
     last: list[tuple[Array, Feet]] = []
 
     def feet(values: Array, some: ComplexArray) -> Feet:
-        """The feet in a pose; those of the last one are kept, since slopes are asked for where distances were."""
+        """The feet in a pose; the last feet are kept, since slopes are needed where distances were."""
         if not last or last[0][1].point.size != some.size or not np.array_equal(last[0][0], values):
             last[:] = [(values.copy(), outline.feet(_pose(values).of_gear(some)).less(probe_mm))]
         return last[0][1]
@@ -266,7 +265,7 @@ def _pose(values: Array) -> Pose:
 
 def _slopes(feet: Feet, values: Array) -> Array:
     """Slopes of the distances by the pose's numbers, shape (n, 1 or 3)."""
-    # Where the gear stands turned farther, points stand turned back in its own frame.
+    # In the frame of a gear that is turned farther, its points are turned back.
     turning = -across(feet.point, feet.outwards)
     if values.size == 1:
         return turning[:, None]
@@ -275,7 +274,7 @@ def _slopes(feet: Feet, values: Array) -> Array:
 
 
 def _spread(slopes: Array, left: Array, scale: Array) -> Array:
-    """Standard deviations of the pose's numbers from the scatter that is left."""
+    """Standard deviations of the pose's numbers from the remaining scatter."""
     scaled = slopes * scale
     normal = scaled.T @ scaled
     if np.linalg.cond(normal) > WORST_CONDITION:
@@ -288,7 +287,7 @@ def _spread(slopes: Array, left: Array, scale: Array) -> Array:
 
 
 def on_flanks(outline: ExactOutline, feet: Feet) -> Mask:
-    """Which points lie on working flanks: not as deep as the mate reaches, and not at the edge of the tip."""
+    """Mask of points on working flanks: not as deep as the mate reaches, and not at the edge of the tip."""
     on_flank = outline.part[feet.row] == FLANK_CURVE
     flank = np.where(on_flank, outline.flank[feet.row], 0)
     deep = AT_END_IN_MODULES * outline.gear.flanks.rack.module_mm - outline.gear.tips.met_depth_mm[flank]
@@ -298,5 +297,5 @@ def on_flanks(outline: ExactOutline, feet: Feet) -> Mask:
 
 
 def is_astray(outline: ExactOutline, feet: Feet) -> Mask:
-    """Which points are so far from the outline that they are of bore, hub or something else."""
+    """Mask of points so far from the outline that they belong to bore, hub or something else."""
     return np.abs(feet.distance_mm) >= ASTRAY_IN_MODULES * outline.gear.flanks.rack.module_mm

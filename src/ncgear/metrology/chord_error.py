@@ -1,4 +1,4 @@
-"""How far a closed line of chords is from the exact curves of a gear: measured at points that no chord knows of."""
+"""Distance of a closed line of chords from the exact curves of a gear, at points that the chords do not use."""
 
 from __future__ import annotations
 
@@ -11,17 +11,17 @@ from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.outline import exact_curves
 
 PER_CURVE = 21
-"""Points of each flank, fillet and land that are looked at, at equal shares beside all that chords and arcs go by."""
+"""Points of each flank, fillet and land that are checked, at equal shares beside the points of chords and arcs."""
 
 OFF_GRID = 0.382
 """Share of the way between two of these points at which the first one lies."""
 
 CHORDS = 8
-"""Chords of an outline that are found as one line."""
+"""Chords of an outline that are one line of the search."""
 
 FEW = 256
-"""Points that are measured first, from those that seem nearest to those that seem farthest; of the others those that do
-not show to be nearer than the farthest of these."""
+"""Points that are measured first, from those that seem nearest to those that seem farthest; of the other points, only
+those that may be farther than the farthest of these are measured."""
 
 
 def exact_points(gear: ToothedGear) -> Array:
@@ -34,7 +34,7 @@ def exact_points(gear: ToothedGear) -> Array:
 
 def farthest_mm(points: Array, outline_mm: Array) -> float:
     """The largest distance of points (n, 2) from a closed line through others (m, 2)."""
-    # Lines of a few chords: hardly more is measured than with each chord by itself, and far fewer lines are made.
+    # Lines of a few chords: hardly more distances than with single chords, and far fewer lines.
     first = np.arange(0, len(outline_mm), CHORDS)
     last = np.minimum(first + CHORDS, len(outline_mm))
     line, corner = counted_up(first, last - first + 1)
@@ -47,10 +47,10 @@ def farthest_mm(points: Array, outline_mm: Array) -> float:
 
 
 def _at_most_mm(points: ComplexArray, outline: ComplexArray) -> Array:
-    """Distances of points (n,) from two chords of a closed line (m,) each: no point is farther from the line.
+    """Distances of points (n,) from two chords of a closed line (m,): upper bounds of their distances from the line.
 
-    The chords are those at the corner next to the point by the angle about the axis, which on teeth that no ray from
-    the axis crosses twice are the nearest ones or next to them.
+    The chords are those at the corner next to the point by the angle about the axis. On teeth that no ray from the axis
+    crosses twice they are the nearest chords or next to them.
     """
     angle = np.angle(outline)
     by_angle = np.argsort(angle)

@@ -1,9 +1,9 @@
-"""Which tools can cut a gear: hob, shaper, wire and end mill, and why one cannot.
+"""Tools that can cut a gear, of hob, shaper, wire and end mill, and the reasons why others cannot.
 
-A hob is the basic rack, a shaper a pinion cutter of the same rack.  Flanks are the same whatever the tool is; its depth
-and its fillets are its own.  A tool that is not the design's is tried on the exact flanks: it must go into the pitch
-curve, reach as deep as the mate touches and as its tips go, undercut nothing, reach the gear's own tips, and leave the
-space freely.  Its fillets off the line of action are not tried: build with it as ``gears.cutter`` for that.
+A hob is the basic rack, a shaper a pinion cutter of the same rack.  Flanks are the same for every tool; depth and
+fillets are not.  A tool other than the design's is tried on the exact flanks: it must go into the pitch curve, reach as
+deep as the mate touches and as its tips go, undercut nothing, reach the gear's own tips, and leave the space freely.
+Its fillets off the line of action are not tried: build with it as ``gears.cutter`` for that.
 """
 
 from __future__ import annotations
@@ -27,14 +27,14 @@ from ncgear.teeth.spaces import cut_spaces
 from ncgear.teeth.tool import FEWER_TEETH, HARMLESS, MOST_TEETH, PinionCircle, RackLine, gouged_mm
 
 SAME = 1e-9
-"""Share of the module by which depths and radii may differ and count as the same."""
+"""Share of the module by which equal depths and radii may differ."""
 
 FEWEST_TEETH = 12
-"""Fewest teeth of a shaper that is tried; such cutters have 15 or more."""
+"""Fewest teeth of a tried shaper; such cutters have 15 or more."""
 
 SMALLER = (1.0, 0.75, 0.5)
-"""Shares of the most teeth that are tried, one after the other, while a cutter fouls on its way out: there smaller ones
-do better.  Else they do worse, since they are less deep and their involutes shorter."""
+"""Shares of the most teeth that are tried, one after the other, while a cutter fouls on its way out: there smaller
+cutters do better.  Elsewhere they do worse, since they are less deep and their involutes shorter."""
 
 OUT = "on its way out"
 """Words of the refusal of a cutter that fouls on its way out of a space."""
@@ -53,7 +53,7 @@ class Tool(Enum):
 
 
 class CutVerdict(Enum):
-    """What a tool makes of a gear."""
+    """Result of a tool on a gear."""
 
     CUTS = "cuts it"
     FLANKS = "cuts the flanks; leaves its own fillets"
@@ -62,10 +62,10 @@ class CutVerdict(Enum):
 
 @dataclass(frozen=True)
 class CutBy:
-    """What one tool makes of a gear, and why not all of it.
+    """Result of one tool on a gear, and the reason where it does not cut all.
 
     ``teeth`` is the number of a shaper's teeth, ``diameter_mm`` the greatest diameter of a wire, its spark gap
-    included, or of an end mill; None where the tool has none or does not cut.
+    included, or of an end mill; None where the tool has no such number or does not cut.
     """
 
     tool: Tool
@@ -76,7 +76,7 @@ class CutBy:
 
 
 def cut_by(pitch: PitchPair, teeth: ToothedPair, gear: Gear, round_tool: RoundTool, *, helix: str = "") -> list[CutBy]:
-    """What each kind of tool makes of one gear; ``helix`` is the kind of its helical teeth, empty where straight."""
+    """Results of all kinds of tools on one gear; ``helix`` is the kind of its helical teeth, empty if straight."""
     if teeth.driving.flanks.has_own_shifts:
         uneven = "its teeth stand evenly, while every space has a profile shift of its own"
         hob, shaper = CutBy(Tool.HOB, CutVerdict.NOT, uneven), CutBy(Tool.SHAPER, CutVerdict.NOT, uneven)
@@ -101,7 +101,7 @@ def _round(tool: Tool, largest: RoundTool, helix: str) -> CutBy:
 
 
 def _passes(generated: CutBy, flanks: Flanks) -> CutBy:
-    """Idle flanks that stand turned are cut by themselves, with the gear turned by as much."""
+    """A second pass for idle flanks that stand turned, with the gear turned by as much."""
     if generated.verdict is CutVerdict.NOT or not flanks.is_turned:
         return generated
     turn = degrees(float(np.ptp(flanks.turn_rad)))
@@ -121,7 +121,7 @@ def _hob(pitch: PitchPair, teeth: ToothedPair, gear: Gear) -> CutBy:
 
 
 def _shaper(pitch: PitchPair, teeth: ToothedPair, gear: Gear) -> CutBy:
-    """The shaper of the design, or else the one of most teeth that works."""
+    """The shaper of the design, else the working shaper of most teeth."""
     own = teeth.of(gear).flanks.tool
     if isinstance(own, PinionCircle):
         verdict, reason = _tried(teeth, gear, own)
@@ -143,7 +143,7 @@ def _shaper(pitch: PitchPair, teeth: ToothedPair, gear: Gear) -> CutBy:
 
 
 def _tried(teeth: ToothedPair, gear: Gear, tool: RackLine | PinionCircle) -> tuple[CutVerdict, str]:
-    """What a rack or a pinion cutter of the gear's rack makes of it, and why not all."""
+    """Result of a rack or a pinion cutter of the gear's rack, and the reason where it does not cut all."""
     own, mate = teeth.of(gear), teeth.of(Gear.DRIVEN if gear is Gear.DRIVING else Gear.DRIVING)
     flanks, rack = own.flanks, own.flanks.rack
     radius = np.full(flanks.count, rack.root_radius_mm)

@@ -1,15 +1,15 @@
 """Deviations of a measured gear, flank by flank: pitch, thickness, profile, and the points beside the flanks.
 
-A flank's deviation is that of its points along the exact normals, positive where there is metal in excess.  Its mean e
-moves the flank along the pitch curve by e / cos(alpha), and so
+A flank's deviation is that of its points along the exact normals, positive for metal in excess.  Its mean e moves the
+flank along the pitch curve by e / cos(alpha), and so
 
     tooth thickness   t = e_front / cos(alpha_front) + e_back / cos(alpha_back)
     position          d = side e / cos(alpha)            in the sense of growing arc length
     single pitch      f_p = d - d of the flank before    F_p = greatest d less least d, of the flanks of one side
 
-as ISO 1328-1 defines f_p and F_p for circular gears; here they are along the pitch curve.  Of the profile a line over
-the height is taken: its rise from the lowest to the highest working place is the slope deviation, what remains on both
-sides of it the form deviation, and both together, from least to greatest, the total deviation.
+as ISO 1328-1 defines f_p and F_p for circular gears; here they are along the pitch curve.  The profile is a line over
+the height: its rise from the lowest to the highest working place is the slope deviation, the rest on both sides of it
+the form deviation, and both together, from least to greatest, the total deviation.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from ncgear.metrology.exact_outline import FLANK_CURVE, TIP_LAND_CURVE, ExactOut
 from ncgear.numerics.arrays import Array, IndexArray, Mask
 
 FEWEST_OF_PROFILE = 4
-"""Points of a flank from which on its slope and form are told."""
+"""Fewest points of a flank for its slope and form."""
 
 LEAST_SPREAD = 0.3
 """Share of the working height that these points must cover."""
@@ -32,7 +32,7 @@ LEAST_SPREAD = 0.3
 class FlankDeviations:
     """Deviations in mm of the 2 z made flanks (back and front flank of tooth 1, of tooth 2, ...), shape (2 z,) each.
 
-    What the points of a flank do not tell is NaN: all of one without points, slope and form of one with few.
+    Unknown values are NaN: all of a flank without points, slope and form of a flank with few points.
     """
 
     points: IndexArray
@@ -56,7 +56,7 @@ class FlankDeviations:
 
     @property
     def measured(self) -> Mask:
-        """Which flanks have points."""
+        """Mask of flanks with points."""
         return self.points > 0
 
     def side(self, values: Array, front: bool) -> Array:
@@ -64,7 +64,7 @@ class FlankDeviations:
         return values[int(front) :: 2]
 
     def largest(self, values: Array) -> float | None:
-        """The value that is largest in size, None where none is known."""
+        """The value that is largest in size, None without known values."""
         known = values[np.isfinite(values)]
         return float(known[np.argmax(np.abs(known))]) if known.size else None
 
@@ -77,10 +77,10 @@ class FlankDeviations:
 
 @dataclass(frozen=True, eq=False)
 class GearDeviations:
-    """What a measured gear is like: its flanks, its tooth thicknesses (shape (z,), NaN where a side is missing).
+    """Deviations of a measured gear: its flanks, its tooth thicknesses (shape (z,), NaN where a side is missing).
 
-    ``beside`` counts the points that are on no working flank, by where they are: ``root``, ``tip``, ``astray`` (bore,
-    hub and whatever is far from the outline).
+    ``beside`` counts the points on no working flank, by their place: ``root``, ``tip``, ``astray`` (bore, hub and other
+    points far from the outline).
     """
 
     flanks: FlankDeviations

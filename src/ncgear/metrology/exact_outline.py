@@ -1,12 +1,12 @@
-"""How far points are from the exact outline of a gear: along its own normals, not from the chords of a file.
+"""Distances of points from the exact outline of a gear: along its own normals, not from the chords of a file.
 
 The outline is a closed chain of smooth curves (flanks, fillets, lands).  For each point the nearest samples of the
-chain tell on which curves its foot may lie; there it is found by steps along the tangent,
+chain show on which curves its foot may lie; there steps along the tangent find it,
 
-    share += (point - curve(share)) . slope(share) / |slope(share)|^2
+  share += (point - curve(share)) . slope(share) / |slope(share)|^2
 
-which is Gauss and Newton's method for the least distance.  Each step leaves of the error the distance over the radius
-of curvature; points of a measured gear are some hundredths of that away.
+which is Gauss and Newton's method for the least distance.  Each step leaves as much of the error as the distance is of
+the radius of curvature; for points of a measured gear this is some hundredths.
 """
 
 from __future__ import annotations
@@ -35,26 +35,26 @@ PROBES = 33
 """Places of each curve between which its length is measured."""
 
 SAMPLES_PER_MODULE = 20.0
-"""Samples of all curves in a module's length, by which those near a point are found."""
+"""Samples of all curves in a module's length, which show the curves near a point."""
 
 NEAR_SAMPLES, CANDIDATES = 16, 3
-"""Nearest samples that are looked at, and the most of their curves on which a foot is looked for: near a corner, and in
-a thin tip, several compete."""
+"""Nearest samples that are examined, and the most of their curves on which a foot is searched: near a corner, and in a
+thin tip, several compete."""
 
 STEPS = 30
 """Most steps along the tangent."""
 
 SETTLED = 1e-11
-"""A share that moves less has settled: some 1e-10 mm on the curves of teeth."""
+"""Change of a share below which it has settled: some 1e-10 mm on the curves of teeth."""
 
 
 @dataclass(frozen=True, eq=False)
 class Feet(Columns):
     """The nearest places of the outline to n points, shape (n,) each.
 
-    ``distance_mm`` is positive on the side away from the material.  ``row`` numbers the curve, ``share`` is how far
-    along it the foot lies, and ``place_mm`` how far along the whole outline.  ``outwards`` is the unit normal away from
-    the material.  ``at_end`` tells which feet are at an end of their curve, where the distance may not be along the
+    ``distance_mm`` is positive on the side away from the material.  ``row`` numbers the curve, ``share`` is the foot's
+    share of the way along it, and ``place_mm`` its way along the whole outline.  ``outwards`` is the unit normal away
+    from the material.  ``at_end`` is true for feet at an end of their curve, where the distance may not be along the
     normal.
     """
 
@@ -68,7 +68,7 @@ class Feet(Columns):
     at_end: Mask
 
     def less(self, radius_mm: float) -> Feet:
-        """The same of the places that a ball about each point touches: nearer to the material by its radius."""
+        """The feet of the places that a ball about each point touches: nearer to the material by its radius."""
         return replace(self, point=self.point - radius_mm * self.outwards, distance_mm=self.distance_mm - radius_mm)
 
 
@@ -76,9 +76,9 @@ class Feet(Columns):
 class ExactOutline:
     """The exact curves of a gear's outline as rows of one chain, in the sense of growing arc length.
 
-    ``part`` and ``number`` tell of which stretch each row is, and which of its curves; ``begin_mm`` is the way along
-    the outline at which it begins and ``length_mm`` its length, shape (rows,) each.  ``material`` is the side of the
-    material as seen along the chain, +1 to the left.
+    ``part`` and ``number`` give the stretch of each row, and its curve there; ``begin_mm`` is its beginning along the
+    outline and ``length_mm`` its length, shape (rows,) each.  ``material`` is the side of the material as seen along
+    the chain, +1 to the left.
     """
 
     gear: ToothedGear
@@ -101,7 +101,7 @@ class ExactOutline:
 
     @cached_property
     def flank(self) -> IndexArray:
-        """The flank that each row belongs to: its own, or the one that its land follows."""
+        """The flank of each row: its own flank, or the flank that its land follows."""
         owners = [stretch.owner for stretch in self.stretches]
         return np.array([owners[part][number] for part, number in zip(self.part, self.number, strict=True)])
 
@@ -114,13 +114,13 @@ class ExactOutline:
 
     @cached_property
     def _sampled(self) -> tuple[IndexArray, Array]:
-        """Rows and shares of the samples: both ends of each row and as many between as its length asks for."""
+        """Rows and shares of the samples: both ends of each row and as many between as its length needs."""
         steps = np.ceil(self.length_mm * SAMPLES_PER_MODULE / self.gear.flanks.rack.module_mm).astype(np.intp)
         row, number = counted_up(np.zeros_like(steps), steps + 1)
         return row, number / steps[row]
 
     def near_mm(self, points: ComplexArray) -> Array:
-        """Distances from the samples of the outline, which are never less than those from the outline; shape (n,)."""
+        """Distances from samples of the outline, which are never less than distances from the outline; shape (n,)."""
         return np.asarray(self._tree.query(as_points(points))[0])
 
     def at(self, row: IndexArray, share: Array) -> tuple[ComplexArray, ComplexArray]:
@@ -140,7 +140,7 @@ class ExactOutline:
         return self.at(row, share)[0]
 
     def height_mm(self, row: IndexArray, share: Array) -> Array:
-        """Height over the rack's pitch line of feet on flanks, shape (n,); means nothing elsewhere."""
+        """Height over the rack's pitch line of feet on flanks, shape (n,); without meaning elsewhere."""
         flanks, number = self.stretches[FLANK_CURVE], np.where(self.part[row] == FLANK_CURVE, self.number[row], 0)
         return flanks.start[number] + share * (flanks.end - flanks.start)[number]
 
@@ -170,7 +170,7 @@ class ExactOutline:
         return Feet(points, foot, outwards, distance, row, share, place, at_end)
 
     def _candidates(self, points: ComplexArray) -> tuple[IndexArray, Array]:
-        """Curves and shares from which feet are sought, (CANDIDATES * n,): the nearest sample of each near curve."""
+        """Curves and shares where the search for feet begins, (CANDIDATES * n,): nearest samples of each near curve."""
         _, nearest = self._tree.query(as_points(points), k=NEAR_SAMPLES)
         sampled_row, sampled_share = self._sampled
         row = sampled_row[nearest]

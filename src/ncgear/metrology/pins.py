@@ -1,9 +1,9 @@
-"""Measuring pins (or balls) in the spaces of a gear: where each touches both flanks, and how far it stands out.
+"""Measuring pins (or balls) in the spaces of a gear: their contacts with both flanks, and how far they stand out.
 
 The centre of a pin of radius r lies on the curves at distance r outside both flanks of its space; Newton's method finds
 where they cross, from the heights at which the pin would touch a rack.  On a circular gear this is inv(alpha_M) =
 inv(alpha) + d / (m z cos(alpha)) - (space width along the pitch circle) / (m z); where the flanks have unequal pressure
-angles, the mean of both sides' terms counts, the angles at the pin's centre being those of its two base circles.
+angles, the mean of both sides' terms counts, with angles at the pin's centre of its base circles.
 
 The measurement over two pins (between them, in a ring) is taken in spaces that lie nearly opposite each other.
 """
@@ -23,33 +23,33 @@ from ncgear.numerics.crossing import refined_crossings
 from ncgear.teeth.tool import AGREEMENT
 
 OUTSIDE, IN_RING = 1.728, 1.68
-"""Diameter in normal modules, for external teeth and for a ring, that touches flanks of 20 degrees near the pitch
-curve and stands out of the space (Van Keuren's rule, values from secondary sources)."""
+"""Diameter in normal modules, for external teeth and for a ring, of a pin that touches flanks of 20 degrees near the
+pitch curve and stands out of the space (Van Keuren's rule, values from secondary sources)."""
 
 SOLD_MM = (
     *(0.17, 0.195, 0.22, 0.25, 0.29, 0.335, 0.39, 0.455, 0.53, 0.62, 0.725, 0.895, 1.1, 1.35, 1.5, 1.65, 1.75, 2.0),
     *(2.25, 2.5, 2.75, 3.0, 3.25, 3.5, 3.75, 4.0, 4.25, 4.5, 5.0, 5.25, 5.5, 6.0, 6.5, 7.0, 7.5, 8.0, 9.0, 10.0, 10.5),
     *(11.0, 12.0, 14.0, 15.0, 16.0, 18.0, 20.0, 22.0, 25.0, 28.0, 30.0, 35.0, 40.0, 45.0, 50.0),
 )
-"""Diameters in mm that such pins are commonly sold in, after DIN 3977 and, below 1.5 mm, the wires of DIN 2269 (values
-from secondary sources, not held against the standards)."""
+"""Diameters in mm in which such pins are commonly sold, after DIN 3977 and, below 1.5 mm, the wires of DIN 2269 (values
+from secondary sources, not compared with the standards)."""
 
 NEAR = 1.3
-"""Pins are tried up to this many times the nominal diameter; larger ones touch near the tips."""
+"""Factor of the nominal diameter up to which pins are tried; larger pins touch near the tips."""
 
 SHARES = tuple(np.linspace(1.0, NEAR, 7).tolist())
-"""Sizes between that are tried where none is sold, as shares of the nominal one."""
+"""Sizes that are tried where none is sold, as shares of the nominal size."""
 
 
 def nominal_pin_mm(normal_module_mm: float, *, internal: bool) -> float:
-    """The pin diameter in mm that should be used, before one that is sold is chosen."""
+    """The nominal pin diameter in mm, from which a sold diameter is then chosen."""
     return (IN_RING if internal else OUTSIDE) * normal_module_mm
 
 
 def pins_to_try(nominal_mm: float) -> tuple[float, ...]:
     """Sold diameters from the nominal one to ``NEAR`` times it, rising, or the next larger one.
 
-    Larger than any sold are whole mm, smaller than any two digits.
+    Above all sold diameters whole mm are tried, below them two digits.
     """
     if not SOLD_MM[0] / NEAR <= nominal_mm <= SOLD_MM[-1]:
         step = 1.0 if nominal_mm > SOLD_MM[-1] else 10.0 ** (floor(log10(nominal_mm)) - 1)
@@ -60,7 +60,7 @@ def pins_to_try(nominal_mm: float) -> tuple[float, ...]:
 
 
 class Misfit(Enum):
-    """Why a pin measures nothing in a space."""
+    """Reasons why a pin measures nothing in a space."""
 
     NOWHERE = "the pin finds no place where it touches both flanks"
     DEEP = "the pin touches below a flank's end; a larger pin may do"
@@ -75,7 +75,7 @@ class Pins:
 
     ``space`` (shape (n,)) numbers the spaces from 1; ``center_mm`` (shape (n, 2)) are the pins' centres in the gear's
     own frame; ``over_mm`` (shape (n,)) is the distance from the axis to a pin's far side, in a ring to its near side.
-    ``misfits`` tells why pins in the other spaces measure nothing, by the number of the space.
+    ``misfits`` has the reasons why pins in the other spaces measure nothing, by the number of the space.
     """
 
     diameter_mm: float
@@ -88,11 +88,11 @@ class Pins:
 def pins_in_spaces(working: WorkingFlanks, diameter_mm: float, outline_mm: Array, astray_mm: float) -> Pins:
     """Pins of a diameter in all spaces of a gear with an outline (shape (n, 2)).
 
-    ``astray_mm`` is how far the outline may stand into the spaces because of its chords and, where the measured teeth
-    are thinner than the outline's, because of that thickness.
+    ``astray_mm`` is the most that the outline may stand into the spaces because of its chords and, where the measured
+    teeth are thinner than the outline's, because of that thickness.
     """
     flanks = working.flanks
-    # Of gears that turn less than once, spaces between two teeth.
+    # For gears that turn less than once, spaces between two teeth.
     front = np.arange(1, flanks.count if flanks.made is None else 2 * flanks.made - 1, 2)
     both = np.stack([front, (front + 1) % flanks.count])
     center, heights, met = _resting(working, both, diameter_mm / 2.0 / working.base_cosine[both])
@@ -115,9 +115,10 @@ def pins_in_spaces(working: WorkingFlanks, diameter_mm: float, outline_mm: Array
 
 
 def _resting(working: WorkingFlanks, both: IndexArray, radius: Array) -> tuple[Array, Array, Mask]:
-    """Centres of pins between front and back flanks (shape (2, z)), the heights at which they touch, whether they do.
+    """Centres of pins between front and back flanks (shape (2, z)), the heights at which they touch, and whether they
+    touch both.
 
-    The pins' radii (shape (2, z)) are those that flanks of the section see.  Shapes (z, 2), (2, z) and (z,).
+    Pins' radii (shape (2, z)) are as flanks of the section see them.  Shapes (z, 2), (2, z) and (z,).
     """
     flanks, (front, back), (first, second) = working.flanks, both, radius
     one, other = flanks.slant.of(front), flanks.slant.of(back)
@@ -141,7 +142,7 @@ def _resting(working: WorkingFlanks, both: IndexArray, radius: Array) -> tuple[A
 def _held(center: Array, radius: float, outline: Array, astray: float) -> Mask:
     """Whether pins are nearer to the outline than their radius, by more than the outline strays."""
     ring = shapely.linearrings(outline)
-    # Of a prepared ring only what is near a pin is looked at.
+    # With a prepared ring only the part near a pin is examined.
     shapely.prepare(ring)
     return shapely.dwithin(ring, shapely.points(center), radius - 2.0 * astray)
 
@@ -165,7 +166,7 @@ class TwoPins:
 def over_two_pins(working: WorkingFlanks, pins: Pins) -> TwoPins:
     """The distances over the pins (in a ring: between them) of all pairs of spaces half the teeth apart.
 
-    Left out are pairs whose pins measure nothing or do not stand out of the tips, seen from each other's far side.
+    Pairs whose pins measure nothing, or do not stand out of the tips as seen from each other's far side, are left out.
     Gears that turn less than once have none.
     """
     teeth = working.flanks.teeth

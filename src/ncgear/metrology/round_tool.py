@@ -1,12 +1,12 @@
-"""The largest round tool, as a wire or an end mill, that follows a gear's outline from outside and makes its roots.
+"""The largest round tool, a wire or an end mill, that follows a gear's outline from outside and makes its roots.
 
 At a point p of the outline, with the normal n out of the material, a disc of radius r comes within t of p along n if
-its centre is p + (r + t) n.  It clears another point q of the outline, with n . (q - p) > t, while
-r <= |q - p - t n|^2 / (2 (n . (q - p) - t)).  The least of these radii over all pairs is that of the largest disc that
-leaves no more than t anywhere, along the normals: one disc for the narrowest hollow and for the narrowest passage
-between two teeth, wherever they are.  With t = 0 and q next to p it is the radius of curvature.  (The shrinking ball of
-J. Ma, S. W. Bae and S. Choi, "3D medial axis point approximation using nearest neighbors and the normal field", The
-Visual Computer 28, 2012.)
+its centre is p + (r + t) n.  It clears another point q of the outline, with n . (q - p) > t, while r <= |q - p - t n|^2
+/ (2 (n . (q - p) - t)).  The least of these radii over all pairs is the radius of the largest disc that leaves no more
+than t anywhere, along the normals: one disc for the narrowest hollow and for the narrowest passage between two teeth,
+wherever they are.  With t = 0 and q next to p it is the radius of curvature.  (The shrinking ball of J. Ma, S. W. Bae
+and S. Choi, "3D medial axis point approximation using nearest neighbors and the normal field", The Visual Computer 28,
+2012.)
 
 Radii of curvature have closed forms.  Fillet: its normal turns by K - v / D^2 per unit of sigma, its speed is as in
 teeth/flank.py, so R = rho + K D^3 / (K D^2 - v).  Flank on a concave stretch: R = -sin(alpha) / k - h / sin(alpha).
@@ -39,29 +39,29 @@ MOST_MODULES = 20.0
 """Radius in modules at which discs begin to shrink: far more than any space is wide."""
 
 ROUNDS = 50
-"""Rounds of shrinking discs; a few do."""
+"""Rounds of shrinking discs; a few are enough."""
 
 SETTLED = 1e-9
-"""Relative change of a radius that is rounding."""
+"""Relative change of a radius that counts as rounding."""
 
 WORST, NEAR = 8, 1.05
-"""So many places at most are looked at more closely: those whose discs are up to so many times the smallest one."""
+"""Most places that are refined, and the factor of the smallest disc's radius within which their discs are."""
 
 ZOOMS, ZOOMED = 3, 17
-"""Rounds of looking more closely, and points between the neighbours of a place in each: the last step is a 500th of the
-first one, and the disc, least there, is known to its square."""
+"""Rounds of refinement, and points between the neighbours of a place in each: the last step is a 500th of the first,
+and the disc, which is least there, is known to its square."""
 
 PROBES = np.linspace(0.0, 1.0, 13)
-"""Shares of a curve at which its radius of curvature is taken; the least one is then looked at more closely."""
+"""Shares of a curve at which its radius of curvature is taken; the least radius is then refined."""
 
 
 @dataclass(frozen=True)
 class RoundTool:
     """The largest round tool of one gear; space i lies between teeth i and i + 1.
 
-    ``diameter_mm`` is that of a mill or, for a wire, of what it takes away, its spark gap included.  It leaves at most
-    ``left_mm`` of material.  It is held in the space numbered ``space``: by both sides where ``passage``, else by the
-    hollow of one side.  ``hollow_mm`` is the least concave radius of curvature of the outline, in the space numbered
+    ``diameter_mm`` is the diameter of a mill or, for a wire, of its cut, the spark gap included.  It leaves at most
+    ``left_mm`` of material.  The space numbered ``space`` holds it: by both sides if ``passage``, else by the hollow of
+    one side.  ``hollow_mm`` is the least concave radius of curvature of the outline, in the space numbered
     ``hollow_space``.
     """
 
@@ -113,7 +113,7 @@ class _Outline:
         return point, normal / np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-300)
 
     def everywhere(self) -> tuple[Array, Array]:
-        """Places all around, shape (n,), and how far each is from the next."""
+        """Places all around, shape (n,), and the distance of each from the next."""
         numbers = [np.nonzero(self.kind == kind)[0][:, None] + share for kind, share in SHARES.items()]
         steps = [np.full(number.size, SHARES[kind][1]) for kind, number in enumerate(numbers)]
         return np.concatenate([number.ravel() for number in numbers]), np.concatenate(steps)
@@ -135,7 +135,7 @@ def _free(point: Array, normal: Array, other: Array, left: float) -> Array:
 
 
 def _smallest_disc(outline: _Outline, most: float, left: float) -> tuple[float, tuple[float, float]]:
-    """Radius of the least of all discs, at most ``most``, and the places of its point and of the one that it clears."""
+    """Radius of the least of all discs, at most ``most``, and the places of its point and the point that it clears."""
     from scipy.spatial import KDTree
 
     place, step = outline.everywhere()
@@ -143,27 +143,27 @@ def _smallest_disc(outline: _Outline, most: float, left: float) -> tuple[float, 
     tree = KDTree(point)
 
     def holding(rows: IndexArray, radius: float) -> tuple[IndexArray, IndexArray]:
-        """Which of the rows have discs of a radius that hold a point, and the point nearest to their centres."""
+        """The rows whose discs of a radius hold a point, and the points nearest to their centres."""
         center = point[rows] + (radius + left) * normal[rows]
         away, found = tree.query(center, distance_upper_bound=radius * (1.0 - SETTLED))
         held = np.isfinite(away)
         return rows[held], found[held]
 
-    # The bottoms of spaces first: they leave little for all others to shrink.
+    # The bottoms of spaces first: they leave little shrinking for the others.
     radius, bottoms = most, outline.kind[place.astype(int)] == ROOT_LAND
     for first in (np.nonzero(bottoms)[0], np.arange(len(point))):
-        # As discs shrink, only those that hold a point now ever will.
+        # As discs shrink, only discs that hold a point now can hold one later.
         rows = holding(first, NEAR * radius)[0]
         for _ in range(ROUNDS):
             own, other = holding(rows, radius)
             if not own.size:
                 break
-            # A disc that holds a point is larger than the one that clears all points there.
+            # A disc that holds a point is larger than the disc that clears all points there.
             least = own[np.argmin(_free(point[own], normal[own], point[other], left))]
             radius = float(_free(point[least], normal[least], point, left).min())
     own, other = holding(rows, NEAR * radius)
     order = np.argsort(_free(point[own], normal[own], point[other], left))
-    # The least disc of each curve, and for each of them the point that it clears by the least.
+    # The least disc of each curve, and the point that it clears by the least.
     worst = own[order[np.sort(np.unique(place[own[order]].astype(int), return_index=True)[1])][:WORST]]
     nearest = np.argmin(_free(point[worst, None], normal[worst, None], point, left), axis=1)
     return _zoomed(outline, [place[worst], place[nearest]], [step[worst], step[nearest]], left)
@@ -202,7 +202,7 @@ def least_hollow(gear: ToothedGear) -> tuple[float, int]:
 
 
 def _hollow_mm(flanks: Flanks, kind: int, curve: Stretch, rows: IndexArray, share: Array) -> Array:
-    """Radii of curvature of one kind of curve at shares; infinite where it is not concave.  Tip relief is left out."""
+    """Radii of curvature of one kind of curve at shares; infinite where not concave.  Tip relief is left out."""
     parameter, owner = curve.start[rows] + (curve.end - curve.start)[rows] * share, curve.owner[rows]
     radius = np.full(parameter.shape, np.inf)
     if kind == FILLET:

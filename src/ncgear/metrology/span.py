@@ -12,8 +12,8 @@ their distance, that is where sin(alpha) (1/k1 + 1/k2) exceeds the chord; elsewh
 
 The back flanks of a gear whose teeth leave play stand turned about its axis, and P1 with them.
 
-With sigma1 and sigma2 the arc lengths of the chord's ends, and c1, c2 those at which the back flank of the first tooth
-and the front flank of the last tooth cross the pitch curve, the span is
+With sigma1 and sigma2 the arc lengths of the chord's ends, and c1, c2 the arc lengths at which the back flank of the
+first tooth and the front flank of the last tooth cross the pitch curve, the span is
 
     W = |P2 - P1| + cos(alpha) ((c2 - c1) - (sigma2 - sigma1)).
 
@@ -37,7 +37,7 @@ from ncgear.pitch.shape import Gear
 
 @dataclass(frozen=True, eq=False)
 class Spans:
-    """Where a gear's span can be measured; shape (n,).
+    """Places where a gear's span can be measured; shape (n,).
 
     From the back of tooth ``first`` to the front of tooth ``last`` (numbers from 1), over ``teeth`` teeth, the plates
     are ``distance_mm`` apart along their common normal.  ``least`` says whether plates turned a little are farther
@@ -60,17 +60,17 @@ class Spans:
 def spans(working: WorkingFlanks) -> Spans:
     """All spans of a gear whose plates touch flanks, each over the teeth that they touch nearest to the pitch curve.
 
-    A circular gear has one from every tooth.  Equivalent gears and unequal pressure angles have none: their flanks
+    A circular gear has a span from every tooth.  Equivalent gears and unequal pressure angles have none: their flanks
     have no common normal that is a chord.
     """
     flanks = working.flanks
-    # Every back flank stands turned by as much, and so does all that it rolls on.
+    # Every back flank stands turned by as much, and so does the curve on which it rolls.
     turn, chords = float(flanks.turn_rad[0] - flanks.turn_rad[1]), NO_CHORDS
     pushing, idle = flanks.rack.angles_rad
     if not flanks.equivalent and pushing == idle:
         chords = _of_teeth(working, measuring_chords(flanks.curve, pushing, turn))
     if flanks.made is not None:
-        # Chords that go from tooth to tooth of those that are made; the first of them stands before the range.
+        # Chords from tooth to tooth of the made teeth; the first of these stands before the range.
         after = flanks.crossing_mm[2 * flanks.made - 1]
         chords = chords.kept((chords.start_mm >= 0.0) & (chords.end_mm <= after))
     first, low = _touching(working, chords.start_mm, -1.0)
@@ -124,8 +124,8 @@ def _touching(working: WorkingFlanks, sigma_mm: Array, side: float) -> tuple[Ind
 
 
 STEPS = 1024
-"""Steps of the arc length in which chords are looked for.  Two chords nearer than a thousandth of the curve, whose
-signs cancel, are as good as none, since the reading hardly changes between them."""
+"""Steps of the arc length in which chords are searched.  Two chords nearer than a thousandth of the curve, whose signs
+cancel, do not matter, since the reading hardly changes between them."""
 
 EVEN = 1e-9
 """Share of a chord below which the offset q counts as rounding: on a circle q is 1e-15 of the chord, on a curve whose
@@ -158,8 +158,8 @@ NO_CHORDS = MeasuringChords(np.empty(0), np.empty(0), np.zeros(0, dtype=bool))
 def measuring_chords(curve: ClosedPitchCurve, angle_rad: float, turn_rad: float = 0.0) -> MeasuringChords:
     """All measuring chords of one turn of a curve, from the curve turned by ``turn_rad`` to the curve; none on a ring.
 
-    On a dented curve a chord begins only where the curve has turned farther than anywhere before.  An arc of a
-    circle has the one in its middle, which stands for all others on it.
+    On a dented curve a chord begins only where the curve has turned farther than anywhere before.  An arc of a circle
+    has one chord, in its middle, which stands for all others on it.
     """
     if curve.is_ring:
         return NO_CHORDS
@@ -186,7 +186,7 @@ def measuring_chords(curve: ClosedPitchCurve, angle_rad: float, turn_rad: float 
 
 @dataclass(frozen=True, eq=False)
 class _Way:
-    """From where and to where chords go: from the ``curve`` turned by ``turn_rad`` to the curve, at ``angle_rad``."""
+    """Beginning and end of chords: from the ``curve`` turned by ``turn_rad`` to the curve, at ``angle_rad``."""
 
     curve: ClosedPitchCurve
     angle_rad: float
@@ -212,7 +212,7 @@ def _tried(way: _Way) -> tuple[Array, Array, IndexArray]:
     curve = way.curve
     step = curve.length_mm / STEPS
     grid = np.linspace(-curve.length_mm, 2.0 * curve.length_mm, 3 * STEPS + 1)
-    # How far the curve has turned, up to a constant; it grows where the curve is convex.
+    # Turn of the curve, up to a constant; it grows where the curve is convex.
     tangent = curve.at_length(grid).tangent
     turned = -way.sense * np.unwrap(np.arctan2(tangent[:, 1], tangent[:, 0]))
     farthest = np.maximum.accumulate(turned)
@@ -227,7 +227,7 @@ def _tried(way: _Way) -> tuple[Array, Array, IndexArray]:
 
 
 def _middles(even: Mask, neighbours: Mask) -> IndexArray:
-    """The start in the middle of each stretch of even ones (n,), of a closed turn; ``neighbours`` join them."""
+    """The start in the middle of each stretch of even starts (n,) around a closed turn; ``neighbours`` join them."""
     among = np.nonzero(even)[0]
     stretches = np.split(among, np.nonzero(~neighbours[among[:-1]] | (np.diff(among) > 1))[0] + 1) if among.size else []
     if len(stretches) > 1 and even[0] and even[-1]:

@@ -1,13 +1,13 @@
-"""The flanks as pins and plates meet them: without tip relief, in one section, thicker or thinner by an allowance.
+"""The flanks as pins and plates touch them: without tip relief, in one section, thicker or thinner by an allowance.
 
 All flanks of one side are parallel curves: the rolled length c at which a flank crosses the pitch curve moves it along
 its normals by s cos(alpha) dc (teeth/flank.py).  So a tooth that is thicker by dE along the pitch curve has the same
-normals, and the curve at a distance r outside a flank is a flank again, that of c + s r / cos(alpha).
+normals, and the curve at a distance r outside a flank is a flank again, with c + s r / cos(alpha).
 
 On helical teeth the surface's normal leans out of the section by the base helix angle beta_b, tan(beta_b) = tan(beta)
-cos(alpha), everywhere alike.  A ball of radius r therefore meets a section's flanks as a pin of r / cos(beta_b) would,
-and plates are cos(beta_b) times as far apart as in the section.  On circular gears both are the usual formulas,
-cos(beta_b) = cos(beta) cos(alpha_n) / cos(alpha).
+cos(alpha), by the same angle everywhere.  A ball of radius r therefore meets a section's flanks as a pin of r /
+cos(beta_b) would, and plates are cos(beta_b) times as far apart as in the section.  On circular gears both are the
+usual formulas, cos(beta_b) = cos(beta) cos(alpha_n) / cos(alpha).
 """
 
 from __future__ import annotations

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from ncgear.frozen import dataclass
 
 Array = NDArray[np.float64]
-"""Real numbers; the shape is said in words where it is used."""
+"""Real numbers; docstrings say the shape."""
 
 ComplexArray = NDArray[np.complex128]
-"""Points of a plane as x + i y, where turning is a multiplication; the shape is said in words where it is used."""
+"""Points of a plane as x + i y, where turning is a multiplication; docstrings say the shape."""
 
 Mask = NDArray[np.bool_]
 """Truth values, one for each element of another array."""
@@ -32,12 +32,12 @@ Kind = TypeVar("Kind", np.float64, np.complex128, np.intp)
 
 
 def at_least(value: Number, least: float) -> Number:
-    """The number, or each value of the array, and ``least`` where it is less; one number stays a plain one."""
+    """The number, or each value of the array, raised to ``least`` where it is less; one number stays a plain number."""
     return np.maximum(value, least) if isinstance(value, np.ndarray) else least if value < least else value
 
 
 def at_most(value: Number, most: float) -> Number:
-    """The number, or each value of the array, and ``most`` where it is more; one number stays a plain one."""
+    """The number, or each value of the array, lowered to ``most`` where it is more; one number stays a plain number."""
     return np.minimum(value, most) if isinstance(value, np.ndarray) else most if value > most else value
 
 
@@ -57,7 +57,7 @@ class Columns:
     """Base of dataclasses whose arrays all count the same things along their first axis."""
 
     def kept(self, rows: Mask | IndexArray | slice) -> Self:
-        """The chosen rows of every array; fields that are no arrays stay."""
+        """The chosen rows of every array; other fields stay."""
         return replace(self, **{name: values[rows] for name, values in _arrays(self).items()})
 
     @classmethod
@@ -72,7 +72,7 @@ def _arrays(many: Any) -> dict[str, Any]:
 
 
 def distinct(values: NDArray[Kind] | Sequence[float]) -> NDArray[Kind]:
-    """All different values in rising order, shape (n,): ``np.unique``, which loads numpy's masked arrays."""
+    """All different values in rising order, shape (n,), without numpy's masked arrays, which ``np.unique`` loads."""
     ordered: NDArray[Kind] = np.sort(np.asarray(values), axis=None)
     return ordered[np.concatenate([[True], ordered[1:] != ordered[:-1]])] if ordered.size else ordered
 
@@ -102,7 +102,7 @@ def counted_up(first: IndexArray, count: IndexArray) -> tuple[IndexArray, IndexA
 
 
 AT_ONCE = 4096
-"""Rows of wide arrays that are computed at once: what they need on the way stays in the cache of a processor, while all
+"""Rows of wide arrays that are computed at once: their intermediate values stay in the cache of a processor, while all
 rows at once would ask the system for new memory at each step."""
 
 
@@ -112,7 +112,7 @@ def row_blocks(count: int) -> Iterator[slice]:
 
 
 def largest_rows(values: Array, group: IndexArray, groups: int) -> IndexArray:
-    """Rows of the largest value of each group (``group`` numbers them, (n,)), the first of equals, or -1; (groups,)."""
+    """Row of the largest value of each group (``group`` numbers them, (n,)), the first of equals, or -1; (groups,)."""
     largest = np.full(groups, -np.inf)
     np.maximum.at(largest, group, values)
     rows = np.flatnonzero(values == largest[group])[::-1]

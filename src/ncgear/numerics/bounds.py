@@ -1,4 +1,4 @@
-"""Bounds as people read and type them: rounded to the side on which the told value itself is allowed."""
+"""Bounds as people read and type them: rounded to the side on which the value itself is allowed."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ DIGITS = 5
 
 
 def shown_above(value: float, digits: int = DIGITS) -> str:
-    """The value rounded up to so many digits: as text it is never below the value."""
+    """The value rounded up to ``digits`` significant digits: as text it is never below the value."""
     return _shown(value, digits, ROUND_CEILING)
 
 
 def shown_below(value: float, digits: int = DIGITS) -> str:
-    """The value rounded down to so many digits: as text it is never above the value."""
+    """The value rounded down to ``digits`` significant digits: as text it is never above the value."""
     return _shown(value, digits, ROUND_FLOOR)
 
 
@@ -32,5 +32,5 @@ def _shown(value: float, digits: int, way: str) -> str:
 
 
 def _rounded(value: float, step: Decimal, way: str) -> float:
-    # Decimals are exact, so that a multiple of the step stays itself.
+    # Decimals are exact, so a multiple of the step stays itself.
     return float((Decimal(str(float(value))) / step).to_integral_value(way) * step)

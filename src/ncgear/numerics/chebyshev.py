@@ -18,25 +18,25 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, Mask, row_blocks
 
 DEGREE = 24
-"""Degree of each panel: a panel costs 25 evaluations, and halving it makes a smooth function's tail 2^24 times less."""
+"""Degree of each panel: a panel costs 25 evaluations; halving it makes a smooth function's tail 2^24 times smaller."""
 
 RESOLVED = 4e-15
 """Tail, relative to the function's largest value, at which a panel counts as resolved: 18 rounding errors."""
 
 ROUNDING = 1e-11
 """Largest relative tail that may count as rounding error of the function itself, which no halving removes: a smooth
-function's tail falls by 2^-24 when its panel is halved, so one that falls by less than half below this is noise."""
+function's tail falls by 2^-24 when its panel is halved, so a tail below this that falls by less than half is noise."""
 
 SHAKEN = 1e-9
 """Largest relative tail that may count as rounding error where the function's own rounding errors are known.  A peak of
-width w at x has 1e-16 x/w of it: 1e-9 is reached where a force changes within 0.1 um at 600 mm."""
+width w at x has an error of 1e-16 x/w: 1e-9 is reached where a force changes within 0.1 um at 600 mm."""
 
 HALVINGS = 40
 
 MOST_PANELS = 1 << 12
-"""Most panels per piece, on average over the pieces, that are halved at once, and most of all pieces together where
-halving makes the tails of most no smaller; a function that needs more is taken for noise.  Beside a pole or a corner
-only a few are halved, and only a wave of over 5000 turns along a piece needs more."""
+"""Most panels that are halved at once: on average over the pieces, and of all pieces together where halving makes most
+tails no smaller; a function that needs more counts as noise.  Beside a pole or a corner only a few are halved, and only
+a wave of over 5000 turns along a piece needs more."""
 
 
 class NotSmooth(Unanswered):
@@ -61,7 +61,7 @@ class PiecewiseChebyshev:
         """Values at ``points`` (any shape), the trailing axis appended.
 
         A point at a break belongs to the panel on its right.  Several columns share the polynomials of a point, which
-        takes a third of the time of a Clenshaw sum for each; for a single one the sum is quicker.
+        takes a third of the time of a Clenshaw sum for each; for a single column the sum is quicker.
         """
         panel = np.clip(np.searchsorted(self.breaks, points, side="right") - 1, 0, len(self.breaks) - 2)
         left, right = self.breaks[panel], self.breaks[panel + 1]
@@ -74,7 +74,7 @@ class PiecewiseChebyshev:
 
     @cached_property
     def _by_panel(self) -> Array:
-        """The coefficients, each panel's next to each other in memory, shape (m, degree + 1, columns)."""
+        """The coefficients of each panel next to each other in memory, shape (m, degree + 1, columns)."""
         return np.ascontiguousarray(np.moveaxis(self.coefficients, 1, 0))
 
     def integrated(self) -> PiecewiseChebyshev:
@@ -97,10 +97,10 @@ class PiecewiseChebyshev:
 
 
 CELL_DEGREE = 8
-"""Degree of the polynomials of cells: about a tenth as wide as panels of degree 24, and quicker by a third to half."""
+"""Degree of the polynomials of cells, which are about a tenth as wide as panels of degree 24 and quicker by a third."""
 
 CELL_ROUNDING = 2.0**-54
-"""Share of a column's largest coefficient that the left out coefficients of a cell may sum up to: half a rounding
+"""Share of a column's largest coefficient up to which the left out coefficients of a cell may sum: half a rounding
 error."""
 
 
@@ -109,7 +109,7 @@ class Cells:
     """A form of several columns, cut so finely that short polynomials follow it to rounding errors.
 
     ``ends`` (shape (n, 2)) are both ends of the cells, in order; ``powers`` (shape (n, degree + 1, columns)) the
-    coefficients of 1, x, x^2 and so on, x being -1 and 1 at a cell's ends.
+    coefficients of 1, x, x^2 and so on, where x is -1 and 1 at a cell's ends.
     """
 
     ends: Array
@@ -117,7 +117,7 @@ class Cells:
 
     @cached_property
     def _places(self) -> tuple[Array, Array, Array]:
-        """Where all cells but the first begin, and both ends of all, each next to each other in memory."""
+        """Beginnings of all cells but the first, and both ends of all cells, each next to each other in memory."""
         left, right = (end.copy() for end in self.ends.T)
         return left[1:], left, right
 
@@ -136,7 +136,7 @@ class Cells:
 
 
 def cells_of(form: PiecewiseChebyshev) -> Cells:
-    """The cells of a form of several columns, whose polynomials are halved until ``CELL_DEGREE`` is enough."""
+    """The cells of a form of several columns: its panels are halved until ``CELL_DEGREE`` is enough."""
     degree = len(form.coefficients) - 1
     both = halves(degree)
     left, right, series = form.breaks[:-1], form.breaks[1:], form.coefficients
@@ -158,7 +158,7 @@ def cells_of(form: PiecewiseChebyshev) -> Cells:
 
 @cache
 def halves(degree: int) -> tuple[Array, Array]:
-    """Matrices from a series' coefficients to those of its halves, by the recurrence of T_k((x -+ 1) / 2); exact."""
+    """Matrices from a series' coefficients to its halves', by the recurrence of T_k((x -+ 1) / 2); exact."""
     both = []
     for side in (-1.0, 1.0):
         columns = [np.eye(degree + 1)[0], np.array([side / 2.0, 0.5, *[0.0] * (degree - 1)])]
@@ -173,8 +173,8 @@ def halves(degree: int) -> tuple[Array, Array]:
 def falls_below(series: Array, level: float) -> bool:
     """Whether a function falls below a level somewhere; its coefficients on panels have shape (degree + 1, m).
 
-    Panels are halved until coefficients or an end tell; what still touches the level after ``HALVINGS`` counts as
-    above.
+    Panels are halved until coefficients or an end decide; a function that still touches the level after ``HALVINGS``
+    counts as above.
     """
     both = halves(len(series) - 1)
     for _ in range(HALVINGS):
@@ -189,7 +189,7 @@ def falls_below(series: Array, level: float) -> bool:
 
 @cache
 def _to_powers(degree: int) -> Array:
-    """Matrix from Chebyshev coefficients to those of powers; all numbers are whole."""
+    """Matrix from Chebyshev coefficients to coefficients of powers; all numbers are whole."""
     columns = [chebyshev.cheb2poly(np.eye(degree + 1)[k, : k + 1]) for k in range(degree + 1)]
     return np.stack([np.pad(column, (0, degree + 1 - column.size)) for column in columns], axis=1)
 
@@ -214,10 +214,10 @@ def fitted(
 ) -> PiecewiseChebyshev:
     """The piecewise form of a vectorised ``function`` (shape (n,) to (n, ...)) that is smooth between ``breaks``.
 
-    Each panel has this ``degree``, at least 3: the last three coefficients tell whether the panel is resolved.  Where
-    ``agreed`` is given, it must agree: from left and right ends of panels, coefficients, and the sizes that these count
-    by, shape (m,), it tells which panels are resolved between the samples too.  ``shaken`` gives the rounding errors of
-    the function's own values, where they are known.
+    Each panel has this ``degree``, at least 3: the last three coefficients show whether the panel is resolved.  If
+    ``agreed`` is given, it must agree: from left and right ends of panels, coefficients, and the sizes that count,
+    shape (m,), it says which panels are resolved between the samples too.  ``shaken`` gives the rounding errors of the
+    function's own values, if they are known.
 
     Raises NotSmooth where the function is not finite, or not resolved by panels of 2^-40 of its piece.
     """
@@ -239,7 +239,7 @@ def fitted(
             resolved[open_still] = tails[open_still] <= shaken(points.ravel()).reshape(points.shape).max(axis=0)
         if agreed is not None and resolved.any():
             resolved[resolved] = agreed(left[resolved], right[resolved], coefficients[:, resolved], size[resolved])
-        # So do those that are resolved up to their own rounding errors, once that is known.
+        # So do panels that are resolved up to their own rounding errors, once these are known.
         scale = max(scale, float(np.max(sizes, where=resolved & (tails <= SHAKEN * sizes), initial=0.0)))
         done.append((left[resolved], coefficients[:, resolved]))
         left, right = left[~resolved], right[~resolved]
@@ -254,7 +254,7 @@ def fitted(
 
 
 def joined(forms: Sequence[PiecewiseChebyshev]) -> PiecewiseChebyshev:
-    """One form of consecutive ones of the same degree."""
+    """One form of consecutive forms of the same degree."""
     breaks = np.concatenate([forms[0].breaks[:1], *(form.breaks[1:] for form in forms)])
     return PiecewiseChebyshev(breaks, np.concatenate([form.coefficients for form in forms], axis=1))
 
@@ -280,7 +280,7 @@ def panel_coefficients(function: Callable[[Array], Array], left: Array, right: A
 
 
 def series(values: Array) -> Array:
-    """Coefficients of the panels that have these values at their ``nodes``, shape (degree + 1, m, ...) both."""
+    """Coefficients of panels with these values at their ``nodes``, shape (degree + 1, m, ...) both."""
     return np.tensordot(_transform(len(values) - 1), values, axes=1)
 
 
@@ -306,7 +306,7 @@ def _transform(degree: int) -> Array:
 
 @cache
 def differentiation_matrix(degree: int) -> Array:
-    """Matrix from coefficients to those of the derivative on [-1, 1], square, its last row zero."""
+    """Matrix from coefficients to the derivative's coefficients on [-1, 1], square, its last row zero."""
     return np.pad(chebyshev.chebder(np.eye(degree + 1), axis=0), ((0, 1), (0, 0)))
 
 
@@ -318,7 +318,7 @@ def integration_matrix(degree: int) -> Array:
 
 
 def on_panels(coefficients: Array, panel: IndexArray, local: Array) -> Array:
-    """Sums of series (shape (degree + 1, m)), each point of [-1, 1] with those of its own panel, by Clenshaw."""
+    """Sums of series (shape (degree + 1, m)): each point of [-1, 1] takes the series of its own panel, by Clenshaw."""
     twice = 2.0 * local
     older = newer = np.zeros(local.shape)
     for row in coefficients[:0:-1]:

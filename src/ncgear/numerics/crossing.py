@@ -1,4 +1,4 @@
-"""Where plane curves cross, by chords and by Newton's method on the curves themselves; where chords cross circles."""
+"""Crossings of plane curves, by chords and by Newton's method on the curves themselves; of chords with circles."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import across, along, as_complex, square
 
 CurveFunction = Callable[[Array], tuple[Array, Array]]
-"""From parameters of n curves, shape (n,) or (n, m), to points and derivatives by the parameter, shape (n, ..., 2)."""
+"""Function of parameters of n curves, (n,) or (n, m): points and derivatives by the parameter, shape (n, ..., 2)."""
 
 NEWTON_STEPS = 12
 """Convergence is quadratic: from a hundredth of a curve's length five steps reach rounding error."""
@@ -20,11 +20,11 @@ ZOOM, ZOOMS, ZOOM_POINTS = 5.0, 8, 13
 
 
 BLOCK = 16
-"""Chords that are looked at together where the box around them meets a chord's."""
+"""Chords that are compared together where the box around them meets the box of a chord."""
 
 
 def chord_crossings(first: Array, second: Array) -> tuple[IndexArray, Array, Array]:
-    """Rows where polylines (n, p, 2) cross those of the same row (n, q, 2), and fractional indices along both."""
+    """Rows where polylines (n, p, 2) cross polylines of the same row (n, q, 2), and fractional indices along both."""
     row, chord, block = _near_chords(first, second)
     (x1, y1), (across1, up1) = (column[row, chord].T[:, :, None] for column in (first, np.diff(first, axis=1)))
     facing = block[:, None] * BLOCK + np.arange(BLOCK)
@@ -88,7 +88,7 @@ def refined_crossings(
 def zoomed_crossings(
     first: CurveFunction, second: CurveFunction, middle1: Array, middle2: Array, reach1: Array, reach2: Array
 ) -> tuple[Array, Array, Mask]:
-    """Crossings within ``reach`` of the given parameters, and which of them are really there; shape (n,) all.
+    """Crossings within ``reach`` of the given parameters, and whether they are really there; shape (n,) all.
 
     For crossings so flat that Newton's method wanders off: ever finer chords close in on them.  A crossing that
     only the coarse chords showed disappears on the way.

@@ -1,11 +1,11 @@
-"""Discs in the complex plane, and where a formula takes them: bounds that no feature of the formula can hide from.
+"""Discs in the complex plane, and their images by formulas: bounds from which no feature of a formula can hide.
 
 A formula that takes a disc about a stretch of the real line into a finite disc is analytic on it, and its values lie
-within the radius of the value in the middle.  The rules take a disc into one that holds all images; sizes are true but
-for rounding errors, which do not matter where a size counts by its power of ten.  Every centre is real, since formulas
-are.  Source: I. Gargantini and P. Henrici, "Circular arithmetic and the determination of polynomial zeros", Numerische
-Mathematik 18 (1972), 305-320; for functions the radius is that of the power series about the centre with all terms
-taken as positive.
+within the radius of the value in the middle.  The rules take a disc into a disc that holds all images; sizes are true
+but for rounding errors, which do not matter where a size counts by its power of ten.  Every centre is real, since
+formulas are.  Source: I. Gargantini and P. Henrici, "Circular arithmetic and the determination of polynomial zeros",
+Numerische Mathematik 18 (1972), 305-320; for functions the radius is that of the power series about the centre with all
+terms taken as positive.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 
 FAR = 600.0
-"""Real part from which an exponential counts as far from zero rather than as a disc: its square root of overflow."""
+"""Real part from which an exponential counts as far from zero rather than as a disc: exp(600) is 4e260."""
 
 
 @dataclass(frozen=True, eq=False)
 class Disc:
-    """Numbers within ``radius`` of a real ``center``, each of shape (n,); an infinite radius tells nothing.
+    """Numbers within ``radius`` of a real ``center``, each of shape (n,); an infinite radius says nothing.
 
     Where the radius is infinite, the numbers have at least the size ``far``, which may be zero.  With ``real`` only
     the real numbers among them are meant, and roots may begin at zero.
@@ -41,7 +41,7 @@ class Disc:
         return Disc(center, radius, np.zeros_like(center), real)
 
     def made(self, center: Array, radius: Array, far: Array | float = 0.0) -> Disc:
-        """Other discs of the same kind; where a number is not finite, nothing is known but ``far``."""
+        """Other discs of the same kind; where a number is not finite, only ``far`` is known."""
         known = np.isfinite(center) & np.isfinite(radius)
         away = np.where(known | ~(np.asarray(far) > 0.0), 0.0, far)
         return Disc(np.where(known, center, 0.0), np.where(known, radius, np.inf), away, self.real)
@@ -96,7 +96,7 @@ def quotient(over: Disc | float, under: Disc | float) -> Disc:
 
 
 def power(base: Disc, exponent: float) -> Disc:
-    """A constant power; whole ones of every disc, others of discs to the right of zero."""
+    """A constant power; whole powers of every disc, others of discs to the right of zero."""
     center, radius = base.center, base.radius
     if exponent.is_integer():
         if exponent < 0.0:
@@ -112,7 +112,7 @@ def _from_the_right(base: Disc, inner: Disc, function: Callable[[Array], Array],
     """``inner`` where a disc is to the right of zero.
 
     Elsewhere nothing is known, unless only real numbers are meant and the rising ``function`` begins at zero: then the
-    formula has no value at negative numbers, and those from zero to the right end are left.
+    formula has no value at negative numbers, and the numbers from zero to the right end remain.
     """
     right = base.center > base.radius
     center, radius = np.where(right, inner.center, np.nan), np.where(right, inner.radius, np.inf)

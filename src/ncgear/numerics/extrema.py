@@ -13,29 +13,29 @@ from ncgear.numerics.jet import Jet
 from ncgear.numerics.zeros import zeros_between
 
 SAMPLES = 129
-"""Points per piece, and four more for each of its knots, between which sign changes of the derivative are looked for.
-Two extrema closer than a 128th of a piece may be missed together; their values differ by at most that distance cubed
-times a twelfth of the third derivative."""
+"""Points per piece, and four more for each of its knots, between which sign changes of the derivative are searched. Two
+extrema closer than a 128th of a piece may be missed together; their values differ by at most that distance cubed times
+a twelfth of the third derivative."""
 
 ROUGH = 0.01
 """Share of the largest value by which a sample may miss the cubic through its neighbours.  A wave of nine samples
-misses it by this share; narrower features, as of a ratio of 1:200, are sampled more finely until they miss by less."""
+misses it by this share; narrower features, as of a ratio of 1:200, are refined until they miss by less."""
 
 FINE, BEYOND = 1e-6, 10.0
 """Where the value may be the largest or the smallest, samples are added until they miss by this share only.  It may be
-so where a sample is less than ten times what it misses by away from the largest or smallest one so far."""
+if a sample is nearer to the largest or smallest one so far than ten times its miss."""
 
 HALVINGS = 30
 """Most halvings of a step: steps of 1e-11 of a piece are next to rounding."""
 
 WAVY = 0.9
-"""If a larger share of samples misses the cubic, finer ones are of no use: waves are narrower than three samples."""
+"""If a larger share of samples misses the cubic, finer samples do not help: waves are narrower than three samples."""
 
 DOUBTFUL = 0.1
 """If a larger share of samples misses the cubic, the function may be zero but for rounding errors."""
 
 ASIDE = 1e-9
-"""Share of a step by which samples are moved to tell rounding errors, which differ from one number to the next."""
+"""Share of a step by which samples are moved to show rounding errors, which differ from one number to the next."""
 
 FLAT = 4.0 * np.finfo(float).eps
 """Rise over a step, as a share of the largest value, up to which a slope counts as zero: a sample of such a slope is as
@@ -43,16 +43,16 @@ good as an extremum beside it.  Where the function is constant, slopes are round
 every other sample."""
 
 MOST_ADDED = 20_000
-"""Number of points added to a piece at which refining ends; a ratio of 1:200 takes 200."""
+"""Number of points added to a piece at which refinement ends; a ratio of 1:200 takes 200."""
 
 NEXT = 1e-3
-"""Share of a step at which a further sample is taken beside one of zero slope.  A zero of third order leaves a slope of
-1e-6 there, which is more than rounding; an extremum that is nearer to an inflection differs from it in height by at
-most 1e-9 of the step's rise."""
+"""Share of a step at which a further sample is taken beside a sample of zero slope.  A zero of third order leaves a
+slope of 1e-6 there, which is more than rounding; an extremum that is nearer to an inflection differs from it in height
+by at most 1e-9 of the step's rise."""
 
 LEADING = 2.0
-"""How much steeper than at the ends of a step over which its slope changes its sign a function may be within it, where
-it is looked at for the largest and the smallest value only: towards an extremum it gets less steep."""
+"""Factor by which a function may be steeper within a step over which its slope changes its sign than at the step's
+ends, where only the largest and the smallest value matter: towards an extremum it gets less steep."""
 
 NO_KNOTS = np.empty(0)
 
@@ -81,7 +81,7 @@ def stationary_points(function: Callable[[Array], Jet], start: float, end: float
 
 
 Functions = Callable[[Array], Sequence[Jet]]
-"""From points, shape (n,), to jets of several functions there, each of order 1 or more."""
+"""Function of points, shape (n,): jets of several functions there, each of order 1 or more."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,17 +104,17 @@ class _Samples:
 
     @property
     def leading_changes(self) -> IndexArray:
-        """Those of ``changes`` over which the function may go beyond all samples, where it is at most LEADING steep."""
+        """The ``changes`` over which the function may go beyond all samples if it is at most LEADING times as steep."""
         step = self.changes
         beside = np.array([step, step + 1])
         values, rises = self.values[beside], LEADING * np.abs(self.slopes[beside]) * np.diff(self.points)[step]
-        # What is no number is looked at.
+        # Values that are not numbers are examined too.
         within = (values + rises < self.values.max()) & (values - rises > self.values.min())
         return step[~within.all(axis=0)]
 
 
 def _sampled_each(functions: Functions, grid: Array) -> list[_Samples]:
-    """Each of several functions on a grid, refined where that tells too little."""
+    """Each of several functions on a grid, refined where the samples show too little."""
     return [
         _beside_flat(one, _sampled(one, grid, first))
         for number, first in enumerate(functions(grid))
@@ -123,7 +123,7 @@ def _sampled_each(functions: Functions, grid: Array) -> list[_Samples]:
 
 
 def _stationary(functions: Functions, samples: list[_Samples], changes: list[IndexArray]) -> list[Array]:
-    """As ``stationary_points``, of each of several functions, in the steps over which their slopes change signs."""
+    """As ``stationary_points``, for each of several functions, in the steps over which their slopes change signs."""
     brackets = [
         np.array(
             [of.points[step], of.points[step + 1], of.slopes[step], of.slopes[step + 1], np.full(step.size, of.rise)]
@@ -138,7 +138,7 @@ def _stationary(functions: Functions, samples: list[_Samples], changes: list[Ind
 
 
 def _changes_of_sign(functions: Functions, brackets: list[Array]) -> list[Array]:
-    """Zeros of the slopes of several functions at once; brackets (5, n): low, high, slopes there, rise that is none."""
+    """Zeros of the slopes of several functions at once; brackets (5, n): low, high, slopes there, rise that is zero."""
     low, high, at_low, at_high, least = np.concatenate(brackets, axis=1)
     if not low.size:
         return [low for _ in brackets]
@@ -161,7 +161,7 @@ def grid_between(start: float, end: float, knots: Array) -> Array:
 
 
 def _sampled(function: Callable[[Array], Jet], grid: Array, jet: Jet) -> _Samples:
-    """Samples of a function, more than the grid's where every other one of these is far from its neighbours' cubic."""
+    """Samples of a function: the grid is refined where every second sample is far from its neighbours' cubic."""
     points = grid
     values, slopes = jet.value, jet.derivative(1)
     low = np.arange(0, grid.size - 2, 2)
@@ -190,13 +190,13 @@ def _sampled(function: Callable[[Array], Jet], grid: Array, jet: Jet) -> _Sample
 
 
 def _is_noise(function: Callable[[Array], Jet], points: Array, values: Array) -> bool:
-    """Whether a function has nothing but rounding errors: as a rule it is another one right beside a sample."""
+    """Whether a function has only rounding errors: as a rule it then has another value right beside a sample."""
     beside = function(points[:-1] + ASIDE * np.diff(points)).value
     return bool(np.mean(np.abs(beside - values[:-1]) > ROUGH * np.max(np.abs(values))) > DOUBTFUL)
 
 
 def _beside_flat(function: Callable[[Array], Jet], known: _Samples) -> _Samples:
-    """The samples, and one on either side of each of zero slope, which would hide a change of sign at an inflection."""
+    """The samples, with one more on either side of each zero slope, where an inflection may hide a change of sign."""
     grid = known.points
     flat = np.nonzero(known.slopes[1:-1] == 0.0)[0] + 1
     if not flat.size or flat.size == grid.size - 2:
@@ -214,14 +214,14 @@ def _ordered(points: Array, values: Array, slopes: Array) -> _Samples:
 
 
 def _missed(points: Array, values: Array, slopes: Array, triples: tuple[IndexArray, IndexArray, IndexArray]) -> Array:
-    """How far each middle sample is from the cubic with the values and slopes of its two neighbours."""
+    """Distance of each middle sample from the cubic with the values and slopes of its two neighbours."""
     low, middle, high = triples
     cubic = (values[low] + values[high]) / 2.0 + (points[high] - points[low]) * (slopes[low] - slopes[high]) / 8.0
     return np.abs(values[middle] - cubic)
 
 
 def _may_be_extreme(values: Array, missed: Array, middle: IndexArray) -> Mask:
-    """Whether the function about each middle sample may go beyond all samples, judged by how far it ``missed``."""
+    """Whether the function about each middle sample may go beyond all samples, by the distance that it ``missed``."""
     reach = BEYOND * missed
     return (values[middle] + reach > np.max(values)) | (values[middle] - reach < np.min(values))
 
@@ -229,12 +229,12 @@ def _may_be_extreme(values: Array, missed: Array, middle: IndexArray) -> Mask:
 def extremes(
     function: Callable[[Array], Jet], start: float, end: float, knots: Array = NO_KNOTS
 ) -> tuple[Extremum, Extremum]:
-    """Smallest and largest value on [start, end], as of ``stationary_points``."""
+    """Smallest and largest value on [start, end]; arguments as in ``stationary_points``."""
     return extremes_on(lambda points: [function(points)], grid_between(start, end, knots))[0]
 
 
 def extremes_on(functions: Functions, grid: Array) -> list[tuple[Extremum, Extremum]]:
-    """Smallest and largest value of several functions on a grid as ``grid_between`` makes it, from end to end."""
+    """Smallest and largest value of several functions on a grid of ``grid_between``, from end to end."""
     samples = _sampled_each(functions, grid)
     places = _stationary(functions, samples, [of.leading_changes for of in samples])
     ends = np.cumsum([points.size for points in places])
@@ -247,7 +247,7 @@ def extremes_on(functions: Functions, grid: Array) -> list[tuple[Extremum, Extre
 
 
 def bounds_on(grid: Array, jet: Jet) -> tuple[float, float]:
-    """Bounds of a function by its jet of order 1 or more on a grid, quickly; infinite where samples tell too little."""
+    """Bounds of a function by its jet of order 1 or more on a grid, quickly; infinite where samples show too little."""
     values, slopes, low = jet.value, jet.derivative(1), np.arange(0, grid.size - 2, 2)
     if not np.max(_missed(grid, values, slopes, (low, low + 1, low + 2))) <= ROUGH * np.max(np.abs(values)):
         return -np.inf, np.inf

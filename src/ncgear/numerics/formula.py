@@ -1,11 +1,11 @@
 """Expressions in one variable: read through a whitelist of Python's grammar, run and differentiated by jets.
 
-The text is never evaluated.  It is parsed to a syntax tree of which only numbers, the variable, ``pi``, the four
+The text is never evaluated.  It is parsed to a syntax tree, of which only numbers, the variable, ``pi``, the four
 operations, powers with constant exponents, the functions listed below and a condition between two expressions are
-taken; anything else is refused by name.  What is taken becomes a tape of operations, done in the order in which they
-are written: nothing rewrites a formula but that operations on numbers are done at once, and that the root of an even
-power is known as an absolute value.  The tape runs on Taylor arithmetic, so that derivatives cost no more than the text
-is long, and on discs, so that no feature of the formula stays unseen (``ncgear.numerics.proven``).
+accepted; anything else is refused by name.  The accepted text becomes a tape of operations in the order in which they
+are written: a formula is rewritten only where operations on numbers are done at once, and where the root of an even
+power becomes an absolute value.  The tape runs on Taylor arithmetic, so derivatives cost no more than the text is long,
+and on discs, so no feature of the formula stays unseen (``ncgear.numerics.proven``).
 """
 
 from __future__ import annotations
@@ -38,13 +38,13 @@ FUNCTIONS: dict[str, Callable[[Jet], Jet]] = {
     "tanh": jet.tanh,
 }
 CHOICES: dict[str, int] = {"abs": 1, "sign": 1, "min": 2, "max": 2}
-"""Functions that go over from one expression to another, with the number of their arguments."""
+"""Functions that change from one expression to another, with the number of their arguments."""
 
 LONGEST, DEEPEST, LARGEST_POWER = 1000, 40, 64
 """Most characters, most levels of nesting and the largest exponent that an expression may have."""
 
 HUGE, MODERATE = 1e200, 1e100
-"""A number below the second by one over the first is zero by every tolerance of a design."""
+"""A number below MODERATE divided by a number above HUGE is zero by every tolerance of a design."""
 
 SHOWN = 40
 """Most characters of a formula that a refusal repeats."""
@@ -67,7 +67,7 @@ class Formula:
         return self(Jet(points[None, :])).value
 
     def spread(self, center: Array, radius: Array, *, real: bool) -> Array:
-        """How far values on discs about ``center`` (n,) are from some number at most; inf where unknown.  No choices.
+        """Greatest distance of values on discs about ``center`` (n,) from some number; inf where unknown.  No choices.
 
         A finite spread proves the function analytic on the disc; with ``real`` it proves only the spread of
         real values.
@@ -78,20 +78,20 @@ class Formula:
 
     @property
     def condition(self) -> Formula | None:
-        """Where its sign changes, the function may go over from one expression to another; None for one expression."""
+        """Formula whose changes of sign change the function's expression; None for a function of one expression."""
         found = self.tape.first_condition
         return None if found is None else Formula(found)
 
     def where(self, *, negative: bool) -> Formula:
-        """The function as it is where its ``condition`` is negative, or where it is not."""
+        """The function where its ``condition`` is negative, or where it is not."""
         return Formula(self.tape.chosen(negative))
 
     def reciprocal(self) -> Formula:
-        """One by the function."""
+        """One divided by the function."""
         return Formula(self.tape.reciprocal())
 
     def from_end(self, end: float, width: float) -> Formula:
-        """The function of u where the variable is ``end + width u**2``: a power of u where it is a root at the end."""
+        """The function of u, the variable being ``end + width u**2``: a root at the end becomes a power of u."""
         writer = Writer()
         square = writer.power(writer.variable(), 2.0)
         place = writer.apply("+", writer.number(end), writer.apply("*", writer.number(width), square))
@@ -108,7 +108,7 @@ def composed(text: str, key: str, variable: str) -> Formula:
 
 
 def _quotient(over: Jet | float, under: Jet | float) -> Jet:
-    """A quotient of jets or numbers; what is divided by something huge, whose derivatives overflow, is zero."""
+    """A quotient of jets or numbers; a quotient by a huge number, whose derivatives overflow, is zero."""
     result = over / under
     assert isinstance(result, Jet)
     if not isinstance(under, Jet):
@@ -186,7 +186,7 @@ class _Reader:
         raise self._refusal(f"{self._written(node)} is not allowed")
 
     def _chain(self, node: ast.BinOp, depth: int) -> int:
-        """Works off the operations of the left side one after the other, so that a long sum does not count as deep."""
+        """Does the operations of the left side one after the other, so that a long sum does not count as deep."""
         links: list[ast.BinOp] = []
         first: ast.expr = node
         while isinstance(first, ast.BinOp):
@@ -248,7 +248,7 @@ class _Reader:
         return self._writer.choice(self._writer.apply("-", low, high), *sides)
 
     def _written(self, node: ast.AST) -> str:
-        """A part of the formula as it was written, its beginning where it is long."""
+        """A part of the formula as it was written; of a long part the beginning."""
         text = ast.get_source_segment(self._text, node) or self._text
         return repr(text if len(text) <= SHOWN else text[:SHOWN] + "...")
 
@@ -261,4 +261,4 @@ class _Reader:
 
 
 _LESS: dict[type, bool] = {ast.Lt: True, ast.LtE: True, ast.Gt: False, ast.GtE: False}
-"""The comparisons, and whether the left side is to be the smaller one."""
+"""The comparisons, and whether the left side is the smaller one."""

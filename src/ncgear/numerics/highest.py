@@ -1,8 +1,8 @@
-"""Largest values of functions that are known by evaluation alone: no derivative, kinks and jumps allowed.
+"""Largest values of functions that can only be evaluated: no derivative, kinks and jumps allowed.
 
-From samples the search closes in on every interval that may lead to the highest value, told by the slopes beside it.
-What happens wholly between two neighbouring samples is not seen: whoever samples chooses places at which the function
-shows what it does, such as the steps of a solver that controls its error.
+From samples the search closes in on every interval that may hold the highest value by the slopes beside it.  It does
+not see a peak wholly between two neighbouring samples: the caller must choose places that show what the function does,
+such as the steps of a solver that controls its error.
 """
 
 from __future__ import annotations
@@ -23,26 +23,26 @@ ROUNDS = 16
 """Most rounds: intervals shrink to 8^-16 of their length, next to rounding.  Only a cusp takes as many."""
 
 STEEPER = 2.0
-"""How much steeper than beside an interval a function may rise into it.  Towards a top that is flat it rises less."""
+"""Factor by which a function may rise more steeply into an interval than beside it.  Flat tops rise less."""
 
 STAYS, JUMPS = 0.1, 2
-"""Where the difference over a part is that over the whole up to this share, for so many rounds, the function jumps in
-it: its slope says nothing of how the function goes on beside.  Over a cusp the difference falls to a third."""
+"""Where the difference over a part equals the difference over the whole up to this share, for so many rounds, the
+function jumps in it: its slope says nothing of the function beside.  Over a cusp the difference falls to a third."""
 
 EVEN = 1e-10
 """Share of the highest value that may be missed."""
 
 ALIKE = 0.1
-"""Share of what may be missed by which two intervals may differ and count as the same, of which one is searched: the
+"""Share of the allowed miss by which two intervals may differ and count as equal, so that one of them is searched: the
 teeth of circular gears are all alike."""
 
 LEAST = 1e-200
-"""Difference of values that is never told apart; values over it do not overflow."""
+"""Difference of values that always counts as zero; values divided by it do not overflow."""
 
 MOST_PARTS = 50_000
-"""Most parts that are looked at in a round, beside those of all first intervals: where values are rounding errors, each
-round finds more parts that may lead to the highest one, and no end.  Outlines that touch at every vertex need nearly as
-many in their second round as there are intervals at first, and few in the third."""
+"""Most parts that are examined in a round, beside the parts of all first intervals: where values are rounding errors,
+each round finds more parts that may hold the highest value, without end.  Outlines that touch at every vertex need
+nearly as many in their second round as there are intervals at first, and few in the third."""
 
 BLOCK = 1 << 11
 """Places evaluated at once: few enough for the cache, and long motions do not fill the memory."""
@@ -52,8 +52,8 @@ BLOCK = 1 << 11
 class _Intervals(Columns):
     """k intervals, each of the function ``owner``, between the places ``low`` and ``high``; shape (k,) each.
 
-    ``at_low`` and ``at_high`` are the values there, whose difference has ``stayed`` for so many rounds, ``before`` and
-    ``after`` the slopes on either side.
+    ``at_low`` and ``at_high`` are the values there, whose difference has been the same for ``stayed`` rounds,
+    ``before`` and ``after`` the slopes on either side.
     """
 
     owner: IndexArray
@@ -67,7 +67,7 @@ class _Intervals(Columns):
 
     @property
     def rises(self) -> tuple[Array, Array]:
-        """How far the values would rise into each interval, from both its ends, at the slopes beside it."""
+        """Rise of the values into each interval, from both its ends, at the slopes beside it."""
         length = self.high - self.low
         return np.maximum(self.before, 0.0) * length, np.maximum(-self.after, 0.0) * length
 
@@ -81,18 +81,18 @@ class _Intervals(Columns):
 def largest_of_each(functions: Callable[[Array], Array], places: Array, missed: Array | float = 0.0) -> list[Extremum]:
     """The largest value of each of q functions between rising places, (n,), n > 1; one-sided limits at jumps count.
 
-    ``functions`` maps places (m,) to values (q, m).  Values are known to EVEN of themselves, or to ``missed``, (q,)
-    or one.
+    ``functions`` maps places (m,) to values (q, m).  Values are known to EVEN of themselves, or to ``missed``, (q,) or
+    one number.
     """
     values = _evaluated(functions, places)
     return largest_from(functions, places, values, np.broadcast_to(missed, len(values)))
 
 
 def largest_from(functions: Callable[[Array], Array], places: Array, values: Array, missed: Array) -> list[Extremum]:
-    """As ``largest_of_each``, where the values at the places are known, shape (q, n).
+    """As ``largest_of_each``, with known values at the places, shape (q, n).
 
     Largest values are known to ``missed`` (shape (q,)), or to EVEN of themselves where this is more.  Raises Unanswered
-    where values are told from each other only by rounding errors, which are more than that.
+    where values differ only by rounding errors that are more than that.
     """
     best = values.argmax(axis=1)
     top, at = values.max(axis=1), places[best]
@@ -120,7 +120,7 @@ def largest_from(functions: Callable[[Array], Array], places: Array, values: Arr
 
 
 def _evaluated(functions: Callable[[Array], Array], places: Array) -> Array:
-    """Values of shape (q, n), a block of rising places after the other; several functions may share an interval."""
+    """Values of shape (q, n), one block of rising places after the other; several functions may share an interval."""
     rising, number = np.unique(places, return_inverse=True)
     blocks = np.array_split(rising, -(-rising.size // BLOCK))
     return np.concatenate([functions(block) for block in blocks], axis=1)[:, number]
@@ -137,7 +137,7 @@ def _between(places: Array, values: Array) -> _Intervals:
 
 
 def _worth_cutting(left: _Intervals, top: Array, missed: Array) -> _Intervals:
-    """The intervals that may lead to more than is known, one of those that are alike."""
+    """The intervals that may lead to more than is known; one of equal intervals."""
     left = left.kept(left.bound > (top + missed)[left.owner])
     unit = np.maximum(ALIKE * missed, LEAST)[left.owner]
     seen = np.column_stack([left.at_low, left.at_high, *left.rises]) / unit[:, None]

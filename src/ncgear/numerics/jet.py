@@ -30,7 +30,7 @@ class Jet:
     coefficients: Array
 
     __array_ufunc__ = None
-    """Makes numpy leave the arithmetic to the jet where an array stands to the left of it."""
+    """Makes numpy leave the arithmetic to the jet where an array stands to its left."""
 
     @staticmethod
     def variable(points: ArrayLike, order: int) -> Jet:
@@ -153,7 +153,7 @@ def sinh_cosh(argument: Jet) -> tuple[Jet, Jet]:
 
 
 def _pair(a: Array, odd: np.ufunc, even: np.ufunc, sign: float) -> tuple[Jet, Jet]:
-    """Two functions, the derivative of the odd one being the even one, and the other way round times the sign."""
+    """Two functions: the odd one's derivative is the even one, the even one's is ``sign`` times the odd one."""
     sine, cosine = np.empty_like(a), np.empty_like(a)
     sine[0], cosine[0] = odd(a[0]), even(a[0])
     slopes, count = _slopes(a), _rows(a) - 1
@@ -177,7 +177,7 @@ def tanh(argument: Jet) -> Jet:
 
 
 def _counted(rows: Array) -> Array:
-    """1, 2, ... for the rows, so shaped that rows can be multiplied by it."""
+    """1, 2, ... for the rows, in a shape that multiplies rows."""
     return np.arange(1.0, len(rows) + 1.0).reshape(-1, *[1] * (rows.ndim - 1))
 
 
@@ -254,7 +254,7 @@ def arctan2(sine_side: Jet, cosine_side: Jet) -> Jet:
 
 
 def polynomial(coefficients: Sequence[float] | Array, argument: Jet) -> Jet:
-    """Polynomial by Horner, ``coefficients`` from the constant term up, (m,), or (m, n) for one of each point."""
+    """Polynomial by Horner, ``coefficients`` from the constant term up, (m,), or (m, n) with one for each point."""
     if len(coefficients) == 1:
         return argument * 0.0 + coefficients[0]
     a, count = argument.coefficients, _rows(argument.coefficients)
@@ -276,7 +276,7 @@ def joined(parts: Sequence[tuple[Mask, Jet]]) -> Jet:
 
 
 def by_other(values: Array, rate: Jet, speed: Jet) -> Jet:
-    """The jet by another variable x, one order more, of a function with these values, shape (n,), and slope ``rate``.
+    """The jet by another variable x, one order higher, of a function with these values, shape (n,), and slope ``rate``.
 
     ``rate`` is the derivative by x and ``speed`` = dt/dx, both jets by t of the same order: the next derivative by x is
     ``speed`` times the derivative by t of the one before.

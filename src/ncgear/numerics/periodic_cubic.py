@@ -1,9 +1,9 @@
 """Periodic cubic splines over one turn, and the integral of their exponential.
 
-The spline is made from its second derivatives at the knots, so that both sides of a knot have the same one to the last
-digit: C. de Boor, "A Practical Guide to Splines", Springer 1978, chapter IV.  Its exponential has Taylor series that
-converge everywhere; the cells on which a short one is right to rounding are found with a majorant series (A. Griewank,
-A. Walther, "Evaluating Derivatives", 2nd edition, SIAM 2008, chapter 13).
+The spline is made from its second derivatives at the knots, so both sides of a knot have the same to the last digit: C.
+de Boor, "A Practical Guide to Splines", Springer 1978, chapter IV.  Its exponential has Taylor series that converge
+everywhere; a majorant series finds the cells on which a short series is exact to rounding (A. Griewank, A. Walther,
+"Evaluating Derivatives", 2nd edition, SIAM 2008, chapter 13).
 """
 
 from __future__ import annotations
@@ -21,28 +21,29 @@ from ncgear.numerics.jet import Jet
 from ncgear.numerics.turn_integral import DEGREE, INTEGRATING, TurnIntegral, closed
 
 FEWEST_KNOTS = 3
-"""Knots of a turn that give each of them two different neighbours."""
+"""Fewest knots of a turn: each then has two different neighbours."""
 
 NEGLIGIBLE = 2.0**-54
-"""Share of the function that the left out terms of a cell's Taylor series may sum up to: half a rounding error."""
+"""Share of the function up to which the left out terms of a cell's Taylor series may sum: half a rounding error."""
 
 BEYOND = 12
-"""Terms of the majorant beyond ``DEGREE`` that are summed up; the others are far smaller, as each is than the last."""
+"""Terms of the majorant beyond ``DEGREE`` that are summed; further terms are far smaller, each than the last."""
 
 
 @dataclass(frozen=True, eq=False)
 class PeriodicCubic:
     """A cubic spline of period 2 pi with continuous second derivative.
 
-    ``knots`` (shape (n + 1,)) rise from 0 to 2 pi; ``coefficients`` (shape (4, n)) belong to 1, x, x^2 and x^3, x being
-    the distance from the knot below.
+    ``knots`` (shape (n + 1,)) rise from 0 to 2 pi; ``coefficients`` (shape (4, n)) belong to 1, x, x^2 and x^3, where x
+    is the distance from the knot below.
     """
 
     knots: Array
     coefficients: Array
 
     def at(self, angle: Array, order: int) -> Jet:
-        """Values with derivatives at angles in [0, 2 pi] rad, (n,); of the third, that after a knot (2 pi: before)."""
+        """Values with derivatives at angles in [0, 2 pi] rad, (n,); third derivatives hold after a knot (2 pi:
+        before)."""
         cell = np.minimum(np.searchsorted(self.knots, angle, side="right"), self.knots.size - 1) - 1
         third = self.coefficients[3, cell]
         beyond = angle - self.knots[cell]
@@ -62,7 +63,7 @@ class PeriodicCubic:
 
     @property
     def extremes(self) -> tuple[Extremum, Extremum]:
-        """Smallest and largest value, from the zeros of the parabola that the slope is between two knots."""
+        """Smallest and largest value, from the zeros of the slope, which is a parabola between two knots."""
         _, slope, bend, third = self.coefficients
         cells, widths = np.arange(slope.size), np.diff(self.knots)
         with np.errstate(invalid="ignore", divide="ignore"):
@@ -95,8 +96,8 @@ class PeriodicCubic:
     def _cells(self, short: Callable[[Array], Mask]) -> tuple[Array, Array, Array]:
         """Starts and widths of cells that are short enough, shape (m,), and the cubics there, shape (4, m).
 
-        The cells between two knots are halved until they are: ``short`` judges the sizes of the terms of x, x^2 and x^3
-        at the far end of each cell, shape (3, m).
+        The cells between two knots are halved until they are short: ``short`` judges the sizes of the terms of x, x^2
+        and x^3 at the far end of each cell, shape (3, m).
         """
         cell, shift, width = np.arange(self.knots.size - 1), np.zeros(self.knots.size - 1), np.diff(self.knots)
         done: list[tuple[Array, Array, Array]] = []
@@ -121,7 +122,7 @@ def _left_out(sizes: Array) -> Array:
 
 
 def periodic_cubic(knots: Array, values: Array) -> PeriodicCubic:
-    """The spline through values at three or more knots, rising from 0 to under 2 pi, (n,); raises ValueError else."""
+    """The spline through values at three or more knots, rising from 0 to under 2 pi, (n,); else raises ValueError."""
     closing = np.append(knots, 2.0 * pi)
     widths = np.diff(closing)
     if knots.size < FEWEST_KNOTS or knots[0] != 0.0 or not np.all(widths > 0.0):
@@ -137,7 +138,7 @@ def periodic_cubic(knots: Array, values: Array) -> PeriodicCubic:
 def _cyclic(before: Array, after: Array, right: Array) -> Array:
     """x of before_k x_(k-1) + 2 (before_k + after_k) x_k + after_k x_(k+1) = right_k, all periodic, shape (n,).
 
-    Gauss elimination without pivots, which the dominant diagonal does without; the two corners are a change of rank one
+    Gauss elimination without pivoting, which the dominant diagonal allows; the two corners are a change of rank one
     (Sherman and Morrison).  Numbers in lists are quicker here than arrays.
     """
     corner = float(before[0])

@@ -1,7 +1,7 @@
 """Functions of one angle as piecewise polynomials that are quick to evaluate at a single angle.
 
-Integrators ask for one angle at a time, where closed forms cost hundreds of microseconds and a table a few.  The slope
-that a table gives is the exact derivative of the value that it gives, as the balance of energy needs it.
+Integrators ask for one angle at a time, where closed forms cost hundreds of microseconds and a table a few.  A table's
+slope is the exact derivative of its value, as the balance of energy needs it.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ class PeriodicTable:
     def at(self, x: ArrayLike, slot: IndexArray | None = None) -> tuple[Array, Array]:
         """Values and slopes at x of any shape, the trailing axes appended.
 
-        With ``slot``, shape of x, those in one row of the first trailing axis at each x, the others appended.
+        With ``slot`` (shape of x) each x takes one row of the first trailing axis, and the other axes are appended.
         """
         turns, index, step = self.place(x)
         chosen: Any = index if slot is None else (index, slot)
@@ -45,7 +45,7 @@ class PeriodicTable:
         return value + np.reshape(turns, expanded) * self.rise, slope
 
     def values(self, x: ArrayLike, last: int) -> Array:
-        """Values at x of any shape of what has this number on the last axis, the other trailing axes appended."""
+        """Values at x of any shape of the functions ``last`` on the last axis, the other trailing axes appended."""
         turns, index, step = self.place(x)
         expanded = np.shape(x) + (1,) * (self.coefficients.ndim - 3)
         beyond = np.reshape(step, expanded)
@@ -65,8 +65,8 @@ class PeriodicTable:
 class PlaceByPlace:
     """A table at one place after the other, in plain numbers: a tenth of the time of arrays of one place.
 
-    ``rows`` are the coefficients, highest power first, of each function of the interval that was asked for last, nested
-    as the table's trailing axes are; ``index`` is the number of that interval.
+    ``rows`` are the coefficients, highest power first, of each function on the interval that was used last, nested as
+    the table's trailing axes are; ``index`` is the number of that interval.
     """
 
     def __init__(self, table: PeriodicTable) -> None:
@@ -75,7 +75,7 @@ class PlaceByPlace:
         self.index, self.rows = -1, list[Any]()
 
     def at(self, x: float) -> tuple[float, float]:
-        """Whole periods before x, and the distance from the break below, for which ``rows`` are."""
+        """Whole periods before x, and the distance from the break below, to which ``rows`` belong."""
         turns, local = divmod(x, self._period)
         if not self._low <= local < self._high:
             self.index = int(self._table.place(x)[1])
@@ -85,7 +85,7 @@ class PlaceByPlace:
 
 
 def with_slope(row: Sequence[float], step: float) -> tuple[float, float]:
-    """Value and slope of a polynomial, highest power first, at a distance from where it starts."""
+    """Value and slope of a polynomial, highest power first, at a distance from its start."""
     value, slope = row[0], 0.0
     for coefficient in row[1:]:
         slope = slope * step + value
@@ -94,7 +94,7 @@ def with_slope(row: Sequence[float], step: float) -> tuple[float, float]:
 
 
 def cubic(row: Sequence[float], step: float) -> tuple[float, float]:
-    """As ``with_slope`` of a cubic, in half the time."""
+    """As ``with_slope``, for a cubic, in half the time."""
     third, second, first, value = row
     return ((third * step + second) * step + first) * step + value, (3.0 * third * step + 2.0 * second) * step + first
 

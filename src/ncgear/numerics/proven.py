@@ -1,13 +1,12 @@
-"""Piecewise Chebyshev forms of formulas, proven to miss no feature of the formula, however narrow.
+"""Piecewise Chebyshev forms that are proven to miss no feature of their formula, however narrow.
 
-A form that is fitted to samples cannot know what lies between them.  Here every panel of it is divided into cells, and
-discs about the cells (``ncgear.numerics.discs``) prove that the formula is analytic so far around a cell that its
-values at a few points of the cell give it everywhere: a function within r of some number on the ellipse with foci at
-the cell's ends and half axes adding up to 3 half cells differs from its interpolant at n Chebyshev points by at most
-2 r 3^(1 - n).  At those points, which the fit has not used, formula and form are compared.  A cell without such a proof
-is halved; a panel whose form misses the formula is halved too.  What neither proves within the budget is refused with
-its place.  Source of the bound: L. N. Trefethen, "Approximation Theory and Approximation Practice", SIAM 2013,
-theorem 8.2.
+A form that is fitted to samples cannot know what lies between them.  Here every panel is divided into cells, and discs
+about the cells (``ncgear.numerics.discs``) prove that the formula is analytic so far around a cell that its values at a
+few points of the cell give it everywhere: a function within r of some number on the ellipse with foci at the cell's
+ends and half axes adding up to 3 half cells differs from its interpolant at n Chebyshev points by at most 2 r 3^(1 -
+n).  At those points, which the fit has not used, formula and form are compared.  A cell without such a proof is halved;
+a panel whose form misses the formula is halved too.  A formula without a proof within the budget is refused, with the
+place.  Source of the bound: L. N. Trefethen, "Approximation Theory and Approximation Practice", SIAM 2013, theorem 8.2.
 """
 
 from __future__ import annotations
@@ -25,21 +24,20 @@ POINTS = 41
 """Points at which a cell is compared: 3^-40 is 1e-19, so that a bound may be a million times the formula's size."""
 
 AROUND = 5.0 / 3.0
-"""Radius of the disc about a cell by its half width: half the sum of 3 and 1/3, the ellipse's longer half axis."""
+"""Radius of the disc about a cell over its half width: half the sum of 3 and 1/3, the ellipse's longer half axis."""
 
 AGREED = 1e-12
-"""How far a form may be from its formula, relative to the formula's size: what quantities of the design are held to."""
+"""Largest difference of a form from its formula over the formula's size: the accuracy of the design's quantities."""
 
 TAIL = 100.0
-"""How far, as a multiple of the size of the form's last coefficients, it may be beyond that: these sizes tell how far
-rounding errors of the formula itself go, and a point's error is the sum of many such."""
+"""Further difference that is allowed, as a multiple of the size of the form's last coefficients: these sizes show the
+rounding errors of the formula itself, and a point's error is the sum of many such."""
 
 HALVINGS = 45
-"""Most halvings of a panel into cells: a root at the panel's end, as of x^0.9, must be that near before it counts as
-nothing."""
+"""Most halvings of a panel into cells: beyond them a root at the panel's end, as of x^0.9, counts as nothing."""
 
 SHORT = 8
-"""Halvings after which a cell's values may be proven by their range: beside a root, where the disc holds no proof."""
+"""Halvings after which the range of a cell's values may prove it: beside a root, where the disc gives no proof."""
 
 MOST_CELLS = 20_000
 """Most cells at once for one form; a wave needs one for about three turns, so this is some 50 000 turns."""
@@ -48,17 +46,17 @@ MOST_PANELS = 2000
 """Most panels of a form: a wave needs two."""
 
 MOST_CHOICES = 200
-"""Most places where a formula may go over from one expression to another."""
+"""Most places where a formula may change from one expression to another."""
 
 AT_ONCE = 400
 """Cells that are compared together: 16 400 points, some megabytes for the longest formula."""
 
 SHAKEN_BY = 4.0 * np.finfo(float).eps
-"""Rounding errors of a formula's value, relative to the argument times the slope: some units of each operation that
-leads from the argument to where it changes fast."""
+"""Rounding errors of a formula's value, relative to the argument times the slope: some units of each operation from the
+argument to the place where it changes fast."""
 
 UNDECIDED = 1e-13
-"""Share of its largest value below which a condition counts as zero, so that it does not matter which side is taken."""
+"""Share of its largest value below which a condition counts as zero, so that either side may be taken."""
 
 
 def proven(formula: Formula, start: float, end: float) -> PiecewiseChebyshev:
@@ -78,7 +76,7 @@ def proven(formula: Formula, start: float, end: float) -> PiecewiseChebyshev:
 
 
 def smooth_parts(formula: Formula, start: float, end: float) -> list[tuple[float, float, Formula]]:
-    """Stretches of [start, end] with their one expression; raises NotSmooth for too many or unproven conditions."""
+    """Stretches of [start, end] of one expression each; raises NotSmooth for too many or unproven conditions."""
     done: list[tuple[float, float, Formula]] = []
     waiting = [(start, end, formula)]
     while waiting:
@@ -124,7 +122,7 @@ class _Panels:
 
 
 def _agreed(formula: Formula, panels: _Panels, sizes: Array) -> Mask:
-    """Which panels give the formula everywhere, of sizes that count; raises NotSmooth for too many cells."""
+    """Mask of panels that give the formula everywhere, by sizes that count; raises NotSmooth for too many cells."""
     allowed = AGREED * sizes + TAIL * np.abs(panels.coefficients[-3:]).max(axis=0)
     good = np.ones(panels.left.size, dtype=bool)
     left, right, owner = panels.left, panels.right, np.arange(panels.left.size)
@@ -141,13 +139,13 @@ def _agreed(formula: Formula, panels: _Panels, sizes: Array) -> Mask:
         middle = (left + right) / 2.0
         left, right = np.concatenate([left, middle]), np.concatenate([middle, right])
         owner = np.tile(owner, 2)
-    # The size that counts may not be known yet, beside a peak that is not resolved: shorter panels will tell.
+    # Beside an unresolved peak the size that counts may not be known yet: shorter panels will show it.
     good[owner] = False
     return good
 
 
 def _without_surprise(formula: Formula, left: Array, right: Array, allowed: Array, *, short: bool) -> Mask:
-    """Which cells have no more of the formula than their points show."""
+    """Mask of cells on which the formula has no more than their points show."""
     center, half = (left + right) / 2.0, (right - left) / 2.0
     spread = formula.spread(center, AROUND * half, real=False)
     smooth: Mask = 2.0 * spread * 3.0 ** (1 - POINTS) <= allowed
@@ -157,7 +155,7 @@ def _without_surprise(formula: Formula, left: Array, right: Array, allowed: Arra
 
 
 def _missed(formula: Formula, panels: _Panels, cells: tuple[Array, Array, IndexArray]) -> Array:
-    """The largest difference of formula and form at the points of each cell, shape (m,); infinite where it has none."""
+    """The largest difference of formula and form at the points of each cell, shape (m,); infinite without a value."""
     left, right, owner = cells
     worst = np.zeros(left.size)
     for first in range(0, left.size, AT_ONCE):

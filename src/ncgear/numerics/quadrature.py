@@ -1,4 +1,4 @@
-"""Gauss-Legendre quadrature between breaks, the integral of a slope as a judge of the function, high harmonics."""
+"""Gauss-Legendre quadrature between breaks, the integral of a slope as a judge of its function, high harmonics."""
 
 from __future__ import annotations
 
@@ -16,19 +16,19 @@ NODES = 16
 """Gauss points of a panel of ``integrated_slope``: exact to degree 31."""
 
 PANELS = 48
-"""Fewest panels between both ends, so that some 800 points look at a function of one panel."""
+"""Fewest panels between both ends, so that some 800 points judge a function of one panel."""
 
 SHARE = 0.382
-"""Share of a panel at which it is cut: no point of two halves of a half, which is where other forms have theirs."""
+"""Share of a panel at which it is cut: its points then differ from those of halves, which other forms use."""
 
 AGREED = 1e-14
 """Difference between a panel's integral and the function's growth, relative to all growth, that needs no cut."""
 
 CUTS = 12
-"""Most cuts of a panel, to a hundred thousandth of it; what differs then is a fault of the function or of its slope."""
+"""Most cuts of a panel, to a hundred thousandth of it; a difference then is a fault of the function or its slope."""
 
 MOST = 400
-"""Most panels beyond the first ones that are cut at once; more of them differ only by rounding errors of the values."""
+"""Most panels beyond the first ones that are cut at once; more panels differ only by rounding errors of the values."""
 
 
 def gauss_points(breaks: Array, nodes: int) -> tuple[Array, Array]:
@@ -41,8 +41,8 @@ def integrated_slope(function: Callable[[Array], Jet], breaks: Array) -> float:
     """Integral of a function's derivative between the first and the last break, by points of its own.
 
     ``function`` maps points (shape (n,)) to a jet of order 1 or more; it is smooth between breaks.  Panels on which the
-    integral differs from the growth of the function's values are cut until they agree or are too narrow.  What the
-    result then differs from the growth over the whole is what value and derivative disagree about.
+    integral differs from the growth of the function's values are cut until they agree or are too narrow.  A remaining
+    difference of the result from the growth over the whole is a disagreement of value and derivative.
     """
     each = -(-PANELS // (breaks.size - 1))
     starts = breaks[:-1, None] + np.diff(breaks)[:, None] * np.arange(each) / each
@@ -81,7 +81,7 @@ def rms_above(points: Array, weights: Array, values: Array, order: int) -> float
     """Root mean square of a function's harmonics above an order; with order 0 only the mean is left out.
 
     Points of a quadrature over one period, their weights and the function's values have shape (n,).  Harmonics are
-    taken off the values before these are squared, so that little is lost where little is left.
+    subtracted from the values before these are squared, so that little is lost where little is left.
     """
     period = float(np.sum(weights))
     rest = values - float(np.sum(weights * values)) / period

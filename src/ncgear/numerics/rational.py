@@ -23,7 +23,7 @@ from ncgear.numerics.jet import Jet
 class Spans:
     """Consecutive spans of one curve: ``breaks`` (shape (m + 1,)) rise strictly.
 
-    ``coefficients`` (shape (degree + 1, m, 3)) are those of w x, w y and w in rising powers of the distance from the
+    ``coefficients`` (shape (degree + 1, m, 3)) belong to w x, w y and w in rising powers of the distance from the
     span's start.
     """
 

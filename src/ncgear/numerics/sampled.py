@@ -21,12 +21,12 @@ from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.zeros import zeros_between
 
 LAST = 3
-"""How many of the last coefficients tell whether a function is resolved: even and odd ones, and one to spare, since one
+"""Number of last coefficients that show whether a function is resolved: even and odd ones, and one to spare, since one
 may be zero by chance."""
 
 NEGLIGIBLE = 1e-13
-"""A top between two points is looked for only if it may exceed the largest value by more than this share of it;
-rounding errors of the slopes make less."""
+"""A top between two points is searched only if it may exceed the largest value by more than this share of it; rounding
+errors of the slopes make less."""
 
 HIGHER = 0.5
 """Share of its largest second difference along the points by which a function may exceed its largest value at them.
@@ -40,8 +40,8 @@ NEWTON_STEPS = 3
 """Newton's steps to the place of a top from the zero of the line through the slopes at two neighbouring points."""
 
 LAST_STEP = 1e-6
-"""Share of a piece: after a last step under it a place and the value there are as exact as rounding allows; the others
-are bracketed."""
+"""Share of a piece: after a last step below it a place and the value there are as exact as rounding allows; other
+places are bracketed."""
 
 
 @cache
@@ -59,7 +59,7 @@ def integration(count: int) -> Array:
 
 
 def integrated(values: Array) -> Array:
-    """Integral over all pieces of values per share of the piece, shape (pieces, count, n), as shape (n,)."""
+    """Integral over all pieces of values per share of the piece, from shape (pieces, count, n) to shape (n,)."""
     return (integration(values.shape[-2])[-1] @ values).sum(axis=0)
 
 
@@ -92,17 +92,17 @@ class Functions:
 
     @cached_property
     def higher(self) -> Array:
-        """By how much a function may exceed its largest value at the points, shape (p, n)."""
+        """Largest possible excess of a function over its largest value at the points, shape (p, n)."""
         steps = np.diff(self.values, axis=1)
         bends = np.subtract(steps[:, 1:], steps[:, :-1], out=steps[:, 1:])
         return HIGHER * np.maximum(bends.max(axis=1), -bends.min(axis=1))
 
 
 class Sought(NamedTuple):
-    """Functions, which of them count (shape (p, n)), and signs.
+    """Functions, the mask of functions that count (shape (p, n)), and signs.
 
-    The sign 1 seeks the largest value, -1 the largest of the negative ones, both together the largest magnitude.  Where
-    a ``limit`` is given, only whether the largest value exceeds it is asked.
+    The sign 1 seeks the largest value, -1 the largest of minus the values, both together the largest magnitude.  With a
+    ``limit``, only whether the largest value exceeds it matters.
     """
 
     functions: Functions
@@ -112,7 +112,7 @@ class Sought(NamedTuple):
 
 
 def extremes(sought: Sequence[Sought]) -> list[Array]:
-    """The largest value with any of the signs of each owner's functions, (n,) for each sought; -inf without any."""
+    """The largest value with any of the signs over each owner's functions, (n,) for each sought; -inf without any."""
     best, chosen, owners = list[Array](), list[Array](), list[IndexArray]()
     for functions, there, signs, limit in sought:
         ends = [np.where(there, functions.high if sign > 0.0 else -functions.low, -np.inf) for sign in signs]
@@ -167,10 +167,10 @@ def _reach(values: Array, slopes: Array, row: IndexArray, place: IndexArray) -> 
 
 
 def _turned(values: Array, slopes: Array, row: IndexArray, place: IndexArray) -> tuple[Array, Array]:
-    """Where the slope of functions (shape (count, k)) changes sign after a point, and their values there; shape (k,).
+    """Places where the slope of functions (shape (count, k)) changes sign after a point, and values there; shape (k,).
 
-    ``slopes`` has the slopes of all functions at the points, ``row`` and ``place`` say which ones and after which
-    point.  The value after the last step is that of the parabola there, exact to the third power of the step.
+    ``slopes`` has the slopes of all functions at the points, ``row`` and ``place`` are the functions' numbers and the
+    points.  The value after the last step is the parabola's there, exact to the third power of the step.
     """
     points = shares(len(values))
     low, high, before, after = points[place], points[place + 1], slopes[place, row], slopes[place + 1, row]
@@ -204,7 +204,7 @@ def _coefficients(count: int) -> Array:
 
 @cache
 def _series(count: int) -> tuple[Array, Array, Array]:
-    """Matrices from values at the points to the function's coefficients, to those of its slope and of its bend."""
+    """Matrices from values at the points to the coefficients of the function, of its slope and of its bend."""
     slope = np.vstack([2.0 * chebyshev.chebder(np.eye(count), axis=0), np.zeros(count)])
     return _coefficients(count), slope @ _coefficients(count), slope @ slope @ _coefficients(count)
 

@@ -1,9 +1,9 @@
-"""A function of one variable as a list of operations, each on results before it: run on jets, on discs, differentiated.
+"""A function of one variable as a list of operations, each on earlier results: run on jets, on discs, differentiated.
 
 Equal operations are stored once, and operations on numbers are done at once, so that a formula costs no more than its
-text is long, and so that ``u*u`` and ``sqrt(u**2)`` are known for what they are.  A function with absolute values,
-``min``, ``max``, ``sign`` or conditions holds choices: one result where another is negative, a second one elsewhere.
-``chosen`` gives the function of either side alone, which goes on smoothly beyond the place where the choice changes.
+text is long, and ``u*u`` and ``sqrt(u**2)`` are recognised.  A function with absolute values, ``min``, ``max``,
+``sign`` or conditions holds choices: one result where another is negative, a second one elsewhere. ``chosen`` gives the
+function of either side alone, which goes on smoothly beyond the place where the choice changes.
 """
 
 from __future__ import annotations
@@ -44,14 +44,14 @@ class Operation:
 
 
 class Writer:
-    """Writes operations one after the other, each different one once; every method returns the place of a result."""
+    """Writes operations one after the other, equal ones once; every method returns the place of a result."""
 
     def __init__(self) -> None:
         self.operations: list[Operation] = []
         self._places: dict[Operation, int] = {}
 
     def append(self, operation: Operation) -> int:
-        """The place of an operation's result, which is the earlier one where there is an equal operation."""
+        """The place of an operation's result; an equal earlier operation keeps its place."""
         place = self._places.setdefault(operation, len(self.operations))
         if place == len(self.operations):
             self.operations.append(operation)
@@ -62,7 +62,7 @@ class Writer:
         return self.append(Operation(VARIABLE))
 
     def number(self, value: float) -> int:
-        """A constant; raises NotReal for what is no finite real number."""
+        """A constant; raises NotReal for a value that is no finite real number."""
         try:
             number = float(value)
         except (TypeError, ValueError, OverflowError):
@@ -72,7 +72,7 @@ class Writer:
         return self.append(Operation(NUMBER, number=number))
 
     def constant(self, place: int) -> float | None:
-        """The value of a result that is a number, None where it is none."""
+        """The value of a result that is a number, None for other results."""
         operation = self.operations[place]
         return operation.number if operation.name == NUMBER else None
 
@@ -115,7 +115,7 @@ class Writer:
         return self.choice(place, self.apply("negative", place), place)
 
     def choice(self, condition: int, negative: int, otherwise: int) -> int:
-        """One result where a condition is negative, another one elsewhere."""
+        """One result where a condition is negative, another result elsewhere."""
         value = self.constant(condition)
         if value is not None:
             return negative if value < 0.0 else otherwise
@@ -152,7 +152,7 @@ class Writer:
 
 @dataclass(frozen=True)
 class Tape:
-    """Operations, each on results of those before it; the last one's result is the function's value."""
+    """Operations, each on earlier results; the last one's result is the function's value."""
 
     operations: tuple[Operation, ...]
 
@@ -183,7 +183,7 @@ class Tape:
 
     @cached_property
     def first_condition(self) -> Tape | None:
-        """What the first choice depends on, which holds no choice itself; None where there is none."""
+        """The condition of the first choice, which holds no choice itself; None without choices."""
         place = self._first_choice
         return None if place is None else self._written().tape(self.operations[place].operands[0])
 
@@ -198,12 +198,12 @@ class Tape:
         return writer.tape(places[-1])
 
     def reciprocal(self) -> Tape:
-        """One by the function; raises NotReal for the number zero."""
+        """One divided by the function; raises NotReal for the number zero."""
         writer = self._written()
         return writer.tape(writer.apply("/", writer.number(1.0), len(self.operations) - 1))
 
     def of(self, inner: Tape) -> Tape:
-        """The function of the result of another tape in the place of the variable."""
+        """The function with the result of another tape in the place of the variable."""
         writer, places = inner._written(), list[int]()
         for operation in self.operations:
             found = len(inner.operations) - 1
@@ -213,7 +213,7 @@ class Tape:
         return writer.tape(places[-1])
 
     def derivative(self) -> Tape:
-        """The derivative by the variable; that of a choice is the choice of the derivatives."""
+        """The derivative by the variable; for a choice, the choice of the derivatives."""
         writer, slopes = self._written(), list[int]()
         for place, operation in enumerate(self.operations):
             slopes.append(_slope(writer, operation, place, [slopes[operand] for operand in operation.operands]))

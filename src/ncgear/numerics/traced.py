@@ -1,8 +1,8 @@
-"""The formula of a Python function of one variable, by calling it once with a symbol that writes down what is done.
+"""The formula of a Python function of one variable, by calling it once with a symbol that writes down the operations.
 
-What comes out is text that ``ncgear.numerics.formula`` reads, so the function becomes a formula with everything that is
-proven of formulas.  That works for functions that do arithmetic and call functions of numpy; one that looks at the
-number itself, as ``math.sin``, ``if`` and tables do, cannot be written down.
+The result is text that ``ncgear.numerics.formula`` reads, so the function becomes a formula with all proofs of
+formulas.  This works for functions that do arithmetic and call functions of numpy; a function that needs the number
+itself, as ``math.sin``, ``if`` and tables do, cannot be written down.
 """
 
 from __future__ import annotations
@@ -55,7 +55,7 @@ def _text(value: Any) -> str:
 
 
 def formula_of(function: Callable[[Any], Any], variable: str) -> str:
-    """The formula of a function of one variable, named ``variable``; raises NotTraced where it is none."""
+    """The formula of a function of one variable, named ``variable``; raises NotTraced where it has none."""
     try:
         return _text(function(Symbol(variable)))
     except NotTraced:

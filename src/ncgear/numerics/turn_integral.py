@@ -22,7 +22,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
 
 DEGREE = 12
-"""Degree of the Taylor polynomials; whoever makes them chooses cells so short that they are right to rounding."""
+"""Degree of the Taylor polynomials; the cells must be so short that these are exact to rounding."""
 
 NEWTON_STEPS = 20
 """Most steps to an inverse; convergence is quadratic."""
@@ -32,10 +32,9 @@ NEWTON_STEPS = 20
 class TurnIntegral:
     """F(t) = integral of f from 0 to t, divided by the mean of f, so that F(2 pi) = 2 pi.
 
-    ``values`` (shape (N + 1,)) are F at N + 1 rising ``nodes`` from 0 to 2 pi; ``coefficients`` (shape
-    (DEGREE + 1, N + 1)) are the coefficients of f / mean in powers of the distance from each node; ``starts`` (shape
-    (N + 1,)) are the arguments from which on each node is the one to count from; ``bend`` is the largest |f'/f| at a
-    node.
+    ``values`` (shape (N + 1,)) are F at N + 1 rising ``nodes`` from 0 to 2 pi; ``coefficients`` (shape (DEGREE + 1, N +
+    1)) are the coefficients of f / mean in powers of the distance from each node; ``starts`` (shape (N + 1,)) are the
+    arguments from which on each node counts; ``bend`` is the largest |f'/f| at a node.
     """
 
     mean: float
@@ -69,14 +68,14 @@ class TurnIntegral:
             integral, rate = _integral_and_rate(pairs, distance)
             step = (integral - target) / rate
             distance = distance - step
-            # Newton's next step is the square of this one times half the bend of the function, or less.
+            # Newton's next step is at most the square of this one times half the bend of the function.
             if not step.size or np.max(np.abs(step)) ** 2 * self.bend <= 1e-16:
                 return distance
         raise Unanswered("the integral of a periodic function could not be inverted")
 
 
 def closed(periodic: Array) -> Array:
-    """The values at the nodes, shape (..., N), with the first one repeated at the end."""
+    """The values at the nodes, shape (..., N), with the first value repeated at the end."""
     return np.concatenate([periodic, periodic[..., :1]], axis=-1)
 
 
@@ -90,11 +89,11 @@ def _integral_and_rate(pairs: Array, distance: Array) -> tuple[Array, Array]:
 
 
 INTEGRATING = 1.0 / np.arange(1.0, DEGREE + 2.0)[:, None]
-"""What each coefficient's integral is divided by."""
+"""Factor of each coefficient in the integral."""
 
 
 RESOLVED = 4e-15
-"""Share of the largest coefficient below which the upper quarter of them counts as rounding error."""
+"""Share of the largest coefficient below which the upper quarter of the coefficients counts as rounding error."""
 
 MOST_NODES = 1 << 18
 """Most nodes; a function that needs more is noise.  A thousand harmonics with all their products need less."""
@@ -103,7 +102,7 @@ MOST_NODES = 1 << 18
 def turn_integral(sampled: Callable[[int], Array], fewest: int) -> TurnIntegral:
     """The integral of a positive function by its values ``sampled(N)`` at N even points of [0, 2 pi).
 
-    N is doubled from ``fewest`` (a power of two) until it is resolved; raises Unanswered where MOST_NODES do not.
+    N is doubled from ``fewest`` (a power of two) until it is enough; raises Unanswered where MOST_NODES are too few.
     """
     count = fewest
     while count <= MOST_NODES:
@@ -117,7 +116,7 @@ def turn_integral(sampled: Callable[[int], Array], fewest: int) -> TurnIntegral:
 
 
 def _integrated(samples: Array, spectrum: ComplexArray) -> TurnIntegral:
-    """Each of the N nodes is the one to count from up to half a node away.
+    """Each of the N nodes counts up to half a node away.
 
     There the Taylor polynomial misses wave j by (pi j/N)^13 / 13! of its size: by 2e-10 for the shortest wave, which is
     itself rounding error, and by 1e-17 or less for waves up to N/8.

@@ -23,7 +23,7 @@ CM3_PER_MM3 = 1e-3
 """One mm3 in cm3."""
 
 STANDARD_GRAVITY_M_S2 = 9.80665
-"""Acceleration of gravity where none is given: the standard one (3rd General Conference on Weights and Measures)."""
+"""Acceleration of gravity where none is given: the standard value (3rd General Conference on Weights and Measures)."""
 
 UNITS = {
     "c": "\u00b0C",
@@ -85,16 +85,16 @@ def label_and_unit(key: str) -> tuple[str, str]:
 
 
 RESOLVED = 1e-6
-"""Share of a turn below which the place of an extreme is 0: where a value is least or largest it changes with the
-square of the way, so that of sixteen digits of a value eight tell its place, and a few of them go in a search."""
+"""Share of a turn below which the place of an extreme is 0: near it the value changes with the square of the way, so of
+sixteen digits of a value eight give its place, and a search loses a few of them."""
 
 
 def placed_rad(angle_rad: float) -> float:
-    """An angle that says where something is, in rad: what is not resolved beside a turn is 0."""
+    """An angle of a place in rad: 0 for an angle that is not resolved beside a turn."""
     return 0.0 if abs(angle_rad) < RESOLVED * 2.0 * pi else angle_rad
 
 
 def in_words(angle_rad: float) -> str:
-    """``4.465 rad (255.8 deg)``; what is not resolved beside a turn is zero."""
+    """``4.465 rad (255.8 deg)``; an angle that is not resolved beside a turn is zero."""
     placed = placed_rad(angle_rad)
     return f"{placed:.6g} rad ({degrees(placed):.4g} deg)"

@@ -50,7 +50,7 @@ def first_zeros(function: Callable[[IndexArray, Array], Array], cuts: list[Array
     piece = ((start + end) / 2.0).astype(int)
     share = start + (end - start) * (place + 1.0) / 2.0 - piece
     zeros = np.array([cut[-1] for cut in cuts], dtype=float)
-    # Backwards, so that of several zeros in an interval the first is what stays.
+    # Backwards, so that of several zeros in an interval the first one stays.
     zeros[owner[piece][::-1]] = (first[piece] + (last - first)[piece] * share)[::-1]
     return zeros
 
@@ -66,24 +66,24 @@ def all_zeros(form: PiecewiseChebyshev) -> Array:
 
 
 EVEN = 0.3
-"""Share of a series' mean slope by which its slope may differ where its zero is sought by Newton's method.  No step
-then leaves more than six sevenths of the error, and far less of a small one."""
+"""Share of a series' mean slope by which its slope may differ where Newton's method seeks its zero.  No step then
+leaves more than six sevenths of the error, and far less of a small error."""
 
 NEWTON_STEPS = 200
-"""Most steps to the zero of a series of nearly even slope; five do as a rule."""
+"""Most steps to the zero of a series of nearly even slope; five are enough as a rule."""
 
 LAST_STEP = 1e-10
-"""Step after which a zero counts as found: what it leaves is about its square."""
+"""Step after which a zero counts as found: its error is about the square of the step."""
 
 HALVED = 10
-"""Rounds of halving series of which bounds do not tell whether they are positive, or fall evenly.  Two do as a rule;
-where a series only touches zero none does, and eigenvalues tell."""
+"""Rounds of halving series whose bounds do not show whether they are positive, or fall evenly.  Two are enough as a
+rule; where a series only touches zero no number is, and eigenvalues decide."""
 
 
 def _first_zeros_of_series(coefficients: Array) -> Array:
     """Smallest places in [-1, 1] at which series (degree + 1, m) are not positive, NaN for none, by halving."""
     degree, count = len(coefficients) - 1, coefficients.shape[1]
-    # The first part of each series that has a zero for certain, as far as is known: both ends, and values there.
+    # The first part of each series that certainly has a zero, as far as is known: both ends, and values there.
     first = np.full((4, count), np.inf)
     row, left, right, parts = np.arange(count), -np.ones(count), np.ones(count), coefficients
     for _ in range(HALVED):
@@ -109,14 +109,14 @@ def _first_zeros_of_series(coefficients: Array) -> Array:
 
 
 def _keep_first(first: Array, row: IndexArray, parts: Array) -> None:
-    """Note parts of rows (shape (4, n)) where they begin before those of ``first``, shape (4, m)."""
+    """Keeps parts of rows (shape (4, n)) that begin before those of ``first``, shape (4, m)."""
     for number in np.nonzero(parts[0] < first[0, row])[0]:
         if parts[0, number] < first[0, row[number]]:
             first[:, row[number]] = parts[:, number]
 
 
 def _zeros_of_falling_series(coefficients: Array, ends: Array, values: Array) -> Array:
-    """Zeros of series that fall evenly between ``ends``, from positive ``values`` to others (shape (2, m) both)."""
+    """Zeros of series that fall evenly between ``ends``, from positive ``values`` to others, shape (2, m) both."""
     slope = chebyshev.differentiation_matrix(len(coefficients) - 1) @ coefficients
     at: Array = np.clip((ends[0] * values[1] - ends[1] * values[0]) / (values[1] - values[0]), *ends)
     for _ in range(NEWTON_STEPS):
@@ -143,11 +143,11 @@ def _real_roots(coefficients: Array) -> Array:
 
 
 MOST_STEPS = 200
-"""Most steps.  Bisection alone needs 100 for the 32 digits down to a zero at zero; the method needs few more."""
+"""Most steps.  Bisection alone needs 100 for the 32 digits down to a zero at zero; this method needs few more."""
 
 CLOSE = 4.0 * np.finfo(float).eps
-"""Width of a bracket, relative to the zero, at which the zero counts as found.  For a zero at 0, the width relative to
-the first bracket must come down to the square of this."""
+"""Width of a bracket over the zero at which the zero counts as found.  For a zero at 0, the width over the first
+bracket's width must come down to the square of this."""
 
 
 AT_AN_END = 1e-9
@@ -156,17 +156,17 @@ may miss it by the function's rounding errors."""
 
 
 Known = tuple[Array, Array] | None
-"""Values of a function at both ends of brackets, where they are known before."""
+"""Known values of a function at both ends of brackets."""
 
 
 def zeros_between(function: Callable[[Array], Array], low: Array, high: Array, known: Known = None) -> Array:
-    """A zero in each [low, high] (shape (n,)), at whose ends the function has different signs, or is zero at one.
+    """A zero in each [low, high] (shape (n,)); at the ends the function has different signs, or is zero at one.
 
-    The function maps points of shape (n,), one of each bracket, to values; those at both ends may be ``known``.  An
-    infinite value has a sign, and halves the bracket: where the function jumps to it, the zero is that point beside
-    the jump at which it is finite.  Where the function is nothing but rounding errors, its sign at a point depends on
-    the other points.  Raises Unanswered, with the numbers of brackets, where it is no number, or has one sign at both
-    ends.
+    The function maps points of shape (n,), one for each bracket, to values; the values at both ends may be ``known``.
+    An infinite value has a sign, and halves the bracket: where the function jumps to infinity, the zero is the point
+    beside the jump at which it is finite.  Where the function has only rounding errors, its sign at a point depends on
+    the other points.  Raises Unanswered, with the numbers of brackets, where a value is no number, or has one sign at
+    both ends.
     """
     new, old = low, high
     value, old_value = _zero_at_an_end((low, high), *(known or (function(low), function(high))))
@@ -211,7 +211,7 @@ def _no_zero(failed: Mask, low: Array, high: Array, why: str) -> Unanswered:
 
 
 def _next_share(points: tuple[Array, Array, Array], values: tuple[Array, Array, Array], least: Array) -> Array:
-    """Where to look next between the newest point and the one across the zero: inverse quadratic, or the middle."""
+    """Share of the way from the newest point to the point across the zero: by an inverse quadratic, or the middle."""
     (a, b, c), (fa, fb, fc) = points, values
     place, height = (a - b) / (c - b), (fa - fb) / (fc - fb)
     trusted: Mask = (height**2 < place) & ((1.0 - height) ** 2 < 1.0 - place)
@@ -220,10 +220,10 @@ def _next_share(points: tuple[Array, Array, Array], values: tuple[Array, Array, 
 
 
 SLOWEST = 0.5
-"""Share of a function's value that a step of Newton's method may leave; after a slower one a bracket is halved."""
+"""Share of a function's value that a Newton step may leave; after a slower step a bracket is halved."""
 
 BySlope = Callable[[Array, IndexArray], tuple[Array, Array]]
-"""From points and the numbers of their brackets to a function's values and slopes, shape (n,) each."""
+"""Function of points and the numbers of their brackets: values and slopes, shape (n,) each."""
 
 
 def zeros_by_slope(
@@ -231,10 +231,10 @@ def zeros_by_slope(
 ) -> Array:
     """Places beside zeros between points (shape (n,)) at which a function is ``positive``, and ``other`` points.
 
-    Its ``values`` at both are given.  At the places they are not negative, and no greater than twice ``within``; but
-    where the function jumps, the places are as near to the jump as numbers tell.  Newton's steps, and halves of
-    brackets where they lead out of them or do not gain; what is no number counts as not positive.  Raises
-    Unanswered where a given value has the wrong sign.
+    Its ``values`` at both are given.  At the places it is zero or more, and at most twice ``within``; where the
+    function jumps, the places are as near to the jump as numbers can be.  Newton's steps, and halves of brackets where
+    a step leads out of them or gains too little; a value that is no number counts as not positive.  Raises Unanswered
+    where a given value has the wrong sign.
     """
     if np.any(wrong := ~(values[0] >= 0.0) | (values[1] > 0.0)):
         raise _no_zero(wrong, positive, other, "does not have different signs")
@@ -246,7 +246,7 @@ def zeros_by_slope(
         value, slope = function(at, row)
         above = value > 0.0
         good[row], bad[row] = np.where(above, at, good[row]), np.where(above, bad[row], at)
-        # Sought is a value of ``within``, so that rounding leaves a positive one.
+        # The target is ``within``, so that rounding leaves a positive value.
         missing = value - within
         near, far = good[row], bad[row]
         found = above & (np.abs(missing) <= within)
@@ -269,7 +269,7 @@ def real_roots(coefficients: Array, imaginary: float = np.inf) -> Array:
     degree, count = len(coefficients) - 1, coefficients.shape[1]
     zeros = np.full((degree, count), np.nan, dtype=complex)
     with np.errstate(all="ignore"):
-        # numpy's companion matrix with its rows and columns turned round, which keeps small zeros accurate.
+        # numpy's companion matrix with its rows and columns reversed, which keeps small zeros accurate.
         last = -coefficients[-2::-1] / coefficients[-1]
         regular = np.isfinite(last).all(axis=0)
         companion = np.zeros((int(regular.sum()), degree, degree))

@@ -1,6 +1,6 @@
 """Arc length of pitch curves by the driving angle, and the driving angle by arc length.
 
-The length of a law's curves is that of both gears, at unit centre distance.  Both maps continue periodically over any
+Both curves of a law have the same length, given here at unit centre distance.  Both maps continue periodically over any
 number of turns.
 """
 
@@ -55,8 +55,8 @@ class ArcMaps:
 
 
 FEW = 4
-"""Answers that wait for the other gear: whoever asks of both asks of one soon after the other, and many more would pile
-up where one gear alone is asked."""
+"""Most answers that wait for the other gear: callers ask for both gears soon after each other, and without a limit
+answers would pile up where one gear alone is asked."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,7 +67,7 @@ class ArcLength(ArcMaps):
     _asked: dict[bytes, Jet] = field(default_factory=dict, repr=False)
 
     def driven_angle(self, phi1: Array) -> Jet:
-        """The law with three derivatives, shape (n,); the last FEW answers wait for the other gear to ask the same."""
+        """The law with three derivatives, shape (n,); the last FEW answers are kept for the other gear."""
         key = phi1.tobytes()
         if (known := self._asked.pop(key, None)) is not None:
             return known

@@ -1,18 +1,18 @@
-"""What a motor with a lobed sun, round planets and a lobed ring displaces, and what pressure does to its planets.
+"""Displacement of a motor with a lobed sun, round planets and a lobed ring, and forces of pressure on its planets.
 
 A chamber lies between two neighbouring planets, the sun and the ring; pitch curves stand for the teeth, as they do in
-``pumped``: sealed is where curves touch.  With the notation of ``lobed``, the trailing planet of a chamber is at the
-place g = phi + chi and the leading one at g + 2 pi / N.  A pressure p in the chamber pushes the planet ahead with
-2 rho cos(eta) p per width, square to the line from the axis O through both contacts, which share it; the sun takes the
-pressure on its own curve besides.  Together they turn the sun with p (r R / 2), ahead less behind, so that the
-chamber's area grows with the sun's angle alpha, r R being d^2 - rho^2, by
+``pumped``: the seal is where curves touch.  With the notation of ``lobed``, the trailing planet of a chamber is at the
+place g = phi + chi and the leading one at g + 2 pi / N.  A pressure p in the chamber pushes the planet ahead with 2 rho
+cos(eta) p per width, square to the line from the axis O through both contacts, which share the push; the sun also takes
+the pressure on its own curve.  Together they turn the sun with p (r R / 2), ahead less behind, where r R = d^2 - rho^2,
+so the chamber's area grows with the sun's angle alpha by
 
     dA/dalpha = (d_ahead^2 - d_behind^2) / 2.
 
-Each chamber goes through n N / (n + N) cycles in a turn of the sun against the ring, all n + N through n N, and so
-the motor displaces n N (A_most - A_least) in a turn.  Chambers are of the least area where a lobe of the sun meets a
-hump of the ring, and of the greatest where a hollow meets a lobe's top: these dead spaces stand still to the ring, and
-ports lie between them.
+Each chamber goes through n N / (n + N) cycles in a turn of the sun against the ring, all n + N chambers through n N
+cycles, so the motor displaces n N (A_most - A_least) in a turn.  Chambers are of the least area where a lobe of the sun
+meets a hump of the ring, and of the greatest where a hollow meets a lobe's top: these dead spaces stand still to the
+ring, and ports lie between them.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ from ncgear.numerics.zeros import all_zeros
 from ncgear.pitch.lobed import LobedCurves
 
 PLACES = 241
-"""Places over a period at which flow and forces are first looked at; both are smooth but for kinks and jumps."""
+"""Places over a period at which flow and forces are first computed; both are smooth but for kinks and jumps."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ class Chambers:
 
     @property
     def step_rad(self) -> float:
-        """How far the next planet's place is ahead."""
+        """Distance from a planet's place to the next planet's place."""
         return 2.0 * pi / self.curves.ring_lobes
 
     @property
@@ -108,7 +108,7 @@ class Chambers:
         for form in self._swept:
             area -= _continued(form, ahead, self.curves.lobe_rad) - _continued(form, behind, self.curves.lobe_rad)
         for phi, side in ((behind, -1.0), (ahead, 1.0)):
-            # The planet's part on the chamber's side of the line through its contacts.
+            # The part of the planet on the chamber's side of the line through its contacts.
             lean = 2.0 * side * self.curves.lean_rad(phi)
             area -= self.curves.planet_radius_mm**2 / 2.0 * (pi + lean + np.sin(lean))
         return area
@@ -143,7 +143,7 @@ class Chambers:
 
     @property
     def per_turn_mm3(self) -> float:
-        """What the motor displaces in a turn of the sun against the ring."""
+        """Volume that the motor displaces in a turn of the sun against the ring."""
         least, most = self.dead_spaces
         return self.curves.sun_lobes * self.curves.ring_lobes * (most.area_mm2 - least.area_mm2) * self.width_mm
 
@@ -152,7 +152,7 @@ class Chambers:
         return np.arange(self.count)[:, None] * self.step_rad - alpha_rad
 
     def flow_mm3(self, alpha_rad: Array) -> Array:
-        """What growing chambers take up in mm^3 per rad of the sun, shape (n,): also the torque in N mm per N/mm^2."""
+        """Flow into growing chambers in mm^3 per rad of the sun, shape (n,): also the torque in N mm per N/mm^2."""
         rates = self.rate_mm2(self.places_rad(alpha_rad).ravel()).reshape(self.count, -1)
         return np.asarray(self.width_mm * np.maximum(rates, 0.0).sum(axis=0))
 
@@ -173,20 +173,21 @@ class Chambers:
 
     @property
     def pulses(self) -> int:
-        """Pulses of the flow in a turn of the sun: chambers in step pulse as one; growth begins and ends in turn."""
+        """Pulses of the flow in a turn of the sun: chambers in step pulse as one; an odd number of phases pulses
+        twice."""
         lobes = self.curves.sun_lobes, self.curves.ring_lobes
         apart = self.count // gcd(*lobes)
         return lcm(*lobes) * (2 if apart % 2 else 1)
 
     def push_n(self, place_rad: Array, pressure_mpa: float) -> Array:
-        """Force of the pressure on a planet at a place, ahead positive; growing chambers are under pressure."""
+        """Force of the pressure in N on a planet at a place, ahead positive; pressure acts in growing chambers."""
         behind, ahead = self.rate_mm2(place_rad - self.step_rad) > 0.0, self.rate_mm2(place_rad) > 0.0
         _, cosine, _ = self.curves.sun(self.contact_rad(place_rad), 0)
         across = 2.0 * self.curves.planet_radius_mm * cosine.value * self.width_mm
         return np.asarray(pressure_mpa * across * (behind.astype(float) - ahead))
 
     def tooth_force_n(self, place_rad: Array, pressure_mpa: float, rack_angle_rad: float) -> Array:
-        """Normal force of a planet's teeth on the sun's, and on the ring's alike.
+        """Normal force in N of a planet's teeth on the sun's teeth, and on the ring's teeth alike.
 
         The push goes through the planet's centre and is square to the line of both contacts, so each takes half of it;
         flanks stand at the rack's angle to the pitch curves, which lean by eta from the push.
@@ -196,21 +197,21 @@ class Chambers:
         return np.abs(push) / 2.0 / np.cos(rack_angle_rad - np.sign(push) * lean)
 
     def most_tooth_force(self, pressure_mpa: float, rack_angle_rad: float) -> Extremum:
-        """The greatest such force in N, with the planet's place."""
+        """The greatest of these forces in N, with the planet's place."""
         places = np.linspace(0.0, self.cycle_rad, PLACES)
         return largest_of_each(lambda at: self.tooth_force_n(at, pressure_mpa, rack_angle_rad)[None], places)[0]
 
     def ports(self, covering_mm: float) -> tuple[Port, Port]:
-        """The ports ahead of the least and of the greatest chamber, that planets of a radius ``covering_mm`` cover.
+        """The ports ahead of the least and of the greatest chamber that planets of a radius ``covering_mm`` cover.
 
-        Growing chambers open to the first while the sun turns ahead, shrinking ones to the second.  A port is covered
-        by the leading planet of the dead space behind it, and by the trailing planet of the dead space ahead.
+        Growing chambers open to the first while the sun turns ahead, shrinking ones to the second.  The leading planet
+        of the dead space behind a port covers it, and the trailing planet of the dead space ahead.
         """
         found = []
         for dead, next_one in (self.dead_spaces, self.dead_spaces[::-1]):
             leading = self._centre_mm(dead.place_rad + self.step_rad, dead, 1.0)
             trailing = self._centre_mm(next_one.place_rad, next_one, -1.0)
-            # The dead space ahead is half a lobe of the ring on.
+            # The next dead space is half a lobe of the ring ahead.
             turn = dead.middle_rad + self.step_rad / 2.0 - next_one.middle_rad
             trailing = trailing * np.exp(1j * turn)
             middle = (leading + trailing) / 2.0

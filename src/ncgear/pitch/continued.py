@@ -1,13 +1,13 @@
-"""The pitch curves of gears that turn less than once, continued to closed ones, on which teeth can be made as always.
+"""The pitch curves of gears that turn less than once, continued to closed curves, on which teeth are made as always.
 
 An open law covers a range of both angles.  Teeth mesh a little beyond both its ends, and everything that makes and
 judges teeth goes around closed curves.  So the law is continued beyond its range until both gears have turned by whole
 turns, one to three of each, and everything closes.  Where a gear has turned more than once, its curve lies over itself
-like the threads of a screw: only the teeth of the range are made, and those lie within one turn.
+like the threads of a screw: only the teeth of the range are made, and they lie within one turn.
 
-The logarithm u of dphi2/dphi1 goes on with all its first three derivatives at both ends, levels off, and changes over.
-Two bumps are added: one closes the driven angle, the other makes the whole curve a whole number of tooth pitches long.
-So an open pair may have any module at any centre distance, as gears whose teeth need not fill their curves.
+The logarithm u of dphi2/dphi1 keeps its first three derivatives at both ends, levels off, and changes from one level to
+the other. Two bumps are added: one closes the driven angle, the other makes the whole curve a whole number of tooth
+pitches long. So an open pair may have any module at any centre distance: its teeth need not fill their curves.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ from ncgear.ratio.laws.integrated import Slope, stretched
 from ncgear.ratio.transmission import Piece, Range, Transmission, WholeTurns
 
 MOST_TURNS = 3
-"""Most turns of a gear in the continuation: more only make its curves longer."""
+"""Most turns of a gear in the continuation: more would only make its curves longer."""
 
 LEAST_WAY_RAD = pi / 3.0
 """Least angle of either gear over which the law is continued: over less, its curves would bend too sharply."""
@@ -39,14 +39,14 @@ LEVELLING_SHARE, MOST_LEVELLING_RAD = 0.25, 1.0
 """Share of the continuation, and largest driving angle, over which u levels off at each end of the range."""
 
 LEVELLINGS = (1.0, 0.5, 0.25)
-"""Shares of that angle that are tried: u changes less over shorter ones, and bends more."""
+"""Shares of that angle that are tried: over a shorter angle u changes less, and bends more."""
 
 STEP = 0.1
-"""Step of the sizes of the second bump that are tried for a whole number of pitches."""
+"""Step of the tried sizes of the second bump, which makes a whole number of pitches."""
 
 WAVES, GREAT_WAVES = STEP * np.arange(-10, 11), STEP * np.arange(-30, 31)
-"""Sizes that are tried, and those that are where these leave no whole number: the length of a curve of few pitches
-changes by less than a pitch with the first ones.  It grows about as the square of the size."""
+"""Sizes that are tried first, and sizes for curves of few pitches, whose length the first sizes change by less than a
+pitch.  The length grows about as the square of the size."""
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(96)
 """Gauss points of a part of the continuation; u is a polynomial of degree 12 or less there."""
@@ -55,10 +55,10 @@ GENTLE = 6.0
 """Curvature times centre distance up to which a continuation counts as gentle, however gentle the range is."""
 
 HOLLOW = 3.0
-"""How many times as sharp hollow curves count: tips foul there."""
+"""Factor by which hollow curves count as sharper: tips foul there."""
 
 TRIED = 4
-"""How many of the gentlest continuations are looked at for a whole number of pitches."""
+"""Number of the gentlest continuations that are tried for a whole number of pitches."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +89,7 @@ class _Way:
     over: _Part
     run_in: _Part
     driven_rad: float
-    """What the driven gear turns on it."""
+    """Angle by which the driven gear turns on the continuation."""
 
     def with_bumps(self, lift: float, wave: float) -> tuple[_Part, _Part, _Part]:
         """The parts with u raised by ``lift`` and ``wave`` times the bumps on the middle part."""
@@ -161,7 +161,7 @@ def continued(law: Transmission, covered: Range, pitch_share: float) -> Transmis
 
 
 def _choice(found: tuple[float, _Way, float, int]) -> tuple[float, float]:
-    """What to choose by: the sharpness beyond what is gentle, then the size of the wave."""
+    """Order of choice: the sharpness beyond gentle curves, then the size of the wave."""
     return found[0], abs(found[2])
 
 
@@ -226,7 +226,7 @@ def _integral(part: _Part, function: Array) -> float:
 
 
 def _lift(way: _Way, wave: float) -> float:
-    """The size of the first bump with which the driven gear comes round; its angle grows with the bump."""
+    """The size of the first bump that brings the driven gear round; its angle grows with the bump."""
     from scipy.optimize import brentq
 
     ends = (_integral(part, part.slope(part.points_rad, 0).value) for part in (way.run_out, way.run_in))
@@ -243,7 +243,7 @@ def _lift(way: _Way, wave: float) -> float:
 
 
 MOST_LIFT = 4.0
-"""Most that u is raised or lowered: a factor of 55 of the ratio, with which no teeth stand."""
+"""Most that u is raised or lowered: a factor of 55 of the ratio, at which no teeth stand."""
 
 
 def _whole(way: _Way, waves: Array, pitch_share: float, known: float) -> Iterator[tuple[float, int]]:

@@ -46,7 +46,7 @@ class CurvePoints(Columns):
 
 
 FOOT_STEPS = 12
-"""Steps of Newton's method to a foot on the pitch curve; two do where a tooth has a tip land."""
+"""Steps of Newton's method to a foot on the pitch curve; two are enough where a tooth has a tip land."""
 
 
 class ClosedPitchCurve:
@@ -67,7 +67,7 @@ class ClosedPitchCurve:
 
     @property
     def unit_mm(self) -> float:
-        """The length that arc lengths of ``arc`` are multiples of."""
+        """Length in mm of the unit of ``arc``."""
         raise NotImplementedError
 
     @property
@@ -104,7 +104,7 @@ class ClosedPitchCurve:
 
     @property
     def joints_around_mm(self) -> Array:
-        """``joints_mm`` of the first turn and those of the turns beside it, for curves that reach across the seam."""
+        """``joints_mm`` of the first turn and of the turns beside it, for curves that reach across the seam."""
         return self._around(self.joints_mm)
 
     @property
@@ -125,8 +125,8 @@ class ClosedPitchCurve:
         return self.arc.angle(sigma_mm / self.unit_mm)
 
     def at_length(self, sigma_mm: Array) -> CurvePoints:
-        """The curve at arc lengths in mm, of any shape, beyond one turn too; to rounding of the closed form."""
-        # As ``np.mod``, which takes a quarter of the whole time.
+        """The curve at arc lengths in mm, of any shape, beyond one turn too; the closed form to rounding."""
+        # The same as ``np.mod``, which would take a quarter of the whole time.
         columns = self._cells(sigma_mm - self.length_mm * np.floor(sigma_mm / self.length_mm))
         return CurvePoints(columns[..., 0:2], columns[..., 2:4], columns[..., 4:6], columns[..., 6])
 
@@ -152,7 +152,7 @@ class ClosedPitchCurve:
         return float(np.min(coefficients[0] - spread)), float(np.max(coefficients[0] + spread))
 
     def bends_below(self, curvature: float) -> bool:
-        """Whether the curvature is anywhere less than one in 1/mm; as a rule that takes no extreme to tell."""
+        """Whether the curvature is less than ``curvature`` in 1/mm anywhere; as a rule no extreme is needed to tell."""
         return chebyshev.falls_below(self._by_length.coefficients[..., 4], curvature * self.unit_mm)
 
     @cached_property
@@ -198,7 +198,7 @@ class ClosedPitchCurve:
             at = self.at_angle(self.arc.angle(sigma))
             return np.column_stack([at.position / size, at.tangent, at.curvature * size])
 
-        # What the inverse of arc length needs as panels, the curve needs at least.
+        # The curve needs at least the panels of the inverse of arc length.
         period = self.arc.by_length.breaks[:-1]
         panels = np.concatenate([period + number * self.arc.period for number in range(self.periods)])
         try:
@@ -209,7 +209,7 @@ class ClosedPitchCurve:
 
 @dataclass(frozen=True, eq=False)
 class PitchCurve(ClosedPitchCurve):
-    """The pitch curve of a law's gear, whose axis keeps its distance from the mate's."""
+    """The pitch curve of a law's gear, at a fixed distance from its mate."""
 
     gear: Gear
     transmission: Transmission
@@ -239,7 +239,7 @@ class PitchCurve(ClosedPitchCurve):
         return self.periods * self.transmission.lobes.driving_period_rad
 
     def drawn(self, count: int) -> CurvePoints:
-        """So many points of the closed curve, or of the range of gears that turn less than once."""
+        """``count`` points of the closed curve, or of the range of gears that turn less than once."""
         covered = self.transmission.lobes.range
         return self.at_angle(np.linspace(0.0, covered.driving_rad if covered else self.turn_rad, count))
 

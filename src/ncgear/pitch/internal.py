@@ -1,4 +1,4 @@
-"""Which laws let the driven gear be a ring with its teeth inside."""
+"""Conditions on a law whose driven gear is a ring with its teeth inside."""
 
 from __future__ import annotations
 
@@ -13,18 +13,18 @@ from ncgear.pitch.curve import PitchCurve
 from ncgear.ratio.transmission import Lobes, Transmission
 
 LEAST_RATIO = 1.001
-"""Ratio below which no internal gear is made: the pitch radii would be a thousand centre distances.  That is 2000 teeth
-for every module of centre distance, and tips clear each other only where the centre distance is several modules."""
+"""Ratio below which no internal gear is made: the pitch radii would be a thousand centre distances.  Each module of
+centre distance then needs 2000 teeth, and tips clear each other only where the centre distance is several modules."""
 
 POSITIONS = 181
-"""Positions over a period of the law from which the one is searched at which the driving curve stands out most."""
+"""Positions over a period of the law at which the search for the largest excess of the driving curve begins."""
 
 POINTS = 721
 """Points of each curve over a period of the law, half a degree apart on a curve of one lobe."""
 
 THROUGH = 1e-3
-"""The driving curve counts as passing the ring's if it does so by this share of the ring's radius: a hundred times what
-points half a degree apart leave uncertain.  If it passes by less, the contact of the teeth shows it."""
+"""Least excess of the driving curve over the ring's curve that is refused, as a share of the ring's radius: a hundred
+times the uncertainty of points half a degree apart.  The contact of the teeth shows a smaller excess."""
 
 
 def require_ring(transmission: Transmission) -> None:
@@ -57,7 +57,7 @@ def require_room(driving: PitchCurve, ring: PitchCurve) -> None:
     """Refuse a driving pitch curve that does not stay inside the ring's while they roll.
 
     At the pitch point it always stays inside, since it is more curved; but its long side may not fit where the ring is
-    narrow.  Raises NoSuchMechanism with the driving angle and how far the curve would stand out.
+    narrow.  Raises NoSuchMechanism with the driving angle and the curve's excess.
     """
     phi1 = np.linspace(0.0, driving.transmission.lobes.driving_period_rad, POSITIONS)
     inner, outer = _points(driving), _points(ring)
@@ -80,7 +80,7 @@ def _points(curve: PitchCurve) -> ComplexArray:
 
 
 def passed_mm(inner: ComplexArray, ring: ComplexArray, driving: PitchCurve, phi1: Array) -> Array:
-    """How far points of the driving gear are beyond a ring's curve met once each way, (positions, points), in mm."""
+    """Excess in mm of points of the driving gear over a ring's curve that each ray meets once, (positions, points)."""
     phi2 = driving.transmission.driven_angle(phi1).value
     seen = inner * np.exp(1j * phi1[:, None]) - driving.center_distance_mm
     from_ring_axis = seen * np.exp(-1j * phi2[:, None])

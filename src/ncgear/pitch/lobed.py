@@ -4,14 +4,14 @@ The sun's curve is r(phi), with outward normals that lean by eta = atan(r'/r) fr
 A planet of pitch radius rho touches it at P.  By the theorem of three centres (Aronhold, Kennedy) the place Q where the
 planet touches the ring lies on the line from the axis O through P, and on the planet's circle:
 
-    R = |OQ| = r + 2 rho cos(eta),    r R = d^2 - rho^2,  d being the distance of the planet's centre from O.
+    R = |OQ| = r + 2 rho cos(eta),    r R = d^2 - rho^2,  where d is the distance of the planet's centre from O.
 
 Chord and circle make equal angles at P and Q, so that both curves lean alike: dR/(R dchi) = -dr/(r dphi) in size, and
 
     dchi/dphi = (r (1 + 2 rho kappa) - 2 rho cos(eta)) / R,
 
-chi being the ring's own polar angle, which runs against phi.  The ring has N lobes where chi grows by 2 pi / N over a
-lobe of the sun, 2 pi / n.  Where dchi/dphi vanishes the ring has a cusp; beyond, it crosses itself.  Where 1 + rho
+where chi is the ring's own polar angle, which runs against phi.  The ring has N lobes where chi grows by 2 pi / N over
+a lobe of the sun, 2 pi / n.  Where dchi/dphi vanishes the ring has a cusp; beyond, it crosses itself.  Where 1 + rho
 kappa vanishes, the planet is as large as the hollow of the sun.
 
 With the ring standing and the sun turned by alpha, the planet touches in the direction lambda = alpha + phi =
@@ -48,7 +48,7 @@ from ncgear.pitch.rolled import RolledCurve, rolled_curve
 from ncgear.pitch.shape import Gear, Mesh
 
 PolarRadius = Callable[[Array, int], Jet]
-"""From polar angles in rad, shape (n,), and an order to a radius in mm with its derivatives."""
+"""Function of polar angles in rad, shape (n,), and an order; it gives a radius in mm with derivatives."""
 
 
 def high_order_ellipse(size_mm: float, eccentricity: float, lobes: int) -> PolarRadius:
@@ -74,7 +74,7 @@ Family = Callable[[float, float, int], PolarRadius]
 
 
 def formula_family(text: str, lobes: int, key: str) -> Family:
-    """Curves by a formula of phi and e in any unit; raises WrongInput for the key if unread or not periodic."""
+    """Curves by a formula of phi and e in any unit; raises WrongInput for an unreadable or not periodic formula."""
 
     def family(size_mm: float, eccentricity: float, lobes: int) -> PolarRadius:
         formula = composed(ECCENTRICITY.sub(f"({eccentricity!r})", text), key, "phi")
@@ -111,13 +111,13 @@ ECCENTRICITY = re.compile(r"\be\b")
 """The name of the eccentricity in a formula."""
 
 TRIED = 0.1
-"""Eccentricity at which it is looked whether a formula repeats with every lobe."""
+"""Eccentricity at which a formula is tested: it must repeat with every lobe."""
 
 REPEATED = 1e-9
 """Relative difference after a lobe that counts as rounding."""
 
 FAMILIES: dict[str, Family] = {"ellipse": high_order_ellipse, "cosine": cosine_curve}
-"""Curves of a size in mm, an eccentricity of 0 for a circle, and a number of lobes; the first lobe's top is at 0."""
+"""Families of curves by a size in mm, an eccentricity (0 for a circle) and a number of lobes; a lobe's top is at 0."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,7 +131,7 @@ class LobedCurves:
 
     @property
     def planets(self) -> int:
-        """How many planets find a place: as many as both gears have lobes."""
+        """Number of planets that find a place: the sum of both gears' lobes."""
         return self.sun_lobes + self.ring_lobes
 
     @property
@@ -140,7 +140,7 @@ class LobedCurves:
         return 2.0 * pi / self.sun_lobes
 
     def sun(self, phi: Array, order: int) -> tuple[Jet, Jet, Jet]:
-        """r in mm, cos(eta) and kappa in 1/mm by the sun's polar angle, shape (n,), with so many derivatives."""
+        """r in mm, cos(eta) and kappa in 1/mm by the sun's polar angle, shape (n,), with ``order`` derivatives."""
         whole = self.radius(phi, order + 2)
         first = whole.differentiated()
         second = first.differentiated()
@@ -150,14 +150,14 @@ class LobedCurves:
         return r, r / length, (square + slope * slope - r * second) / (square * length)
 
     def ring(self, phi: Array, order: int) -> tuple[Jet, Jet]:
-        """R in mm and dchi/dphi by the sun's polar angle, with so many derivatives."""
+        """R in mm and dchi/dphi by the sun's polar angle, with ``order`` derivatives."""
         r, cosine, bend = self.sun(phi, order)
         chord = 2.0 * self.planet_radius_mm * cosine
         whole = r + chord
         return whole, (r * (1.0 + 2.0 * self.planet_radius_mm * bend) - chord) / whole
 
     def lean_rad(self, phi: Array) -> Array:
-        """eta: how far the sun's normal leans back from the radius, shape (n,)."""
+        """eta: the angle by which the sun's normal leans back from the radius, shape (n,)."""
         r = self.radius(phi, 1)
         return np.arctan2(r.derivative(1), r.value)
 
@@ -173,7 +173,7 @@ class LobedCurves:
 
     @cached_property
     def places(self) -> ArcMaps:
-        """phi + chi by phi and back, by which the planets stand: dchi/dphi + 1 = 2 r (1 + rho kappa) / R."""
+        """Maps from phi to phi + chi, a planet's place, and back: dchi/dphi + 1 = 2 r (1 + rho kappa) / R."""
         return arc_maps(lambda phi: 1.0 + self.ring(phi, 0)[1].value, [0.0, self.lobe_rad])
 
     def require_whole(self) -> None:
@@ -241,7 +241,7 @@ class LobedCurves:
 def _polar_path(
     radius: tuple[Array, Array, Array], angle: Array, rate: Array, change: Array
 ) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-    """Points of a polar curve and two derivatives, from the radius and the angle with theirs."""
+    """Points of a polar curve and two derivatives, from radius and angle with their derivatives."""
     value, first, second = radius
     turn = np.exp(1j * angle)
     return (
@@ -252,20 +252,20 @@ def _polar_path(
 
 
 PANELS, NODES = 12, 16
-"""Panels over a lobe, and Gauss points on each, of the integrals by which size and eccentricity are found; the curves
-that are made from them are resolved to rounding."""
+"""Panels over a lobe, and Gauss points on each, of the integrals for size and eccentricity; the final curves are
+resolved to rounding."""
 
 MOST_ECCENTRIC = 0.9
 """Greatest eccentricity that is tried; rings cross themselves long before."""
 
 STEPS = 46
-"""Eccentricities from 0 to the greatest at which the number of teeth is looked at first."""
+"""Eccentricities from 0 to the greatest at which the length of a lobe is first computed."""
 
 
 def lobed_curves(
     family: Family, lobes: tuple[int, int], planet_teeth: int, teeth_per_lobe: int, module_mm: float
 ) -> LobedCurves:
-    """The curves of sun and ring with ``lobes``, a lobe of either having so many teeth of the planets' module.
+    """The curves of sun and ring with ``lobes``, with ``teeth_per_lobe`` teeth of the planets' module.
 
     Size and eccentricity are both found: the ring has to close, and a lobe has to be as long as its teeth.  At
     eccentricity 0 all gears are round, and planets have t (N - n) / 2 teeth.  Raises NoSuchMechanism where no
@@ -284,7 +284,7 @@ def lobed_curves(
         return np.array(rates) - 2.0 * pi / ring_lobes
 
     def size_of(eccentricity: float) -> float:
-        """The size at which the ring closes; NaN where none does."""
+        """The size at which the ring closes; NaN where no size does."""
         round_mm = 2.0 * sun_lobes / (ring_lobes - sun_lobes) * rho
         ends = np.array([LEAST_SIZE, MOST_SIZE]) * round_mm
         low, high = missing(ends, eccentricity)
@@ -319,7 +319,7 @@ def lobed_curves(
 
 
 LEAST_SIZE, MOST_SIZE = 0.5, 2.0
-"""Sizes that are tried, by the size of the round sun."""
+"""Tried sizes in multiples of the round sun's size."""
 
 ROUND = 1e-12
 """Relative difference of a lobe's length from its teeth at which all gears count as round."""

@@ -6,15 +6,15 @@ driven one's with the velocity A' of its axis:
 
     i p = A' - i psi' (p - A),    so that    p = (psi' A - i A') / (1 + psi').
 
-The pitch point is off the line of centres by -A' / (1 + psi'), which is what a moving axis adds; where the axis stands
-it is at the usual place.  In the gears' own frames it draws the centrodes z1 = p exp(-i phi) and z2 = (p - A) exp(i
-psi).  With v = p' - i p, which equals (p - A)' + i psi' (p - A), both grow by v turned into their frame: they roll
-without slip, and their curvatures add up to (1 + psi') / |v|.
+The pitch point is off the line of centres by -A' / (1 + psi'), the effect of the moving axis; where the axis stands it
+is at the usual place.  In the gears' own frames it draws the centrodes z1 = p exp(-i phi) and z2 = (p - A) exp(i psi).
+With v = p' - i p, which equals (p - A)' + i psi' (p - A), both grow by v turned into their frame: they roll without
+slip, and their curvatures add up to (1 + psi') / |v|.
 
 A round driving gear of radius r has |p| = r, so that psi' (A^2 - r^2) = r^2 + sqrt(A^2 r^2 - A'^2 (A^2 - r^2)).
 
 Sources: the instantaneous centre by relative velocities (any textbook of kinematics); gears of variable centre distance
-are F. Zheng, L. Hua, X. Han, Mechanism and Machine Theory 101 (2016) 116-139, of which the abstract was read.
+are F. Zheng, L. Hua, X. Han, Mechanism and Machine Theory 101 (2016) 116-139, known by its abstract.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ def even_distances(values_mm: Array, lobes: int) -> JetFunction:
 
 
 def require_distances(distance: JetFunction, lobes: Lobes, key: str) -> JetFunction:
-    """Refuse, for the key, a distance not positive or not smooth to its second derivative; raises NoSuchMechanism."""
+    """Refuse a distance that is not positive or not smooth to its second derivative; raises NoSuchMechanism."""
     phi = np.linspace(0.0, lobes.driving_period_rad, CHECKED)
     along = distance(phi, 2)
     least = int(np.argmin(along.value))
@@ -80,15 +80,15 @@ def require_distances(distance: JetFunction, lobes: Lobes, key: str) -> JetFunct
 
 
 CHECKED = 721
-"""Driving angles at which a centre distance is looked at; the extremes of what is made are searched later."""
+"""Driving angles at which a centre distance is checked; the extremes of the gears are searched later."""
 
 SEAM = 1e-9
-"""Relative jump at the seam that counts as rounding: a formula written with ten digits has one of this size."""
+"""Relative jump at the seam that counts as rounding: a formula with ten digits has a jump of this size."""
 
 
 @dataclass(frozen=True, eq=False)
 class MovingAxes:
-    """Two gears in external mesh by their law and the distance of their axes in mm, of the law's period."""
+    """Two gears in external mesh: their law, and the distance of their axes in mm, which has the law's period."""
 
     transmission: Transmission
     distance: JetFunction
@@ -123,7 +123,7 @@ class MovingAxes:
         return p * turn, v * turn, (change - 1j * v) * turn
 
     def driven_path(self, phi: Array) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
-        """As ``driving_path``, of the driven curve."""
+        """As ``driving_path``, for the driven curve."""
         p, v, change, slope = self._velocity(phi)
         turn = np.exp(1j * self.transmission.driven_angle(phi).value)
         return (p - self.distance(phi, 0).value) * turn, v * turn, (change + 1j * slope * v) * turn
@@ -146,7 +146,7 @@ class MovingAxes:
 
 
 PANELS, NODES = 16, 16
-"""Panels over a period, and Gauss points on each, of the integral by which a round gear's radius is found."""
+"""Panels over a period, and Gauss points on each, of the integral that gives a round gear's radius."""
 
 
 def round_driving_law(distance: JetFunction, lobes: Lobes, key: str) -> tuple[Transmission, float]:
@@ -178,7 +178,7 @@ def round_driving_law(distance: JetFunction, lobes: Lobes, key: str) -> tuple[Tr
 
 
 MARGIN = 1e-6
-"""Share by which radii stay clear of those at which a gear would stand still or its mate turn without end."""
+"""Share by which radii stay clear of the limits, where a gear would stand still or its mate turn without end."""
 
 
 def _round_slope(distance: Jet, moving: Jet, radius_mm: float) -> Jet:

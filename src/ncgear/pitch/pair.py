@@ -1,7 +1,7 @@
-"""Both pitch curves of a pair at their real size, and the figures by which they are judged.
+"""Both pitch curves of a pair at their real size, and figures to judge them.
 
-Teeth must fill closed pitch curves, so two of centre distance, module and number of teeth give the third.  The curves
-of gears that turn less than once need not be filled: any module suits any centre distance.
+Teeth must fill closed pitch curves, so any two of centre distance, module and number of teeth give the third.  The
+curves of gears that turn less than once need not be filled: any module suits any centre distance.
 """
 
 from __future__ import annotations
@@ -43,20 +43,20 @@ class CurvatureJump:
 
 
 BESIDE_IN_PITCHES = 0.25
-"""How far a tooth's flank stands from its middle, in pitches: half its thickness."""
+"""Distance of a tooth's flank from its middle, in pitches: half its thickness."""
 
 RACK_REACH_IN_PITCHES = 1.0
-"""Rolled length, in pitches, over which teeth as high as the module touch to each side of the pitch point at 20 deg."""
+"""Rolled length in pitches, to each side of the pitch point, over which teeth as high as the module touch at 20 deg."""
 
 
 @dataclass(frozen=True)
 class ToothedArc:
-    """The teeth that are made on both curves of an open law, of ``around`` that would stand on the continued ones.
+    """The teeth that are made on both curves of an open law; ``around`` teeth would stand on the continued curves.
 
-    These are all that any flank can touch while the pitch point is in the range, which is ``covered_mm`` long
-    and takes ``covered_rad`` of the driving angle.
-    ``before`` of each gear's teeth come before the range: the middle of driving tooth n, from 1, crosses the pitch
-    point n - 1 - before pitches after the range's beginning, that of driven tooth n half a pitch later.
+    These are all teeth whose flanks can touch while the pitch point is in the range, which is ``covered_mm`` long and
+    takes ``covered_rad`` of the driving angle.  ``before`` teeth of each gear come before the range: the middle of
+    driving tooth n, from 1, crosses the pitch point n - 1 - before pitches after the range's beginning, the middle of
+    driven tooth n half a pitch later.
     """
 
     before: int
@@ -73,7 +73,7 @@ class ToothedArc:
 
 @dataclass(frozen=True, eq=False)
 class PitchPair(Shown):
-    """Two curves that roll on each other, continued ones with teeth on ``toothed`` if turning less than once."""
+    """Two curves that roll on each other; if gears turn less than once, continued curves with teeth on ``toothed``."""
 
     transmission: Transmission
     arc: ArcLength
@@ -106,7 +106,8 @@ class PitchPair(Shown):
         return self.driving if gear is Gear.DRIVING else self.driven
 
     def pitch_point_mm(self, phi1: Array) -> Array:
-        """Where on the line of centres, from the driving axis, curves touch at driving angles in rad, shape (n,)."""
+        """Place where the curves touch on the line of centres, from the driving axis, at driving angles in rad,
+        (n,)."""
         return -self.mesh.sense * np.linalg.norm(self.driving.at_angle(phi1).position, axis=-1)
 
     def length_mm(self, gear: Gear) -> float:
@@ -227,7 +228,7 @@ def _largest_angle(found: list[Extremum]) -> Extremum:
 
 
 AS_STEEP = 1e-10
-"""Relative difference of slopes that are one but for rounding errors; of such places the first is told."""
+"""Relative difference of slopes that are equal but for rounding; the first of these places is named."""
 
 
 CORNER_RAD = 1e-4
@@ -252,8 +253,8 @@ def refuse_corners(transmission: Transmission, mesh: Mesh = Mesh.EXTERNAL) -> No
 
 
 MOST_TEETH = 10_000
-"""Teeth of the driving gear at most, as the key for their number allows; with more of them a computer is busy for
-minutes before it says that none of them can be seen."""
+"""Most teeth of the driving gear, as the key for their number allows; with more a computer is busy for minutes before
+it says that no tooth can be seen."""
 
 
 def refuse_many_teeth(pitches: float) -> None:
@@ -278,12 +279,11 @@ def sized_pair(
 ) -> PitchPair:
     """The pitch curves of a law at the size that any two of teeth, module and centre distance give.
 
-    The centre distance may be given ``by_law``; messages then advise no other one.
-    Of an open law ``teeth`` counts the pitches in its range, and ``reach_in_pitches`` is the rolled length over which
-    flanks touch to each side of the pitch point, which tells which teeth are made.  Raises WrongInput as
-    ``solved_size`` does, for over MOST_TEETH teeth, and for a ring that turns less than once; NoSuchMechanism for
-    curves too sharp to be computed, for a law that cannot drive a ring, and for a driving curve that does not fit into
-    its ring.
+    The law may give the centre distance (``by_law``); messages then advise no other.  For an open law ``teeth`` counts
+    the pitches in its range; ``reach_in_pitches`` is the rolled length over which flanks touch to each side of the
+    pitch point, and decides which teeth are made.  Raises WrongInput as ``solved_size`` does, for over MOST_TEETH
+    teeth, and for a ring that turns less than once; NoSuchMechanism for curves too sharp to be computed, for a law that
+    cannot drive a ring, and for a driving curve that does not fit into its ring.
     """
     if mesh is Mesh.INTERNAL:
         require_ring(transmission)
@@ -370,9 +370,8 @@ def solved_size(
     """The size from any two of teeth, module and centre distance.
 
     ``driving_length`` is the driving pitch curve's length at unit centre distance; times the centre distance it is
-    teeth x pi x module.  Raises WrongInput when fewer than two are given, when three disagree, or when a number
-    of teeth is not whole.  What the messages advise is consistent; a centre distance is none of it where it follows
-    from the law.
+    teeth x pi x module.  Raises WrongInput when fewer than two are given, when three disagree, or when a number of
+    teeth is not whole.  Messages advise consistent values, and no centre distance where it follows from the law.
     """
     _require_two(teeth, module_mm, center_distance_mm)
     each = lobes.teeth_step
@@ -395,7 +394,7 @@ def _require_two(*given: float | None) -> None:
 
 
 def _whole_teeth(driving_length: float, module_mm: float, distance_mm: float, each: int, *, by_law: bool) -> int:
-    """The number of teeth, a multiple of ``each``, that a module and a centre distance make."""
+    """The number of teeth, a multiple of ``each``, for a module and a centre distance."""
     exact = driving_length * distance_mm / (pi * module_mm)
     whole = _nearest_teeth(exact, each)
     if not isclose(exact, whole, rel_tol=CONSISTENT):

@@ -1,4 +1,4 @@
-"""What a pair of gears in a close housing displaces, as oval-gear flow meters and pumps do.
+"""Displacement of a pair of gears in a close housing, as in oval-gear flow meters and pumps.
 
 The housing is a circle about each axis.  Liquid passes from one side to the other between each gear and its circle, and
 none passes where the gears mesh.  With the greatest radii R1 and R2 and the pitch radii r1 and r2 at the pitch point, a
@@ -12,9 +12,8 @@ With w = dphi2/dphi1, r1 = a w/(1 + w) and r2 = a/(1 + w) this is
 
     2 dA/dphi1 = R1^2 + R2^2 w - a^2 w/(1 + w)
 
-The seal is taken to be the pitch point: teeth move it along the line of action, which adds a ripple of their own, and
-what leaks is not counted.  A tip of each gear must be at the housing between both ports all the time, as with two lobes
-or more.
+The pitch point counts as the seal: real teeth move the seal along the line of action, which adds a ripple, and leaks
+are not counted.  A tip of each gear must be at the housing between both ports all the time, as with two lobes or more.
 """
 
 from __future__ import annotations
@@ -31,9 +30,9 @@ from ncgear.ratio.transmission import Piece, Transmission
 
 @dataclass(frozen=True)
 class Pumped:
-    """What a pair displaces: ``per_turn_mm3`` in a turn of the driving gear, ``least`` and ``most`` in mm^3 per rad.
+    """Displacement of a pair: ``per_turn_mm3`` in a turn of the driving gear, ``least`` and ``most`` in mm^3 per rad.
 
-    ``least`` and ``most`` are with the driving angles in rad at which they occur.
+    ``least`` and ``most`` have the driving angles in rad at which they occur.
     """
 
     per_turn_mm3: float
@@ -49,7 +48,7 @@ class Pumped:
 def pumped(
     transmission: Transmission, center_distance_mm: float, radii_mm: tuple[float, float], face_width_mm: float
 ) -> Pumped:
-    """What an external pair displaces in a housing of the given radii about the driving and the driven axis."""
+    """Displacement of an external pair in a housing of the given radii about the driving and the driven axis."""
     first, second = radii_mm
     factor = 0.5 * face_width_mm
 

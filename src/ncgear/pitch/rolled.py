@@ -1,7 +1,7 @@
 """A pitch curve that is known by its points: the curve of a gear whose mate's axis moves.
 
 Two gears of any motion roll on each other's centrodes: the paths of their instantaneous centre in the frame of each.
-Flanks need no more than the centrodes, so that teeth stand on them as on the curves of a law.
+Flanks need only the centrodes, so teeth stand on them as on the curves of a law.
 """
 
 from __future__ import annotations
@@ -18,20 +18,20 @@ from ncgear.pitch.curve import ClosedPitchCurve, CurvePoints
 from ncgear.pitch.shape import Gear, Mesh
 
 Path = Callable[[Array], tuple[ComplexArray, ComplexArray, ComplexArray]]
-"""From driving angles in rad, shape (n,), to points in mm as complex numbers, and their first two derivatives."""
+"""Function of driving angles in rad, shape (n,), that gives points in mm as complex numbers and two derivatives."""
 
 
 TRIED = 1024
-"""Steps of a lobe at which a curve is looked at for a cusp: one that turns by over 90 deg in a step bears no tooth, and
-its arc length cannot be inverted beside the cusp."""
+"""Steps of a lobe in which a curve is tested for a cusp: a curve that turns by over 90 deg in a step bears no tooth,
+and its arc length cannot be inverted beside the cusp."""
 
 
 @dataclass(frozen=True, eq=False)
 class RolledCurve(ClosedPitchCurve):
-    """A closed pitch curve of so many equal ``lobes``, whose points ``path`` tells by the driving angle.
+    """A closed pitch curve of ``lobes`` equal lobes; ``path`` gives its points by the driving angle.
 
     With growing angle it runs clockwise on the driving gear and on a ring, against the clock on other gears.
-    ``turning`` is the sum of its curvature and of its mate's in 1/mm at driving angles.
+    ``turning`` is the sum of its own and its mate's curvature in 1/mm at driving angles.
     """
 
     gear: Gear

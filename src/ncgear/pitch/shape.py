@@ -52,7 +52,7 @@ def radius(slope: Jet, gear: Gear, mesh: Mesh) -> Jet:
 
 
 def by_own_angle(change: Jet, slope: Jet, gear: Gear) -> Jet:
-    """A derivative by phi1 as one by the angle that the gear itself turns, which grows by 1 or by dphi2/dphi1."""
+    """A derivative by phi1 converted to the gear's own angle, which grows by 1 or by dphi2/dphi1."""
     return change if gear is Gear.DRIVING else change / slope.truncated(change.order)
 
 
@@ -83,7 +83,7 @@ def curvature(slope: Jet, gear: Gear, mesh: Mesh) -> Jet:
 
 
 def curvature_of(radius_and_slopes: tuple[Jet, Jet, Jet], gear: Gear, mesh: Mesh) -> Jet:
-    """The curvature from what ``polar`` gives.
+    """The curvature from the values of ``polar``.
 
     k = (r^2 + 2 r'^2 - r r'') / (r^2 + r'^2)^(3/2), primes by the gear's own angle; a ring has -k.
     """

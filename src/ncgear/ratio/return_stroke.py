@@ -1,12 +1,11 @@
 """The return of one three-segment stroke: solved, closed to rounding, and refused with a reason where there is none.
 
-In tau, the share of the return that is covered, i12 (or 1/i12) is the cubic with the values and slopes that the working
-stroke has at its two ends, plus multiples of tau^2 (1 - tau)^2, which changes neither end.  One multiple makes the
-return cover the driven angle that is left.  For the inverse it follows from a linear equation.  For the ratio there is
-exactly one above the multiple at which the polynomial touches zero; it is found in a bracket and then polished on the
-spectral integral, since the polynomial may be 1e5 times as large as its smallest value.  What remains free is given
-either by the published method's constant e (the source named in ``working_stroke.py``) or by a skewness, which is
-searched for the least peak acceleration.
+In tau, the covered share of the return, i12 (or 1/i12) is the cubic with the working stroke's values and slopes at its
+two ends, plus multiples of tau^2 (1 - tau)^2, which changes neither end.  One multiple makes the return cover the
+remaining driven angle.  For the inverse it follows from a linear equation.  For the ratio there is exactly one above
+the multiple at which the polynomial touches zero; it is found in a bracket and then polished on the spectral integral,
+since the polynomial may be 1e5 times as large as its smallest value.  One quantity remains free: the published method's
+constant e (source in ``working_stroke.py``), or a skewness, which is searched for the least peak acceleration.
 """
 
 from __future__ import annotations
@@ -33,7 +32,7 @@ from ncgear.ratio.transmission import CLOSED, STANDSTILL
 
 @dataclass(frozen=True)
 class ReturnEnds:
-    """What the return must join: driving angles, the driven angle to cover, ratio and its slope at both ends."""
+    """Conditions of the return: driving angles, the driven angle to cover, ratio and its slope at both ends."""
 
     start_rad: float
     end_rad: float
@@ -81,7 +80,7 @@ def _not_positive(at_rad: float, ends: ReturnEnds) -> NoSuchMechanism:
 
 
 def _remedy(ends: ReturnEnds) -> str:
-    """What brings the ratio at theta4, which goes with 1/sqrt(-a1), nearer to the mean that the return must have."""
+    """Words for a change that brings the ratio at theta4, which goes with 1/sqrt(-a1), nearer to the return's mean."""
     mean = ends.length_rad / ends.driven_length_rad
     towards = "farther from" if ends.start_ratio > mean else "nearer to"
     return (
@@ -96,7 +95,7 @@ class ReturnLaw:
 
     Its coefficients in tau may be 1e5 times its smallest value.  So ``local`` is in powers of tau - ``about``, where
     ``about`` is the place of the smallest value and the constant term is that value.  ``correction``, which closes the
-    cycle to rounding error, is in tau and kept by itself, since it would be rounded off.
+    cycle to rounding error, is in tau and kept apart, since a sum would round it off.
     """
 
     ends: ReturnEnds
@@ -140,12 +139,12 @@ class ReturnLaw:
 
     @property
     def closure_error_rad(self) -> float:
-        """Driven angle of the return minus what it should be."""
+        """Driven angle of the return less the angle that it must cover."""
         return self._driven_integral.final - self.ends.driven_length_rad
 
 
 PLACES = np.linspace(0.0, 1.0, 65)
-"""Places of the return at which its polynomial is looked at, beside those where it is level."""
+"""Places of the return at which its polynomial is checked, beside the places where it is level."""
 
 
 def _lowest(polynomial: Polynomial) -> tuple[float, float]:
@@ -165,8 +164,8 @@ def _unit_integral(polynomial: Polynomial) -> float:
 
 
 NARROWEST = 24
-"""Halvings of the return towards the place where its ratio is least: the driven gear's speed has a peak there about as
-narrow, in returns, as the ratio is small, and STANDSTILL refuses one narrower than 2^-20."""
+"""Halvings of the return towards the place of its least ratio.  The driven gear's speed has a peak there about as
+narrow, in returns, as the ratio is small, and STANDSTILL refuses a peak narrower than 2^-20."""
 
 
 @cache
@@ -187,7 +186,7 @@ class _Panels:
     """A Gauss-Legendre rule on [0, 1] whose panels are halved towards ``about``, shape (n,) each.
 
     Where a polynomial nearly touches zero at ``about``, its inverse has a pole beside each panel at three half-widths
-    or more, so that 16 points miss it by a factor of 5.8^-32.  ``offsets`` are tau - about, to all their digits.
+    or more, so the relative error of 16 points is 5.8^-32.  ``offsets`` are tau - about, with all their digits.
     """
 
     about: float
@@ -206,12 +205,12 @@ class _Panels:
 
 
 POLISHED = CLOSED / 20.0
-"""Closure error in rad at which no further Newton step is taken: 25 rounding errors of a full turn. A step costs a
-sixth of the time of the whole law, and would only move the rounding."""
+"""Closure error in rad that needs no further Newton step: 25 rounding errors of a full turn.  A step costs a sixth of
+the time of the whole law, and would only move the rounding."""
 
 TOUCHING = 1e-12
-"""Share of the largest coefficient below which a value counts as none: 4500 rounding errors, of a touching point found
-as a root of a polynomial of degree nine."""
+"""Share of the largest coefficient below which a value counts as zero: 4500 rounding errors, for a touching point that
+is a root of a polynomial of degree nine."""
 
 
 def _closed_ratio(ends: ReturnEnds, base: Polynomial, direction: Polynomial) -> ReturnLaw:
@@ -269,7 +268,7 @@ def _touching_multiple(base: Polynomial, direction: Polynomial) -> float:
     inner = (base.deriv() * direction - base * direction.deriv()).roots()
     candidates = inner.real[(np.abs(inner.imag) < 1e-9) & (inner.real > 1e-9) & (inner.real < 1.0 - 1e-9)]
     samples = np.concatenate([candidates, np.linspace(0.02, 0.98, 97)])
-    # Nearer to the ends than this the double zeros of the direction drown in rounding, and the base decides alone.
+    # Nearer to the ends the double zeros of the direction drown in rounding, and the base decides alone.
     samples = samples[direction(samples) > 1e-12]
     return float(np.max(-base(samples) / direction(samples)))
 
@@ -326,7 +325,7 @@ def return_with_constant(ends: ReturnEnds, constant: float, *, inverse: bool = F
 
 
 def published_family(ends: ReturnEnds, constant: float) -> tuple[Polynomial, Polynomial]:
-    """Two polynomials in tau: the first one plus any multiple of the second has the ends and the e of a return."""
+    """Two polynomials in tau: the first plus any multiple of the second has the ends and the e of a return."""
     origin = -ends.start_rad / ends.length_rad
     base = ends.cubic
     lift = (constant - base(origin)) / BUMP(origin)
@@ -342,7 +341,7 @@ def hermite(
 
 
 SKEWED = SKEW * BUMP
-"""What skews a return; its integral is zero, so that it leaves the angle covered by 1/i12 as it is."""
+"""Polynomial that skews a return; its integral is zero, so it does not change the angle covered by 1/i12."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -367,7 +366,7 @@ class _RatioReturns:
 
 @dataclass(frozen=True, eq=False)
 class _InverseReturns:
-    """As ``_RatioReturns``, of the returns whose inverse ratio is a polynomial: the one without skewness, and the rest.
+    """As ``_RatioReturns``, for returns whose inverse ratio is a polynomial: a return without skewness, plus its skew.
 
     A linear equation closes each.
     """
@@ -397,7 +396,7 @@ class _InverseReturns:
 
     @cached_property
     def _parts(self) -> tuple[Array, Array]:
-        """1/i12 of the return without skewness and what skewness adds, with their slopes, shape (2, n) each."""
+        """1/i12 of the return without skewness and the addition by skewness, with their slopes, shape (2, n) each."""
         parts = (ReturnLaw(self.ends, part, inverse=True) for part in (self._even, SKEWED))
         even, skewed = (part.slope(self.phi1, 1).coefficients for part in parts)
         return even, skewed
@@ -410,7 +409,7 @@ def _closing_inverse(ends: ReturnEnds, base: Polynomial, direction: Polynomial) 
 
 
 def _positive_inverse(ends: ReturnEnds, polynomial: Polynomial) -> ReturnLaw:
-    """The return whose inverse ratio a polynomial is; raises NoSuchMechanism where that is not positive."""
+    """The return whose inverse ratio is a polynomial; raises NoSuchMechanism where the polynomial is not positive."""
     if not are_positive(_powers(polynomial)[None]).all():
         raise _not_positive(ends.start_rad + _lowest(polynomial)[1] * ends.length_rad, ends)
     return ReturnLaw(ends, polynomial, inverse=True)
@@ -422,10 +421,10 @@ def _powers(polynomial: Polynomial) -> Array:
 
 
 def are_positive(coefficients: Array) -> Mask:
-    """Which of k polynomials of m powers, shape (k, m), are positive on all of [0, 1]; NaN are not."""
+    """Mask of k polynomials of m powers, shape (k, m), that are positive on all of [0, 1]; NaN are not."""
     count = coefficients.shape[1]
     parts = (coefficients @ _to_bernstein(count - 1).T).reshape(len(coefficients), -1, count)
-    # A polynomial is no less on a part than its least coefficient there in Bernstein's form; the first is its value.
+    # On a part a polynomial is no less than its least Bernstein coefficient; the first is its value at the start.
     positive: Mask = np.min(parts, axis=(1, 2)) > 0.0
     for row in np.nonzero(~positive & (parts[..., 0] > 0.0).all(axis=1) & (parts[:, -1, -1] > 0.0))[0]:
         positive[row] = _lowest(Polynomial(coefficients[row]))[0] > 0.0
@@ -491,7 +490,7 @@ class _ReturnAcceleration:
     def peaks(self, slopes: Array) -> Array:
         """The peaks of k returns from 1/i12 and its slope by phi1 at the n points of the grid, shape (2, k, n).
 
-        A peak is infinite where the ratio is zero at a point of the grid, or no number.
+        A peak is infinite where the ratio is zero at a point of the grid, or not a number.
         """
         with np.errstate(all="ignore"):
             driven = Jet(slopes.reshape(2, -1)).integrated((self._start + slopes[0] @ self._integration).ravel())

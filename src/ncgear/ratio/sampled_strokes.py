@@ -1,9 +1,9 @@
 """Samples of many three-segment strokes and their returns at once, for searches and for screenings of thousands.
 
 The strokes are those of ``working_stroke.py``, the returns the polynomials of ``return_stroke.py``; arrays of strokes
-have shape (n,) and polynomials (m, n).  One return is solved in a bracket, polished and refused with a reason, which
-takes milliseconds.  Many are closed at once by Newton's method on the points of the samples; the caller must check
-that each has a positive ratio and ends where it must.
+have shape (n,) and polynomials (m, n).  ``return_stroke.py`` solves one return in a bracket, polishes it or refuses it
+with a reason, in milliseconds.  Here Newton's method closes many at once on the points of the samples; the caller must
+check that each has a positive ratio and ends where it must.
 """
 
 from __future__ import annotations
@@ -28,10 +28,10 @@ BUMP_HEIGHT = 1.0 / 16.0
 """Largest value of tau^2 (1 - tau)^2, at the middle of the return."""
 
 SMALLEST_STEP = 1e-15
-"""Newton's steps under this share of the multiple are rounding errors."""
+"""Share of the multiple under which Newton steps are rounding errors."""
 
 START_ABOVE = 1e-3
-"""Newton's method starts above the multiple at which the polynomial touches zero, by this share of its size."""
+"""Share of its size by which Newton's method starts above the multiple at which the polynomial touches zero."""
 
 
 class SampledMotion(NamedTuple):
@@ -159,7 +159,7 @@ class PeakedReturns:
         return edges_about(self.about, QUARTERINGS)
 
     def widths_rad(self, points: ReturnGrid) -> Array:
-        """The driving angle of each piece, shape (n, pieces); zero for those beyond the return's ends."""
+        """The driving angle of each piece, shape (n, pieces); zero for pieces beyond the return's ends."""
         return np.diff(self._edges, axis=1) * self.length_rad[:, None]
 
     def polynomial(self, points: ReturnGrid, order: int) -> Jet:
@@ -176,15 +176,15 @@ class PeakedReturns:
 
 
 QUARTERINGS = 7
-"""Quarterings of the return towards the place where its ratio is least: panels of 4^-7 of it resolve a ratio that is a
-ten-thousandth of its mean there; narrower ones are left to the solver of one return."""
+"""Quarterings of the return towards the place of its least ratio: panels of 4^-7 of it resolve a ratio that is a
+ten-thousandth of its mean there; narrower peaks are left to the solver of one return."""
 
 EVERYWHERE = (1.0 / 32.0, 1.0 / 8.0, 1.0 / 2.0, 7.0 / 8.0, 31.0 / 32.0, 127.0 / 128.0)
-"""Shares of a stretch at which it is cut besides, since the ratio may change fast beside its ends as well."""
+"""Shares of a stretch at which it is also cut, since the ratio may change fast beside its ends too."""
 
 
 def edges_about(about: Array, quarterings: int) -> Array:
-    """Ends of pieces of [0, 1], less ``about`` (shape (n,)) in it, shape (n, pieces + 1); some have no length."""
+    """Ends of pieces of [0, 1] less ``about`` (shape (n,)) in it, shape (n, pieces + 1); some have no length."""
     quarters = np.append(0.25 ** np.arange(quarterings + 1.0), 0.0)
     towards = np.broadcast_to(np.concatenate([-quarters, quarters[-2::-1]]), (about.size, 2 * quarters.size - 1))
     edges = np.concatenate([towards, np.array(EVERYWHERE) - about[:, None]], axis=1)
@@ -210,7 +210,7 @@ def _derivatives(local: Array, length_rad: Array, order: int) -> list[Array]:
 class ReturnSamples:
     """n returns at p pieces of m points each; arrays have shape (n, p, m).
 
-    ``driven_rad`` is phi2, ``slopes`` are dphi2/dphi1 and its derivatives by phi1, as many as were asked for;
+    ``driven_rad`` is phi2, ``slopes`` are dphi2/dphi1 and its derivatives by phi1, up to the order that was asked for;
     ``displacement`` of the slider is in mm, ``velocity`` in mm/rad, ``acceleration`` in mm/rad^2.
     """
 
@@ -222,7 +222,7 @@ class ReturnSamples:
 
     @property
     def end_driven_rad(self) -> Array:
-        """Where the return really ends, shape (n,)."""
+        """Driven angle at which the return really ends, shape (n,)."""
         return self.driven_rad[:, -1, -1]
 
 
@@ -303,16 +303,16 @@ def returns_with_constant(
 
 
 TRIED = 512
-"""Even places of the return among which a first guess of the touching one is taken."""
+"""Even places of the return, among them the first guess of the touching place."""
 
 
 def peaked_returns(
     strokes: WorkingStrokes[Array], linkage: Mechanisms[Any], period_rad: float, constant: Array, points: ReturnGrid
 ) -> PeakedReturns:
-    """As ``returns_with_constant``, of ratios that nearly touch zero inside the return; NaN where one does not.
+    """As ``returns_with_constant``, for ratios that nearly touch zero inside the return; NaN for other ratios.
 
     The steps are those of ``return_stroke.py``: the multiple at which the polynomial touches zero, its powers about
-    that place, and what is added to it so that the return covers its driven angle.
+    that place, and the addition with which the return covers its driven angle.
     """
     length, driven = period_rad - strokes.theta4_rad, 2.0 * pi - linkage.working_angle_rad
     cubic, origin = _cubic(strokes, linkage, length, inverse=False), -strokes.theta4_rad / length
@@ -353,12 +353,12 @@ TOUCHING_STEPS = 6
 """Newton's steps to the touching place from the best of the even places."""
 
 WIDE = 30.0
-"""Natural logarithm of how far what is added may be from the size of the polynomial's coefficients, as in
+"""Natural logarithm of the largest factor between the addition and the polynomial's largest coefficient, as in
 ``return_stroke.py``."""
 
 
 def _about(coefficients: Array, about: Array) -> Array:
-    """Polynomials in powers of tau (shape (m, n)) as ones in powers of tau - about."""
+    """Polynomials in powers of tau (shape (m, n)) converted to powers of tau - about."""
     found = []
     for k, part in enumerate(_derivatives(coefficients, np.ones_like(about), len(coefficients) - 1)):
         found.append(polynomial_at(part, about) / factorial(k))
@@ -408,9 +408,9 @@ def _rate(second: Array, third: Array, linkage: Mechanisms[Any], centre_rad: Any
 def _ratio_lift(base: Array, direction: Array, mean: Array, points: ReturnGrid) -> Array:
     """The multiple (shape (n,)) of ``direction`` that makes the harmonic mean of the ratio over the return ``mean``.
 
-    ``base`` has shape (n, points), ``direction`` that or (points,); it is positive but for double zeros at both ends.
-    The harmonic mean is a concave function of the multiple: from just above where the polynomial touches zero, Newton's
-    steps never pass the solution.
+    ``base`` has shape (n, points), ``direction`` the same or (points,); it is positive but for double zeros at both
+    ends. The harmonic mean is a concave function of the multiple: from just above where the polynomial touches zero,
+    Newton's steps never pass the solution.
     """
     inner, weights = slice(2, -2), points.basis.weights
     least = np.max(-base[:, inner] / direction[..., inner], axis=1)

@@ -1,12 +1,11 @@
-"""What every motion law is once it is made: a function phi2(phi1), its gears, and the mechanism that they drive.
+"""The value of every motion law: a function phi2(phi1), its gears, and the mechanism that they drive.
 
 A ``Transmission`` gives the driven angle with derivatives on consecutive pieces of one period.  With lobes n1:n2 the
 driving gear repeats its curve n1 times a turn and the driven gear n2 times; one period takes 2 pi / n1 of the driving
 angle and 2 pi / n2 of the driven angle.  An open law, of gears that turn to and fro over less than a turn, has a range
-of both angles in place of lobes; gears get their teeth on its continuation to whole turns (ncgear.pitch.continued),
-which is closed, and of which only the range is made.  A ``Train`` is one pair of gears, or two in series, between the
-driving shaft and the crank.  A ``Law`` is a train and the mechanism that it drives, with the facts of a prescribed
-stroke.
+of both angles in place of lobes; teeth stand on its closed continuation to whole turns (ncgear.pitch.continued), and
+only the range is made.  A ``Train`` is one pair of gears, or two in series, between the driving shaft and the crank.  A
+``Law`` is a train and the mechanism that it drives, with the facts of a prescribed stroke.
 """
 
 from __future__ import annotations
@@ -32,13 +31,13 @@ from ncgear.numerics.units import in_words
 from ncgear.shown import Shown
 
 JetFunction = Callable[[Array, int], Jet]
-"""From driving angles in rad, shape (n,), and an order to the driven angle in rad with its derivatives."""
+"""Function of driving angles in rad, shape (n,), and an order: the driven angle in rad with its derivatives."""
 
 OfSlope = Callable[[Jet], Jet]
-"""From the jet of dphi2/dphi1 by phi1 to the jet of another quantity, of a lower order where derivatives are taken."""
+"""Function of the jet of dphi2/dphi1 by phi1: the jet of a quantity, of lower order if it takes derivatives."""
 
 CLOSED = 1e-12
-"""Closure error in rad that counts as none: about 500 rounding errors of a full turn (tests/test_compensation.py)."""
+"""Closure error in rad that counts as zero: about 500 rounding errors of a full turn (tests/test_compensation.py)."""
 
 STANDSTILL = 1e-6
 """Share of its largest speed below which the driven gear counts as standing still.
@@ -65,7 +64,7 @@ class Lobes:
 
     @property
     def teeth_step(self) -> int:
-        """The number of which driving teeth are a multiple, so that the driven gear has whole teeth as well."""
+        """Divisor of the number of driving teeth that makes the number of driven teeth whole."""
         return self.driving // gcd(self.driving, self.driven)
 
     @property
@@ -85,7 +84,7 @@ class Lobes:
 
     @property
     def range(self) -> Range | None:
-        """What an open law, or its continuation, covers of both angles; None where gears turn on and on."""
+        """The range of both angles of an open law, or of its continuation; None where gears turn on and on."""
         return None
 
     @property
@@ -96,19 +95,19 @@ class Lobes:
 
 @dataclass(frozen=True)
 class Range(Lobes):
-    """What an open law covers: both angles from 0 to these, which take the place of a period."""
+    """The range of an open law: both angles from 0 to these, which take the place of a period."""
 
     driving_rad: float = field(kw_only=True)
     driven_rad: float = field(kw_only=True)
 
     @property
     def driving_period_rad(self) -> float:
-        """The driving angle that is covered."""
+        """The driving angle of the range."""
         return self.driving_rad
 
     @property
     def driven_period_rad(self) -> float:
-        """The driven angle that is covered."""
+        """The driven angle of the range."""
         return self.driven_rad
 
     @property
@@ -129,7 +128,7 @@ class Range(Lobes):
 
 @dataclass(frozen=True)
 class WholeTurns(Lobes):
-    """The period of an open law's continuation: whole turns of both gears, of which ``of`` is made."""
+    """The period of an open law's continuation: whole turns of both gears; only the range ``of`` is made."""
 
     of: Range = field(kw_only=True)
     driving_turns: int = field(kw_only=True)
@@ -147,7 +146,7 @@ class WholeTurns(Lobes):
 
     @property
     def range(self) -> Range:
-        """What is made of it."""
+        """The range that is made."""
         return self.of
 
 
@@ -157,7 +156,7 @@ class Piece:
 
     ``knots_rad`` are inner points where only a high derivative jumps, as in a spline.  ``driven_angle`` is a function
     of its module bound to the law's numbers by ``partial``, or the method of a value, so that ``ncgear.formulas`` knows
-    from which formula it comes.
+    its formula.
     """
 
     start_rad: float
@@ -176,14 +175,14 @@ class Piece:
         return self.driven_angle(phi1, order + 1).differentiated()
 
     def extremes(self, quantities: Sequence[OfSlope], lost: int) -> list[tuple[Extremum, Extremum]]:
-        """Smallest and largest values on the piece of quantities of dphi2/dphi1, which take ``lost`` derivatives of it.
+        """Smallest and largest values on the piece of quantities that take ``lost`` derivatives of dphi2/dphi1.
 
-        A quantity maps the jet of dphi2/dphi1 to one of an order less by ``lost``, which is 0, 1 or 2.
+        A quantity maps the jet of dphi2/dphi1 to a jet whose order is less by ``lost``, which is 0, 1 or 2.
         """
         grid, known = self._sampled_slope
 
         def by_angle(phi1: Array) -> list[Jet]:
-            # Extremes are looked for on one grid, at which the law is computed once.
+            # Extremes are searched on one grid, at which the law is computed once.
             slope = known.truncated(lost + 1) if phi1 is grid else self.slope(phi1, lost + 1)
             return [quantity(slope) for quantity in quantities]
 
@@ -196,13 +195,13 @@ class Piece:
 
     @cached_property
     def _sampled_slope(self) -> tuple[Array, Jet]:
-        """Driving angles between which extremes are looked for, and dphi2/dphi1 there with three derivatives."""
+        """Driving angles between which extremes are searched, and dphi2/dphi1 there with three derivatives."""
         grid = grid_between(self.start_rad, self.end_rad, np.array(self.knots_rad))
         return grid, self.slope(grid, 3)
 
 
 class DrivenGearStops(NoSuchMechanism):
-    """A law whose driven gear does not advance everywhere; ``at_rad`` is the driving angle where it does so least."""
+    """A law whose driven gear does not advance everywhere; ``at_rad`` is the driving angle where it advances least."""
 
     def __init__(self, slope: Extremum) -> None:
         super().__init__(
@@ -245,7 +244,7 @@ class Transmission(Shown):
 
     @property
     def made_pieces(self) -> tuple[Piece, ...]:
-        """The pieces on which gears are made: all or, of the continuation of an open law, the pieces of its range."""
+        """The pieces on which gears are made: of an open law's continuation only the pieces of its range."""
         covered = self.lobes.range
         if covered is None or not self.lobes.repeats:
             return self.pieces
@@ -253,13 +252,13 @@ class Transmission(Shown):
 
     @property
     def made(self) -> Transmission:
-        """The law on which gears are made: itself, but for the continuation of an open law that on its range."""
+        """The law on which gears are made: itself, or for the continuation of an open law the law on its range."""
         covered = self.lobes.range
         return self if covered is None else Transmission(self.made_pieces, covered)
 
     @property
     def meeting_pieces(self) -> list[tuple[Piece, Piece]]:
-        """The pieces that gears are made on and that meet, the one before first; across the seam where one is made."""
+        """Neighbouring pieces on which gears are made, the earlier piece first, also across a seam that is made."""
         pieces = self.made_pieces
         if self.lobes.range is not None:
             return list(pairwise(pieces))
@@ -272,10 +271,10 @@ class Transmission(Shown):
 
     @cached_property
     def closure_error_rad(self) -> float:
-        """What the driven angle misses of its period at the end of the driving period.
+        """Difference of the driven angle at the end of the driving period from its period.
 
-        Two judges say it, and the worse one is believed: the driven angle there, and the integral of 1/i12 over the
-        period at points that no law is made from.
+        Two judges compute it, and the worse result counts: the driven angle there, and the integral of 1/i12 over the
+        period at points that no law uses.
         """
         last, period = self.pieces[-1], self.lobes.driven_period_rad
         there = float(last.driven_angle(np.array([last.end_rad]), 0).value[0])
@@ -288,11 +287,11 @@ class Transmission(Shown):
         return self.extremes(lambda slope: slope, 0)
 
     def extremes(self, quantity: OfSlope, lost: int) -> tuple[Extremum, Extremum]:
-        """Smallest and largest value of a quantity of dphi2/dphi1, as of ``Piece``, over what gears are made on."""
+        """Smallest and largest value of a quantity of dphi2/dphi1, as in ``Piece``, over the pieces that are made."""
         return self.extremes_of_each([quantity], lost)[0]
 
     def extremes_of_each(self, quantities: Sequence[OfSlope], lost: int) -> list[tuple[Extremum, Extremum]]:
-        """As ``extremes``, of several quantities in less time than one by one."""
+        """As ``extremes``, for several quantities, in less time than one by one."""
         by_piece = [piece.extremes(quantities, lost) for piece in self.made_pieces]
         value = attrgetter("value")
         return [
@@ -328,8 +327,8 @@ class Transmission(Shown):
 class Pair:
     """The law of one pair over its own driving angle, and how its driving gear turns.
 
-    ``speed`` is that gear's speed over the driving shaft's, and ``shaft_rad`` the driving shaft's angle in rad; both at
-    the gear's own angles in rad, shape (n,) to shape (n,).
+    ``speed`` gives the gear's speed over the driving shaft's, and ``shaft_rad`` the driving shaft's angle in rad; both
+    take the gear's own angles in rad, shape (n,) to shape (n,).
     """
 
     transmission: Transmission
@@ -357,16 +356,16 @@ def single(transmission: Transmission) -> Train:
 
 @dataclass(frozen=True)
 class PrescribedStroke:
-    """The facts, besides the ratio, of a law that prescribes the slider's stroke."""
+    """Facts, besides the ratio, of a law that prescribes the slider's stroke."""
 
     law_speed_rad_s: float
     """Speed of the driving gear at which the law's velocities hold."""
 
     closing_error_mm: float
-    """By how much the parts of the stroke together miss it; rounding error only."""
+    """Difference of the sum of the stroke's parts from the stroke; rounding error only."""
 
     facts: Mapping[str, float | str | None]
-    """Figures of the stroke and the return for the summary; their names end in their unit; None where one has none."""
+    """Figures of the stroke and the return for the summary; their names end in their unit; None: the law has none."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -377,10 +376,10 @@ class Law(Shown):
     train: Train
     stroke: PrescribedStroke | None = None
     center_distance_mm: float | None = None
-    """Distance of the axes that follows from a law whose sizes are in mm; None where gears of any size have the law."""
+    """Distance of the axes that follows from a law whose sizes are in mm; None for a law of gears of any size."""
 
     facts: Mapping[str, float | str | None] = field(default_factory=dict)
-    """Figures, besides the stroke's, that were found with the law, for the summary; their names end in their unit."""
+    """Figures, besides the stroke's, found with the law, for the summary; their names end in their unit."""
 
     def __repr__(self) -> str:
         pairs = f", {len(self.train.pairs)} pairs in series" if len(self.train.pairs) > 1 else ""

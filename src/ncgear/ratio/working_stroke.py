@@ -32,7 +32,7 @@ from ncgear.numerics.zeros import real_roots
 
 @dataclass(frozen=True)
 class StrokeRequests(Generic[Number]):
-    """What is asked of one stroke, or, in arrays of shape (n,), of many; one field that may be None is solved for.
+    """Requests for one stroke, or, in arrays of shape (n,), for many; one field that may be None is solved for.
 
     Angles of the driving gear in rad, velocities ``v1`` and ``v2`` in mm/s at ``law_speed_rad_s``, acceleration ``a1``
     in mm/s2 at ``a1_speed_rad_s`` (None: at the law speed), ``stroke_mm`` the displacement to be covered.
@@ -52,7 +52,7 @@ class StrokeRequests(Generic[Number]):
 
 @dataclass(frozen=True)
 class StrokeRequest(StrokeRequests[float]):
-    """What is asked of one stroke, and of which output; rad stand in the place of mm where it turns."""
+    """Requests for one stroke, and its output; for an output that turns, rad take the place of mm."""
 
     output: Output = SLIDER
 
@@ -87,7 +87,7 @@ class WorkingStrokes(Generic[Number]):
 
     @property
     def closing_error_mm(self) -> Number:
-        """What the three segments together miss of the stroke; rounding error only."""
+        """Difference of the sum of the three segments from the stroke; rounding error only."""
         delta = self.theta4_rad - self.theta3_rad
         braking = delta**2 * polynomial_at(self.braking_root, delta)
         pressing = self.pressing_mm_rad * (self.theta3_rad - self.theta2_rad)
@@ -134,7 +134,7 @@ def shaped_strokes(theta_rad: Array, approach_shape: Array, brake: Array, stroke
 
     ``theta_rad`` holds theta1 to theta4 (shape (4, n)), ``approach_shape`` is v/v2 in powers 1 to 4 of phi1/theta2
     (shape (4, n)), ``brake`` is -a1 (theta4 - theta3)/v2 (shape (n,)).  The stroke is then linear in v2, which closes
-    it; where no positive v2 does, it is negative or infinite.
+    it; where no positive v2 closes it, v2 is negative or infinite.
     """
     theta1, theta2, theta3, theta4 = theta_rad
     delta, order = theta4 - theta3, np.arange(1.0, 5.0)[:, None]
@@ -264,21 +264,21 @@ def _assembled(request: StrokeRequests[Number], approach: Array) -> dict[str, An
 
 
 CLEAR = 1e-9
-"""Share of its largest value by which v/phi1 must stay over zero for a stroke to pass without a look at its zeros: a
+"""Share of its largest value by which v/phi1 must stay over zero for a stroke to pass without a search for its zeros: a
 million rounding errors."""
 
 
 def stroke_refusals(
     requests: StrokeRequests[Array], strokes: WorkingStrokes[Array], output: Output
 ) -> dict[int, NoSuchMechanism]:
-    """Why strokes of an output, closed from what was asked, are none: by their numbers, the first reason of each.
+    """Refusals of strokes of an output, closed from requests: by their numbers, the first reason of each.
 
     No positive value closes the stroke, or the velocity is not positive between the dead centres.  Its divided-out
-    zeros must be simple.  Braking needs no look: with u = delta / (theta4 - theta3),
+    zeros must be simple.  Braking needs no check: with u = delta / (theta4 - theta3),
 
         R = -a1 (1 - u)^2 + v2 / (theta4 - theta3) u (3 - 2 u)
 
-    is a sum of terms that are not negative.
+    is a sum of terms that are zero or more.
     """
     with np.errstate(all="ignore"):
         zero = _first_zeros(strokes.approach_slope, strokes.theta2_rad)
@@ -319,10 +319,10 @@ def _row(many: Any, row: int) -> Any:
 
 @dataclass(frozen=True, eq=False)
 class _Refused:
-    """A stroke that is none, and the figures of its refusal.
+    """A refused stroke, and the figures of its refusal.
 
-    ``per_v1`` and ``per_v2`` are the stroke's sensitivities, ``most`` is the v1/v2 from which on the output turns back,
-    ``speeds_rad_s`` are law speeds at which it does not, ``zero_rad`` is where it does so first (NaN: nowhere).
+    ``per_v1`` and ``per_v2`` are the stroke's sensitivities, ``most`` is the v1/v2 above which the output turns back,
+    ``speeds_rad_s`` are law speeds at which it does not, ``zero_rad`` is where it first does (NaN: nowhere).
     """
 
     request: StrokeRequests[float]
@@ -335,7 +335,7 @@ class _Refused:
     zero_rad: float
 
     def refusal(self) -> NoSuchMechanism:
-        """The first of the conditions that fails."""
+        """The refusal by the first condition that fails."""
         request, stroke = self.request, self.stroke
         speed, acceleration = self.output.speed, self.output.acceleration
         if request.law_speed_rad_s is None:
@@ -373,7 +373,7 @@ class _Refused:
 
     @property
     def _too_far_apart(self) -> str:
-        """The words for v1 and v2 between which the output turns back, with the values that would do."""
+        """Words for v1 and v2 between which the output turns back, with values that are right."""
         v1, v2, unit = self.stroke.v1, self.stroke.v2, self.output.speed.text
         enough = f"v1 under {shown_below(self.most * v2)} {unit} is right"
         if self.request.v1 is None:
@@ -393,7 +393,7 @@ class _Refused:
 
     @property
     def _remedy_of_v1(self) -> str:
-        """The words for what gives the approach a part of the stroke to cover, or lets it cover one."""
+        """Words for a change that gives the approach a part of the stroke to cover, or lets it cover one."""
         if self.per_v1 > 0.0:
             return (
                 "lower v2, shorten the stretch at v2 (theta2 to theta3), bring a1 nearer to zero or lengthen the stroke"
@@ -402,7 +402,7 @@ class _Refused:
 
     @property
     def _closing_speeds(self) -> str:
-        """The words for the law speeds at which a v1 or v2 that is solved for advances; empty where there are none."""
+        """Words for the law speeds at which a solved v1 or v2 advances; empty where there are none."""
         speeds = [speed / RAD_S_PER_RPM for speed in self.speeds_rad_s if not np.isnan(speed)]
         if not speeds or not all(0.0 < speed < inf for speed in speeds):
             return ""
@@ -421,7 +421,7 @@ class _Refused:
 
 
 def _most_of_v1(request: StrokeRequests[Array]) -> Array:
-    """v1/v2 from which on the slider turns back on its way to theta2; infinite where every v1 does.
+    """v1/v2 above which the slider turns back on its way to theta2; infinite where no v1 turns it back.
 
     Q is v1 A + v2 B, where B is nowhere negative (it is (phi1 - theta1)^2 times a positive line), and A is negative
     only where theta1 is under a quarter or over a half of theta2.
@@ -447,7 +447,7 @@ def _product_term(a: Array, b: Array, power: int) -> Array:
 
 
 def _closing_speeds(request: StrokeRequests[Array], most: Array) -> list[Array]:
-    """The law speeds in rad/s at both ends of a v1 or v2 that is solved for and advances; NaN where there is no end."""
+    """The law speeds in rad/s at both ends of the range of a solved v1 or v2 that advances; NaN for no end."""
     ends: dict[str, tuple[Array, ...]] = {}
     if request.v1 is None:
         ends = {"v1": (np.zeros_like(most), most * _known(request.v2))}

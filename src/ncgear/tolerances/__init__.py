@@ -1,1 +1,1 @@
-"""What tolerances do to a pair: grades of accuracy, assemblies drawn by chance, what each of them does."""
+"""Effects of tolerances on a pair: grades of accuracy, assemblies drawn by chance, and the figures of each."""

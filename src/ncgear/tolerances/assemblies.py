@@ -1,4 +1,4 @@
-"""What each of many assemblies does: transmission error, play, contact, and the motion of the output.
+"""Figures of many assemblies: transmission error, play, contact, and the motion of the output.
 
 The figures are kinematic and quasi-static: the gears turn slowly and rest on their pushing flanks, without load.  The
 output follows the driven gear, and so its transmission error.  The acceleration counts the slow part of this error, up
@@ -11,7 +11,7 @@ first order the crank is ahead by
 
     e = e2 + phi2'(psi) (e1 + delta1)
 
-at the angle psi of the shaft between, delta1 being the keyway of the gear that is driven there.
+at the angle psi of the intermediate shaft, where delta1 is the keyway error of the gear that is driven there.
 """
 
 from __future__ import annotations
@@ -38,20 +38,20 @@ SLOW_SHARE = 0.25
 
 @dataclass(frozen=True, eq=False)
 class Between:
-    """Where angles lie between the rising positions of a cycle, shape (n,) each: between which two, and how far."""
+    """Places of angles between rising positions of a cycle, shape (n,) each: the positions beside, and the share."""
 
     before: IndexArray
     after: IndexArray
     share: Array
 
     def of(self, values: Array) -> Array:
-        """Values at the positions, shape (p, N), at the angles by straight lines, shape (n, N)."""
+        """Values at the angles, shape (n, N), by straight lines between values at the positions, shape (p, N)."""
         share = self.share[:, None]
         return np.asarray((1.0 - share) * values[self.before] + share * values[self.after])
 
 
 def between(angle_rad: Array, position_rad: Array, cycle_rad: float | None) -> Between:
-    """Angles (n,) between positions (p,), the first again after ``cycle_rad``; None for a range with an end."""
+    """Places of angles (n,) between positions (p,), the first again after ``cycle_rad``; None: a range with an end."""
     before = np.searchsorted(position_rad, angle_rad, side="right") - 1
     if cycle_rad is None:
         before = np.minimum(before, position_rad.size - 2)
@@ -64,7 +64,7 @@ def between(angle_rad: Array, position_rad: Array, cycle_rad: float | None) -> B
 
 @dataclass(frozen=True)
 class Waves:
-    """The slow part over a cycle of driving angles: waves up to ``count`` in it."""
+    """The slow part over a cycle of driving angles: up to ``count`` waves in the cycle."""
 
     cycle_rad: float
     count: int
@@ -81,7 +81,7 @@ class Smoothed:
     """The slow part over a range from end to end: a filter that halves ``count`` waves in the range.
 
     The sum of the squared differences from the values and of the squared third differences, times a penalty, is least
-    (Whittaker 1923, Henderson 1924).  It leaves the share 1 / (1 + (w / count)^6) of w waves.  It makes up no values
+    (Whittaker 1923, Henderson 1924).  Of w waves it leaves the share 1 / (1 + (w / count)^6).  It invents no values
     beyond the ends, so a parabola stays as it is, up to the ends.
     """
 
@@ -116,8 +116,8 @@ class Follower:
     ``radius_mm`` (shape (p,)) is the pitch radius of the last driven gear, ``slope`` (shape (p,)) the output's way per
     driven angle, in mm/rad or rad/rad.  ``driven`` (shape (2, g)) are the first and second derivative of the driven
     angle by the driving angle, ``output`` (shape (3, g)) the first three derivatives of the output by the driven angle.
-    ``even`` tells where the even angles lie between the positions, and ``slowly`` takes the slow part of errors there.
-    ``designed_peak`` is the largest acceleration of the output without deviations, in mm/s2 or rad/s2.
+    ``even`` gives the places of the even angles between the positions, and ``slowly`` takes the slow part of errors
+    there. ``designed_peak`` is the largest acceleration of the output without deviations, in mm/s2 or rad/s2.
     """
 
     radius_mm: Array
@@ -137,7 +137,7 @@ class Follower:
     def peaks(self, error: Array) -> Array:
         """Largest acceleration (N,) with an error of the driven angle and two derivatives, (3, g, N), to first order.
 
-        What the even angles miss of the peak without deviations is added to all peaks.
+        The part of the peak without deviations that the even angles miss is added to all peaks.
         """
         missed = self.designed_peak - self.speed_rad_s**2 * self._even_peak
         return np.asarray(self.speed_rad_s**2 * np.abs(self._seconds(error)).max(axis=0) + missed)
@@ -156,7 +156,7 @@ class Follower:
 
 @dataclass(frozen=True, eq=False)
 class PairAssemblies(Columns):
-    """What one pair of N assemblies does over a cycle of meetings, shape (N,) each.
+    """Figures of one pair in N assemblies over a cycle of meetings, shape (N,) each.
 
     ``transmission_error_rad`` and ``transmission_error_mm`` are peak to peak: the driven shaft's angle, and this angle
     times the pitch radius.  A play is an angle of the driven gear in rad, or a distance of the idle flanks along their
@@ -175,10 +175,10 @@ class PairAssemblies(Columns):
 
 @dataclass(frozen=True, eq=False)
 class Assemblies:
-    """What N assemblies do over a cycle of meetings, shape (N,) each: each pair by itself, and the machine.
+    """Figures of N assemblies over a cycle of meetings, shape (N,) each: each pair by itself, and the machine.
 
     The transmission errors, peak to peak, compare the last driven gear with the driving shaft.  ``play_max_rad`` is the
-    largest angle by which this gear can be turned while the driving shaft is held.  ``motion_error`` is the largest
+    largest angle by which this gear can turn while the driving shaft is held.  ``motion_error`` is the largest
     deviation of the output's place, and ``peak_acceleration`` its largest acceleration: in mm and mm/s2, or in rad and
     rad/s2 where it turns.
     """
@@ -217,7 +217,7 @@ class Assemblies:
 
     @classmethod
     def joined(cls, parts: list[Assemblies]) -> Assemblies:
-        """Those of all parts, in their order."""
+        """The assemblies of all parts, in their order."""
         pairs = tuple(map(PairAssemblies.joined, zip(*(part.pairs for part in parts), strict=True)))
         own = [field.name for field in fields(cls)[1:]]
         return cls(pairs, *(np.concatenate([getattr(part, name) for part in parts]) for name in own))
@@ -225,11 +225,11 @@ class Assemblies:
 
 @dataclass(frozen=True, eq=False)
 class PairLot:
-    """One pair of a machine, of which assemblies are computed.
+    """One pair of a machine, for the computation of its assemblies.
 
-    ``reversals`` are the positions next to which the torque of the driven gear turns round.  ``way`` tells where the
-    machine's positions lie between positions of the mesh, and ``slope`` (shape (p,)) how far the last driven gear turns
-    there per angle of this pair's driven gear.
+    ``reversals`` are the positions next to which the torque of the driven gear turns round.  ``way`` gives the places
+    of the machine's positions between positions of the mesh, and ``slope`` (shape (p,)) the turn of the last driven
+    gear there per angle of this pair's driven gear.
     """
 
     mesh: LinearMesh
@@ -271,9 +271,9 @@ class Lot:
         return tuple(drawn(pair.limits, own) for pair, own in zip(self.pairs, chances, strict=True))
 
     def assembled(self, of: Sequence[Deviations]) -> Assemblies:
-        """What assemblies with given deviations of each pair do."""
+        """The figures of assemblies with given deviations of each pair."""
         leads = [pair.mesh.leads(own) for pair, own in zip(self.pairs, of, strict=True)]
-        # The last keyway sets off the output, and is no error of the gears.
+        # The last keyway turns the output, and is no error of the gears.
         *between_rad, last_rad = (own.output_rad for own in of)
         keyed = zip(self.pairs, leads, [*between_rad, 0.0], strict=True)
         error = np.asarray(sum(pair.carried(lead[PUSHING] + off_rad) for pair, lead, off_rad in keyed))
@@ -292,7 +292,7 @@ class Lot:
 
 
 def of_pair(pair: PairLot, of: Deviations, lead: Array) -> PairAssemblies:
-    """The figures of a pair whose first contacts lead by ``lead``, shape (2, q, N)."""
+    """The figures of a pair with the leads ``lead`` of its first contacts, shape (2, q, N)."""
     mesh = pair.mesh
     error, play = lead[PUSHING], -lead[PUSHING] - lead[BACK]
     play_mm = play * mesh.arm_mm[BACK][:, None]
@@ -386,7 +386,7 @@ class Task:
 
 
 def computed(lot: Lot, task: Task) -> Assemblies:
-    """What the assemblies of a task do."""
+    """The figures of the assemblies of a task."""
     return lot.assembled(lot.drawn(task))
 
 

@@ -66,7 +66,7 @@ class Limits:
         return Limits(0.0, pair, pair, pair, none, none, (MADE_C, MADE_C), 0.0, (0.0, 0.0, 0.0), pair)
 
     def displaced_mm(self, size_mm: float) -> float:
-        """About how far flanks are displaced against each other at most; ``size_mm`` is the centre distance."""
+        """Estimate of the largest displacement of flanks against each other; ``size_mm`` is the centre distance."""
         driving, driven, housing = self.expansions
         warm = max(abs(one - MADE_C) for one in self.temperature_c)
         growth = size_mm * (max(driving, driven, housing) * warm + max(driving, driven) * self.warmer_k)
@@ -95,14 +95,14 @@ SOURCES = {
     "temperature": 1,
     "wear": 1,
 }
-"""The sources of a whole pair, and how many numbers between 0 and 1 each is drawn from, in their order."""
+"""The sources of a whole pair in their order, and the count of numbers between 0 and 1 that each is drawn from."""
 
 TOOTH_SOURCES = "pitch", "profile"
 """The sources of each flank, drawn from one number per flank."""
 
 EVERY = (*SOURCES, *TOOTH_SOURCES)
 COUNT = sum(SOURCES.values())
-"""How many numbers the whole pair is drawn from."""
+"""Count of the numbers that the whole pair is drawn from."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +141,7 @@ class Source:
 
 
 def sources_of(pairs: Sequence[Limits]) -> tuple[Source, ...]:
-    """The sources by which the pairs of a machine deviate at all."""
+    """The sources of deviations of a machine's pairs."""
     found = [
         Source(name, None if len(pairs) == 1 or name in SHARED else number)
         for number, limits in enumerate(pairs, start=1)
@@ -177,7 +177,7 @@ def rows_of(source: str) -> slice:
 
 
 def active(limits: Limits) -> tuple[str, ...]:
-    """The sources that deviate at all."""
+    """The sources with deviations."""
     low, high = limits.temperature_c
     sizes = {
         "center_distance": limits.center_distance_mm,
@@ -196,7 +196,7 @@ def active(limits: Limits) -> tuple[str, ...]:
 
 
 def reachable(mesh: LinearMesh, limits: Limits) -> LinearMesh:
-    """The mesh without places of contact so far behind the first that no deviations within limits bring them first."""
+    """The mesh without places of contact that no deviations within limits can bring before the first place."""
     counts = np.diff(mesh.first, append=mesh.lead.size)
     leader = np.repeat(mesh.foremost.ravel(), counts)
     tooth = sum(
@@ -258,7 +258,7 @@ def deviating(limits: Limits, pair: Array, teeth: Array) -> Deviations:
 
 
 def _within_limit(share: Array) -> Array:
-    """Normal deviations that end at their limit, in limits, from numbers between 0 and 1."""
+    """Normal deviations that end at their limit, as shares of it, from numbers between 0 and 1."""
     from scipy.special import ndtr, ndtri
 
     low = float(ndtr(-SIGMAS))

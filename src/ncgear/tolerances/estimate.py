@@ -29,7 +29,7 @@ PER_PITCH = 2
 """Positions per tooth pitch.  With twice as many, the mean backlash that assemblies need changes by a hundredth."""
 
 LEAST_ASSEMBLIES, MOST_ASSEMBLIES, AT_ONCE = 128, 512, 160_000
-"""Assemblies that are drawn at least and at most; in between so many that they and the places of contact make AT_ONCE:
+"""Least and most assemblies that are drawn; in between, assemblies times places of contact are AT_ONCE, which takes
 some three milliseconds."""
 
 SHAPE = 16.0
@@ -37,13 +37,13 @@ SHAPE = 16.0
 0.5: the greatest value at many teeth has a longer tail than a normal distribution."""
 
 FARTHEST = 12.0
-"""Standard deviations above the mean beyond which a gamma distribution of that shape has nothing left to speak of."""
+"""Standard deviations above the mean beyond which a gamma distribution of that shape holds nothing that matters."""
 
 NORMAL_95 = 1.645
 """Standard deviations of a normal distribution above its mean under which 95 % of it lies."""
 
 TINY = 1e-12
-"""Deviation in mm or degrees under which nothing deviates."""
+"""Deviation in mm or degrees that counts as zero."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -175,7 +175,7 @@ def needed(backlash: Array, shared: Array) -> Needed:
 
 
 def enough(of_pairs: Sequence[Needed], turning: float) -> float:
-    """The least backlash with which a share of machines turns, with 95 % confidence.
+    """The least backlash with which the share ``turning`` of machines turns, with 95 % confidence.
 
     Pairs jam independently.  With n assemblies, the variance of the mean is 1/n of the assemblies' variance, and the
     variance of the standard deviation is 1/(2 n) of it.  A value K standard deviations above the mean has both errors.

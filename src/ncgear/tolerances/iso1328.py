@@ -41,7 +41,7 @@ MM_PER_UM = 1e-3
 
 @dataclass(frozen=True, eq=False)
 class FlankTolerances:
-    """Tolerances in mm, not rounded, of the shape of the diameters that they were asked for."""
+    """Tolerances in mm, not rounded, in the shape of the given diameters."""
 
     single_pitch_mm: Array
     cumulative_pitch_mm: Array
@@ -66,7 +66,7 @@ def flank_tolerances(grade: int, diameter_mm: Array, module_mm: float) -> FlankT
 
 
 def helix_slope_mm(grade: int, diameter_mm: float, width_mm: float) -> float:
-    """f_HbetaT of a class in mm, not rounded: by how much a flank may lie askew over a face width from 4 to 1200 mm."""
+    """f_HbetaT of a class in mm, not rounded: the most that a flank is askew over a face width from 4 to 1200 mm."""
     base = 0.05 * diameter_mm**0.5 + 0.35 * width_mm**0.5 + 4.0
     return float(MM_PER_UM * 2.0 ** ((grade - 5) / 2.0) * base)
 

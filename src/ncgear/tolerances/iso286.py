@@ -27,8 +27,7 @@ MM_PER_UM = 1e-3
 
 
 LEAST_MM = 1.0
-"""Size from which on widths follow the standard; below it they are smaller in proportion, since hardly any fit of the
-standard is made there."""
+"""Size below which widths are smaller in proportion: the standard has hardly any fit there."""
 
 
 def standard_tolerance_mm(grade: int, size_mm: float) -> float | None:
@@ -40,7 +39,7 @@ def standard_tolerance_mm(grade: int, size_mm: float) -> float | None:
 
 
 def distance_deviation_mm(size_mm: float) -> float | None:
-    """How far a distance of JS7 may be off, either way; None beyond the sizes of the standard."""
+    """The most that a distance of JS7 may be off, either way; None beyond the sizes of the standard."""
     width = standard_tolerance_mm(7, size_mm)
     return None if width is None else width / 2.0
 

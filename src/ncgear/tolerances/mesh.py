@@ -67,7 +67,7 @@ RIGID = (
 """Deviations that move whole gears or all their flanks alike, in mm, rad or shares: rows of ``Deviations.rigid``."""
 
 DISPLACING = 8
-"""The first rows of RIGID, in this number, move one gear against the other; the contact ratio follows from them."""
+"""Number of the first rows of RIGID: they move one gear against the other, and the contact ratio follows from them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,10 +120,10 @@ class LinearMesh:
     the driving and the driven flank (shape (2, r) each) its ``flank``, numbered as in ``Deviations.pitch``, its
     ``pitch_share`` and its ``profile_share``: the change of the lead by its deviations, in rad per mm.
 
-    ``radius_mm`` (shape (p,)) is the driven pitch radius, ``arm_mm`` (shape (2, p)) the arm of each side's normal.
-    With ``mirrored`` each place also stands at the opposite height.  ``arcs`` (shape (k,)) are the arcs of contact in
-    pitches of all pairs of flanks, with the overlap, ``arc_rates`` (shape (k, 8)) how they change with the
-    first of RIGID.
+    ``radius_mm`` (shape (p,)) is the driven pitch radius, ``arm_mm`` (shape (2, p)) the arm of each side's normal. With
+    ``mirrored`` each place also stands at the opposite height.  ``arcs`` (shape (k,)) are the arcs of contact in
+    pitches of all pairs of flanks, with the overlap, ``arc_rates`` (shape (k, 8)) their rates by the first rows of
+    RIGID.
     """
 
     phi1_rad: Array
@@ -183,7 +183,8 @@ class LinearMesh:
 
 
 def mesh_of(face: Face, placement: Placement, within_mm: float, *, both_ways: bool = False) -> LinearMesh:
-    """The linear mesh of all places touching when first ones are pressed in ``within_mm``; backs too ``both_ways``."""
+    """The linear mesh of all places that touch when the first are pressed in ``within_mm``; ``both_ways``: worn
+    backs."""
     found = []
     for teeth, height in zip(face.sections, face.heights_mm, strict=True):
         touching = Contacts.joined(contacts_within(teeth, placement, within_mm))
@@ -221,7 +222,7 @@ def mesh_at(rows: ContactPlaces, placement: Placement, arm_mm: Array, *, mirrore
 class ContactPlaces(Columns):
     """Places of contact in one section: side and position as ``place``, and the rows of ``LinearMesh``, shape (r, ...).
 
-    Of both gears there are two columns.  ``lever_mm`` is the arm of the normal about the driven axis.
+    Both gears have a column each.  ``lever_mm`` is the arm of the normal about the driven axis.
     """
 
     place: IndexArray
@@ -278,7 +279,7 @@ def places_of(
 
 @dataclass(frozen=True, eq=False)
 class _Side:
-    """How the deviations of one gear's flanks act along the common normal, shape (r,) each.
+    """Effect of the deviations of one gear's flanks along the common normal, shape (r,) each.
 
     ``pitch`` is the effect of a deviation along the pitch curve, ``share`` the place on the flank, from -1/2 at its
     root to 1/2 at its tip, and ``along`` the part of the flank's own normal.
@@ -332,7 +333,7 @@ class Displaced(Placement):
     scale: float = 1.0
 
     def driving_points(self, points: ComplexArray, row: IndexArray) -> ComplexArray:
-        """The positions, as a placement gives them."""
+        """The points at the positions, as a placement gives them."""
         shifted: ComplexArray = self.moved_mm * np.exp(-1j * self.mesh.sense * self.phi2_rad[row])
         return super().driving_points(self.scale * points, row) - shifted
 

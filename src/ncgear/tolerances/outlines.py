@@ -1,9 +1,9 @@
 """The check of the linear mesh: the outlines of an assembly with all its deviations, turned until they touch.
 
 The outlines belong to the exact teeth.  Points on flanks move along the normal by the flank's deviation.  The whole
-outline grows, shifts from its bore and turns.  ``ncgear.contact.written`` then tells how far the driven gear turns
+outline grows, shifts from its bore and turns.  ``ncgear.contact.written`` then computes the turn of the driven gear
 before chords touch.  None of this is linear.  With tilted bores both ends of the face width are checked.  The same
-check of outlines without deviations tells the error of chords, which is subtracted.
+check without deviations gives the error of chords, which is subtracted.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ ASTRAY = 0.01
 
 @dataclass(frozen=True, eq=False)
 class OnSides:
-    """The outline of a gear (shape (n,)) and which of its points lie on the sides of teeth: on flanks and fillets.
+    """The outline of a gear (shape (n,)) and its points on the sides of teeth: on flanks and fillets.
 
     For these k points, shape (k,) each: ``vertex``, the ``flank`` of the side, its ``share`` of the flank's height from
     -1/2 at the root and on the fillet to 1/2 at the tip, and the unit ``normal`` that leads out of the material.
@@ -48,7 +48,7 @@ class OnSides:
     normal: ComplexArray
 
     def deviating(self, turned_rad: Array, added_mm: Array, profile_mm: Array) -> ComplexArray:
-        """The outline, each side turned about the axis and with more material along normals: even part and slope."""
+        """The outline, each side turned about the axis and given more material along normals: even part and slope."""
         point = self.outline[self.vertex]
         # Normals of fillets lead anywhere.
         on_flank = np.where(self.share > -0.5, along(self.normal, 1j * point), 0.0)
@@ -60,7 +60,7 @@ class OnSides:
 
 
 def on_sides(gear: ToothedGear, *, ring: bool) -> OnSides:
-    """Which points of a gear's outline lie on sides of teeth; the material of a ``ring`` lies beyond its outline."""
+    """The points of a gear's outline on sides of teeth; the material of a ``ring`` lies beyond its outline."""
     from scipy.spatial import cKDTree
 
     outline, sides, flanks = as_complex(gear.outline_mm), gear.sides, gear.flanks
@@ -96,7 +96,7 @@ ROOM_IN_MODULES = 0.02
 class Section:
     """The outlines of both gears in a section, at ``height_mm`` above the middle of the face width.
 
-    ``turns`` is how far a flank is turned, in rad per mm of its deviation along the pitch curve.
+    ``turns`` is the turn of a flank, in rad per mm of its deviation along the pitch curve.
     """
 
     height_mm: float
@@ -106,10 +106,10 @@ class Section:
 
 @dataclass(frozen=True, eq=False)
 class Exact:
-    """Assemblies of a pair by their outlines at some of the positions of its ``mesh``, which ``rows`` tells.
+    """Assemblies of a pair by their outlines at the positions ``rows`` of its ``mesh``.
 
-    ``leads`` begins where the linear mesh says that flanks nearly touch.  Flanks on the other side of the teeth are
-    moved out of the way there, so that a pair without play is turned together like any other.
+    ``leads`` begins where flanks nearly touch by the linear mesh.  Flanks on the other side of the teeth are moved out
+    of the way there, so that a pair without play is turned together like any other.
     """
 
     sections: tuple[Section, ...]
@@ -167,7 +167,7 @@ class Exact:
 def exact_of(
     pitch: PitchPair, face: Face, placement: Placement, mesh: LinearMesh, positions: int, *, both_ways: bool = False
 ) -> Exact:
-    """The outlines of a pair at about so many of the positions of a mesh at most, evenly chosen."""
+    """The outlines of a pair at ``positions`` or fewer of the positions of a mesh, evenly chosen."""
     rows = np.arange(0, placement.count, -(-placement.count // positions))
     ring = pitch.mesh is Mesh.INTERNAL
     sections = tuple(
@@ -192,20 +192,20 @@ def exact_of(
 
 
 def _turns(gear: ToothedGear) -> Array:
-    """How far each flank is turned by a deviation along the pitch curve, in rad/mm, shape (flanks,)."""
+    """Turn of each flank by a deviation along the pitch curve, in rad/mm, shape (flanks,)."""
     return np.asarray(gear.flanks.slant.of(np.arange(gear.flanks.count)).cosine / crossing_arms_mm(gear))
 
 
 @dataclass(frozen=True)
 class LinearError:
-    """How far the linear mesh is off the outlines of an assembly, and how far outlines are displaced, in mm at most."""
+    """Largest error of the linear mesh against the outlines of an assembly, and of their displacement, in mm."""
 
     error_mm: float
     displaced_mm: float
 
 
 def linear_errors(exact: Exact, assemblies: Sequence[Deviations]) -> list[LinearError]:
-    """The linear mesh's errors for assemblies along the normals, less those of chords without deviations."""
+    """Errors of the linear mesh for assemblies along the normals, less the errors of chords without deviations."""
     mesh, arm = exact.mesh, exact.mesh.arm_mm[:, exact.rows]
     nothing = Deviations(*(np.zeros_like(values) for values in vars(assemblies[0]).values()))
     bare = exact.leads(nothing), mesh.leads(nothing)

@@ -1,4 +1,4 @@
-"""Many assemblies of a machine: their figures and chances, the tolerances that matter, and the play that is needed."""
+"""Many assemblies of a machine: their figures and chances, the tolerances that matter, and the needed play."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from ncgear.tolerances.outlines import Exact, LinearError, linear_errors
 from ncgear.workers import finished
 
 JAMMED_RAD = 1e-9
-"""Overlap of the driven gear's angle from which teeth jam, and spread of an angle that counts: rounding is less."""
+"""Overlap of the driven gear's angle above which teeth jam, and spread of an angle that counts: rounding is less."""
 
 ALONE = 3e9
 """Places of contact times assemblies up to which this process computes alone, unless processes are asked for.  They
@@ -41,7 +41,7 @@ OnDone = Callable[[int, int], None]
 
 @dataclass(frozen=True)
 class Workers:
-    """Where tasks run, as ``ncgear.workers.finished`` takes it."""
+    """Scheduler and processes for tasks, as ``ncgear.workers.finished`` takes them."""
 
     scheduler: str | None = None
     processes: int | None = None
@@ -74,7 +74,7 @@ def drawn_at_random(count: int, seed: int, pairs: int = 1) -> list[Task]:
 
 
 def as_designed(lot: Lot, task: Task) -> Assemblies:
-    """The assembly without deviations; any task of the lot tells the shapes."""
+    """The assembly without deviations; any task of the lot gives the shapes."""
     perfect = replace(lot, pairs=tuple(replace(pair, limits=pair.limits.none) for pair in lot.pairs))
     return perfect.assembled([own.one(0) for own in perfect.drawn(task)])
 
@@ -116,9 +116,9 @@ NORMAL_95 = 1.96
 
 
 def surpassed(values: Array, share: float) -> float | None:
-    """A value that ``share`` of all assemblies surpass, with 95 % confidence; None where too few are drawn to tell.
+    """A value that ``share`` of all assemblies surpass, with 95 % confidence; None where too few are drawn.
 
-    It is the greatest k-th of n values of which, so surely, more than k - 1 lie below the quantile (Wilks 1941).
+    It is the greatest of the n values that lies below the quantile with this confidence (Wilks 1941).
     """
     from scipy.stats import binom
 
@@ -128,7 +128,7 @@ def surpassed(values: Array, share: float) -> float | None:
 
 
 def enough_samples(share: float) -> int:
-    """The least number of drawn assemblies from which ``surpassed`` tells a value."""
+    """The least number of drawn assemblies with which ``surpassed`` has a value."""
     return int(np.ceil(np.log(1.0 - CONFIDENCE) / np.log(share)))
 
 
@@ -163,7 +163,7 @@ def sobol_tasks(lot: Lot, count: int, seed: int) -> list[Task]:
 
 
 def sobol_indices_of(lot: Lot, found: Assemblies) -> dict[str, tuple[Index, ...]]:
-    """The indices of INDEXED from ``sobol_tasks``, the greatest first; none of figures that do not vary."""
+    """The indices of INDEXED from ``sobol_tasks``, the greatest first; none for figures that do not vary."""
     from scipy.stats import sobol_indices
 
     sources, follower = lot.sources, lot.follower
@@ -188,7 +188,7 @@ def sobol_indices_of(lot: Lot, found: Assemblies) -> dict[str, tuple[Index, ...]
 
 @dataclass(frozen=True, eq=False)
 class FirstOrder:
-    """Standard deviations of the play by the first order, and drawn, in mm along the normal, shape (p,) each.
+    """Standard deviations of the play to first order, and drawn, in mm along the normal, shape (p,) each.
 
     There is a play at each position.  ``by_source`` is each source's part of ``linear_mm``.
     """
@@ -199,13 +199,13 @@ class FirstOrder:
 
     @property
     def difference(self) -> float:
-        """Largest difference of both, as a share of the largest drawn deviation; 0 where nothing is spread."""
+        """Largest difference of both, as a share of the largest drawn deviation; 0 where no play varies."""
         largest = float(self.drawn_mm.max())
         return float(np.abs(self.linear_mm - self.drawn_mm).max() / largest) if largest else 0.0
 
 
 def first_order(lot: Lot, number: int, tasks: Iterable[Task]) -> FirstOrder:
-    """The spread of the play of the pair ``number`` of the lot: by the first order, and of drawn assemblies.
+    """The spread of the play of the pair ``number`` of the lot: to first order, and of drawn assemblies.
 
     The first order takes the root of the sum of squares.  It knows one place of contact at each position and side,
     where the pair without deviations touches, and no tilt.
@@ -232,7 +232,7 @@ def first_order(lot: Lot, number: int, tasks: Iterable[Task]) -> FirstOrder:
 
 @dataclass(frozen=True)
 class BetweenPositions:
-    """How far figures go between positions beyond those at them, in mm, told to about a tenth."""
+    """Excess of figures between positions over the figures at them, in mm, to about a tenth."""
 
     assemblies: int
     least_play_mm: float
@@ -253,11 +253,11 @@ def between_positions(pair: PairLot, finer: LinearMesh, of: Deviations) -> Betwe
 
 
 NO_TORQUE = 1e-9
-"""Share of the greatest torque that counts as none: a million rounding errors of the greatest torque."""
+"""Share of the greatest torque that counts as zero: a million rounding errors of the greatest torque."""
 
 
 def reversals(torque_n_mm: Array, *, closed: bool) -> IndexArray:
-    """Positions beside which a torque turns round, in a cycle or, not ``closed``, a range with both its ends."""
+    """Positions beside which a torque changes its sense, in a cycle or, not ``closed``, a range with both its ends."""
     sign = signs_of(torque_n_mm)
     count = sign.size
     turning = np.flatnonzero(sign * np.roll(sign, -1) < 0.0)
@@ -268,7 +268,7 @@ def reversals(torque_n_mm: Array, *, closed: bool) -> IndexArray:
 
 
 def signs_of(torque_n_mm: Array) -> Array:
-    """The sign of a torque at positions around a turn, shape (n,); no torque has the sign of the position before."""
+    """The sign of a torque at positions around a turn, shape (n,); without torque the sign of the position before."""
     sign = np.sign(np.where(np.abs(torque_n_mm) > NO_TORQUE * np.abs(torque_n_mm).max(), torque_n_mm, 0.0))
     known = np.flatnonzero(sign)
     if not known.size:
@@ -277,20 +277,19 @@ def signs_of(torque_n_mm: Array) -> Array:
 
 
 FINER, MOST_POSITIONS = 8, 20_000
-"""How many times as many positions tell the missed figures, at least twice as many, and the largest number of
-positions."""
+"""Largest factor by which a finer mesh has more positions (the least is 2), and its largest number of positions."""
 
 CHECKED = 2
-"""How many assemblies are checked by their outlines besides the assembly with the least play."""
+"""Number of assemblies that are checked by outlines besides the assembly with the least play."""
 
 
 @dataclass(frozen=True, eq=False)
 class PairStudy:
-    """What one pair does in many assemblies, and how far the linear mesh tells it; ``stage`` is None of a single pair.
+    """Figures of one pair in many assemblies, and errors of the linear mesh; ``stage`` is None for a single pair.
 
     ``knock`` is None where the torque of the driven gear never turns round.  ``errors`` are the errors of the linear
-    mesh for the assembly with the least play and for the first assemblies.  ``between`` is what these do between
-    positions.
+    mesh for the assembly with the least play and for the first assemblies.  ``between`` has the figures of these
+    between positions.
     """
 
     stage: int | None
@@ -306,13 +305,13 @@ class PairStudy:
 
     @property
     def flank_limits_mm(self) -> tuple[Array, Array]:
-        """Tolerances of the pitch and of the profile of all flanks that touch any, shape (k,) each."""
+        """Tolerances of the pitch and of the profile of all flanks that touch others, shape (k,) each."""
         flank = np.unique(self.lot.mesh.flank)
         return self.lot.limits.pitch_mm[flank], self.lot.limits.profile_mm[flank]
 
 
 def finer_by(pair: PairLot) -> int:
-    """How many times as many positions a mesh has that tells the figures which a pair's positions miss."""
+    """Factor by which the mesh is finer that shows the figures between a pair's positions."""
     return int(np.clip(MOST_POSITIONS // pair.mesh.phi1_rad.size, 2, FINER))
 
 
@@ -328,7 +327,7 @@ def pair_study(
     finer: LinearMesh,
     exact: Exact,
 ) -> PairStudy:
-    """What pair ``number`` does in found assemblies of tasks; ``finer`` has more positions, ``exact`` outlines."""
+    """The study of pair ``number`` in found assemblies of tasks; ``finer`` has more positions, ``exact`` outlines."""
     pair = lot.pairs[number]
 
     def one_of(assembly: int) -> Deviations:

@@ -1,13 +1,13 @@
-"""A row of gears on fixed axes, each of which meshes with the next: idlers mesh with two mates.
+"""A row of gears on fixed axes: each gear meshes with the next, so an idler meshes with two mates.
 
 Gear 0 drives; gear k turns by theta_k, in the sense of the driving gear where k is even.  The law of the first mesh is
-given, and with it the curve of gear 1.  What faces the next axis has faced the axis before it when the gear had turned
-by less by beta = pi + bend or pi - bend, the bend being the turn of the line of centres there: so the curve of gear 1,
-later by beta, is that of the driving gear of the second mesh, whose mate follows, and its distance, at which that mate
-closes; and so on along the row.
+given, and gives the curve of gear 1.  A place of an idler that faces the axis before it faces the next axis after the
+idler has turned by beta = pi + bend or pi - bend, where bend is the turn of the line of centres at the idler.  So the
+curve of gear 1, later by beta, is the curve of the driving gear of the second mesh; the mate's curve and the centre
+distance at which it closes follow, and so on along the row.
 
-Teeth stand on an idler where the first of its meshes wants them.  In the second mesh, whose arc length begins where
-theta_k = 0 faces the next axis, they are farther by the arc that rolls while the idler turns by beta.
+The first mesh of an idler decides where its teeth stand.  The arc length of its second mesh begins at the place that
+faces the next axis at theta_k = 0; from there the teeth are farther by the arc that rolls as the idler turns by beta.
 """
 
 from __future__ import annotations
@@ -122,7 +122,7 @@ def row_of(
 
 
 def _driven_curve(pair: PitchPair) -> ClosedCurve:
-    """The driven gear's curve over a turn, by the angle that it has turned when a place faces the driving gear."""
+    """The driven gear's curve over a turn, by the gear's turn at which a place faces the driving gear."""
     law = pair.transmission
 
     def part(piece: Piece, lobe: int) -> SmoothPart:
@@ -137,15 +137,15 @@ def _driven_curve(pair: PitchPair) -> ClosedCurve:
 
 
 def row_gears(row: Row, form: ToothForm, tolerance_mm: float) -> tuple[list[ToothedGear], float]:
-    """All gears with teeth, each in the frame that it has as the driven gear of its mesh, and the least contact ratio.
+    """All gears with teeth, each in its frame as the driven gear of its mesh, and the least contact ratio.
 
-    A rack cuts convex curves, else a pinion of as many teeth as go into all hollows.  An idler's tips are as high as
-    both of its meshes allow.  Raises NoSuchMechanism, naming gear and tooth, where no tooth can stand.
+    A rack cuts gears whose curves are all convex, else a pinion with as many teeth as fit into all hollows.  An idler's
+    tips are as high as both its meshes allow.  Raises NoSuchMechanism, naming gear and tooth, where no tooth can stand.
     """
     cutter = Cutter(CutterKind.RACK)
     if any(least_concave_radius_mm(pair) is not None for pair in row.pairs):
         cutter = Cutter(CutterKind.PINION, max(min(most_teeth(pair, form.rack) for pair in row.pairs), 3))
-    # Half of the play thins each gear at its idle flanks, which in an idler's next mesh are those that push.
+    # Half of the play thins the idle flanks of each gear; in an idler's next mesh these flanks push.
     thinner = form.backlash.least_normal_mm / cos(form.rack.angles_rad[1]) / 2.0
     require_teeth(form.backlash, thinner, form.rack)
     form = replace(form, cutter=cutter, backlash=Backlash(thickness_mm=(-thinner, -thinner)))
@@ -165,7 +165,7 @@ def row_gears(row: Row, form: ToothForm, tolerance_mm: float) -> tuple[list[Toot
 
 
 def _as_low_as_both(first: Tips, second: Tips, rolled_mm: float) -> Tips:
-    """An idler of its first mesh with tips no higher than in its second, where its flanks cross ``rolled_mm`` later."""
+    """An idler of its first mesh, its tips no higher than in its second, where its flanks cross ``rolled_mm`` later."""
     length = first.flanks.curve.length_mm
     apart = (first.flanks.crossing_mm + rolled_mm)[:, None] - second.flanks.crossing_mm
     there = np.abs(apart - length * np.round(apart / length)).argmin(axis=1)
@@ -181,7 +181,7 @@ def chain_train(
         gears, ratio = row_gears(row, form, tolerance_mm)
     parts, axes = [], row.axes_mm
     for number, gear in enumerate(gears):
-        # Seen from the other side, a gear of a pair that is driven by a gear of the other sense.
+        # The outline is made for a driven gear, which turns clockwise; gears 2, 4, ... turn counter-clockwise.
         outline = mirrored(gear.outline_mm) if number and number % 2 == 0 else gear.outline_mm
         parts.append(Part(f"gear_{number + 1}", outline, width_mm, gear.teeth, bore_mm=bore_mm))
     sense = np.where(np.arange(row.count) % 2, -1.0, 1.0)[:, None]
@@ -198,7 +198,7 @@ def chain_train(
 
 
 def _told(row: Row, contact_ratio: float) -> Told:
-    # Of the last gear over the first one
+    # Speed of the last gear over the speed of the first
     slow, fast = extremes(lambda driving: row.slope(driving, 1), 0.0, row.cycle_rad)
     distances = [pair.center_distance_mm for pair in row.pairs]
     convex = [pair.convex(gear) for pair in row.pairs for gear in Gear]

@@ -1,8 +1,8 @@
-"""Whether the parts of a train meet as they should: teeth in mesh touch and do not overlap, all others stay apart.
+"""Contact of the parts of a train: teeth in mesh must touch and not overlap, all other parts must stay apart.
 
-Judged by polygons, the outlines as written in the files, at the poses of the train; nothing here knows how teeth were
-made.  Penetration is how deep a corner of one outline lies in the other part; the gap is the least distance of the two
-outlines at a position.  Both are taken at evenly spaced driving angles, and the worst places are then searched.
+The judge compares polygons, the outlines as written in the files, at the poses of the train; it does not know how teeth
+were made.  Penetration is the depth of a corner of one outline in the other part; the gap is the least distance of the
+two outlines at a position.  Both are taken at evenly spaced driving angles, and the worst places are then searched.
 """
 
 from __future__ import annotations
@@ -26,13 +26,13 @@ POSITIONS = 241
 """Driving angles of a cycle at which a mesh is judged: a prime, so that few tooth passages are struck at one phase."""
 
 FEW_MESHES, LEAST_POSITIONS = 4, 61
-"""Of more meshes than these, which are alike at other phases, each is judged at fewer positions, down to this prime."""
+"""With more than FEW_MESHES, which are alike at other phases, each is judged at fewer positions, down to this prime."""
 
 SEARCHED = 3
-"""Worst positions about which the extreme is searched."""
+"""Number of worst positions around which the extreme is searched."""
 
 NARROWED = 8e-3
-"""Share of a step between positions to which an extreme is closed in."""
+"""Width to which the search narrows an extreme, as a share of the step between positions."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class MeshContact:
 
 @dataclass(frozen=True)
 class Distance:
-    """The least distance in mm of two parts that are not in mesh, negative where they overlap, and where it is."""
+    """The least distance in mm of two parts not in mesh, negative where they overlap, and its driving angle."""
 
     first: str
     second: str
@@ -118,7 +118,7 @@ def _relative(train: Train, first: str, second: str) -> Callable[[Array], tuple[
 
 
 class _Meeting:
-    """Two outlines, of which only what is near to both parts is looked at."""
+    """Two outlines; only their points near both parts are examined."""
 
     def __init__(self, first_mm: Array, second_mm: Array, *, ring: bool) -> None:
         import shapely
@@ -157,7 +157,7 @@ class _Meeting:
 
 
 NEAR_MM = 1e-6
-"""What is looked at beyond both reaches, so that a tip that just touches is not lost to rounding."""
+"""Margin beyond both reaches, so that rounding does not lose a tip that just touches."""
 
 
 def _lines(outline: ComplexArray, kept: Mask) -> object:
@@ -200,7 +200,7 @@ def _body(train: Train, part: Part) -> str:
 
 
 def _distance(train: Train, first: Part, second: Part, outlines_mm: Mapping[str, Array]) -> Distance | None:
-    """None where even the circles about both axes that hold all of both parts never meet."""
+    """The least distance of two parts; None where circles about their axes that hold the parts never meet."""
     import shapely
 
     angles = _angles(train)
@@ -222,7 +222,7 @@ def _distance(train: Train, first: Part, second: Part, outlines_mm: Mapping[str,
 
 
 def _signed_distance(area: Polygon, points: ComplexArray) -> float:
-    """Distance of a polygon from the polygon of complex points; where they overlap, minus the root of that area."""
+    """Distance of two polygons, the second of complex points; where they overlap, minus the root of the common area."""
     import shapely
 
     other = shapely.Polygon(as_points(points))

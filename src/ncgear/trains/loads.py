@@ -1,9 +1,9 @@
-"""What a train with masses asks of its driving part and of its frame while the driving part turns evenly.
+"""Loads of a train with masses on its driving part and its frame while the driving part turns evenly.
 
-Every part is a rigid body, its outline times its width of one density, without its bore and holes; masses can be put at
-points of parts.  The driving torque follows from virtual work: at each driving angle the inertia forces and the weights
-of all bodies do the work that the driving part does.  Friction and play are left out.  Derivatives by the driving angle
-are those of the Fourier series through evenly spaced poses of a cycle, so the train must stand as at first after it.
+Every part is a rigid body of one density: its outline times its width, without bore and holes; masses can be added at
+points of parts.  The driving torque follows from virtual work: at each driving angle the driving part does the work of
+the inertia forces and the weights of all bodies.  Friction and play are left out.  Derivatives by the driving angle
+come from the Fourier series through evenly spaced poses of a cycle, so the train must stand after a cycle as before it.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.trains.train import Part, Train
 
 POSITIONS = 1440
-"""Poses of a cycle: a quarter of a degree, so that a thirtieth harmonic has 48 of them."""
+"""Poses of a cycle: a quarter of a degree, so that a thirtieth harmonic has 48 poses."""
 
 MM_PER_M = 1000.0
 
@@ -45,12 +45,12 @@ class RigidBody:
 
 @dataclass(frozen=True, eq=False)
 class TrainLoads:
-    """Over evenly spaced driving angles in rad of a cycle, shape (n,) each.
+    """Loads over evenly spaced driving angles in rad of a cycle, shape (n,) each.
 
-    ``torque_n_m`` is what the driving part is given, ``force_n`` what inertia does to the frame, as complex numbers in
-    the frame of the ground, and ``moment_n_m`` the moment of inertia forces on the frame about the driving axis.
-    ``counterweight_kg_mm`` is the mass times its distance that a carrier at angle 0 needs, as a complex number in the
-    ground's frame, so that least of the force is left in the mean of squares; ``left_n`` is what is left.
+    ``torque_n_m`` acts on the driving part, ``force_n`` is the inertia force on the frame, as complex numbers in the
+    frame of the ground, and ``moment_n_m`` the moment of the inertia forces on the frame about the driving axis.
+    ``counterweight_kg_mm`` is the mass times distance, as a complex number in the ground's frame, that a carrier at
+    angle 0 needs to make the mean square of the force least; ``left_n`` is the force that is left.
     """
 
     driving_rad: Array
@@ -80,7 +80,7 @@ def moments_of(outline: ComplexArray) -> tuple[float, complex, float]:
 
 
 def body_of(part: Part, density_kg_m3: float, put: Sequence[PutMass] = ()) -> RigidBody:
-    """A part as a rigid body, with masses put on it."""
+    """A part as a rigid body, with the masses added to it."""
     area, first, second = moments_of(as_complex(part.outline_mm))
     if part.rim_mm is not None:
         whole = pi * part.reach_mm**2
@@ -97,7 +97,7 @@ def body_of(part: Part, density_kg_m3: float, put: Sequence[PutMass] = ()) -> Ri
 
 
 def loads_of(train: Train, density_kg_m3: float, put: Sequence[PutMass], gravity_mm_s2: complex) -> TrainLoads:
-    """What the driving part and the frame bear; ``gravity_mm_s2`` is a complex number in the ground's frame."""
+    """Loads of the driving part and the frame; ``gravity_mm_s2`` is a complex number in the ground's frame."""
     speed = train.speed_rpm * RAD_S_PER_RPM
     driving = np.linspace(0.0, train.cycle_rad, POSITIONS, endpoint=False)
     poses = train.poses_at(np.append(driving, train.cycle_rad))

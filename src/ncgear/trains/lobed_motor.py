@@ -1,15 +1,15 @@
-"""Hydraulic motors and pumps of a lobed sun, round planets and a lobed ring: teeth, poses, and what is told of them.
+"""Hydraulic motors and pumps of a lobed sun, round planets and a lobed ring: teeth, poses and figures.
 
-Teeth stand on the curves of ``pitch.lobed`` by one rack.  The planets are ordinary involute gears, which a hob cuts;
-sun and ring are cut by a pinion, which goes wherever planets go if it has no more teeth than they.  At angle 0 a
-lobe of the sun points at a lobe of the ring, with a tooth of the sun at its top.  A planet of an even number of teeth
-there has spaces on both sides, one of an odd number a space and a tooth: so a tooth of the ring stands at the lobe's
-top, or a space.  All other planets then find teeth and spaces as they need them (``pitch.lobed``).
+Teeth stand on the curves of ``pitch.lobed`` by one rack.  The planets are ordinary involute gears, which a hob cuts; a
+pinion cuts sun and ring, and fits wherever planets fit if it has no more teeth than a planet.  At angle 0 a lobe of the
+sun points at a lobe of the ring, with a tooth of the sun at its top.  A planet there with an even number of teeth has
+spaces on both sides, a planet with an odd number a space and a tooth: so the top of the ring's lobe has a tooth, or a
+space.  All other planets then find teeth and spaces as they need them (``pitch.lobed``).
 
-A planet's frame turns with it.  Where it touches the sun at phi, the sun's arc S(phi) from the lobe's top on, it stands
-turned by alpha + phi - eta + S / rho.
+A planet's frame turns with it.  A planet that touches the sun at phi, where the sun's arc from the lobe's top is
+S(phi), has turned by alpha + phi - eta + S / rho.
 
-Play is taken off the sun's and the ring's idle flanks.  The planets, which stand between both, keep their teeth.
+Play is taken off the idle flanks of sun and ring.  The planets, which stand between both, keep their teeth.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ from ncgear.trains.train import GROUND, Condition, GearMesh, Part, Poses, Told, 
 
 @dataclass(frozen=True)
 class MotorTeeth:
-    """What is asked of the teeth: the rack, the planets' teeth and shift, and the cutter's teeth, None: chosen."""
+    """Choices for the teeth: the rack, the planets' teeth and shift, and the cutter's teeth (None: as many as fit)."""
 
     rack: BasicRack
     planet_teeth: int
@@ -126,7 +126,7 @@ def motor_gears(curves: LobedCurves, teeth: MotorTeeth, tolerance_mm: float) -> 
 
 
 def _cutter(curve: ClosedPitchCurve, teeth: MotorTeeth) -> PinionCircle:
-    """The cutter of sun or ring: as given, or as large as the hollows allow, but no smaller than a planet."""
+    """The cutter of sun or ring: as given, else as large as the hollows allow, but no smaller than a planet."""
     count, module = teeth.cutter_teeth, teeth.rack.module_mm
     if count is None:
         low = curve.curvature_bounds[0]
@@ -145,7 +145,7 @@ def _cutter(curve: ClosedPitchCurve, teeth: MotorTeeth) -> PinionCircle:
 
 @contextmanager
 def _keys_of_motors() -> Iterator[None]:
-    """A context in which faults of a cutter name the key that motors have for it, and what helps there."""
+    """A context in which faults of a cutter name the motor's key for it, and a remedy."""
     try:
         yield
     except NoSuchMechanism as error:
@@ -158,7 +158,7 @@ def _keys_of_motors() -> Iterator[None]:
 
 
 def _as_high_as_both(planet: Tips, inner: Tips) -> Tips:
-    """The planet with all tips as high as its meshes with sun and ring allow: each tooth comes to all of theirs."""
+    """The planet with all tips as high as its meshes with sun and ring allow: each of its teeth meets all of theirs."""
     lowest = min(float(tips.flanks.tip_height_mm.min()) for tips in (planet, inner))
     deepest = max(float(tips.met_depth_mm.max()) for tips in (planet, inner))
     count = planet.flanks.count
@@ -167,7 +167,7 @@ def _as_high_as_both(planet: Tips, inner: Tips) -> Tips:
 
 @dataclass(frozen=True)
 class MotorBodies:
-    """Widths and sizes of the bodies in mm: the rim is that of the ring, the bore the sun's."""
+    """Widths and sizes of the bodies in mm: the rim of the ring, the bore of the sun."""
 
     face_width_mm: float
     rim_mm: float
@@ -215,18 +215,17 @@ def motor_train(
 
 @dataclass(frozen=True, eq=False)
 class PlanetPath:
-    """How a planet stands by its place g = phi + chi, in columns over one period.
+    """Position of a planet by its place g = phi + chi, in columns over one period.
 
-    They are its centre as seen along the ray through its contacts (x, y in mm), that ray's angle phi in the sun's frame
-    and the planet's turn there, both in rad.
-    ``rise`` is what the columns grow by over a period.
+    The columns are its centre as seen along the ray through its contacts (x, y in mm), the ray's angle phi in the sun's
+    frame and the planet's turn there, both in rad.  ``rise`` is the growth of the columns over a period.
     """
 
     form: PiecewiseChebyshev
     rise: Array
 
     def at(self, places_rad: Array, alpha_rad: Array) -> tuple[ComplexArray, Array]:
-        """Centres in mm as complex numbers and angles in rad, with the sun at angles; shapes broadcast."""
+        """Centres in mm as complex numbers and angles in rad, at angles of the sun; shapes broadcast."""
         periods, local = np.divmod(places_rad, self.form.breaks[-1])
         columns = self.form(local) + periods[..., None] * self.rise
         centre = (columns[..., 0] + 1j * columns[..., 1]) * np.exp(1j * (columns[..., 2] + alpha_rad))
@@ -350,11 +349,11 @@ L_PER_CM3 = 1e-3
 """One cm3 in litres."""
 
 ROWS = 25
-"""Places of a chamber's cycle, from the least volume on, that the summary has."""
+"""Places of a chamber's cycle in the summary, from the least volume on."""
 
 
 def _over_a_cycle(chambers: Chambers) -> list[dict[str, float]]:
-    """The volume of a chamber over its cycle; all others have the same, each at another angle of the sun."""
+    """The volume of a chamber over its cycle; the other chambers have the same volumes at other angles of the sun."""
     turned = np.linspace(0.0, chambers.cycle_rad, ROWS)
     places = chambers.dead_spaces[0].place_rad - turned
     volumes = chambers.area_mm2(places) * chambers.width_mm
@@ -376,4 +375,4 @@ def _conditions(gears: MotorGears, port_mm: float) -> tuple[Condition, ...]:
 
 
 CURES = ("a larger pressure angle (train.gears.rack.pressure_angle_deg)", "fewer teeth per lobe", "more planet teeth")
-"""What gives teeth on sharp humps more of their height."""
+"""Changes that let teeth on sharp humps be higher."""

@@ -1,7 +1,7 @@
-"""A pair of gears whose driven axis moves to and fro while they turn: teeth, poses, and what is told of it.
+"""A pair of gears whose driven axis moves to and fro while they turn: teeth, poses and figures.
 
-Teeth stand on the curves of ``pitch.moving_axes`` by one rack, so that flanks are exact as at a fixed distance.  A
-guide, such as a swinging arm or a slide with a cam, has to move the axis; its motion is told.
+Teeth stand on the curves of ``pitch.moving_axes`` by one rack, so flanks are exact as at a fixed distance.  A guide,
+such as a swinging arm or a slide with a cam, has to move the axis; the figures tell its motion.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class MovingGears:
 
 
 def module_mm(axes: MovingAxes, teeth: int) -> float:
-    """The module of so many driving teeth; raises NoSuchMechanism where driven ones would not be whole."""
+    """The module for a number of driving teeth; raises NoSuchMechanism where the driven teeth would not be whole."""
     lobes = axes.lobes
     if teeth * lobes.driven % lobes.driving:
         raise NoSuchMechanism(
@@ -51,9 +51,9 @@ def module_mm(axes: MovingAxes, teeth: int) -> float:
 def moving_gears(axes: MovingAxes, teeth: int, form: ToothForm, tolerance_mm: float) -> MovingGears:
     """The teeth of both gears, outlines sampled to a tolerance.
 
-    A rack cuts convex curves; gears with a concave stretch are cut by each other.  Half of the play is taken off the
-    idle flanks of each gear, along the pitch curves.  Raises NoSuchMechanism, naming gear and tooth, where no tooth can
-    stand.
+    A rack cuts two convex curves; if a curve has a concave stretch, each gear cuts the other.  Half of the play is
+    taken off the idle flanks of each gear, along the pitch curves.  Raises NoSuchMechanism, naming gear and tooth,
+    where no tooth can stand.
     """
     rack, lobes = form.rack, axes.lobes
     first, second = axes.curve(Gear.DRIVING), axes.curve(Gear.DRIVEN)
@@ -86,7 +86,7 @@ def moving_train(
     tolerance_mm: float,
     radius_mm: float | None,
 ) -> Train:
-    """The pair as a train; ``radius_mm`` is that of a round driving gear.  Raises as ``moving_gears``."""
+    """The pair as a train; ``radius_mm`` is the pitch radius of a round driving gear.  Raises as ``moving_gears``."""
     with below("train"):
         gears = moving_gears(axes, teeth, form, tolerance_mm)
     parts = tuple(

@@ -1,8 +1,8 @@
-"""The search for the carrier's axis of a path of a tip (``tip_path.py``), and what says how good an axis is.
+"""The search for the carrier's axis for the path of a tip (``tip_path.py``), and the burden that rates an axis.
 
-The burden of a motion is how near it brings the teeth, the lengths, the arms and the tool to their limits.  The axis is
-tried on a grid, and the best places are followed downhill by Nelder and Mead's method, which needs no derivatives:
-the burden is the greatest of several figures.
+The burden of a motion says how near it brings the teeth, the lengths, the arms and the tool to their limits.  The axis
+is tried on a grid; Nelder and Mead's method goes downhill from the best places.  It needs no derivatives, as the burden
+is the greatest of several figures.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ncgear.trains.tip_path import GRID, NOT_PASSED, Refused, TipMotion, WishedP
 
 @dataclass(frozen=True)
 class PathLimits:
-    """What the train has to keep: the largest tangent angle of the pitch curves in rad, the teeth, and the lengths.
+    """Limits of the train: the largest tangent angle of the pitch curves in rad, the teeth, and the lengths.
 
     The middle lines of ``arms`` evenly spread arms stay ``apart_mm`` apart.  The carrier's axis is sought between
     the corners ``low`` and ``high``, or anywhere where they are None.
@@ -34,7 +34,7 @@ class PathLimits:
     high: complex | None = None
 
     def outside(self, axis: complex) -> float:
-        """How far an axis is from where it may be, in mm."""
+        """Distance in mm of an axis from the area where it may be."""
         if self.low is None or self.high is None:
             return 0.0
         x = max(self.low.real - axis.real, axis.real - self.high.real, 0.0)
@@ -43,18 +43,17 @@ class PathLimits:
 
 
 CONCAVE, CONVEX = 0.16, 0.45
-"""Curvature times module that teeth bear on dented and on bulging stretches.
-
-Of 144 random pitch curves within these all had gears."""
+"""Greatest curvature times module that teeth bear on dented and on bulging stretches.  All of 144 random pitch curves
+within these limits had gears."""
 
 
 def pair_figures(motion: TipMotion) -> Array:
     """Tangents of the pitch curves' angle and curvatures times centre distance of two pairs that share a ratio evenly.
 
-    Of both pairs and all places of GRID, shape (3, 2, GRID): tangent, curvature of the driving and of the driven curve.
-    Each pair has half the logarithm of the ratio R(w): i = c sqrt(R) over w of the second pair, sqrt(R) / c over the
-    idler's angle v of the first, where dv/dw = c sqrt(R).  With s = 1/i over the driven angle, primes by it: the
-    tangent is s'/(1 + s), k2 = (1 + s + s'') cos^3 / a and k1 + k2 = (1 + s)^2 cos / (a s).
+    Shape (3, 2, GRID): tangent, curvature of the driving and of the driven curve, for both pairs at all places of GRID.
+    Each pair has half the logarithm of the ratio R(w): i = c sqrt(R) over w for the second pair, i = sqrt(R) / c over
+    the idler's angle v for the first, where dv/dw = c sqrt(R).  With s = 1/i over the driven angle and primes for
+    derivatives by it: the tangent is s'/(1 + s), k2 = (1 + s + s'') cos^3 / a and k1 + k2 = (1 + s)^2 cos / (a s).
     """
     (ratio, bend, change), _ = motion.hardness
     root = np.sqrt(ratio)
@@ -72,7 +71,7 @@ def pair_figures(motion: TipMotion) -> Array:
 
 
 def burden(motion: TipMotion, limits: PathLimits) -> float:
-    """How near the ratio is to what teeth bear: 1 at the nearest limit, more beyond; over 10 where no gears exist."""
+    """How near the ratio comes to the limits of teeth: 1 at the nearest, more beyond; over 10 where no gears exist."""
     ratio = motion.hardness[0][0]
     if ratio.min() <= LEAST_RATIO:
         return 10.0 + float(LEAST_RATIO - ratio.min())
@@ -88,7 +87,7 @@ def burden(motion: TipMotion, limits: PathLimits) -> float:
 
 
 def crowding(motion: TipMotion, limits: PathLimits) -> float:
-    """The least distance that arms have to keep over the distance that they keep; over 2 where they cross."""
+    """The least distance that arms must keep over their distance; over 2 where they cross."""
     if limits.arms == 1:
         return 0.0
     w, u = motion.turn
@@ -104,7 +103,7 @@ def crowding(motion: TipMotion, limits: PathLimits) -> float:
 
 
 ROOM_PLACES = 90
-"""Angles of the carrier at which the distance of arms is taken during the search; a build searches the least."""
+"""Angles of the carrier at which the search takes the distance of arms; a build searches the least distance."""
 
 
 def _arm(motion: TipMotion, at: Array, w: Array, u: Array) -> tuple[ComplexArray, ComplexArray]:
@@ -136,7 +135,7 @@ LEAST_RATIO = 0.02
 
 
 def found_motion(path: WishedPath, limits: PathLimits, axis: complex | None) -> TipMotion:
-    """The motion of least burden about any axis or the given one; raises NoSuchMechanism, with where and why."""
+    """The motion of least burden about the given axis, or any; raises NoSuchMechanism, with place and reason."""
     from scipy.optimize import minimize
 
     size = float(np.abs(path.points - path.points.mean()).max())
@@ -175,13 +174,13 @@ def found_motion(path: WishedPath, limits: PathLimits, axis: complex | None) -> 
 
 
 BEYOND = 0.01, 0.05
-"""Shares of the path's size by which a path may begin to go beyond its points."""
+"""Shares of the path's size by which the tried paths go beyond the points at first."""
 
 SEARCHES = 5
-"""Starts from which the axis is searched."""
+"""Number of starts from which the axis is searched."""
 
 PLACES = 13
-"""Places to each side of a square on which axes are tried first."""
+"""Places along each side of the square in which axes are tried first."""
 
 WIDE = 2.5
 """Half the side of that square, in sizes of the path."""
@@ -197,18 +196,18 @@ def _places(path: WishedPath, size: float, limits: PathLimits) -> list[complex]:
 
 
 def _tool_missed(motion: TipMotion, path: WishedPath) -> float:
-    """By how much the tool's angles are missed beyond their tolerance, in tolerances."""
+    """TOOL_WEIGHT times the excess of the tool's angle error over its tolerance, in tolerances."""
     if len(path.tool_rad) < 2:
         return 0.0
     return max(tool_mount(motion, path)[1] / path.tool_tolerance_rad - 1.0, 0.0) * TOOL_WEIGHT
 
 
 TOOL_WEIGHT = 5.0
-"""How much a missed tolerance of the tool counts against the burden of the teeth."""
+"""Weight of the tool's excess error against the burden of the teeth."""
 
 
 def tool_mount(motion: TipMotion, path: WishedPath) -> tuple[float, float]:
-    """The angle of the tool against the arm with which its angles are missed least, and the most that one is missed."""
+    """The angle in rad of the tool against the arm with the least greatest error of its angles, and that error."""
     w, u = motion.turn
     places, sense = motion.tip_where(w, u), -1.0 if motion.clockwise else 1.0
     arm = sense * (u - w)
@@ -270,7 +269,7 @@ def _accepted(found: TipMotion | Refused, path: WishedPath, limits: PathLimits) 
 
 
 TOOL_ROUNDING = 1e-3
-"""Share of the tool's tolerance that the search may leave."""
+"""Weighed excess of the tool's angle error that counts as rounding of the search."""
 
 MOST_BURDEN = 1.6
-"""Burden up to which teeth are tried: the limits are those at which nearly all curves can be made, not the last."""
+"""Burden up to which teeth are tried: nearly all curves within the limits can be made, and some beyond them."""

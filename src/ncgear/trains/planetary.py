@@ -2,13 +2,12 @@
 
 In the frame of the carrier every mesh is a pair on fixed axes.  The carrier turns by u against the sun; the idler turns
 by f(u) and the planet by w(u) = g(f(u)), the planet in the sense of the sun: seen from the ground it turns by u - w.  A
-compound idler is two gears on one shaft, of two pairs in series, which make any ratio.  A shared idler meshes with sun
-and planet.  At equal centre distances the planet is then a gear like the sun, a line of centres later: with F the
-inverse of f, w = F(f(u) + kappa) - F(kappa), where kappa is pi on a straight carrier.  With L(v) = ln F'(v) the log of
-the whole ratio du/dw at the idler's angle v is L(v) - L(v + pi), so that even harmonics cannot be reached.
+compound idler is two gears on one shaft; its two pairs in series make any ratio.  A shared idler meshes with sun and
+planet.  At equal centre distances the planet is then a gear like the sun, a line of centres later: with F the inverse
+of f, w = F(f(u) + kappa) - F(kappa), where kappa is pi on a straight carrier.  With L(v) = ln F'(v), the logarithm of
+the whole ratio du/dw at the idler's angle v is L(v) - L(v + pi): it has no even harmonics.
 
 Every arm is the same chain at another angle of one sun, so all meshes of all arms close for any number of teeth.
-
 Source of the arrangement: planetary transplanting mechanisms with non-circular gears (D.-C. Lee and others, Y. Zhao and
 others, from 2000 on); the equations follow from closed vector loops.
 """
@@ -45,18 +44,18 @@ from ncgear.trains.train import (
 )
 
 GAP_MM = 1.0
-"""Height between gears, carrier and arms that lie over each other."""
+"""Gap between the heights of gears, carrier and arms that lie over each other."""
 
 OfAngle = Callable[[Array], Array]
-"""From angles in rad, shape (n,), to another angle in rad."""
+"""Function of angles in rad, shape (n,), whose values are angles in rad."""
 
 
 @dataclass(frozen=True, eq=False)
 class GearOfChain:
     """A gear of one chain: its name, outline in mm (shape (n, 2)), teeth, and how it stands in the frame of its arm.
 
-    ``place`` is its axis as a complex number in mm, where the planet is on the positive real axis; ``angle`` is its
-    angle in that frame over the angle u in rad.  ``layer`` counts the heights of gears from 0.
+    ``place`` is its axis as a complex number in mm, in a frame with the planet on the positive real axis; ``angle``
+    gives its angle in that frame at angles u in rad.  ``layer`` counts the heights of gears from 0.
     """
 
     name: str
@@ -87,7 +86,7 @@ class Chain:
 
 
 def straight_distances_mm(laws: Sequence[Transmission], carrier_mm: float) -> tuple[float, float]:
-    """The centre distances of two pairs of laws on a straight carrier, with teeth of one number and one module."""
+    """Centre distances of two pairs on a straight carrier, both with one number of teeth and one module."""
     first, second = (arc_length(law, Mesh.EXTERNAL).period for law in laws)
     return carrier_mm * second / (first + second), carrier_mm * first / (first + second)
 
@@ -95,9 +94,9 @@ def straight_distances_mm(laws: Sequence[Transmission], carrier_mm: float) -> tu
 def compound_chain(
     pitches: tuple[PitchPair, PitchPair], teeth: tuple[ToothedPair, ToothedPair], carrier_mm: float
 ) -> Chain:
-    """A chain with two gears on the idler's shaft, the pairs of both meshes given, and the planet at ``carrier_mm``.
+    """A chain with two gears on the idler's shaft, from the pairs of both meshes, with the planet at ``carrier_mm``.
 
-    The idler stands beside the line from sun to planet where the centre distances together are longer than that line.
+    The idler stands beside the line from sun to planet where the sum of the centre distances is longer than that line.
     Raises NoSuchMechanism, with the key ``train.gears``, where they do not reach or do not fit.
     """
     first, second = (pitch.center_distance_mm for pitch in pitches)
@@ -136,13 +135,13 @@ def compound_chain(
 
 
 STRAIGHT = 1e-9
-"""Relative difference of the carrier from both centre distances that counts as rounding of a straight carrier."""
+"""Relative difference of carrier and sum of centre distances that counts as rounding: the carrier is straight."""
 
 
 def shared_chain(pitch: PitchPair, teeth: ToothedPair, bend_rad: float) -> Chain:
     """A chain whose idler meshes with sun and planet at equal centre distances; the pair is sun and idler.
 
-    ``bend_rad`` is the angle by which the line from idler to planet turns off that from sun to idler.
+    ``bend_rad`` is the angle between the lines from sun to idler and from idler to planet.
     """
     distance = pitch.center_distance_mm
     planet = distance * (1.0 + np.exp(1j * bend_rad))
@@ -191,7 +190,7 @@ def _inverse(pitch: PitchPair) -> OfAngle:
 
 
 NEWTON_STEPS = 5
-"""Steps from a table with half a degree between entries: each squares the error."""
+"""Steps from a table with half a degree between entries: each step squares the error."""
 
 INVERTED_RAD = 1e-11
 """Error of an inverse that counts as rounding."""
@@ -199,9 +198,9 @@ INVERTED_RAD = 1e-11
 
 @dataclass(frozen=True, eq=False)
 class Arm:
-    """The arm on a planet: its length in mm, the arm's direction in rad less the planet's turn, and where its tip goes.
+    """The arm on a planet: its length in mm, its direction in rad less the planet's turn, and points for its tip.
 
-    At u the arm stands at u - w(u) + ``angle_rad`` from the ground.  ``wished_mm`` are points of its path, (m, 2).
+    At u the arm stands at u - w(u) + ``angle_rad`` from the ground.  ``wished_mm`` has shape (m, 2).
     """
 
     length_mm: float
@@ -211,9 +210,9 @@ class Arm:
 
 @dataclass(frozen=True)
 class Stand:
-    """How the train stands: the sun's axis in mm, the carrier's angle in rad at first, and its sense of turning.
+    """Position of the train: the sun's axis in mm, the carrier's angle in rad at first, and its sense of turning.
 
-    All of it is that of a train whose carrier turns counter-clockwise; ``clockwise`` is the same train seen from the
+    Axis and angle are those of a carrier that turns counter-clockwise; ``clockwise`` is the same train seen from the
     other side, reflected in the x axis.
     """
 
@@ -227,7 +226,7 @@ STILL = Stand()
 
 
 def arm_of(motion: TipMotion, wished: WishedPath) -> Arm:
-    """The arm of a path's motion, with the points wished for, as a carrier that turns counter-clockwise sees them."""
+    """The arm of a path's motion, with the wished points as seen where the carrier turns counter-clockwise."""
     seen = wished.mirrored if motion.clockwise else wished
     return Arm(motion.arm_mm, 0.0, as_points(seen.points))
 
@@ -259,8 +258,8 @@ def planetary_train(
 ) -> Train:
     """The train of ``arms`` chains about one sun, evenly spread, each planet with its arm if there is one.
 
-    ``sun_turns`` are turns of the sun for one of the carrier: 0 where the sun is fixed.  The driving angle is that of
-    the carrier.  With a sun that turns, the cycle is one turn of the carrier against the sun.
+    ``sun_turns`` are turns of the sun per turn of the carrier: 0 where the sun is fixed.  The driving angle is the
+    carrier's.  With a sun that turns, the cycle is one turn of the carrier against the sun.
     """
     parts, meshes, ways = [], [], []
     width, step = bodies.face_width_mm, bodies.face_width_mm + GAP_MM
@@ -320,7 +319,7 @@ def planetary_train(
 def _bar_mm(axes: Sequence[complex], width_mm: float, tolerance_mm: float) -> Array:
     """The outline of all points within half the width of the line through axes, shape (n, 2), counter-clockwise.
 
-    Axes are complex numbers in mm, two or more; round ends are chords within the tolerance.
+    Two or more axes, as complex numbers in mm; round ends are chords within the tolerance.
     """
     from shapely import LineString
 
@@ -359,4 +358,4 @@ def _carrier(chain: Chain, arms: int, bodies: Bodies, tolerance_mm: float) -> Pa
 
 
 NEGLIGIBLE_MM = 1e-4
-"""By how much the outline of united bars may be simplified: slivers of rounding, which no mesh of triangles bears."""
+"""Tolerance that simplifies the outline of united bars: slivers of rounding go, which no mesh of triangles bears."""

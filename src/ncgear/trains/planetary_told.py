@@ -1,4 +1,4 @@
-"""What is told of a planetary train, and the conditions that it has to keep beside contact."""
+"""Figures of a planetary train, and its conditions beside contact."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ncgear.trains.tip_path import TipMotion, WishedPath, distances_mm
 from ncgear.trains.train import Condition, Told, Train
 
 PATH_POINTS = 2881
-"""Places of the path that are followed: of one 1 m long each chord is a third of a millimetre."""
+"""Places at which the path is computed: a path 1 m long has chords of a third of a millimetre."""
 
 NOT_JUDGED = (
     Condition("forces", None, "torque and forces need masses"),
@@ -36,7 +36,7 @@ def told_of(
     forward_mm_s: float,
     loads: TrainLoads | None,
 ) -> Told:
-    """What is told of a train, the pairs of one arm given, first that of the sun."""
+    """Figures and conditions of a train, from the pairs of one arm, the pair of the sun first."""
     planets = [number for number, part in enumerate(train.parts) if part.name.startswith("planet")]
     arms, poses = len(planets), train.poses_at(np.zeros(1))
     sun, planet = (complex(poses.places(number)[0][0]) for number in (0, planets[0]))
@@ -86,7 +86,7 @@ def told_of(
 
 
 def _closing(train: Train) -> Condition:
-    """Whether the train stands after a cycle as at first, but for whole turns, as every arm's meshes need."""
+    """Whether the train stands after a cycle as at first, but for whole turns, which the meshes of every arm need."""
     ends = train.poses_at(np.array([0.0, train.cycle_rad]))
     turned = np.diff(ends.angle_rad - ends.angle_rad[train.number("carrier")])[:, 0] / (2.0 * pi)
     missed = float(np.abs(turned - np.round(turned)).max()) * 2.0 * pi
@@ -99,7 +99,7 @@ CLOSED_RAD = 1e-9
 
 
 WORTH = 0.1
-"""Share of the greatest shaking force that a counterweight has to take away to be worth its weight."""
+"""Share of the greatest shaking force that a counterweight must remove to be worth its weight."""
 
 
 def _of_loads(
@@ -168,7 +168,7 @@ def _of_path(
 def _over_ground(
     places: ComplexArray, speed: ComplexArray, train: Train, forward_mm_s: float
 ) -> tuple[tuple[str, str], dict[str, Any]]:
-    """How the tip moves over the ground where it is lowest, and how far its places there are from each other."""
+    """Motion of the tip over the ground at its lowest place, and the distance between such places on the ground."""
     lowest = int(np.argmin(places.imag))
     slip = float(speed[lowest].real + forward_mm_s)
     arms = len(train.traces)

@@ -2,15 +2,15 @@
 
 With the carrier of length s at the angle u and the arm of length l at u - w, the tip is at
 
-    axis + s exp(i u) + l exp(i (u - w)),        r^2 = s^2 + l^2 + 2 s l cos w,
+  axis + s exp(i u) + l exp(i (u - w)),        r^2 = s^2 + l^2 + 2 s l cos w,
 
-r being its distance from the carrier's axis.  The planet turns by w against the carrier, and gears exist where w and u
-both grow all the way.  So r falls from s + l to its least, |s - l|, and rises again, once each in a cycle: the farthest
-and the nearest place of the path from the axis give both lengths.  Where the axis is inside the path the carrier is the
-longer one, else the arm.  Each place of the path then has its own w, by r and by the side it is on, and u follows from
-the direction theta of the place: u = theta - arg(s + l exp(-i w)).  The path is free in u(w) - w alone, a periodic
-function of w, which is a Fourier series here: the smoothest that passes all points within their tolerances.  The ratio
-of the gears is du/dw.  What is sought is the axis, and how far the path goes beyond the points.
+where r is its distance from the carrier's axis.  The planet turns by w against the carrier, and gears exist where w and
+u both grow all the way.  So r falls from s + l to its least, |s - l|, and rises again, once each in a cycle: the
+farthest and the nearest place of the path from the axis give both lengths.  If the axis is inside the path, the carrier
+is longer than the arm, else shorter.  The distance r of a place and its side of the path give w, and its direction
+theta gives u = theta - arg(s + l exp(-i w)).  Only u(w) - w is free: a periodic function of w, here a Fourier series,
+the smoothest that passes all points within their tolerances.  The ratio of the gears is du/dw.  The search varies the
+axis, and the distance that the path goes beyond the points.
 
 Source of the inverse: the two-link chain of any textbook; the conditions are its derivatives.
 """
@@ -28,21 +28,21 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
 
 HARMONICS = 24
-"""Harmonics of u - w: as many as two for each of a dozen points; the smoothing leaves few of them large."""
+"""Harmonics of u - w: two for each of a dozen points; the smoothing leaves few of them large."""
 
 ORDERS = np.arange(1.0, HARMONICS + 1.0)
 
 GRID = 360
-"""Angles w at which ratios are judged during the search; a harmonic of the highest order has 15 of them."""
+"""Angles w at which ratios are judged during the search; a harmonic of the highest order has 15 angles."""
 
 USED_TOLERANCE = 0.8
-"""Share of the tolerance that the smoothest curve may use; the rest is for what linear terms leave out."""
+"""Share of the tolerance that the smoothest curve may use; the rest is for terms beyond the linear ones."""
 
 STRAIGHT = 3
-"""Points that hold a straight stretch between its ends."""
+"""Points added on a straight stretch between its ends."""
 
 ROUNDS = 3
-"""Rounds of weighing how an error of u moves the path across itself."""
+"""Rounds that weigh anew how an error of u moves the path across itself."""
 
 SMOOTHING = 10.0 ** np.arange(2.0, -9.0, -1.0)
 """Weights of the third derivative that are tried, the smoothest first."""
@@ -52,8 +52,8 @@ SMOOTHING = 10.0 ** np.arange(2.0, -9.0, -1.0)
 class WishedPath:
     """Points in mm, complex of shape (n,), in the order in which the tip passes them, with their tolerances in mm.
 
-    ``tool_rad`` are angles of the tool at some of the points, by their places among them, and ``tool_tolerance_rad`` is
-    by how much they may be missed.  ``named`` are the numbers by which messages name the points; empty: from 1 on.
+    ``tool_rad`` holds, for some points, the place among the points and the tool's angle there, ``tool_tolerance_rad``
+    the tolerance of these angles.  ``named`` are the numbers by which messages name the points; empty: from 1 on.
     """
 
     points: ComplexArray
@@ -69,13 +69,13 @@ class WishedPath:
         return replace(self, points=self.points.conj(), tool_rad=tools)
 
     def name(self, place: int) -> int:
-        """The number by which a point is named."""
+        """The number of a point in messages."""
         return self.named[place] if self.named else place + 1
 
     def straightened(self, after: Collection[int]) -> WishedPath:
-        """The path with STRAIGHT more points on the straight line from each of some points to the next one.
+        """The path with STRAIGHT more points on the straight line from each point of ``after`` to the next one.
 
-        They are named by the point before them, and have the smaller tolerance of both ends.
+        They have the name of the point before them, and the smaller tolerance of both ends.
         """
         points, tolerances, named, at = list[complex](), list[float](), list[int](), list[int]()
         for place, point in enumerate(self.points):
@@ -135,7 +135,7 @@ class TipMotion:
 
     @cached_property
     def hardness(self) -> tuple[Array, Array]:
-        """The ratio of the whole on GRID and the logarithm's first two derivatives by w, as (3, GRID), and w."""
+        """The ratio du/dw on GRID and the first two derivatives of its logarithm by w, shape (3, GRID), and w."""
         w, waves = _on_grid()
         first, second, third = waves[1:] @ self.waves + [[1.0], [0.0], [0.0]]
         bend = second / first
@@ -167,7 +167,7 @@ class Refused:
 def motion_from(
     path: WishedPath, axis: complex, beyond_mm: tuple[float, float], *, clockwise: bool
 ) -> TipMotion | Refused:
-    """The smoothest motion about an axis through all points, with how far it goes beyond the outermost two."""
+    """The smoothest motion about an axis through all points, whose path goes ``beyond_mm`` beyond the outermost two."""
     seen = path.mirrored if clockwise else path
     arms = seen.points - (axis.conjugate() if clockwise else axis)
     r, theta = np.abs(arms), np.unwrap(np.angle(arms))
@@ -191,10 +191,10 @@ def motion_from(
 
 
 UNEVEN = 20.0
-"""Burden of an axis from which no series of HARMONICS waves keeps the points, and what is added to it at most."""
+"""Burden of an axis from which no series of HARMONICS waves keeps the points, and the most that is added to it."""
 
 NOT_PASSED = 100.0
-"""Burden of an axis from which the points cannot be passed at all."""
+"""Burden of an axis from which no motion passes the points."""
 
 NEAREST = 0.02
 """Least distance of the path from the axis, as a share of the greatest: nearer, u turns too fast for any gear."""
@@ -217,14 +217,14 @@ def _turns_of(path: WishedPath, r: Array, far: float, near: float) -> Array | Re
     middle, swing = (far**2 + near**2) / 2.0, (far**2 - near**2) / 2.0
     turned = np.arccos(np.clip((falls**2 - middle) / swing, -1.0, 1.0))
     turned[back + 1 :] = 2.0 * pi - turned[back + 1 :]
-    # The farthest and the nearest point stand on the side on which their farther neighbour of the two lies.
+    # The farthest and the nearest point lie on the side of the neighbour whose distance differs more from theirs.
     if falls[1] > falls[-1]:
         turned[0] = -turned[0]
     if falls[(back + 1) % count] >= falls[back - 1]:
         turned[back] = 2.0 * pi - turned[back]
     found = np.empty(count)
     found[order] = turned
-    # Rising in the points' own order, from the first point on.
+    # Angles rise in the points' own order, from the first point on.
     found[:top] = found[:top] - 2.0 * pi
     return found
 
@@ -232,19 +232,19 @@ def _turns_of(path: WishedPath, r: Array, far: float, near: float) -> Array | Re
 def _smoothest(path: WishedPath, r: Array, theta: Array, w: Array, carrier: float, arm: float) -> tuple[Array, Array]:
     """Start angle and waves of the smoothest u - w that keeps the points, shape (1 + 2 HARMONICS,).
 
-    Also by how many tolerances each point is missed to first order, shape (n,).
+    Also the error of each point in tolerances, to first order, shape (n,).
     """
     link = _link_rad(w, carrier, arm)
     wanted = theta - link - w
     middle = wanted.mean()
-    # Of n points the smoothest curve is a sum of n kernels: one matrix of (n, n), whatever the number of harmonics.
+    # For n points the smoothest curve is a sum of n kernels: one matrix of (n, n), whatever the number of harmonics.
     columns = np.concatenate([np.full((w.size, 1), FREE), _waves(w, 0) / np.tile(ORDERS**3, 2)], axis=1)
     falling = -carrier * arm * np.sin(w) / r
     share = arm * (arm + carrier * np.cos(w)) / r**2
     rate = np.ones(w.size)
     for _ in range(ROUNDS):
         along = r * (rate - share)
-        # An error of u moves the path along the circle about the axis; what counts is its part across the path.
+        # An error of u moves the path along the circle about the axis; only the part across the path counts.
         weight = r * np.maximum(np.abs(falling) / np.hypot(falling, along), ALONG) / path.tolerance_mm
         weighed, side = columns * weight[:, None], weight * (wanted - middle)
         values, vectors = np.linalg.eigh(weighed @ weighed.T)
@@ -261,11 +261,11 @@ ALONG = 0.05
 """Least weight of a point where the path runs along the circle about the axis: it may slip 20 tolerances along."""
 
 FREE = 1000.0
-"""How much less the constant term is held down than the first harmonic: not at all, to rounding."""
+"""Factor by which the constant term is held down less than the first harmonic: to rounding it is free."""
 
 
 def _link_rad(w: Array, carrier: float, arm: float) -> Array:
-    """arg(s + l exp(-i w)), continuous in w: it swings about 0 where s is longer, else it falls with w."""
+    """arg(s + l exp(-i w)), continuous in w: it swings about 0 where s is longer, else falls with w."""
     if carrier > arm:
         return np.angle(carrier + arm * np.exp(-1j * w))
     return -w + np.angle(arm + carrier * np.exp(1j * w))
@@ -285,4 +285,4 @@ def distances_mm(points: ComplexArray, places: ComplexArray) -> Array:
 
 
 FINE = 2880
-"""Chords of the path: of one 1 m long each is a third of a millimetre, a micrometre off an arc of 15 mm."""
+"""Chords of the path: for a path 1 m long each is a third of a millimetre, a micrometre off an arc of 15 mm."""

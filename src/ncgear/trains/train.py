@@ -1,7 +1,7 @@
-"""What every train of gears is once it is made: parts, meshes, poses at any driving angle, and what is told of it.
+"""The value of every train of gears: parts, meshes, poses at any driving angle, and figures.
 
 A kind of train is one module here, which returns a ``Train``, and one module of keys in ``design/trains``.  Checks,
-files, pictures and answers take the value and ask for nothing else.  Angles are in rad, lengths in mm; all outlines and
+files, pictures and answers take the value and need nothing else.  Angles are in rad, lengths in mm; all outlines and
 poses are seen from +z, counter-clockwise positive.
 """
 
@@ -18,7 +18,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Mesh
 
 GROUND = "ground"
-"""What a part that stands still is fixed to."""
+"""``fixed_to`` of a part that stands still."""
 
 
 @dataclass(frozen=True)
@@ -35,9 +35,9 @@ class Part:
     """A body of one outline: a gear, a ring, or a bar such as a carrier, which has no teeth.
 
     ``outline_mm`` (shape (n, 2), counter-clockwise, first point not repeated) is in the part's own frame, whose origin
-    is the axis about which it turns.  Of a ring it is the toothed hole, and ``rim_mm`` is the thickness outside the
-    deepest root; None for all other parts.  The part reaches from ``low_mm`` to ``low_mm + face_width_mm`` along z.
-    ``fixed_to`` names the part, or GROUND, with which it is one body; it is empty where there is none.
+    is the axis about which it turns.  For a ring it is the toothed hole, and ``rim_mm`` is the thickness outside the
+    deepest root; other parts have None.  The part reaches from ``low_mm`` to ``low_mm + face_width_mm`` along z.
+    ``fixed_to`` names the part, or GROUND, to which it is fixed as one body; empty if it is free.
     """
 
     name: str
@@ -70,7 +70,7 @@ class Part:
 
 @dataclass(frozen=True)
 class GearMesh:
-    """Two parts whose teeth are in mesh, by their names; of an internal mesh the second one is the ring."""
+    """Two parts whose teeth are in mesh, by their names; in an internal mesh the second part is the ring."""
 
     first: str
     second: str
@@ -79,7 +79,7 @@ class GearMesh:
 
 @dataclass(frozen=True, eq=False)
 class Poses:
-    """Where all parts stand, in their order, at n driving angles: place of the axis and angle, shape (parts, n) each.
+    """Poses of all parts, in their order, at n driving angles: place of the axis and angle, shape (parts, n) each.
 
     A point p of a part's own frame, as a complex number, is at ``x + i y + p exp(i angle)``.
     """
@@ -89,15 +89,15 @@ class Poses:
     angle_rad: Array
 
     def places(self, number: int) -> tuple[Array, Array]:
-        """Of one part: its axis and its turn as complex numbers, shape (n,) each."""
+        """Axis and turn of one part as complex numbers, shape (n,) each."""
         return self.x_mm[number] + 1j * self.y_mm[number], np.exp(1j * self.angle_rad[number])
 
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """A point of a part that is followed: the part's name, its place in the part's frame, and the points wished for.
+    """A followed point of a part: the part's name, the point's place in the part's frame, and the points wished for it.
 
-    ``wished_mm`` has shape (m, 2), which may be (0, 2), in the frame of the ground.
+    ``wished_mm`` has shape (m, 2), also (0, 2), in the frame of the ground.
     """
 
     name: str
@@ -108,7 +108,7 @@ class Trace:
 
 @dataclass(frozen=True)
 class Condition:
-    """A condition that the train has to keep: its name, whether it holds (None: not judged), words, and what helps."""
+    """A condition that the train has to keep: its name, whether it holds (None: not judged), words, and remedies."""
 
     name: str
     holds: bool | None
@@ -117,17 +117,17 @@ class Condition:
 
 
 def contact_condition(contact_ratio: float, *cures: str) -> Condition:
-    """The condition that teeth follow each other without a gap, with what helps where they do not."""
+    """The condition that teeth follow each other without a gap, with remedies where they do not."""
     met, followed = f"{contact_ratio:.3g} pairs of teeth in mesh at least", contact_ratio > 1.0
     return Condition("contact ratio", followed, met, () if followed else cures)
 
 
 @dataclass(frozen=True)
 class Told:
-    """What a kind tells of its train.
+    """Figures and conditions of one train.
 
-    ``head`` says in a few words what it is; ``rows`` are names with a text each, the most telling first; ``figures``
-    are those of the summary, whose keys end in their unit; ``conditions`` are those that the kind itself judges.
+    ``head`` says in a few words what the train is; ``rows`` are names with a text each, the most telling first;
+    ``figures`` are those of the summary, whose keys end in their unit; ``conditions`` are judged by the kind itself.
     """
 
     head: str
@@ -142,7 +142,7 @@ class Train:
 
     ``poses_at`` gives the poses at driving angles in rad, shape (n,).  ``driving`` names the part whose turning is the
     driving angle, ``speed_rpm`` its speed.  After ``cycle_rad`` all parts stand as at first, but for whole turns or for
-    turns by whole periods of their teeth.  ``tolerance_mm`` is by how much outlines may be from the exact curves.
+    turns by whole periods of their teeth.  ``tolerance_mm`` is the largest deviation of outlines from the exact curves.
     """
 
     parts: tuple[Part, ...]
@@ -170,19 +170,19 @@ class Train:
         return self.parts[self.number(name)]
 
     def trace_mm(self, trace: Trace, driving_rad: Array) -> Array:
-        """Where a followed point is at driving angles in rad, shape (n,), as points of shape (n, 2)."""
+        """Places of a followed point at driving angles in rad, shape (n,), as points of shape (n, 2)."""
         axis, turn = self.poses_at(driving_rad).places(self.number(trace.part))
         there = axis + complex(*trace.at_mm) * turn
         return np.stack([there.real, there.imag], axis=-1)
 
 
 def mirrored(points_mm: Array) -> Array:
-    """A ring of points, shape (n, 2), reflected in the x axis, and in the other order, so that it turns as before."""
+    """A ring of points, shape (n, 2), reflected in the x axis, and in reversed order, so that it keeps its sense."""
     return (points_mm * [1.0, -1.0])[::-1]
 
 
 def seen_from_behind(train: Train) -> Train:
-    """The train reflected in the x axis: what turned counter-clockwise turns clockwise."""
+    """The train reflected in the x axis: parts that turned counter-clockwise turn clockwise."""
 
     def poses_at(driving_rad: Array) -> Poses:
         poses = train.poses_at(driving_rad)

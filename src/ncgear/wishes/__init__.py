@@ -1,1 +1,1 @@
-"""What a person may wish of the output's motion: what each wish asks of a law, and what a motion achieves of it."""
+"""Wishes for the output's motion: their requirements on a law, and their outcome for a motion."""

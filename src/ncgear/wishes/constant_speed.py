@@ -19,7 +19,7 @@ PERCENT = Unit("percent", "%", 100.0)
 
 @dataclass(frozen=True, kw_only=True)
 class ConstantSpeed(Wish):
-    """The speed stays within the share ``tolerance`` of one value between two places; None: of whatever value."""
+    """The speed stays within the share ``tolerance`` of one value between two places; None: of any value."""
 
     from_mm: float
     to_mm: float
@@ -33,7 +33,7 @@ class ConstantSpeed(Wish):
         return CrankStretch(*ends)
 
     def requirements(self, linkage: Mechanism, cycle_rad: float) -> tuple[Requirement, ...]:
-        """One speed's band, or the spread of whatever speed it is."""
+        """The band of the wished speed, or the spread of any speed."""
         stretch = self.stretch(linkage)
         if self.speed_mm_s is None:
             return (EvenSpeed(stretch, spread(self.tolerance)),)
@@ -41,7 +41,7 @@ class ConstantSpeed(Wish):
         return (SpeedWithin(stretch, least, most),)
 
     def outcome(self, machine: Machine) -> Outcome:
-        """The share by which the speed leaves the wished speed or, where none is wished, the best suited speed."""
+        """The share by which the speed leaves the wished speed or, if none is wished, the best suited speed."""
         (least, most), speed = speeds_mm_s(machine, self.stretch(machine.linkage)), self.speed_mm_s
         if speed is None:
             share, speed = (most - least) / (most + least), (most + least) / 2.0
@@ -50,12 +50,12 @@ class ConstantSpeed(Wish):
         return replace(self.judged(PERCENT, share, most=self.tolerance), speed_mm_s=speed)
 
     def words(self, place: Written, angle: Written) -> str:
-        """From place to place."""
+        """Both places and the stroke."""
         between = f"from {place(self.from_mm)} to {place(self.to_mm)} {self.output.place.text}"
         return f"constant speed {between}{of_stroke(self.stroke)}"
 
     def offer(self, asked: Requirement, missed: float, cycle_rad: float) -> Offer:
-        """The tolerance."""
+        """A wider tolerance."""
         even = self.speed_mm_s is None
         tolerance = shown_above(tanh(missed / 2.0) if even else (1.0 + self.tolerance) * exp(missed) - 1.0)
         return self.eased(f"a tolerance of {tolerance} of the speed", tolerance=tolerance)

@@ -15,7 +15,7 @@ from ncgear.wishes.wish import DEGREES, Offer, Outcome, Wish, Written
 
 @dataclass(frozen=True, kw_only=True)
 class Dwell(Wish):
-    """The displacement stays within so much of an end for a driving angle: a near-dwell."""
+    """The displacement stays within ``within_mm`` of an end for a driving angle: a near-dwell."""
 
     end: End
     within_mm: float
@@ -34,7 +34,7 @@ class Dwell(Wish):
         return self.judged(DEGREES, taken_rad(machine, self.stretch(machine.linkage)), self.for_rad)
 
     def words(self, place: Written, angle: Written) -> str:
-        """How close to which end."""
+        """The distance and the end."""
         return f"dwell within {place(self.within_mm)} {self.output.place.text} of the {self.end.value} end"
 
     def offer(self, asked: Requirement, missed: float, cycle_rad: float) -> Offer:
@@ -43,7 +43,7 @@ class Dwell(Wish):
         return self.eased(f"a dwell of {number} deg", for_deg=number)
 
     def instead(self, linkage: Mechanism, ratio_max: float) -> tuple[Offer, ...]:
-        """The nearest place of the end that a dwell can be within."""
+        """The least distance from the end that a dwell of this length can keep."""
         place = linkage.OUTPUT.place
         within = shown_above(place.factor * nearest_dwell_mm(linkage, self.end, self.for_rad, ratio_max))
         return (self.eased(f"one within {within} {place.text}", **{f"within_{place.ending}": within}),)

@@ -24,17 +24,17 @@ from ncgear.wishes.wish import DrivingWish, Offer, Outcome, Written, of_stroke
 
 @dataclass(frozen=True, kw_only=True)
 class GentleStretch(DrivingWish, ABC):
-    """A motion that is gentle between two places of one stroke, or of both (None), which then meet at an end."""
+    """A motion that is gentle between two places of one stroke, or of both strokes (None), joined at an end."""
 
     BOUNDED: ClassVar[str]
-    """What is bounded."""
+    """Name of the bounded quantity."""
 
     from_mm: float = 0.0
     to_mm: float = inf
     stroke: Stroke | None = Stroke.WORKING
 
     def stretch(self, linkage: Mechanism) -> CrankStretch:
-        """The crank angles between both places; a turn where they are both ends, and both strokes are asked for."""
+        """The crank angles between both places; a whole turn for both ends and both strokes."""
         if self.driving is not None:
             return self.driving.crank
         far, turn = linkage.working_angle_rad, 2.0 * pi
@@ -48,20 +48,20 @@ class GentleStretch(DrivingWish, ABC):
         return CrankStretch(out, before) if self.stroke is Stroke.WORKING else CrankStretch(behind, home)
 
     def passed(self, machine: Machine) -> CrankStretch:
-        """The crank angles of the stretch: of a driving range, those that the motion passes in it."""
+        """The crank angles of the stretch; for a driving range, the crank angles that the motion passes in it."""
         if self.driving is None:
             return self.stretch(machine.linkage)
         return CrankStretch(crank_rad(machine, self.driving.start_rad), crank_rad(machine, self.driving.end_rad))
 
     def words(self, place: Written, angle: Written) -> str:
-        """What is bounded, from where to where."""
+        """The bounded quantity and its stretch."""
         what, unit = f"greatest {self.BOUNDED}", self.output.place
         if self.driving is not None:
             return f"{what} from driving angle {angle(self.driving.start_rad)} to {angle(self.driving.end_rad)} deg"
         return f"{what} from {place(self.from_mm)} to {place(self.to_mm)} {unit.text}{of_stroke(self.stroke)}"
 
     def offer(self, asked: Requirement, missed: float, cycle_rad: float) -> Offer:
-        """A greater bound; or driving angles, whose start is passed too late by what is missed, or end too early."""
+        """A greater bound; or driving angles that begin later, or end earlier, by ``missed``."""
         if self.driving is not None and isinstance(asked, TimeWithin):
             start, end = self.driving.start_rad + missed, self.driving.end_rad - missed
             first, last = shown_above(degrees(start)), shown_below(degrees(end))
@@ -77,7 +77,7 @@ class GentleStretch(DrivingWish, ABC):
 
 @dataclass(frozen=True, kw_only=True)
 class GentleSpeed(GentleStretch):
-    """The speed is at most so much on the stretch."""
+    """The speed is at most ``most_mm_s`` on the stretch."""
 
     BOUNDED = "speed"
 
@@ -92,13 +92,13 @@ class GentleSpeed(GentleStretch):
         return self.judged(self.output.speed, speeds_mm_s(machine, self.passed(machine))[1], most=self.most_mm_s)
 
     def greater(self, missed: float) -> tuple[Unit, float]:
-        """By the factor whose logarithm is missed."""
+        """The bound times the factor whose logarithm is ``missed``."""
         return self.output.speed, self.most_mm_s * exp(missed)
 
 
 @dataclass(frozen=True, kw_only=True)
 class GentleStop(GentleStretch):
-    """The speed falls by at most so much in a second on the stretch."""
+    """The speed falls by at most ``most_mm_s2`` in a second on the stretch."""
 
     BOUNDED = "deceleration"
 
@@ -115,5 +115,5 @@ class GentleStop(GentleStretch):
         )
 
     def greater(self, missed: float) -> tuple[Unit, float]:
-        """By the share."""
+        """The bound, greater by the share ``missed``."""
         return self.output.acceleration, (1.0 + missed) * self.most_mm_s2

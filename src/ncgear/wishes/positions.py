@@ -25,11 +25,11 @@ class Position(Wish):
     stroke: Stroke = Stroke.WORKING
 
     def way_mm(self, linkage: Mechanism) -> float:
-        """The way from the retracted end to the place: on the return, the stroke and what is gone back of it."""
+        """The way from the retracted end to the place; on the return it includes the working stroke."""
         return self.at_mm if self.stroke is Stroke.WORKING else 2.0 * linkage.stroke_mm - self.at_mm
 
     def requirements(self, linkage: Mechanism, cycle_rad: float) -> tuple[Requirement, ...]:
-        """The way is under the place's far bound at the angle, and over its near one."""
+        """At the driving angle the way is under the place's far bound and over its near bound."""
         way, most = self.way_mm(linkage), 2.0 * linkage.stroke_mm
         before, after = (way + side * self.tolerance_mm for side in (-1.0, 1.0))
         asked: list[Requirement] = []
@@ -51,11 +51,11 @@ class Position(Wish):
         return Outcome(self, self.output.place, place, least, most, missed, other_stroke=other)
 
     def words(self, place: Written, angle: Written) -> str:
-        """At which driving angle."""
+        """The driving angle and the stroke."""
         return f"place at {angle(self.phi1_rad)} deg{of_stroke(self.stroke)}"
 
     def offer(self, asked: Requirement, missed: float, cycle_rad: float) -> Offer:
-        """A later angle where the near bound is passed too late, an earlier one where the far bound is too early."""
+        """A later angle if the near bound is passed too late, an earlier one if the far bound is passed too early."""
         late = isinstance(asked, TimeWithin) and asked.most_rad < inf
         unit = self.output.place
         angle = self.phi1_rad + missed if late else self.phi1_rad - missed

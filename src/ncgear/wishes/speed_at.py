@@ -1,4 +1,4 @@
-"""The speed at one place: bounds, or as low or as high as may be."""
+"""The speed at one place: bounds, or as low or as high as possible."""
 
 from __future__ import annotations
 
@@ -37,11 +37,11 @@ class SpeedAt(Wish):
         return self.judged(self.output.speed, speed, self.least_mm_s, self.most_mm_s)
 
     def words(self, place: Written, angle: Written) -> str:
-        """At which place."""
+        """The place and the stroke."""
         return f"speed at {place(self.at_mm)} {self.output.place.text}{of_stroke(self.stroke)}"
 
     def offer(self, asked: Requirement, missed: float, cycle_rad: float) -> Offer:
-        """Bounds further apart by the factor."""
+        """Bounds farther apart by the factor whose logarithm is ``missed``."""
         place, unit = self.output.place, self.output.speed
         bounds = {"at least": shown_below(self.least_mm_s * exp(-missed))} if self.least_mm_s > 0.0 else {}
         bounds |= {"at most": shown_above(self.most_mm_s * exp(missed))} if self.most_mm_s < inf else {}
@@ -52,9 +52,9 @@ class SpeedAt(Wish):
 
 @dataclass(frozen=True, kw_only=True)
 class ExtremeSpeed(SpeedAt):
-    """The speed at one place as low, or as high, as the goal's other parts let it be: always soft.
+    """The speed at one place as low, or as high, as the goal's other parts allow: always soft.
 
-    It asks for no bound.  p percent of speed, to the wrong side, count as p percent by which a soft wish is missed.
+    It sets no bound. p percent of speed to the wrong side count like a soft wish that is missed by p percent.
     """
 
     fastest: bool = False
@@ -62,11 +62,11 @@ class ExtremeSpeed(SpeedAt):
 
     @property
     def aim(self) -> str:
-        """As fast, or as slow, as may be."""
+        """As fast, or as slow, as possible."""
         return "as fast as may be" if self.fastest else "as slow as may be"
 
     def requirements(self, linkage: Mechanism, cycle_rad: float) -> tuple[Requirement, ...]:
-        """Nothing that must be kept."""
+        """No requirement."""
         return ()
 
     def pushed(self, linkage: Mechanism) -> tuple[PushedSpeed, ...]:
@@ -74,5 +74,5 @@ class ExtremeSpeed(SpeedAt):
         return (PushedSpeed(self.stretch(linkage), self.fastest),)
 
     def offer(self, asked: Requirement, missed: float, cycle_rad: float) -> Offer:
-        """The speed itself."""
+        """No offer, since nothing can be missed; raises TypeError."""
         raise TypeError("it asks for nothing that could be missed")

@@ -13,12 +13,12 @@ from ncgear.wishes.wish import Offer, Outcome, Wish, Written
 
 @dataclass(frozen=True, kw_only=True)
 class TimeRatio(Wish):
-    """The working stroke takes at least so many times the time of the return."""
+    """The working stroke takes at least ``at_least`` times the time of the return."""
 
     at_least: float
 
     def requirements(self, linkage: Mechanism, cycle_rad: float) -> tuple[Requirement, ...]:
-        """The time of the working stroke, since a cycle's is given."""
+        """The driving angle of the working stroke, since the cycle's is given."""
         working = CrankStretch(0.0, linkage.working_angle_rad)
         return (TimeWithin(working, least_rad=self._working_rad(cycle_rad)),)
 
@@ -30,7 +30,7 @@ class TimeRatio(Wish):
         return self.judged(Unit("", ""), time_ratio(machine), self.at_least)
 
     def words(self, place: Written, angle: Written) -> str:
-        """Of both strokes."""
+        """The name of the ratio."""
         return "time ratio of working stroke and return"
 
     def offer(self, asked: Requirement, missed: float, cycle_rad: float) -> Offer:

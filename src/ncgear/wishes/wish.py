@@ -1,7 +1,6 @@
-"""What every kind of wish says: what it asks of a law, what a motion achieves of it, its words, its offer.
+"""Methods of every kind of wish: its requirements on a law, its outcome for a motion, its words, its offer.
 
-The search for laws, the certified limit and ``figures.wished`` ask a wish by these methods alone; none of them knows a
-kind.
+The search for laws, the certified limit and ``figures.wished`` use these methods alone; none of them knows a kind.
 """
 
 from __future__ import annotations
@@ -20,23 +19,23 @@ from ncgear.mechanisms.mechanism import SLIDER, Mechanism, Output, Unit
 from ncgear.wishes.requirements import DrivingRange, PushedSpeed, Requirement, passed_no_earlier, passed_no_later
 
 NEGLIGIBLE = 1e-6
-"""Share of a wished bound, and angle in rad, by which a wish that counts as kept may be missed: files hold the numbers
-of a law to some ten digits."""
+"""Share of a wished bound, and angle in rad, by which a kept wish may be missed: files hold the numbers of a law to
+some ten digits."""
 
 DEGREES = Unit("deg", "deg", degrees(1.0))
 """The unit of wishes for a driving angle."""
 
 Written = Callable[[float], str]
-"""How a number stands in a text."""
+"""Function that writes a number in a text."""
 
 Value = float | bool
 
 
 @dataclass(frozen=True)
 class Offer:
-    """What could be asked for instead, in words, and the dotted keys of a design file with the values that ask for it.
+    """Another request in place of a missed one, in words, and its values by their dotted keys in a design file.
 
-    ``key`` is the key of the wish or limit that is eased, where messages name it.
+    ``key`` is the key of the eased wish or limit, if messages name it.
     """
 
     said: str
@@ -49,12 +48,12 @@ class Offer:
 
 @dataclass(frozen=True)
 class Outcome:
-    """What a motion achieves of one wish, and the bounds that the wish sets to it.
+    """Outcome of one wish for a motion, and the bounds that the wish sets.
 
-    They are a share of the speed, a ratio of times, a driving angle in rad, a speed in mm/s, a deceleration in mm/s^2,
-    or a displacement in mm, and are told in ``unit``.  ``missed_by`` is how far what is achieved lies beyond the
-    bounds, 0 within them.  ``speed_mm_s`` is the speed that a wish for a constant one is judged against.  A place that
-    is passed in the other stroke (``other_stroke``) is missed by the way from there, over the dead centre between.
+    The values are a share of the speed, a ratio of times, a driving angle in rad, a speed in mm/s, a deceleration in
+    mm/s^2, or a displacement in mm, and are shown in ``unit``.  ``missed_by`` is the distance of ``achieved`` from the
+    bounds, 0 within them.  ``speed_mm_s`` is the speed that judges a wish for a constant speed.  A place that is passed
+    in the other stroke (``other_stroke``) is missed by the way from there, over the dead centre between.
     """
 
     wish: Wish
@@ -76,10 +75,10 @@ class Outcome:
 class Wish(ABC):
     """A wish: ``key`` is its dotted key in a design file, ``weight`` is None for a hard wish.
 
-    ``output`` is what moves: where it turns, places are in rad and speeds in rad/s in place of mm and mm/s.
+    ``output`` is the mechanism's output: where it turns, places are in rad and speeds in rad/s in place of mm and mm/s.
 
     A soft wish that is missed by p percent, of the speed or of the cycle's driving angle, counts in the goal of an
-    optimised law like ``weight`` times p percent of what is to be least.
+    optimised law like ``weight`` times p percent of the quantity to be least.
     """
 
     key: str = ""
@@ -93,20 +92,20 @@ class Wish(ABC):
 
     @property
     def aim(self) -> str:
-        """What is wished in words, where no bound says it."""
+        """The wish in words, where no bound says it."""
         return ""
 
     @abstractmethod
     def requirements(self, linkage: Mechanism, cycle_rad: float) -> tuple[Requirement, ...]:
-        """What the wish asks on a mechanism whose cycle takes a driving angle of ``cycle_rad``."""
+        """The requirements on a mechanism whose cycle takes a driving angle of ``cycle_rad``."""
 
     def pushed(self, linkage: Mechanism) -> tuple[PushedSpeed, ...]:
-        """What shall be as low or as high as may be, which only a soft wish can ask."""
+        """Speeds that shall be as low or as high as possible, which only a soft wish can ask."""
         return ()
 
     @abstractmethod
     def outcome(self, machine: Machine) -> Outcome:
-        """What a motion achieves of the wish."""
+        """The outcome of the wish for a motion."""
 
     @abstractmethod
     def words(self, place: Written, angle: Written) -> str:
@@ -114,18 +113,18 @@ class Wish(ABC):
 
     @abstractmethod
     def offer(self, asked: Requirement, missed: float, cycle_rad: float) -> Offer:
-        """What it would have to ask for, so that one of its requirements were kept that is missed by so much.
+        """Other values of the wish, which would keep the requirement ``asked`` that is missed by ``missed``.
 
         Speeds and their spread are missed by the logarithm of a factor, decelerations by a share, driving angles by an
         angle in rad.
         """
 
     def instead(self, linkage: Mechanism, ratio_max: float) -> tuple[Offer, ...]:
-        """What else would do, at the greatest ratio."""
+        """Other requests that would be kept, at the greatest ratio."""
         return ()
 
     def judged(self, unit: Unit, achieved: float, least: float = 0.0, most: float = inf) -> Outcome:
-        """The outcome of what is achieved between two bounds."""
+        """The outcome of a value between two bounds."""
         return Outcome(self, unit, achieved, least, most, max(least - achieved, achieved - most, 0.0))
 
     def eased(self, said: str, **values: str) -> Offer:
@@ -135,30 +134,30 @@ class Wish(ABC):
 
 @dataclass(frozen=True, kw_only=True)
 class DrivingWish(Wish, ABC):
-    """A wish that bounds something on a stretch or, with a ``driving`` range, over that, wherever the output is then.
+    """A wish that bounds a quantity on a stretch or, if given, over a ``driving`` range, wherever the output is then.
 
-    Which crank angles a law passes in the range is known when the law is: the search holds the bound over some of them,
-    and the certified limit tells laws apart by those that they pass.
+    The law decides which crank angles it passes in the range: the search holds the bound over some angles, and the
+    certified limit tells laws apart by the angles that they pass.
     """
 
     driving: DrivingRange | None = None
 
     @abstractmethod
     def bound(self, stretch: CrankStretch) -> Requirement:
-        """What is asked on the stretch."""
+        """The requirement on the stretch."""
 
     @abstractmethod
     def stretch(self, linkage: Mechanism) -> CrankStretch:
-        """The stretch; of a driving range the crank angles that it is held over."""
+        """The stretch; for a driving range, the crank angles over which the bound is held."""
 
     def held_over(self, crank: CrankStretch) -> Self:
         """The wish with its driving range held over other crank angles."""
         return self if self.driving is None else replace(self, driving=self.driving._replace(crank=crank))
 
     def requirements(self, linkage: Mechanism, cycle_rad: float) -> tuple[Requirement, ...]:
-        """The bound; of a driving range also that its crank angles begin no later, and end no earlier, than it does.
+        """The bound; for a driving range also that its crank angles begin no later, and end no earlier, than the range.
 
-        Enough for the range, and of the laws that keep it those only that pass these crank angles so.
+        This is enough for the range, but leaves only the laws that pass these crank angles so.
         """
         asked = self.bound(self.stretch(linkage))
         if self.driving is None:
@@ -181,11 +180,11 @@ NEAR = 1e-3
 
 @dataclass(frozen=True)
 class Achieved:
-    """What a motion achieves, whatever is wished, and the outcome of every wish.
+    """Results of a motion, whatever is wished, and the outcome of every wish.
 
     ``even`` has the longest stretch of each stroke over which the speed stays within EVEN of one value; ``dwell_rad``
     the driving angle for which the displacement stays within ``near_mm`` of each end.  Gears that turn less than once
-    have the way forth alone: no time ratio, which is None, and no dwells.
+    have only the way forth: no time ratio (None), and no dwells.
     """
 
     even: Mapping[Stroke, EvenStretch]
@@ -196,7 +195,7 @@ class Achieved:
 
 
 def achieved(machine: Machine, outcomes: tuple[Outcome, ...]) -> Achieved:
-    """What a machine's motion achieves at its constant driving speed, beside the outcomes of its wishes."""
+    """Results of a machine\'s motion at its constant driving speed, with the outcomes of its wishes."""
     near = near_mm(machine.linkage.stroke_mm)
     if not machine.transmission.lobes.repeats:
         forth = Stroke.WORKING

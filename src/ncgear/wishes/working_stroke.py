@@ -34,7 +34,7 @@ class WorkingStroke(Wish):
         return self.judged(DEGREES, machine.extended_rad, *self.bounds_rad)
 
     def words(self, place: Written, angle: Written) -> str:
-        """Of the whole stroke."""
+        """The name of the angle."""
         return "driving angle of the working stroke"
 
     def offer(self, asked: Requirement, missed: float, cycle_rad: float) -> Offer:

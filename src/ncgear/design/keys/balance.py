@@ -1,4 +1,4 @@
-"""The balance file: what shakes, and what is asked about it: mechanisms, gears, rotors, natural frequencies."""
+"""The balance file: mechanisms, gears, rotors and natural frequencies, and the questions about them."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ Angle = Annotated[float, Field(ge=-3600.0, le=3600.0)]
 Amplitude = Annotated[float, Field(ge=0.0, le=1e9)]
 
 HIGHEST_ORDER, HIGHEST_HZ = 1e4, 1e9
-"""Far above whatever a machine has: products of them stay far from overflow."""
+"""Far above any machine: products of them stay far from overflow."""
 
 Frequency = Annotated[float, Field(ge=1e-8, le=HIGHEST_HZ)]
 Effect = Annotated[float, Field(ge=1e-9, le=1e9)]
@@ -53,14 +53,14 @@ class Fixed(Model):
 
 
 class Complete(Model):
-    """Complete balance by two counterweights, beside those already there."""
+    """Complete balance by two counterweights, in addition to the existing counterweights."""
 
     rod_arm_mm: Length = required("arm of the rod's counterweight beyond the crank pin in mm")
     crank_arm_mm: Length = required("arm of the crank's counterweight beyond the axis in mm")
 
 
 class Partial(Model):
-    """Partial balance by a counterweight on the crank, beside those already there."""
+    """Partial balance by a counterweight on the crank, in addition to the existing counterweights."""
 
     arm_mm: Length = required("arm of the counterweight in mm")
     shares: Annotated[Several[Share], Field(min_length=1, max_length=MOST_ITEMS)] = optional(
@@ -71,13 +71,13 @@ class Partial(Model):
 
 
 class Best(Model):
-    """The best counterweight on the crank for the actual motion, beside those already there."""
+    """The best counterweight on the crank for the actual motion, in addition to the existing counterweights."""
 
     arm_mm: Length = required("arm of the counterweight in mm")
 
 
 class Sweep(Model):
-    """Counterweights tried one after the other, beside those already there."""
+    """Counterweights that are tried one after the other, in addition to the existing counterweights."""
 
     arm_mm: Length = required("arm of the counterweight in mm")
     angle_deg: Angle = optional("its direction in degrees as above; left out: opposite the pin", 180.0)
@@ -186,7 +186,7 @@ class Boss(Model):
 
 
 class Correction(Model):
-    """What may be done to a gear: holes first, a boss for what they leave."""
+    """Means to correct a gear: holes first, a boss for the rest."""
 
     holes: Holes | None = optional("through holes; left out: none")
     boss: Boss | None = optional("a boss; left out: none")
@@ -203,7 +203,7 @@ class GearBalance(Model):
 
 
 class Reading(Model):
-    """What an instrument shows."""
+    """The reading of an instrument."""
 
     amplitude: Amplitude = required("amplitude, in the same unit for all")
     phase_deg: Angle = required("phase in degrees, as the instrument counts it")
@@ -213,7 +213,7 @@ Readings = Annotated[Several[Reading], Field(min_length=1, max_length=MOST_ITEMS
 
 
 class Trial(Model):
-    """A run with a trial weight in one plane, taken off again after it."""
+    """A run with a trial weight in one plane; the weight is taken off again afterwards."""
 
     mass_g: float = required("mass of the trial weight in g", ge=0.0, le=1e9)
     angle_deg: Angle = required("its angle in degrees, counted as the instrument counts phases")
@@ -276,7 +276,7 @@ QUESTIONS = ("excitations", "gears", "rotor", "chain_drive")
 
 
 class Balance(Model):
-    """A balance file: what a person wrote, and nothing computed."""
+    """A balance file: the person's values, and nothing computed."""
 
     name: str = required("name of the file's subject and of its output folder", pattern=NAME_PATTERN)
     description: str = optional("free text", "", max_length=10_000)

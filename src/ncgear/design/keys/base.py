@@ -1,9 +1,9 @@
 """The base of all models of keys: strict types, no unknown keys, no changes, no nan or infinity; faults; rules; angles.
 
-A fault that a model finds between its own fields has the key to which it belongs.  Fields are ``required`` or
+A fault that a model finds between its own fields has the key of the faulty value.  Fields are ``required`` or
 ``optional``.  An angle may be given in radians, in degrees or in multiples of pi, by keys that end in the unit: one
-field marked ``angle`` makes all of them.  What holds between keys of a model stands in its ``RULES``, and what no rule
-can say is yielded by methods that return ``Faults``.  The types of values with their limits stand at the end.
+field marked ``angle`` makes all of them.  Rules between the keys of a model stand in its ``RULES``; methods that return
+``Faults`` yield all other faults.  The types of values with their limits stand at the end.
 """
 
 from __future__ import annotations
@@ -34,12 +34,12 @@ def required(meaning: str, **limits: Any) -> Any:
 
 
 def optional(meaning: str, default: Any = None, **limits: Any) -> Any:
-    """A field that a file may leave out; ``default`` is its value then, or a function that makes it."""
+    """A field that a file may leave out; ``default`` is its value then, or a function that makes this value."""
     return Field(**{"default_factory" if callable(default) else "default": default}, description=meaning, **limits)
 
 
 class _Angle(NamedTuple):
-    """The mark of an angle: what stands in the place of its field until the class is made."""
+    """The mark of an angle; it stands in the place of the angle's field until the class is made."""
 
     meaning: str
     quantity: str
@@ -51,8 +51,8 @@ class _Angle(NamedTuple):
 def angle(meaning: str, quantity: str = "", *, needed: bool = False, of: Any = float, absent: Any = 0.0) -> Any:
     """An angle in rad, or a list of them, that a file gives by one of the keys ``quantity``_rad, _deg and _pi.
 
-    ``quantity`` is the name of the field where nothing is said, ``of`` the type of the value in any unit, ``absent``
-    the angle that is left out.  ``{unit}`` in the meaning stands for the unit in words, ``{turn}`` for a turn in it.
+    ``quantity`` is by default the name of the field, ``of`` the type of the value in any unit, ``absent`` the angle if
+    all keys are left out.  ``{unit}`` in the meaning stands for the unit in words, ``{turn}`` for a turn in it.
     """
     return _Angle(meaning, quantity, of, "one of" if needed else "at most one of", absent)
 
@@ -65,13 +65,13 @@ _TO_RAD: dict[str, Callable[[float], float]] = {"rad": float, "deg": radians, "p
 
 
 class Model(BaseModel):
-    """Base of every model: what a person wrote, checked and unchangeable."""
+    """Base of every model: the person's values, checked and unchangeable."""
 
-    # The schema of a model is made when a file is checked by it: most models are only parts of others.
+    # pydantic makes the schema of a model when it checks a file by it: most models are only parts of others.
     model_config = ConfigDict(strict=True, frozen=True, extra="forbid", allow_inf_nan=False, defer_build=True)
 
     RULES: ClassVar[tuple[str, ...]] = ()
-    """What must hold between keys, besides the rules of the bases, in the words of ``require``."""
+    """Rules between keys, besides the rules of the bases, in the words of ``unkept``."""
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
         """Put the keys of all units in the place of each angle, before pydantic looks for fields."""
@@ -93,7 +93,8 @@ class Model(BaseModel):
 
     @classmethod
     def __pydantic_init_subclass__(cls, first: bool = False, **kwargs: Any) -> None:
-        """Put the keys of a class behind those of its base, or with ``first=True`` before them, as a file has them."""
+        """Put the keys of a class behind the keys of its base, or with ``first=True`` before them, as files have
+        them."""
         own, base = cls.__annotations__, getattr(cls.__bases__[0], "model_fields", {})
         fields = cls.__pydantic_fields__
         order = (*own, *base) if first else (*base, *own)
@@ -112,14 +113,15 @@ class Model(BaseModel):
 
 @cache
 def _checks_of(model: type[Model]) -> list[Callable[[Model], Faults]]:
-    """The methods of a model that return ``Faults``: first what is not offered at all, then those of its bases."""
+    """The methods of a model that return ``Faults``: first the refusal of unoffered keys, then the methods of its
+    bases."""
     every = [pair for base in reversed(model.__mro__) for pair in vars(base).items()]
     checks = [pair for pair in every if isfunction(pair[1]) and pair[1].__annotations__.get("return") == "Faults"]
     return [check for _, check in sorted(checks, key=lambda pair: pair[0] != "_not_offered")]
 
 
 def key_of(model: BaseModel, quantity: str) -> str:
-    """The key by which an angle is given; empty where it is left out."""
+    """The key by which an angle is given; empty if the angle is left out."""
     return next(iter(given(model, spellings(quantity))), "")
 
 
@@ -133,7 +135,7 @@ def _in_rad(model: BaseModel, quantity: str, absent: Any) -> Any:
 
 FAULT_TYPE = "ncgear"
 Faults = Iterator[PydanticCustomError]
-"""What is wrong between the keys of a model, in the order in which it is told: the first fault alone counts."""
+"""Faults between the keys of a model, in the order in which they count: only the first fault is told."""
 
 
 def fault(key: str, problem: str) -> PydanticCustomError:
@@ -156,15 +158,15 @@ _RELATIONS: dict[str, tuple[Callable[[float, float], bool], str, str]] = {
     ">": (operator.gt, "over {}", "under {}"),
     ">=": (operator.ge, "{} or over", "{} or less"),
 }
-"""Relations of numbers: whether each holds, and what is right of the first number and of the second."""
+"""Relations of numbers: whether each holds, and the words for a right first number and a right second number."""
 
 
 def unkept(model: BaseModel, rule: str) -> Faults:
-    """The fault of a model in which a rule between dotted keys does not hold.
+    """The fault of a model that breaks a rule between dotted keys.
 
-    The rules are ``one of A B``, exactly one is given; ``at most one of A B``; ``A with B``, both are given or neither;
-    ``A needs B C``, A is given only with B or C; where both are given, ``A as many as B`` of lists and ``A < B``, also
-    <=, > and >=, of numbers.
+    The rules are ``one of A B``: exactly one is given; ``at most one of A B``; ``A with B``: both are given or neither;
+    ``A needs B C``: A is given only with B or C; and, if both are given, ``A as many as B`` for lists and ``A < B``,
+    also <=, > and >=, for numbers.
     """
     match rule.split():
         case ["one", "of", *names]:
@@ -202,19 +204,19 @@ def unkept(model: BaseModel, rule: str) -> Faults:
 
 
 def _at(model: BaseModel, key: str) -> Any:
-    """The value at a dotted key; None where it, or a group on the way, is left out."""
+    """The value at a dotted key; None if it, or a group on the way, is left out."""
     return reduce(lambda group, name: None if group is None else getattr(group, name), key.split("."), model)
 
 
 def _is_written(model: BaseModel, key: str) -> bool:
-    """Whether a file has a dotted key, rather than its value where it is left out."""
+    """Whether a file gives a dotted key; otherwise its value is the default."""
     *way, name = key.split(".")
     group = _at(model, ".".join(way)) if way else model
     return name in group.model_fields_set
 
 
 def not_rising(key: str, values: Sequence[float], least: float, what: str = "angles") -> Faults:
-    """The values of a list under ``key`` that do not follow the value before by at least ``least``."""
+    """The faults of values of a list under ``key`` that do not exceed the value before by at least ``least``."""
     for i, (before, after) in enumerate(pairwise(values), start=1):
         if after <= before:
             yield fault(f"{key}.{i}", f"{after:g} follows {before:g}; the {what} must rise strictly")
@@ -223,17 +225,17 @@ def not_rising(key: str, values: Sequence[float], least: float, what: str = "ang
 
 
 LONGEST_MM = 1e7
-"""Ten kilometres: beyond any machine, and far below where the squares of lengths overflow."""
+"""Ten kilometres: beyond any machine, and far below lengths whose squares overflow."""
 
 SLOWEST_RPM, FASTEST_RPM = 1e-6, 1e7
-"""One turn in two years, and far above whatever a machine has: squares of speeds stay far from overflow and zero."""
+"""One turn in two years, and far above any machine: squares of speeds stay far from overflow and zero."""
 
 SHORTEST_MM = 1e-12
-"""A hundred-thousandth of an atom's diameter, and far above where powers of lengths vanish."""
+"""A hundred-thousandth of an atom's diameter, and far above lengths whose powers vanish."""
 
 
 def not_vanishing(length: float) -> float:
-    """The length itself in mm; a fault where it is too short."""
+    """The length itself in mm; a fault if it is too short."""
     if length < SHORTEST_MM:
         raise fault("", f"{length!r} given; a length of {SHORTEST_MM:g} mm or over is needed")
     return length
@@ -256,13 +258,13 @@ FORMULA = (
     "made of numbers, pi, + - * / **, sin, cos, tan, exp, log, sqrt, atan, sinh, cosh, tanh, abs, sign, min, max "
     "and a if u < v else b"
 )
-"""What ``ncgear.numerics.formula`` reads."""
+"""The words for formulas that ``ncgear.numerics.formula`` reads."""
 
 SMOOTH_LAW = (
     "it may not jump where such pieces meet or where the cycle begins again; where its slope jumps there, gears cannot "
     "be made"
 )
-"""What the pitch curves ask of a ratio and of dphi2/dphi1."""
+"""The demand of pitch curves on a ratio and on dphi2/dphi1."""
 
 Item = TypeVar("Item")
 
@@ -277,4 +279,4 @@ CSV_FILE = (
 
 FileFormat = Literal[1]
 FILE_FORMAT = "version of the file's format; a file of a later format needs a later ncgear; left out: 1"
-"""The formats that this program reads, and what is said of their key: a change that older files do not mean is 2."""
+"""The readable formats, and the words for their key; a change of the meaning of older files makes format 2."""

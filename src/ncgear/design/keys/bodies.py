@@ -68,7 +68,7 @@ class LighteningHoles(Model):
 
 
 class EndStop(Model):
-    """An arc slot about the axis, in which a pin of the frame stops a gear that turns less than once."""
+    """An arc slot about the axis; in it, a pin of the frame stops a gear that turns less than once."""
 
     pin_mm: Length = required("diameter of the pin in mm; it stands in the frame, away from the other gear")
     radius_mm: Length = required("distance in mm of the pin, and of the slot's middle, from the gear's axis")
@@ -78,7 +78,7 @@ class EndStop(Model):
 
 
 class CrankPin(Model):
-    """A hole for the crank pin in the gear itself, which then is the crank."""
+    """A hole for the crank pin in the gear itself, which is the crank then."""
 
     diameter_mm: Length = required(
         "diameter of the hole in mm; its centre is the crank's length from the axis, in the direction of the crank at "
@@ -87,7 +87,7 @@ class CrankPin(Model):
 
 
 class GearBody(Model):
-    """What is cut into one gear around its axis, and what stands on it."""
+    """Cuts in one gear around its axis, and the parts that stand on it."""
 
     RULES = (
         "keyway needs bore_mm",
@@ -108,7 +108,7 @@ class GearBody(Model):
 
 
 class DrivenBody(GearBody):
-    """What is cut into the driven gear around its axis or, of a ring, stands around its teeth."""
+    """Cuts in the driven gear around its axis or, for a ring, the body around its teeth."""
 
     rim_mm: Length | None = optional(
         "of a ring (mesh: internal): thickness in mm outside its deepest root; left out: 3.5 modules"
@@ -120,7 +120,7 @@ class DrivenBody(GearBody):
 
     @property
     def about_axis(self) -> list[str]:
-        """The given keys that a ring has no room for, because it is open about its axis."""
+        """The given keys that do not suit a ring, because it is open about its axis."""
         return [
             name
             for name in ("bore_mm", "hub", "web", "lightening_holes", "end_stop", "crank_pin")
@@ -129,7 +129,7 @@ class DrivenBody(GearBody):
 
 
 def chamfer_fault(name: str, body: GearBody, face_width: float, chamfer: float) -> tuple[str, str] | None:
-    """Where the chamfer of the lower edges is as high as the web or the gear: its key and its fault."""
+    """Key and fault of a chamfer of the lower edges as high as the web or the gear; None for a lower chamfer."""
     web = body.web
     lowest, part = (face_width, "gear") if web is None else (web.thickness_mm, f"{name} gear's web")
     if chamfer < lowest:

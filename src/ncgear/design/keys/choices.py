@@ -1,4 +1,4 @@
-"""What `ncgear design` may choose of a whole machine, and what counts."""
+"""The choices of `ncgear design` for a whole machine, and the figures that count."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ Process = Literal["hobbed", "shaped", "wire_cut", "printed"]
 """Ways of making teeth."""
 
 OBJECTIVES = Literal["peak_power_w", "gear_volume_mm3", "driven_flywheel_kg_mm2", "center_distance_mm", "cost"]
-"""Figures of a whole machine that count."""
+"""Figures of a whole machine that may count."""
 
 
 class Motor(Model):
-    """A motor that can be had, as it acts on the driving shaft."""
+    """An available motor, by its effect on the driving shaft."""
 
     name: str = required("its name", min_length=1, max_length=100)
     power_w: Positive = required("greatest power in W that it gives to the driving shaft")
@@ -37,7 +37,7 @@ class MaterialChoice(Model):
 
 
 def _of_material(value: Any) -> Any:
-    """The group of keys for which the name of a material alone stands."""
+    """The group of keys for the name of a material, which may stand alone."""
     return {"material": value} if isinstance(value, str) else value
 
 
@@ -59,7 +59,7 @@ class FaceWidths(Model):
 
 
 class MakingCosts(Model):
-    """What making the teeth of a pair costs, whatever its size."""
+    """Costs of making the teeth of a pair, at any size."""
 
     hobbed: Price = optional("cost of hobbing a pair", 0.0)
     shaped: Price = optional("cost of shaping a pair", 0.0)
@@ -68,7 +68,7 @@ class MakingCosts(Model):
 
 
 class Costs(Model):
-    """What a machine costs, in money, kilograms or whatever counts: the sum of its figures times these."""
+    """Costs of a machine in money, kilograms or another unit: the sum of its figures, each times its factor."""
 
     motor_per_w: Price = optional("cost of each W of the driving shaft's peak power", 0.0)
     motor_per_n_m: Price = optional("cost of each N m of the driving shaft's peak torque", 0.0)
@@ -84,7 +84,7 @@ class Costs(Model):
 
 
 class Choices(Model):
-    """What may be chosen of a whole machine; the law, module, teeth and face width always are."""
+    """Choices for a whole machine; the law, module, teeth and face width are always chosen."""
 
     materials: Annotated[Several[WrittenChoice], Field(min_length=1, max_length=10)] | None = optional(
         "materials of both gears that may be chosen; left out: gears.material"

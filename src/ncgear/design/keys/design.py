@@ -34,7 +34,7 @@ JSON_SCHEMA_DIALECT = "https://json-schema.org/draft/2020-12/schema"
 if TYPE_CHECKING:
     Motion = LawKeys
 else:
-    # This union is made at run time, where type checkers cannot follow it, so that only the registry lists the laws.
+    # This union is made at run time, so that only the registry lists the laws; type checkers cannot follow it.
     Motion = Annotated[
         Union[tuple(law_models().values())],  # noqa: UP007
         Field(
@@ -44,7 +44,7 @@ else:
 
 
 class Design(Model, Shown):
-    """A design file: what a person wrote, and nothing computed."""
+    """A design file: the person's values, and nothing computed."""
 
     RULES = (
         "drivetrain.driving_shaft.diameter_mm <= gears.driving.bore_mm",
@@ -95,17 +95,17 @@ class Design(Model, Shown):
     output: Output = optional("how finely the results are written", Output)
 
     def __reduce_ex__(self, protocol: Any) -> Any:
-        """Pickle a model that was made for a mechanism by its data, because it cannot be found by its name."""
+        """Pickle a model that was made for a mechanism by its data, because pickle cannot find its class by name."""
         return _restored, (self.model_dump(by_alias=True, exclude_unset=True),)
 
     @property
     def stages(self) -> int:
-        """Pairs of gears in series that make the ratio."""
+        """Number of pairs of gears in series that make the ratio."""
         return self.motion.pairs_in_series
 
     @property
     def loads_teeth(self) -> bool:
-        """Whether the file gives anything that loads teeth: a resistance, masses or a jam."""
+        """Whether the file gives loads on the teeth: a resistance, masses or a jam."""
         return any(one is not None for one in (self.resistance, self.masses, self.strength.overload))
 
     def _crank_is_known(self) -> Faults:
@@ -158,7 +158,7 @@ class Design(Model, Shown):
 
     @property
     def free_flywheel(self) -> FlywheelRange | None:
-        """The sizes among which a flywheel on the driven shaft is sought; None where it is as the masses say."""
+        """The range in which the size of a flywheel on the driven shaft is sought; None if the masses give the size."""
         return None if self.optimize is None else self.optimize.driven_flywheel_kg_mm2
 
     def _a_free_flywheel_has_masses(self) -> Faults:
@@ -170,7 +170,7 @@ class Design(Model, Shown):
 
     @property
     def free_lengths(self) -> Mapping[str, Range]:
-        """The ranges of the mechanism's lengths among which the best are sought, by their keys."""
+        """The ranges in which the best lengths of the mechanism are sought, by their keys."""
         asked = self.optimize and self.optimize.lengths
         return asked.ranges if asked else {}
 
@@ -236,9 +236,9 @@ class Design(Model, Shown):
                     )
 
     def _not_offered(self) -> Faults:
-        """Gears that turn less than once are plain pairs; what is not offered for them is refused by its key.
+        """Gears that turn less than once are plain pairs; keys that are not offered for them are refused.
 
-        Only they have end stops.  Around two pairs of gears there is no drivetrain.
+        Only they have end stops.  Two pairs of gears cannot have a drivetrain.
         """
         gears = self.gears
         if self.drivetrain is not None and self.stages > 1:
@@ -285,7 +285,7 @@ def design_model(data: Any) -> type[Design]:
 
 
 def require_known_kind(data: Mapping[str, Any]) -> None:
-    """Refuse a linkage of no known kind, or with keys that only another kind has: from these, other faults follow."""
+    """Refuse a linkage of no known kind, or with keys that only another kind has, as these lead to other faults."""
     name, linkage = kind_named(data), data.get("linkage")
     if name not in tuple(MECHANISMS):
         raise WrongInput(f"{quoted(name)} given; {listed(MECHANISMS)} is needed", key="linkage.kind")
@@ -320,7 +320,7 @@ def _design_of(name: str, names: tuple[str, ...]) -> type[Design]:
     told: Any = Field(default=usual, description=description) if name == usual else Field(description=description)
     linkage: Any = create_model(f"{title}Linkage", __base__=entry.linkage, kind=(named, told))
     words = {key: field.description for key, field in Design.model_fields.items()}
-    # Gears by themselves have the group only where a file says so in as many words.
+    # Gears without a linkage have the group only if the file says so explicitly.
     group: Any = Field(description=words["linkage"])
     if name == NO_LINKAGE:
         group = Field(default_factory=lambda: linkage(kind=NO_LINKAGE), description=words["linkage"])
@@ -335,7 +335,7 @@ def _design_of(name: str, names: tuple[str, ...]) -> type[Design]:
 
 
 def json_schema(of: type[Model] = Design) -> dict[str, Any]:
-    """The JSON Schema of a design file or another one, for editors that complete and check while typing."""
+    """The JSON Schema of a design file or another file, for editors that complete and check while typing."""
     title = f"ncgear {of.__name__.lower()} file"
     kinds: dict[type[Model], Callable[[], Mapping[str, type[Model]]]]
     kinds = {Design: design_models, TrainFile: train_models}

@@ -1,6 +1,6 @@
-"""The keys of what stands around the gears: bearings, shafts, keys, guide, motor, flywheel's disc, shaft of a tractor.
+"""The keys of the parts around the gears: bearings, shafts, keys, guide, motor, flywheel's disc, shaft of a tractor.
 
-Which life and which safeties they have is told by ``ncgear simulate``; nothing here changes gears or motion.
+``ncgear simulate`` computes their life and safeties; none of these keys changes gears or motion.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Bearing(Model):
 
 
 class ShaftKey(Model):
-    """The key between shaft and gear, in the keyway that the gear's body has."""
+    """The key between shaft and gear, in the keyway of the gear's body."""
 
     length_mm: Length | None = optional("length of the key's straight sides in the hub in mm; left out: the face width")
     height_mm: Length | None = optional(
@@ -46,7 +46,7 @@ class ShaftKey(Model):
 
 
 class DrivingShaft(Model):
-    """The shaft of the driving gear, which is turned through a coupling that does not press on it."""
+    """The shaft of the driving gear; a coupling that does not press on it turns it."""
 
     RULES = (
         "bearing_a with bearing_b",
@@ -80,12 +80,12 @@ class DrivingShaft(Model):
 
     @property
     def has_strength(self) -> bool:
-        """Whether the strength of the shaft is given, by its steel or by itself."""
+        """Whether the strength of the shaft is given, by its steel or by a value."""
         return self.steel is not None or self.tensile_mpa is not None
 
 
 class DrivenShaft(DrivingShaft):
-    """The shaft of the driven gear, which the crank turns with."""
+    """The shaft of the driven gear; the crank turns with it."""
 
     crank_at_mm: Place = optional(
         "place of the crank pin's middle along the shaft in mm, counted from the middle of the gear", 0.0
@@ -93,14 +93,14 @@ class DrivenShaft(DrivingShaft):
 
 
 class Gearbox(Model):
-    """What is between a motor and the driving shaft."""
+    """The parts between a motor and the driving shaft."""
 
     ratio: float = optional("speed of the motor over that of the driving shaft; over 1 slows down", 1.0, gt=0.0, le=1e6)
     efficiency: Share = optional("power that comes out over power that goes in", 1.0)
 
 
 class DrivetrainMotor(Model):
-    """The motor, at its own shaft: what it bears, and how its torque falls with its speed."""
+    """The motor, at its own shaft: its ratings, and the fall of its torque with its speed."""
 
     RULES = (
         "no_load_speed_rpm > rated_speed_rpm",
@@ -122,7 +122,7 @@ class DrivetrainMotor(Model):
 
 
 class PowerTakeOff(Model):
-    """A shaft that turns at constant speed, as a tractor's, and the coupling behind it."""
+    """A shaft that turns at constant speed, such as a tractor's shaft, and the coupling behind it."""
 
     torque_limiter_n_m: Positive | None = optional(
         "torque in N m at the driving shaft from which a limiter slips; left out: none"
@@ -133,7 +133,7 @@ class PowerTakeOff(Model):
 
 
 class Drivetrain(Model):
-    """What stands around the gears; every part may be left out."""
+    """The parts around the gears; every part may be left out."""
 
     RULES = ("at most one of motor pto",)
 

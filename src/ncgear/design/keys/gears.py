@@ -41,14 +41,14 @@ def _of_profile(data: dict[str, Any]) -> Profile:
 
 
 def _fitting_root_radius(data: dict[str, Any]) -> float:
-    """The profile's root radius or, where it does not fit into teeth without backlash, the greatest one that does."""
+    """The profile's root radius or, if it does not fit into teeth without backlash, the greatest radius that fits."""
     pushing, idle = data["pressure_angle_deg"], data["idle_pressure_angle_deg"]
     angles = radians(pushing), radians(pushing if idle is None else idle)
     return fitting_root_radius(_of_profile(data).root_radius, largest_root_radius(angles, data["dedendum"], pi / 4.0))
 
 
 class TipRelief(Model):
-    """Material taken off the flanks near their tips, so that teeth that bend under load come together gently."""
+    """Material that is taken off the flanks near their tips, so that teeth that bend under load meet gently."""
 
     amount: float = required("what is taken off at the tip, along the normal, in modules", gt=0.0, le=0.1)
     start: float = optional("height over the pitch line at which it begins, in modules", 0.5, ge=0.0, le=10.0)
@@ -61,7 +61,7 @@ ToothShift = Annotated[float, Field(ge=-MOST_SHIFT, le=MOST_SHIFT)]
 
 
 class ProfileShift(Model):
-    """Profile shift in modules, positive outwards; equal and opposite unless both are given."""
+    """Profile shift in modules, positive outwards; the shifts are equal and opposite unless both are given."""
 
     driving: float | None = optional("of the driving gear, in modules", ge=-MOST_SHIFT, le=MOST_SHIFT)
     driven: float | None = optional("of the driven gear, in modules", ge=-MOST_SHIFT, le=MOST_SHIFT)
@@ -98,7 +98,7 @@ class Cutter(Model):
 
 
 class Rack(Model):
-    """The basic rack: a profile of ISO 53, any of whose coefficients can be given by itself."""
+    """The basic rack: a profile of ISO 53; each of its coefficients can also be given separately."""
 
     RULES = ("tip_relief.start < addendum",)
 
@@ -138,7 +138,7 @@ class Rack(Model):
 
 
 class Housing(Model):
-    """A close housing, in which the gears are a flow meter or a pump."""
+    """A close housing that makes the gears a flow meter or a pump."""
 
     clearance_mm: float = required(
         "gap in mm between the greatest radius of each gear and the housing", gt=0.0, le=100.0
@@ -162,7 +162,7 @@ class Helix(Model):
 
 
 class Lead(Model):
-    """How flanks fall back along the width, both gears together: for the strength and the data sheet, not in solids."""
+    """Relief of both gears' flanks together along the width: for the strength and the data sheet, not in solids."""
 
     RULES = ("end_relief_um with end_relief_length_mm",)
 
@@ -185,7 +185,7 @@ Fit = Literal["H6", "H7", "H8", "H9", "H11"]
 
 
 class Tolerances(Model):
-    """What drawings and the data sheet say of accuracy; teeth are made in the middle of their thickness's limits."""
+    """Accuracy on drawings and the data sheet; teeth are made in the middle between the limits of their thickness."""
 
     RULES = (
         "tooth_thickness_upper_mm with tooth_thickness_lower_mm",
@@ -221,7 +221,7 @@ MOST_LOBES = 100
 
 
 SIZES = ("teeth", "module_mm", "center_distance_mm")
-"""Keys that give the pitch curves their size: two of them, or one of the first two where the law gives the last."""
+"""Keys that give the pitch curves their size: two of them, or one of the first two if the law gives the last."""
 
 
 class Lobes(Model):
@@ -342,7 +342,7 @@ class Gears(Model):
 
     @property
     def carrying_angle_deg(self) -> float:
-        """The rack's pressure angle of flanks that carry; driving both ways, the larger one, as idle ones carry too."""
+        """The rack's pressure angle of loaded flanks; driving both ways, the larger angle, as idle flanks carry too."""
         pushing, idle = self.rack.angles_deg
         return max(pushing, idle) if self.drives == "both_ways" else pushing
 

@@ -36,17 +36,17 @@ from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.numerics.units import label_and_unit
 
 FIGURES = {"peak_power_w": 1, "peak_acceleration_mm_s2": 2, "peak_speed_mm_s": 1, "compression_speed_mm_s": 1}
-"""Figures of a published mechanism, each with the power of the driving speed that it is proportional to."""
+"""Figures of a published mechanism, each with the power of the driving speed to which it is proportional."""
 
 
 class Operation(Model):
-    """How the machine is run."""
+    """Operation of the machine."""
 
     speed_rpm: Speed = required("speed of the driving gear in r/min")
 
 
 class Published(Model):
-    """A published mechanism and its figures, at the speed they belong to."""
+    """A published mechanism and its figures, at the speed for which they hold."""
 
     RULES = ("quoted_power_w with quoted_speed_rpm",)
 
@@ -82,10 +82,10 @@ MOST_RESISTANCE_POINTS = 1000
 FEWEST_POINTS = 2
 
 STRONGEST_N = 1e15
-"""Far beyond any machine, and far below where slopes between two points overflow."""
+"""Far beyond any machine, and far below forces whose slopes between two points overflow."""
 
 NEAREST_MM = 1e-9
-"""Far below what can be measured, and far above where the slope from one point to the next overflows."""
+"""Far below measurable lengths, and far above distances of points whose slopes overflow."""
 
 Points = Field(min_length=FEWEST_POINTS, max_length=MOST_RESISTANCE_POINTS)
 Displacements = Annotated[Several[Place], Points]
@@ -93,7 +93,7 @@ Forces = Annotated[Several[Annotated[float, Field(ge=-STRONGEST_N, le=STRONGEST_
 
 
 class LoadTable(Model):
-    """Points of a load over the way of the output: two columns of one length, whose places rise strictly."""
+    """Points of a load over the output's way: two columns of the same length, with strictly rising places."""
 
     COLUMNS: ClassVar[tuple[str, str]]
     """The keys of the places and of the loads."""
@@ -109,7 +109,7 @@ class LoadTable(Model):
 
 
 class ResistanceTable(LoadTable):
-    """Points of the force. Points from a CSV file stand in the same columns once the file is loaded."""
+    """Points of the force. Points from a CSV file become the same columns when the file is loaded."""
 
     COLUMNS: ClassVar[tuple[str, str]] = ("displacement_mm", "force_n")
 
@@ -119,7 +119,7 @@ class ResistanceTable(LoadTable):
 
 
 class TorqueTable(LoadTable):
-    """Points of the torque. Points from a CSV file stand in the same columns once the file is loaded."""
+    """Points of the torque. Points from a CSV file become the same columns when the file is loaded."""
 
     COLUMNS: ClassVar[tuple[str, str]] = ("angle_deg", "torque_n_m")
 
@@ -131,13 +131,13 @@ class TorqueTable(LoadTable):
 
 
 class Load(Model):
-    """A load over the way of the output in one of three forms, whose keys ``FORMS`` names."""
+    """A load over the output's way in one of three forms; ``FORMS`` names their keys."""
 
     FORMS: ClassVar[tuple[str, str, str]]
     """The keys of a polynomial, a table and an expression."""
 
     FRICTION: ClassVar[str] = ""
-    """The key of a load against either sense of motion; with it, or with a load on the way back, no form is needed."""
+    """The key of a load against motion in either sense; with it, or with a load on the way back, no form is needed."""
 
     def _faults(self) -> Faults:
         beside = getattr(self, "returning", None) is not None or self.FRICTION in self.model_fields_set
@@ -145,7 +145,7 @@ class Load(Model):
 
 
 class TurningLoad(Load):
-    """The torque against an output that turns; one of polynomial_n_m, table and expression_n_m."""
+    """The torque against a turning output; one of polynomial_n_m, table and expression_n_m."""
 
     FORMS: ClassVar[tuple[str, str, str]] = ("polynomial_n_m", "table", "expression_n_m")
 
@@ -166,7 +166,7 @@ class TurningLoad(Load):
 
 
 class ShaftTorque(TurningLoad):
-    """The torque against the driven shaft over one turn of it; it repeats every turn."""
+    """The torque against the driven shaft over one of its turns; it repeats every turn."""
 
 
 class StrokeForce(Load):
@@ -191,7 +191,7 @@ class StrokeForce(Load):
 
 
 class Resistance(StrokeForce):
-    """The force against the slider: over its working stroke, over its way back, and a friction on both."""
+    """The force against the slider: over its working stroke, over its way back, and friction on both."""
 
     FRICTION: ClassVar[str] = "friction_n"
 
@@ -207,7 +207,7 @@ class Resistance(StrokeForce):
 
 
 class RockerTorque(TurningLoad):
-    """The torque against an output that swings: over its working stroke, over its way back, and a friction on both."""
+    """The torque against a swinging output: over its working stroke, over its way back, and friction on both."""
 
     FRICTION: ClassVar[str] = "friction_n_m"
 
@@ -218,30 +218,30 @@ class RockerTorque(TurningLoad):
 
 
 CHORD_MM = 0.005
-"""Chord tolerance in mm where none is given: finer than any printer, laser or wire follows."""
+"""Chord tolerance in mm if none is given: finer than the accuracy of any printer, laser or wire."""
 
 CHORD_OF_LARGE_IN_MODULES = 1e-4
-"""The same of teeth so large, from a module of 50 mm on, that it would take ever more points."""
+"""The same for large teeth, from a module of 50 mm on; 0.005 mm would take ever more points there."""
 
 CHORD_IN_MODULES = 0.002
-"""The same of small teeth, so that they turn as large ones do: from a module of 2.5 mm down this is less."""
+"""The same for small teeth, so that they turn like large teeth: it is the smaller value up to a module of 2.5 mm."""
 
 FINEST_IN_MODULES, COARSEST_IN_MODULES = 1e-7, 0.05
-"""Chord tolerances that may be given: finer ones are lost in single precision, as STL has it, and with coarser ones
-outlines, which may overlap by as much, are no teeth: a fifth of a usual tip clearance."""
+"""Limits of given chord tolerances: finer chords are lost in the single precision of STL; coarser outlines, which may
+overlap by as much, are no teeth: the limit is a fifth of a usual tip clearance."""
 
 NARROWEST_IN_MODULES = 5e-4
-"""The narrowest band of tooth thickness: a micrometre at module 2, to which master gears are ground.  Outlines within a
-tenth of it have ten times the usual points."""
+"""The narrowest band of tooth thickness: a micrometre at module 2, the accuracy of ground master gears.  Outlines
+within a tenth of it have ten times the usual points."""
 
 COARSEST_IN_BAND = 0.2
-"""The coarsest chord tolerance, in widths of the band of tooth thickness: chords c inside both flanks of a tooth take
-2 c / cos(alpha) off its thickness and let pins sink as that does, which at alpha = 20 deg is 0.85 of half the band.
-Where no tolerance is given it is half of this, so that pins stay in the middle half of the band."""
+"""The coarsest chord tolerance, in widths of the band of tooth thickness: chords c inside both flanks of a tooth reduce
+its thickness by 2 c / cos(alpha) and let pins sink as far, at alpha = 20 deg by 0.85 of half the band. The default
+tolerance is half of this, so that pins stay in the middle half of the band."""
 
 
 class Output(Model):
-    """How finely the results are written."""
+    """Fineness of the written results."""
 
     chord_tolerance_mm: Length | None = optional(
         "greatest distance in mm of a written outline's chords from the exact curve, "
@@ -253,9 +253,9 @@ class Output(Model):
     )
 
     def chord_mm(self, module_mm: float, band_mm: float | None = None) -> float:
-        """The chord tolerance of teeth of a module whose thickness has a band of a width, None where it has none.
+        """The chord tolerance for a module and the width of the band of tooth thickness, None for teeth without a band.
 
-        Raises WrongInput where what is given is out of proportion to either.
+        Raises WrongInput if the given tolerance is out of proportion to either.
         """
         given, band = self.chord_tolerance_mm, inf if band_mm is None else band_mm
         coarsest = COARSEST_IN_MODULES * module_mm
@@ -302,7 +302,7 @@ class Linkage(CrankKeys):
 
 
 class NoLinkage(Model):
-    """Gears by themselves: the driven shaft is the output."""
+    """Gears without a linkage: the driven shaft is the output."""
 
 
 class YokeKeys(CrankKeys):
@@ -338,7 +338,7 @@ class RackKeys(Model):
 
 
 class Fit(Model):
-    """What a build needs to know to tell whether rod and crank pin pass the shafts."""
+    """Sizes that tell a build whether rod and crank pin pass the shafts."""
 
     rod_width_mm: Length | None = optional(
         "width of the rod in mm, or of coupler, rocker, lever, and bar and slot of yoke or ram, across its length and "

@@ -1,10 +1,10 @@
-"""The keys of forces: masses that move, which way is down, how the teeth bear load and what turns them.
+"""The keys of forces: moving masses, direction of gravity, load on the teeth, motor.
 
-Coefficients of friction are those of the published baler, which does not give the speeds at which friction changes.
-Stiffness and damping are by default those of teeth of the gears' form and width, not of the multi-body program that the
-publication used: its law, with any exponent, can be given.  The default damping ratio is in the middle of the 0.03 to
-0.17 that are measured on gears in mesh (R. Kasuba, J. W. Evans, J. Mech. Des. 103 (1981), 398-409, from a secondary
-source).
+Coefficients of friction come from the publication on the baler, which does not give the speeds at which friction
+changes. Stiffness and damping follow by default from the form and width of the gears' teeth, not from the multi-body
+program of the publication; its law, with any exponent, can be given. The default damping ratio is in the middle of the
+measured range of gears in mesh, 0.03 to 0.17 (R. Kasuba, J. W. Evans, J. Mech. Des. 103 (1981), 398-409, from a
+secondary source).
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class Rod(Model):
 
 
 class Crank(Model):
-    """The crank with all that turns with it, the driven gear apart."""
+    """The crank with all parts that turn with it, except the driven gear."""
 
     mass_kg: Mass = required("mass of the crank in kg")
     center_mm: Place = required(
@@ -58,7 +58,7 @@ class Crank(Model):
 
 
 class Swinging(Crank):
-    """A rocker or a lever with all that turns with it, as a rigid body on an axis of its own."""
+    """A rocker or a lever with all parts that turn with it, as a rigid body on its own axis."""
 
     mass_kg: Mass = required("its mass in kg")
     center_mm: Place = required(
@@ -68,7 +68,7 @@ class Swinging(Crank):
 
 
 class Flywheel(Model):
-    """A flywheel on the driving shaft: its inertia, and how evenly the shaft shall turn."""
+    """A flywheel on the driving shaft: its inertia, and the required evenness of the shaft's turning."""
 
     inertia_kg_mm2: Inertia = optional("moment of inertia in kg mm2; left out: no flywheel", 0.0)
     speed_fluctuation: Annotated[float, Field(gt=0.0, le=0.2)] = optional(
@@ -79,7 +79,7 @@ class Flywheel(Model):
 
 
 class Gravity(Model):
-    """Which way is down."""
+    """The direction of gravity."""
 
     acceleration_m_s2: float = optional("acceleration of gravity in m/s2", STANDARD_GRAVITY_M_S2, ge=0.0, le=1000.0)
     direction_deg: Annotated[float, Field(ge=-360.0, le=360.0)] = optional(
@@ -91,7 +91,7 @@ SLIDER = "mass of the slider in kg, with all that moves with it"
 
 
 class GearMasses(Model):
-    """What turns with both gears."""
+    """Moments of inertia of the parts that turn with the gears."""
 
     driving_gear_kg_mm2: Inertia | None = optional(
         "moment of inertia of the driving shaft with its gear in kg mm2, its flywheel apart; left out: that of the "
@@ -114,7 +114,7 @@ class GearMasses(Model):
 
 
 class DrivenShaftMasses(GearMasses, first=True):
-    """What turns with both shafts of gears without a linkage, as moments of inertia."""
+    """Moments of inertia of the parts that turn with the shafts of gears without a linkage."""
 
     shaft_kg_mm2: Inertia = required(
         "moment of inertia in kg mm2 of the driven shaft and all it drives, the driven gear apart"
@@ -122,7 +122,7 @@ class DrivenShaftMasses(GearMasses, first=True):
 
     @property
     def crank(self) -> Crank:
-        """The driven shaft with what it drives, balanced."""
+        """The driven shaft with the parts that it drives, balanced."""
         return Crank(mass_kg=0.0, center_mm=0.0, inertia_kg_mm2=self.shaft_kg_mm2)
 
     @property
@@ -132,39 +132,39 @@ class DrivenShaftMasses(GearMasses, first=True):
 
 
 class CrankMasses(GearMasses, first=True):
-    """What turns with the crank and with the driving shaft."""
+    """Masses of the parts that turn with the crank and with the driving shaft."""
 
     crank: Crank = required("the crank with all that turns with it, the driven gear apart")
 
 
 class ShaftMasses(CrankMasses):
-    """The same, and gravity."""
+    """The same masses, and gravity."""
 
     gravity: Gravity | None = optional("gravity; left out: none")
 
 
 class SlidingMasses(ShaftMasses, first=True):
-    """What moves where the crank moves the slider without a link between them, as masses and moments of inertia."""
+    """Masses and moments of inertia of the moving parts of a mechanism with no link between crank and slider."""
 
     slider_kg: Mass = required(SLIDER)
 
 
 class Masses(ShaftMasses, first=True):
-    """What moves, as masses and moments of inertia."""
+    """Masses and moments of inertia of the moving parts."""
 
     slider_kg: Mass = required(SLIDER)
     rod: Rod = required("the connecting rod")
 
 
 class RockerMasses(ShaftMasses, first=True):
-    """What moves of a crank-rocker, as masses and moments of inertia."""
+    """Masses and moments of inertia of the moving parts of a crank-rocker."""
 
     rocker: Swinging = required("the rocker of a crank_rocker with all that turns with it")
     coupler: Rod = required("the coupler of a crank_rocker; its centre from the crank pin to the rocker's")
 
 
 class LeverMasses(ShaftMasses, first=True):
-    """What moves of a slotted lever, as masses and moments of inertia; the slider is the ram."""
+    """Masses and moments of inertia of the moving parts of a slotted lever; the slider is the ram."""
 
     slider_kg: Mass = required(SLIDER)
     lever: Swinging = required("the lever of a slotted_lever")
@@ -178,7 +178,7 @@ MOST_TURNS = 100.0
 
 
 class Friction(Model):
-    """Coulomb's friction, whose coefficient depends on the speed of sliding."""
+    """Coulomb's friction with a coefficient that depends on the sliding speed."""
 
     RULES = (
         "static >= dynamic",
@@ -192,14 +192,14 @@ class Friction(Model):
 
 
 class Motor(Model):
-    """A motor whose torque falls in a line with its speed; the flywheel is that of the masses."""
+    """A motor whose torque falls linearly with its speed; its flywheel is the flywheel of the masses."""
 
     no_load_speed_rpm: Speed = required("speed at which it has no torque left, in r/min at the driving gear")
     stall_torque_n_m: Positive = required("torque at rest in N m at the driving gear")
 
 
 class Simulation(Model):
-    """How the levels quasi_static and dynamic are computed."""
+    """Settings of the levels quasi_static and dynamic."""
 
     stiffness_n_mm: Positive | None = optional(
         "force in N of a pair of teeth 1 mm deep in each other, k of k d^exponent; left out: each pair's own "

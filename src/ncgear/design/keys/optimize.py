@@ -1,4 +1,4 @@
-"""What an optimised law shall be best at, and the limits it must keep."""
+"""The goal of an optimised law, and the limits that it must keep."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ MOST_ORDER = 40
 
 
 class Limits(Model):
-    """What the law may nowhere exceed; left out: no limit."""
+    """Limits that the law may nowhere exceed; left out: no limit."""
 
     peak_power_w: Positive | None = optional(
         "greatest power of the driving shaft in W, for the resistance and for all masses"
@@ -74,7 +74,7 @@ class Limits(Model):
 
 
 class Weights(Model):
-    """The figures that count alike in a weighted goal; what is left out does not count."""
+    """The value of each figure that counts as 1 in a weighted goal; figures that are left out do not count."""
 
     acceleration_mm_s2: Positive | None = optional("peak acceleration in mm/s2 that counts as 1")
     acceleration_rad_s2: Positive | None = optional(
@@ -97,7 +97,7 @@ class Weights(Model):
 
 
 class Range(Model):
-    """The values of an unknown among which the best is sought."""
+    """Range in which the best value of an unknown is sought."""
 
     RULES = ("most > least",)
     least: float
@@ -105,28 +105,28 @@ class Range(Model):
 
 
 class FlywheelRange(Range):
-    """The sizes of a flywheel on the driven shaft among which the best is sought."""
+    """Range in which the best size of a flywheel on the driven shaft is sought."""
 
     least: Inertia = optional("the least size, by its moment of inertia", 0.0)
     most: Inertia = required("the greatest size, by its moment of inertia")
 
 
 class LengthRange(Range):
-    """The values of a length among which the best is sought."""
+    """Range in which the best length is sought."""
 
     least: Length = required("the least value")
     most: Length = required("the greatest value")
 
 
 class OffsetRange(Range):
-    """The values of an offset among which the best is sought."""
+    """Range in which the best offset is sought."""
 
     least: Place = required("the least value")
     most: Place = required("the greatest value")
 
 
 class Lengths(Model):
-    """Lengths of the mechanism among which the best are sought; the crank follows from them and from the stroke."""
+    """Lengths of the mechanism whose best values are sought; the crank follows from them and from the stroke."""
 
     stroke_mm: LengthRange | None = optional("the stroke in mm; left out: as given")
     stroke_deg: LengthRange | None = optional("the swing in degrees of an output that turns; left out: as given")
@@ -140,7 +140,7 @@ class Lengths(Model):
 
     @property
     def ranges(self) -> dict[str, Range]:
-        """The ranges that are given, by their keys."""
+        """The given ranges, by their keys."""
         return {name: one for name in type(self).model_fields if (one := getattr(self, name)) is not None}
 
 
@@ -165,7 +165,7 @@ GOALS = Literal[
 
 
 class Optimize(Model):
-    """What `ncgear optimize` looks for."""
+    """The search of `ncgear optimize`."""
 
     goal: GOALS = optional(
         "what shall be least: the slider's peak speed, acceleration or jerk; the driving shaft's peak power (and with "

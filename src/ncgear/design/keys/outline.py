@@ -21,7 +21,7 @@ MATE_SHAPES = ("points", "b_spline", "dxf", "svg", "picture")
 
 
 class MateOutline(Model):
-    """An outline that the mate follows, drawn as it is seen from the same side as the first one."""
+    """An outline that the mate follows; it is drawn as seen from the same side as the first outline."""
 
     RULES = (f"one of {' '.join(MATE_SHAPES)}",)
 
@@ -63,7 +63,7 @@ class MateOutline(Model):
 
 
 class FollowedOutline(Model):
-    """What the curve near an outline keeps, and what it is nearest in."""
+    """Limits of the curve near an outline, and the measure of nearness."""
 
     axis: Literal["free", "fixed"] = optional(
         "free: the axis is where the curve comes nearest to the outline; fixed: it stays where the outline has it",

@@ -44,9 +44,9 @@ HIGHEST_DEGREE = 5
 MOST_CURVES = 2000
 HIGHEST_DXF_DEGREE = 11
 FLATTEST = 1e-3
-"""Least semi axis that is sought, as a share of the other one: no gear turns with a flatter one."""
+"""Least semi axis that is sought, as a share of the other semi axis: no gear turns with a flatter ellipse."""
 INSIDE = 1.01
-"""What a size that is sought must be over, as a multiple of that at which the curve comes to its axis."""
+"""Factor by which a sought size must exceed the size at which the curve comes to its axis."""
 
 POLAR_COLUMNS = spellings("phi")
 ANGLE_OR_X = (*POLAR_COLUMNS, "x_mm")
@@ -61,15 +61,15 @@ KEY = "motion"
 
 
 class Shape(Model):
-    """A shape of a pitch curve; ``solvable`` are the quantities that can be found, each with its key."""
+    """A shape of a pitch curve; ``solvable`` names the quantities that can be found, each with its key."""
 
     @property
     def solvable(self) -> Mapping[str, str]:
-        """By the value of ``solve_for`` the key that is left out."""
+        """The key that is left out, by the value of ``solve_for``."""
         return {}
 
     def search(self, wanted: str, center_distance_mm: float) -> Search:
-        """Where the value of a quantity is sought; raises NoSuchMechanism where there is no place for one."""
+        """The range in which a quantity's value is sought; raises NoSuchMechanism if there is no such range."""
         raise NotImplementedError(wanted)
 
 
@@ -86,7 +86,7 @@ class Drawn(Shape):
 
 
 class CurvePoints(Drawn):
-    """Points of the curve, in polar form or in the plane, in the order in which they follow each other."""
+    """Points of the curve in their order along it, in polar form or in the plane."""
 
     RULES = (f"one of {' '.join(ANGLE_OR_X)}",)
 
@@ -121,7 +121,7 @@ class CurvePoints(Drawn):
         return self.x_mm is not None
 
     def polar(self) -> tuple[Array, Array]:
-        """Angle in rad and radius in mm of each point, of drawn ones about the axis; raises NoSuchMechanism."""
+        """Angle in rad and radius in mm of each point, for drawn points about the axis; raises NoSuchMechanism."""
         import numpy as np
 
         if not self.in_plane:
@@ -183,7 +183,7 @@ class DrawnContour(Drawn):
     )
 
     FILE: ClassVar[str]
-    """What the key ``file`` names."""
+    """The words for the file under the key ``file``."""
 
     def _faults(self) -> Faults:
         if self.curves is None:
@@ -196,13 +196,13 @@ class DrawnContour(Drawn):
 
     @property
     def near_mm(self) -> float:
-        """How far ends of parts may miss each other by the digits of the file."""
+        """Greatest gap between the ends of parts that comes from the digits of the file, in mm."""
         return 0.0
 
     def chain(self, key: str) -> tuple[list[RationalSpline], float]:
         """The parts as one closed chain, and the greatest gap between their ends, in mm.
 
-        Raises WrongInput at the key of the file where they are not one, with the layers that hold one.
+        Raises WrongInput at the key of the file if they are not one chain; the message names the layers that hold one.
         """
         from ncgear.ratio.laws.curve_shapes import one_contour
 
@@ -285,9 +285,9 @@ class PictureContour(DrawnContour):
 
 
 def drawn_points(shape: DrawnContour | BSpline | CurvePoints, key: str) -> Array:
-    """Points along a shape as it is drawn, shape (n, 2); raises WrongInput where a file has no closed contour.
+    """Points along a shape as it is drawn, shape (n, 2); raises WrongInput if a file has no closed contour.
 
-    Of points, those in the plane.
+    Points must be given in the plane.
     """
     import numpy as np
 
@@ -312,7 +312,7 @@ class OffsetEllipse(Drawn):
         return {"semi_major": "semi_major_mm", "semi_minor": "semi_minor_mm"}
 
     def search(self, wanted: str, center_distance_mm: float) -> Search:
-        """From where the ellipse comes to its axis to the centre distance."""
+        """From the size at which the ellipse comes to its axis to the centre distance."""
         x, y = self.axis_mm
         minor = wanted == "semi_minor"
         known = self.semi_major_mm if minor else self.semi_minor_mm
@@ -350,7 +350,7 @@ class ModifiedEllipse(Shape):
         return {"eccentricity": "eccentricity"}
 
     def search(self, wanted: str, center_distance_mm: float) -> Search:
-        """From a circle to where the greatest radius is the centre distance."""
+        """From a circle to the eccentricity at which the greatest radius is the centre distance."""
         high = 1.0 - self.semi_latus_rectum_mm / center_distance_mm
         return search(0.0, high, "modified_ellipse.eccentricity", "")
 
@@ -363,7 +363,7 @@ class ModifiedEllipse(Shape):
 
 
 class RoundedPolygon(Drawn):
-    """A regular polygon about its centre, a side at +x, its corners rounded."""
+    """A regular polygon about its centre, with a side at +x and rounded corners."""
 
     sides: int = required("number of sides", ge=3, le=MOST_SIDES)
     side_mm: Length | None = optional("side of the sharp polygon in mm, before rounding; left out to be found")
@@ -389,7 +389,7 @@ class RoundedPolygon(Drawn):
         return {"side": "side_mm", "corner_radius": "corner_radius_mm"}
 
     def search(self, wanted: str, center_distance_mm: float) -> Search:
-        """A side between the circle of the corners and the centre distance, or corners from sharp to round."""
+        """A side from the circle of the corners to the centre distance, or corners from sharp to round."""
         slope, key = 2.0 * tan(self._half_angle), f"rounded_polygon.{self.solvable[wanted]}"
         if wanted == "corner_radius":
             assert self.side_mm is not None
@@ -408,11 +408,11 @@ class RoundedPolygon(Drawn):
 
 
 Solvable = OffsetEllipse | ModifiedEllipse | RoundedPolygon
-"""Shapes of which one quantity can be found."""
+"""Shapes that can have one unknown quantity."""
 
 
 def search(low: float, high: float, key: str, unit: str = " mm") -> Search:
-    """The range of a quantity; raises NoSuchMechanism where it is empty."""
+    """The range of a quantity; raises NoSuchMechanism if it is empty."""
     from ncgear.errors import NoSuchMechanism
     from ncgear.ratio.laws.pitch_curve import Search
 

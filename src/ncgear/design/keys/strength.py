@@ -1,4 +1,4 @@
-"""The keys of what gears are made of and run under, and how safe they shall be."""
+"""The keys of the gears' materials, of their running conditions and of their safeties."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ STIFFEST_GPA = 1000.0
 
 
 def _known(name: str) -> str:
-    """The name itself; a fault where the table has no such material."""
+    """The name itself; a fault if the table has no such material."""
     if name not in TABLE:
         close = get_close_matches(name, TABLE, n=1, cutoff=0.5)
         hint = f"did you mean {close[0]}?" if close else f"known are {listed(TABLE, 'and')}"
@@ -26,7 +26,7 @@ def _known(name: str) -> str:
 
 
 class GearMaterial(Model):
-    """The material of one gear: a row of the table, and what a person knows better."""
+    """The material of one gear: a row of the table, and the properties that a person knows better."""
 
     name: Annotated[str, AfterValidator(_known)] = required(
         "material of the table in docs/materials.md, whose figures hold for all that is not given here",
@@ -77,14 +77,14 @@ class GearMaterial(Model):
 
 
 def _by_name(value: Any) -> Any:
-    """The group of keys for which a name alone stands."""
+    """The group of keys for a name, which may stand alone."""
     return {"name": _known(value)} if isinstance(value, str) else value
 
 
 if TYPE_CHECKING:
     WrittenMaterial = GearMaterial
 else:
-    # The type of names is made at run time, where type checkers cannot follow it, so that only the table lists them.
+    # The type of names is made at run time, so that only the table lists them; type checkers cannot follow it.
     Name = Literal[tuple(TABLE)]
     WrittenMaterial = Annotated[GearMaterial, BeforeValidator(_by_name, json_schema_input_type=Name | GearMaterial)]
 
@@ -104,7 +104,7 @@ class PairMaterial(Model):
 
 
 def _of_both(value: Any) -> Any:
-    """The group of both gears, for which a name or the keys of one material stand."""
+    """The group of both gears for a name or for the keys of one material."""
     of_one = isinstance(value, Mapping) and not value.keys() & PairMaterial.model_fields.keys()
     return {"driving": _by_name(value)} if isinstance(value, str) or of_one else value
 
@@ -118,16 +118,16 @@ else:
 
 
 USUAL_LIFE_H = 20_000.0
-"""Ten years of 2000 hours; makers of bearings count 10 000 to 25 000 h for machines that run eight hours a day."""
+"""Ten years of 2000 hours; makers of bearings recommend 10 000 to 25 000 h for machines that run eight hours a day."""
 
 
 AIR_C, WARM_OIL_C = 20.0, 40.0
-"""Temperatures where none is given: of the air in a room, and of oil in a gearbox at work, whose film is thinner than
-that of cold oil."""
+"""Default temperatures: the air in a room, and the oil in a working gearbox, which makes a thinner film than cold
+oil."""
 
 
 class Overload(Model):
-    """A jam: the torque that then presses the teeth, wherever they stand, beside the load of every stroke."""
+    """A jam: the torque that presses the teeth then, at any place of the mesh, besides the load of every stroke."""
 
     driving_torque_n_m: Annotated[float, Field(gt=0.0, le=1e9)] = required(
         "torque in N m at the driving gear's shaft when the machine jams: the most that motor, flywheel or limiter let "
@@ -139,7 +139,7 @@ class Overload(Model):
 
 
 class StrengthKeys(Model):
-    """How the strength of the teeth is computed."""
+    """Settings for the strength of the teeth."""
 
     RULES = ("at most one of life_h life_strokes", "oil_viscosity_100_mm2_s < oil_viscosity_mm2_s")
 

@@ -1,4 +1,4 @@
-"""The keys of the section ``tolerances``: what the gears and their assembly may deviate by, for ncgear tolerance."""
+"""The keys of ``tolerances``: permissible deviations of the gears and their assembly, for ncgear tolerance."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ GRADE = "flank tolerance class of ISO 1328-1:2013, 1 (finest) to 11"
 
 
 class GearTolerances(Model):
-    """What one gear may deviate by."""
+    """Permissible deviations of one gear."""
 
     grade: int | None = optional(f"{GRADE}; left out: that of both gears", ge=1, le=11)
     single_pitch_mm: Annotated[float, Field(ge=0.0, le=10.0)] | None = optional(
@@ -41,7 +41,7 @@ class GearTolerances(Model):
 
 
 class Temperatures(Model):
-    """How cold and how warm the gears run."""
+    """The lowest and the highest temperature of the running gears."""
 
     RULES = ("largest_c >= least_c",)
 
@@ -51,7 +51,7 @@ class Temperatures(Model):
 
 
 class AssemblyTolerances(Model):
-    """What a pair of gears and its housing may deviate by."""
+    """Permissible deviations of a pair of gears and its housing."""
 
     grade: int | None = optional(f"{GRADE}, of both gears; left out: teeth without deviations", ge=1, le=11)
     center_distance_mm: float = optional(

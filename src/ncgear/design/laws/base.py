@@ -1,8 +1,8 @@
 """A motion law in a design file: a model of its keys that can make the law, and its part of a new design file.
 
-A law needs only fields, the method ``transmission``, ``CHOICE`` and ``BEGINS``.  All else of ``LawKeys`` has defaults
-that suit a law of the gear ratio.  A law of the slider's stroke, or a law of two pairs of gears, overrides
-some of them.  The numerical rooms are imported where a law is made, so that reading a design file does not load them.
+A law needs only fields, the method ``transmission``, ``CHOICE`` and ``BEGINS``.  All other members of ``LawKeys`` have
+defaults that suit a law of the gear ratio.  A law of the slider's stroke, or a law of two pairs of gears, overrides
+some of them.  A law imports the numerical rooms when it is made, so that reading a design file does not load them.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 SHORTEST_RANGE_DEG, LONGEST_RANGE_DEG = 5.0, 355.0
-"""What gears that turn less than once turn from end to end, in degrees: less is no gear, and more leaves no body."""
+"""Limits of the turning range, in degrees, for less than one turn: less is no gear, and more leaves no body."""
 
 
 def _less_than_a_turn(value: object) -> object:
@@ -44,13 +44,13 @@ RangeDeg = Annotated[float, Field(ge=SHORTEST_RANGE_DEG, le=LONGEST_RANGE_DEG), 
 
 @dataclass(frozen=True)
 class LawPoint:
-    """A point of a law on the curve of a quantity, for whoever drags it there instead of typing its keys.
+    """A point of a law on the curve of a quantity, for a user who drags it there instead of typing its keys.
 
-    It stands at ``phi1_rad``, or where the driven gear has turned by a share of its period, ``driven_share``.  Along
-    the angle it moves ``angle_key``, along the quantity ``value_key`` from ``value``; a key is empty where it moves
-    none, and counts from ``motion``.  ``value`` holds at ``speed_rpm``; None stands for the speed of the law.
-    A point of a series has ``coefficients`` instead: keys of lists, the lists, and by how much they change for each
-    change of the logarithm of the quantity.
+    It stands at ``phi1_rad``, or where the driven gear has turned by a share of its period, ``driven_share``.  Dragging
+    it along the angle changes ``angle_key``, along the quantity ``value_key`` from ``value``; an empty key does not
+    change, and keys count from ``motion``.  ``value`` holds at ``speed_rpm``; None stands for the speed of the law. A
+    point of a series has ``coefficients`` instead: keys of lists, the lists, and their change per change of the
+    quantity's logarithm.
     """
 
     name: str
@@ -66,9 +66,9 @@ class LawPoint:
 
 @dataclass(frozen=True)
 class LawNumber:
-    """A number that shapes a law, with the name that a handle of it has: alone under its key, or within a formula.
+    """A number that shapes a law, with the name of its handle: alone under its key, or within a formula.
 
-    The formula goes on ``before`` and ``after`` it.  Keys count from ``motion``.
+    ``before`` and ``after`` are the parts of the formula around it.  Keys count from ``motion``.
     """
 
     name: str
@@ -78,12 +78,12 @@ class LawNumber:
     after: str = ""
 
     def written(self, value: float) -> float | str:
-        """The key's value with another number."""
+        """The value of the key with another number."""
         return f"{self.before}{value:.12g}{self.after}" if self.before or self.after else value
 
 
 class Begins(StrEnum):
-    """What a person begins with who takes a law: the machine, a wish, a shape, a formula, or points."""
+    """The thing that a person who takes a law begins with: the machine, a wish, a shape, a formula, or points."""
 
     MACHINE = "machine"
     WISH = "wish"
@@ -93,20 +93,20 @@ class Begins(StrEnum):
 
 
 class LawKeys(Model):
-    """The keys under ``motion``: a law's own ones in the class derived from this, and its part of a new design file."""
+    """The keys under ``motion``, completed by the class of each law, and the law's part of a new design file."""
 
     CHOICE: ClassVar[str]
     """The words for the law in the menu of ``ncgear new``."""
     BEGINS: ClassVar[Begins]
-    """What a person begins with; gears of a shape or a formula stand by themselves at first."""
+    """The beginning of a person who takes the law; gears of a shape or a formula have no linkage at first."""
     ASKED_LENGTH: ClassVar[Literal["crank_mm", "stroke_mm"]] = "crank_mm"
     """The length that ``ncgear new`` asks for; the other length follows from it."""
     GROWS_WITH_MACHINE: ClassVar[tuple[str, ...]] = ()
-    """Keys of a new file that must grow with stroke and speed, as their units say, so that the law keeps its form."""
+    """Keys of a new file that must grow with stroke and speed, by their units, so that the law keeps its form."""
     EXAMPLES: ClassVar[Mapping[str, str]] = {}
     """Examples for ``ncgear explain``, in the form of a file, for keys that the template leaves out."""
     NARROWER_RATIO: ClassVar[str] = ""
-    """Advice on what to change where the range of the ratio is too wide; empty where there is none."""
+    """Advice for a range of the ratio that is too wide; empty if there is no advice."""
     law: str
 
     def __init_subclass__(cls, **kwargs: Any) -> None:
@@ -129,7 +129,7 @@ class LawKeys(Model):
 
     @property
     def solves_shape(self) -> bool:
-        """Whether the law finds a quantity of a shape at a given centre distance, which suits no ring."""
+        """Whether the law finds a quantity of a shape at a given centre distance; this does not suit a ring."""
         return False
 
     @property
@@ -139,18 +139,18 @@ class LawKeys(Model):
 
     @property
     def contour(self) -> DrawnContour | None:
-        """The contour of a file that the pitch curve is drawn by; most laws have none."""
+        """The contour of a file that gives the pitch curve; most laws have none."""
         return None
 
     @property
     def gives_outline(self) -> bool:
-        """Whether the law draws a pitch curve, to which ``ncgear fit`` finds the nearest one that can be made."""
+        """Whether the law draws a pitch curve, for which ``ncgear fit`` finds the nearest curve that can be made."""
         return False
 
     def outline_mm(self) -> tuple[Array, Array, str]:
         """Points of the drawn outline, shape (n, 2), the axis in it, shape (2,), and the key that draws it.
 
-        Of a law that ``gives_outline``; raises WrongInput where there is no such outline.
+        Only for a law that ``gives_outline``; raises WrongInput if there is no such outline.
         """
         raise NotImplementedError(self.law)
 
@@ -168,37 +168,37 @@ class LawKeys(Model):
 
     @property
     def prescribed(self) -> str:
-        """What the law prescribes of the slider's motion, in words; empty where it prescribes nothing."""
+        """The law's prescription for the slider's motion, in words; empty if there is none."""
         return ""
 
     @property
     def even_rad(self) -> tuple[float, float] | None:
-        """The driving angles in rad between which the law prescribes a constant speed; None where it does not."""
+        """The driving angles in rad between which the law prescribes a constant speed; None without constant speed."""
         return None
 
     @property
     def pairs_in_series(self) -> int:
-        """Pairs of gears that make the ratio: 2 of a law with a ``second_stage``, else 1."""
+        """Pairs of gears that make the ratio: 2 for a law with a ``second_stage``, else 1."""
         return 1 if getattr(self, "second_stage", None) is None else 2
 
     def solved_stroke_mm(self, mechanism: type[Mechanism]) -> float:
-        """The stroke in mm or rad of a law that ``gives_stroke``.
+        """The stroke in mm or rad for a law that ``gives_stroke``.
 
-        Raises WrongInput where the law's keys do not suit the mechanism, NoSuchMechanism where there is no stroke.
+        Raises WrongInput if the law's keys do not suit the mechanism, NoSuchMechanism if there is no stroke.
         """
         raise NotImplementedError(self.law)
 
     def transmission(self, linkage: Mechanism, lobes: Lobes) -> Transmission:
         """The driven angle as a function of the driving angle.
 
-        Raises WrongInput for values that contradict each other, NoSuchMechanism when no such motion exists.
+        Raises WrongInput for values that contradict each other, NoSuchMechanism if no such motion exists.
         """
         raise NotImplementedError(self.law)
 
     def law_on(self, linkage: Mechanism, lobes: Lobes, *, ring: bool = False) -> Law:
-        """The closed law on its mechanism, of a driven gear that may be a ring; raises the errors of ``transmission``.
+        """The closed law on its mechanism; the driven gear may be a ring; raises the errors of ``transmission``.
 
-        A law that prescribes a stroke overrides this method, one that can have two pairs of gears has ``staged``.
+        A law that prescribes a stroke overrides this method; a law that can have two pairs of gears has ``staged``.
         """
         from ncgear.ratio.transmission import Law, single
 
@@ -212,7 +212,7 @@ class LawKeys(Model):
 
     @property
     def law_points(self) -> tuple[LawPoint, ...]:
-        """The points that make the law; none for a law of a formula or of a few numbers."""
+        """The points that make the law; a law of a formula or of a few numbers has none."""
         return ()
 
     @property
@@ -223,6 +223,6 @@ class LawKeys(Model):
     def gentler(self, share: float, even_turn: str) -> dict[str, Any]:
         """Values of keys that leave ``share`` (0 to 1) of the swing of the ratio; empty for a law without such keys.
 
-        ``even_turn`` is the driven angle per driving angle of gears that turn evenly, as a formula.
+        ``even_turn`` is the formula for the driven angle per driving angle of evenly turning gears.
         """
         return {}

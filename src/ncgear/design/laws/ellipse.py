@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class Ellipse(LawKeys):
-    """Elliptical gears; with lobes 1:1 two equal ellipses, each turning about a focus."""
+    """Elliptical gears; with lobes 1:1 two equal ellipses that turn about a focus each."""
 
     CHOICE = "elliptical gears"
     BEGINS = Begins.SHAPE
@@ -26,7 +26,7 @@ class Ellipse(LawKeys):
         return (LawNumber("eccentricity", "eccentricity", self.eccentricity),)
 
     def transmission(self, linkage: Mechanism, lobes: Lobes) -> Transmission:
-        """Elliptical gears, or their relatives of several lobes."""
+        """Elliptical gears, or similar gears with several lobes."""
         from ncgear.ratio.laws.ellipse import elliptical_law
 
         return elliptical_law(self.eccentricity, self.phase, lobes)

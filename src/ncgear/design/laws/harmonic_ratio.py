@@ -18,24 +18,24 @@ if TYPE_CHECKING:
 MOST_HARMONICS = 200
 
 LARGEST_COEFFICIENT = 10.0
-"""Largest coefficient of ln i12: one harmonic of 7 alone has a range of 1:1e6, and the driven gear stands still."""
+"""Largest coefficient of ln i12: a single harmonic of 7 has a range of 1:1e6, and the driven gear stands still."""
 
 MOST_POINTS = 31
-"""Points by which the curve of a series is bent: as many as 15 harmonics have."""
+"""Most points that bend the curve of a series: the number of points for 15 harmonics."""
 
 Coefficient = Annotated[float, Field(ge=-LARGEST_COEFFICIENT, le=LARGEST_COEFFICIENT)]
 Coefficients = Annotated[Several[Coefficient], Field(max_length=MOST_HARMONICS)]
 
 
 class SecondStage(Model):
-    """The share of the second of two pairs in series, which drives the crank; the first pair has the rest."""
+    """The second pair's share of two pairs in series; this pair drives the crank, and the first pair has the rest."""
 
     cosine: Coefficients = optional("coefficients of cos(phi2), cos(2 phi2), ... in ln of the second pair's ratio", ())
     sine: Coefficients = optional("coefficients of sin(phi2), sin(2 phi2), ... in ln of the second pair's ratio", ())
 
 
 class HarmonicRatio(LawKeys):
-    """The logarithm of the ratio by harmonics of the driven angle; what closes the cycle is added."""
+    """The logarithm of the ratio by harmonics of the driven angle; a constant that closes the cycle is added."""
 
     CHOICE = "the ratio by harmonics of the driven angle"
     BEGINS = Begins.FORMULA
@@ -51,10 +51,10 @@ class HarmonicRatio(LawKeys):
 
     @property
     def law_points(self) -> tuple[LawPoint, ...]:
-        """Two points for each harmonic and one more, evenly spread; none of two pairs in series.
+        """Two points for each harmonic and one more, evenly spread; none for two pairs in series.
 
-        A point bends the curve by the harmonics that there are, the higher ones the less (Fejer's kernel), so that the
-        curve beside it does not ring.
+        A point bends the curve by the existing harmonics, with smaller weights for higher ones (Fejer's kernel), so
+        that the curve beside it does not ring.
         """
         waves = range(1, max(len(self.cosine), len(self.sine)) + 1)
         if self.second_stage is not None or not waves:

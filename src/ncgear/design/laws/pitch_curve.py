@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from ncgear.ratio.transmission import Law, Lobes
 
 PER_STRETCH, DIGITS = 720, 7
-"""Points of each stretch of a curve as an outline, and decimals of a millimetre to which a fitted curve is written."""
+"""Points of each stretch of a curve as an outline, and decimals of a millimetre in a fitted curve."""
 
 SHAPES = (
     "expression_mm",
@@ -97,12 +97,12 @@ class PitchCurve(LawKeys):
 
     @property
     def contour(self) -> DrawnContour | None:
-        """Of a drawing or a picture."""
+        """The contour of a drawing or a picture."""
         return self.dxf or self.svg or self.picture
 
     @property
     def solves_shape(self) -> bool:
-        """Unless the centre distance or the scale is found."""
+        """Always, except when the centre distance or the scale is found."""
         return bool(self._found_key)
 
     @property
@@ -111,7 +111,7 @@ class PitchCurve(LawKeys):
         return True
 
     def outline_mm(self) -> tuple[Array, Array, str]:
-        """Points of the shape as drawn, its axis, and its key; raises WrongInput for a shape that is to be found."""
+        """Points of the drawn shape, its axis, and its key; raises WrongInput for a shape that is to be found."""
         import numpy as np
 
         key = f"{KEY}.{given(self, SHAPES)[0]}"
@@ -130,12 +130,12 @@ class PitchCurve(LawKeys):
             shares = np.linspace(0.0, 1.0, PER_STRETCH, endpoint=False)
             polar = [part.polar(part.start + shares * (part.end - part.start), 0) for part in curve_of(1.0).stretches]
             angle, radius = (np.concatenate([one[k].value for one in polar]) for k in (0, 1))
-        # The angle of a formula is that by which the gear has turned: a driving gear is drawn by its negative.
+        # The angle of a formula is the turn of the gear: a driving gear is drawn by its negative.
         turned = -angle if not self._is_drawn and self.gear == "driving" else angle
         return np.column_stack([radius * np.cos(turned), radius * np.sin(turned)]), np.zeros(2), key
 
     def along(self, control_mm: Array, axis_mm: Array) -> dict[str, Any]:
-        """The law of a B-spline in place of the shape, with every other key as given."""
+        """The law of a B-spline in place of the shape; every other key stays."""
         kept = self.model_dump(by_alias=True, exclude_unset=True, exclude=set(SHAPES))
         x, y = (column.round(DIGITS).tolist() for column in control_mm.T)
         axis = {"axis_x_mm": float(axis_mm[0].round(DIGITS)), "axis_y_mm": float(axis_mm[1].round(DIGITS))}
@@ -149,7 +149,7 @@ class PitchCurve(LawKeys):
 
     @property
     def gives_center_distance(self) -> bool:
-        """Always, but for a curve of which only the form is given."""
+        """Always, except for a curve whose form alone is given."""
         return self.solve_for != "scale" or self.center_distance_mm is not None
 
     @property
@@ -158,7 +158,7 @@ class PitchCurve(LawKeys):
 
     @property
     def _found_key(self) -> str:
-        """The key of the shape whose value is found; empty for the centre distance and the scale."""
+        """The key of the shape's unknown value; empty if the centre distance or the scale is unknown."""
         return self._shape.solvable.get(self.solve_for, "") if self._shape else ""
 
     def _faults(self) -> Faults:
@@ -179,7 +179,7 @@ class PitchCurve(LawKeys):
                 yield fault(shape, f"{key} is missing; only solve_for: {name} can do without it")
 
     def law_on(self, linkage: Mechanism, lobes: Lobes, *, ring: bool = False) -> Law:
-        """The law with its centre distance, and what was found as facts."""
+        """The law with its centre distance; the values found are facts."""
         from ncgear.ratio.laws.pitch_curve import GivenCurve, closed_law
         from ncgear.ratio.transmission import Law, single
 
@@ -199,7 +199,7 @@ class PitchCurve(LawKeys):
         return self._found_key or self.solve_for
 
     def _curves(self, key: str, repeats: int) -> tuple[Callable[[float], ClosedCurve], Search | None, dict[str, float]]:
-        """The curve by the value that is found, the range of that value, and facts; else a curve of every value."""
+        """The curve by the unknown value, the range of this value, and facts; otherwise one curve for every value."""
         import numpy as np
 
         from ncgear.ratio.laws import curve_shapes as shapes

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 def numbers_of(key: str, formula: str) -> tuple[LawNumber, ...]:
     """The numbers of a formula under a key, in their order.
 
-    Exponents and whole multiples of the variable stay: with others the law would not close, or be another one.
+    Exponents and whole multiples of the variable stay: with other numbers the law would not close, or be another law.
     """
     text = formula.strip()
     tree = ast.parse(text, mode="eval")

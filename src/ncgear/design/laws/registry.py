@@ -4,10 +4,10 @@ To add a law ``<name>``:
 
 1. its mathematics, a function that returns a ``Transmission``, in ``ratio/laws``;
 2. ``design/laws/<name>.py``: a class called by the law's name, with its keys, how the law is made from them, and the
-   words of the menu (``design/laws/base.py`` says what each of them is); the law's part of a new design file,
+   words of the menu (``design/laws/base.py`` explains each of them); the law's part of a new design file,
    ``design/templates/laws/<name>.yaml``;
 3. a line in ``LawName`` below;
-4. its closed form, or why it has none: a line in ``formulas/laws.py``;
+4. its closed form, or the reason why it has none: a line in ``formulas/laws.py``;
 5. ``make docs``, which writes its keys in words;
 6. a line in ``REFERENCES`` of ``tests/oracles/laws.py``: the same law, computed independently of ncgear.
 
@@ -46,11 +46,11 @@ DEFAULT_LAW = LawName.THREE_SEGMENT_STROKE
 """The law of a new design if no other one is asked for."""
 
 SOUGHT_LAW = LawName.HARMONIC_RATIO
-"""The law of a new design of which wishes tell what is sought: it is replaced by the best one."""
+"""The law of a new design whose wishes tell what is sought; the best law replaces it."""
 
 
 def law_keys(name: LawName) -> type[LawKeys]:
-    """The keys and the questions of a law: the class of its name in words, as ``HarmonicRatio``."""
+    """The keys and the questions of a law: the class with its name in words, such as ``HarmonicRatio``."""
     return getattr(import_module(f"{__package__}.{name}"), name.title().replace("_", ""))
 
 
@@ -66,11 +66,11 @@ def even_motion(pairs: int) -> LawKeys:
 
 
 def found_values(ratio: Sequence[float], second: Sequence[float] | None) -> dict[str, Any]:
-    """The block ``motion`` of a design file with the ratios of a found law, and of its second pair where it has one."""
+    """The block ``motion`` of a design file with the ratios of a found law, and of its second pair if it has one."""
     stage = {} if second is None else {"second_stage": {"ratio": list(second)}}
     return {"law": str(LawName.SPLINE_RATIO), "ratio": list(ratio), **stage}
 
 
 def found_motion(ratio: Sequence[float], second: Sequence[float] | None) -> LawKeys:
-    """The same as keys of a design."""
+    """The same motion as keys of a design."""
     return law_keys(LawName.SPLINE_RATIO).model_validate(found_values(ratio, second))

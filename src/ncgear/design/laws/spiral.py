@@ -39,7 +39,7 @@ class Spiral(LawKeys):
         return logarithmic_spirals(self.ratio_start, self.ratio_end, radians(self.range_deg))
 
     def gentler(self, share: float, even_turn: str) -> dict[str, Any]:
-        """Both ratios nearer to their geometric mean."""
+        """Both ratios moved towards their geometric mean."""
         mean = (self.ratio_start * self.ratio_end) ** 0.5
         start, end = (mean * (ratio / mean) ** share for ratio in (self.ratio_start, self.ratio_end))
         return {"ratio_start": start, "ratio_end": end}

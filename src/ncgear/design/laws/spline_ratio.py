@@ -31,18 +31,18 @@ if TYPE_CHECKING:
     from ncgear.ratio.transmission import Lobes, Transmission
 
 FEWEST_POINTS, MOST_POINTS = 4, 2000
-"""A spline through points h apart magnifies the rounding of their digits by 1/h^2 in the curvature of the pitch curves,
-which for the ten digits of a file and 2000 points is 1e-5."""
+"""A spline through points h apart magnifies the rounding of their digits by 1/h^2 in the curvature of the pitch curves:
+to 1e-5 for the ten digits of a file and 2000 points."""
 
 NEAREST_TURNS = 1e-7
-"""Least distance of driven angles, in turns.  Nearer ones leave the slope of the spline fewer than nine digits."""
+"""Least distance of driven angles, in turns.  With nearer angles the slope of the spline has fewer than nine digits."""
 
 Ratios = Annotated[Several[Positive], Field(min_length=FEWEST_POINTS, max_length=MOST_POINTS)]
 Angles = Annotated[Numbers, Field(min_length=FEWEST_POINTS, max_length=MOST_POINTS)]
 
 
 class SecondStageRatios(Model):
-    """The share of the second of two pairs in series, which drives the crank; the first pair has the rest."""
+    """The second pair's share of two pairs in series; this pair drives the crank, and the first pair has the rest."""
 
     ratio: Ratios = required(
         "ratios of the second pair at the same driven angles, up to a common factor that closes the cycle"
@@ -50,7 +50,7 @@ class SecondStageRatios(Model):
 
 
 class SplineRatio(LawKeys):
-    """The logarithm of the ratio as a smooth curve over the driven angle; the cycle is closed by a common factor."""
+    """The logarithm of the ratio as a smooth curve over the driven angle; a common factor closes the cycle."""
 
     CHOICE = "the ratio as a smooth curve over the driven angle"
     BEGINS = Begins.POINTS
@@ -88,12 +88,12 @@ class SplineRatio(LawKeys):
     @property
     def driven_angle(self) -> tuple[float, ...]:
         """Driven angles in rad."""
-        # The same numbers, bit for bit, as even_steps of ratio/laws/spline.py, which the search for laws has
+        # The same numbers, bit for bit, as even_steps of ratio/laws/spline.py, which the search for laws uses
         return self.driven_angles or tuple(step * (2.0 * pi / len(self.ratio)) for step in range(len(self.ratio)))
 
     @property
     def law_points(self) -> tuple[LawPoint, ...]:
-        """Every point of the ratio; no points of two pairs in series, which share the ratio."""
+        """Every point of the ratio; none for two pairs in series, which share the ratio."""
         if self.second_stage is not None:
             return ()
         return tuple(

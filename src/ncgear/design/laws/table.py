@@ -32,8 +32,8 @@ if TYPE_CHECKING:
 MOST_POINTS = 200_000
 FEWEST_POINTS = 4
 NEAREST_TURNS = 1e-10
-"""Least distance of driving angles, in turns: a gear of a metre moves by a third of a nanometre.  Nearer ones leave no
-digits to the splines through them."""
+"""Least distance of driving angles, in turns: a gear of a metre moves by a third of a nanometre.  Nearer angles leave
+no digits to the splines through them."""
 
 ANGLE_COLUMNS = spellings("phi1")
 VALUE_COLUMNS = ("displacement_mm", "displacement_deg", "ratio")
@@ -42,7 +42,7 @@ Column = Annotated[Numbers, Field(min_length=FEWEST_POINTS, max_length=MOST_POIN
 
 
 class Table(LawKeys):
-    """Points of the law. Points from a CSV file stand in the same columns once the file is loaded."""
+    """Points of the law. Points from a CSV file become the same columns when the file is loaded."""
 
     CHOICE = "the ratio or the displacement point by point"
     BEGINS = Begins.POINTS
@@ -84,7 +84,7 @@ class Table(LawKeys):
 
     @property
     def gives_slider(self) -> bool:
-        """Points of the displacement prescribe the slider's motion, points of the ratio do not."""
+        """Points of the displacement prescribe the slider's motion; points of the ratio do not."""
         return self.displacement_mm is not None or self.displacement_deg is not None
 
     @property
@@ -94,7 +94,7 @@ class Table(LawKeys):
 
     @property
     def law_points(self) -> tuple[LawPoint, ...]:
-        """Every point that stands in the design file itself."""
+        """Every point in the design file itself."""
         if self.file is not None:
             return ()
         key = given(self, VALUE_COLUMNS)[0]

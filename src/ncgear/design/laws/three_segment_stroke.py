@@ -1,6 +1,6 @@
 """The law ``three_segment_stroke``: the slider's working stroke in three segments, and a return that closes the cycle.
 
-All quantities together would over-determine the stroke, so a file leaves one of them out, and it is solved for.
+All quantities together would over-determine the stroke, so a file leaves one of them out, and the law solves for it.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from ncgear.ratio.working_stroke import WorkingStroke
 
 SAME_STROKE = 1e-6
-"""A stroke in the file that differs from the mechanism's by less than this, relatively, differs by rounding only."""
+"""Largest relative difference of the file's stroke from the mechanism's stroke that counts as rounding."""
 
 SolveFor = Literal["law_speed", "v1", "v2", "a1", "stroke"]
 
@@ -48,7 +48,7 @@ SOLVED_KEYS: dict[str, tuple[str, str]] = {
     "a1": ("a1_mm_s2", "a1_rad_s2"),
     "stroke": ("stroke_mm", "stroke_deg"),
 }
-"""The key that is left out for each value of ``solve_for``, for an output that slides and for one that turns."""
+"""The key that is left out for each value of ``solve_for``, for a sliding and for a turning output."""
 
 
 def _number_or_word(value: Any) -> Any:
@@ -60,7 +60,7 @@ def _number_or_word(value: Any) -> Any:
 
 
 class ReturnOptions(Model):
-    """How the slider returns: the form of the ratio over the return stroke and its one free coefficient."""
+    """The return of the slider: the form of the ratio over the return stroke and its one free coefficient."""
 
     basis: Literal["ratio", "inverse_ratio"] = optional(
         "what is a polynomial of phi1 over the return stroke: ratio or inverse_ratio", "ratio"
@@ -105,12 +105,12 @@ class ThreeSegmentStroke(LawKeys):
 
     @property
     def turns(self) -> bool:
-        """Whether the keys are those of an output that turns."""
+        """Whether the keys belong to a turning output."""
         return bool(given(self, [turning for sliding, turning in SOLVED_KEYS.values() if turning != sliding]))
 
     @property
     def stroke(self) -> float | None:
-        """The stroke in mm or rad; None where it is left out."""
+        """The stroke in mm or rad; None if it is left out."""
         return radians(self.stroke_deg) if self.stroke_deg is not None else self.stroke_mm
 
     def _angles_rise(self) -> Faults:
@@ -139,7 +139,7 @@ class ThreeSegmentStroke(LawKeys):
 
     @property
     def prescribed(self) -> str:
-        """The constant speed, where there is a stretch of it."""
+        """The constant speed, if it has a stretch."""
         if self.even_rad is None:
             return ""
         start, end = map(degrees, self.even_rad)
@@ -147,7 +147,7 @@ class ThreeSegmentStroke(LawKeys):
 
     @property
     def even_rad(self) -> tuple[float, float] | None:
-        """theta2 and theta3, where there is a stretch between them."""
+        """theta2 and theta3, if there is a stretch between them."""
         return (self.theta2, self.theta3) if self.theta3 > self.theta2 else None
 
     @property
@@ -157,7 +157,7 @@ class ThreeSegmentStroke(LawKeys):
 
     @property
     def law_points(self) -> tuple[LawPoint, ...]:
-        """theta1 to theta4 with v1 and v2, and a1; what is solved for is moved by none."""
+        """theta1 to theta4 with v1 and v2, and a1; no point changes the unknown quantity."""
         found = []
         speeds = {"theta1": "v1", "theta2": "v2", "theta3": "v2", "theta4": ""}
         for theta, speed in speeds.items():
@@ -176,7 +176,7 @@ class ThreeSegmentStroke(LawKeys):
     def solved_stroke_mm(self, mechanism: type[Mechanism]) -> float:
         """The stroke in mm or rad that follows from the other quantities.
 
-        Raises WrongInput where the keys do not suit the mechanism's output, NoSuchMechanism where there is no stroke.
+        Raises WrongInput if the keys do not suit the mechanism's output, NoSuchMechanism if there is no stroke.
         """
         self._refuse_other_units(mechanism)
         return self._stroke(None, mechanism.OUTPUT).stroke_mm
@@ -184,7 +184,7 @@ class ThreeSegmentStroke(LawKeys):
     def law_on(self, linkage: Mechanism, lobes: Lobes, *, ring: bool = False) -> Law:
         """The closed law, with the figures of its stroke and its return.
 
-        Raises WrongInput where the mechanism has another stroke than the file.
+        Raises WrongInput if the strokes of the mechanism and the file differ.
         """
         from ncgear.ratio.transmission import Law, PrescribedStroke, single
 
@@ -217,7 +217,7 @@ class ThreeSegmentStroke(LawKeys):
         )
 
     def _stroke(self, stroke_mm: float | None, output: Output) -> WorkingStroke:
-        """The working stroke with the free quantity solved for; if the stroke is None, it is that quantity."""
+        """The working stroke with its unknown quantity solved for; None makes the stroke the unknown quantity."""
         from ncgear.numerics.units import RAD_S_PER_RPM
         from ncgear.ratio.working_stroke import StrokeRequest, solved_stroke
 
@@ -237,7 +237,7 @@ class ThreeSegmentStroke(LawKeys):
         return solved_stroke(request)
 
     def _refuse_other_units(self, mechanism: type[Mechanism]) -> None:
-        """Refuse speeds in mm/s of an output that turns, and in rad/s of one that slides; raises WrongInput."""
+        """Refuse speeds in mm/s for a turning output, and in rad/s for a sliding output; raises WrongInput."""
         output = mechanism.OUTPUT
         if self.turns is output.angular:
             return
@@ -267,7 +267,7 @@ THETAS = ("theta1", "theta2", "theta3", "theta4")
 
 
 def out_of_order(angles_rad: Sequence[float]) -> tuple[str, str] | None:
-    """Which of theta1 to theta4, in rad, is out of order, and the words for it; None where they rise."""
+    """The name of the angle of theta1 to theta4, in rad, that is out of order, and words for it; None if they rise."""
     theta1, theta2, theta3, theta4 = angles_rad
     if theta1 <= 0.0:
         wrong, needed = "theta1", "over 0"

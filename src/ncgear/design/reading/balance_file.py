@@ -17,14 +17,14 @@ from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 
 OF_A_DESIGN = {"linkage", "motion"}
-"""Keys of every design file and of no balance file; a file with them gets one message instead of one for each key."""
+"""Keys of every design file and of no balance file; a file with them gets one message, and not one for each key."""
 
 MOST_ROWS = 1000
 
 
 @dataclass(frozen=True)
 class LoadedBalance:
-    """A balance file, the places of its values, and the designs that it names, by the keys that name them."""
+    """A balance file, the places of its values, and the designs that it names, by their keys."""
 
     balance: Balance
     source: Source
@@ -59,7 +59,7 @@ def _designs(balance: Balance, document: Document, path: Path) -> Iterator[tuple
 
 
 def _measured(points: PointsFile, values: Mapping[str, Any], rows: Mapping[str, int]) -> FromFile:
-    """The keys that a file of measurements replaces, with their values, and the row of each item below them."""
+    """The keys that a file of measurements replaces, with their values, and the row of each list item under them."""
 
     def place(key: str) -> Place | None:
         while key and key not in rows:
@@ -77,7 +77,7 @@ def chain_runs(points: PointsFile) -> FromFile:
 
 
 def rotor_runs(points: PointsFile) -> FromFile:
-    """The runs of a rotor, one reading in each row; plane 0 has no trial weight, and every other plane has its own."""
+    """The runs of a rotor, one reading in each row; plane 0 has no trial weight, each other plane has its own."""
     columns = points.values
     planes: dict[int, list[int]] = {}
     for row in sorted(range(len(points.lines)), key=lambda row: columns["sensor"][row]):
@@ -106,7 +106,7 @@ def _plane(points: PointsFile, row: int) -> int:
 
 
 def _rows_by_key(planes: Mapping[int, list[int]]) -> dict[str, int]:
-    """The row of each reading and of each trial, by its key; ``planes`` are the rows of each plane."""
+    """The row of each reading and of each trial, by its key; ``planes`` gives the rows of each plane."""
     first = [(f"first.{sensor}", row) for sensor, row in enumerate(planes[0])]
     trials = [(plane - 1, rows) for plane, rows in planes.items() if plane > 0]
     runs = [(f"trials.{number}", rows[0]) for number, rows in trials]

@@ -1,7 +1,7 @@
 """DXF files that a design file names for the contour of a pitch curve: lines, arcs and splines, as rational B-splines.
 
-Circles, arcs, ellipses and bulges of polylines become rational curves of degree 2, which are exactly these shapes.
-Files of all systems are read: ASCII with either end of lines, in the code page that they name, and binary ones.
+Circles, arcs, ellipses and bulges of polylines become rational curves of degree 2, which represent them exactly.  Files
+of all systems are read: ASCII with both kinds of line ends, in their own code page, and binary files.
 """
 
 from __future__ import annotations
@@ -31,35 +31,35 @@ if TYPE_CHECKING:
 LARGEST_MB = 20
 
 READ = ("LINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "LWPOLYLINE", "POLYLINE")
-"""What a contour is made of; blocks are taken apart, and all else in a drawing is passed over."""
+"""Entities of a contour; blocks are taken apart, and all other entities of a drawing are passed over."""
 
 UNITS = {1: "inch", 4: "mm", 5: "cm", 6: "m"}
 """Units of ``$INSUNITS`` that a design can name."""
 
 MOST_ENTITIES = 100_000
-"""Entities of a drawing, those of its blocks counted as often as they are put into it."""
+"""Most entities of a drawing; the entities of a block count as often as the block is placed."""
 
 DEEPEST = 16
-"""Blocks in blocks that are taken apart."""
+"""Deepest nesting of blocks that is taken apart."""
 
 SPLINE_FRAME = 16
-"""Flag of a vertex of a smoothed polyline of R12 that is a control point, and no point of the curve."""
+"""Flag of a vertex of a smoothed polyline of R12 that is a control point, and not a point of the curve."""
 
 FULL = 1e-5
-"""Rad by which a whole ellipse may miss its turn: programs write 6.28318 for 2 pi."""
+"""Largest difference in rad of a whole ellipse from a full turn: programs write 6.28318 for 2 pi."""
 
 POINT = 1e-9
-"""Radius in the drawing's unit under which a circle or an arc has no length."""
+"""A circle or an arc with a smaller radius, in the drawing's unit, has no length."""
 
 FLAT = 1e-9
-"""Bulge under which an arc is a line: its height is less than a thousand-millionth of half its length."""
+"""An arc with a smaller bulge is a line: its height is less than a thousand-millionth of half its length."""
 
 
 def contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
-    """The parts of the layer that is ``given``, or of all that are on; raises WrongInput for what holds none.
+    """The parts of the ``given`` layer, or of all visible layers; raises WrongInput if there is none.
 
-    Their order and sense are those of the file; whether they make one closed contour is for the law to say.  With them
-    come the unit that the drawing names and the steps of its numbers, by which ends may miss each other.
+    They keep the order and sense of the file; the law decides whether they make one closed contour.  With them come the
+    unit that the drawing names and the largest gap between ends that its digits explain.
     """
     from ezdxf.lldxf.const import DXFError
 
@@ -92,7 +92,7 @@ def contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
 
 
 def _document(file: Path) -> Drawing:
-    """The drawing; a file that only begins to be one is refused by what it is."""
+    """The drawing; a file that only looks like a drawing is refused with the reason."""
     import ezdxf
     from ezdxf.lldxf.const import DXFStructureError
 
@@ -115,19 +115,19 @@ def _document(file: Path) -> Drawing:
 
 
 def _decoded(name: str) -> str:
-    """The name of a layer or a block, of which letters may be written by their number."""
+    """The name of a layer or a block; the file may give letters by their numbers."""
     from ezdxf.lldxf.encoding import decode_dxf_unicode
 
     return str(decode_dxf_unicode(name))
 
 
 def _name(name: str) -> str:
-    """The name of a layer or a block to compare by: case does not count."""
+    """The name of a layer or a block for comparisons: case does not count."""
     return _decoded(name).casefold()
 
 
 def _apart(entities: Iterable[DXFEntity], file: Path, within: tuple[str, ...] = ()) -> Iterator[DXFEntity]:
-    """The entities, and in place of blocks the entities that they hold; ``within`` are the blocks around them.
+    """The entities, with the content of blocks in place of the blocks; ``within`` are the blocks around them.
 
     Raises WrongInput for a block that holds itself.
     """
@@ -145,14 +145,14 @@ def _apart(entities: Iterable[DXFEntity], file: Path, within: tuple[str, ...] = 
             yield from _apart(one.multi_insert(), file, within)
         else:
             for part in _apart(one.virtual_entities(), file, (*within, name)):
-                # What lies on layer 0 of a block lies on the layer on which the block is put.
+                # The content of layer 0 of a block lies on the layer of the block.
                 if part.dxf.layer == "0":
                     part.dxf.layer = one.dxf.layer
                 yield part
 
 
 def _holds_none(document: Drawing, every: list[DXFEntity], shown: list[DXFEntity], layer: object) -> str:
-    """Why a drawing gives no part of a contour."""
+    """The reason why a drawing gives no part of a contour."""
 
     def layers_of(entities: Iterable[DXFEntity]) -> str:
         names = sorted({_decoded(one.dxf.layer) for one in entities if one.dxftype() in READ})
@@ -172,14 +172,14 @@ def _holds_none(document: Drawing, every: list[DXFEntity], shown: list[DXFEntity
 
 
 def _curves(entity: DXFEntity) -> Iterator[BSpline]:
-    """The entity as rational B-splines, one after the other; what has no length may be among them."""
+    """The entity as rational B-splines, one after the other; some may have no length."""
     from ezdxf import entities as kinds
     from ezdxf.math import BSpline, ConstructionEllipse, Vec3, rational_bspline_from_ellipse
 
     if isinstance(entity, kinds.LWPolyline | kinds.Polyline):
         line = _without_flat_bulges(entity)
         if isinstance(line, kinds.LWPolyline) and not line.has_arc:
-            # Chords of a traced outline may be many: one curve has them all.
+            # A traced outline may have many chords: one curve has them all.
             points = list(line.vertices_in_wcs())
             if len(points) > 1:
                 yield BSpline([*points, points[0]] if line.closed else points, order=2)
@@ -204,7 +204,7 @@ def _curves(entity: DXFEntity) -> Iterator[BSpline]:
 
 
 def _without_flat_bulges(entity: LWPolyline | Polyline) -> LWPolyline | Polyline:
-    """The polyline without doubled vertices, control points of a smoothed one, and arcs that are lines."""
+    """The polyline without doubled vertices, without control points of a smoothed polyline, with flat arcs as lines."""
     from ezdxf import entities as kinds
 
     if isinstance(entity, kinds.Polyline):
@@ -225,7 +225,7 @@ def _without_flat_bulges(entity: LWPolyline | Polyline) -> LWPolyline | Polyline
 
 
 def _through_fit_points(entity: Spline) -> BSpline:
-    """The closed cubic spline through fit points, of which no control points are stored: smooth at its end, too."""
+    """The closed cubic spline through fit points without stored control points: smooth at its end, too."""
     from ezdxf.math import BSpline
     from scipy.interpolate import make_interp_spline
 
@@ -238,7 +238,7 @@ def _through_fit_points(entity: Spline) -> BSpline:
 
 
 def _values(curve: BSpline, entity: DXFEntity, file: Path) -> dict[str, Any]:
-    """The curve as the keys of a part; refuses one that leaves the plane."""
+    """The curve as the keys of a part; refuses a curve that leaves the plane."""
     points = [tuple(point) for point in curve.control_points]
     numbers = [value for point in points for value in point]
     size = max(map(abs, numbers), default=0.0)
@@ -250,7 +250,7 @@ def _values(curve: BSpline, entity: DXFEntity, file: Path) -> dict[str, Any]:
             "holds a part that leaves the plane of the drawing; a flat contour is needed", location=str(file)
         )
     weights = [float(weight) for weight in curve.weights()]
-    # Some programs write -1 for the weights of a spline that has none.
+    # Some programs write -1 for the weights of a spline without weights.
     weights = weights if any(weight > 0.0 for weight in weights) else [1.0] * len(points)
     return {
         "layer": _decoded(entity.dxf.layer),
@@ -263,14 +263,14 @@ def _values(curve: BSpline, entity: DXFEntity, file: Path) -> dict[str, Any]:
 
 
 def chords_of(x: list[float], y: list[float]) -> dict[str, Any]:
-    """A chain of chords through points as the keys of a part."""
+    """The keys of a part that is a chain of chords through points."""
     count = len(x)
     knots = [0.0, *map(float, range(count)), count - 1.0]
     return {"degree": 1, "knots": knots, "x": x, "y": y, "weights": [1.0] * count}
 
 
 def chords_joined(parts: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
-    """The parts in order, each run of lines, of which one begins where the last one ends, as one chain of chords."""
+    """The parts in order; each run of lines that follow each other becomes one chain of chords."""
     found = list[dict[str, Any]]()
     for part in parts:
         last = found[-1] if found else {}
@@ -284,12 +284,12 @@ def chords_joined(parts: Iterable[dict[str, Any]]) -> list[dict[str, Any]]:
 
 
 END_STEPS = 3.0
-"""How many steps of a drawing's numbers two ends may miss each other by: half a step in x and y of both, and as much in
-the centre and the radius of an arc, are 2.9."""
+"""Number of steps of a drawing's numbers by which two ends may miss each other: half a step in x and y of both, and as
+much in the centre and the radius of an arc, are 2.9."""
 
 
 def _near(entities: Iterable[DXFEntity]) -> float:
-    """How far ends may miss each other because the drawing's numbers are rounded, in the unit of the drawing."""
+    """Largest gap between ends that comes from the rounding of the drawing's numbers, in the drawing's unit."""
     lengths, angles, turned, radius = list[float](), list[float](), list[float](), 0.0
     for one in entities:
         found = one.dxfattribs()
@@ -317,15 +317,14 @@ def _vertices(entity: DXFEntity) -> Iterator[tuple[float, float]]:
 
 
 MOST_SEEN = 2000
-"""Largest numbers of a drawing by which its digits are told."""
+"""Number of the largest numbers of a drawing that show its digits."""
 
 
 def _step(values: Iterable[float]) -> float:
     """The step of rounded numbers, by the digits of the large ones: six digits or three decimals are a step of 0.001
     for numbers over 100.
 
-    Numbers of one power of ten share their step, which is the least of them; of the two uppermost powers the coarser
-    counts.
+    Numbers of one power of ten share the least step among them; the coarser step of the two highest powers counts.
     """
     sizes = sorted({abs(value) for value in values if isfinite(value)} - {0.0}, reverse=True)[:MOST_SEEN]
     largest, finest = max(sizes, default=0.0), dict[int, float]()

@@ -1,6 +1,6 @@
 """Reading a design: a file, or a mapping of Python in its place, checked against the schema; and the file of a train.
 
-Every fault has its line and column; of a mapping, whose arrays may stand for lists, it has its key.  Functions stay in
+Every fault has its line and column, in a mapping its key; a mapping may have arrays for lists.  Functions stay in
 ``plain``, for ``ncgear.project.opened``.
 """
 
@@ -46,7 +46,7 @@ FILES: dict[str, FileKind] = {
     "resistance.table": FORCE_POINTS,
     "resistance.returning.table": FORCE_POINTS,
 }
-"""Groups of the design file that can name a file instead of columns of points or parts of a contour."""
+"""Groups of the design file that can name a file in place of columns of points or parts of a contour."""
 
 
 @dataclass(frozen=True)
@@ -70,12 +70,12 @@ def load(path: Path) -> LoadedDesign:
 
 
 def parsed(text: str, path: Path) -> LoadedDesign:
-    """A design from the text of a file; the files of points that it names must be beside ``path``."""
+    """A design from the text of a file; its files of points must be beside ``path``."""
     return design_of(read_yaml(text, str(path)), text, path)
 
 
 def design_of(document: Document, text: str, path: Path) -> LoadedDesign:
-    """A design from the values of its text; raises as reading the text does."""
+    """A design from the values of its text; raises the errors of reading the text."""
     if not isinstance(document.data, dict):
         given = "is empty" if document.data is None else f"holds {quoted(document.data)}"
         form = "a design file is lines of `key: value`, and begins with `name:` (`ncgear new NAME` writes one)"
@@ -84,7 +84,7 @@ def design_of(document: Document, text: str, path: Path) -> LoadedDesign:
 
 
 def refuse_train(document: Document, needed: str) -> None:
-    """Refuse the file of a train of gears where something else is needed; raises WrongInput with what works."""
+    """Refuse the file of a train of gears if another file is needed; raises WrongInput with the commands that work."""
     if "train" in document.data:
         problem = (
             f"the file has a train of gears, which `ncgear check`, `build` and `animate` take; this needs {needed}"
@@ -101,7 +101,7 @@ def _design(document: Document, text: str, path: Path) -> LoadedDesign:
 
 
 MAPPING = Path("mapping")
-"""What stands in the place of a file; files that a mapping names are beside the working folder."""
+"""The mapping's substitute for the path of a file; files that a mapping names are beside the working folder."""
 
 
 def parsed_mapping(data: Mapping[str, Any]) -> LoadedDesign:
@@ -111,9 +111,9 @@ def parsed_mapping(data: Mapping[str, Any]) -> LoadedDesign:
 
 
 def plain(value: Any, key: str = "") -> Any:
-    """A mapping with lists in place of arrays and tuples, and numbers of Python in place of those of numpy.
+    """A mapping with lists in place of arrays and tuples, and Python's numbers in place of numpy's numbers.
 
-    Raises WrongInput for keys that are no text.
+    Raises WrongInput for keys that are not text.
     """
     if key.count(".") >= DEEPEST:
         raise WrongInput(f"nested over {DEEPEST} levels deep; no key of ncgear needs over five", key=key.split(".")[0])

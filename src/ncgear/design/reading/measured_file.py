@@ -1,7 +1,7 @@
 """Points of a coordinate measuring machine: a text file with x and y in mm, one point a line.
 
-It is a table as ``ncgear.design.reading.points`` reads it.  A header may name the columns, so that files with more
-columns than x and y are read as well; without one, a third column is taken for z, which hardly changes.
+It is a table as ``ncgear.design.reading.points`` reads it.  A header may name the columns, so that files may have more
+columns than x and y; without a header, a third column counts as z, which hardly changes.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ class MeasuredFile:
 
 
 def read_measured(path: Path) -> MeasuredFile:
-    """Read the points; raises WrongInput with the line of what is no point, and for a file in inches or without any."""
+    """Read the points; raises WrongInput at the line of a text that is no point, and for inches or no points at all."""
     points: list[tuple[float, float]] = []
     third: list[str] = []
     lines: list[int] = []
@@ -67,11 +67,11 @@ def read_measured(path: Path) -> MeasuredFile:
 
 
 LEVEL = 0.1
-"""Share of the points' extent, the lesser one of x and y, by which heights z of a gear's section may differ."""
+"""Share of the points' smaller extent, in x or in y, by which heights z of a gear's section may differ."""
 
 
 def _require_height(third: Sequence[str], points: Array, location: str) -> None:
-    """Refuse a third column without a name that is no height: then it is y, and the first one numbers the points."""
+    """Refuse a third column without a name that is no height: it is y then, and the first column numbers the points."""
     numbers = [plain_number(cell) for cell in third]
     heights = np.array([number for number in numbers if number is not None], dtype=float)
     if heights.size == len(numbers) and not np.ptp(heights) <= LEVEL * float(np.ptp(points, axis=0).min()):

@@ -1,4 +1,4 @@
-"""Checking plain values against the models; a fault gives key, value and place, and what would be right."""
+"""Checking plain values against the models; a fault gives key, value and place, and the right form."""
 
 from __future__ import annotations
 
@@ -68,12 +68,12 @@ def _wrong_input(found: list[Problem], source: Source) -> WrongInput:
 
 
 def problems(error: ValidationError, root: type[BaseModel], data: Mapping[str, Any]) -> list[Problem]:
-    """All faults of the values of a file whose model is ``root``, without those that only follow from another."""
+    """All faults of the values of a file whose model is ``root``, without faults that only follow from others."""
     details = [detail for detail in error.errors() if detail["type"] != "default_factory_not_called"]
     meant = _meant(details, root)
     parents = {detail["loc"][:i] for detail in details for i in range(len(detail["loc"]))}
-    # A key that is there but misspelt is neither missing nor empty, nor is its group.  A list is not short because its
-    # items are wrong, and the columns of a table are short together.
+    # A misspelt key counts as given: neither the key nor its group is missing or empty.  A list is not short because
+    # its items are wrong, and the columns of a table are short together.
     given = {key[:i] for key in meant.values() for i in range(1, len(key) + 1)}
     follows = {"missing": given, "too_short": parents.union(*(short[1:] for short in _short(details).values()))}
     told = [
@@ -88,7 +88,7 @@ def problems(error: ValidationError, root: type[BaseModel], data: Mapping[str, A
 
 
 def _slip(detail: ErrorDetails) -> tuple[object, ...]:
-    """What faults have in common that come from one slip: items of a list, and keys of another law."""
+    """Common part of all faults from one slip: items of a list, and keys of another law."""
     location = detail["loc"]
     if (detail["type"] in _NEEDED and isinstance(location[-1], int)) or _has_law(detail):
         return location[:-1], detail["type"]
@@ -96,7 +96,7 @@ def _slip(detail: ErrorDetails) -> tuple[object, ...]:
 
 
 def _has_law(detail: ErrorDetails) -> list[str]:
-    """The laws that have a key which the law of the file has not."""
+    """The laws with a key that the law of the file lacks."""
     location = detail["loc"]
     if detail["type"] != "extra_forbidden" or len(location) != 3 or location[0] != "motion":
         return []
@@ -135,7 +135,7 @@ def _problem(
 
 
 def _of_another_law(details: Sequence[ErrorDetails]) -> str:
-    """What laws have the keys that the law of the file has not, those with most of them first."""
+    """The laws that have the keys which the file's law lacks; laws with most of these keys come first."""
     left, own, said = [str(detail["loc"][-1]) for detail in details], details[0]["loc"][1], []
     them = "it" if len(left) == 1 else "them"
     while left:
@@ -147,7 +147,7 @@ def _of_another_law(details: Sequence[ErrorDetails]) -> str:
 
 
 def _of_what_is_emptied(problem: Problem, data: Mapping[str, Any]) -> Problem:
-    """A fault of a key that is left out, at its key where it stands without a value."""
+    """A fault of a key that is left out, at the key itself if it stands without a value."""
     there = _at(data, problem.key)
     if there is None and problem.text.startswith("missing; "):
         return Problem(problem.key, problem.text.replace("missing", "nothing given", 1))
@@ -159,7 +159,7 @@ def _of_what_is_emptied(problem: Problem, data: Mapping[str, Any]) -> Problem:
 
 
 def _at(data: Any, key: str) -> Any:
-    """The value at a dotted key of plain values; an empty text where there is none."""
+    """The value at a dotted key of plain values; an empty text if there is none."""
     for part in filter(None, key.split(".")):
         try:
             data = data[int(part)] if isinstance(data, list | tuple) else data[part]
@@ -169,7 +169,7 @@ def _at(data: Any, key: str) -> Any:
 
 
 def _key(location: Location) -> str:
-    """The dotted key; pydantic's location of a key of a law has the name of the law, which the file does not have."""
+    """The dotted key; pydantic's location of a law's key has the law's name, which the file lacks."""
     if len(location) > 1 and location[0] == "motion" and location[1] in LAWS:
         location = (location[0], *location[2:])
     return ".".join(str(part) for part in location)
@@ -185,7 +185,7 @@ def _wrong_value(detail: ErrorDetails, context: Mapping[str, Any], root: type[Ba
         return f"{quoted(detail['input'])} given; a group of keys is needed: {listed(fields_of(model))}{meaning}"
     needed = _NEEDED.get(detail["type"])
     if needed is None:
-        # No field of today can have another kind of error; if one has, pydantic's own words are better than none.
+        # No field has another kind of error today; for a later field, pydantic's own words are better than none.
         return f"{quoted(detail['input'])} is wrong: {detail['msg']}{meaning}"
     count = f" of {context['actual_length']}" if "actual_length" in context else ""
     given, comma = detail["input"], ""
@@ -250,10 +250,10 @@ def _did_you_mean(word: str, known: Sequence[str] | Mapping[str, Any]) -> str:
 
 
 def _meant(details: Sequence[ErrorDetails], root: type[BaseModel]) -> dict[Location, Location]:
-    """The location of the key that a person probably meant by each unknown one, where there is a guess.
+    """The location of the key that a person probably meant by each unknown key, if there is a guess.
 
-    It is a known key of the group with much the same name, the same key of another group, one with a name like it of a
-    group that stands empty, a known one with a name rather like it, or else the only key of the group that is missing.
+    The guesses, in this order: a known key of the group with a very similar name, the same key of another group, a
+    similar key of an empty group, a known key with a similar name, or the only missing key of the group.
     """
     unknown = [detail["loc"] for detail in details if detail["type"] == "extra_forbidden" and not _has_law(detail)]
     emptied = [detail["loc"] for detail in details if detail["input"] is None]
@@ -277,19 +277,19 @@ def _meant(details: Sequence[ErrorDetails], root: type[BaseModel]) -> dict[Locat
 
 
 def _like(name: str, known: Sequence[str]) -> list[str]:
-    """The known keys with much the same name, and those that have a unit after it."""
+    """The known keys with a very similar name, and the known keys that add a unit to the name."""
     return [*get_close_matches(name, known, 1, 0.7), *(one for one in known if one.startswith(f"{name}_"))]
 
 
 def _elsewhere(word: str, root: type[BaseModel]) -> list[Location]:
-    """Where a key stands in the groups of the file; one with a point has its group before it."""
+    """Places of a key in the groups of the file; a key with a point has its group before the point."""
     *group, key = word.split(".")
     groups = [(name, model) for name, field in fields_of(root).items() for model in models_in(field.annotation)]
     return [(name, key) for name, model in groups if key in fields_of(model) and group in ([], [name])]
 
 
 def _keys_at(location: Location, root: type[BaseModel]) -> list[str]:
-    """The known keys of the group at ``location``; none where there is no group."""
+    """The known keys of the group at ``location``; none if there is no group."""
     model = _model_at(location, root)
     return list(fields_of(model)) if model else []
 
@@ -306,12 +306,12 @@ def _model_at(location: Location, root: type[BaseModel]) -> type[BaseModel] | No
     for part in location:
         if isinstance(part, str):
             field = fields_of(model).get(part) if model else None
-            # A part that is no field is the name of a law, which leads to the model of that law.
+            # A part that is no field is the name of a law; it leads to the model of that law.
             model = _model_in(field.annotation) if field else LAWS.get(part)
     return model
 
 
 def _model_in(annotation: Any) -> type[BaseModel] | None:
-    """The only model that a field can hold; None for a number, and for motion, which can hold several."""
+    """The only model that a field can hold; None for a number, and for ``motion``, which can hold several."""
     models = models_in(annotation)
     return models[0] if len(models) == 1 else None

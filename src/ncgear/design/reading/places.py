@@ -14,7 +14,7 @@ from ncgear.frozen import dataclass
 
 @dataclass(frozen=True)
 class Place:
-    """A line and a column of a file, both counted from 1; without a file, no text."""
+    """A line and a column of a file, both counted from 1; the text is empty without a file."""
 
     file: str
     line: int
@@ -38,7 +38,7 @@ class Document:
         return self.places[key]
 
     def at(self, key: str) -> Any:
-        """The value at a dotted key; None where there is none."""
+        """The value at a dotted key; None if there is none."""
         data = self.data
         for part in key.split("."):
             data = data.get(part) if isinstance(data, dict) else None
@@ -49,7 +49,7 @@ class Document:
 class FromFile:
     """The values of a file that a group names, by the keys that they replace.
 
-    ``place`` is the place in that file of a dotted key below the group, None where nothing there has it.
+    ``place`` is the place in that file of a dotted key below the group; None if the file has no place for it.
     """
 
     values: Mapping[str, Any]
@@ -58,7 +58,7 @@ class FromFile:
 
 @dataclass(frozen=True)
 class Source:
-    """A design or balance file with the places of its values; ``from_files`` are the CSV files, by their groups."""
+    """A design or balance file with the places of its values; ``from_files`` holds the CSV files, by their groups."""
 
     document: Document
     from_files: Mapping[str, FromFile]
@@ -90,7 +90,7 @@ def with_value(data: Any, key: str, value: Any) -> Any:
     """A copy of plain values with another value at a dotted key; the rest is shared.
 
     None leaves the key out, a group that is missing is made, and a number in a key is the place of an item in a list.
-    Raises ValueError, LookupError or TypeError where there is no such place.
+    Raises ValueError, LookupError or TypeError if there is no such place.
     """
     first, _, rest = key.partition(".")
     if isinstance(data, list):
@@ -109,7 +109,7 @@ def with_value(data: Any, key: str, value: Any) -> Any:
 def named_by(document: Document, key: str, file: Path) -> Iterator[None]:
     """A context for reading ``file``, which ``key`` of the document names.
 
-    A fault in that file keeps its place there; if the file itself cannot be read, that is a fault of the key.
+    A fault in that file keeps its place there; a file that cannot be read is a fault of the key.
     """
     try:
         yield

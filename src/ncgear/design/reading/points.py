@@ -1,11 +1,11 @@
-"""Files that a group of a design or balance file names instead of some of its keys; here tables.
+"""Tables: files that a group of a design or balance file names in place of some of its keys.
 
-They are read as spreadsheets, measuring machines and people write them: rows of cells, the columns as numbers.  The
-line of each row is kept, so that a fault has its place.
+The reader takes tables as spreadsheets, measuring machines and people write them: rows of cells, and columns of
+numbers.  It keeps the line of each row, so that a fault has its place.
 
-Columns are separated by commas, semicolons, tabs or spaces, as the first row shows or a line ``sep=`` says; where they
-are separated by anything but commas, a comma may stand for the decimal point.  Empty lines and comments are passed
-over.  UTF-8 is read, and UTF-16 with its mark or without; of XLSX, XLS and ODS the first sheet that is not hidden.
+Columns are separated by commas, semicolons, tabs or spaces, as the first row shows or a line ``sep=`` says; if they are
+not separated by commas, a comma may stand for the decimal point.  Empty lines and comments are passed over.  The text
+may be UTF-8, or UTF-16 with or without its mark; XLSX, XLS and ODS files give their first visible sheet.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 
 COMMENTS = ("#", "%", "//", "!")
-"""How a line begins that is no row."""
+"""Beginnings of lines that are not rows."""
 
 SHEETS = (".xlsx", ".xlsm", ".xls", ".ods")
 """Files of spreadsheets, by their endings."""
@@ -43,12 +43,12 @@ class Row:
     comma: bool = False
 
     def column(self, number: int) -> int:
-        """Where a cell begins in its line, from 1, as long as no cell is in quotes, which numbers do not need."""
+        """Column at which a cell begins in its line, from 1; cells in quotes, which numbers do not need, shift it."""
         return 1 + sum(len(cell) + 1 for cell in self.cells[:number])
 
 
 def read_rows(path: Path, *, limit_mb: int) -> Iterator[Row]:
-    """The rows of a table; raises WrongInput where the file cannot be read, with the line of what is no row."""
+    """The rows of a table; raises WrongInput if the file cannot be read, with the line of a text that is no row."""
     if path.suffix.lower() in SHEETS:
         return _of_sheet(path, limit_mb)
     return _of_text(_text(path, limit_mb), path)
@@ -57,7 +57,7 @@ def read_rows(path: Path, *, limit_mb: int) -> Iterator[Row]:
 def column_name(head: str) -> str:
     """The name that a head stands for: ``X (mm)``, ``x [mm]`` and ``x_mm`` are ``x_mm``.
 
-    Letters and signs that mean more, as of ``Force (µN)`` and ``force (-N)``, stay, so that no key has that name.
+    Letters and signs with a meaning, such as in ``Force (µN)`` and ``force (-N)``, stay, so that no key has that name.
     """
     return re.sub(r"[\s()\[\]{}/,;:·*^_]+|(?<=\w)-(?=\w)", "_", head.casefold().replace("°", " deg ")).strip("_")
 
@@ -74,11 +74,11 @@ def _text(path: Path, limit_mb: int) -> str:
 
 
 LOOKED_AT = 64
-"""Bytes at the beginning of a file that show its coding: heads and digits have a byte of nought each in UTF-16."""
+"""Bytes at the beginning of a file that show its coding: in UTF-16, heads and digits have a zero byte each."""
 
 
 def _utf_16(begins: bytes) -> str:
-    """The kind of UTF-16 that a file is, by its mark or by its bytes of nought; empty where it is none."""
+    """The kind of UTF-16 of a file, by its mark or by its zero bytes; empty if it is none."""
     if begins.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return "utf-16"
     halves = {"utf-16-le": begins[1::2], "utf-16-be": begins[::2]}
@@ -114,9 +114,9 @@ def _cells(content: str, separator: str, location: str) -> list[str]:
 
 
 def _refuse_both(cells: Sequence[str], line: int, decimals: dict[str, int], path: Path) -> None:
-    """Refuse numbers with points beside numbers with commas: in one of both the sign parts thousands.
+    """Refuse numbers with points beside numbers with commas: one of the signs separates thousands.
 
-    ``decimals`` has the first line of each sign, and gets that of ``cells``.
+    ``decimals`` has the first line of each sign, and gets the line of ``cells``.
     """
     for sign, pattern in ((".", DECIMAL_POINT), (",", DECIMAL_COMMA)):
         if any(sign in cell and pattern.fullmatch(cell) for cell in cells):
@@ -133,7 +133,7 @@ def _with_point(cell: str) -> str:
 
 
 def _of_sheet(path: Path, limit_mb: int) -> Iterator[Row]:
-    """The rows of the first sheet that is not hidden; hidden rows count, as the library does not tell them."""
+    """The rows of the first visible sheet; hidden rows count, as the library does not mark them."""
     from ncgear.extras import require
 
     require("python_calamine", "tables", str(path))
@@ -171,7 +171,7 @@ class Columns:
 
 @dataclass(frozen=True)
 class PointsFile:
-    """Columns of a CSV file by name, and the line of the header and of each row."""
+    """Columns of a CSV file by name, with the line of the header and the line of each row."""
 
     file: str
     header: int
@@ -190,10 +190,10 @@ class PointsFile:
 
 @dataclass(frozen=True)
 class FileKind:
-    """What a group's file is read for: the keys that it replaces, and how.
+    """The purpose of a group's file: the keys that it replaces, and the function that reads it.
 
-    ``read`` has the file and the other keys of the group.  If ``law`` is not empty, only a group with this law may name
-    a file.
+    ``read`` takes the file and the other keys of the group.  If ``law`` is not empty, only a group with this law may
+    name a file.
     """
 
     keys: tuple[str, ...]
@@ -214,8 +214,8 @@ def columns_kind(columns: Columns, law: str = "") -> FileKind:
 def values_from_files(document: Document, path: Path, kinds: Mapping[str, FileKind]) -> dict[str, FromFile]:
     """The values of the files that groups name by their key ``file``; ``kinds`` are by the group's dotted key.
 
-    Files must be beside ``path``.  The schema refuses a name of a file that is not text.  Raises WrongInput for a file
-    that is wrong or missing, and for keys that are given beside it.
+    Files must be beside ``path``.  The schema refuses a name of a file that is not text.  Raises WrongInput for a wrong
+    or missing file, and for keys that are given beside it.
     """
     found: dict[str, FromFile] = {}
     for group, kind in kinds.items():
@@ -233,7 +233,7 @@ def values_from_files(document: Document, path: Path, kinds: Mapping[str, FileKi
 
 
 def read_points(path: Path, columns: Columns) -> PointsFile:
-    """Read the columns, others than which are passed over; WrongInput names the line of a cell that is no number."""
+    """Read the columns and pass over all others; WrongInput names the line of a cell that is no number."""
     rows = read_rows(path, limit_mb=LARGEST_MB)
     header = next(rows, Row(1, []))
     places = _places(header, str(path), columns)
@@ -245,7 +245,7 @@ def read_points(path: Path, columns: Columns) -> PointsFile:
 
 
 def _places(header: Row, file: str, columns: Columns) -> dict[str, int]:
-    """The columns that are asked for, by name, in the order of the file."""
+    """The requested columns by name, in the order of the file."""
     names = [column_name(cell) for cell in header.cells]
     for i, name in enumerate(names):
         if name in columns.names and name in names[:i]:

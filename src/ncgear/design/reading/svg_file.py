@@ -1,7 +1,7 @@
 """SVG files and pictures that a design file names for the contour of a pitch curve, as rational B-splines.
 
-Curves of SVG are Bezier curves and elliptical arcs, which rational B-splines are exactly; the outline of a picture is
-a chain of chords, which a smooth curve is to follow.
+Curves of SVG are Bezier curves and elliptical arcs, which rational B-splines represent exactly; the outline of a
+picture is a chain of chords, which a smooth curve follows later.
 """
 
 from __future__ import annotations
@@ -30,16 +30,16 @@ LARGEST_MB = 20
 
 PX_PER_INCH = 96.0
 MM_PER_PX = 25.4 / PX_PER_INCH
-"""Unit of CSS and SVG without a unit; what has one is converted by the library."""
+"""Unit of CSS and SVG for numbers without a unit; the library converts numbers with a unit."""
 
 SMALLEST_SHARE = 0.01
-"""Share of a picture's pixels under which a patch is dust beside its silhouette."""
+"""Share of a picture's pixels; a smaller patch counts as dust beside the silhouette."""
 
 MOST_PIXELS = 25_000_000
 
 
 def svg_contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
-    """The curves of the element that is ``given``, or of all; raises WrongInput for what holds none.
+    """The curves of the ``given`` element, or of all elements; raises WrongInput if there is none.
 
     x runs to the right and y up from the lower left corner of the page, in mm.
     """
@@ -60,7 +60,7 @@ def svg_contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
         _values(curve, shape.id or "", height, mm)
         for shape in shapes
         if wanted is None or shape.id == wanted
-        # Turned ellipses and rectangles keep their transform until they are paths.
+        # Turned ellipses and rectangles keep their transform until they become paths.
         for segment in abs(Drawn(shape))
         for curve in _curves(segment)
     )
@@ -95,7 +95,7 @@ def _curves(segment: PathSegment) -> Iterator[Bezier]:
 
 
 def _arcs(arc: Arc) -> Iterator[Bezier]:
-    """Quarters of an ellipse or less, each a rational curve whose middle weight is the cosine of half its angle."""
+    """Parts of up to a quarter of an ellipse, rational curves whose middle weight is the cosine of half their angle."""
     center, along, across = (np.array(_xy(one)) for one in (arc.center, arc.prx, arc.pry))
     along, across = along - center, across - center
     start, count = float(arc.get_start_t()), max(ceil(abs(arc.sweep) / (pi / 2.0) - 1e-9), 1)
@@ -112,7 +112,7 @@ def _xy(point: Point) -> tuple[float, float]:
 
 
 def _sharpened(document: SVG) -> float:
-    """What the library's factor for mm, which has six digits, is to be multiplied by."""
+    """The correction of the library's factor for mm, which has six digits."""
     sized = re.fullmatch(
         r"\s*([0-9.]+(?:e[-+]?[0-9]+)?)\s*(mm|cm)\s*", str(document.values.get("width", "")), re.IGNORECASE
     )
@@ -138,8 +138,8 @@ def _values(curve: Bezier, element: str, height_px: float, mm: float) -> dict[st
 def picture_contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
     """The outline of the largest dark patch of a picture, or of the largest light one, as chords of ``width_mm``.
 
-    x runs to the right and y up from the middle of the outline's box.  Raises WrongInput where there is no outline, and
-    where the silhouette reaches the edge of the picture.
+    x runs to the right and y up from the middle of the outline's box.  Raises WrongInput if there is no outline, and if
+    the silhouette reaches the edge of the picture.
     """
     from contourpy import contour_generator
     from PIL import Image, UnidentifiedImageError
@@ -147,7 +147,7 @@ def picture_contour_of(file: Path, given: Mapping[str, Any]) -> FromFile:
     read_bytes(file, limit_mb=LARGEST_MB)
     width_mm, threshold = given.get("width_mm"), given.get("threshold", 0.5)
     if not isinstance(width_mm, int | float) or not isinstance(threshold, int | float):
-        # The keys are checked with all others.
+        # The faults of these keys are found with all others.
         return FromFile({})
     try:
         with Image.open(file) as image:

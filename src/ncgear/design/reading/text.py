@@ -1,6 +1,6 @@
-"""Text files, which may be missing, a folder, huge or no text; the meaning of a plain word in them; values in messages.
+"""Reading text files, which may be missing, a folder, huge or no text; meaning of plain words; values in messages.
 
-A scalar of YAML has the meaning of the core schema of YAML 1.2: ``1e-3`` is a number, and ``no``, ``on`` and dates are
+A YAML scalar has the meaning of the core schema of YAML 1.2: ``1e-3`` is a number, and ``no``, ``on`` and dates are
 text.
 """
 
@@ -25,12 +25,12 @@ def has_train(text: str) -> bool:
 
 
 def read_text(path: Path, *, limit_mb: int) -> str:
-    """The text of ``path``; raises WrongInput where it cannot be read.  The size is checked before reading."""
+    """The text of ``path``; raises WrongInput if it cannot be read.  The size is checked before reading."""
     return _decoded(read_bytes(path, limit_mb=limit_mb), path)
 
 
 def read_bytes(path: Path, *, limit_mb: int) -> bytes:
-    """The content of ``path``; raises WrongInput where it cannot be read.  The size is checked before reading."""
+    """The content of ``path``; raises WrongInput if it cannot be read.  The size is checked before reading."""
     try:
         _refuse_unfit(path, limit_mb)
         return path.read_bytes()
@@ -43,7 +43,7 @@ def _refuse_unfit(path: Path, limit_mb: int) -> None:
     status = path.stat()
     if path.is_dir():
         raise WrongInput("is a folder; give a file", location=str(path))
-    # Pipes and devices have no size that could be checked before reading.
+    # The size of pipes and devices cannot be checked before reading.
     if not path.is_file():
         raise WrongInput("is no regular file; give one on disk", location=str(path))
     size_mb = status.st_size / BYTES_PER_MB
@@ -53,7 +53,7 @@ def _refuse_unfit(path: Path, limit_mb: int) -> None:
 
 def _decoded(content: bytes, path: Path) -> str:
     try:
-        # utf-8-sig, because some editors begin a file with a byte order mark.
+        # utf-8-sig, because some editors write a byte order mark first.
         return content.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         before = content[: error.start]
@@ -74,7 +74,7 @@ _WORDS: dict[str, bool | float | None] = {
     **{"-" + word: -inf for word in (".inf", ".Inf", ".INF")},
 }
 
-# Python refuses to read integers of thousands of digits, even if nearly all of them are zeros in front.
+# Python refuses to read integers with thousands of digits, even if nearly all of them are leading zeros.
 _LONGEST_INTEGER = 400
 _LONGEST_SHOWN = 40
 
@@ -88,7 +88,7 @@ def plain_value(text: str) -> object:
 
 
 def plain_number(text: str) -> int | float | None:
-    """``text`` as a decimal number, infinite if it is beyond floating point; None where it is not a number."""
+    """``text`` as a decimal number, infinite if it exceeds floating point; None if it is not a number."""
     if not _FLOAT.fullmatch(text):
         return None
     number = float(text)
@@ -97,13 +97,13 @@ def plain_number(text: str) -> int | float | None:
 
 
 def beyond_numbers(text: str) -> bool:
-    """Whether ``text`` is a decimal number, and too large or too small for one of floating point."""
+    """Whether ``text`` is a decimal number that is too large or too small for floating point."""
     digits = _FLOAT.fullmatch(text) and re.split("[eE]", text)[0].strip("+-.0")
     return bool(digits) and not 0.0 < abs(float(text)) < inf
 
 
 def whole(value: float) -> float:
-    """The number as an integer if it is a whole one, so that a file shows it without a point."""
+    """The number, as an integer if it is whole, so that a file shows it without a point."""
     return int(value) if isinstance(value, int) or value.is_integer() else value
 
 

@@ -1,7 +1,7 @@
-"""From YAML to plain values and the place of each.
+"""From YAML to plain values and their places.
 
 The reader follows the events of the parser directly.  So it refuses anchors, aliases, tags, repeated keys and deep
-nesting where they begin, before anything is built from them, and the meaning of a value does not depend on a loader.
+nesting where they begin, before it builds values from them, and the meaning of a value does not depend on a loader.
 """
 
 from __future__ import annotations
@@ -27,19 +27,19 @@ from ncgear.design.reading.text import beyond_numbers, plain_value, quoted, shor
 from ncgear.errors import WrongInput
 
 LONGEST_FAULT = 200
-"""Number of characters of a message of the parser, which may quote megabytes of the file."""
+"""Most characters of a parser's message, which may quote megabytes of the file."""
 
 DEEPEST = 12
 """Levels of nesting; a design file needs four, a balance file five."""
 
 MOST_KEYS = 200
-"""Keys in one group; a law needs two dozen.  Every unknown key is compared with the known ones, which takes time."""
+"""Keys in one group; a law needs two dozen.  The comparison of every unknown key with the known keys takes time."""
 
 MOST_VALUES = 100_000
 """Values in one file, with lists and groups: a few seconds of reading; a CSV file holds longer tables."""
 
 LONG_TAG = re.compile(r"!\S{200}")
-"""A long tag, refused before the parser sees it: its time to decode a tag grows with the square of the length."""
+"""A long tag, refused before the parser sees it: the parser's time grows with the square of the tag's length."""
 
 CONTROL_CHARACTER = re.compile(r"[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x84\x86-\x9f]")
 """Control characters, which YAML allows as escapes; terminals obey them, and HTML and XML do not allow all of them."""
@@ -60,7 +60,7 @@ def read_yaml(text: str, file: str) -> Document:
             _cannot_stand(chr(error.character)), location=_place_of_offset(text, error.position, file)
         ) from error
     except MarkedYAMLError as error:
-        # A text without an end is found at the end of the file, and its fault is where it begins.
+        # The parser finds an unclosed text at the end of the file; the fault is where the text begins.
         of_text = str(error.context).startswith(("while scanning a simple key", "while scanning a quoted"))
         mark = (error.context_mark if of_text else error.problem_mark) or error.context_mark
         place = Place(file, mark.line + 1, mark.column + 1) if mark else Place(file, 1, 1)
@@ -147,7 +147,7 @@ class _Reader:
 
     def _text(self, event: Any, path: tuple[str, ...]) -> str:
         text = str(event.value)
-        # An escape such as "\ud800" is half a character, which can be neither written nor shown.
+        # An escape such as "\ud800" is half a character, which can be neither written nor displayed.
         if any("\ud800" <= character <= "\udfff" for character in text):
             raise self._wrong(event, ".".join(path), r"a \u escape is half a character; write the character itself")
         if control := CONTROL_CHARACTER.search(text):
@@ -170,10 +170,10 @@ class _Reader:
 
 
 def _events(text: str, file: str) -> Iterator[Any]:
-    """What the parser finds; every machine uses the one in pure Python, because that in C has other error messages.
+    """The events of the parser; every machine uses the pure Python parser, because the C parser has other messages.
 
-    The parser makes numbers of escapes (``"\\UFFFFFFFF"``) and of the version after %YAML without a look at their size.
-    Such a fault gets the place where what is readable ends.
+    The parser turns escapes (``"\\UFFFFFFFF"``) and the version after %YAML into numbers without checking their size.
+    Such a fault gets the place where the readable text ends.
     """
     place = Place(file, 1, 1)
     try:
@@ -197,7 +197,7 @@ WORDS_OF_FAULTS = {
     "expected <block end>": "the line does not begin in the column of its group, or a quotation mark above it is "
     "open; all keys of a group begin in the same column",
 }
-"""What faults of the parser mean for whoever has written the file, by a part of the parser's words."""
+"""The meaning of the parser's faults for the writer of the file, by a part of the parser's words."""
 
 
 def _syntax(error: MarkedYAMLError, lines: list[str]) -> str:

@@ -1,4 +1,4 @@
-"""What the keys of every kind of train have, and the keys of teeth and bodies that kinds share."""
+"""Common keys of every kind of train, and the keys of teeth and bodies that kinds share."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ if TYPE_CHECKING:
 
 
 USUAL_IN_MODULES = 0.01
-"""Chord tolerance of small teeth where none is given: a twenty-fifth of a usual tip clearance."""
+"""Chord tolerance of small teeth if none is given: a twenty-fifth of a usual tip clearance."""
 
 
 RIM_IN_TOLERANCES = 2.0
-"""The thinnest rim in chord tolerances: chords of the circle outside and of the roots may be one each from theirs."""
+"""The thinnest rim in chord tolerances: chords of the outer circle and of the roots may each be one tolerance off."""
 
 
 class TrainKeys(Model):
@@ -34,14 +34,14 @@ class TrainKeys(Model):
     """The value of ``train.kind``."""
 
     MEANING: ClassVar[str]
-    """What this kind is, in a few words."""
+    """The kind in a few words."""
 
     speed_rpm: Speed = required("speed of the driving part in r/min")
 
     def train(self) -> Train:
-        """The train that the keys ask for; every bore is inside its part, and rims are thicker than chords.
+        """The train of the keys; every bore is inside its part, and rims are thicker than chords.
 
-        Raises WrongInput and NoSuchMechanism with keys that begin with ``train``, as ``train.gears.module_mm``.
+        Raises WrongInput and NoSuchMechanism with keys that begin with ``train``, such as ``train.gears.module_mm``.
         """
         with renamed("train.output", "train.gears"):
             made = self._made()
@@ -62,7 +62,7 @@ class TrainKeys(Model):
 
     @abstractmethod
     def _made(self) -> Train:
-        """The train as the keys of its kind make it; raises as ``train``."""
+        """The train of the keys of its kind; raises the errors of ``train``."""
 
 
 class TrainGears(Model):
@@ -87,7 +87,7 @@ class TrainGears(Model):
         return ToothForm(self.rack.in_mm(module_mm), backlash=Backlash(self.backlash_mm))
 
     def chord_mm(self, module_mm: float) -> float:
-        """The chord tolerance of teeth of a module; raises WrongInput for chords so coarse that they are no teeth."""
+        """The chord tolerance for a module; raises WrongInput for chords that are too coarse for teeth."""
         if self.chord_tolerance_mm is None:
             return min(CHORD_MM, USUAL_IN_MODULES * module_mm)
         with renamed("output", "train.gears"):

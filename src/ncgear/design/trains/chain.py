@@ -1,4 +1,4 @@
-"""The train ``chain``: a row of gears on fixed axes, each of which meshes with the next."""
+"""The train ``chain``: a row of gears on fixed axes; each gear meshes with the next."""
 
 from __future__ import annotations
 

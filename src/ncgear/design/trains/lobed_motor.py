@@ -1,4 +1,4 @@
-"""The train ``lobed_motor``: a lobed sun, round planets and a lobed ring, which displace a liquid."""
+"""The train ``lobed_motor``: a lobed sun, round planets and a lobed ring that displace a liquid."""
 
 from __future__ import annotations
 

@@ -43,7 +43,7 @@ class MovingAxis(TrainKeys):
     gears: MovingGearKeys = required("the teeth and the bodies of both gears")
 
     def _made(self) -> Train:
-        """The train that the keys ask for; raises WrongInput and NoSuchMechanism where no such gears exist."""
+        """The train of the keys; raises WrongInput and NoSuchMechanism if no such gears exist."""
         from ncgear.trains.moving_axis import module_mm, moving_train
 
         axes, radius = self._axes()
@@ -61,7 +61,7 @@ class MovingAxis(TrainKeys):
         return moving_train(axes, gears.teeth, form, *sizes, self.speed_rpm, gears.chord_mm(module), radius)
 
     def _axes(self) -> tuple[MovingAxes, float | None]:
-        """The law on its moving axis, and the radius of a round driving gear."""
+        """The law on its moving axis, and the radius of the driving gear if it is round."""
         from ncgear.pitch.moving_axes import MovingAxes, round_driving_law
         from ncgear.ratio.laws.expression import ratio_expression_law
         from ncgear.ratio.laws.uniform import uniform_law
@@ -80,7 +80,7 @@ class MovingAxis(TrainKeys):
             return MovingAxes(ratio_expression_law(self.ratio, lobes, scale_to_close=True), distance), None
 
     def _distance(self, lobes: Lobes) -> JetFunction:
-        """The centre distance by the driving angle."""
+        """The centre distance as a function of the driving angle."""
         import numpy as np
 
         from ncgear.numerics.formula import composed
@@ -97,4 +97,4 @@ class MovingAxis(TrainKeys):
 
 
 AGREED = 1e-6
-"""Relative disagreement of a given module that counts as rounding in a file."""
+"""Largest relative difference of a given module that counts as rounding in a file."""

@@ -36,7 +36,7 @@ class ToolAngle(Model):
 
 
 class TipPathKeys(Model):
-    """What the tip of the arm shall do: a closed path in the frame of the machine."""
+    """The wished path of the arm's tip: a closed path in the frame of the machine."""
 
     points_mm: Annotated[Several[Point], Field(min_length=6, max_length=200)] = required(
         "points [x, y] in mm in the order in which the tip passes them; the path is closed"
@@ -74,7 +74,7 @@ class TipPathKeys(Model):
     )
 
     def wished(self) -> WishedPath:
-        """The path that the keys ask for."""
+        """The path of the keys."""
         import numpy as np
 
         from ncgear.trains.tip_path import WishedPath
@@ -101,7 +101,7 @@ class TipPathKeys(Model):
 
 
 class TrainMasses(Model):
-    """What the parts of a train weigh."""
+    """Masses of the parts of a train."""
 
     density_kg_m3: Annotated[float, Field(gt=0.0, le=25_000.0)] = required(
         "density of all parts in kg/m3, as 7850 of steel"
@@ -184,7 +184,7 @@ class Planetary(TrainKeys):
             yield fault("sun_turns", "given, but the path is that of an arm about a sun that stands; leave it out")
 
     def _made(self) -> Train:
-        """The train that the keys ask for; raises NoSuchMechanism where no such gears exist."""
+        """The train of the keys; raises NoSuchMechanism if no such gears exist."""
         from ncgear.trains.planetary import Arm, Bodies, Stand, arm_of, planetary_train, stand_of
         from ncgear.trains.planetary_told import told_of
 
@@ -271,7 +271,7 @@ class Planetary(TrainKeys):
 MM_PER_M = 1000.0
 
 ROOM_MM = 2.0
-"""Least distance of two arms in mm that is sought."""
+"""Least distance in mm between two arms in the search."""
 
 RATIOS = 120
-"""Ratios by which the law of a path is given: five for each wave of the highest harmonic, which are exact to 1e-6."""
+"""Number of ratios in the law of a path: five for each wave of the highest harmonic, which are exact to 1e-6."""

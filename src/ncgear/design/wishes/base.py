@@ -1,8 +1,8 @@
-"""What the keys of every kind of wish have, and how they become its value.
+"""Common keys of every kind of wish, and how they make its value.
 
-An output that slides has places in mm and speeds in mm/s, an output that turns in deg and rad/s.  A kind with a
-place has a twin for an output that turns, whose keys and words follow from its own.  The values are imported where they
-are made, so that reading a design file loads no numerical library.
+A sliding output has places in mm and speeds in mm/s, a turning output in deg and rad/s.  A kind with a place has a twin
+for a turning output, whose keys and words follow from its own.  Values are imported when they are made, so that reading
+a design file loads no numerical library.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ TURNED = {"Way": Annotated[float, Field(ge=0.0, lt=360.0)], "Length": Annotated[
 
 
 class On(NamedTuple):
-    """The machine that wishes are made for: its mechanism, the driving angle of a cycle, the greatest ratio."""
+    """The machine of the wishes: its mechanism, the driving angle of a cycle, the greatest ratio."""
 
     linkage: Mechanism
     cycle_rad: float
@@ -46,23 +46,23 @@ class On(NamedTuple):
 
 
 class WishKeys(Model):
-    """What every wish has: whether it must be kept."""
+    """The common key of all wishes: whether the law must keep the wish."""
 
     KIND: ClassVar[str]
-    """Its key under ``wishes``."""
+    """The key of the kind under ``wishes``."""
 
     MEANING: ClassVar[str]
-    """The words of that key."""
+    """The words for that key."""
 
     SEVERAL: ClassVar[bool] = True
     """Whether a design has a list of them."""
 
     INSIDE: ClassVar[tuple[str, ...]] = ()
     REACHING: ClassVar[tuple[str, ...]] = ()
-    """Keys without their unit of places that are right under the stroke only, and of such as may be the stroke."""
+    """Keys, without unit, of places that must be under the stroke, and of places that may also be the whole stroke."""
 
     ANGLES: ClassVar[tuple[tuple[str, str], ...]] = ()
-    """Keys without their unit of driving angles that are right under the cycle only, and their values in rad."""
+    """Keys, without unit, of driving angles that must be under the cycle, and their values in rad."""
 
     PLACE: ClassVar[str] = "mm"
     SPEED: ClassVar[str] = "mm_s"
@@ -77,7 +77,8 @@ class WishKeys(Model):
     @classmethod
     @cache
     def turning(cls) -> type[WishKeys]:
-        """The class for an output that turns, with places in deg and speeds in rad/s; the class itself without any."""
+        """The class for a turning output, with places in deg and speeds in rad/s; the class itself without such
+        keys."""
         made: dict[str, Any] = {}
         annotations: dict[str, Any] = {}
         for name, annotation in cls.__annotations__.items():
@@ -87,7 +88,7 @@ class WishKeys(Model):
                 of: Any = TURNED.get(kind, Positive)
                 words = re.sub(r"\bmm\b(?=/)", "rad", cls.model_fields[name].description or "")
                 words = words.replace(" mm", " deg").replace("slider", "output")
-                # A field of the base is no field any more
+                # A field of the base is not a field of the class any more
                 annotations |= {name: ClassVar[None], key: of | None if absent else of}
                 made[key] = optional(words) if absent else required(words)
         if not made:
@@ -99,11 +100,11 @@ class WishKeys(Model):
         return of_models(f"Turning{cls.__name__}", (cls,), made, first=True)
 
     def place(self, quantity: str) -> Any:
-        """The value of a key of a place, such as ``from`` or ``at``, in the unit of the file; None where left out."""
+        """The value of a place's key, such as ``from`` or ``at``, in the unit of the file; None if it is left out."""
         return getattr(self, f"{quantity}_{self.PLACE}")
 
     def speed(self, quantity: str) -> float | None:
-        """The value of a key of a speed, in the unit of the file; None where it is left out."""
+        """The value of a speed's key, in the unit of the file; None if it is left out."""
         found: float | None = getattr(self, f"{quantity}_{self.SPEED}")
         return found
 
@@ -117,25 +118,25 @@ class WishKeys(Model):
             yield fault("weight", "given, but the wish is hard; hard: false is right with a weight, or leave it out")
 
     def refuse(self, key: str, on: On) -> None:
-        """Refuse what else no motion can do, by a WrongInput."""
+        """Refuse other values that no motion can reach; raises WrongInput."""
 
     @classmethod
     def disagreements(cls, own: Sequence[Self]) -> Faults:
-        """What contradicts each other among wishes of the kind; keys count from ``wishes``."""
+        """The faults of wishes of the kind that contradict each other; keys count from ``wishes``."""
         yield from ()
 
     @classmethod
     def refuse_together(cls, wishes: Wished, on: On) -> None:
-        """Refuse what no motion can do together with other wishes, by a WrongInput or a NoSuchMechanism."""
+        """Refuse a wish that no motion can keep together with other wishes; raises WrongInput or NoSuchMechanism."""
 
     @classmethod
     def completed(cls, own: Sequence[Self]) -> Sequence[Self]:
-        """Wishes of the kind with what follows from their order."""
+        """Wishes of the kind, completed by their order."""
         return own
 
     @abstractmethod
     def value(self, on: On, **common: Any) -> Wish:
-        """The wish that the keys ask for; ``common`` is its key, its weight and its output."""
+        """The wish of the keys; ``common`` is its key, its weight and its output."""
 
 
 class Wished(Protocol):

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ncgear.wishes.wish import Wish
 
 LEAST_TOLERANCE = 1e-4
-"""A hundredth of a percent of the speed: a hundredth of the usual tolerance, and more than teeth hold."""
+"""A hundredth of a percent of the speed: a hundredth of the usual tolerance, and more accurate than teeth."""
 
 
 class ConstantSpeed(WishKeys):
@@ -37,7 +37,7 @@ class ConstantSpeed(WishKeys):
         yield from unkept(self, f"to_{self.PLACE} > from_{self.PLACE}")
 
     def agrees(self, next_one: ConstantSpeed) -> bool:
-        """Whether both speeds can be had at the one place where this stretch ends and the next begins."""
+        """Whether both speeds are possible at the place where this stretch ends and the next begins."""
         own, other = self.speed("speed"), next_one.speed("speed")
         if own is None or other is None:
             return True
@@ -46,7 +46,7 @@ class ConstantSpeed(WishKeys):
 
     @classmethod
     def disagreements(cls, own: Sequence[Self]) -> Faults:
-        """Stretches of one stroke are apart, or agree where they meet."""
+        """Faults of stretches of one stroke that overlap, or that do not agree where they meet."""
         for stroke in ("working", "return"):
             strokes = [(number, wish) for number, wish in enumerate(own) if wish.stroke == stroke]
             strokes.sort(key=lambda one: one[1].place("from"))

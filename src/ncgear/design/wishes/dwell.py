@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ncgear.wishes.wish import Wish
 
 DIGITS = 3
-"""Significant digits of the nearest dwell; it is rounded up, so that it can be made."""
+"""Significant digits of the nearest possible dwell; it is rounded up, so that gears can make it."""
 
 
 class Dwell(WishKeys):
@@ -31,7 +31,7 @@ class Dwell(WishKeys):
 
     @classmethod
     def refuse_together(cls, wishes: Wished, on: On) -> None:
-        """Refuse dwells at both ends that leave no driving angle to the ways between them, and an exact dwell."""
+        """Refuse an exact dwell, and dwells at both ends that leave no driving angle for the ways between them."""
         own = wishes.of(cls)
         ends = ("retracted", "extended")
         longest = [max((one.for_angle_rad for one in own if one.hard and one.at == end), default=0.0) for end in ends]
@@ -47,7 +47,7 @@ class Dwell(WishKeys):
                 raise dwell._exact(f"wishes.dwell.{number}.within_{dwell.PLACE}", on)
 
     def _exact(self, key: str, on: On) -> NoSuchMechanism:
-        """The refusal of an exact dwell, with the nearest one that can be made."""
+        """The refusal of an exact dwell, with the nearest dwell that can be made."""
         from ncgear.kinematics.crank_stretches import End, nearest_dwell_mm
 
         output = on.linkage.OUTPUT

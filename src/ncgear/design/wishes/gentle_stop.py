@@ -56,12 +56,12 @@ class GentleStop(WishKeys):
 
     @property
     def driving_rad(self) -> tuple[float, float] | None:
-        """Both driving angles in rad; None for a stretch between places."""
+        """Both driving angles in rad; None if the stretch has places."""
         return (self.from_rad, self.to_rad) if key_of(self, "from_phi1") else None
 
     @property
     def bound(self) -> tuple[str, float]:
-        """What is bounded, ``speed`` or ``deceleration``, and its greatest value in the unit of the file."""
+        """The bounded quantity, ``speed`` or ``deceleration``, and its greatest value in the unit of the file."""
         speed = getattr(self, self.bound_key("speed"))
         return ("deceleration", getattr(self, self.bound_key("deceleration"))) if speed is None else ("speed", speed)
 
@@ -70,7 +70,7 @@ class GentleStop(WishKeys):
         return f"{quantity}_at_most_{self.SPEED}{'2' if quantity == 'deceleration' else ''}"
 
     def ends(self, stroke: float) -> tuple[float, float]:
-        """Both places in the unit of the file, on a stroke in that unit."""
+        """Both places in the unit of the file, for a stroke in that unit."""
         end = self.place("to")
         return self.place("from") or 0.0, stroke if end is None else end
 
@@ -105,7 +105,7 @@ class GentleStop(WishKeys):
             yield fault(end, f"{getattr(self, end):g} given, which is not over {start}; a larger angle is right")
 
     def refuse(self, key: str, on: On) -> None:
-        """Refuse driving angles beyond the cycle to either side, and a stretch that leaves nothing of it."""
+        """Refuse driving angles more than a cycle away on either side, and a stretch of a whole cycle or more."""
         if (ends := self.driving_rad) is None:
             return
         (start, end), cycle = ends, on.cycle_rad
@@ -119,7 +119,7 @@ class GentleStop(WishKeys):
                 )
 
     def value(self, on: On, **common: Any) -> Wish:
-        """A bound over the stretch; driving ranges are held over the crank angles of an even crank until a law is."""
+        """A bound over the stretch; until a law is known, an even crank's angles stand for a driving range."""
         from ncgear.kinematics.crank_stretches import CrankStretch, Stroke
         from ncgear.wishes.gentle_stop import GentleSpeed
         from ncgear.wishes.gentle_stop import GentleStop as Value

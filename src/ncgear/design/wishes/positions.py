@@ -31,7 +31,7 @@ class Position(WishKeys):
 
     @classmethod
     def disagreements(cls, own: Sequence[Self]) -> Faults:
-        """Positions follow each other by the driving angle, and by the displacement in each stroke."""
+        """Faults of positions that do not follow each other by driving angle, and in each stroke by displacement."""
         strokes = list(strokes_of(own))
         ways = list(zip(own, strokes, strict=True))
         for number, ((before, earlier), (after, later)) in enumerate(pairwise(ways), 1):
@@ -57,7 +57,7 @@ class Position(WishKeys):
 
     @classmethod
     def completed(cls, own: Sequence[Self]) -> Sequence[Self]:
-        """Each with its stroke."""
+        """Every position with its stroke."""
         pairs = zip(own, strokes_of(own), strict=True)
         return [position.model_copy(update={"stroke": stroke}) for position, stroke in pairs]
 
@@ -76,7 +76,7 @@ class Position(WishKeys):
 
 
 def strokes_of(positions: Sequence[Position]) -> Iterator[StrokeName]:
-    """The stroke of each position: as given, or the working one until a displacement falls."""
+    """The stroke of each position: the given stroke, or the working stroke until a displacement falls."""
     stroke: StrokeName = "working"
     for before, position in zip((None, *positions), positions, strict=False):
         if position.stroke is not None:

@@ -1,9 +1,9 @@
-"""The kinds of wishes that a design file can name, one line each, in the order in which they are judged and told.
+"""The kinds of wishes that a design file can name, one line each, in the order of their judgement and their words.
 
 To add a kind ``<name>``:
 
-1. ``wishes/<name>.py``: its value, which keeps the contract of ``wishes/wish.py``: what it asks of a law, what a motion
-   achieves of it, its words, and what it would have to ask for instead;
+1. ``wishes/<name>.py``: its value, which keeps the contract of ``wishes/wish.py``: its requirements on a law, its
+   outcome for a motion, its words, and its offer of a wish that can be kept;
 2. ``design/wishes/<name>.py``: its keys, and how they make the value (``design/wishes/base.py``);
 3. a line in ``KINDS`` below.
 
@@ -40,14 +40,14 @@ KINDS: tuple[type[WishKeys], ...] = (
 
 
 MOST_WISHES = 50
-"""Wishes of a kind: more than a person writes."""
+"""Most wishes of a kind: more than a person writes."""
 
 
 class KeysOfKinds(Model):
-    """The base that gives a class a key for each kind; with ``turns=True`` for an output that turns."""
+    """The base that gives a class a key for each kind of wish; ``turns=True`` is for a turning output."""
 
     def __init_subclass__(cls, turns: bool = False, **kwargs: Any) -> None:
-        """Annotate the fields before pydantic reads the annotations; kinds of which there is one come first."""
+        """Annotate the fields before pydantic reads the annotations; kinds with a single wish come first."""
         for kind in sorted(KINDS, key=lambda kind: kind.SEVERAL):
             keys: Any = kind.turning() if turns else kind
             several = Annotated[Several[keys], Field(max_length=MOST_WISHES)]
@@ -57,7 +57,7 @@ class KeysOfKinds(Model):
 
 
 class Wishes(KeysOfKinds):
-    """What a person wishes of the motion."""
+    """A person's wishes for the motion."""
 
     if TYPE_CHECKING:
 
@@ -76,4 +76,4 @@ class Wishes(KeysOfKinds):
 
 
 class TurningWishes(Wishes, turns=True):
-    """What a person wishes of the motion of an output that turns."""
+    """A person's wishes for the motion of a turning output."""

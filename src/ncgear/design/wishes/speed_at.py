@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 
 class SpeedAt(WishKeys):
-    """The speed at one place: bounds, or as low or as high as may be."""
+    """The speed at one place: bounds, or as low or as high as possible."""
 
     KIND = "speed_at"
     MEANING = "slow or fast at places, a list"
@@ -39,7 +39,7 @@ class SpeedAt(WishKeys):
         yield from unkept(self, f"{high} >= {low}")
 
     def value(self, on: On, **common: Any) -> Wish:
-        """Bounds of the speed, or a speed that is pushed."""
+        """Bounds of the speed, or a speed to be made as low or as high as possible."""
         from ncgear.kinematics.crank_stretches import Stroke
         from ncgear.wishes.speed_at import ExtremeSpeed
         from ncgear.wishes.speed_at import SpeedAt as Value

@@ -28,7 +28,7 @@ class TimeRatio(WishKeys):
 
     @classmethod
     def refuse_together(cls, wishes: Wished, on: On) -> None:
-        """Refuse a time ratio that the wished working stroke is too short for."""
+        """Refuse a time ratio for which the wished working stroke is too short."""
         from ncgear.wishes.wish import NEGLIGIBLE
 
         cycle = on.cycle_rad

@@ -1,4 +1,4 @@
-"""The keys of the driving angle that the working stroke takes."""
+"""The keys of the driving angle of the working stroke."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 class WorkingStroke(WishKeys):
-    """The driving angle that the working stroke takes."""
+    """The driving angle of the working stroke."""
 
     KIND = "working_stroke"
     MEANING = "driving angle that the working stroke takes; left out: free"

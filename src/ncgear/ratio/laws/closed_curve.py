@@ -1,7 +1,7 @@
-"""A closed curve about an axis in polar form, stretch by stretch, as the pitch curve of a gear needs it.
+"""A closed curve about an axis in polar form, in stretches, for the pitch curve of a gear.
 
-Each stretch is smooth and has a parameter of its own, by which angle and radius are known with derivatives.  A gear
-needs the radius by the angle: the angle must rise all the way, so that every ray from the axis meets the curve once.
+Each stretch is smooth and has its own parameter, which gives angle and radius with derivatives.  A gear needs the
+radius by the angle: the angle must rise all the way, so that every ray from the axis meets the curve once.
 """
 
 from __future__ import annotations
@@ -25,27 +25,27 @@ from ncgear.numerics.units import in_words
 from ncgear.numerics.zeros import zeros_between
 
 PolarFunction = Callable[[Array, int], tuple[Jet, Jet]]
-"""From parameters, shape (n,), and an order to angle in rad and radius in mm with derivatives by the parameter."""
+"""Function of parameters, shape (n,), and an order: angle in rad and radius in mm with derivatives by the parameter."""
 
 PointFunction = Callable[[Array, int], tuple[Jet, Jet]]
-"""From parameters, shape (n,), and an order to x and y in mm from the axis with derivatives by the parameter."""
+"""Function of parameters, shape (n,), and an order: x and y in mm from the axis with derivatives by the parameter."""
 
 LEAST_SINE = 1e-3
-"""Least sine of the angle between radius and curve: nearer to the radius no gear rolls on its mate."""
+"""Least sine of the angle between radius and curve: a curve nearer to the radius rolls on no mate."""
 
 JOINED = 1e-6
 """Relative difference of radii, or share of the largest radius, that counts as rounding in a file: seven digits."""
 
 SLIVER_RAD = 1e-9
-"""Stretches of a smaller angle are left out: rounding errors where a curve is cut next to a joint."""
+"""Stretches of a smaller angle are left out: they are rounding errors where a curve is cut next to a joint."""
 
 FINEST_TABLE = 40
-"""Most halvings of a table of angles where it turns by over a radian: in so short a stretch a curve meets its axis."""
+"""Most halvings of a table whose angle turns by over a radian in a step: on a shorter stretch curves meet the axis."""
 
 
 @dataclass(frozen=True, eq=False)
 class SmoothPart:
-    """A smooth part of a curve between two parameters; at ``knots``, inner ones, only a high derivative jumps."""
+    """A smooth part of a curve between two parameters; at inner parameters ``knots`` only a high derivative jumps."""
 
     start: float
     end: float
@@ -78,7 +78,7 @@ class SmoothPart:
         return SmoothPart(self.start, self.end, polar, self.knots)
 
     def backwards(self, *, mirrored: bool = False) -> SmoothPart:
-        """The stretch from its end to its start; ``mirrored``, at the angles' negatives."""
+        """The stretch from its end to its start; with ``mirrored``, at negative angles."""
         side = -1.0 if mirrored else 1.0
 
         def polar(at: Array, order: int) -> tuple[Jet, Jet]:
@@ -89,7 +89,7 @@ class SmoothPart:
         return SmoothPart(-self.end, -self.start, polar, tuple(-knot for knot in reversed(self.knots)))
 
     def cut(self, low_rad: float, high_rad: float) -> SmoothPart | None:
-        """The part between two angles; None where there is none, or only a sliver."""
+        """The part between two angles; None for no part, or for a sliver."""
         start, end = self.ends[0][0], self.ends[1][0]
         if end - low_rad <= SLIVER_RAD or high_rad - start <= SLIVER_RAD:
             return None
@@ -107,7 +107,7 @@ class SmoothPart:
 
 @dataclass(frozen=True, eq=False)
 class Radius:
-    """The radius by the angle on a stretch, whose ends count as at these two angles in rad."""
+    """The radius by the angle on a stretch; its ends count as at these two angles in rad."""
 
     stretch: SmoothPart
     start_rad: float
@@ -136,7 +136,7 @@ class Radius:
 
     @property
     def _stretched(self) -> float:
-        """The stretch's own angle by that which it counts as: 1 but for rounding errors."""
+        """The stretch's own angle over the angle that it counts as: 1 but for rounding errors."""
         (start, _), (end, _) = self.stretch.ends
         return (end - start) / (self.end_rad - self.start_rad)
 
@@ -158,7 +158,7 @@ class Radius:
 class ClosedCurve:
     """Consecutive stretches that come round the axis once, counter-clockwise.
 
-    ``endless`` tells of a single stretch that goes on smoothly beyond its end as it began.
+    ``endless`` says that the only stretch goes on smoothly beyond its end as it began.
     """
 
     stretches: tuple[SmoothPart, ...]
@@ -189,7 +189,7 @@ class ClosedCurve:
         return tuple(Radius(part, a, b) for part, (a, b) in zip(parts, pairwise(edges), strict=True))
 
     def require_gear(self, key: str) -> None:
-        """Refuse a curve that is not closed, meets its axis, or is met twice by a ray; raises NoSuchMechanism."""
+        """Refuse a curve that is not closed, meets its axis, or crosses a ray twice; raises NoSuchMechanism."""
         low, high = self.radius_range_mm
         if not low > JOINED * high:
             raise NoSuchMechanism(f"the pitch curve comes to {low:.4g} mm from its axis; it must go round it", key=key)
@@ -239,7 +239,7 @@ def _sine(stretch: SmoothPart) -> Callable[[Array], Jet]:
 
 
 def drawn(points: Sequence[tuple[PointFunction, Sequence[float]]], key: str, *, endless: bool = False) -> ClosedCurve:
-    """The curve of consecutive parts, each a function with its rising breaks, in whichever sense they go round.
+    """The curve of consecutive parts, each a function with its rising breaks; they may go round in either sense.
 
     Raises NoSuchMechanism for parts that do not come round the axis once.
     """
@@ -261,7 +261,7 @@ def drawn(points: Sequence[tuple[PointFunction, Sequence[float]]], key: str, *, 
 
 
 def _polar(point: PointFunction, breaks: Array, key: str) -> PolarFunction:
-    """Angle and radius of points; the angle counts on over whole turns, by a table of it, finer where it turns fast."""
+    """Angle and radius of points; the angle counts on over whole turns, by a table, finer where it turns fast."""
     shares = np.arange(16) / 16
     grid = np.append((breaks[:-1, None] + np.diff(breaks)[:, None] * shares).ravel(), breaks[-1])
     for _ in range(FINEST_TABLE):

@@ -26,16 +26,16 @@ from ncgear.ratio.transmission import JetFunction
 Point = tuple[float, float]
 
 ROUGHEST = 1e-3
-"""Share of a contour's size over which ends that miss each other are no rounding of numbers, but open."""
+"""Share of a contour's size above which a gap between ends is no rounding: the contour is open."""
 
 STRAIGHT = 1e-9
 """Share of a polygon's side below which a straight part or a corner's radius is left out."""
 
 SMOOTHINGS = 60
-"""Most halvings of the smoothing of points until they are kept to their tolerance; then the curve goes through them."""
+"""Most halvings of the smoothing until the curve keeps the points to their tolerance; then it goes through them."""
 
 MANY_PLACES = 4000
-"""Places of points from twice of which on a spline is sought through means of them first."""
+"""Places of points for each mean: from twice as many on, a spline through means is sought first."""
 
 SAME_PLACE_RAD = 1e-9
 """Angles of points nearer than this are one place of the curve."""
@@ -128,17 +128,17 @@ def closed_b_spline(points_mm: Array, degree: int, axis_mm: Point, key: str) -> 
 
 
 MOST_CORNERS = 100
-"""Corners of a contour over which it is an outline of chords, which is to be smoothed; each takes 10 ms to follow."""
+"""Most corners of a contour: with more it is an outline of chords, which must be smoothed; each corner takes 10 ms."""
 
 PER_PART, ALONG = 128, 1000
-"""Points of a smooth part of a contour that is smoothed with its neighbours, and into how many pieces a contour as long
-as a circle of its size is cut at least."""
+"""Points on each smooth part of a contour that is smoothed with its neighbours, and the least number of pieces of a
+contour as long as a circle of its size."""
 
 
 def points_along(curves: Sequence[RationalSpline]) -> Array:
-    """Points of a chain, shape (n, 2), close together all along it, its corners among them.
+    """Points of a chain, shape (n, 2), close together all along it, with its corners.
 
-    Chords are cut into pieces of a share of 1 / ALONG of the chain at most; a smooth curve has PER_PART points.
+    Pieces of chords are at most 1 / ALONG of a circle of the chain's size; a smooth part has PER_PART points.
     """
     every = np.concatenate([curve.points for curve in curves])
     longest = float(np.max(np.ptp(every, axis=0))) * pi / ALONG
@@ -163,7 +163,7 @@ def points_along(curves: Sequence[RationalSpline]) -> Array:
 def chain(curves: Sequence[RationalSpline], axis_mm: Point, key: str) -> ClosedCurve:
     """The contour of curves that follow each other, each beginning where the one before ends.
 
-    Raises WrongInput for a contour of so many chords that it is to be smoothed.
+    Raises WrongInput for a contour of so many chords that it must be smoothed.
     """
     chords = sum(len(curve.points) - 1 for curve in curves if curve.degree == 1)
     if chords > MOST_CORNERS:
@@ -180,10 +180,10 @@ def chain(curves: Sequence[RationalSpline], axis_mm: Point, key: str) -> ClosedC
 
 
 def one_contour(curves: Sequence[RationalSpline], near_mm: float, key: str) -> tuple[list[RationalSpline], float]:
-    """Curves in any order and sense as a chain that closes, and the greatest gap between their ends in mm.
+    """Curves in any order and sense as a closed chain, and the greatest gap between their ends in mm.
 
     Ends within ``near_mm``, but no more than ROUGHEST and no less than JOINED of the contour's size, are one point, and
-    are put together there; shorter curves are left out.  Raises WrongInput where they are not one closed contour.
+    are joined there; shorter curves are left out.  Raises WrongInput where they are not one closed contour.
     """
     size = max((float(np.max(np.ptp(curve.points, axis=0))) for curve in curves), default=0.0)
     if not size:
@@ -261,11 +261,12 @@ def polar_points(points_mm: Array, key: str) -> tuple[Array, Array]:
 def smoothed_points(
     angle_rad: Array, radius_mm: Array, tolerance_mm: float, repeats: int, key: str
 ) -> tuple[ClosedCurve, float]:
-    """The smooth closed curve near points in polar form (shape (n,)), and its largest radial distance from one in mm.
+    """The smooth closed curve near points in polar form (shape (n,)), and its largest radial distance from a point in
+    mm.
 
-    Of the periodic quintic smoothing splines (P. Dierckx, "Curve and Surface Fitting with Splines", Oxford 1993,
-    chapter 6), it is one that keeps the tolerance and has few knots; where none does, the spline through the points.
-    With several lobes all points shape one lobe.  Raises NoSuchMechanism where lobes differ by more than the tolerance.
+    It is a periodic quintic smoothing spline (P. Dierckx, "Curve and Surface Fitting with Splines", Oxford 1993,
+    chapter 6) that keeps the tolerance with few knots, else the spline through the points. All points shape one of
+    several lobes.  Raises NoSuchMechanism where lobes differ by more than the tolerance.
     """
     period = tau / repeats
     folded = np.mod(angle_rad, period)
@@ -284,7 +285,7 @@ def smoothed_points(
         return np.abs(spline(folded, extrapolate="periodic") - radius_mm)
 
     each = angles.size // MANY_PLACES
-    # Where places are many, the means of a few beside each other tell of the curve; all of them are judged.
+    # Of many places, the means of a few neighbours show the curve; all places are judged.
     for few in (_means(*closed, each, period), closed) if each > 1 else (closed,):
         sum_ = len(few[0]) * tolerance_mm**2
         for halving in range(SMOOTHINGS):
@@ -308,7 +309,7 @@ def smoothed_points(
 
 
 def _means(angles: Array, radii: Array, each: int, period: float) -> tuple[Array, Array]:
-    """Means of ``each`` places beside each other of a closed curve, and the first of them once more at the end."""
+    """Means of ``each`` neighbouring places of a closed curve, with the first mean once more at the end."""
     first = np.arange(0, len(angles) - 1, each)
     count = np.diff(np.append(first, len(angles) - 1))
     mean = [np.add.reduceat(values[:-1], first) / count for values in (angles, radii)]

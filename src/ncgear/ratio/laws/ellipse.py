@@ -32,7 +32,7 @@ def elliptical_law(eccentricity: float, phase_rad: float, lobes: Lobes) -> Trans
 
 
 def elliptical_angle(skew: float, phase_rad: float, lobes: Lobes, start_rad: float, phi1: Array, order: int) -> Jet:
-    """phi2 in rad, with derivatives; without ``start_rad`` it would be that at phi1 = 0."""
+    """phi2 in rad, with derivatives, less ``start_rad``, its value at phi1 = 0."""
     around = (Jet.variable(phi1, order) - phase_rad) * float(lobes.driving)
     sine, cosine = jet.sin_cos(around)
     return (around - 2.0 * jet.arctan(skew * sine / (skew * cosine + 1.0))) * (1.0 / lobes.driven) - start_rad

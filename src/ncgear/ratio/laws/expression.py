@@ -1,8 +1,8 @@
 """A law written as an expression in ``phi``: the ratio i12 itself, or the driven angle phi2.
 
-Where an expression goes over from one to another, as ``abs`` and ``max`` do, the law has a joint.  The ratio must go on
-there and at the seam; its slope may jump, which pitch curves refuse (``ncgear.pitch.pair``) and a slider may have.
-A law of gears that turn less than once holds for a range of the driving angle, and has no seam.
+Where an expression changes from one form to another, as ``abs`` and ``max`` do, the law has a joint.  The ratio must be
+continuous there and at the seam.  Its slope may jump, though pitch curves refuse that (``ncgear.pitch.pair``). A law of
+gears that turn less than once holds for a range of the driving angle, and has no seam.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from ncgear.ratio.laws.integrated import NEARLY_CLOSED, Slope, integrated_law, s
 from ncgear.ratio.transmission import JetFunction, Lobes, Piece, Range, Transmission
 
 NO_JUMP = 1e-9
-"""Relative difference of the ratio on both sides of a joint that counts as none: ten written digits give it."""
+"""Relative difference of the ratio on both sides of a joint that counts as rounding to ten written digits."""
 
 
 def ratio_expression_law(text: str, lobes: Lobes, *, scale_to_close: bool) -> Transmission:
@@ -96,7 +96,7 @@ def _open_parts(text: str, driving_rad: float, key: str) -> list[_Part]:
 
 
 def _inverse(ratio: Formula, start: float, end: float, key: str) -> Slope:
-    """The slope that belongs to a ratio."""
+    """The slope 1/i12 of a ratio."""
     try:
         inverse = ratio.reciprocal()
     except NotReal:
@@ -106,7 +106,7 @@ def _inverse(ratio: Formula, start: float, end: float, key: str) -> Slope:
 
 
 def _angle_piece(part: _Part, zero: float, factor: float, key: str) -> Piece:
-    """A stretch of a driven angle, with what its slope had to be resolved by as knots."""
+    """A stretch of a driven angle; its knots are the breaks that resolve its slope."""
     start, end, angle = part
     with smooth_or_refused(key):
         knots = proven(angle.derivative(), start, end).breaks[1:-1]
@@ -114,7 +114,7 @@ def _angle_piece(part: _Part, zero: float, factor: float, key: str) -> Piece:
 
 
 def formula_angle(formula: Formula, zero: float, factor: float, phi1: Array, order: int) -> Jet:
-    """phi2 in rad, with derivatives: a factor times what a formula of phi1 is over ``zero``."""
+    """phi2 in rad, with derivatives: a factor times a formula of phi1 less ``zero``."""
     return (by_angle(formula, phi1, order) - zero) * factor
 
 
@@ -142,9 +142,9 @@ def _refuse_jumping_angle(parts: Sequence[_Part], key: str) -> None:
 
 
 def _refuse_jumps(parts: Sequence[tuple[float, float, JetFunction]], named: str, lobes: Lobes | None, key: str) -> None:
-    """Either ratio, ``named`` so, must go on at every joint and at the seam, and have a finite slope and curvature.
+    """Refuse a ratio, ``named`` so, with a jump or an infinite slope or curvature at a joint or at the seam.
 
-    A jump of the ratio would be one of the slider's velocity.  Without ``lobes`` there is no seam.
+    A jump of the ratio would be a jump of the slider's velocity.  Without ``lobes`` there is no seam.
     """
     meeting = pairwise(parts) if lobes is None else zip([parts[-1], *parts[:-1]], parts, strict=True)
     for (_, end, before), (start, _, after) in meeting:

@@ -22,11 +22,11 @@ from ncgear.numerics.proven import proven, smooth_parts
 from ncgear.ratio.transmission import DrivenGearStops, Piece, Range, Transmission
 
 NO_JUMP = 1e-9
-"""Share of the function's whole change by which it may jump where it goes over from one formula to another."""
+"""Share of the function's whole change by which it may jump where one formula follows another."""
 
 PLACES = 1025
-"""Places of a formula's range between which a change of its slope's sign is looked for; a touch in between is told as
-the place of the least slope."""
+"""Places of a formula's range between which its slope may change its sign; if it touches zero in between, the place of
+the least slope is named."""
 
 
 def generated_function(
@@ -34,8 +34,8 @@ def generated_function(
 ) -> Transmission:
     """The law of a function of x over a range of x, with the ranges of both angles in rad.
 
-    Raises WrongInput for what is no formula of x, and NoSuchMechanism, with the x, for a function that is not smooth,
-    that jumps, or that does not rise or fall throughout.
+    Raises WrongInput for a text that is no formula of x, and NoSuchMechanism, with the x, for a function that is not
+    smooth, that jumps, or that does not rise or fall throughout.
     """
     first, last = x_range
     rate = (last - first) / driving_rad
@@ -88,7 +88,7 @@ def generated_angle(
 
 
 def _stop(parts: list[tuple[float, float, Formula]], least: float) -> float:
-    """The x where the slope of a function first changes its sign; ``least``, where it is least, if it touches zero."""
+    """The x where the slope of a function first changes its sign, or ``least``, its least slope's place, at a touch."""
     for start, end, formula in parts:
         slope = formula.derivative()
         places = np.linspace(start, end, PLACES)
@@ -103,7 +103,7 @@ def _value(formula: Formula, x: float) -> float:
 
 
 def _refuse_jumps(parts: list[tuple[float, float, Formula]], key: str) -> None:
-    """The function and its slope must go on where one formula follows another."""
+    """Refuse a jump of the function or of its slope where one formula follows another."""
     change = abs(_value(parts[-1][2], parts[-1][1]) - _value(parts[0][2], parts[0][0]))
     for (_, joint, before), (_, _, after) in pairwise(parts):
         sides = _value(before, joint), _value(after, joint)

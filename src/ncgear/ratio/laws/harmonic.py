@@ -23,7 +23,7 @@ FEWEST_NODES = 64
 """Fewest nodes of the integral over a period; a law of many harmonics begins with 8 to 16 nodes for each."""
 
 NODES_PER_KNOT = 8
-"""Nodes of the integral between two knots, so that extrema are looked for as finely as the law is resolved."""
+"""Nodes of the integral between two knots, so that extrema are searched as finely as the law is resolved."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ class LogSeries:
 
 
 def harmonic_law(cosine: Array, sine: Array, lobes: Lobes) -> Transmission:
-    """The law of coefficients from the first harmonic on, shapes (m,) and (n,); none at all is the uniform law.
+    """The law of coefficients from the first harmonic on, shapes (m,) and (n,); no coefficients are the uniform law.
 
     Raises WrongInput for coefficients that are not finite, NoSuchMechanism where the ratio's range is beyond 1e6; keys
     ``motion.cosine`` and ``motion.sine``.
@@ -93,7 +93,7 @@ def _closing_integral(series: LogSeries, key: str) -> TurnIntegral:
         span = float(np.ptp(series.sampled(fewest)))
     if not span <= WIDEST:
         raise _beyond_sense(series, span, key)
-    # No overflow: the series' mean is zero, so within a span of ln 1e6 its values are below that.
+    # No overflow: the series' mean is zero, so within a span of ln 1e6 its values stay below that.
     return turn_integral(lambda count: np.exp(series.sampled(count)), fewest)
 
 
@@ -101,7 +101,7 @@ def _beyond_sense(series: LogSeries, span: float, key: str) -> NoSuchMechanism:
     """The refusal of a range of the ratio of e^span, at the largest coefficient."""
     name, values = max((("cosine", series.cosine), ("sine", series.sine)), key=lambda named: np.max(np.abs(named[1])))
     worst = int(np.argmax(np.abs(values)))
-    # As a power of ten, for e^span may be more than a number can hold.
+    # As a power of ten: e^span may be more than a number can hold.
     return NoSuchMechanism(
         f"{values[worst]:g} is the largest coefficient, and ln i12 spans {span:.4g}, which is a range of the ratio of "
         f"1:1e{span / log(10.0):.4g}; over 1:1e6 the driven gear stands still. Make the coefficients smaller",
@@ -110,7 +110,7 @@ def _beyond_sense(series: LogSeries, span: float, key: str) -> NoSuchMechanism:
 
 
 def staged_law(cosine: Array, sine: Array, second_cosine: Array, second_sine: Array) -> StagedLaw:
-    """The law of f's and g's coefficients from the first harmonic on; the lists, shape (n,), may differ in length.
+    """The law of the coefficients of f and g from the first harmonic on; the lists, shape (n,), may differ in length.
 
     Raises WrongInput for coefficients that are not finite and NoSuchMechanism where a ratio's range is beyond 1e6; keys
     ``motion.cosine``, ``motion.second_stage.cosine`` and the like.

@@ -1,4 +1,4 @@
-"""What laws that are given by their ratio share: 1/i12 is integrated, and the cycle is closed by a constant factor."""
+"""Common part of laws given by their ratio: 1/i12 is integrated, and a constant factor closes the cycle."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from ncgear.numerics.units import in_words
 from ncgear.ratio.transmission import JetFunction, Lobes, Piece, Transmission
 
 NEARLY_CLOSED = 1e-9
-"""Relative closure error that is removed without being asked for: a ratio written with ten digits has one of this
+"""Relative closure error that is removed even without ``scale_to_close``: a ratio with ten digits has an error of this
 size."""
 
 
@@ -35,7 +35,7 @@ class Slope:
 
     @property
     def knots_rad(self) -> tuple[float, ...]:
-        """Inner breaks: knots for the law, so that nobody who looks at it misses what the integral had to resolve."""
+        """Inner breaks: knots of the law, so that later steps see all that the integral had to resolve."""
         return tuple(self.integral.breaks[1:-1].tolist())
 
 
@@ -60,9 +60,9 @@ def splined_slope(jets: JetFunction, knots: Array, lobes: Lobes, key: str) -> Sl
 
 
 def integrated_law(slopes: Sequence[Slope], lobes: Lobes, *, scale_to_close: bool, key: str) -> Transmission:
-    """The law whose dphi2/dphi1 is that of consecutive stretches times the constant that closes the cycle.
+    """The law of consecutive stretches of dphi2/dphi1, times the constant that closes the cycle.
 
-    Raises NoSuchMechanism when the constant is not 1 and ``scale_to_close`` is not asked for.
+    Raises NoSuchMechanism where the constant is not 1 and ``scale_to_close`` is false.
     """
     starts = np.cumsum([0.0, *(slope.integral.final for slope in slopes)])
     factor = _closing_factor(float(starts[-1]), lobes, scale_to_close, key)
@@ -71,7 +71,7 @@ def integrated_law(slopes: Sequence[Slope], lobes: Lobes, *, scale_to_close: boo
 
 
 def stretched(slope: Slope, start: float, factor: float) -> Piece:
-    """The integral of a slope from the value ``start``, everything times a factor."""
+    """The integral of a slope from the value ``start``, all times a factor."""
     first, last = slope.integral.breaks[[0, -1]].tolist()
     return Piece(first, last, partial(integrated_angle, slope, start, factor), slope.knots_rad)
 
@@ -83,7 +83,7 @@ def integrated_angle(slope: Slope, start: float, factor: float, phi1: Array, ord
 
 
 def _closing_factor(covered: float, lobes: Lobes, scale_to_close: bool, key: str) -> float:
-    """What 1/i12 is multiplied by, so that the driven gear, which turns by ``covered`` rad, turns by its period."""
+    """The factor of 1/i12 that makes the driven gear, which turns by ``covered`` rad, turn by its period."""
     target = lobes.driven_period_rad
     if not covered > 0.0:
         raise NoSuchMechanism("the ratio is negative; it must be positive over the whole cycle", key=key)

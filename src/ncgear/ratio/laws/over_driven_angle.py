@@ -1,16 +1,16 @@
-"""What laws share that are given by ln i12 over the driven angle, for one pair of gears or two pairs in series.
+"""Common part of laws given by ln i12 over the driven angle, for one pair of gears or two pairs in series.
 
 One pair: the logarithm keeps every ratio positive whatever its values are, and the motion of the mechanism depends on
-the driven angle; so this is the form in which laws are optimised and stored.  A constant closes the cycle: with
-x = n1 phi1 and t = n2 phi2, dx/dt = exp(f) / mean(exp(f)), whose integral over a turn is a turn.
+the driven angle; so laws are optimised and stored in this form.  A constant closes the cycle: with x = n1 phi1 and t =
+n2 phi2, dx/dt = exp(f) / mean(exp(f)), whose integral over a turn is a turn.
 
 Two pairs: ln i12 = ln iA + ln iB, both over the crank's angle phi2.
 
     ln i12 = f(phi2),   ln iB = g(phi2),   ln iA = f - g
 
-The second pair drives the crank, so phi2 is its own driven angle and its ratio iB is such a law without conversion.
-The first pair drives the shaft between, whose angle phim = integral of exp(g) dphi2 comes round with the crank.  With
-t = phi2, dphim/dphi1 = exp(g - f) and dt/dphi1 = exp(-f), each with the constant that closes it.
+The second pair drives the crank, so phi2 is its own driven angle and its ratio iB is such a law without conversion. The
+first pair drives the intermediate shaft, whose angle phim = integral of exp(g) dphi2 comes round with the crank.  With
+t = phi2, dphim/dphi1 = exp(g - f) and dt/dphi1 = exp(-f), each with the constant that closes its cycle.
 """
 
 from __future__ import annotations
@@ -41,11 +41,11 @@ class LogRatio(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class LogRatioLaw:
-    """The driven angle of one period: the inverse of ``integral``, which is the driving angle over the driven one.
+    """The driven angle of one period: the inverse of ``integral``, the driving angle over the driven angle.
 
-    ``integral`` is that of exp(``series``); it counts both angles in turns of 2 pi a period.  ``joints`` (shape (m,))
-    are angles t between 0 and 2 pi, rising: between two of them the law is analytic and nothing happens that is finer
-    than their distance.
+    ``integral`` integrates exp(``series``); it counts both angles in turns of 2 pi a period.  ``joints`` (shape (m,))
+    are angles t between 0 and 2 pi, rising: between two of them the law is analytic and has no detail finer than their
+    distance.
     """
 
     series: LogRatio
@@ -68,7 +68,7 @@ class LogRatioLaw:
 
     @property
     def transmission(self) -> Transmission:
-        """The law with its range looked for; raises NoSuchMechanism where the driven gear all but stops."""
+        """The law with its range searched; raises NoSuchMechanism where the driven gear nearly stops."""
         return Transmission((Piece(0.0, self.lobes.driving_period_rad, self.driven_angle, self.knots_rad),), self.lobes)
 
     @property
@@ -94,12 +94,12 @@ class StagedLaw:
         return jet.by_other(values, speed / self.second.speed(turned, order - 1), speed)
 
     def shaft_speed(self, phim: Array) -> Array:
-        """Speed of the shaft between over the driving shaft's, at angles of the shaft between in rad, shape (n,)."""
+        """Speed of the intermediate shaft over the driving shaft's, at angles of the former in rad, shape (n,)."""
         turned = self.second.driven_angle(np.mod(phim, 2.0 * pi), 0).value
         return self.whole.speed(turned, 0).value / self.second.speed(turned, 0).value
 
     def shaft_rad(self, phim: Array) -> Array:
-        """phi1 in rad at angles of the shaft between in rad, shape (n,)."""
+        """phi1 in rad at angles of the intermediate shaft in rad, shape (n,)."""
         within = np.mod(phim, 2.0 * pi)
         return self.whole.integral.at(self.second.driven_angle(within, 0).value) + (phim - within)
 

@@ -1,16 +1,16 @@
-"""A law by the pitch curve of one gear: the mate is the curve that rolls on it, at the distance at which it closes.
+"""A law by the pitch curve of one gear: its mate is the curve that rolls on it, at the distance that closes it.
 
 With r(phi) the radius of the given curve where it faces the mate, phi the angle that its gear has turned, and a the
 centre distance, the mate turns by dpsi = r / (a - r) dphi (F. L. Litvin et al., "Noncircular Gears", Cambridge 2009,
 chapter 2; A. Pogacnik, "Non-circular gears", KISSsoft AG 2022, section 2).  With n lobes of the given gear and m of its
-mate, that closes where
+mate, the mate closes where
 
     integral of r / (a - r) over 2 pi / n  =  2 pi / m.
 
-The integral falls strictly with a, from infinity where a is the greatest radius, and by Jensen's inequality it is still
-too large at a = (1 + m / n) times the mean radius, and too small at (1 + m / n) times the greatest one: one distance
-closes, and it lies between.  Where a is given, curves that lie inside each other make the integral grow with the one
-shape parameter that is sought, so that again at most one closes.
+The integral falls strictly with a, from infinity where a is the greatest radius, and by Jensen's inequality the
+integral is still too large at a = (1 + m / n) times the mean radius, and too small at (1 + m / n) times the greatest
+one: one distance closes, and it lies between.  Where a is given, curves that lie inside each other make the integral
+grow with the shape parameter that is sought, so again at most one value closes the mate.
 
 In an internal pair the mate's radius is r + a where the mate is the ring, and r - a where the curve is the ring's (the
 same sources).  The integral of r / (r + a) falls strictly with a, of r / (r - a) it grows, and Jensen's inequality
@@ -40,13 +40,13 @@ from ncgear.ratio.laws.integrated import Slope, integrated_law, smooth_or_refuse
 from ncgear.ratio.transmission import Lobes, Piece, Transmission
 
 NEAREST = 1.0001
-"""Least centre distance by the greatest radius: nearer, the mate would be 10 000 times as fast as the given gear."""
+"""Least centre distance over the greatest radius: nearer, the mate would turn 10 000 times as fast as the gear."""
 
 ROUNDING = 1e-12
-"""Share by which places and turns that are the same may differ: far more than their rounding errors."""
+"""Share by which equal places and turns may differ: far more than their rounding errors."""
 
 ALIKE = 200
-"""Angles of a lobe at which it is compared with the others."""
+"""Angles of a lobe at which it is compared with the other lobes."""
 
 
 Radii = TypeVar("Radii", Array, Jet)
@@ -60,14 +60,14 @@ class Mate(Enum):
     WITHIN = (-1.0, 1.0)
 
     def turned_per(self, radius: Radii, center_distance_mm: float) -> Radii:
-        """How fast the mate turns by the gear's angle, of radii in mm."""
+        """Speed of the mate over the gear's speed, for radii in mm."""
         distance, own = self.value
         return radius / (distance * center_distance_mm + own * radius)
 
 
 @dataclass(frozen=True)
 class Search:
-    """A shape parameter between two values, for which the curve is the larger the greater it is, or the smaller."""
+    """A shape parameter between two values; a greater value makes the curve larger throughout, or smaller."""
 
     low: float
     high: float
@@ -77,10 +77,10 @@ class Search:
 
 @dataclass(frozen=True, eq=False)
 class GivenCurve:
-    """A curve that a gear shall have, by the value that is found; without a ``search`` every value gives the same one.
+    """A gear's curve as a function of the value that is found; without a ``search`` every value gives the same curve.
 
-    Angles of a curve that is ``drawn`` are polar angles in the gear, those of another one are angles that the gear has
-    turned when the place faces the mate.  The gear has turned by ``phase_rad`` when angle 0 faces the mate.
+    Angles of a ``drawn`` curve are polar angles in the gear; other curves have the gear's turn at which the place faces
+    the mate.  The gear has turned by ``phase_rad`` when angle 0 faces the mate.
     """
 
     curve_of: Callable[[float], ClosedCurve]
@@ -110,7 +110,7 @@ class GivenCurve:
 
 @dataclass(frozen=True, eq=False)
 class ClosedLaw:
-    """A law, its centre distance in mm, and the value of the shape or the scale that closes it (1 where none does)."""
+    """A law, its centre distance in mm, and the value of the shape or the scale that closes it (1 for no scaling)."""
 
     transmission: Transmission
     center_distance_mm: float
@@ -120,8 +120,8 @@ class ClosedLaw:
 def closed_law(given: GivenCurve, lobes: Lobes, center_distance_mm: float | None) -> ClosedLaw:
     """The law of a curve and its mate.
 
-    Without a centre distance that is what closes the mate; with one, the scale of the curve or the value that it has a
-    search for does.  Raises NoSuchMechanism for a curve that is no gear, and where nothing closes the mate.
+    Without a given centre distance, the distance closes the mate; with one, the scale of the curve closes it, or the
+    value that is searched.  Raises NoSuchMechanism for a curve that is no gear, and where nothing closes the mate.
     """
     own = (lobes.driven, lobes.driving) if given.driven else (lobes.driving, lobes.driven)
     make = partial(driven_curve_law if given.driven else driving_curve_law, lobes=lobes, key=given.key, mate=given.mate)
@@ -139,7 +139,7 @@ def closed_law(given: GivenCurve, lobes: Lobes, center_distance_mm: float | None
 
 @dataclass(frozen=True, eq=False)
 class TurnedBy:
-    """How far the mate turns in all while a gear with a curve makes one turn, as a function of the centre distance.
+    """The mate's whole turn while a gear with a curve makes one turn, as a function of the centre distance.
 
     ``weighted`` (two columns) are radius in mm and d angle by a common parameter of all stretches.
     """
@@ -181,7 +181,7 @@ class TurnedBy:
 
 
 def turned_by(curve: ClosedCurve, key: str, mate: Mate = Mate.BESIDE) -> TurnedBy:
-    """The mate's turn of a curve; raises NoSuchMechanism for one that cannot be resolved."""
+    """The mate's turn for a curve; raises NoSuchMechanism for a curve that cannot be resolved."""
     forms, start = [], 0.0
     for stretch in curve.stretches:
         columns = _columns(stretch, stretch.start - start)
@@ -207,10 +207,10 @@ def _columns(stretch: SmoothPart, shift: float) -> Callable[[Array], Array]:
 def closing_distance_mm(
     curve: ClosedCurve, repeats: int, mate_repeats: int, key: str, mate: Mate = Mate.BESIDE
 ) -> float:
-    """The centre distance at which the mate of a curve with so many lobes closes with its own number of lobes.
+    """The centre distance at which the mate closes, from the lobes of the curve and of the mate.
 
-    Raises NoSuchMechanism where the mate would have to come within a millionth of standing still, and for a ring that
-    has no more lobes than the gear within.
+    Raises NoSuchMechanism where no centre distance turns the mate far enough, and for a ring that has no more lobes
+    than the gear within.
     """
     turned, wanted = turned_by(curve, key, mate), tau * repeats / mate_repeats
     share = _share(repeats, mate_repeats, mate)
@@ -231,7 +231,7 @@ def closing_distance_mm(
 
 
 def _share(repeats: int, mate_repeats: int, mate: Mate) -> float:
-    """The centre distance of circles by the radius of the given one; raises NoSuchMechanism for a ring without one."""
+    """Centre distance of circles over the given one's radius; raises NoSuchMechanism for a ring with too few lobes."""
     if mate is Mate.BESIDE:
         return 1.0 + mate_repeats / repeats
     inner, ring = (repeats, mate_repeats) if mate is Mate.ABOUT else (mate_repeats, repeats)
@@ -247,9 +247,9 @@ def _share(repeats: int, mate_repeats: int, mate: Mate) -> float:
 def closing_value(
     curve_of: Callable[[float], ClosedCurve], search: Search, center_distance_mm: float, lobes: tuple[int, int]
 ) -> float:
-    """The value of a shape parameter with which the mate closes at a given centre distance; lobes of gear and mate.
+    """The value of a shape parameter that closes the mate at a given centre distance; ``lobes`` of gear and mate.
 
-    Raises NoSuchMechanism where no value of the range does.
+    Raises NoSuchMechanism where no value of the range closes it.
     """
     wanted = tau * lobes[0] / lobes[1]
 
@@ -343,12 +343,12 @@ def _slope(radius: Radius, center_distance_mm: float, key: str, mate: Mate) -> S
 
 
 def rolled(radius: Radius, center_distance_mm: float, mate: Mate, phi: Array, order: int) -> Jet:
-    """How fast the mate turns, with derivatives by the angle of the gear whose radius is given."""
+    """Speed of the mate over the gear's, with derivatives by the angle of the gear whose radius is given."""
     return mate.turned_per(radius.at(phi, order), center_distance_mm)
 
 
 def _inverse(piece: Piece, slope: Slope) -> Piece:
-    """The driven angle by the driving one, where the driving angle is known by the driven one."""
+    """The driven angle by the driving angle, from the driving angle by the driven angle."""
     breaks = np.array([piece.start_rad, *piece.knots_rad, piece.end_rad])
     driving = piece.driven_angle(breaks, 0).value
 

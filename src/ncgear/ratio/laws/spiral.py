@@ -1,8 +1,8 @@
 """Gears whose pitch curves are logarithmic spirals: open gears with the same pressure angle everywhere.
 
-r1 = r0 exp(m phi1) makes the angle between the curve and the normal to its radius constant, its tangent being m.  With
-i12 = a / r1 - 1 the driven angle has a closed form, phi2 = ln((a - r0) / (a - r1)) / m, and the driven curve, r2 = a -
-r1, is a logarithmic spiral as well, which falls as exp(-m phi2) (F. L. Litvin, A. Fuentes-Aznar, I. Gonzalez-Perez, K.
+r1 = r0 exp(m phi1) makes the angle between the curve and the normal to its radius constant; its tangent is m.  With i12
+= a / r1 - 1 the driven angle has a closed form, phi2 = ln((a - r0) / (a - r1)) / m, and the driven curve, r2 = a - r1,
+is a logarithmic spiral as well, which falls as exp(-m phi2) (F. L. Litvin, A. Fuentes-Aznar, I. Gonzalez-Perez, K.
 Hayasaka, "Noncircular Gears", Cambridge 2009).
 """
 
@@ -20,7 +20,7 @@ from ncgear.numerics.jet import Jet
 from ncgear.ratio.transmission import Piece, Range, Transmission
 
 LEAST_GROWTH = 1e-6
-"""Least tangent m of a spiral's angle: a smaller one is a circle to any tool, and its closed form loses digits."""
+"""Least tangent m of a spiral's angle: with less it is a circle to any tool, and the closed form loses digits."""
 
 
 def logarithmic_spirals(ratio_start: float, ratio_end: float, driving_rad: float) -> Transmission:

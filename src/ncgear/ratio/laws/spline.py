@@ -21,12 +21,12 @@ from ncgear.ratio.laws.over_driven_angle import WIDEST, LogRatioLaw, StagedLaw
 from ncgear.ratio.transmission import Lobes, Transmission
 
 SWING = 1.0
-"""Most that ln i12 changes between two joints.  Between two distant knots the ratio may change a thousandfold, and then
-most of the driven angle is passed in a small share of the driving angle."""
+"""Most that ln i12 changes between two joints.  Between two distant knots the ratio may change a thousandfold; most of
+the driven angle then takes a small share of the driving angle."""
 
 
 def spline_ratio_law(driven_angle_rad: Array, ratio: Array, lobes: Lobes) -> Transmission:
-    """The law through ratios i12 at driven angles, shape (n,) both; a common factor that closes the cycle is added.
+    """The law through ratios i12 at driven angles, shape (n,) both; times a common factor that closes the cycle.
 
     The angles rise from 0 to under 2 pi; they stand for t = n2 phi2, so a turn of them is one period.  At least four
     are needed, and more than 2000 magnify rounding.  Raises WrongInput for ratios that are not positive and finite,
@@ -65,7 +65,7 @@ def closed_spline(driven_angle_rad: Array, ratio: Array, lobes: Lobes, key: str 
 
 
 def _beyond_sense(spline: PeriodicCubic, low: Extremum, high: Extremum, middle: float, key: str) -> NoSuchMechanism:
-    """The refusal of too wide a range of the ratio, at the point next to the end that is farther from most points."""
+    """The refusal of too wide a range of the ratio, at the point nearest to the extreme farther from most points."""
     usual = float(np.median(spline.coefficients[0]))
     farther = max((low, high), key=lambda end: abs(end.value - usual))
     number = int(np.argmin(np.abs(spline.knots - farther.at))) % (spline.knots.size - 1)
@@ -76,7 +76,7 @@ def _beyond_sense(spline: PeriodicCubic, low: Extremum, high: Extremum, middle: 
             f"the points themselves span only 1:{exp(between_points):.4g}, so more points are needed where the ratio "
             "changes fast, or points that are farther apart"
         )
-    # As powers of ten, for a spline may swing farther than a number can hold
+    # As powers of ten: a spline may swing farther than a number can hold
     ends = " to ".join(f"1e{(end.value + middle) / log(10.0):.4g} at {in_words(end.at)}" for end in (low, high))
     return NoSuchMechanism(
         f"the smooth curve through the ratios goes from {ends}, a range of "

@@ -24,18 +24,18 @@ from ncgear.ratio.transmission import DrivenGearStops, Lobes, Piece, Transmissio
 
 DEGREE = 5
 MOST_POINTS = 2000
-"""Points of a cycle beyond which the curvature of the pitch curves is lost: a spline through points h apart magnifies
-their rounding by 1/h^3 there, which for 16 digits and 4000 points is 1e-7 (tests/test_laws.py)."""
+"""Most points of a cycle; with more the curvature of the pitch curves is lost. A spline through points h apart
+magnifies their rounding by 1/h^3 there: 1e-7 for 16 digits and 4000 points (tests/test_laws.py)."""
 
 AT_DEAD_CENTRE = 1e-6
-"""Share of the stroke within which a point counts as the dead centre: a micrometre a metre, finer than tables are."""
+"""Share of the stroke within which a point counts as the dead centre: a micrometre per metre, finer than tables are."""
 
 
 def displacement_table_law(phi1_rad: Array, displacement_mm: Array, linkage: Mechanism, lobes: Lobes) -> Transmission:
     """The law through displacements (shape (n,)) at driving angles within one cycle.
 
-    The first point must be phi1 = 0 at the retracted end, one point the extended end, displacements rising before and
-    falling after it.  Raises WrongInput for points that are not so, NoSuchMechanism where the slider would turn back.
+    The first point must be phi1 = 0 at the retracted end, one point the extended end; displacements rise before and
+    fall after it. Raises WrongInput for other points, NoSuchMechanism where the slider would turn back.
     """
     place = linkage.OUTPUT.place
     key = f"motion.displacement_{place.ending}"
@@ -81,7 +81,7 @@ def ratio_table_law(phi1_rad: Array, ratio: Array, lobes: Lobes, *, scale_to_clo
 
 
 def _without_closing_row(phi1: Array, values: Array, lobes: Lobes, key: str) -> tuple[Array, Array]:
-    """The points without a last one that only repeats the first; raises WrongInput where it differs from that."""
+    """The points without a last point that repeats the first; raises WrongInput where the two differ."""
     period = lobes.driving_period_rad
     if phi1[-1] > period * (1.0 + 1e-12):
         raise WrongInput(f"the last point is at {phi1[-1]:.6g} rad; one cycle ends at {period:.6g} rad", key=key)
@@ -93,7 +93,7 @@ def _without_closing_row(phi1: Array, values: Array, lobes: Lobes, key: str) -> 
 
 
 def _strokes(phi1: Array, displacement: Array, linkage: Mechanism, key: str) -> tuple[Array, Mask]:
-    """Displacements snapped to the dead centres, and which of them belong to the return."""
+    """Displacements snapped to the dead centres, and a mask of the points of the return."""
     stroke, near = linkage.stroke_mm, AT_DEAD_CENTRE * linkage.stroke_mm
     top = int(np.argmax(displacement))
     unit, told = linkage.OUTPUT.place.text, linkage.OUTPUT.place.factor * displacement
@@ -115,7 +115,7 @@ def _strokes(phi1: Array, displacement: Array, linkage: Mechanism, key: str) -> 
 
 
 def _refuse_turning(phi1: Array, displacement: Array, top: int, output: Output, key: str) -> None:
-    """Displacements must rise to the extended end and fall from there to the end of the cycle, where it is 0 again."""
+    """Refuse displacements that do not rise to the extended end and fall from there to 0 at the end of the cycle."""
     closed = np.append(displacement, 0.0)
     steps = np.diff(closed) * np.where(np.arange(displacement.size) < top, 1.0, -1.0)
     wrong = np.nonzero(steps <= 0.0)[0]
@@ -123,7 +123,7 @@ def _refuse_turning(phi1: Array, displacement: Array, top: int, output: Output, 
         return
     first = int(wrong[0])
     fixed = 0, top, displacement.size
-    # Either end of the step can be moved, but for the dead centres: the later one, where its neighbours leave it room.
+    # Either end of the step can be moved, but no dead centre: the later end if its neighbours leave it room.
     moved = next((at for at in (first + 1, first) if at not in fixed and _between(closed, at, top)), None)
     unit = output.place.text
     between = "" if moved is None else f"{_between(closed, moved, top)} {unit}"
@@ -136,16 +136,16 @@ def _refuse_turning(phi1: Array, displacement: Array, top: int, output: Output, 
 
 
 def _between(closed: Array, at: int, top: int) -> str:
-    """``30 and under 70``: what lies between a point's neighbours, empty where they leave no room in its stroke."""
+    """``30 and under 70``: the room between a point's neighbours, empty where they leave none in its stroke."""
     low, high = (closed[at - 1], closed[at + 1]) if at < top else (closed[at + 1], closed[at - 1])
     return f"{low:g} and under {high:g}" if float(f"{low:g}") < float(f"{high:g}") else ""
 
 
 @dataclass(frozen=True, eq=False)
 class TablePoints:
-    """Points at phi1 (shape (n,)), their interpolated ``values``, and the numbers of those that may be moved.
+    """Points at phi1 (shape (n,)), their interpolated ``values``, and the numbers of the movable points.
 
-    ``values`` less ``trend`` are periodic.  ``in_file`` turns a value into the number of the file, in its ``unit``.
+    ``values`` less ``trend`` are periodic.  ``in_file`` turns a value into the file's number, in its ``unit``.
     """
 
     phi1: Array
@@ -158,7 +158,7 @@ class TablePoints:
 
 
 NEAR = 6
-"""Points on which a smooth curve that turns back is blamed: three on each side, as many as a quintic's piece feels."""
+"""Points blamed for a smooth curve that turns back: three on each side, as many as shape a piece of a quintic."""
 
 
 def _with_advice(through: Callable[[Array], Transmission], points: TablePoints, lobes: Lobes) -> Transmission:
@@ -183,7 +183,7 @@ def _with_advice(through: Callable[[Array], Transmission], points: TablePoints, 
 def _moves(
     through: Callable[[Array], Transmission], points: TablePoints, lobes: Lobes, at_rad: float
 ) -> Iterator[tuple[float, int, float]]:
-    """Moves of one point near an angle onto the curve of the others, where that makes a law.
+    """Moves of one point near an angle onto the curve of the others, where a law then exists.
 
     Each has the least dphi2/dphi1 of that law, the point's number and its new value in the file.
     """
@@ -214,7 +214,7 @@ def _periodic_spline(phi1: Array, values: Array, lobes: Lobes, key: str) -> BSpl
 
 
 def splined_angle(spline: BSpline, lobes: int, phi1: Array, order: int) -> Jet:
-    """phi2 in rad, with derivatives: a spline beside an even turn; ``lobes`` are the driving gear's."""
+    """phi2 in rad, with derivatives: a spline plus an even turn; ``lobes`` are the driving gear's."""
     return spline_jet(spline, phi1, order) + Jet.variable(phi1, order) * float(lobes)
 
 

@@ -35,11 +35,11 @@ def working_pieces(stroke: WorkingStroke, linkage: Mechanism) -> tuple[Piece, ..
 
 
 Advance = tuple[Jet, Jet, Jet]
-"""The displacement x in mm with derivatives, and smooth square roots of x and of what remains of the stroke."""
+"""The displacement x in mm with derivatives, and smooth square roots of x and of the rest of the stroke."""
 
 
 def approach(stroke: WorkingStrokes[Number], phi1: Array, order: int) -> Advance:
-    """The way on [0, theta2] of one stroke, or of one for each point."""
+    """Displacement and roots on [0, theta2], of one stroke or of a stroke for each point."""
     angle = Jet.variable(phi1, order)
     quotient = jet.polynomial(stroke.approach_root, angle)
     displacement = angle * angle * quotient
@@ -47,14 +47,14 @@ def approach(stroke: WorkingStrokes[Number], phi1: Array, order: int) -> Advance
 
 
 def pressing(stroke: WorkingStrokes[Number], phi1: Array, order: int) -> Advance:
-    """The way on [theta2, theta3] of one stroke, or of one for each point."""
+    """Displacement and roots on [theta2, theta3], of one stroke or of a stroke for each point."""
     beyond = Jet.variable(phi1 - stroke.theta2_rad, order)
     displacement = stroke.pressing_mm_rad * beyond + stroke.pressing_start_mm
     return displacement, jet.sqrt(displacement), jet.sqrt(stroke.stroke_mm - displacement)
 
 
 def braking(stroke: WorkingStrokes[Number], phi1: Array, order: int) -> Advance:
-    """The way on [theta3, theta4] of one stroke, or of one for each point."""
+    """Displacement and roots on [theta3, theta4], of one stroke or of a stroke for each point."""
     before_end = -Jet.variable(phi1 - stroke.theta4_rad, order)
     quotient = jet.polynomial(stroke.braking_root, before_end)
     displacement = stroke.stroke_mm - before_end * before_end * quotient
@@ -62,23 +62,23 @@ def braking(stroke: WorkingStrokes[Number], phi1: Array, order: int) -> Advance:
 
 
 def approach_angle(stroke: WorkingStrokes[Number], linkage: Mechanisms[Number], phi1: Array, order: int) -> Jet:
-    """phi2 in rad on [0, theta2], with derivatives, of one stroke or of one for each point."""
+    """phi2 in rad on [0, theta2], with derivatives, of one stroke or of a stroke for each point."""
     return linkage.working_angle(*approach(stroke, phi1, order))
 
 
 def pressing_angle(stroke: WorkingStrokes[Number], linkage: Mechanisms[Number], phi1: Array, order: int) -> Jet:
-    """phi2 in rad on [theta2, theta3], with derivatives, of one stroke or of one for each point."""
+    """phi2 in rad on [theta2, theta3], with derivatives, of one stroke or of a stroke for each point."""
     return linkage.working_angle(*pressing(stroke, phi1, order))
 
 
 def braking_angle(stroke: WorkingStrokes[Number], linkage: Mechanisms[Number], phi1: Array, order: int) -> Jet:
-    """phi2 in rad on [theta3, theta4], with derivatives, of one stroke or of one for each point."""
+    """phi2 in rad on [theta3, theta4], with derivatives, of one stroke or of a stroke for each point."""
     return linkage.working_angle(*braking(stroke, phi1, order))
 
 
 @dataclass(frozen=True, eq=False)
 class StrokeLaw:
-    """The closed law with the parts that it was made from, whose figures the summary shows."""
+    """The closed law with its parts, whose figures the summary shows."""
 
     transmission: Transmission
     stroke: WorkingStroke

@@ -10,7 +10,7 @@ from ncgear.ratio.transmission import Lobes, Piece, Transmission
 
 
 def uniform_law(lobes: Lobes) -> Transmission:
-    """The law of the constant ratio i12 = n2 / n1; of gears that turn less than once, the ratio of both ranges."""
+    """The law of the constant ratio i12 = n2 / n1; for gears that turn less than once, the ratio of both ranges."""
 
     return Transmission((Piece(0.0, lobes.driving_period_rad, partial(even_angle, lobes.even_slope)),), lobes)
 
