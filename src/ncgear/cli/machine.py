@@ -1,4 +1,4 @@
-"""Commands that compute one machine: check, build, report, animate, simulate and strength; balance of its own file."""
+"""Commands that compute one machine: check, build, report, animate, simulate and strength; and balance."""
 
 from __future__ import annotations
 
@@ -210,7 +210,7 @@ def animate(
     from ncgear.figures.terminal import kept_lines
     from ncgear.files.manifest import publish_named, publish_run
 
-    # Another animation in the same folder stays.
+    # Another animation in the same folder is kept.
     command = f"animate {path.name}"
     run = (
         publish_run(path.parent, {path.name: content}, command)

@@ -33,7 +33,7 @@ class Sampling(StrEnum):
 
 
 class Depth(StrEnum):
-    """How far designs are followed."""
+    """How far designs are computed."""
 
     CHECK = "check"
     PITCH = "pitch"
@@ -44,7 +44,7 @@ class Depth(StrEnum):
 
 @contextmanager
 def _about_options(design_file: Path) -> Iterator[None]:
-    """A context whose errors are about options for a file, and have no place in it."""
+    """A context whose errors are about options for a file, not about a place in it."""
     try:
         yield
     except WrongInput as error:
@@ -94,8 +94,8 @@ def sweep(
     """
     from ncgear.workers import one_thread_each
 
-    # Several threads of linear algebra sum in another order: figures would differ in their last digits from those of
-    # processes with one thread.  Nothing is imported yet that would have begun them.
+    # Several threads of linear algebra add in another order: figures would differ in their last digits from the figures
+    # of processes with one thread.  No module that starts such threads is imported yet.
     with one_thread_each():
         from ncgear.design.space import space_of, varied_of
 
