@@ -23,8 +23,8 @@ __all__ = ["pair", "pitch_curve"]
 def pair(drive: Drive) -> Compound:
     """Both gears in the pose of phi1 = 0, in mm: driving axis at the origin, driven axis at x = centre distance.
 
-    A compound with the design's name, whose children are the solids ``driving`` and ``driven``. For two pairs in
-    series, pass one of ``drive.by_stage``. Raises the errors of the teeth, and WrongInput for shapes that only meshes
+    A compound with the design's name, whose children are the solids ``driving`` and ``driven``.  For two pairs in
+    series, pass one of ``drive.by_stage``.  Raises the errors of the teeth, and WrongInput for shapes that only meshes
     have and where build123d is not installed.
     """
     require("build123d", "build123d", "ncgear.cad")

@@ -1,6 +1,6 @@
 """How values show themselves in notebooks: the only way by which a value reaches the rooms above it.
 
-Notebooks ask a value for ``_repr_html_``. Figures and drawings make the HTML; they know the values, but the values do
+Notebooks ask a value for ``_repr_html_``.  Figures and drawings make the HTML; they know the values, but the values do
 not know them.  So a value only declares that it can be shown, and ``ncgear.drawings.notebook`` is loaded when a
 notebook asks.
 """

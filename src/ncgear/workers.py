@@ -48,7 +48,7 @@ AHEAD_ON_CLUSTER = 2
 HANDING_S, LONGEST_BUNDLE_S = 0.01, 5.0
 """Seconds of work in a bundle for each process of a cluster, and their upper limit.
 
-Client and scheduler each spend some two milliseconds on a bundle of any length (benchmarks/sweeping.md). So all
+Client and scheduler each spend some two milliseconds on a bundle of any length (benchmarks/sweeping.md).  So all
 processes have a new bundle before the first has finished its own; five seconds are enough for two thousand of them."""
 
 LOOK_S = 1.0
@@ -362,7 +362,8 @@ def _version() -> str:
 def _require_same_version(versions: Mapping[str, str | BaseException]) -> None:
     """Raise WrongInput where a worker of a cluster has another version of ncgear than this process, or none.
 
-    ``versions`` has the error in place of the version where a worker did not tell it; one that has ended is left out.
+    ``versions`` has the error in place of the version where a worker did not tell it; a worker that has ended is left
+    out.
     """
     told = {worker: version for worker, version in versions.items() if not isinstance(version, OSError)}
     other = {worker: version for worker, version in told.items() if version != __version__}

@@ -186,8 +186,8 @@ def print_times(drive: Drive) -> None:
 def print_figures(*of_pairs: Mapping[str, Any], kept: Sequence[Path] = ()) -> None:
     """Print figures as one JSON document to stdout, and the files of other programs that were ``kept`` to stderr.
 
-    The figures equal those of the JSON file that the command writes, to the digit.  For two pairs in series that are
-    told one by one, they are below ``stages``. Raises Unanswered, before anything is printed, where a figure is not
+    The figures equal the figures of the JSON file that the command writes, to the digit.  For two pairs in series that
+    are told one by one, they are below ``stages``. Raises Unanswered, before anything is printed, where a figure is not
     finite.
     """
     from ncgear.figures.numbers import json_text

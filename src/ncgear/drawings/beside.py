@@ -31,7 +31,7 @@ class Drawer(Protocol):
     """An object that draws."""
 
     def begun(self, drawing: str, *given: Any) -> Callable[[], Any]:
-        """Begin a drawing; the function that is returned waits for it, and raises what it raised."""
+        """Begin a drawing; the returned function waits for it, and raises its errors."""
 
     def offered(self, drawing: str, *given: Any) -> Callable[[], Any]:
         """As ``begun``, for a drawing that this process can make too; it does if the other has not begun when asked."""

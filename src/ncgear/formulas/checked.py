@@ -102,7 +102,7 @@ def _section(
 
 
 def places_of(piece: Written, count: int) -> Array:
-    """Places inside a piece, shape (n,), none of which a law is made from."""
+    """Places inside a piece, shape (n,); no law is made from them."""
     share = np.arange(1.0, count + 1.0) * TURN % 1.0
     return piece.start_rad + (piece.end_rad - piece.start_rad) * share
 

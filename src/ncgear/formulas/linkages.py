@@ -1,7 +1,7 @@
 """Mechanisms in closed form: the displacement at a driven angle, and the driven angle at a displacement.
 
-The formulas are those of ``ncgear.mechanisms``, regular at both dead centres.  ``gone`` and ``left`` are smooth roots
-of the displacement and of the rest of the stroke.
+The formulas come from ``ncgear.mechanisms`` and are regular at both dead centres.  ``gone`` and ``left`` are smooth
+roots of the displacement and of the rest of the stroke.
 """
 
 from __future__ import annotations

@@ -2,7 +2,7 @@
 
 From the slider to the crank, the equations of each body give the forces on it, one body after the other; no system is
 solved (e.g.  J. J. Uicker, G. R. Pennock, J. E. Shigley, "Theory of Machines and Mechanisms", 4th edition, 2011,
-chapter 15). A mechanism states the equations of its own bodies.  This module has the rest: how places become
+chapter 15).  A mechanism states the equations of its own bodies.  This module has the rest: how places become
 accelerations (``Pace``), the force that moves a mass, the equations of the crank, and the masses that turn with crank
 and driving shaft.
 

@@ -1,7 +1,7 @@
 """The contract of a mechanism on the driven shaft: everything that the rest of ncgear asks of it.
 
 A crank turns with the driven gear and moves a slider to and fro along a line.  Frame and pose: the crank's axis is at
-the origin, the crank turns clockwise, the slider moves along +x at y = ``offset_mm``. The crank angle is counted from
+the origin, the crank turns clockwise, the slider moves along +x at y = ``offset_mm``.  The crank angle is counted from
 the retracted dead centre in the direction of turning, the displacement from the retracted end.  One turn of the crank
 is one working stroke (retracted to extended) and one return.
 
@@ -45,7 +45,7 @@ class Output:
     """The output of a mechanism: its name in messages and tables, and whether it turns.
 
     A sliding output has places in mm, loads in N and masses in kg.  A turning output has places in rad, loads in N mm
-    and moments of inertia in kg mm^2. Formulas are the same for both: load times speed over 1000 is the power in W.
+    and moments of inertia in kg mm^2.  Formulas are the same for both: load times speed over 1000 is the power in W.
     Names of the contract end in the units of a sliding output.
     """
 

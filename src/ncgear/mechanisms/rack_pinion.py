@@ -147,7 +147,7 @@ class RackPinion(Mechanism):
         return (*points, (points[-1][0], BACK * module), (points[0][0], BACK * module))
 
     def moving_masses(self, crank_angle: Jet, masses: Masses) -> tuple[MovingMass, ...]:
-        """The rack alone."""
+        """The only mass is the rack."""
         rack = self.links(crank_angle)["rack"]
         return (MovingMass(masses.slider_kg, rack.origin, rack.angle),)
 

@@ -25,7 +25,7 @@ SLOT_REACH, BAR = 1.2, 2.7
 
 @dataclass(frozen=True)
 class ScotchYoke(Mechanism):
-    """One yoke, or many, with cranks of shape (n,). The block between pin and slot has no mass of its own."""
+    """One yoke, or many, with cranks of shape (n,).  The block between pin and slot has no mass of its own."""
 
     NAME: ClassVar[str] = "a Scotch yoke"
     JOINTS: ClassVar[Mapping[str, str]] = {"pin": "crank pin"}
@@ -89,7 +89,7 @@ class ScotchYoke(Mechanism):
         }
 
     def moving_masses(self, crank_angle: Jet, masses: Masses) -> tuple[MovingMass, ...]:
-        """The slider alone."""
+        """The only mass is the slider."""
         slider = self.links(crank_angle)["slider"]
         return (MovingMass(masses.slider_kg, slider.origin, slider.angle),)
 

@@ -31,7 +31,7 @@ class SliderLoad:
 
     ``returning`` in the arguments of methods names the stroke: true on the way back.  Displacements are in mm from the
     retracted end.  ``repeats_after`` is the distance after which the load begins again, for an output that never comes
-    back; stretches of that distance are counted from 0. Raises WrongInput for a friction that is negative or not
+    back; stretches of that distance are counted from 0.  Raises WrongInput for a friction that is negative or not
     finite.
     """
 

@@ -70,7 +70,7 @@ class BestLaw(SoughtMachine, Shown):
     Every attribute may raise WrongInput for wishes that contradict each other or the design, and NoSuchMechanism where
     no law keeps the limits.  The law is the best of all laws found from ``starts`` starts; the first start is the
     motion of the certified limit.  ``scheduler`` and ``processes`` say where the laws of other starts are computed, as
-    in ``ncgear.workers``. ``on_programme`` is called with the numbers of programmes solved and at most to be solved
+    in ``ncgear.workers``.  ``on_programme`` is called with the numbers of programmes solved and at most to be solved
     while the limit is raised towards the law, and ``on_flywheel_law`` and ``on_length_law`` with the number of laws
     searched for while the flywheel or lengths of the mechanism are free.
     """

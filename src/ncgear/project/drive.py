@@ -158,7 +158,7 @@ class Drive(Geared):
 
     @computed
     def thickness_band(self) -> tuple[AtThickness, ...]:
-        """The pair at three tooth thicknesses: the least that the file allows, that of the outlines, the greatest.
+        """The pair at three tooth thicknesses: the least allowed, the outlines' thickness, the greatest allowed.
 
         Empty where the file gives no limits of the thickness; raises where the thickest teeth overlap.
         """

@@ -109,7 +109,7 @@ def drivetrain_of(
     """The drivetrain of a design that has the section; ``touching`` is None where the teeth are helical.
 
     Shafts, keys and bearings carry the loads of the law, or of ``knocking`` where these are worse, and besides them the
-    ``jam``. The motor does not feel the knocks: its shaft turns evenly.  Raises WrongInput where a part needs a value
+    ``jam``.  The motor does not feel the knocks: its shaft turns evenly.  Raises WrongInput where a part needs a value
     of the gears that is missing.
     """
     given, masses = design.drivetrain, design.masses

@@ -3,11 +3,11 @@
 Where the file gives the bearings and diameters of both shafts, K_Hbeta is computed at every position; else it is the
 given factor or ASSUMED. A bearing has the stiffness of its key, or of its static rating at its largest force of the
 cycle; where neither is given it is rigid.  Where teeth carry more than the law needs, as in knocks, the crank presses
-with the force that the surplus accelerates (``ncgear.dynamics.knocking``). The application factor counts for all
+with the force that the surplus accelerates (``ncgear.dynamics.knocking``).  The application factor counts for all
 forces, K_V for the forces of the teeth.
 
 Flanks are misaligned by the helix slope that the grade allows for each gear (ISO 1328-1) and by the tilt of its bore,
-all independent: they add as the root of the sum of squares, as in ISO 6336-1 (secondary source). Where the section
+all independent: they add as the root of the sum of squares, as in ISO 6336-1 (secondary source).  Where the section
 ``tolerances`` is left out, both gears have the grade for which K_V is estimated.  Running in reduces it by the mean of
 the reductions of both materials.  Not counted: play in the bearings, and shafts that are not parallel.
 """
@@ -50,7 +50,7 @@ class FaceLoading:
     """The source of K_Hbeta of a pair.
 
     ``basis`` names it: given, assumed (``why`` says which value is missing), or computed by ``model`` from the loads
-    ``asked``. ``constant`` is the given or assumed factor.  Loads count with an application factor.
+    ``asked``.  ``constant`` is the given or assumed factor.  Loads count with an application factor.
     """
 
     basis: Literal["given", "assumed", "computed"]
@@ -232,7 +232,7 @@ class ToldFaceLoad:
 
     Teeth count if their load per mm of width is at least LEADING of the largest.  ``decisive`` is K_Hbeta of the tooth
     with most load per mm of width, ``by_shafts`` the same without misalignment, and ``best`` the same with the best
-    crowning, ``best_um``. ``askew_um`` includes running in, and ``crowning_um`` is the crowning of the design.
+    crowning, ``best_um``.  ``askew_um`` includes running in, and ``crowning_um`` is the crowning of the design.
     """
 
     least: ToothFactor

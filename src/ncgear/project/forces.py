@@ -140,7 +140,7 @@ def mean_inertia(load: CrankLoad) -> float:
 def borne_by(load: ToothLoad, meshing: Meshing) -> BorneTorque:
     """The torque of a pair in ``meshing``, including changes of flanks where these are computed.
 
-    Teeth are damped as in a design without ``simulation``. A machine without any inertia at some angle is not followed
+    Teeth are damped as in a design without ``simulation``.  A machine without any inertia at some angle is not followed
     there; its teeth carry the torque that the law asks for.
     """
     machine = load.machine.machine

@@ -430,7 +430,7 @@ class Geared(Moving):
     def extremes_rad(self) -> Array:
         """Driving angles at which a curve of motion, load, power or ratio is least or greatest, and beside them.
 
-        They rise, shape (n,). Drawn curves are sampled there too, so that a chart shows the peaks of ``check``.
+        They rise, shape (n,).  Drawn curves are sampled there too, so that a chart shows the peaks of ``check``.
         """
         of_ratio = [end.at for end in self.transmission.ratio_range]
         found = (*self.check.extremes_rad, *load_extremes_rad(self.machine), *of_ratio)

@@ -354,5 +354,5 @@ class GearsAsGiven(SoughtMachine):
 
     @cached_property
     def task(self) -> Task:
-        """The machine; a moment of inertia that is left out is that of the gear made for the design's own law."""
+        """The machine; an inertia that is left out is the inertia of the gear made for the design's own law."""
         return task_of(self.design, inertia_as_given(self.design))

@@ -1,7 +1,7 @@
 """The drive of a design: from its file, a text, or a mapping of its keys, whose law may be a Python function.
 
 Under the law ``ratio_expression`` a function of phi1 in rad stands for its formula: it is traced, and the law is proven
-to follow that formula to 1e-12, like the law of a written formula (``numerics.proven``). Under ``table`` it is called
+to follow that formula to 1e-12, like the law of a written formula (``numerics.proven``).  Under ``table`` it is called
 at even driving angles of a cycle, twice as many until the law is as near as ``NEAR``.
 
 Nothing can be proven about a function that is known only by its values.  Under ``table`` two things are measured
@@ -245,7 +245,7 @@ def _real(given: Any, shape: tuple[int, ...]) -> Array:
 
 
 def _with_top(phi1: Array, values: Array, function: Function, key: str) -> Array:
-    """The angles with that of the extended end, where the function is greatest: a table of displacements needs it."""
+    """The angles and the angle of the extended end, where the function is greatest: tables of displacements need it."""
     step, top = phi1[1] - phi1[0], float(phi1[int(np.argmax(values))])
     nodes = top + step * chebyshev.chebpts1(17)
     series = chebyshev.Chebyshev.fit(nodes, _called(function, nodes, key), 16, [nodes[0], nodes[-1]])

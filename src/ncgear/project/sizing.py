@@ -5,7 +5,7 @@ nor wear away.  Where K_Hbeta follows from the shafts and no crowning is given, 
 nearest gears.
 
 The law stays as it is, so a number of teeth and a module give gears of the same shape in another size.  The safety of a
-size is guessed from the nearest gears that are computed already (``ncgear.strength.holding``). For each module the
+size is guessed from the nearest gears that are computed already (``ncgear.strength.holding``).  For each module the
 numbers of teeth are tried in the order of the guessed volume, and computations correct the face width, so that each
 answer has been computed.  A number of teeth that is refused is refused for every module.
 """

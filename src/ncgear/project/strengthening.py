@@ -72,7 +72,7 @@ class Rating:
 def rating_of(drive: Drive, method: Literal["estimate", "elements"] | None = None) -> Rating:
     """The rating of a drive's teeth by a method, or by the method of its design.
 
-    Raises WrongInput, with the missing keys, where strength is not known, and where the teeth bear no load.
+    Raises WrongInput, with the missing keys, where strength is not known, and where the teeth carry no load.
     """
     if (why := unknown(drive)) is not None:
         raise why

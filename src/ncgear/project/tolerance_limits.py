@@ -5,7 +5,7 @@ The usual deviations of each process are taken where a design gives no tolerance
 Sources, all for ordinary care, not for the best work of a process:
 
 - hobbed or shaped: class 8 of ISO 1328-1, which these leave without finishing (classes 7 to 9 in gear handbooks, from
-secondary sources); - wire-cut: class 7. Small brass gears came to DIN 5 in experiments (K. Gupta, N. K. Jain,
+secondary sources); - wire-cut: class 7.  Small brass gears came to DIN 5 in experiments (K. Gupta, N. K. Jain,
 Manufacturing of high quality miniature gears by wire electric discharge machining, DAAAM International Scientific Book
 2013, chapter 40); two classes coarser are taken for work without such care.  Bore and teeth are cut in one set-up; -
 printed: service providers promise 0.2 mm either way for a whole part of calibrated machines that lay filament.  A

@@ -91,7 +91,7 @@ def in_its_place(key: str) -> Iterator[None]:
 def edited(text: str, changes: Mapping[str, Any]) -> str:
     """The text with other values at some dotted keys; None leaves a key out.
 
-    A number in a key is the index of an item in a list (``motion.ratio.3``). Another law or mechanism replaces its
+    A number in a key is the index of an item in a list (``motion.ratio.3``).  Another law or mechanism replaces its
     whole group.  Raises WrongInput where the text has no such places.
     """
     with in_its_place(next(iter(changes), "")):

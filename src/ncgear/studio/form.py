@@ -49,7 +49,7 @@ def form(data: Any) -> list[Row]:
 
     A row has ``path``, ``label``, ``unit``, ``meaning``, ``allowed``, ``default`` in words, ``given`` and ``value``,
     and, depending on its ``kind`` (number, integer, choice, truth, text, numbers, group, groups, other): ``least`` and
-    ``most`` where there are bounds, ``choices``, or ``rows``. A group that is left out has ``begin``, a value for its
+    ``most`` where there are bounds, ``choices``, or ``rows``.  A group that is left out has ``begin``, a value for its
     start.
     """
     given = data if isinstance(data, dict) else {}

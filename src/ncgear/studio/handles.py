@@ -43,7 +43,7 @@ def handles(drive: Drive) -> list[Handle]:
     """The handles of a drive's law and of its wishes.
 
     Each has ``name``, ``chart`` (key of a chart), ``x`` in deg, ``y`` in the chart's unit, and ``moves``: for ``x`` and
-    ``y``, if they move a key, the ``key``, its value ``base`` at that place, its ``factor``, and its ``unit``. A key
+    ``y``, if they move a key, the ``key``, its value ``base`` at that place, its ``factor``, and its ``unit``.  A key
     within a formula has ``text``, the text before and after its number.  A move may have, instead of a key, ``along``:
     other keys that change from their ``base``, a number or a list, by ``sum`` times the step, by the growth to the
     ``power``, or by ``log`` times the logarithm of the growth.

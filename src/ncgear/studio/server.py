@@ -129,7 +129,7 @@ class Conversation(WebSocketsSansIOProtocol):
 
 
 class Studio:
-    """All pages of one design; without a path the first page asks what to begin with."""
+    """All pages of one design; without a path the first page offers beginnings."""
 
     def __init__(self, path: Path | None, out: Path) -> None:
         self.path, self.out = path, out.absolute()

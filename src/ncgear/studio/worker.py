@@ -44,7 +44,7 @@ IMPORTING = "<frozen importlib._bootstrap>"
 """File name of Python's own code of imports: an import that is broken off cannot be repeated."""
 
 PATIENCE_S = 5.0
-"""Time that a picture may take while a newer change waits: several times that of teeth and their strength."""
+"""Time that a picture may take while a newer change waits: several times the time of teeth and their strength."""
 
 RESTING_S = 0.1
 """Time without a newer request after which the hand counts as resting: during a drag, moves come at half this time."""

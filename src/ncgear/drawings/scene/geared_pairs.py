@@ -1,11 +1,11 @@
 """The pairs of gears of a scene, each at its place in the machine, and each gear on its shaft.
 
 In the frame of a pair, the driving axis is at (0, 0), the driven axis at (a, 0), and the driving gear turns
-counter-clockwise.  In the frame of the scene, which is that of the mechanism, the crank's axis is at the origin, the
-slider moves along +x, and the crank turns clockwise.  The driven gear of the last pair turns with the crank.  So this
-pair is viewed from the side on which its driven gear turns clockwise: an external pair from the front, an internal pair
-from behind.  Each earlier pair is viewed from the side on which the shaft that it shares with the next pair turns in
-the same direction.  All axes are on one line.
+counter-clockwise.  In the frame of the scene, the frame of the mechanism, the crank's axis is at the origin, the slider
+moves along +x, and the crank turns clockwise.  The driven gear of the last pair turns with the crank.  So this pair is
+viewed from the side on which its driven gear turns clockwise: an external pair from the front, an internal pair from
+behind.  Each earlier pair is viewed from the side on which the shaft that it shares with the next pair turns in the
+same direction.  All axes are on one line.
 """
 
 from __future__ import annotations
@@ -88,7 +88,7 @@ CURVE_POINTS = 721
 class SceneGear:
     """A gear in the view of the scene, the number of its shaft (0 is the driving shaft), and its closed pitch curve.
 
-    The curve is in mm, shape (n, 2). Where gears turn less than once, straight sides to the axis close it.
+    The curve is in mm, shape (n, 2).  Where gears turn less than once, straight sides to the axis close it.
     ``teeth_mm`` (shape (z, 2)) are the middles of the teeth on the pitch curve, from tooth 1 on.  ``numbers_mm`` are
     the places of their numbers, below the roots.
     """

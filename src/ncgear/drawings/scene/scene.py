@@ -1,7 +1,7 @@
 """The scene of a drive: all moving and standing parts of a machine, and their places at any driving angle.
 
-The frame is that of the mechanism: the crank's axis is at the origin, the slider moves along +x, and the crank turns
-clockwise.
+The frame is the frame of the mechanism: the crank's axis is at the origin, the slider moves along +x, and the crank
+turns clockwise.
 """
 
 from __future__ import annotations

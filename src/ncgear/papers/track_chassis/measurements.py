@@ -14,7 +14,7 @@ SAMPLING_HZ, ANALYSIS_HZ = 2000.0, 781.25
 
 LINE_HZ = SAMPLING_HZ / 1024.0
 """Spacing of the spectrum's lines, inferred: all frequencies of Table 5 but one are whole multiples of it, and no wider
-spacing has this property (tests/test_ledger.py). The settings printed in sections 2.5 and 2.6 give other spacings."""
+spacing has this property (tests/test_ledger.py).  The settings printed in sections 2.5 and 2.6 give other spacings."""
 
 POINTS = ("1", "2", "3", "5", "6", "7", "10", "11", "12")
 X = (

@@ -1,7 +1,7 @@
 """A body made of slabs that stand on each other, as one closed mesh that is checked to be sound.
 
 The surface is put together from sheets of triangles that share their edges: level faces, upright walls, and where the
-foot has a bevel, slopes from the section's edges down to the edges of its inner parallel at z = 0. The slopes fall at
+foot has a bevel, slopes from the section's edges down to the edges of its inner parallel at z = 0.  The slopes fall at
 45 degrees from each edge of the section.  Constrained Delaunay triangles join each edge to its moved edge; where edges
 vanish on the way, levels are put in between until the slopes' sections are the parallels to the tolerance.
 """
@@ -30,8 +30,8 @@ if TYPE_CHECKING:
     from trimesh import Trimesh
 
 UNEVEN = 1e-9
-"""How unevenly points are shifted, relative to their distance from the axis, so that the triangles of an end are
-unique: far below single precision."""
+"""How unevenly points are shifted, relative to their distance from the axis, so that earcut passes over no point of an
+end: far below single precision."""
 
 VOLUME_TOLERANCE = 1e-9
 """Relative difference allowed between the mesh's volume and section areas times heights: rounding only."""

@@ -174,7 +174,7 @@ def index_hole(
 ) -> RoundHole | None:
     """The hole farthest out on the ray from the axis at polar angle ``direction_rad``; None where no wall allows one.
 
-    Its diameter is half a module, or ``USEFUL_MM`` where that is more and has room, or ``LEAST_MM``. The walls above
+    Its diameter is half a module, or ``USEFUL_MM`` where that is more and has room, or ``LEAST_MM``.  The walls above
     are left all around it.  ``disc`` is the gear's section without bore, in mm; ``hub_mm`` is the diameter of its hub;
     ``beside`` is the area of the other cuts, which the hole must not meet.
     """
