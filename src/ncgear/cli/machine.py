@@ -87,7 +87,7 @@ def build(
     report: Annotated[
         bool,
         typer.Option(
-            "--report", help="Also write report.html, as ncgear report does; one that is there is made anew anyway."
+            "--report", help="Also write report.html, as ncgear report does; an existing report is always made anew."
         ),
     ] = False,
     mend: Mend = False,

@@ -59,7 +59,7 @@ def new(
         ),
     ] = None,
     design: Annotated[
-        bool, typer.Option("--design", help="Begin a machine of which ncgear design finds law, gears and flywheel.")
+        bool, typer.Option("--design", help="Begin a machine for ncgear design, which finds law, gears and flywheel.")
     ] = False,
     wish: Annotated[
         list[str] | None,

@@ -30,7 +30,7 @@ from ncgear.errors import WrongInput
 def optimize(
     design_file: DesignFile,
     starts: Annotated[
-        int, typer.Option(min=1, max=10_000, help="Starts of the search, of which the best law is kept.")
+        int, typer.Option(min=1, max=10_000, help="Starts of the search; the best law of all is kept.")
     ] = 1,
     scheduler: Scheduler = None,
     processes: Processes = None,

@@ -60,7 +60,7 @@ def studio(
 
     def begun(address: str) -> None:
         typer.echo(f"{design_file or 'The studio'} is open at {address}")
-        typer.echo("Ctrl-C ends the studio; what is not saved is there again when it is opened next.")
+        typer.echo("Ctrl-C ends the studio; unsaved changes are there again when it is opened next.")
         if not no_browser:
             open_in_browser(address)
 

@@ -68,13 +68,13 @@ def sweep(
     seed: Annotated[int, typer.Option(min=0, help="Another seed samples other points.")] = 1,
     keep_if: Annotated[
         list[str] | None,
-        typer.Option(metavar="'FIGURE < NUMBER'", help="What a design must keep to count; again for more."),
+        typer.Option(metavar="'FIGURE < NUMBER'", help="A condition that a design must keep to count; again for more."),
     ] = None,
     objective: Annotated[
         list[str] | None,
         typer.Option(
             metavar="FIGURE",
-            help="What is to be least, or greatest with max: before it; again for more.",
+            help="A figure to minimise, or to maximise with max: before it; again for more.",
             show_default="peak acceleration and peak power",
         ),
     ] = None,

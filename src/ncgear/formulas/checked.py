@@ -148,7 +148,7 @@ def _greatest(pieces: Sequence[Written], at: Array, numbers: dict[str, Array]) -
             if not difference <= AGREED:
                 raise Unanswered(
                     f"the formula of {name} on the piece {piece.name!r} and the numbers of the law differ by "
-                    f"{difference:.3g} of these, over {AGREED:g}; what is not sure is not told",
+                    f"{difference:.3g} of these, over {AGREED:g}; so it is not told",
                     key="motion",
                 )
             worst = max(worst, difference)

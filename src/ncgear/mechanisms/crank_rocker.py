@@ -231,7 +231,7 @@ class CrankRocker(CrankRockers[float], Mechanism):
         longest = max(others, key=others.__getitem__)
         most = sum(others.values()) - 2.0 * others[longest]
         least = min(most, *others.values())
-        cure = f"a crank under {shown_below(least)} mm does" if least > 0.0 else f"a shorter {longest} is needed first"
+        cure = f"a crank under {shown_below(least)} mm works" if least > 0.0 else f"a shorter {longest} is needed first"
         raise WrongInput(
             f"the crank cannot turn fully: it must be the shortest link, and crank + {longest} = "
             f"{self.crank_mm + others[longest]:g} mm less than the other two together, "

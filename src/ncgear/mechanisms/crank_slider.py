@@ -134,7 +134,7 @@ class CrankSlider(CrankSliders[float], RodMechanism):
             raise WrongInput(
                 f"the crank cannot turn fully: rod - crank = {self.rod_mm - self.crank_mm:g} mm, and it must exceed "
                 f"the offset of {abs(self.offset_mm):g} mm; a rod over "
-                f"{shown_above(self.crank_mm + abs(self.offset_mm))} mm does",
+                f"{shown_above(self.crank_mm + abs(self.offset_mm))} mm works",
                 key="linkage.rod_mm",
             )
 

@@ -462,7 +462,7 @@ class Drive(Geared):
         from ncgear.dynamics.peaks import motion_peaks
 
         def on_share(done: float) -> None:
-            self.stopwatch.within(f"peaks sought at {100.0 * done:.0f} % of the motion")
+            self.stopwatch.within(f"peaks searched at {100.0 * done:.0f} % of the motion")
 
         return motion_peaks(course, self.rigid.machine, on_share)
 

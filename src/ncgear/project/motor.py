@@ -188,7 +188,7 @@ OFF_SPEED = 0.03
 def told_words(found: Told | None) -> str:
     """The keys of a motor that works, or the words that none was found."""
     if found is None:
-        return "another speed, more torque or a heavier flywheel is needed; no motor that was tried does"
+        return "another speed, more torque or a heavier flywheel is needed; none of the tried motors works"
     return listed((f"{key}: {value:.6g}" for key, value in found.items()), "and")
 
 

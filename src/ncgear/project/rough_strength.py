@@ -95,7 +95,7 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
         # Pitch curves and forces may be refused; a check does not need them.
         return RoughStrength((), error.problem)
     if not load.force_n.any() and design.strength.overload is None:
-        return RoughStrength((), "nothing that is given presses the teeth at any angle")
+        return RoughStrength((), "no given load presses the teeth at any angle")
     if np.any(load.force_n < 0.0):
         return RoughStrength((), "the teeth cannot push the driven gear at every angle")
     plan, running, conditions = tooth_plan(drive), drive.running, drive.conditions

@@ -512,6 +512,6 @@ def _nothing(search: _Search) -> str:
     return (
         f"no gears of series I up to {search.space.width_modules:g} modules wide were found that hold in this space; "
         f"nearest of {len(search.computed)} come {near.teeth} teeth of module {near.module_mm:g} mm, "
-        f"{near.face_width_mm:g} mm wide, with {near.share:.2g} of what is wanted; more space, a stronger material or "
-        "less load is needed"
+        f"{near.face_width_mm:g} mm wide, with {near.share:.2g} of the wanted safety; more space, a stronger "
+        "material or less load is needed"
     )

@@ -80,7 +80,7 @@ def rating_of(drive: Drive, method: Literal["estimate", "elements"] | None = Non
     strength, loading = drive.strength_by(method), drive.loading_by(method)
     area_mm2 = drive.gears.face_width_mm * drive.pitch.size.module_mm
     if strength.peak_pair_n < NOTHING_MPA * area_mm2:
-        raise WrongInput("the teeth bear no load at any angle, so that nothing can be said of them", key="resistance")
+        raise WrongInput("the teeth carry no load at any angle, so their strength is unknown", key="resistance")
     wanted = {gear: _wanted(drive, strength, gear) for gear in Gear}
     return Rating(strength, loading, tuple(weakest_teeth(strength, wanted)))
 

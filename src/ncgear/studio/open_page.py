@@ -372,7 +372,7 @@ class OpenPage:
         except OSError as error:
             said, self._draft_refused = self._draft_refused, True
             reason = error.strerror or str(error)
-            return "" if said else f"what is not saved is lost when the studio ends: no draft can be written ({reason})"
+            return "" if said else f"unsaved changes are lost when the studio ends: no draft can be written ({reason})"
         return ""
 
     async def _say(self, text: str) -> None:
@@ -387,7 +387,7 @@ running_jobs: dict[asyncio.Task[None], Job] = {}
 """Running commands of all pages; asyncio itself keeps no task alive."""
 
 
-DRAFT_FOUND = "What was not saved when the studio ended is here again; Undo leads back to the file."
+DRAFT_FOUND = "Changes that were not saved when the studio ended are here again; Undo leads back to the file."
 
 
 def _changes_of(message: Mapping[str, Any]) -> dict[str, Any]:

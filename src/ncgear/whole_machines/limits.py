@@ -35,7 +35,7 @@ POWERS = 12
 
 OUTSIDE = (
     "modules of a series, whole teeth and widths in whole mm",
-    "the load factors and the sharing of load between teeth, which are those of the machine found",
+    "the load factors and the sharing of load between teeth, which are taken from the machine found",
     "the gears' inertia, beyond the range of the machines found",
     "convex pitch curves, jerk, forces in bearings and soft wishes, which restrict laws and not the limit",
 )

@@ -80,7 +80,7 @@ def require_offered(design: Design) -> Choices:
     require("casadi", "optimize", "ncgear design")
     gears = design.gears
     if gears is None:
-        raise WrongInput("missing; give what of the gears is not sought: bores, backlash, a first size", key="gears")
+        raise WrongInput("missing; give the keys that are not searched: bores, backlash, a first size", key="gears")
     if gears.mesh == "internal":
         raise WrongInput("internal given; whole machines are sought with external pairs only", key="gears.mesh")
     if design.stages > 1 or (design.optimize or Optimize()).limits.stages > 1:

@@ -76,7 +76,7 @@ def machines_answer(found: WholeMachines, then: str = "") -> Answer:
         f"{found.design.operation.speed_rpm:g} r/min; recommended: {best.name}",
         tuple(rows),
         heads=HEADS,
-        good="Each builds with a clean verdict; figures are those of its file alone.",
+        good="Each builds with a clean verdict; its figures follow from its file only.",
         then=then,
     )
 
@@ -95,7 +95,7 @@ def _limit_rows(found: WholeMachines) -> list[Row]:
     rows = [Row("least power", (f"{to_digits(limits.power_w, 4)} W at least, whatever the law (certified)",))]
     if own.flank_load_n_mm > 0.0:
         gap = fixed(100.0 * own.flank_load_gap, 1)
-        rows.append(Row("flank load", (f"{gap} % over what no law of this power is under (by sweeps)",)))
+        rows.append(Row("flank load", (f"{gap} % over a limit that no law of this power goes below (by sweeps)",)))
     if own.gear_volume_mm3 > 0.0:
         gap = fixed(100.0 * own.gear_volume_gap, 1)
         rows.append(Row("gears", (f"{gap} % over that limit at the estimate's level of strength",)))

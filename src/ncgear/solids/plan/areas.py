@@ -110,7 +110,7 @@ def moved_outwards(section: Polygon, distance_mm: float, tolerance_mm: float, ke
     largest = largest_fitting(
         lambda size: _leaves(section, parallel(section, size), size, tolerance_mm), 0.0, distance_mm
     )
-    right = "no kerf does; larger teeth or a larger root radius are needed"
+    right = "no kerf works; larger teeth or a larger root radius are needed"
     if largest > 0.0:
         right = f"{-floored(largest):.10g} mm, a kerf of {2.0 * floored(largest):.10g} mm, is the most"
     problem = f"a kerf of {2.0 * distance_mm:g} mm is wider than the narrowest fillet or space of the gear; {right}"

@@ -134,7 +134,7 @@ def require_slot_room(
     turned = degrees(abs(stop.turned_rad))
     problem = (
         f"a slot of {stop.width_mm:g} mm for a turn of {turned:.5g} deg, {stop.radius_mm:g} mm from the axis, leaves "
-        f"less than {wall_mm:g} mm, one module, to the teeth, to what is about the axis, or between its ends; {right}"
+        f"less than {wall_mm:g} mm, one module, to the teeth, to bore, hub or axis, or between its ends; {right}"
     )
     raise WrongInput(problem, key=f"{key}.end_stop.radius_mm")
 
@@ -159,7 +159,7 @@ def require_crank_pin_room(
     right = said_largest(largest, "none fits there; a larger gear, another crank or a thinner shaft is needed")
     problem = (
         f"a hole of {hole.diameter_mm:g} mm for the crank pin, {reach_mm:.5g} mm from the axis, leaves less than "
-        f"{wall_mm:g} mm, one module, to the teeth, to what is about the axis, or to the end stop's slot; {right}"
+        f"{wall_mm:g} mm, one module, to the teeth, to bore, hub or axis, or to the end stop's slot; {right}"
     )
     raise WrongInput(problem, key=f"{key}.crank_pin.diameter_mm")
 
