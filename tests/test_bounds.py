@@ -56,7 +56,7 @@ def refused(text: str) -> str:
 BOUNDS: list[tuple[str, str, str]] = [
     ("inertia", "100", r"([\d.e+-]+) or over is right"),
     ("chord", "0.9", r"; ([\d.e+-]+) mm or less is right"),
-    ("rod", "40", r"a rod over ([\d.e+-]+) mm does"),
+    ("rod", "40", r"a rod over ([\d.e+-]+) mm works"),
     ("more", ", tolerances: {tooth_thickness_upper_mm: 0.5, tooth_thickness_lower_mm: 0}", r"; ([\d.e+-]+) mm or less"),
 ]
 

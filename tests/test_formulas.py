@@ -214,7 +214,7 @@ def test_a_formula_that_differs_is_not_told(monkeypatch: pytest.MonkeyPatch, run
     monkeypatch.setattr("ncgear.formulas.checked.AGREED", 1e-18)
     status, out, err = run("formulas", str(DESIGNS / "pusher.yaml"))
     assert (status, out) == (3, "")
-    assert "what is not sure is not told" in err
+    assert "so it is not told" in err
 
 
 # --- files of other languages

@@ -171,8 +171,8 @@ def test_corners_are_the_nearest_singularities(case: Case) -> None:
 @at_once(
     ("kind", "lengths", "key", "said"),
     [
-        ("crank_rocker", (60.0, 100.0, 80.0, 125.0), "linkage.crank_mm", "a crank under 55 mm does"),
-        ("crank_rocker", (90.0, 100.0, 80.0, 100.0), "linkage.crank_mm", "a crank under 80 mm does"),
+        ("crank_rocker", (60.0, 100.0, 80.0, 125.0), "linkage.crank_mm", "a crank under 55 mm works"),
+        ("crank_rocker", (90.0, 100.0, 80.0, 100.0), "linkage.crank_mm", "a crank under 80 mm works"),
         ("crank_rocker", (10.0, 100.0, 50.0, 200.0), "linkage.crank_mm", "a shorter ground is needed first"),
         ("crank_rocker", (0.0, 100.0, 80.0, 110.0), "linkage.crank_mm", "0 is not a length"),
         ("slotted_lever", (60.0, 60.0, 300.0), "linkage.pivot_mm", "turn round instead of swinging"),

@@ -43,7 +43,7 @@ WRONG = {
         changed(BALER, "rod_mm: 960", "rod_mm: 300"),
         "rod_mm",
         "linkage.rod_mm",
-        "a rod over 380 mm does",
+        "a rod over 380 mm works",
     ),
     "offset beyond reach": (
         "check",

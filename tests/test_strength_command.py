@@ -187,7 +187,7 @@ def test_as_json(run: Run, pretend: Callable[..., None]) -> None:
             + "strength: {method: elements}\n",
             "strength.method: elements given, but they are plane",
         ),
-        (HEAD + GEARS + "resistance: {polynomial_n: [0]}\n", "bear no load"),
+        (HEAD + GEARS + "resistance: {polynomial_n: [0]}\n", "carry no load"),
     ],
 )
 def test_what_is_missing_is_told(run: Run, text: str, place: str) -> None:

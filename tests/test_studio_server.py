@@ -233,7 +233,7 @@ def test_what_is_no_message_is_told_and_the_conversation_goes_on(studio: Studio)
         for data in NO_MESSAGES:
             page.socket.send(data)
             # A page may first be told of a draft that an earlier studio left.
-            while "is here again" in (said := page.until("said")["content"]):
+            while "here again" in (said := page.until("said")["content"]):
                 pass
             assert "message" in said, data
         page.send("redo")

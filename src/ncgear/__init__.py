@@ -52,7 +52,7 @@ _MODULES = {
     "loads": "ncgear.project.opened",
     "mending": "ncgear.project.mending",
 }
-"""Where the public names live."""
+"""Module of each public name."""
 
 
 def __getattr__(name: str) -> Any:

@@ -21,11 +21,11 @@ __all__ = ["pair", "pitch_curve"]
 
 
 def pair(drive: Drive) -> Compound:
-    """Both gears in the pose of phi1 = 0, in mm: the driving axis at the origin, the driven one at x = centre distance.
+    """Both gears in the pose of phi1 = 0, in mm: driving axis at the origin, driven axis at x = centre distance.
 
-    A compound with the design's name, whose children are the solids ``driving`` and ``driven``.  Of two pairs in series
-    give one of ``drive.by_stage``.  Raises the errors of the teeth, and WrongInput for shapes that only meshes have and
-    where build123d is not installed.
+    A compound with the design's name, whose children are the solids ``driving`` and ``driven``.  For two pairs in
+    series, pass one of ``drive.by_stage``.  Raises the errors of the teeth, and WrongInput for shapes that only meshes
+    have and where build123d is not installed.
     """
     require("build123d", "build123d", "ncgear.cad")
     from build123d import Compound, Location, Solid
@@ -41,7 +41,8 @@ def pair(drive: Drive) -> Compound:
 def pitch_curve(drive: Drive, gear: str) -> Edge:
     """The pitch curve of the ``driving`` or the ``driven`` gear in its own frame, axis at the origin, in mm.
 
-    Of gears that turn less than once it is the curve of the range.  Raises WrongInput where build123d is not installed.
+    For gears that turn less than once it is the curve of the range.  Raises WrongInput where build123d is not
+    installed.
     """
     require("build123d", "build123d", "ncgear.cad")
     from build123d import Edge

@@ -1,9 +1,9 @@
 """The ways in which a design can fail, each with its exit status, and how an error gets its place in a file.
 
 Code that finds a fault knows at most the key of the wrong value.  It raises ``WrongInput`` or ``NoSuchMechanism`` with
-that key, and ``Unanswered`` where numbers do not tell.  Code that works on one group of keys runs inside ``below``,
-which completes the key.  Code that knows the file calls it inside ``located``, which adds file, line and column.  An
-error that already has a place keeps it.
+that key, and ``Unanswered`` where a computation finds no answer.  Code that works on one group of keys runs inside
+``below``, which completes the key.  Code that knows the file calls it inside ``located``, which adds file, line and
+column.  An error that already has a place keeps it.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import Any, Protocol, Self
 
 
 class DesignError(Exception):
-    """A design from which no gears can be made; ``exit_status`` tells what is wrong.
+    """A design from which no gears can be made; ``exit_status`` says what kind of error it is.
 
     ``key`` is the dotted path of the wrong value (``motion.v1_mm_s``), or empty where the whole file is wrong.
     ``location`` is ``FILE:LINE:COLUMN`` once ``located`` has added it.  ``others`` are further faults of the same file.
@@ -32,11 +32,11 @@ class DesignError(Exception):
         self.others = tuple(others)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """How processes hand the error on, whatever its class asks for when it is made."""
+        """How pickle passes the error between processes, whatever arguments its class needs."""
         return type(self).__new__, (type(self), *self.args), self.__dict__
 
     def saying(self, problem: str, key: str | None = None) -> Self:
-        """The same error in other words; of another key, whose place is not known yet, where one is given."""
+        """The same error in other words; with a new ``key``, its place in the file is not known yet."""
         said = copy(self)
         said.problem = problem
         if key is not None:
@@ -49,7 +49,7 @@ class DesignError(Exception):
 
 
 class WrongInput(DesignError):
-    """The design file itself is wrong; the message says what was given and what would be right."""
+    """The design file itself is wrong; the message says which value was given and which would be right."""
 
     exit_status = 2
 
@@ -61,7 +61,7 @@ class NoSuchMechanism(DesignError):
 
 
 class RefusedAt(NoSuchMechanism):
-    """A pair of gears refused for its teeth at one angle of the driving gear, ``phi1_rad``."""
+    """A pair of gears whose teeth are refused at one angle of the driving gear, ``phi1_rad``."""
 
     def __init__(self, problem: str, *, phi1_rad: float, key: str = "", location: str = "") -> None:
         super().__init__(problem, key=key, location=location)
@@ -69,10 +69,10 @@ class RefusedAt(NoSuchMechanism):
 
 
 class Unanswered(NoSuchMechanism):
-    """The file is right, but numbers do not tell whether its mechanism exists: a search of ncgear found no answer.
+    """The file is right, but ncgear cannot tell whether its mechanism exists: a search found no answer.
 
-    Whoever tries a change of a design, or another way to make it, goes on to the next as after any refusal.  ``rows``
-    are the numbers of the searches that failed, of many at once; whoever knows what these stand for names it.
+    Code that tries changes of a design, or other ways to make it, continues with the next, as after any refusal.
+    ``rows`` are the numbers of the failed searches among many at once; ``searched_for`` names them.
     """
 
     def __init__(self, problem: str, *, key: str = "", location: str = "", rows: Sequence[int] = ()) -> None:
@@ -81,7 +81,7 @@ class Unanswered(NoSuchMechanism):
 
 
 class Places(Protocol):
-    """Where the values of a file stand."""
+    """The places of the values of a file."""
 
     def place(self, key: str) -> object:
         """The place of a dotted key, or of its nearest parent in the file; as text it is ``FILE:LINE:COLUMN``."""
@@ -92,7 +92,7 @@ class Places(Protocol):
 
 @contextmanager
 def located(places: Places | None) -> Iterator[None]:
-    """A context that adds the place of the key to errors that have no place; None stands for no file, and adds none."""
+    """A context that adds the place of the key to errors without a place; None, for no file, adds nothing."""
     try:
         yield
     except DesignError as error:
@@ -126,7 +126,7 @@ def renamed(old: str, new: str) -> Iterator[None]:
 
 @contextmanager
 def going_on() -> Iterator[None]:
-    """A context that says of wrong input that what has been computed so far is kept, as where a disk is full."""
+    """A context that adds to wrong input that results so far are kept, for example where a disk is full."""
     try:
         yield
     except WrongInput as error:
@@ -136,7 +136,7 @@ def going_on() -> Iterator[None]:
 
 @contextmanager
 def searched_for(what: Callable[[int], str], key: str) -> Iterator[None]:
-    """A context that says of searches without an answer ``what`` the first of them was about, and whose key that is."""
+    """A context that adds to failed searches ``what`` the first of them was about, and the key of that value."""
     try:
         yield
     except Unanswered as error:
@@ -146,7 +146,7 @@ def searched_for(what: Callable[[int], str], key: str) -> Iterator[None]:
 
 
 def fault_words(error: Exception) -> str:
-    """A fault of ncgear's own, where the package says to report it, and with what; its traceback too, if asked for."""
+    """The text for a fault of ncgear itself: where to report it, and with what; with its traceback if asked for."""
     if os.environ.get("NCGEAR_DEBUG"):
         import traceback
 

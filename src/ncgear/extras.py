@@ -1,4 +1,4 @@
-"""Optional libraries, which some parts of ncgear need."""
+"""Optional libraries that some parts of ncgear need."""
 
 from __future__ import annotations
 

@@ -1,7 +1,8 @@
 """Frozen dataclasses that are quick to define.
 
 For a frozen dataclass the standard library writes and compiles six functions.  The commands of ncgear define up to 300
-of them when they start, which was a seventh of the time of a check.  Here all these classes share four of the six.
+such classes when they start, which took a seventh of the time of a check.  Here all these classes share four of the six
+functions.
 """
 
 from __future__ import annotations
@@ -17,9 +18,8 @@ else:
     def dataclass(cls: type | None = None, /, *, frozen: bool, eq: bool = True, **options: bool) -> Any:
         """The frozen class that ``dataclasses.dataclass`` makes, with the same options; ``frozen`` must be true.
 
-        Fields, default values, order of arguments, ``replace``, equality, hash, text and copies are those of
-        ``dataclasses``, which knows the class as one of its own frozen ones.  A class that inherits fields is made by
-        ``dataclasses`` itself.
+        Fields, default values, order of arguments, ``replace``, equality, hash, text and copies work as in
+        ``dataclasses``, which accepts the class as frozen.  ``dataclasses`` itself makes a class that inherits fields.
         """
         if not frozen:
             raise TypeError("dataclasses that can be changed are made by dataclasses.dataclass")
@@ -31,14 +31,14 @@ else:
         if "__repr__" not in vars(cls):
             shared["__repr__"] = _shown
         if eq and "__eq__" not in vars(cls):
-            # Python has set __hash__ to None where a class defines __eq__ and no __hash__.
+            # Python sets __hash__ to None where a class defines __eq__ and no __hash__.
             shared["__eq__"] = _equal
         if eq and vars(cls).get("__hash__") is None:
             shared["__hash__"] = _hash
         for name, function in shared.items():
             setattr(cls, name, function)
         made = dataclasses.dataclass(cls, eq=False, repr=False, **options)
-        # Frozen classes may inherit from frozen ones only.
+        # Frozen classes may inherit from frozen classes only.
         made.__dataclass_params__.frozen = True
         return made
 

@@ -1,6 +1,6 @@
-"""The ends of a run: signals that wait while files are exchanged, processes that end with it, work that has its time.
+"""The ends of a run: signals that wait while files are exchanged, processes that end with it, limits of time.
 
-``ENDING`` holds Ctrl-C, what ``kill`` sends, and what a terminal sends as it is closed; Windows has no last one.
+``ENDING`` has Ctrl-C, the signal of ``kill``, and the signal of a closed terminal, which Windows lacks.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ PR_SET_PDEATHSIG = 1
 
 @contextmanager
 def uninterrupted() -> Iterator[None]:
-    """A context that delays the signals of ``ENDING`` to its end, for short work that must not be left half done."""
+    """A context that delays the signals of ``ENDING`` to its end, for short work that must not be interrupted."""
     if current_thread() is not main_thread():
-        # Only the main thread hears signals.
+        # Only the main thread receives signals.
         yield
         return
     heard: list[int] = []
@@ -32,7 +32,7 @@ def uninterrupted() -> Iterator[None]:
     def remember(number: int, _: FrameType | None) -> None:
         heard.append(number)
 
-    # One that another program around Python handles cannot be given back.
+    # A handler that was set outside Python cannot be restored.
     before = {number: handler for number in ENDING if (handler := signal.getsignal(number)) is not None}
     try:
         for number in before:
@@ -46,18 +46,18 @@ def uninterrupted() -> Iterator[None]:
 
 
 def quiet_of_interrupts(unraisable: sys.UnraisableHookArgs) -> None:
-    """Stay silent about an interrupt that could not be raised, as while an object is freed: it comes again."""
+    """Ignore an interrupt that could not be raised, for example while an object is freed: it is repeated."""
     if not issubclass(unraisable.exc_type, KeyboardInterrupt):
         sys.__unraisablehook__(unraisable)
 
 
 class TimeIsOver(Exception):
-    """Work has taken the processor time that it was given."""
+    """Work has used up its processor time."""
 
 
 @contextmanager
 def at_most(seconds: float) -> Iterator[None]:
-    """A context that raises TimeIsOver in its body after so much processor time, or at once where none is left.
+    """A context that raises TimeIsOver in its body after an amount of processor time, or at once if none is left.
 
     Outside the main thread, and on systems without such a clock, the body comes to its own end.
     """
@@ -81,7 +81,7 @@ def at_most(seconds: float) -> Iterator[None]:
 
 @contextmanager
 def deaf_processes() -> Iterator[None]:
-    """A context in which new processes hear nothing of what a terminal sends to all; their parent ends them instead."""
+    """A context in which new processes ignore a terminal's signals to all processes; their parent ends them."""
     if not hasattr(signal, "pthread_sigmask"):
         yield
         return
@@ -89,7 +89,7 @@ def deaf_processes() -> Iterator[None]:
 
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT, signal.SIGHUP})
     try:
-        # The process that clears up after all others; whoever begins it hears Ctrl-C again.
+        # The process that clears up after all others; starting it makes this process receive Ctrl-C again.
         ensure_running()
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         yield
@@ -106,13 +106,13 @@ def end_processes() -> None:
 
 
 def end_with_parent(its_end: Callable[[], object]) -> None:
-    """Make this process end when its parent does, however that ends; ``its_end`` returns after it, or long after.
+    """Make this process end when its parent ends in any way; ``its_end`` returns at the parent's end or later.
 
-    Linux kills this process together with the thread that has begun it, whatever it computes then.  A thread that
-    waits for ``its_end`` does it on other systems, and where the parent has ended before Linux could be asked.
+    Linux kills this process together with the thread that started it, at any moment.  A thread that waits for
+    ``its_end`` does so on other systems, and where the parent had ended before Linux was asked.
     """
     if sys.platform == "linux":
-        # Takes some milliseconds to load.
+        # Loading it takes some milliseconds.
         import ctypes
 
         ctypes.CDLL(None).prctl(PR_SET_PDEATHSIG, signal.SIGKILL)

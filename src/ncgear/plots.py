@@ -8,7 +8,7 @@ so that labels and limits can be changed:
 >>> ncgear.plots.acceleration(drive).get_ylabel()
 'acceleration in mm/s\u00b2'
 
-Drawing computes the attributes of the drive that it shows, and raises the errors that these raise.
+Drawing computes the attributes of the drive that it shows, and raises their errors.
 """
 
 from __future__ import annotations
@@ -93,7 +93,7 @@ def backlash(drive: Drive, axes: Axes | None = None) -> Axes:
 
 
 def flanks_in_contact(drive: Drive, axes: Axes | None = None) -> Axes:
-    """How many pairs of flanks touch over the driving angle, as designed."""
+    """Number of touching pairs of flanks over the driving angle, as designed."""
     return _drawn(teeth_charts.flanks_in_contact(drive.designed_contact), CONTACT_LOOK, axes)
 
 

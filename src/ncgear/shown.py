@@ -1,8 +1,8 @@
-"""How values show themselves in notebooks: the one door through which a value reaches what stands above it.
+"""How values show themselves in notebooks: the only way by which a value reaches the rooms above it.
 
-Notebooks ask a value for ``_repr_html_``.  What a value looks like is made of figures and drawings, which know the
-values and not the other way round.  So a value says only that it is shown, and ``ncgear.drawings.notebook`` is loaded
-when a notebook asks.
+Notebooks ask a value for ``_repr_html_``.  Figures and drawings make the HTML; they know the values, but the values do
+not know them.  So a value only declares that it can be shown, and ``ncgear.drawings.notebook`` is loaded when a
+notebook asks.
 """
 
 from __future__ import annotations
@@ -14,11 +14,11 @@ DRAWER = "ncgear.drawings.notebook.values"
 
 
 class Shown:
-    """A value that notebooks show as figures and pictures; elsewhere its ``repr`` is what is seen."""
+    """A value that notebooks show as figures and pictures; elsewhere its ``repr`` is shown."""
 
     __slots__ = ()
 
     def _repr_html_(self) -> str:
-        """The value as HTML that stands by itself; what cannot be made of it is shown as its refusal."""
+        """The value as self-contained HTML; for parts that cannot be made it shows the error."""
         text: str = import_module(DRAWER).html(self)
         return text

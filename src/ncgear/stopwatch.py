@@ -8,9 +8,9 @@ from time import perf_counter
 
 
 class Stopwatch:
-    """Adds up seconds by step; while an inner step runs, the time of the outer one stands still.
+    """Adds up seconds by step; while an inner step runs, the time of the outer step does not count.
 
-    ``within`` is told how far a long step has come; whoever shows progress puts its own function there.
+    ``within`` is called with the progress of a long step; a display of progress puts its own function there.
     """
 
     def __init__(self) -> None:

@@ -1,7 +1,7 @@
 """Independent tasks on the processes of this computer, or on a Dask cluster, with the same results.
 
-A task is a value that can be pickled, and the function that computes it is a module's own.  Results come as they are
-finished, with the task that they belong to.  A process that dies on the way is replaced, and its tasks are done again.
+A task is a value that can be pickled, and the function that computes it is defined in a module.  Results come as they
+are finished, each with its task.  A process that dies is replaced, and its tasks are done again.
 """
 
 from __future__ import annotations
@@ -33,28 +33,29 @@ Given = ParamSpec("Given")
 OPTION = "--scheduler"
 
 LOCAL = "local"
-"""The scheduler that stands for a Dask cluster of this computer's own."""
+"""Name of the scheduler that means a Dask cluster on this computer."""
 
 AHEAD = 4
-"""Tasks handed out for each process: one at work, the others so that it never waits, few so that memory stays small."""
+"""Tasks handed out for each process: one in work, the others so that it never waits, few so that memory stays small."""
 
 AT_FIRST_ON_CLUSTER = 256
-"""Fewest tasks handed out to a cluster as long as none is finished, one by one: its processes may be still to come."""
+"""Least number of tasks handed out singly to a cluster before the first is finished: its processes may still be
+starting."""
 
 AHEAD_ON_CLUSTER = 2
-"""Bundles of tasks handed out for each process of a cluster: one at work, and one that waits."""
+"""Bundles of tasks handed out for each process of a cluster: one in work, and one waiting."""
 
 HANDING_S, LONGEST_BUNDLE_S = 0.01, 5.0
-"""Seconds of work of a bundle for each process of a cluster, and at most.
+"""Seconds of work in a bundle for each process of a cluster, and their upper limit.
 
-Client and scheduler each spend some two milliseconds on a bundle, however long it is (benchmarks/sweeping.md): all
-processes have a new one before the first has done its own, and five seconds are enough for two thousand of them."""
+Client and scheduler each spend some two milliseconds on a bundle of any length (benchmarks/sweeping.md).  So all
+processes have a new bundle before the first has finished its own; five seconds are enough for two thousand of them."""
 
 LOOK_S = 1.0
-"""Seconds after which the processes of a cluster are counted anew."""
+"""Seconds after which the processes of a cluster are counted again."""
 
 DEATHS = 3
-"""Deaths of processes without a single result between them after which a run gives up: the tasks themselves kill."""
+"""Deaths of processes without any result in between after which a run stops: the tasks themselves kill them."""
 
 ONE_THREAD = dict.fromkeys(("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"), "1")
 """Each process has one core, so several threads of linear algebra in it would only hinder each other."""
@@ -66,9 +67,9 @@ def core_count() -> int:
 
 
 def free_cores() -> int:
-    """The number of cores that this process may use and on which nothing else runs at this moment, its own included.
+    """The number of cores that this process may use and that are free at this moment, including its own core.
 
-    Linux tells how many processes run now.  Elsewhere their mean number over the last minute must do.
+    Linux tells how many processes run now.  On other systems it is their mean number over the last minute.
     """
     try:
         others = int(Path("/proc/loadavg").read_text().split()[3].partition("/")[0]) - 1
@@ -87,14 +88,13 @@ def finished(
     """Every task with its result, in the order in which they are finished.
 
     Without ``scheduler`` the tasks run on ``processes`` processes of this computer, one for each core where None is
-    given; a single one is this process itself.  ``scheduler`` is the address of a Dask scheduler, as
+    given; with 1, this process computes them itself.  ``scheduler`` is the address of a Dask scheduler, for example
     ``tcp://host:8786``, or ``local`` for a Dask cluster of ``processes`` processes on this computer.  Tasks are taken
-    from ``tasks`` a few at a time, so that it may be endless.  A cluster gets bundles of tasks, which towards the end
-    are so small that all its processes stay at work; ``count`` is how many tasks there are, where ``tasks`` does not
-    tell.
+    from ``tasks`` a few at a time, so ``tasks`` may be endless.  A cluster gets bundles of tasks, which become small
+    towards the end so that all its processes have work; ``count`` is the number of tasks, if ``tasks`` has no length.
 
-    Raises what the function raises, WrongInput where the scheduler cannot be used or ends on the way, and RuntimeError
-    where processes die again and again without a result.
+    Raises the errors of the function, WrongInput where the scheduler cannot be used or ends during the work, and
+    RuntimeError where processes die again and again without a result.
     """
     if scheduler is not None:
         left = length_hint(tasks, -1) if count is None else count
@@ -108,7 +108,7 @@ def finished(
 
 
 def _on_cluster(function: Callable[[Task], Result], tasks: list[Task]) -> tuple[float, list[Result]]:
-    """Tasks on a worker that others have begun: the seconds that they took, and their results."""
+    """Tasks on a worker of another program: the seconds that they took, and their results."""
     keep_freed_memory()
     start = perf_counter()
     results = [function(task) for task in tasks]
@@ -118,7 +118,7 @@ def _on_cluster(function: Callable[[Task], Result], tasks: list[Task]) -> tuple[
 def _through(
     new_executor: Callable[[], Executor], ahead: int, function: Callable[[Task], Result], tasks: Iterator[Task]
 ) -> Iterator[tuple[Task, Result]]:
-    """Results of tasks, at most ``ahead`` of which are handed out; a broken executor is replaced by a new one."""
+    """Results of tasks, of which at most ``ahead`` are handed out; a broken executor is replaced by a new one."""
     executor, deaths = new_executor(), 0
     running: dict[Future[Result], Task] = {}
     while True:
@@ -127,7 +127,7 @@ def _through(
         if not running:
             return
         done, _ = wait(running, return_when=FIRST_COMPLETED)
-        # Those that broke with their executor stay, and are handed out again below.
+        # Tasks that broke with their executor stay, and are handed out again below.
         for future in [one for one in done if not isinstance(one.exception(), BrokenProcessPool)]:
             yield running.pop(future), future.result()
             done.remove(future)
@@ -146,16 +146,17 @@ def _through_cluster(
     tasks: Iterator[Task],
     left: float,
 ) -> Iterator[tuple[Task, Result]]:
-    """Results of tasks on a cluster, which replaces its own processes; ``left`` tasks are to be handed out."""
+    """Results of tasks on a cluster, which replaces its own processes; ``left`` is the number of tasks to hand out."""
     from distributed import as_completed
 
     running: dict[Any, list[Task]] = {}
     threads, looked_s, seconds, finished_tasks = _threads(client), monotonic(), 0.0, 0
-    # With results: Dask's own executor fails where a process dies between the end of its task and the reading of it.
+    # With results: Dask's own executor fails where a process dies between the end of a task and the reading of its
+    # result.
     done = as_completed(with_results=True)
 
     def hand_out() -> int:
-        """Hand out a bundle where one is wanted, and return how many tasks it holds."""
+        """Hand out a bundle if another is needed, and return its number of tasks."""
         ahead = AHEAD_ON_CLUSTER * threads if finished_tasks else max(AHEAD_ON_CLUSTER * threads, AT_FIRST_ON_CLUSTER)
         if len(running) >= ahead:
             return 0
@@ -181,23 +182,23 @@ def _through_cluster(
 
 
 def bundle_size(seconds: float, left: float, threads: int) -> int:
-    """How many tasks of so many seconds each one of a cluster's threads gets at a time.
+    """Number of tasks, each of so many seconds, in a bundle for one of a cluster's threads.
 
-    They are enough work for the time in which all threads get their bundles, but not more than a share of what is
-    ``left``, so that all threads end together.
+    A bundle is enough work for the time in which all threads get their bundles, but not more than a share of the
+    ``left`` tasks, so that all threads end together.
     """
     long_enough = min(HANDING_S * threads, LONGEST_BUNDLE_S) / max(seconds, 1e-6)
     return max(1, int(min(long_enough, left / (AHEAD_ON_CLUSTER * threads))))
 
 
 def _threads(client: Any) -> int:
-    """The number of tasks that a cluster can compute at a time; 1 before its first process has come."""
+    """The number of tasks that a cluster can compute at a time; 1 before its first process has started."""
     threads: int = sum(client.nthreads().values())
     return max(1, threads)
 
 
 def _handed_out(executor: Executor, function: Callable[[Task], Result], task: Task) -> Future[Result]:
-    """The result to come of a task; it is broken at once where the executor is."""
+    """The future result of a task; it is broken at once if the executor is broken."""
     try:
         return executor.submit(function, task)
     except BrokenProcessPool as death:
@@ -208,7 +209,7 @@ def _handed_out(executor: Executor, function: Callable[[Task], Result], task: Ta
 
 @contextmanager
 def _pools(count: int) -> Iterator[Callable[[], Executor]]:
-    """A context with a function that begins a pool of processes; at its end all processes are gone."""
+    """A context with a function that starts a pool of processes; at its end all processes are gone."""
     pools: list[Pool] = []
 
     def new_pool() -> Executor:
@@ -228,9 +229,9 @@ def _pools(count: int) -> Iterator[Callable[[], Executor]]:
 
 
 class Pool(ProcessPoolExecutor):
-    """Processes that end with this one, and ignore Ctrl-C, which this one hears.
+    """Processes that end with this process, and ignore Ctrl-C, which this process handles.
 
-    They begin when the first tasks are handed out.
+    They start when the first tasks are handed out.
     """
 
     def __init__(self, count: int) -> None:
@@ -238,13 +239,13 @@ class Pool(ProcessPoolExecutor):
             super().__init__(count, get_context("spawn"), _begin)
 
     def submit(self, function: Callable[Given, Result], /, *given: Given.args, **named: Given.kwargs) -> Future[Result]:
-        """As every executor; a process that begins is never left without what it waits for."""
+        """As in every executor; a process that starts always gets the data that it waits for."""
         with uninterrupted(), deaf_processes():
             return super().submit(function, *given, **named)
 
 
 def _begin() -> None:
-    """Prepare a process that has been begun by this module."""
+    """Prepare a process that this module has started."""
     parent = parent_process()
     assert parent is not None
     end_with_parent(parent.join)
@@ -255,13 +256,13 @@ def _begin() -> None:
 
 
 def dask_setup(_: Any) -> None:
-    """What Dask calls in each worker of a cluster of this computer as it begins."""
+    """Dask calls this in each worker of a cluster on this computer when the worker starts."""
     _begin()
 
 
 @contextmanager
 def one_thread_each() -> Iterator[None]:
-    """A context in which new processes use one thread each; variables that the user has set stay."""
+    """A context in which new processes use one thread each; variables set by the user stay."""
     with _same_environment():
         os.environ.update({name: value for name, value in ONE_THREAD.items() if name not in os.environ})
         yield
@@ -269,7 +270,7 @@ def one_thread_each() -> Iterator[None]:
 
 @contextmanager
 def _same_environment() -> Iterator[None]:
-    """A context at whose end the environment's variables are as before."""
+    """A context that restores the environment's variables at its end."""
     before = dict(os.environ)
     try:
         yield
@@ -289,11 +290,11 @@ def _cluster(scheduler: str, processes: int) -> Iterator[Any]:
 
     with _without_logs(), _client(scheduler, processes) as client:
         try:
-            # A worker may end on the way
+            # A worker may end meanwhile
             _require_same_version(client.run(_version, on_error="return"))
             yield client
         except Exception as error:
-            # Tasks are cancelled by the end of the scheduler alone, which the client may not know yet.
+            # Only the end of the scheduler cancels tasks; the client may not know of it yet.
             if client.status == "running" and not isinstance(error, CancelledError | CommClosedError):
                 raise
             problem = (
@@ -305,7 +306,7 @@ def _cluster(scheduler: str, processes: int) -> Iterator[Any]:
 
 @contextmanager
 def _without_logs() -> Iterator[None]:
-    """A context without the logs of libraries: whatever ends a cluster, they write pages of traces."""
+    """A context without the logs of libraries: when a cluster ends, they write pages of traces."""
     before = logging.root.manager.disable
     logging.disable(logging.CRITICAL)
     try:
@@ -320,14 +321,14 @@ def _client(scheduler: str, processes: int) -> Iterator[Any]:
     from distributed import Client, LocalCluster
 
     if scheduler == LOCAL:
-        # Dask sets variables for its workers, which stay.
+        # Dask sets variables for its workers; they would stay.
         with _same_environment():
-            # Its threads begin the workers, and ignore what is ignored here.
+            # Its threads start the workers, and ignore the signals that are ignored here.
             with uninterrupted(), deaf_processes():
                 made = LocalCluster(
                     n_workers=0,
                     threads_per_worker=1,
-                    # Any port that is free: two clusters of one computer do not get into each other's way.
+                    # Any free port: two clusters on one computer do not conflict.
                     dashboard_address="127.0.0.1:0",
                     silence_logs=logging.ERROR,
                     preload=[__name__],
@@ -337,7 +338,7 @@ def _client(scheduler: str, processes: int) -> Iterator[Any]:
                 made.scale(processes)
                 yield client
             finally:
-                # Ctrl-C comes again, and those that end by themselves take seconds.
+                # Ctrl-C is repeated, and workers that end by themselves take seconds.
                 with uninterrupted():
                     for nanny in made.workers.values():
                         nanny.auto_restart = False
@@ -361,7 +362,8 @@ def _version() -> str:
 def _require_same_version(versions: Mapping[str, str | BaseException]) -> None:
     """Raise WrongInput where a worker of a cluster has another version of ncgear than this process, or none.
 
-    ``versions`` has the error in place of the version where a worker did not tell it; one that has ended is left out.
+    ``versions`` has the error in place of the version where a worker did not tell it; a worker that has ended is left
+    out.
     """
     told = {worker: version for worker, version in versions.items() if not isinstance(version, OSError)}
     other = {worker: version for worker, version in told.items() if version != __version__}

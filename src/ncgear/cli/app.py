@@ -22,18 +22,18 @@ from ncgear.cli.sweep import sweep
 
 
 class PlainCommand(TyperCommand):
-    """A command whose parameters convert only what must be converted."""
+    """A command whose parameters convert only values that need it."""
 
     def get_params(self, ctx: Any) -> Any:
-        """The parameters, with that of the help."""
+        """The parameters, with the help's parameter."""
         return _plain(super().get_params(ctx))
 
 
 class PlainGroup(TyperGroup):
-    """The same of the program's own parameters."""
+    """A group whose own parameters convert only values that need it."""
 
     def get_params(self, ctx: Any) -> Any:
-        """The parameters, with that of the help."""
+        """The parameters, with the help's parameter."""
         return _plain(super().get_params(ctx))
 
 
@@ -45,7 +45,7 @@ def _plain(parameters: list[Any]) -> list[Any]:
 
 
 def _as_given(parameter: Any) -> Any:
-    """What typer processes a parameter's value by, passed over where the value is already what it should be."""
+    """The parameter with typer's processing of its value, which is skipped where the value already has its type."""
     processed = parameter.process_value
 
     def process_value(context: Any, value: Any) -> Any:
@@ -104,12 +104,12 @@ COMMANDS = (
 """All commands, in the order in which the help lists them."""
 
 for command in COMMANDS:
-    # What is looked up may be of several words
+    # The words after ``explain`` may be several
     app.command(cls=PlainCommand, context_settings={"allow_extra_args": command is explain})(command)
 
 
 def _libraries() -> dict[str, str]:
-    """The versions of the libraries that are installed of those that ncgear can use, for reports of faults."""
+    """The installed versions of the libraries that ncgear can use, for reports of faults."""
     from importlib.metadata import PackageNotFoundError, requires, version
 
     found = {}

@@ -1,4 +1,4 @@
-"""What commands share: arguments, what the shell offers for them, the design file in use, and what is printed."""
+"""Parts that commands share: arguments, their completion in the shell, the design file in use, and printing."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ SUFFIXES = (".yaml", ".yml")
 
 
 def files_to_complete(incomplete: str) -> list[str]:
-    """Design files and folders whose path begins with the typed text; hidden ones only after a typed dot."""
+    """Design files and folders whose path begins with the typed text; hidden files only after a typed dot."""
     typed = Path(incomplete)
     folder, start = (typed, "") if incomplete.endswith("/") or not incomplete else (typed.parent, typed.name)
     if not folder.is_dir():
@@ -40,7 +40,7 @@ def files_to_complete(incomplete: str) -> list[str]:
 
 
 def pasted(path: Path) -> str:
-    """A path as a shell takes it in a command that is pasted."""
+    """A path as a shell reads it in a command that is pasted."""
     return list2cmdline([str(path)]) if os.name == "nt" else shlex.quote(str(path))
 
 
@@ -63,7 +63,7 @@ def model_of(kind: FileKind) -> type[Model]:
 
 
 def keys_to_complete(context: typer.Context, incomplete: str) -> list[str]:
-    """Keys of the kind of file in the command line, by their whole path or their last part."""
+    """Keys of the kind of file in the command line, by their whole path or by their last part."""
     from ncgear.design.told_keys import told_keys
 
     keys = told_keys(FileKind(context.params.get("of") or FileKind.DESIGN))
@@ -128,7 +128,7 @@ Timing = Annotated[bool, typer.Option("--timing", help="Also print, to stderr, h
 def opened(path: Path, *, offers_fit: bool = True) -> Iterator[LoadedDesign]:
     """A context with the design of a file; errors raised in it get the place of their key in that file.
 
-    A refusal of a drawn pitch curve or of its teeth names the command that finds the nearest one, unless that one runs.
+    An error about a drawn pitch curve or its teeth names the command that finds the nearest one, unless it is running.
     """
     from ncgear.design.reading.design_file import load
 
@@ -137,7 +137,7 @@ def opened(path: Path, *, offers_fit: bool = True) -> Iterator[LoadedDesign]:
 
         # Links that a killed run has left are replaced by their files.
         real_place(path)
-    # What follows computes with large arrays.
+    # The work that follows computes with large arrays.
     keep_freed_memory()
     loaded = load(path)
     with located(loaded.source):
@@ -153,13 +153,13 @@ def opened(path: Path, *, offers_fit: bool = True) -> Iterator[LoadedDesign]:
 
 
 def _is_of_curve(refusal: NoSuchMechanism) -> bool:
-    """Whether a pitch curve, or the teeth on it, are refused."""
+    """Whether an error refuses a pitch curve, or the teeth on it."""
     of_teeth = refusal.key in ("gears.teeth", "gears.least_contact_ratio")
     return not isinstance(refusal, Unanswered) and (of_teeth or refusal.key.split(".")[0] == "motion")
 
 
 def prepared(out: Path | None, name: str = "") -> Path:
-    """The output folder: ``out``, or one below ``EXPORT``; refused before any work if it cannot be written."""
+    """The output folder: ``out``, or one below ``EXPORT``; it is refused before any work if it cannot be written."""
     from ncgear.files.publish import prepare
 
     folder = out or EXPORT / name
@@ -168,9 +168,9 @@ def prepared(out: Path | None, name: str = "") -> Path:
 
 
 def tell(answer: Answer, *of_pairs: Mapping[str, Any], as_json: bool, verbose: bool, run: Run | None = None) -> None:
-    """Print an answer and the files of a run; with ``verbose`` all of it and every figure; or the figures as JSON.
+    """Print an answer and the files of a run; with ``verbose`` the full answer and every figure; or figures as JSON.
 
-    The figures, and what is raised, are those of ``print_figures``.
+    For the figures and errors see ``print_figures``.
     """
     from ncgear.figures.answers.answer import answer_text
     from ncgear.figures.terminal import full_text
@@ -190,11 +190,11 @@ def print_times(drive: Drive) -> None:
 
 
 def print_figures(*of_pairs: Mapping[str, Any], kept: Sequence[Path] = ()) -> None:
-    """Print figures as one JSON document to stdout, and to stderr the files of others that were ``kept``.
+    """Print figures as one JSON document to stdout, and the files of other programs that were ``kept`` to stderr.
 
-    The figures are those of the JSON file that the command writes, to the digit.  Of two pairs in series that are told
-    one by one they stand below ``stages``.  Raises Unanswered, before anything is printed, where a figure is no
-    finite number.
+    The figures equal the figures of the JSON file that the command writes, to the digit.  For two pairs in series that
+    are told one by one, they are below ``stages``. Raises Unanswered, before anything is printed, where a figure is not
+    finite.
     """
     from ncgear.figures.numbers import json_text
 

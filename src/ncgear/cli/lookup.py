@@ -1,4 +1,4 @@
-"""Commands that look things up: keys of files, examples and macros that come with the program, the papers' figures."""
+"""Commands that look things up: keys of files, examples and macros of the program, the figures of papers."""
 
 from __future__ import annotations
 
@@ -65,11 +65,11 @@ def schema(
 
 
 NAMED = 4
-"""Patterns of files that are named in words."""
+"""Number of file patterns that are listed by name."""
 
 
 def _into_settings(folder: Path) -> None:
-    """Write the schemas and the settings that name them; say what was written and which files they are for."""
+    """Write the schemas and the settings that name them; print the written files and the files that they are for."""
     from ncgear.errors import WrongInput
     from ncgear.files.editor import SETTINGS_FOLDER, editor_files
     from ncgear.files.publish import exchange, opened

@@ -1,4 +1,4 @@
-"""Commands that compute one machine: check, build, report, animate, simulate and strength; balance of its own file."""
+"""Commands that compute one machine: check, build, report, animate, simulate and strength; and balance."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ def build(
     report: Annotated[
         bool,
         typer.Option(
-            "--report", help="Also write report.html, as ncgear report does; one that is there is made anew anyway."
+            "--report", help="Also write report.html, as ncgear report does; an existing report is always made anew."
         ),
     ] = False,
     mend: Mend = False,
@@ -193,7 +193,7 @@ def animate(
     from ncgear.figures.terminal import kept_lines
     from ncgear.files.manifest import publish_named, publish_run
 
-    # Another animation in the same folder stays.
+    # Another animation in the same folder is kept.
     command = f"animate {path.name}"
     run = (
         publish_run(path.parent, {path.name: content}, command)

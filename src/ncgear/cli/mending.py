@@ -1,4 +1,4 @@
-"""What helps where teeth are refused: commands name it, and those with ``--mend`` take it."""
+"""Remedies where teeth are refused: commands name them, and commands with ``--mend`` apply them."""
 
 from __future__ import annotations
 
@@ -40,9 +40,9 @@ NOTHING = "Nothing to mend: the teeth can be made as the file has them."
 
 @dataclass(frozen=True)
 class Mended:
-    """The design that a command goes on with, its drive, and what is said of it.
+    """The design with which a command continues, its drive, and the text about the change.
 
-    ``text`` is that of the mended design file, empty where the design is as given.
+    ``text`` is the mended design file, empty where the design is unchanged.
     """
 
     loaded: LoadedDesign
@@ -52,36 +52,36 @@ class Mended:
 
     @property
     def words(self) -> str:
-        """All that is said, in lines for a terminal."""
+        """The whole text, in lines for a terminal."""
         from ncgear.figures.mended import in_lines
 
         return in_lines(self.said)
 
     def say(self) -> None:
-        """Print all that is said and an empty line to stderr; nothing where nothing is said."""
+        """Print the whole text and an empty line to stderr; print nothing where the text is empty."""
         if self.said:
             typer.echo(f"{self.words}\n", err=True)
 
     def kept_in(self, folder: Path) -> Run:
-        """Write the mended design file into a folder, beside what was made from it."""
+        """Write the mended design file into a folder, beside the files that were made from it."""
         from ncgear.files.manifest import Run, publish_run
 
         if not self.text:
             return Run([], [])
         name = self.loaded.design.name
-        # A build replaces what builds wrote; a design file stays.
+        # A build replaces files that builds wrote; a design file is kept.
         return publish_run(folder, {f"{name}.yaml": self.text.encode()}, f"mend {name}")
 
 
 def as_given(loaded: LoadedDesign) -> Mended:
-    """A design as its file has it."""
+    """The design of a file, unchanged."""
     from ncgear.project.drive import Drive
 
     return Mended(loaded, Drive(loaded.design))
 
 
 def mended(loaded: LoadedDesign) -> Mended:
-    """The design with the least change that makes its teeth; raises the refusal, and what was tried, if none does."""
+    """The design with the least change that makes its teeth; raises the error, with the changes tried, if none does."""
     from ncgear.design.reading.design_file import parsed
     from ncgear.design.words import ending_in
     from ncgear.figures.mended import SUFFIX, mended_design, mended_words, refusal_with_help
@@ -96,14 +96,14 @@ def mended(loaded: LoadedDesign) -> Mended:
     if search.found is None:
         raise refusal_with_help(search) from search.refusal
     text = mended_design(loaded, search.found)
-    # The gears are those of the text, so that what is kept makes what was made.
+    # The gears are made from the text, so the kept file makes the same gears.
     changed = parsed(text, Path(f"{ending_in(SUFFIX, loaded.design.name)}.yaml"))
     return Mended(changed, Drive(changed.design), mended_words(search, search.found), text)
 
 
 @contextmanager
 def naming_what_helps(drive: Drive, option: str = OPTION) -> Iterator[None]:
-    """A context that adds to a refusal of teeth what would make them; ``option`` is the one that takes it, if any."""
+    """A context that adds a remedy to an error about teeth; ``option`` is the option that applies it, if any."""
     try:
         yield
     except DesignError as error:
@@ -116,7 +116,7 @@ def naming_what_helps(drive: Drive, option: str = OPTION) -> Iterator[None]:
 
 
 def _search(drive: Drive, error: DesignError) -> Mending | None:
-    """The search for what helps; None where the error is not about teeth."""
+    """The search for a remedy; None where the error is not about teeth."""
     from ncgear.project.mending import BACKLASH, ROOT_RADIUS, refusal_of_teeth, searched
 
     if isinstance(error, WrongInput) and error.key not in (ROOT_RADIUS, *BACKLASH):

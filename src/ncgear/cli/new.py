@@ -1,4 +1,4 @@
-"""``ncgear new``: a design file to begin with, from options or from a person's answers at a terminal."""
+"""``ncgear new``: a design file to begin with, from options or from answers at a terminal."""
 
 from __future__ import annotations
 
@@ -22,10 +22,10 @@ if TYPE_CHECKING:
     from ncgear.design.beginning import Beginning
 
 BUILDABLE = ("motion_wishes", "check", "designed_contact", "solids")
-"""Steps of a drive that prove a design: they compute all other steps that could refuse a build."""
+"""Steps of a drive that prove a design: they compute all other steps that could fail in a build."""
 
 WISHABLE = ("motion_wishes",)
-"""Steps that prove the wishes of a design whose sizes are the usual ones."""
+"""Steps that prove the wishes of a design with the usual sizes."""
 
 
 def examples_to_complete(incomplete: str) -> list[str]:
@@ -59,7 +59,7 @@ def new(
         ),
     ] = None,
     design: Annotated[
-        bool, typer.Option("--design", help="Begin a machine of which ncgear design finds law, gears and flywheel.")
+        bool, typer.Option("--design", help="Begin a machine for ncgear design, which finds law, gears and flywheel.")
     ] = False,
     wish: Annotated[
         list[str] | None,
@@ -125,7 +125,7 @@ def _write_asked(
     *,
     yes: bool,
 ) -> None:
-    """Write a file in which a whole machine is sought, from ten answers; those of the kind of machine with ``yes``."""
+    """Write a file for the search of a whole machine, from ten answers; with ``yes`` the likely ones of its kind."""
     from ncgear.design.asked_machine import QUESTIONS as OF_MACHINE
     from ncgear.design.asked_machine import asked_text, fault_of_answer, likely_answers
     from ncgear.design.beginning import begun, wishes_told
@@ -150,13 +150,13 @@ def _write_asked(
         for one, question in OF_MACHINE.items():
             answers[one] = _asked(question, answers[one], partial(fault_of_answer, one, text))
     made = asked_text(path.stem, kind, own, answers, told)
-    # Wishes are read against the mechanism once
+    # The wishes are checked against the mechanism once
     Drive(parsed(made, path).design).motion_wishes  # noqa: B018
     _create(path, made)
 
 
 def _require_alone(alone: str, chosen: str, given: Mapping[str, object]) -> None:
-    """Raise WrongInput for anything that would change an example or the pair of a shape: it has all of it."""
+    """Raise WrongInput for anything given beside ``alone``: an example or the pair of a shape is complete."""
     for option, value in given.items():
         if value is not None and value != []:
             problem = f"given with --{alone} {chosen}, which has its own; leave it out, and change it in the file"
@@ -164,7 +164,7 @@ def _require_alone(alone: str, chosen: str, given: Mapping[str, object]) -> None
 
 
 def _write_example(example: str, name: str | None) -> None:
-    """Write the files of an example; raises WrongInput, before any is written, where one would replace another."""
+    """Write the files of an example; raises WrongInput, before writing, where one would replace another file."""
     from ncgear.design.template import example_files
 
     if name is not None:
@@ -172,7 +172,7 @@ def _write_example(example: str, name: str | None) -> None:
     files = {Path(place): content for place, content in example_files(example, name).items()}
     first = next(iter(files))
     for path, content in files.items():
-        # A file of points may be there already, of another example
+        # A file of points from another example may be there already
         if path.exists() and (path == first or path.read_bytes() != content):
             raise _taken(path)
     for path, content in files.items():
@@ -181,7 +181,7 @@ def _write_example(example: str, name: str | None) -> None:
 
 
 def _write_shape(shape: str, path: Path) -> None:
-    """Write the design of a pair of gears with a shape; say what helps where no teeth can be made as it is drawn."""
+    """Write the design of a pair of gears with a shape; name a remedy where its teeth cannot be made as drawn."""
     from ncgear.design.template import SHAPES, shape_template
 
     text = shape_template(path.stem, shape)
@@ -220,7 +220,7 @@ def _require_wishes(wishes: Sequence[str]) -> None:
 
 
 def _sound(given: dict[str, float]) -> dict[str, float]:
-    """The given sizes; raises WrongInput for sizes that no design can have."""
+    """The given sizes; raises WrongInput for sizes that are not possible in a design."""
     if not given:
         return {}
     from ncgear.design.beginning import fault_of, fault_together
@@ -250,7 +250,7 @@ def _ask_and_write(
 
 
 def _free(name: str | None) -> Path:
-    """The path of a new design file; raises WrongInput for a wrong name, and where there is a file already."""
+    """The path of a new design file; raises WrongInput for a wrong name, and where the file already exists."""
     if name is None:
         raise WrongInput("missing; `ncgear new NAME` is right", key="NAME")
     _require_name(name)
@@ -261,7 +261,7 @@ def _free(name: str | None) -> Path:
 
 
 def _taken(path: Path) -> WrongInput:
-    """The error about a path at which there is a file."""
+    """The error about a path where a file already exists."""
     return WrongInput("exists already; choose another name, or remove it", location=str(path))
 
 
@@ -271,11 +271,11 @@ def _write(path: Path, beginning: Beginning, sizes: dict[str, float], wishes: Se
 
 
 def _create(path: Path, text: str) -> None:
-    """Write a new file and say its name."""
+    """Write a new file and print its name."""
     from ncgear.files.one_file import put_at_free_place
 
     try:
-        # A file that is already there is refused even if it appears at this very moment.
+        # A file that already exists is refused even if it appears at this very moment.
         put_at_free_place(path, text.encode())
     except FileExistsError as error:
         raise _taken(path) from error
@@ -283,7 +283,7 @@ def _create(path: Path, text: str) -> None:
 
 
 def _buildable(name: str, beginning: Beginning, sizes: dict[str, float], wishes: Sequence[str]) -> str:
-    """The text of a design; with sizes of its own its gears are made once as a proof, with wishes these are read."""
+    """The text of a design; with given sizes its gears are made once as a proof, with wishes only these are read."""
     if not sizes and not wishes:
         from ncgear.design.template import template
 
@@ -303,12 +303,12 @@ def _buildable(name: str, beginning: Beginning, sizes: dict[str, float], wishes:
     return text
 
 
-# The questions.
+# Questions at a terminal.
 
 NO_MORE = "none"
 
 SIZES_OF_MACHINES = ("stroke_mm", "speed_rpm")
-"""Sizes that are asked for of a machine."""
+"""Sizes that a person is asked for a machine."""
 
 QUESTIONS = {
     "stroke_mm": "stroke of the slider in mm",
@@ -322,18 +322,18 @@ QUESTIONS = {
 
 
 def _asked_name() -> str:
-    """A name that a design can have."""
+    """The answer to the question for a name that a design can have."""
     return _asked("name of the design", "mine", lambda name: None if is_name(name) else f"{NAME_RULE}, are right")
 
 
 def _asked_beginning() -> Beginning:
-    """One of the laws or the machines, by its number or its name."""
+    """The chosen law or machine, by its number or its name."""
     choices: dict[Beginning, str] = {law: law_keys(law).CHOICE for law in LawName} | CHOICES
     return _asked_of("motion law or machine", choices)
 
 
 def _asked_machine() -> MachineName:
-    """One of the machines, by its number or its name."""
+    """The chosen machine, by its number or its name."""
     return _asked_of("kind of machine", CHOICES)
 
 
@@ -349,9 +349,9 @@ def _asked_of(question: str, choices: Mapping[One, str]) -> One:
 
 
 def _asked_sizes(beginning: Beginning, given: Mapping[str, float], before: Mapping[str, float]) -> dict[str, float]:
-    """All sizes of a law's design, stroke and speed of a machine's; only those that are not ``given`` are asked for.
+    """All sizes of a law's design, stroke and speed of a machine; a person is asked for sizes that are not ``given``.
 
-    The likely answer to a question is the one in ``before``, or else the one that follows from the answers so far.
+    The likely answer to a question is the answer in ``before``, or else follows from the answers so far.
     """
     from ncgear.design.beginning import proportioned
 
@@ -360,7 +360,7 @@ def _asked_sizes(beginning: Beginning, given: Mapping[str, float], before: Mappi
         asked = list(SIZES_OF_MACHINES)
     else:
         asked = [law_keys(beginning).ASKED_LENGTH, *(one for one in QUESTIONS if one not in lengths)]
-    # Stroke and crank give each other, so that only one of them is asked for.
+    # Stroke and crank determine each other, so only one of them is asked for.
     known = {*given, *(lengths if set(lengths) & set(given) else ())}
     found = dict(given)
     for answer in (one for one in asked if one not in known):
@@ -399,7 +399,7 @@ def _asked_wishes() -> list[str]:
 
 
 def _asked(question: str, likely: str, fault: Callable[[str], str | None]) -> str:
-    """The first answer without a fault; after a fault its text is shown, and the question is asked again."""
+    """The first answer without a fault; after a fault its text is shown, and the question is repeated."""
     while True:
         try:
             answer = str(typer.prompt(question, default=likely, err=True)).strip()

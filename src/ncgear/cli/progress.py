@@ -13,23 +13,23 @@ if TYPE_CHECKING:
     from rich.progress import Progress
 
 SILENT_SECONDS = 1.0
-"""Work that takes no longer shows no bar."""
+"""Longest work that shows no bar."""
 
 LINE_SECONDS = 5.0
-"""Time from the beginning to the first line, and at least from each line to the next."""
+"""Time from the beginning to the first line, and least time between two lines."""
 
 TELLER = "progress"
-"""The name of the thread that says how far work has come."""
+"""The name of the thread that prints the progress."""
 
 LATER = 0.25
-"""Share of the time so far that passes at least before the next line, so that the log of an hour stays short."""
+"""Least pause before the next line, as a share of the time so far, so that the log of an hour stays short."""
 
 
 class Shown(Protocol):
-    """What shows progress."""
+    """A display of progress."""
 
     def update(self, what: str, done: int, total: int | None) -> None:
-        """Show what is being done, how many of it are done, and of how many, if that is known."""
+        """Show the current work, how many parts of it are done, and of how many, if that is known."""
 
 
 @contextmanager
@@ -40,7 +40,7 @@ def counted(what: str) -> Iterator[Callable[[int, int], None]]:
 
 
 class Steps:
-    """Steps that follow each other: called with the name of each one as it begins."""
+    """Steps that follow each other: called with the name of each step as it begins."""
 
     def __init__(self, shown: Shown, count: int) -> None:
         self._shown, self._count, self._begun, self._step = shown, count, -1, ""
@@ -51,7 +51,7 @@ class Steps:
         self._shown.update(step, self._begun, self._count)
 
     def within(self, said: str) -> None:
-        """Say how far the step has come."""
+        """Tell how far the step has come."""
         self._shown.update(f"{self._step}, {said}", self._begun, self._count)
 
 
@@ -69,14 +69,14 @@ def _shown(what: str, count: int | None = None) -> Iterator[Shown]:
 
 
 class Lines:
-    """Progress in lines of plain text, of which ``line`` makes the next."""
+    """Progress in lines of plain text; ``line`` makes the next line."""
 
     def __init__(self, what: str, total: int | None = None, clock: Callable[[], float] = monotonic) -> None:
         self.now = what, 0, total
         self.clock, self.began = clock, clock()
 
     def update(self, what: str, done: int, total: int | None) -> None:
-        """Remember what is being done; the next line says it."""
+        """Remember the current work for the next line."""
         self.now = what, done, total
 
     @property
@@ -99,7 +99,7 @@ class Lines:
 
 @contextmanager
 def _lines_shown(what: str, count: int | None) -> Iterator[Shown]:
-    """Lines on stderr while the work takes long, by a thread of their own, since a single step may take long."""
+    """Lines on stderr while the work takes long, from a thread of their own, since a single step may take long."""
     lines, ended = Lines(what, count), threading.Event()
 
     def say() -> None:
@@ -107,7 +107,7 @@ def _lines_shown(what: str, count: int | None) -> Iterator[Shown]:
             try:
                 print(lines.line, file=sys.stderr, flush=True)
             except (OSError, ValueError):
-                # Nobody reads any more, or the stream is full or closed: the work goes on.
+                # The reader has left, or the stream is full or closed: the work continues.
                 return
 
     teller = threading.Thread(target=say, name=TELLER, daemon=True)
@@ -132,7 +132,7 @@ class Bar:
 
 @contextmanager
 def _bar_shown(what: str, count: int | None) -> Iterator[Shown]:
-    """A bar that appears once the work takes over a second, and which disappears at the end."""
+    """A bar that appears once the work takes over a second, and disappears at the end."""
     bar = _bar(what, count)
     timer = threading.Timer(SILENT_SECONDS, bar.start)
     timer.daemon = True

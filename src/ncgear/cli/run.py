@@ -1,6 +1,6 @@
 """A run of the command line, from the signals that end it to the exit status.
 
-This module imports next to nothing, so that the process handles Ctrl-C from the first moment on.
+This module imports almost nothing, so that the process handles Ctrl-C from the first moment on.
 """
 
 from __future__ import annotations
@@ -20,37 +20,37 @@ from ncgear.interrupts import ENDING, quiet_of_interrupts
 from ncgear.memory import collect_rarely
 
 BY_SIGNAL = 128
-"""What a shell adds to the number of the signal that has ended a command: Ctrl-C gives 130, ``kill`` 143."""
+"""Number that a shell adds to the signal that has ended a command: Ctrl-C gives 130, ``kill`` 143."""
 
 INTERRUPTED = BY_SIGNAL + signal.SIGINT
 READER_LEFT = 141
-"""As of a program that SIGPIPE ends: who reads the output has closed it, as ``head`` does."""
+"""Exit status of a program that SIGPIPE ends: the reader of the output, for example ``head``, has closed it."""
 
 WRONG_INPUT = 2
 FAULT = 1
 
 NOT_LOADED = "cannot open shared object", "Library not loaded", "DLL load failed"
-"""What Linux, macOS and Windows say where the system lacks what a compiled library needs."""
+"""Messages of Linux, macOS and Windows where the system lacks a file that a compiled library needs."""
 
 AGAIN_SECONDS = 0.2
 
 COMPILED_IMPORT = {ExtensionFileLoader.create_module.__code__, ExtensionFileLoader.exec_module.__code__}
-"""The functions that import a compiled library; some of those libraries abort the process if Ctrl-C is raised there."""
+"""The functions that import a compiled library; some of these libraries abort the process if Ctrl-C is raised there."""
 
 LAST_WORDS = "interrupted; what earlier runs have written is untouched"
 
 
 class _End:
-    """Handles the signals that end a run, each as Ctrl-C, and repeats the first one until the run ends.
+    """Handles the signals that end a run, each like Ctrl-C, and repeats the first signal until the run ends.
 
-    Some libraries swallow it, for example while they import optional parts, or turn it into another error. While a
-    compiled library is imported, the interrupt only waits for its repetition.
+    Some libraries swallow the signal, for example while they import optional parts, or turn it into another error.
+    While a compiled library is imported, the interrupt only waits for its repetition.
     """
 
     def __init__(self) -> None:
         self.came = 0
         for number in ENDING:
-            # A run that ``nohup`` has begun goes on where its terminal is closed.
+            # A run that was started with ``nohup`` continues when its terminal is closed.
             if number == signal.SIGINT or signal.getsignal(number) is signal.SIG_DFL:
                 signal.signal(number, self)
 
@@ -84,7 +84,7 @@ def main() -> NoReturn:
     """Run the command line and exit with its status; at the end the process ignores the signals of ``ENDING``."""
     open_streams()
     collect_rarely()
-    # To look for plugins of other packages, pydantic would read what is installed: a tenth of a check.
+    # pydantic would search all installed packages for plugins, which takes a tenth of a check.
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
     end = _End()
     sys.unraisablehook = quiet_of_interrupts
@@ -102,7 +102,7 @@ def main() -> NoReturn:
 def _leave(status: int) -> NoReturn:
     """End an interrupted run with a status.
 
-    Under ``python -m`` Python itself would end by SIGINT whatever the status is, since it remembers an interrupt.
+    Under ``python -m``, Python remembers an interrupt and would end by SIGINT with any status.
     """
     with suppress(OSError, ValueError):
         sys.stdout.flush()
@@ -112,11 +112,11 @@ def _leave(status: int) -> NoReturn:
 
 
 def _say(last_words: str) -> None:
-    """Print to stderr; where it takes nothing (a full disk), the exit status alone must tell."""
+    """Print to stderr; where it accepts nothing (a full disk), only the exit status tells."""
     try:
         print(last_words, file=sys.stderr, flush=True)
     except OSError:
-        # What is left in the buffer would fail again at the end of the interpreter, and change the exit status.
+        # Text left in the buffer would fail again at the end of the interpreter, and change the exit status.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stderr.fileno())
 
 
@@ -129,7 +129,7 @@ def _run() -> tuple[int, str]:
         app()
     except SystemExit as exit_:
         if isinstance(exit_.__context__, BrokenPipeError):
-            # typer makes status 1 of it, which stands for a fault.
+            # typer gives status 1 for it, which stands for a fault.
             return READER_LEFT, ""
         status = int(exit_.code or 0)
         return status, LAST_WORDS if status == INTERRUPTED else ""
@@ -160,26 +160,26 @@ INSTEAD = {
     "\u2192": "->",
     "\u2212": "-",
 }
-"""What is said instead of a sign; accents and the heights of digits go, and all else becomes a question mark."""
+"""Replacements for signs; accents are dropped, raised and lowered digits become plain, the rest becomes ``?``."""
 
 SUBSTITUTED = "ncgear.substituted"
-"""The name of the handler of errors that says one for the other."""
+"""The name of the error handler that writes these replacements."""
 
 PLAIN = "ncgear_plain"
-"""ASCII by another name: typer takes a stream of that encoding for a mistake, and writes UTF-8 there."""
+"""ASCII under another name: typer takes a stream with ASCII for a mistake, and writes UTF-8 there."""
 
 
 def open_streams() -> None:
     """Make the streams take every text, and give the null device to those that a shell has closed (``2>&-``).
 
-    Without it the next file that is opened would get the number of the stream, and what libraries say there.
+    Without it the next file that is opened would get the number of the stream, and the output of libraries.
     """
     codecs.register_error(SUBSTITUTED, _substituted)
     codecs.register(_plain)
     for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
         stream = getattr(sys, name)
         if stream is None:
-            # The lowest free number is that of the stream, since those before it are open by now.
+            # The lowest free number is the number of the stream, since the streams before it are open by now.
             setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
         elif hasattr(stream, "reconfigure"):
             stream.reconfigure(errors="replace" if mode == "r" else SUBSTITUTED)
@@ -188,7 +188,7 @@ def open_streams() -> None:
 
 
 def _substituted(error: UnicodeError) -> tuple[str, int]:
-    """What is written instead of text that an encoding lacks, and where it ends."""
+    """The replacement of text that an encoding lacks, and the index of its end."""
     from unicodedata import normalize
 
     if not isinstance(error, UnicodeEncodeError):

@@ -1,4 +1,4 @@
-"""Commands that look among many laws, curves, gears or machines: optimize, frontier, fit, size, design."""
+"""Commands that search many laws, curves, gears or machines: optimize, frontier, fit, size, design."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ from ncgear.errors import WrongInput
 def optimize(
     design_file: DesignFile,
     starts: Annotated[
-        int, typer.Option(min=1, max=10_000, help="Starts of the search, of which the best law is kept.")
+        int, typer.Option(min=1, max=10_000, help="Starts of the search; the best law of all is kept.")
     ] = 1,
     scheduler: Scheduler = None,
     processes: Processes = None,
@@ -82,7 +82,7 @@ def optimize(
             if best.limit_points:
                 on_step("picture")
                 files[PICTURE] = limit_picture(best)
-        # The best law of another design in the same folder stays.
+        # The best law of another design in the same folder is kept.
         run = publish_run(folder, files, f"optimize {name}")
         command, file = "build" if best.design.gears else "check", pasted(folder / f"{name}.yaml")
         answer = optimized_answer(best, f"ncgear {command} {file}")
@@ -250,7 +250,7 @@ def size(
 
 
 STEPS = 4
-"""Steps of the search, about: laws, materials, machines, limits."""
+"""Approximate number of steps of the search: laws, materials, machines, limits."""
 
 
 def design(
@@ -297,6 +297,6 @@ def design(
         figures = machines_figures(found)
         tell(answer, figures, as_json=as_json, verbose=verbose, run=run)
         if interrupted:
-            # The end of an interrupted command loses what is not written yet
+            # At the end of an interrupted command, unwritten output is lost
             sys.stdout.flush()
             raise KeyboardInterrupt

@@ -46,7 +46,7 @@ def studio(
     from ncgear.studio.server import listening, open_in_browser, serve
 
     if design_file is not None:
-        # What a killed save has left is cleared up where the page tells it.
+        # Files of a killed save are removed later, when the page can tell about it.
         read_text(real := real_place(design_file), limit_mb=LARGEST_MB)
         if str(real) != str(real).encode(errors="replace").decode():
             problem = "has a name that is no text in UTF-8, which no page can tell; rename it for the studio"
@@ -60,7 +60,7 @@ def studio(
 
     def begun(address: str) -> None:
         typer.echo(f"{design_file or 'The studio'} is open at {address}")
-        typer.echo("Ctrl-C ends the studio; what is not saved is there again when it is opened next.")
+        typer.echo("Ctrl-C ends the studio; unsaved changes are there again when it is opened next.")
         if not no_browser:
             open_in_browser(address)
 

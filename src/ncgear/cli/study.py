@@ -116,7 +116,7 @@ def formulas(
 
 
 class FitOption(StrEnum):
-    """What is fitted; see ``project.compared.Fit``."""
+    """Kinds of fit; see ``project.compared.Fit``."""
 
     ROTATION = "rotation"
     RIGID = "rigid"
@@ -148,7 +148,7 @@ def measured(
     as_json: AsJson = False,
     verbose: Verbose = False,
 ) -> None:
-    """Hold gears measured by points against the exact ones: pitch, thickness, profile, and whether the pair turns."""
+    """Compare gears measured by points with the exact gears: pitch, thickness, profile, and whether the pair turns."""
     with opened(design_file) as loaded:
         from ncgear.figures.compared import compared_answer, compared_figures
         from ncgear.files.manifest import publish_run

@@ -34,7 +34,7 @@ class Sampling(StrEnum):
 
 
 class Depth(StrEnum):
-    """How far designs are followed."""
+    """How far designs are computed."""
 
     CHECK = "check"
     PITCH = "pitch"
@@ -45,7 +45,7 @@ class Depth(StrEnum):
 
 @contextmanager
 def _about_options(design_file: Path) -> Iterator[None]:
-    """A context whose errors are about options for a file, and have no place in it."""
+    """A context whose errors are about options for a file, not about a place in it."""
     try:
         yield
     except WrongInput as error:
@@ -69,13 +69,13 @@ def sweep(
     seed: Annotated[int, typer.Option(min=0, help="Another seed samples other points.")] = 1,
     keep_if: Annotated[
         list[str] | None,
-        typer.Option(metavar="'FIGURE < NUMBER'", help="What a design must keep to count; again for more."),
+        typer.Option(metavar="'FIGURE < NUMBER'", help="A condition that a design must keep to count; again for more."),
     ] = None,
     objective: Annotated[
         list[str] | None,
         typer.Option(
             metavar="FIGURE",
-            help="What is to be least, or greatest with max: before it; again for more.",
+            help="A figure to minimise, or to maximise with max: before it; again for more.",
             show_default="peak acceleration and peak power",
         ),
     ] = None,
@@ -93,8 +93,8 @@ def sweep(
     """
     from ncgear.workers import one_thread_each
 
-    # Several threads of linear algebra sum in another order: figures would differ in their last digits from those of
-    # processes with one thread.  Nothing is imported yet that would have begun them.
+    # Several threads of linear algebra add in another order: figures would differ in their last digits from the figures
+    # of processes with one thread.  No module that starts such threads is imported yet.
     with one_thread_each():
         from ncgear.design.space import space_of, varied_of
 

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 
 
 def is_train(design_file: Path) -> bool:
-    """Whether a design file is that of a train; a file that cannot be read is none, and is refused where it is read."""
+    """Whether a design file describes a train; false for an unreadable file, which is refused where it is read."""
     from ncgear.design.reading.design_file import LARGEST_MB
 
     try:
@@ -36,7 +36,7 @@ def refuse_options(design_file: Path, options: Mapping[str, object]) -> None:
 
 
 def check_train(design_file: Path, *, as_json: bool, verbose: bool) -> None:
-    """Compute a train, and tell what it is and what its kind judges; nothing is written."""
+    """Compute a train, and tell its figures and the judgement of its kind; nothing is written."""
     from ncgear.design.reading.design_file import load_train
     from ncgear.figures.trains import NOT_BUILT, train_answer, train_figures
 
@@ -75,7 +75,7 @@ def animated_train(
 
 
 def build_train(design_file: Path, out: Path | None, *, as_json: bool, verbose: bool) -> None:
-    """Write all files of a train into a folder, and tell what was written and whether it meets."""
+    """Write all files of a train into a folder, and tell the written files and whether the train meshes."""
     from ncgear.design.reading.design_file import load_train
 
     keep_freed_memory()

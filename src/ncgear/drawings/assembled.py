@@ -1,4 +1,4 @@
-"""What the pictures of a build show, as values that know nothing of designs: ``pictures.py`` makes them."""
+"""Contents of the pictures of a build, as values that know nothing of designs; ``pictures.py`` makes them."""
 
 from __future__ import annotations
 

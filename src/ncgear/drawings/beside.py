@@ -1,8 +1,7 @@
-"""Drawing by a second process, which loads matplotlib and more while this one still computes what is to be drawn.
+"""Drawing in a second process, which loads matplotlib while this process still computes the values to be drawn.
 
-A drawing is any function of values, named in text, ``module:function``, so that this process need not load it.  Where
-the second process dies, and where what shall be drawn cannot be pickled (the scene of a law that is made of functions),
-this process draws.
+A drawing is any function of values, named by a text, ``module:function``, so that this process need not load it.  This
+process draws if the second process dies, or if a value cannot be pickled (the scene of a law made of functions).
 """
 
 from __future__ import annotations
@@ -29,13 +28,13 @@ PAGE_CHARTS = "ncgear.drawings.page.chart_svg:all_drawn"
 
 
 class Drawer(Protocol):
-    """What draws."""
+    """An object that draws."""
 
     def begun(self, drawing: str, *given: Any) -> Callable[[], Any]:
-        """Begin a drawing; the function that is returned waits for it, and raises what it raised."""
+        """Begin a drawing; the returned function waits for it, and raises its errors."""
 
     def offered(self, drawing: str, *given: Any) -> Callable[[], Any]:
-        """As ``begun``, of what this process can draw as well: it does where the drawing waits when it is asked for."""
+        """As ``begun``, for a drawing that this process can make too; it does if the other has not begun when asked."""
 
 
 class Here:
@@ -52,7 +51,7 @@ HERE = Here()
 
 
 class _Beside:
-    """Draws in the only process of a pool; a thread asks that process for one drawing after the other."""
+    """Draws in the only process of a pool; a thread gives that process one drawing after the other."""
 
     def __init__(self, pool: Pool, thread: ThreadPoolExecutor) -> None:
         self._pool, self._thread = pool, thread
@@ -84,9 +83,10 @@ class _Beside:
 
 @contextmanager
 def drawing_beside(*drawings: str) -> Iterator[Drawer]:
-    """A context with a second process that draws, and first loads what ``drawings`` need; it ends with the context.
+    """A context with a second process that draws, and first loads the modules of ``drawings``; it then ends.
 
-    Where no second core is free, or matplotlib is loaded anyway, a second process gains nothing, and this one draws.
+    Where no second core is free, or matplotlib is loaded anyway, a second process gains nothing, and this process
+    draws.
     """
     if free_cores() < 2 or LIBRARY in sys.modules:
         yield HERE
@@ -97,7 +97,7 @@ def drawing_beside(*drawings: str) -> Iterator[Drawer]:
                 pool.submit(_loaded, drawings)
             yield _Beside(pool, thread)
         finally:
-            # Whatever it still draws nobody waits for.
+            # Nobody waits for a drawing that is still in work.
             thread.shutdown(wait=False, cancel_futures=True)
             end_processes()
 

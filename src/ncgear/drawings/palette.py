@@ -1,8 +1,8 @@
-"""The colours of all that is drawn, each by the name of the thing that has it: the one source of pictures and page.
+"""The colours of all drawings, each named after the thing that has it: the only source for pictures and page.
 
 Pictures, animations and 3D files take the colours on light ground; the page has both, and its style sheet is written
-from here.  They are near those of M. Okabe and K. Ito, which differ for any colour vision.  Text on either ground keeps
-a contrast of 4.5, lines one of 3 (tests/test_report.py computes them).
+from here.  They are near the colours of M. Okabe and K. Ito, which differ for any colour vision.  Text on either ground
+keeps a contrast of 4.5, lines a contrast of 3 (tests/test_report.py computes them).
 """
 
 from __future__ import annotations
@@ -33,16 +33,15 @@ LIGHT, DARK = ({name: both[ground] for name, both in COLORS.items()} for ground 
 
 
 HOLDING = ("#7a2a00", "#e08a4a", "#f2ead8", "#6aa5cf", "#004a78")
-"""Colours of a scale from far too weak to far stronger than wanted; the middle is what just holds.
+"""Colours of a scale from far too weak to far stronger than wanted; teeth in the middle just hold.
 
-Brown against blue differ for any colour vision, and both ends are dark on light ground.
-"""
+Brown against blue differ for any colour vision, and both ends are dark on light ground."""
 
 STRESS = ("#e9edf0", "#a6c8de", "#f0c98a", "#d5702a", "#7a2a00")
 """Colours of a scale of stress from none to the largest, from light to dark; they differ for any colour vision."""
 
 EXCESS = ("#7a2a00", "#d5702a", "#c9ced4", "#3f8cc4", "#004a78")
-"""Colours of a scale from metal that is missing to metal in excess; they differ for any colour vision."""
+"""Colours of a scale from missing metal to excess metal; they differ for any colour vision."""
 
 
 def style_of_colors() -> str:
@@ -57,6 +56,6 @@ def _root(colors: Mapping[str, str]) -> str:
 
 
 def with_fallbacks(css: str) -> str:
-    """A style sheet whose colours are also there in a page that sets none: those on light ground."""
+    """A style sheet with colours also for a page that sets none: the colours on light ground."""
     names = "|".join(LIGHT)
     return re.sub(rf"var\(--({names})\)", lambda found: f"var(--{found[1]}, {LIGHT[found[1]]})", css)

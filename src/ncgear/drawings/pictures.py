@@ -1,4 +1,4 @@
-"""The pictures of a build as values: what is in them, and the headings; ``plots/assembled_pair.py`` draws them."""
+"""The pictures of a build as values: contents and headings; ``plots/assembled_pair.py`` draws them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ POSITIONS = 3
 """Positions of the pair in the picture of its teeth, evenly spread over a turn or from end to end."""
 
 NO_BACKLASH_RAD = 1e-9
-"""Play in rad below which there is no chart of it: some nanometres at the flanks."""
+"""Play in rad below which there is no chart of play: some nanometres at the flanks."""
 
 CURVE_POINTS = 1500
 """Points of a drawn pitch curve; on a gear of 300 mm that fills a screen they are 0.2 mm apart on the screen."""
@@ -34,13 +34,14 @@ def slider_chart(drive: Drive, quantity: Quantity) -> Chart:
 
 
 def motion_picture(drive: Drive) -> tuple[list[Chart], str]:
-    """What the picture of the machine's motion shows: its charts and its heading."""
+    """The content of the picture of the machine's motion: its charts and its heading."""
     return [slider_chart(drive, quantity) for quantity in MOTION], titled(drive, "motion")
 
 
 def gear_pictures(drive: Drive) -> tuple[str, tuple[Assembled, tuple[Mask, Mask]], Assembled, float, list[Position]]:
-    """What the pictures of the gears show, whose contact is not known yet: the pair's name, pitch curves with masks of
-    their concave points, teeth, module in mm, positions.
+    """The content of the pictures of the gears: the pair's name, pitch curves, teeth, module in mm, positions.
+
+    Pitch curves come with masks of their concave points.  The contact of the gears is not known yet.
     """
     covered = drive.pair.transmission.lobes.range
     turn = np.arange(POSITIONS) * 2.0 * pi / POSITIONS
@@ -50,8 +51,9 @@ def gear_pictures(drive: Drive) -> tuple[str, tuple[Assembled, tuple[Mask, Mask]
 
 
 def load_pictures(drive: Drive, contact: PairContact) -> tuple[str, list[Chart], list[tuple[Chart, Chart]], str]:
-    """What the pictures of contact and load show: the pair's name, charts of the contact, those of the load over the
-    driving angle and over displacement, and their heading.
+    """The content of the pictures of contact and load: the pair's name, charts of both, and the heading of the load.
+
+    Each chart of the load over the driving angle has a chart over displacement beside it.
     """
     load = [slider_chart(drive, quantity) for quantity in LOAD]
     pairs = [(chart, over_displacement(chart, drive.linkage.OUTPUT, drive.drawn_motions)) for chart in load]
@@ -98,13 +100,13 @@ def _assembled(drive: Drive, driving_mm: Array, driven_mm: Array) -> Assembled:
 
 
 def _contact_charts(drive: Drive, contact: PairContact) -> list[Chart]:
-    """All charts of the contact, with the joints of the law; the chart of backlash only where there is any."""
+    """All charts of the contact, with the joints of the law; the chart of backlash only if there is backlash."""
     designed = contact.as_designed
     kinds = [teeth_charts.flanks_in_contact, teeth_charts.pressure_angle, teeth_charts.sliding]
     if np.max(np.abs(designed.backlash_rad)) >= NO_BACKLASH_RAD:
         kinds.insert(0, teeth_charts.backlash)
     errors = teeth_charts.transmission_error(contact)
-    # The legend is above the first row, which has no line of the backs: an empty line there names them.
+    # The legend is above the first row, which has no line of the back flanks: an empty line there names them.
     pushing, written = errors.lines
     errors = replace(errors, lines=(pushing, Line(Role.OTHER, teeth_charts.BACKS, EMPTY, EMPTY), written))
     joints = np.degrees(joints_up_to(drive.pair.transmission, designed.placement.cycle_rad))

@@ -25,17 +25,17 @@ if TYPE_CHECKING:
 METRE_PER_MM = 0.001
 
 SURFACE = {"roughnessFactor": 0.6, "metallicFactor": 0.2}
-"""Shares of glTF's material; it is dull, so that shading and not reflections show the teeth."""
+"""Properties of the material in glTF; it is dull, so that shading and not reflections show the teeth."""
 
 Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
-"""Turns z up into y up."""
+"""Matrix that turns z up into y up."""
 
 
 def pair_scene(solids: SolidPair, center_distance_mm: float, coded: Callable[[str], Array]) -> Scene:
     """Both gears in the colours of the pictures, as the nodes ``driving`` and ``driven``.
 
-    ``coded`` makes shares of light of a colour in the numbers of screens.  Without normals, viewers shade each triangle
-    by itself, so that edges stay sharp.
+    ``coded`` turns a colour in the numbers of screens into shares of light.  Without normals, viewers shade each
+    triangle by itself, so that edges stay sharp.
     """
     # Slow to load.
     from trimesh import Scene
@@ -70,7 +70,7 @@ def linear_light(color: str) -> Array:
 
 
 MOST_BYTES = 1_000_000
-"""A view that takes more of the page is left out: of gears in very fine chords, or with very many teeth."""
+"""Largest view on the page; a larger one, of gears with very fine chords or very many teeth, is left out."""
 
 SCENE = "$B64GLTF"
 
@@ -78,7 +78,7 @@ SEEN_FROM_RAD = -0.8
 """Angle by which the camera is turned about x: from above the nearer side of both gears."""
 
 FIELD_DEG, NEAREST = (60.0, 45.0), 0.01
-"""Angles of view to the sides and up, which the viewer fits to its frame, and the least distance that is seen."""
+"""Angles of view to the sides and up, which the viewer fits to its frame, and the least visible distance."""
 
 DISTANCE = 1.05
 """Distance of the camera from the middle, as a share of the diagonal of the box around both gears."""
@@ -86,7 +86,7 @@ DISTANCE = 1.05
 
 @dataclass(frozen=True)
 class SolidView:
-    """The view of one pair: its packed page in base64, empty where it takes too much, and the hash of its script."""
+    """The view of one pair: its packed page in base64, empty where it is too large, and the hash of its script."""
 
     title: str
     packed: str

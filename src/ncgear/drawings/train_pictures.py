@@ -25,7 +25,7 @@ COLORS = (canvas.DRIVING, canvas.DRIVEN, canvas.HIGHLIGHT)
 
 
 def train_picture(train: Train, outlines_mm: Mapping[str, Array], driving_rad: float, title: str) -> bytes:
-    """PNG of the whole train at a driving angle, with the paths of all traces and the points wished for."""
+    """PNG of the whole train at a driving angle, with the paths of all traces and the points to be followed."""
     made = canvas.figure(WIDTH_IN, HEIGHT_IN, title, canvas.Margins(left=0.7, right=0.2, top=0.5))
     axes = made.add_subplot()
     poses = train.poses_at(np.array([driving_rad]))
@@ -41,7 +41,7 @@ def train_picture(train: Train, outlines_mm: Mapping[str, Array], driving_rad: f
 
 
 def color_of(train: Train, part: Part) -> str:
-    """The colour of a part: gears that mesh have different ones, bars and what stands still are grey."""
+    """The colour of a part: gears that mesh have different colours, bars and fixed parts are grey."""
     if not part.teeth:
         return canvas.REFERENCE
     colors: dict[str, int] = {}
@@ -74,7 +74,7 @@ def _closed(points: Array) -> tuple[Array, Array]:
 
 
 MOST_MESHES = 9
-"""Of more meshes, which repeat each other at other phases, only the first of each two outlines is drawn."""
+"""Most meshes that are all drawn; of more, which repeat at other phases, only the first of each two outlines."""
 
 
 def _drawn_meshes(train: Train) -> list[GearMesh]:
@@ -123,7 +123,7 @@ HEADING_IN = 0.4
 
 
 def train_frames(train: Train, title: str, width_px: int) -> Frames:
-    """What draws so many frames over a cycle of the train, at a width in pixels."""
+    """A function that draws frames over a cycle of the train, at a width in pixels."""
     low, high = _room(train)
     size = high - low
     height_in = FRAME_WIDTH_IN * size[1] / size[0] + HEADING_IN

@@ -1,4 +1,4 @@
-"""The formulas of a design, each compared with the law's own numbers before it is told."""
+"""The formulas of a design; each is compared with the law's own numbers before it is told."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ from ncgear.pitch.shape import Gear, Mesh
 from ncgear.ratio.transmission import Law, Transmission
 
 AGREED = 1e-12
-"""Relative difference from the numbers of the law beyond which no formula is told: what those are held to."""
+"""Largest relative difference from the law's numbers at which a formula is told: the law's own numbers keep to it."""
 
 PLACES, FEWEST = 60, 3
-"""Places of a law at which it is compared, and the fewest of each of its pieces."""
+"""Number of places of a law at which it is compared, and the least number for each of its pieces."""
 
 TURN = (5.0**0.5 - 1.0) / 2.0
-"""The places of a piece go on by the golden ratio: no grid and no nodes of Chebyshev's are near them."""
+"""Step between places, as a share of a piece: by the golden ratio they are near no grid and no Chebyshev nodes."""
 
 FROM_ZERO = {"x", "phi_2"}
-"""Quantities that begin at zero, where a last digit of the whole is all of them: compared with their greatest value."""
+"""Quantities that begin at zero, where rounding is as large as they are: compared relative to their greatest value."""
 
 
 @dataclass(frozen=True, eq=False)
 class Section:
-    """The pieces of the whole law, of one pair of two, or of the mechanism; none where ``why`` says why not."""
+    """The pieces of the whole law, of one of its pairs, or of the mechanism; if there are none, ``why`` says why."""
 
     name: str
     pieces: tuple[Written, ...]
@@ -48,8 +48,8 @@ class Section:
 class Formulas:
     """The law of a design in closed form.
 
-    ``unit`` is that of x, empty where there is none; the radii are in mm, or where ``sized`` is false shares of the
-    distance of the axes.
+    ``unit`` is the unit of x, empty where there is no x.  The radii are in mm, or where ``sized`` is false, shares of
+    the distance of the axes.
     """
 
     name: str
@@ -60,7 +60,7 @@ class Formulas:
 
     @property
     def difference(self) -> float:
-        """The greatest relative difference from the numbers of the law at places that it is not made from."""
+        """The greatest relative difference from the numbers of the law, at places that the law is not made from."""
         return max(section.difference for section in self.sections)
 
     def __repr__(self) -> str:
@@ -71,8 +71,8 @@ class Formulas:
 def formulas_of(name: str, kind: str, law: Law, sizes: Sequence[Sizes | None]) -> Formulas:
     """The formulas of a law, of each of its pairs where there are two, and of its mechanism.
 
-    ``kind`` is the law's name, ``sizes`` are those of each pair, None where the pair has none.  Raises Unanswered where
-    a formula and the law's numbers differ.
+    ``kind`` is the law's name; ``sizes`` has the sizes of each pair, None where the pair has none.  Raises Unanswered
+    where a formula and the law's numbers differ.
     """
     linkage, whole, pairs = law.linkage, law.transmission, law.train.pairs
     sections = [_section("law", whole, whole, linkage, (sizes[0] or Sizes()) if len(pairs) == 1 else None)]
@@ -102,7 +102,7 @@ def _section(
 
 
 def places_of(piece: Written, count: int) -> Array:
-    """Places inside a piece that no law is made from, shape (n,)."""
+    """Places inside a piece, shape (n,); no law is made from them."""
     share = np.arange(1.0, count + 1.0) * TURN % 1.0
     return piece.start_rad + (piece.end_rad - piece.start_rad) * share
 
@@ -136,7 +136,7 @@ def _mechanism_missed(piece: Written, linkage: Mechanism) -> float:
 
 
 def _greatest(pieces: Sequence[Written], at: Array, numbers: dict[str, Array]) -> float:
-    """The greatest difference of pieces from numbers at places, as many of each piece."""
+    """The greatest difference of pieces from numbers at places, the same number of places in each piece."""
     worst, count = 0.0, at.size // len(pieces)
     for number, piece in enumerate(pieces):
         here = slice(number * count, (number + 1) * count)
@@ -148,7 +148,7 @@ def _greatest(pieces: Sequence[Written], at: Array, numbers: dict[str, Array]) -
             if not difference <= AGREED:
                 raise Unanswered(
                     f"the formula of {name} on the piece {piece.name!r} and the numbers of the law differ by "
-                    f"{difference:.3g} of these, over {AGREED:g}; what is not sure is not told",
+                    f"{difference:.3g} of these, over {AGREED:g}; so it is not told",
                     key="motion",
                 )
             worst = max(worst, difference)

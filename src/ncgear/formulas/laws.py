@@ -1,6 +1,6 @@
-"""The pieces of every law in closed form, from the functions and values that its driven angle is made of.
+"""The pieces of every law in closed form, written from the functions and values that make its driven angle.
 
-A new law has a line in ``FORMS``, or one in ``NO_FORMULA`` that says why it has none.
+A new law has a line in ``FORMS``, or a line in ``NO_FORMULA`` that says why it has no closed form.
 """
 
 from __future__ import annotations
@@ -39,12 +39,12 @@ TRACED = "the pitch curve is followed point by point: its radius is known by a t
 
 
 class NoFormula(Exception):
-    """A law, or a part of it, that has no closed form; the message says why."""
+    """A law or a part of it has no closed form; the message says why."""
 
 
 @dataclass(frozen=True)
 class Sizes:
-    """What the radii of a pair need: the distance of its axes, 1 where none is known, and +1 for a driven ring."""
+    """Sizes from which the radii of a pair follow: the distance of its axes, 1 if unknown, and +1 for a driven ring."""
 
     center_distance: float = 1.0
     sense: int = -1
@@ -52,7 +52,7 @@ class Sizes:
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """A stretch of a piece as its form has written it, without the quantities that all laws have alike."""
+    """A stretch of a piece as its form has written it, without the quantities that all laws have."""
 
     name: str
     ends: tuple[float, float]
@@ -81,7 +81,7 @@ def pieces_of(pieces: tuple[Piece, ...], linkage: Mechanism | None, sizes: Sizes
 
 
 def _made_by(turned: JetFunction) -> tuple[Any, tuple[Any, ...]]:
-    """The function that gives a driven angle, and what it is bound to."""
+    """The function that gives a driven angle, and the arguments bound to it."""
     if isinstance(turned, partial):
         return turned.func, turned.args
     return turned.__func__, (turned.__self__,)  # type: ignore[attr-defined]
@@ -142,7 +142,7 @@ def _braking(piece: Piece, stroke: WorkingStroke, linkage: Mechanism) -> Iterato
 
 
 def _return(piece: Piece, law: ReturnLaw) -> Iterator[Part]:
-    """The polynomial in tau, the share of the return; what closes the cycle is ``d``."""
+    """The polynomial in tau, the share of the return; its coefficients ``d`` close the cycle."""
     write, ends = Writer("phi_1"), law.ends
     start, length = write.number("start", ends.start_rad), write.number("length", ends.length_rad)
     tau = write.step("tau", (write.variable - start) / length)
@@ -226,7 +226,7 @@ def _scaled(piece: Piece, write: Writer, turned: Any, zero: float, factor: float
 
 
 def _integrated(piece: Piece, slope: integrated.Slope, start: float, factor: float) -> Iterator[Part]:
-    """1/i12 is a formula, or a spline, whose integral is known."""
+    """Parts where 1/i12 is a formula, or a spline, with a known integral."""
     made, arguments = _made_by(slope.jets)
     if made in NO_FORMULA:
         raise NoFormula(NO_FORMULA[made])
@@ -251,7 +251,7 @@ def _factor(write: Writer, factor: float) -> Any:
 
 
 def _splined(spline: BSpline, piece: Piece) -> Iterator[tuple[str, tuple[float, float], Writer, Any, list[Any]]]:
-    """Between every two knots: the distance ``u`` from the first one, and the coefficients of its powers."""
+    """Between each two knots: the distance ``u`` from the first knot, and the coefficients of its powers."""
     edges = [piece.start_rad, *piece.knots_rad, piece.end_rad]
     coefficients = table.spline_jet(spline, np.array(edges[:-1]), spline.k).coefficients
     for number, ends in enumerate(pairwise(edges)):
@@ -325,7 +325,7 @@ FORMS: dict[Any, Form] = {
     LogRatioLaw.driven_angle: _over_driven,
     StagedLaw.shaft_angle: _first_of_two,
 }
-"""What writes the pieces of a law, by the function that its driven angle is made by."""
+"""Writers of the pieces of a law, by the function that makes its driven angle."""
 
 NO_FORMULA: dict[Any, str] = {pitch_curve.rolled: TRACED, pitch_curve.inverted_angle: TRACED}
-"""Why a law has none, by the function that its driven angle, or its slope, is made by."""
+"""Why a law has no closed form, by the function that makes its driven angle or its slope."""

@@ -1,7 +1,7 @@
 """Mechanisms in closed form: the displacement at a driven angle, and the driven angle at a displacement.
 
-The formulas are those of ``ncgear.mechanisms``, regular at both dead centres.  ``gone`` and ``left`` are smooth roots
-of the displacement and of what is left of the stroke.
+The formulas come from ``ncgear.mechanisms`` and are regular at both dead centres.  ``gone`` and ``left`` are smooth
+roots of the displacement and of the rest of the stroke.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from ncgear.mechanisms.slotted_lever import SlottedLever
 
 
 def displacement(write: Writer, linkage: Mechanism, phi_2: Any) -> None:
-    """Write x at a driven angle, in mm, or in rad of an output that turns."""
+    """Write x at a driven angle, in mm, or in rad for a turning output."""
     write.step("x", FORMS[type(linkage)][0](write, linkage, phi_2))
 
 
@@ -87,7 +87,7 @@ def _lever(write: Writer, linkage: SlottedLever, phi_2: Any) -> Any:
     across = write.step("across", 2 * crank * sin(phi_2 / 2) ** 2)
     along = write.step("along", crank * sin(phi_2) + foot)
     apart = write.step("apart", sqrt(across**2 + along**2))
-    # Where the lever never turns beyond the square, the form without cancellation holds everywhere.
+    # Where the lever never turns beyond a right angle, the form without cancellation holds everywhere.
     beyond = across**2 / (apart + along) if linkage.pivot_mm > 1.5 * linkage.crank_mm else apart - along
     return (across * foot + beyond * crank) * lever / (pivot * apart)
 
@@ -122,7 +122,7 @@ def _rocker_angle(write: Writer, linkage: CrankRocker, x: Any, gone: Any, left: 
     rest = write.step("rest", left**2)
     apart = write.step("apart", sqrt(4 * ground * rocker * sin((x + nearest) / 2) ** 2 + (ground - rocker) ** 2))
     farthest = write.number("farthest", linkage.farthest_mm)
-    # sin(x/2)/(x/2) and the like, times the sine at the middle of the way
+    # sin(x/2)/(x/2) and the like, times the sine half way
     risen = write.step("risen", 2 * sin(x / 2) / x * sin(x / 2 + nearest))
     fallen = write.step("fallen", 2 * sin(rest / 2) / rest * sin(farthest - rest / 2))
     rise = write.step("rise", gone * sqrt(risen) * (apart + coupler + crank))

@@ -24,7 +24,7 @@ def printed(formulas: Formulas, form: str) -> str:
 
 
 def figures(formulas: Formulas) -> dict[str, Any]:
-    """The formulas for programs: numbers as they are, expressions as text of Python's grammar."""
+    """The formulas for programs: numbers as numbers, expressions as text in Python's grammar."""
     return {
         "name": formulas.name,
         "law": formulas.law,
@@ -71,12 +71,12 @@ def _blocks(formulas: Formulas, block: Callable[[str, Written], str]) -> Iterato
 
 
 def _named(piece: Written) -> dict[Any, float]:
-    """The numbers that have other names than their digits."""
+    """The numbers whose names are not their digits."""
     return {one: value for one, value in piece.numbers.items() if not str(one)[0].isdigit()}
 
 
 def _angle(value: float, times: str) -> str:
-    """An angle in rad, as a multiple of pi where a short one is it exactly."""
+    """An angle in rad, as a multiple of pi where a short multiple equals it exactly."""
     share = f"{value / pi:.12g}"
     if float(share) * pi != value:
         return repr(value)
@@ -105,7 +105,7 @@ def _latex_block(named: str, piece: Written) -> str:
 
 
 def _latex_name(name: str, piece: Written) -> str:
-    """Words upright, derivatives as quotients."""
+    """A name in LaTeX: words upright, derivatives as quotients."""
     if name[0].isdigit():
         return _latex_number(name)
     if name.startswith("d") and symbol(name[1:]) in piece.steps:
@@ -126,7 +126,7 @@ def _latex_number(digits: str) -> str:
 
 @dataclass(frozen=True)
 class Language:
-    """How a language writes a file of functions of one angle: its statements with places for their parts."""
+    """How a language writes a file of functions of one angle: templates of its statements."""
 
     expression: Callable[[Any], str]
     begin: str
@@ -179,7 +179,7 @@ LANGUAGES = {
 
 
 def functions_of(section: Section) -> dict[str, str]:
-    """The names of the functions of a section, and the quantity of each."""
+    """The names of the functions of a section, and the quantity that each gives."""
     if not section.pieces:
         return {}
     stage = section.name.replace(" ", "_") + "_" if section.name.startswith("stage") else ""
@@ -197,7 +197,7 @@ def _source(formulas: Formulas, language: Language) -> str:
 
 
 def _function(language: Language, name: str, of: str, section: Section) -> Iterator[str]:
-    """A function of one angle, piece after piece; a quantity without closed form on a piece is refused there."""
+    """A function of one angle, piece after piece; on pieces without a closed form it raises an error."""
     first, last = section.pieces[0], section.pieces[-1]
     angle = str(first.variable)
     beyond = language.refuse.format(why=f"the angle lies outside {first.start_rad!r} to {last.end_rad!r} rad")

@@ -1,4 +1,4 @@
-"""A piece of a law as numbers and expressions of sympy, in order, each of the variable and of what stands before it."""
+"""A piece of a law as numbers and expressions of sympy, in order; each uses the variable and the symbols before it."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ QUANTITIES = {
     "r_1": "driving_radius",
     "r_2": "driven_radius",
 }
-"""What is told of a piece where it has a closed form, and the word for it."""
+"""Quantities of a piece that are told where they have a closed form, and their words."""
 
 DIGITS = 50
 
 LARGEST_WHOLE = 1e9
-"""Whole numbers up to it are told as such, larger ones with a point, as the language C would have it."""
+"""Whole numbers up to it are told as whole numbers, larger ones with a point, as the language C needs it."""
 
 
 def symbol(name: str) -> Any:
@@ -35,9 +35,9 @@ def symbol(name: str) -> Any:
 class Written:
     """A piece from ``start_rad`` to ``end_rad`` of its variable, phi_1 or phi_2.
 
-    ``numbers`` are those that the law itself computes with, ``steps`` expressions in the order in which they are
-    computed, by their symbols; no expression holds a number that is not whole or a quotient of whole ones.  A number of
-    a person's formula has its digits for a name.  ``without`` tells of quantities without closed form, and why.
+    ``numbers`` are the numbers with which the law itself computes.  ``steps`` are expressions by their symbols, in the
+    order of computation; their only literal numbers are whole numbers and quotients of them.  The name of a number in a
+    user's formula is its digits.  ``without`` has the quantities without closed form, and why.
     """
 
     name: str
@@ -50,11 +50,11 @@ class Written:
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """The names of the quantities that it has in closed form."""
+        """The names of the quantities with a closed form."""
         return tuple(name for name in QUANTITIES if symbol(name) in self.steps)
 
     def needed(self, name: str) -> list[Any]:
-        """The symbols of steps and numbers that a quantity needs, itself last, in order."""
+        """The symbols of steps and numbers that a quantity needs, in order, its own symbol last."""
         wanted = {symbol(name)}
         for one in reversed(list(self.steps)):
             if one in wanted:
@@ -62,7 +62,7 @@ class Written:
         return [one for one in (*self.numbers, *self.steps) if one in wanted]
 
     def expression(self, name: str) -> Any:
-        """A quantity as one expression of the variable; its numbers have the exact values that the law has."""
+        """A quantity as one expression of the variable; its numbers have the exact values of the law's numbers."""
         known = {one: sympy.Float(value, DIGITS) for one, value in self.numbers.items()}
         for one in self.needed(name):
             if one in self.steps:
@@ -99,25 +99,25 @@ class Writer:
         self._slopes: dict[Any, Any] = {}
 
     def number(self, name: str, value: float) -> Any:
-        """A number of the law."""
+        """The symbol of a number of the law."""
         self.numbers[symbol(name)] = float(value)
         return symbol(name)
 
     def literal(self, value: float) -> Any:
-        """A number of a person's formula by its own digits: a whole or a half one, or else a symbol called so."""
+        """A number of a user's formula: itself if it is whole or a half, else a symbol named by its digits."""
         if abs(value) < LARGEST_WHOLE and (2.0 * value).is_integer():
             return sympy.Rational(int(2.0 * value), 2)
         return -self.number(repr(-value), -value) if value < 0.0 else self.number(repr(value), value)
 
     def step(self, name: str, expression: Any) -> Any:
-        """An expression of what is written so far, by a name of its own."""
+        """The symbol of an expression that uses the symbols written so far."""
         if symbol(name) in self.steps:
             raise ValueError(f"{name} is written twice")
         self.steps[symbol(name)] = sympy.sympify(expression)
         return symbol(name)
 
     def coefficients(self, name: str, values: Iterable[float], first: int = 0) -> list[Any]:
-        """Numbers of one name, counted from ``first``; zeros stay zeros."""
+        """Symbols of numbers with one name, counted from ``first``; zeros stay zeros."""
         return [self.number(f"{name}_{k}", value) if value else 0 for k, value in enumerate(values, start=first)]
 
     def slope(self, of: Any) -> Any:
@@ -132,7 +132,7 @@ class Writer:
         return self._slopes[of]
 
     def written(self, name: str, ends: tuple[float, float], without: Mapping[str, str]) -> Written:
-        """The piece."""
+        """The finished piece."""
         return Written(name, self.variable, *ends, self.numbers, self.steps, without)
 
 

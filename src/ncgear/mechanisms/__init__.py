@@ -1,1 +1,1 @@
-"""What the driven shaft turns: the mechanism, its masses, the resistance against its slider."""
+"""The mechanism on the driven shaft, its masses, and the resistance against its slider."""

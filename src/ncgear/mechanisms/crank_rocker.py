@@ -1,9 +1,9 @@
 """The crank-rocker: a four-bar linkage whose crank turns fully and whose rocker, the output, swings to and fro.
 
-Frame and pose: the crank's axis O is at the origin and the crank turns clockwise; the rocker's axis C is at (d, 0),
-its pin B above the line of the axes (``side`` 1) or below it (``side`` -1).  The place of the rocker is the angle gamma
-at C from CO to CB, which lies between 0 and pi, and grows from the retracted dead centre, where crank and coupler lie
-over each other, to the extended one, where they lie in one line.  Loads of the output are torques in N mm that act
+Frame and pose: the crank's axis O is at the origin and the crank turns clockwise; the rocker's axis C is at (d, 0), its
+pin B above the line of the axes (``side`` 1) or below it (``side`` -1). The place of the rocker is the angle gamma at C
+from CO to CB, which lies between 0 and pi, and grows from the retracted dead centre, where crank and coupler lie over
+each other, to the extended dead centre, where they lie in one line.  Loads of the output are torques in N mm that act
 towards the retracted dead centre.
 
 Let a, b, c, d be crank, coupler, rocker and ground, and theta the direction of the crank from the line of the axes,
@@ -37,16 +37,16 @@ from ncgear.numerics.units import N_PER_KG_MM_S2
 from ncgear.numerics.zeros import zeros_between
 
 SINC = tuple((-1.0) ** k / factorial(2 * k + 1) for k in range(12))
-"""Coefficients of sin(z)/z in powers of z^2; exact to rounding up to z = pi/2, which is beyond half of any stroke."""
+"""Coefficients of sin(z)/z in powers of z^2; exact to rounding up to z = pi/2, more than half of any stroke."""
 
 
 @dataclass(frozen=True)
 class RockerMasses(Masses):
     """The masses of a crank-rocker.
 
-    The coupler's centre of mass lies ``coupler_center_mm`` from the crank pin towards the rocker's, its inertia is
-    about that centre.  The rocker's lies ``rocker_center_mm`` from its axis towards its pin; its inertia is about the
-    axis and includes all that turns with it.
+    The coupler's centre of mass lies ``coupler_center_mm`` from the crank pin towards the rocker's pin; its inertia is
+    about that centre.  The rocker's centre of mass lies ``rocker_center_mm`` from its axis towards its pin; its inertia
+    is about the axis and includes everything that turns with it.
     """
 
     rocker_kg: float = 0.0
@@ -59,7 +59,7 @@ class RockerMasses(Masses):
 
 @dataclass(frozen=True, eq=False)
 class CrankRockers(Mechanisms[Number]):
-    """What follows from the lengths of one crank-rocker, or of one for each point where they have shape (n,)."""
+    """Quantities that follow from the lengths of one crank-rocker, or of n of them where lengths have shape (n,)."""
 
     crank_mm: Number
     coupler_mm: Number
@@ -81,7 +81,7 @@ class CrankRockers(Mechanisms[Number]):
 
     @property
     def stroke_mm(self) -> Number:
-        """The angle in rad through which the rocker swings: sin of its half is free of cancellation."""
+        """The angle in rad through which the rocker swings: the sine of half of it is free of cancellation."""
         (sine, cosine), (far_sine, far_cosine) = map(self._half_angle, (self._near_mm, self._far_mm))
         share = self.crank_mm * self.coupler_mm / (self.ground_mm * self.rocker_mm)
         half: Number = np.arcsin(share / (far_sine * cosine + far_cosine * sine))
@@ -94,12 +94,12 @@ class CrankRockers(Mechanisms[Number]):
 
     @property
     def working_angle_rad(self) -> Number:
-        """Crank angle from the retracted to the extended dead centre: pi, and the angle between their couplers."""
+        """Crank angle from the retracted to the extended dead centre: pi plus the angle between the two couplers."""
         near, far = self.nearest_mm, self.nearest_mm + self.stroke_mm
         return pi + self.side * (self._direction(near) - self._direction(far))
 
     def _direction(self, gamma_rad: Number) -> Number:
-        """Direction of the rocker's pin from the crank's axis, towards the side of the pin."""
+        """Direction of the rocker's pin from the crank's axis, positive towards the side of the pin."""
         across, along = self.rocker_mm * np.sin(gamma_rad), self.ground_mm - self.rocker_mm * np.cos(gamma_rad)
         return np.arctan2(across, along)
 
@@ -123,16 +123,16 @@ class CrankRockers(Mechanisms[Number]):
 
     @property
     def _start_rad(self) -> Number:
-        """theta at the retracted dead centre: opposite to the direction of the rocker's pin from the crank's axis."""
+        """Angle theta at the retracted dead centre: opposite to the rocker pin's direction from the crank's axis."""
         return pi + self._direction(self.nearest_mm)
 
     def displacement(self, crank_angle: Jet) -> Jet:
         """The rocker's angle from the retracted dead centre in rad, with derivatives; relatively accurate near zeros.
 
-        With x the displacement and v the change of theta, the closed loop less that of the dead centre, where its
-        slope by theta is zero, is P (1 - cos x) + Q sin x = R with R = a (b - a) (1 - cos v)/c.  (P, Q) is CA turned by
-        gamma at the dead centre; tan(x/2) = R/(Q + S) = (S - Q)/(2 P - R) where S = CA sin(angle at C from A to B),
-        free of cancellation with the sign of Q that makes both terms one-signed.
+        With x the displacement and v the change of theta, the equation of the loop less its value at the dead centre,
+        where its slope by theta is zero, is P (1 - cos x) + Q sin x = R with R = a (b - a) (1 - cos v)/c.  (P, Q) is CA
+        turned by gamma at the dead centre; tan(x/2) = R/(Q + S) = (S - Q)/(2 P - R) where S = CA sin(angle at C from A
+        to B), free of cancellation with the sign of Q that makes both terms one-signed.
         """
         start, near = self._start_rad, self.nearest_mm
         turned = -self.side * crank_angle
@@ -159,8 +159,8 @@ class CrankRockers(Mechanisms[Number]):
         """Crank angle in rad, with derivatives, in the working stroke, regular up to and including both dead centres.
 
         With s = OB, and s0 and s1 its ends, the triangle of crank, coupler and s gives the angle w between its crank
-        and that of the retracted dead centre, the turning of s apart: tan^2(w/2) = (s - s0)(s + s1)/((s1 - s)(s + s0)),
-        where s^2 - s0^2 = 4 c d sin(x/2) sin(gamma0 + x/2), and likewise at the other end.
+        and the crank of the retracted dead centre, without the turning of s: tan^2(w/2) = (s - s0)(s + s1)/((s1 - s)(s
+        + s0)), where s^2 - s0^2 = 4 c d sin(x/2) sin(gamma0 + x/2), and likewise at the other end.
         """
         near, far = self.nearest_mm, self.nearest_mm + self.stroke_mm
         remaining = root_remaining * root_remaining
@@ -231,7 +231,7 @@ class CrankRocker(CrankRockers[float], Mechanism):
         longest = max(others, key=others.__getitem__)
         most = sum(others.values()) - 2.0 * others[longest]
         least = min(most, *others.values())
-        cure = f"a crank under {shown_below(least)} mm does" if least > 0.0 else f"a shorter {longest} is needed first"
+        cure = f"a crank under {shown_below(least)} mm works" if least > 0.0 else f"a shorter {longest} is needed first"
         raise WrongInput(
             f"the crank cannot turn fully: it must be the shortest link, and crank + {longest} = "
             f"{self.crank_mm + others[longest]:g} mm less than the other two together, "
@@ -241,15 +241,15 @@ class CrankRocker(CrankRockers[float], Mechanism):
 
     @classmethod
     def many(cls, **lengths: Array) -> CrankRockers[Array]:
-        """Many crank-rockers; ``turns_fully`` tells which can be one."""
+        """Many crank-rockers; ``turns_fully`` tells which of them are possible."""
         return CrankRockers(**{"side": np.ones_like(lengths["crank_mm"]), **lengths})
 
     @classmethod
     def of_stroke(cls, stroke_mm: float, **lengths: float) -> Self:
-        """The crank-rocker of coupler, rocker and ground whose rocker swings through an angle in rad.
+        """The crank-rocker with given coupler, rocker and ground whose rocker swings through an angle in rad.
 
-        With the crank the angle grows from 0; the crank is found in a bracket.  Raises WrongInput where no crank gives
-        the angle.
+        The angle grows from 0 with the length of the crank, which is found in a bracket.  Raises WrongInput where no
+        crank gives the angle.
         """
         others = [lengths[name] for name in ("coupler_mm", "rocker_mm", "ground_mm")]
         most = min(*others, sum(others) - 2.0 * max(others))
@@ -300,22 +300,22 @@ class CrankRocker(CrankRockers[float], Mechanism):
 
     @property
     def crank_start_rad(self) -> float:
-        """Opposite to the direction of the rocker's pin."""
+        """Direction opposite to the direction from the crank's axis to the rocker's pin."""
         return float(self.side * self._start_rad)
 
     @property
     def pivots_mm(self) -> Mapping[str, Point]:
-        """The rocker's axis."""
+        """The axis of the rocker."""
         return {"rocker": (self.ground_mm, 0.0)}
 
     def links(self, crank_angle: Jet) -> Mapping[str, Link]:
-        """Rocker, crank and coupler; each own frame has +x towards the pin of the next body and 0 at the one before.
+        """Rocker, crank and coupler; each has its own frame, with +x from its first pin, the origin, to its next.
 
         The rocker's own frame has its origin at its pin and its axis on +x, the coupler's at the crank's pin.
         """
         rocker, pin = self._rocker(crank_angle), self.crank_body(crank_angle, 0.0).pin
         along = rocker.origin - pin
-        # Relative to the direction at the retracted dead centre, which the coupler never turns half a turn away from
+        # Relative to the direction at the retracted dead centre, from which the coupler never turns by half a turn
         start = self.crank_start_rad - pi
         cosine, sine = np.cos(start), np.sin(start)
         x, y = along.x * cosine + along.y * sine, along.y * cosine - along.x * sine
@@ -329,7 +329,7 @@ class CrankRocker(CrankRockers[float], Mechanism):
         return Link(pin, -self.side * gamma)
 
     def transmission_rad(self, crank_rad: Array) -> Array:
-        """Between coupler and rocker."""
+        """Angle between coupler and rocker."""
         links = self.links(Jet(crank_rad[None, :]))
         return np.arcsin(np.abs(np.sin(links["coupler"].angle.value - links["rocker"].angle.value)))
 
@@ -363,7 +363,7 @@ class CrankRocker(CrankRockers[float], Mechanism):
         return axis + (rocker.origin - axis) * (distance_mm / self.rocker_mm)
 
     def _on_coupler(self, pin: Vector, rocker_pin: Vector, distance_mm: float) -> Vector:
-        """The point of the coupler at a distance from the crank's pin towards the rocker's."""
+        """The point of the coupler at a distance from the crank's pin towards the rocker's pin."""
         return pin + (rocker_pin - pin) * (distance_mm / self.coupler_mm)
 
     def _axis(self, angle: Jet) -> Vector:
@@ -373,8 +373,9 @@ class CrankRocker(CrankRockers[float], Mechanism):
     def joint_forces(self, crank_angle: Jet, masses: Masses, pace: Pace, resistance_n: Term) -> JointForces:
         """Forces at the rocker's axis, its pin and the crank's pin by the equations of rocker, coupler and crank.
 
-        Moments of the rocker about its axis and of the coupler about the crank's pin are two equations of the rocker
-        pin's force.  Forces act on the rocker, the crank pin's on the coupler.
+        Moments of the rocker about its axis and of the coupler about the crank's pin are two equations for the force at
+        the rocker's pin.  The forces at the rocker's axis and pin act on the rocker, the force at the crank's pin acts
+        on the coupler.
         """
         assert isinstance(masses, RockerMasses)
         rocker, coupler = self.moving_masses(crank_angle, masses)

@@ -26,7 +26,7 @@ from ncgear.numerics.units import N_PER_KG_MM_S2
 
 @dataclass(frozen=True, eq=False)
 class CrankSliders(Mechanisms[Number]):
-    """What follows from the lengths of one crank-slider, or of one for each point where they have shape (n,)."""
+    """Quantities that follow from the lengths of one crank-slider, or of n of them where lengths have shape (n,)."""
 
     crank_mm: Number
     rod_mm: Number
@@ -34,7 +34,7 @@ class CrankSliders(Mechanisms[Number]):
 
     @property
     def turns_fully(self) -> Mask:
-        """Where rod - crank > |offset|."""
+        """True where rod - crank > |offset|."""
         return self.rod_mm - self.crank_mm > np.abs(self.offset_mm)
 
     @property
@@ -49,12 +49,12 @@ class CrankSliders(Mechanisms[Number]):
 
     @property
     def stroke_mm(self) -> Number:
-        """Distance between the dead centres: (far^2 - near^2) / (far + near), free of cancellation."""
+        """Distance between the dead centres, (far^2 - near^2) / (far + near): this form is free of cancellation."""
         return 4.0 * self.crank_mm * self.rod_mm / (self.farthest_mm + self.nearest_mm)
 
     @property
     def working_angle_rad(self) -> Number:
-        """Crank angle from the retracted to the extended dead centre; pi in line."""
+        """Crank angle from the retracted to the extended dead centre; pi without offset."""
         tilt: Number = np.arcsin(self.offset_mm / (self.rod_mm + self.crank_mm))
         return pi + self._retracted_tilt_rad - tilt
 
@@ -69,7 +69,7 @@ class CrankSliders(Mechanisms[Number]):
         The vector loop gives x = pin advance + rod gain, which cancel to second order at the dead centre.  Multiplying
         out (rod gain)(rod gain + 2 rod start) gives x y = 2 l2 (l3 - l2) (1 - cos phi2), where y = rod now + rod start
         - pin advance and rod lengths are the rod's projections on the slider's line.  The larger of x and y is free of
-        cancellation; that is y, except where the rod is hardly longer than the crank.
+        cancellation; y is the larger, except where the rod is hardly longer than the crank.
         """
         half_sine, half_cosine = jet.sin_cos(crank_angle * 0.5)
         versine = 2.0 * (half_sine * half_sine)
@@ -134,18 +134,18 @@ class CrankSlider(CrankSliders[float], RodMechanism):
             raise WrongInput(
                 f"the crank cannot turn fully: rod - crank = {self.rod_mm - self.crank_mm:g} mm, and it must exceed "
                 f"the offset of {abs(self.offset_mm):g} mm; a rod over "
-                f"{shown_above(self.crank_mm + abs(self.offset_mm))} mm does",
+                f"{shown_above(self.crank_mm + abs(self.offset_mm))} mm works",
                 key="linkage.rod_mm",
             )
 
     @classmethod
     def many(cls, **lengths: Array) -> CrankSliders[Array]:
-        """Many crank-sliders; ``turns_fully`` tells which can be one."""
+        """Many crank-sliders; ``turns_fully`` tells which of them are possible."""
         return CrankSliders(**lengths)
 
     @classmethod
     def of_stroke(cls, stroke_mm: float, **lengths: float) -> Self:
-        """The crank-slider of a rod and an offset whose dead centres are a stroke apart.
+        """The crank-slider with given rod and offset whose dead centres are a stroke apart.
 
         From far - near = H, far^2 - near^2 = 4 l2 l3 and far^2 + near^2 = 2 (l2^2 + l3^2 - e^2), with near and far the
         slider's distances at the dead centres.  Raises WrongInput where the rod is too short.
@@ -174,8 +174,8 @@ class CrankSlider(CrankSliders[float], RodMechanism):
     def corners(self) -> tuple[tuple[float, float], ...]:
         """Crank angles, 0 to 2 pi, at which the rod is steepest, and the width of the bend of the displacement there.
 
-        The rod's projection has zeros where crank sin(theta) = offset +- rod, that is at theta = +-pi/2 + i y with
-        cosh y = (rod +- offset)/crank.  The displacement is analytic up to there, so no feature of it is narrower than
+        The rod's projection has zeros where crank sin(theta) = offset +- rod, that is at theta = +-pi/2 + i y with cosh
+        y = (rod +- offset)/crank.  The displacement is analytic up to these zeros, so it has no feature narrower than
         y.
         """
         square = 1.5 * pi + self._retracted_tilt_rad, 0.5 * pi + self._retracted_tilt_rad
@@ -187,7 +187,7 @@ class CrankSlider(CrankSliders[float], RodMechanism):
 
     @property
     def crank_start_rad(self) -> float:
-        """Opposite to the direction of the retracted slider."""
+        """Direction opposite to the direction of the retracted slider."""
         return pi + asin(self.offset_mm / (self.rod_mm - self.crank_mm))
 
     def rod(self, crank_angle: Jet) -> Rod:
@@ -195,7 +195,7 @@ class CrankSlider(CrankSliders[float], RodMechanism):
         pin = self.crank_body(crank_angle, 0.0).pin
         wrist = Vector(self.displacement(crank_angle) + self.nearest_mm, 0.0 * crank_angle + self.offset_mm)
         along = wrist - pin
-        # The rod never stands across the slider's line: it is longer than the crank and the offset together.
+        # The rod is never perpendicular to the slider's line: it is longer than the crank and the offset together.
         return Rod(self.rod_mm, pin, wrist, jet.arctan(along.y / along.x))
 
     def links(self, crank_angle: Jet) -> Mapping[str, Link]:
@@ -208,12 +208,12 @@ class CrankSlider(CrankSliders[float], RodMechanism):
         }
 
     def transmission_rad(self, crank_rad: Array) -> Array:
-        """Between the rod and the direction across the slider's line."""
+        """Angle between the rod and the direction across the slider's line."""
         return 0.5 * pi - np.abs(self.rod(Jet(crank_rad[None, :])).angle.value)
 
     @property
     def rod_lines_mm(self) -> Mapping[str, tuple[tuple[Point, Point], ...]]:
-        """From the crank pin to the wrist."""
+        """The rod's line from the crank pin to the wrist."""
         return {"rod": (((0.0, 0.0), (self.rod_mm, 0.0)),)}
 
     def shapes(self) -> Mapping[str, Shape]:
@@ -231,9 +231,9 @@ class CrankSlider(CrankSliders[float], RodMechanism):
         )
 
     def joint_forces(self, crank_angle: Jet, masses: Masses, pace: Pace, resistance_n: Term) -> JointForces:
-        """Forces at wrist and crank pin by the equations of slider, rod and crank, one after the other.
+        """Forces at wrist and crank pin from the equations of slider, rod and crank, one after the other.
 
-        The wrist's force acts on the slider, the pin's on the rod.
+        The force at the wrist acts on the slider, the force at the pin on the rod.
         """
         assert isinstance(masses, RodMasses)
         crank, at = self.crank_body(crank_angle, masses.crank_center_mm), self.rod(crank_angle)
@@ -241,7 +241,7 @@ class CrankSlider(CrankSliders[float], RodMechanism):
         slider = moving_force(masses, pace, masses.slider_kg, at.wrist)
         rod = moving_force(masses, pace, masses.rod_kg, center)
         along = slider.x + resistance_n
-        # Moments about the crank pin; the wrist's force on the rod is minus the one on the slider
+        # Moments about the crank pin; the wrist's force on the rod is minus its force on the slider
         arm = place(pace, at.wrist - at.pin)
         turned = pace.second(at.angle) * (N_PER_KG_MM_S2 * masses.rod_inertia_kg_mm2)
         turned = turned + place(pace, center - at.pin).cross(rod)

@@ -1,6 +1,7 @@
 """The driven shaft by itself: gears without a linkage, whose output is the turning shaft.
 
-Its place is the driven angle; it goes on for ever, has no dead centre, and bears a torque that repeats every turn.
+The place of the output is the driven angle.  It grows without end and has no dead centre; the torque repeats every
+turn.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ class DrivenShaft(Mechanism):
 
     @classmethod
     def of_stroke(cls, stroke_mm: float, **lengths: float) -> Self:
-        """Raises WrongInput: a shaft has no stroke that could follow from a law."""
+        """Raises WrongInput: a shaft has no stroke."""
         raise WrongInput("there is no linkage, and so no stroke to solve for; give linkage", key="motion.solve_for")
 
     @property
@@ -47,22 +48,22 @@ class DrivenShaft(Mechanism):
 
     @property
     def turns_fully(self) -> Mask:
-        """A shaft always turns fully."""
+        """True: a shaft always turns fully."""
         return np.asarray(True)
 
     @property
     def stroke_mm(self) -> float:
-        """One turn in rad."""
+        """One turn, 2 pi rad."""
         return 2.0 * pi
 
     @property
     def nearest_mm(self) -> float:
-        """The angle from which it is counted: 0."""
+        """The angle from which places are counted: 0."""
         return 0.0
 
     @property
     def working_angle_rad(self) -> float:
-        """All of a turn."""
+        """One whole turn."""
         return 2.0 * pi
 
     def displacement(self, crank_angle: Jet) -> Jet:
@@ -78,21 +79,21 @@ class DrivenShaft(Mechanism):
         return displacement_mm
 
     def crank_body(self, crank_angle: Jet, center_mm: float) -> CrankBody:
-        """The shaft, with nothing out of its axis."""
+        """The shaft, with its centre of mass on its axis."""
         still = 0.0 * crank_angle
         return CrankBody(crank_angle, Vector(still, still), Vector(still, still))
 
     def links(self, crank_angle: Jet) -> Mapping[str, Link]:
-        """Nothing is drawn besides the gears."""
+        """No bodies: only the gears are drawn."""
         return {}
 
     def moving_masses(self, crank_angle: Jet, masses: Masses) -> tuple[MovingMass, ...]:
-        """One without mass in the axis: nothing moves besides what turns with the shaft."""
+        """A single body without mass, on the axis: nothing moves that does not turn with the shaft."""
         still = 0.0 * crank_angle
         return (MovingMass(0.0, Vector(still, still), crank_angle),)
 
     def joint_forces(self, crank_angle: Jet, masses: Masses, pace: Pace, resistance_n: Term) -> JointForces:
-        """No joints; the load and all that turns with the shaft make its torque."""
+        """No joints; the load and everything that turns with the shaft make its torque."""
         body = self.crank_body(crank_angle, 0.0)
         axis, torque = crank_forces(body, masses, pace, Vector(0.0 * resistance_n, 0.0 * resistance_n))
         return JointForces({}, axis, 0.0 * resistance_n, torque + resistance_n)

@@ -1,13 +1,14 @@
-"""Forces in the joints of a mechanism for a given motion: what all mechanisms share of Newton's and Euler's equations.
+"""Forces in the joints of a mechanism for a given motion: the equations of Newton and Euler that all mechanisms share.
 
-From the slider to the crank each body's equations give the forces on it one after the other; no system is solved
-(e.g. J. J. Uicker, G. R. Pennock, J. E. Shigley, "Theory of Machines and Mechanisms", 4th edition, 2011, chapter 15).
-A mechanism states the equations of its own bodies; how places become accelerations (``Pace``), the force that moves a
-mass, the equations of the crank, and the masses of what turns with crank and driving shaft are here.
+From the slider to the crank, the equations of each body give the forces on it, one body after the other; no system is
+solved (e.g.  J. J. Uicker, G. R. Pennock, J. E. Shigley, "Theory of Machines and Mechanisms", 4th edition, 2011,
+chapter 15).  A mechanism states the equations of its own bodies.  This module has the rest: how places become
+accelerations (``Pace``), the force that moves a mass, the equations of the crank, and the masses that turn with crank
+and driving shaft.
 
-Masses in kg, lengths in mm, moments of inertia in kg mm^2.  Every mechanism has a crank and two gears, and most have a
-slider; what else moves is the mechanism's own, and its class of masses is in the mechanism's module.  That of a
-connecting rod, ``RodMasses``, is here: several mechanisms may have one.
+Masses are in kg, lengths in mm, moments of inertia in kg mm^2. Every mechanism has a crank and two gears, and most have
+a slider.  A mechanism's module has the class of its own masses.  The masses of a connecting rod, ``RodMasses``, are
+here: several mechanisms may have a rod.
 """
 
 from __future__ import annotations
@@ -24,7 +25,7 @@ from ncgear.numerics.units import N_PER_KG_MM_S2
 
 @dataclass(frozen=True)
 class SliderMass:
-    """The mass of the slider, with all that moves with it."""
+    """The mass of the slider, with everything that moves with it."""
 
     slider_kg: float = 0.0
 
@@ -33,7 +34,8 @@ class SliderMass:
 class RodMass:
     """The connecting rod.
 
-    Its centre of mass lies ``rod_center_mm`` from the crank pin towards the slider; its inertia is about that centre.
+    Its centre of mass lies ``rod_center_mm`` from the crank pin towards the slider; its moment of inertia is about this
+    centre.
     """
 
     rod_kg: float = 0.0
@@ -43,12 +45,12 @@ class RodMass:
 
 @dataclass(frozen=True)
 class ShaftMasses:
-    """What turns with the crank and with the driving shaft, and gravity.
+    """The masses that turn with the crank and with the driving shaft, and gravity.
 
-    The crank's centre of mass lies ``crank_center_mm`` from its axis towards the pin; ``crank_inertia_kg_mm2`` is about
-    the axis and includes all that turns with the crank except the driven gear.  ``gravity_m_s2`` has its components
-    along and across the slider's line, in the frame of the mechanism.  ``between_inertia_kg_mm2`` is that of the shaft
-    between two pairs of gears in series with both its gears.
+    The crank's centre of mass lies ``crank_center_mm`` from its axis towards the pin.  ``crank_inertia_kg_mm2`` is
+    about the axis and includes everything that turns with the crank except the driven gear.  ``gravity_m_s2`` has its
+    components along and across the slider's line, in the frame of the mechanism.  ``between_inertia_kg_mm2`` is the
+    inertia of the shaft between two pairs of gears in series, with both its gears.
     """
 
     crank_kg: float = 0.0
@@ -62,28 +64,28 @@ class ShaftMasses:
 
     @property
     def crank_shaft_kg_mm2(self) -> float:
-        """All that turns with the crank, about its axis."""
+        """Moment of inertia of everything that turns with the crank, about its axis."""
         return self.crank_inertia_kg_mm2 + self.driven_inertia_kg_mm2
 
     @property
     def driving_shaft_kg_mm2(self) -> float:
-        """All that turns with the driving gear, about its axis."""
+        """Moment of inertia of everything that turns with the driving gear, about its axis."""
         return self.driving_inertia_kg_mm2 + self.flywheel_inertia_kg_mm2
 
 
 @dataclass(frozen=True)
 class Masses(ShaftMasses, SliderMass):
-    """The masses that every mechanism has; the slider's is 0 where the output turns."""
+    """The masses that every mechanism has; the slider's mass is 0 where the output turns."""
 
 
-# Fields come from the last base to the first, so the rod's stand between the slider's and the crank's.
+# Fields come from the last base to the first, so the rod's fields stand between the slider's and the crank's.
 @dataclass(frozen=True)
 class RodMasses(Masses, RodMass, SliderMass):
-    """The masses of a mechanism whose slider is moved by a connecting rod."""
+    """The masses of a mechanism with a slider that a connecting rod moves."""
 
 
 class Pace(Protocol):
-    """How places and angles, which are jets, pass in time."""
+    """How places and angles, given as jets, change with time."""
 
     def now(self, quantity: Jet) -> Term:
         """The quantity itself."""
@@ -94,7 +96,7 @@ class Pace(Protocol):
 
 @dataclass(frozen=True)
 class EvenPace:
-    """Jets by the driving angle, which grows at a constant speed in rad/s; gives jets of two orders less."""
+    """Jets by the driving angle, which grows at a constant speed in rad/s; the results have two orders less."""
 
     speed_rad_s: float
 
@@ -109,7 +111,7 @@ class EvenPace:
 
 @dataclass(frozen=True, eq=False)
 class CrankPace:
-    """Jets of order 2 or more by the crank's angle, whose speed and acceleration have shape (n,); gives arrays."""
+    """Jets of order 2 or more by the crank's angle, with its speed and acceleration of shape (n,); gives arrays."""
 
     speed_rad_s: Array
     acceleration_rad_s2: Array
@@ -125,12 +127,12 @@ class CrankPace:
 
 @dataclass(frozen=True, eq=False)
 class JointForces:
-    """The forces in the joints in N, as arrays of shape (n,) or jets, whichever the pace gives.
+    """The forces in the joints in N, as arrays of shape (n,) or jets, depending on the pace.
 
     ``joints`` maps the mechanism's names of its joints to the forces in them, each on the body nearer to the slider.
     ``crank_axis`` is the force that bearings and driven gear together exert on the crank.  ``guide_n`` is the guide's
-    force on the slider across its line; ``torque_n_mm`` is the torque that the crank shaft needs, in the sense in which
-    the crank turns.
+    force on the slider across its line; ``torque_n_mm`` is the torque that the crank shaft needs, positive in the
+    direction in which the crank turns.
     """
 
     joints: Mapping[str, Vector]
@@ -140,12 +142,12 @@ class JointForces:
 
 
 def place(pace: Pace, point: Vector) -> Vector:
-    """A point in mm, as arrays or jets, whichever the pace gives."""
+    """A point in mm, as arrays or jets, depending on the pace."""
     return Vector(pace.now(point.x), pace.now(point.y))
 
 
 def moving_force(masses: Masses, pace: Pace, mass_kg: float, center: Vector) -> Vector:
-    """The force in N that a mass needs, besides its weight, to move as its centre does."""
+    """The force in N that a mass needs, besides its weight, to move along the path of its centre."""
     acceleration = Vector(pace.second(center.x), pace.second(center.y))
     return acceleration * (N_PER_KG_MM_S2 * mass_kg) - _weight(masses, mass_kg)
 
@@ -165,7 +167,7 @@ class CrankBody:
 
 
 def crank_forces(crank: CrankBody, masses: Masses, pace: Pace, pin: Vector) -> tuple[Vector, Term]:
-    """The bearings' force on the crank in N and the torque on its shaft in N mm, where its pin pushes with ``pin``."""
+    """The bearings' force on the crank in N and the torque on its shaft in N mm; ``pin`` is the force on its pin."""
     moving = moving_force(masses, pace, masses.crank_kg, crank.center)
     # Counter-clockwise moments are against the crank's turning
     weight = place(pace, crank.center).cross(_weight(masses, masses.crank_kg))
@@ -178,17 +180,17 @@ class Mass(Protocol):
 
     @property
     def mass_kg(self) -> float:
-        """Its mass."""
+        """The mass in kg."""
 
     @property
     def center(self) -> Vector:
-        """Where its centre of mass is."""
+        """The place of the centre of mass."""
 
 
 def shaking_force(moving: Sequence[Mass], crank: CrankBody, masses: Masses, pace: Pace) -> Vector:
-    """The force in N of moving masses on the frame, -d/dt sum m v: weights and resistance have no part in it.
+    """The force in N of moving masses on the frame, -d/dt sum m v; weights and resistance do not contribute.
 
-    ``moving`` are all masses but the crank's.  J. J. Uicker, G. R. Pennock, J. E. Shigley, "Theory of Machines and
+    ``moving`` are all masses except the crank's.  J. J. Uicker, G. R. Pennock, J. E. Shigley, "Theory of Machines and
     Mechanisms", 4th edition, 2011, chapter 17.
     """
     along, across = crank.center.x * masses.crank_kg, crank.center.y * masses.crank_kg

@@ -1,9 +1,9 @@
-"""The contract of a mechanism: what the driven shaft turns, and all that the rest of ncgear asks of it.
+"""The contract of a mechanism on the driven shaft: everything that the rest of ncgear asks of it.
 
 A crank turns with the driven gear and moves a slider to and fro along a line.  Frame and pose: the crank's axis is at
 the origin, the crank turns clockwise, the slider moves along +x at y = ``offset_mm``.  The crank angle is counted from
-the retracted dead centre in the sense of turning, the displacement from the retracted end.  One turn of the crank is
-one working stroke (retracted to extended) and one return.
+the retracted dead centre in the direction of turning, the displacement from the retracted end.  One turn of the crank
+is one working stroke (retracted to extended) and one return.
 
 A mechanism is a frozen dataclass whose fields are its lengths, named like their keys under ``linkage`` in design
 files.  Its formulas (``Mechanisms``) hold for one mechanism and for many at once.  A new mechanism is a class in a
@@ -33,7 +33,7 @@ Point = tuple[float, float]
 
 
 class Unit(NamedTuple):
-    """A unit that people read a quantity in: the end of its keys, its text, and how many of it one of the code's is."""
+    """A unit in which people read a quantity: the end of its keys, its text, and its number per unit of the code."""
 
     ending: str
     text: str
@@ -42,11 +42,11 @@ class Unit(NamedTuple):
 
 @dataclass(frozen=True)
 class Output:
-    """What a mechanism moves: its name in messages and tables, and whether it turns.
+    """The output of a mechanism: its name in messages and tables, and whether it turns.
 
-    An output that slides has places in mm, loads in N and masses in kg.  One that turns has places in rad, loads in
-    N mm and moments of inertia in kg mm^2.  Formulas are the same for both: load times speed over 1000 is the power
-    in W.  Names of the contract end in the units of an output that slides.
+    A sliding output has places in mm, loads in N and masses in kg.  A turning output has places in rad, loads in N mm
+    and moments of inertia in kg mm^2.  Formulas are the same for both: load times speed over 1000 is the power in W.
+    Names of the contract end in the units of a sliding output.
     """
 
     name: str
@@ -54,7 +54,7 @@ class Output:
 
     @property
     def place(self) -> Unit:
-        """The unit of places and ways: mm, or deg."""
+        """The unit of places and distances: mm, or deg."""
         return Unit("deg", "deg", degrees(1.0)) if self.angular else Unit("mm", "mm")
 
     @property
@@ -74,7 +74,7 @@ class Output:
 
     @property
     def load_name(self) -> str:
-        """What the load is called: force or torque."""
+        """The name of the load: force or torque."""
         return "torque" if self.angular else "force"
 
 
@@ -83,10 +83,7 @@ SLIDER = Output("slider")
 
 @dataclass(frozen=True, eq=False)
 class Link:
-    """Where a rigid body is at n crank angles: the origin of its own frame in mm, and its angle in rad.
-
-    The angle is counter-clockwise and continuous.  Both are jets by the same variable as the crank's angle.
-    """
+    """The pose of a rigid body at n crank angles: the origin of its own frame in mm, and its angle in rad."""
 
     origin: Vector
     angle: Jet
@@ -106,8 +103,8 @@ class MovingMass:
 class Shape:
     """How a link is drawn in its own frame, in mm.
 
-    Bars lie each along a line from point to point, eyes are about pins; a block slides along each slot, which also is a
-    line from point to point, with walls around it.  ``areas`` are closed outlines.
+    Each bar lies along a line from point to point; eyes are about pins.  A block slides along each slot, which also is
+    a line from point to point, with walls around it.  ``areas`` are closed outlines.
     """
 
     bars: tuple[tuple[Point, Point], ...] = ()
@@ -117,17 +114,17 @@ class Shape:
 
 
 class Mechanisms(ABC, Generic[Number]):
-    """What follows from the lengths of one mechanism, or of many of a kind, whose lengths have shape (n,)."""
+    """Quantities that follow from the lengths of one mechanism, or of n of a kind where lengths have shape (n,)."""
 
     if TYPE_CHECKING:
 
         @property
         def crank_mm(self) -> Number:
-            """From the crank's axis to its pin."""
+            """Distance from the crank's axis to its pin."""
 
     @property
     def turns_fully(self) -> Mask:
-        """Whether the crank can turn fully; one that cannot is no mechanism."""
+        """Whether the crank can turn fully; without a full turn there is no mechanism."""
         return np.asarray(self.crank_mm > 0.0)
 
     @property
@@ -156,7 +153,7 @@ class Mechanisms(ABC, Generic[Number]):
 
     @property
     def half_way(self) -> Number:
-        """A size in mm or rad of the order of half the stroke, in which programmes count the output's way."""
+        """A size in mm or rad, about half the stroke; optimization programmes count the output's travel in it."""
         return self.crank_mm
 
     @abstractmethod
@@ -169,40 +166,39 @@ class Mechanisms(ABC, Generic[Number]):
 
 
 class Mechanism(Mechanisms[float]):
-    """One mechanism: its way there and back, its bodies, and the forces between them."""
+    """One mechanism: its motion there and back, its bodies, and the forces between them."""
 
     NAME: ClassVar[str]
     """Its name in messages, with the article: "a crank-slider"."""
 
     OUTPUT: ClassVar[Output] = SLIDER
-    """What it moves."""
+    """Its output."""
 
     RETURNS: ClassVar[bool] = True
     """Whether the output comes back by itself as the driven shaft turns on.
 
-    Where it does not, all of its way is its working stroke, and it has no dead centres.
-    """
+    Where it does not, all of its travel is its working stroke, and it has no dead centres."""
 
     UNIFORM: ClassVar[str] = "uniform crank"
-    """What the mechanism is called where its driven shaft turns evenly."""
+    """Name of the mechanism where its driven shaft turns evenly."""
 
     CRANK: ClassVar[str] = "crank"
-    """What the driven shaft carries, in the names of bearings and moments of inertia."""
+    """The body on the driven shaft, in the names of bearings and moments of inertia."""
 
     HAS_CRANK: ClassVar[bool] = True
-    """Whether the driven shaft carries a body of its own beside the gear, whose mass and centre a design file gives."""
+    """Whether the driven shaft carries a body beside the gear whose mass and centre a design file gives."""
 
     GUIDED: ClassVar[bool] = True
-    """Whether a guide bears its output."""
+    """Whether a guide carries its output."""
 
     STROKE_KEY: ClassVar[str] = "crank_mm"
-    """The length that follows where a law gives the stroke."""
+    """The key of the length that follows where a law gives the stroke."""
 
     POINTS: ClassVar[tuple[str, ...]] = ("slider",)
-    """Bodies that do not turn, whose masses a design file gives by ``masses.NAME_kg``."""
+    """Bodies that do not turn and whose masses a design file gives by ``masses.NAME_kg``."""
 
     RODS: ClassVar[tuple[str, ...]] = ()
-    """Bodies that turn, the crank apart, whose masses a design file gives, by their keys under ``masses``."""
+    """Bodies that turn, except the crank, and whose masses a design file gives, by their keys under ``masses``."""
 
     MASSES: ClassVar[type[Masses]] = Masses
     """The class of its masses."""
@@ -211,10 +207,10 @@ class Mechanism(Mechanisms[float]):
     """Its joints from the slider to the crank: the names in tables, with the words for pictures and figures."""
 
     PINS: ClassVar[Mapping[str, str]] = {}
-    """Pins that are drawn: the name of each, with the link at whose origin it is."""
+    """Pins that are drawn: the name of each, and the link with its origin at the pin."""
 
     PISTON: ClassVar[bool] = True
-    """Whether the output is drawn as a piston that slides along its line in a guide, with what it works against."""
+    """Whether the output is drawn as a piston in a guide along its line, with the material that it works against."""
 
     offset_mm: float = 0.0
     """Distance of the slider's line from the crank's axis."""
@@ -243,7 +239,7 @@ class Mechanism(Mechanisms[float]):
 
     @abstractmethod
     def crank_angle(self, displacement_mm: Array, returning: Mask) -> Array:
-        """Crank angle in rad, 0 to 2 pi, at displacements in [0, stroke], both of shape (n,)."""
+        """Crank angles in rad, 0 to 2 pi, at displacements in [0, stroke], both of shape (n,)."""
 
     @property
     def crank_start_rad(self) -> float:
@@ -265,23 +261,23 @@ class Mechanism(Mechanisms[float]):
     def links(self, crank_angle: Jet) -> Mapping[str, Link]:
         """All bodies at crank angles in rad: the output by its name, ``crank`` next, the others from back to front.
 
-        The own frame of an output that slides does not turn; at the retracted dead centre its origin is at
-        ``nearest_mm``.
+        The frame of a sliding output does not turn; at the retracted dead centre its origin is at ``nearest_mm``.
         """
 
     def shapes(self) -> Mapping[str, Shape]:
-        """How the links are drawn, except a plain crank, and an output that slides where it is a mere piston."""
+        """How the links are drawn, except a plain crank, and except a sliding output that is a plain piston."""
         return {}
 
     def transmission_rad(self, crank_rad: Array) -> Array:
-        """Transmission angles, 0 to pi/2, at crank angles in rad (n,): from what pushes the output to across its way.
+        """Transmission angles, 0 to pi/2, at crank angles in rad (n,), between pushing link and normal of the path.
 
-        They are least at a dead centre or one of the ``corners``, and pi/2 where the output is pushed along its way.
+        They are least at a dead centre or at one of the ``corners``, and pi/2 where the push is along the output's
+        path.
         """
         return np.full_like(crank_rad, 0.5 * pi)
 
     def least_transmission(self, end_rad: float = 2.0 * pi) -> tuple[float, float]:
-        """The least transmission angle in rad of crank angles from 0 to an end in rad, and the crank angle of it."""
+        """The least transmission angle in rad from crank angle 0 to an end in rad, and its crank angle."""
         places = [0.0, self.working_angle_rad, *(place for place, _ in self.corners), end_rad]
         crank = np.array([place for place in places if place <= end_rad])
         angles = self.transmission_rad(crank)
@@ -295,17 +291,17 @@ class Mechanism(Mechanisms[float]):
 
     @property
     def discs_mm(self) -> Mapping[str, float]:
-        """Radii of round bodies about the crank's axis that turn beside the gears, by their names."""
+        """Radii of round bodies that turn about the crank's axis beside the gears, by their names."""
         return {}
 
     @property
     def pivots_mm(self) -> Mapping[str, Point]:
-        """Axes in the frame, the crank's apart, by the names of the links that turn about them."""
+        """Fixed axes except the crank's, by the names of the links that turn about them."""
         return {}
 
     @property
     def guides_mm(self) -> tuple[tuple[Point, Point], ...]:
-        """Straight guides that stand, a piston's apart, each from point to point with the frame on its left."""
+        """Straight fixed guides except a piston's, each from point to point with the frame on its left."""
         return ()
 
     @abstractmethod
@@ -316,8 +312,8 @@ class Mechanism(Mechanisms[float]):
     def joint_forces(self, crank_angle: Jet, masses: Masses, pace: Pace, resistance_n: Term) -> JointForces:
         """Forces that a motion needs against the weights and a resistance in N that acts on the slider along -x.
 
-        On an output that turns, the resistance is a torque in N mm towards the retracted dead centre.  ``masses`` are
-        of ``MASSES``.
+        On a turning output, the resistance is a torque in N mm towards the retracted dead centre.  ``masses`` are of
+        ``MASSES``.
         """
 
 
@@ -339,7 +335,7 @@ class Rod:
 
 
 class RodMechanism(Mechanism):
-    """A mechanism whose slider is moved by one rod from the crank's pin; the theory of balance holds for these only."""
+    """A mechanism with one rod from the crank's pin to its slider; the theory of balance holds for these only."""
 
     MASSES: ClassVar[type[Masses]] = RodMasses
 
@@ -347,7 +343,7 @@ class RodMechanism(Mechanism):
 
         @property
         def rod_mm(self) -> float:
-            """From the crank pin to the wrist."""
+            """Distance from the crank pin to the wrist."""
 
     @abstractmethod
     def rod(self, crank_angle: Jet) -> Rod:
@@ -355,7 +351,7 @@ class RodMechanism(Mechanism):
 
 
 def require_rod(mechanism: Mechanism, what: str, key: str) -> RodMechanism:
-    """The mechanism, known to have a rod; raises WrongInput for ``key`` where it has none."""
+    """The mechanism, if it has a rod; raises WrongInput for ``key`` where it has none."""
     if not isinstance(mechanism, RodMechanism):
         raise WrongInput(
             f"{mechanism.NAME}, and {what} is computed only where one rod moves the slider, as in a crank-slider",

@@ -1,8 +1,9 @@
 """Rack and pinion: a pinion on the driven shaft moves a rack along its line, x = r phi2.
 
 The rack never returns by itself: it is for gears that turn to and fro over a part of a turn.  Frame: the pinion's axis
-is at the origin, it turns clockwise, and the rack moves along +x above it, at y = r.  The teeth's force on the rack is
-counted along its line; what pushes pinion and rack apart has no part in torque or power and is left out.
+is at the origin, it turns clockwise, and the rack moves along +x above it, at y = r.  Only the component of the teeth's
+force along the rack's line counts; the component that pushes pinion and rack apart does not change torque or power and
+is left out.
 """
 
 from __future__ import annotations
@@ -29,7 +30,7 @@ BACK = 3.0
 
 @dataclass(frozen=True)
 class RackPinion(Mechanism):
-    """A rack on a pinion of a pitch radius, or many whose radii have shape (n,)."""
+    """A rack on a pinion of a pitch radius, or many of them, with radii of shape (n,)."""
 
     NAME: ClassVar[str] = "a rack and pinion"
     OUTPUT: ClassVar[Output] = Output("rack")
@@ -54,12 +55,12 @@ class RackPinion(Mechanism):
 
     @property
     def stroke_mm(self) -> float:
-        """The rack's way in one turn."""
+        """The rack's travel in one turn."""
         return 2.0 * pi * self.radius_mm
 
     @property
     def nearest_mm(self) -> float:
-        """The rack begins over the pinion's axis."""
+        """Place of the rack at the start: over the pinion's axis."""
         return 0.0 * self.radius_mm
 
     @property
@@ -69,7 +70,7 @@ class RackPinion(Mechanism):
 
     @property
     def offset_mm(self) -> float:  # type: ignore[override]
-        """The rack's pitch line touches the pinion's pitch circle."""
+        """The pitch radius: the rack's pitch line touches the pinion's pitch circle."""
         return self.radius_mm
 
     def displacement(self, crank_angle: Jet) -> Jet:
@@ -85,7 +86,7 @@ class RackPinion(Mechanism):
         return displacement_mm / self.radius_mm
 
     def crank_body(self, crank_angle: Jet, center_mm: float) -> CrankBody:
-        """The pinion; its pin is where its teeth push the rack.  Its centre of mass begins on -x."""
+        """The pinion; its pin is the place where its teeth push the rack.  Its centre of mass begins on -x."""
         still = 0.0 * crank_angle
         sine, cosine = jet.sin_cos(self.crank_start_rad - crank_angle)
         return CrankBody(
@@ -146,12 +147,12 @@ class RackPinion(Mechanism):
         return (*points, (points[-1][0], BACK * module), (points[0][0], BACK * module))
 
     def moving_masses(self, crank_angle: Jet, masses: Masses) -> tuple[MovingMass, ...]:
-        """The rack alone."""
+        """The only mass is the rack."""
         rack = self.links(crank_angle)["rack"]
         return (MovingMass(masses.slider_kg, rack.origin, rack.angle),)
 
     def joint_forces(self, crank_angle: Jet, masses: Masses, pace: Pace, resistance_n: Term) -> JointForces:
-        """The pinion's teeth push the rack along its line; its guide bears its weight across."""
+        """Forces: the pinion's teeth push the rack along its line; the guide carries its weight across it."""
         rack = moving_force(masses, pace, masses.slider_kg, self.links(crank_angle)["rack"].origin)
         push = Vector(rack.x + resistance_n, 0.0 * rack.x)
         crank_axis, torque = crank_forces(self.crank_body(crank_angle, masses.crank_center_mm), masses, pace, push)

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 class Resistance(ABC):
     """Force in N over the displacement in mm.
 
-    A fitted curve may be negative where there is nothing to press, as the published baler's is below 33.7 mm.  A
+    A fitted curve may be negative where there is nothing to press: the published baler's is negative below 33.7 mm.  A
     resistance cannot push, so negative values count as zero unless ``keep_negative`` is true.
     """
 
@@ -61,7 +61,7 @@ class Resistance(ABC):
         return np.empty(0)
 
     def knots_mm(self, stroke_mm: float) -> Array:
-        """Displacements inside the stroke between which a search misses nothing of the curve, in rising order."""
+        """Displacements inside the stroke, in rising order; searches between neighbours miss nothing of the curve."""
         return distinct(np.append(self.turns_mm(stroke_mm), self.panels_mm(stroke_mm)))
 
     def negative_stretches_mm(self, stroke_mm: float) -> list[tuple[float, float]]:
@@ -72,7 +72,7 @@ class Resistance(ABC):
         return [stretch for stretch, below in zip(pairwise(edges), negative, strict=True) if below]
 
     def force_jet_n(self, displacement: Jet) -> Jet:
-        """Force in N with derivatives; one-sided where it has a corner, as where it sets in."""
+        """Force in N with derivatives; one-sided at corners, for example where the force sets in."""
         force = self.fitted_n(displacement)
         return Jet(np.where(self.keep_negative | (force.value > 0.0), force.coefficients, 0.0))
 
@@ -100,7 +100,7 @@ def within(displacements_mm: Array, stroke_mm: float) -> Array:
 
 @dataclass(frozen=True)
 class PolynomialResistance(Resistance):
-    """Force in N against rising powers of the displacement in mm; without coefficients, no resistance."""
+    """Force in N as a polynomial in the displacement in mm, constant term first; without coefficients it is zero."""
 
     coefficients_n: tuple[float, ...] = (0.0,)
     keep_negative: bool = False
@@ -182,28 +182,28 @@ class TableResistance(Resistance):
 
 
 MOST_TURNS = 500
-"""Most ups and downs over a stroke that are followed; some searches take milliseconds for each."""
+"""Largest number of ups and downs over a stroke; some searches take milliseconds for each."""
 
 FLAT = 1e-13
-"""Slope, relative to the largest, that counts as zero: its form is resolved to some hundredth of that."""
+"""Slope, relative to the largest, that counts as zero; the form of the slope is a hundred times as accurate."""
 
 AT_END = 1e-6
-"""Least u: a turn that is nearer to the end, by a share of 1e-12, does not change the force."""
+"""Least u: a turn nearer to the end, by a share of 1e-12 of the stroke, does not change the force."""
 
 SAME = 1e-12
-"""Distance, as a share of the stroke, of turns that are one but for rounding errors."""
+"""Distance, as a share of the stroke, below which two turns are one turn with rounding errors."""
 
 NO_JUMP = 1e-9
-"""Difference of the force on both sides of a joint, relative to the largest force, that counts as none."""
+"""Difference of the force on both sides of a joint, relative to the largest force, that does not count as a jump."""
 
 
 @dataclass(frozen=True)
 class FormulaResistance(Resistance):
-    """Force in N as an expression in ``x``; it may have corners, as ``max`` makes them, but no jumps.
+    """Force in N as an expression in ``x``; ``max`` and the like may make corners, but jumps are not allowed.
 
-    Of an output that is ``turning`` the expression is a torque in N m over the angle in rad.
+    For a ``turning`` output the expression is a torque in N m over the angle in rad.
 
-    Raises WrongInput for what is no expression, or no continuous function over the stroke, smooth but for corners;
+    Raises WrongInput where the text is no expression, or where the function jumps or is not smooth between its corners;
     the error names ``key`` of the design file.
     """
 
@@ -221,7 +221,7 @@ class FormulaResistance(Resistance):
         return self._formula(displacement)
 
     def work_from_retracted_n_mm(self, displacement_mm: Array, stroke_mm: float) -> Array:
-        """The antiderivative of a piecewise Chebyshev form resolved to rounding error."""
+        """The antiderivative of a piecewise Chebyshev form that is accurate to rounding error."""
         return _forms(self, stroke_mm).force.integrated()(displacement_mm)
 
     def zeros_mm(self, stroke_mm: float) -> Array:
@@ -241,7 +241,7 @@ class FormulaResistance(Resistance):
 class _Forms:
     """A proven form of a force over the stroke, and the places between which it is smooth and monotone.
 
-    ``panels_mm`` are the ends of panels of its derivative's form inside the stroke.
+    ``panels_mm`` are the ends, inside the stroke, of the panels of the slope's form.
     """
 
     force: PiecewiseChebyshev
@@ -271,7 +271,7 @@ def _forms(resistance: FormulaResistance, stroke_mm: float) -> _Forms:
             raise WrongInput(f"{text!r} jumps {jump}; {right}", key=resistance.key)
     steepest = max(slope.steepest for slope in slopes)
     turns = distinct(np.concatenate([corners, *(slope.turns_mm(steepest) for slope in slopes)]))
-    # Forms that meet at a turn may both have it.
+    # Two forms that meet at a turn may both give it.
     turns = turns[np.diff(turns, prepend=-np.inf) > SAME * stroke_mm]
     if turns.size > MOST_TURNS:
         problem = f"{text!r} turns up or down {turns.size} times over the stroke of {stroke_mm:g} {place}"
@@ -282,7 +282,7 @@ def _forms(resistance: FormulaResistance, stroke_mm: float) -> _Forms:
 
 @dataclass(frozen=True, eq=False)
 class _Slope:
-    """A form of a force's slope by x, or by u where x = end + width u**2."""
+    """A form of a force's slope over x, or over u where x = end + width u**2."""
 
     form: PiecewiseChebyshev
     end_mm: float = 0.0
@@ -290,28 +290,28 @@ class _Slope:
 
     @property
     def scale_mm(self) -> float:
-        """How many mm the form's variable stands for."""
+        """Length in mm of one unit of the form's variable."""
         return 1.0 if self.width_mm is None else abs(self.width_mm)
 
     @property
     def steepest(self) -> float:
-        """Size of the slope in N/mm."""
+        """Largest slope in N/mm."""
         return float(np.abs(self.form.coefficients).max()) / self.scale_mm
 
     def turns_mm(self, steepest: float) -> Array:
-        """Where the slope is zero, shape (n,), but for where it is nothing but rounding errors of the steepest one."""
+        """Zeros of the slope, shape (n,), without stretches that are only rounding errors of the steepest slope."""
         return self.at_mm(_zeros(self.form, FLAT * steepest * self.scale_mm))
 
     def at_mm(self, places: Array) -> Array:
-        """The displacements at which the form's variable has these values, shape (n,)."""
+        """The displacements at these values of the form's variable, shape (n,)."""
         return places if self.width_mm is None else self.end_mm + self.width_mm * places**2
 
 
 def _slopes(force: Formula, start: float, end: float) -> list[_Slope]:
     """Forms of the slope of a force without corners; raises NotSmooth.
 
-    Where it is like a root at an end, as that of x**1.5 is, u is counted from both ends on: the slope by u is like a
-    power over 1.
+    Where the slope is like a root at an end, as the slope of x**1.5 is, u counts from both ends: over u the slope is
+    like a whole power.
     """
     try:
         return [_Slope(proven(force.derivative(), start, end))]
@@ -331,7 +331,7 @@ def _slope_from(force: Formula, end: float, width: float) -> _Slope:
 
 
 def _zeros(slope: PiecewiseChebyshev, least: float) -> Array:
-    """Zeros of a slope inside its range but for those between which it is under ``least``, shape (n,)."""
+    """Zeros inside the range of a slope, shape (n,), without zeros between stretches where it stays under ``least``."""
     zeros = all_zeros(slope)
     zeros = zeros[(zeros > slope.breaks[0]) & (zeros < slope.breaks[-1])]
     edges = np.concatenate([slope.breaks[:1], zeros, slope.breaks[-1:]])

@@ -1,4 +1,4 @@
-"""The Scotch yoke: a pin of the crank moves the slider's yoke by a slot across the slider's line.
+"""The Scotch yoke: the crank pin moves the slider by a slot that lies across the slider's line.
 
 The displacement is r (1 - cos phi2).  ``mechanisms.mechanism`` describes frame and pose.
 """
@@ -20,12 +20,12 @@ from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import Term, Vector
 
 SLOT_REACH, BAR = 1.2, 2.7
-"""Half the length of the slot, and the distance from it to the slider, in cranks, as drawn: no key gives them."""
+"""Half the length of the slot, and the distance from it to the slider, in cranks, for drawings: no key gives them."""
 
 
 @dataclass(frozen=True)
 class ScotchYoke(Mechanism):
-    """One yoke, or many whose cranks have shape (n,).  The block between pin and slot has no mass of its own."""
+    """One yoke, or many, with cranks of shape (n,).  The block between pin and slot has no mass of its own."""
 
     NAME: ClassVar[str] = "a Scotch yoke"
     JOINTS: ClassVar[Mapping[str, str]] = {"pin": "crank pin"}
@@ -76,7 +76,7 @@ class ScotchYoke(Mechanism):
 
     @property
     def rod_lines_mm(self) -> Mapping[str, tuple[tuple[Point, Point], ...]]:
-        """The slider's slot as far as the pin goes, and its bar as long as drawn."""
+        """The slider's slot over the pin's travel, and its bar with its drawn length."""
         bar, reach = BAR * self.crank_mm, self.crank_mm
         return {"slider": (((-bar, -reach), (-bar, reach)), ((-bar, 0.0), (0.0, 0.0)))}
 
@@ -89,12 +89,12 @@ class ScotchYoke(Mechanism):
         }
 
     def moving_masses(self, crank_angle: Jet, masses: Masses) -> tuple[MovingMass, ...]:
-        """The slider alone."""
+        """The only mass is the slider."""
         slider = self.links(crank_angle)["slider"]
         return (MovingMass(masses.slider_kg, slider.origin, slider.angle),)
 
     def joint_forces(self, crank_angle: Jet, masses: Masses, pace: Pace, resistance_n: Term) -> JointForces:
-        """The slot pushes the slider along its line alone; the guide bears its weight across."""
+        """Forces: the slot pushes the slider along its line only; the guide carries its weight across it."""
         slider = moving_force(masses, pace, masses.slider_kg, self.links(crank_angle)["slider"].origin)
         pin = Vector(slider.x + resistance_n, 0.0 * slider.x)
         crank = self.crank_body(crank_angle, masses.crank_center_mm)

@@ -1,11 +1,11 @@
-"""The load of the slider: a force against its motion on each stroke, over the displacement, and a friction on both.
+"""The load of the slider: a force against its motion on each stroke, over the displacement, and friction on both.
 
-A resistance acts on the way out, from the retracted to the extended dead centre (the working stroke), and another one
-on the way back.  Both are given over the displacement from the retracted end.  The friction is constant.  With F the
+One resistance acts on the way out, from the retracted to the extended dead centre (the working stroke), and another on
+the way back.  Both are given over the displacement from the retracted end.  The friction is constant.  With F the
 resistance of a stroke and R the friction, the force against the motion is max(F, 0) + R, or F + R where the negative
 values of F are kept.
 
-The stroke decides which way the load acts, not the sense of the slider's speed: a slider that trembles about its law,
+The stroke decides the direction of the load, not the sign of the slider's speed: a slider that trembles about its law,
 as loaded teeth let it, meets no force that jumps.
 """
 
@@ -27,11 +27,11 @@ NO_RESISTANCE = PolynomialResistance()
 
 @dataclass(frozen=True)
 class SliderLoad:
-    """What acts against the slider: ``working`` on its way out, ``returning`` on its way back, ``friction_n`` on both.
+    """The load on the slider: ``working`` on its way out, ``returning`` on its way back, ``friction_n`` on both.
 
-    ``returning`` in the arguments of methods says which stroke is meant: true on the way back.  Displacements are in mm
-    from the retracted end.  ``repeats_after`` is the way after which the load begins again, for an output that goes on
-    and on; stretches of that way are counted from 0 to it.  Raises WrongInput for a friction that is negative or not
+    ``returning`` in the arguments of methods names the stroke: true on the way back.  Displacements are in mm from the
+    retracted end.  ``repeats_after`` is the distance after which the load begins again, for an output that never comes
+    back; stretches of that distance are counted from 0.  Raises WrongInput for a friction that is negative or not
     finite.
     """
 
@@ -47,7 +47,7 @@ class SliderLoad:
 
     @property
     def loads_return(self) -> bool:
-        """Whether anything acts against the slider on its way back."""
+        """Whether any load acts on the slider on its way back."""
         return self.friction_n > 0.0 or self.returning != NO_RESISTANCE
 
     def on(self, returning: bool) -> Resistance:
@@ -63,7 +63,7 @@ class SliderLoad:
         return np.where(returning, self.returning.force_n(there), self.working.force_n(there)) + self.friction_n
 
     def _within(self, displacement: Array) -> Array:
-        """The displacement within the way after which the load repeats."""
+        """The displacement within the distance after which the load repeats."""
         if self.repeats_after is None:
             return displacement
         return np.mod(displacement, self.repeats_after)
@@ -71,7 +71,7 @@ class SliderLoad:
     def backwards_n(self, displacement_mm: Array, returning: Mask | bool) -> Array:
         """Force in N on the slider along -x, towards its retracted end; times the velocity it is the power.
 
-        It is the force against the motion on the way out, and the negative of it on the way back.
+        On the way out it is the force against the motion, on the way back the negative of this force.
         """
         against = self.against_n(displacement_mm, returning)
         return np.where(returning, 0.0 - against, against)
@@ -79,7 +79,7 @@ class SliderLoad:
     def backwards_jet_n(self, displacement: Jet, returning: Mask) -> Jet:
         """``backwards_n`` with derivatives at n displacements; ``returning`` has shape (n,).
 
-        One-sided at a corner of the resistance, where ``corners_mm`` are.
+        One-sided at the corners of the resistance (``corners_mm``).
         """
         there = Jet(np.vstack([self._within(displacement.value)[None, :], displacement.coefficients[1:]]))
         out, back = (self.on(way).force_jet_n(there) + self.friction_n for way in (False, True))
@@ -107,7 +107,7 @@ class SliderLoad:
         return whole - left + self.friction_n * (stroke_mm - displacement_mm)
 
     def cycle_work_n_mm(self, stroke_mm: float) -> float:
-        """Work in N mm of one cycle, out and back, whatever the law."""
+        """Work in N mm of one cycle, out and back; it does not depend on the law."""
         out = self.work_n_mm(np.array([stroke_mm]), stroke_mm, returning=False)
         back = self.work_n_mm(np.array([0.0]), stroke_mm, returning=True)
         return float(out[0]) + float(back[0])
@@ -121,9 +121,9 @@ class SliderLoad:
         return self.on(returning).zeros_mm(stroke_mm)
 
     def knots_mm(self, stroke_mm: float, returning: bool) -> Array:
-        """Displacements inside the stroke between which a search misses nothing of the curve, rising."""
+        """Displacements inside the stroke, in rising order; searches between neighbours miss nothing of the curve."""
         return self.on(returning).knots_mm(stroke_mm)
 
     def corners_mm(self, stroke_mm: float, returning: bool) -> Array:
-        """Turns and zeros: between them the force that acts is smooth and monotone, rising."""
+        """Turns and zeros, rising: between them the acting force is smooth and monotone."""
         return np.union1d(self.turns_mm(stroke_mm, returning), self.zeros_mm(stroke_mm, returning))

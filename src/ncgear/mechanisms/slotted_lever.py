@@ -4,9 +4,9 @@ It is the oscillating form of Whitworth's quick return, in its simplest form: th
 ram across the ram's line, so that the ram has the lever pin's place along the line, without a link between them.
 
 Frame and pose: the crank's axis O is at the origin and the crank turns clockwise; the lever's axis P is at (0, -d), and
-the ram moves along +x above.  The lever swings by psi = asin(r/d) to both sides.  Its way out is the slow one: it takes
-pi + 2 asin(r/d) of the crank, the way back pi - 2 asin(r/d) (e.g. R. L. Norton, "Design of Machinery", 5th edition,
-2012, section 3.6).
+the ram moves along +x above.  The lever swings by psi = asin(r/d) to both sides.  Its way out is the slow one: the
+crank turns by pi + 2 asin(r/d), and by pi - 2 asin(r/d) on the way back (e.g.  R. L. Norton, "Design of Machinery", 5th
+edition, 2012, section 3.6).
 
 With chi the lever's angle from the retracted dead centre and l = sqrt(d^2 - r^2),
 
@@ -32,15 +32,15 @@ from ncgear.numerics.plane import Term, Vector
 from ncgear.numerics.units import N_PER_KG_MM_S2
 
 BAR = 1.35
-"""Distance of the ram's origin from its slot in strokes, as drawn: its guide begins beyond the lever."""
+"""Distance of the ram's origin from its slot in strokes, for drawings: its guide begins beyond the lever."""
 
 PLAY = 0.2
-"""Length of the slots beyond the way of their pins, in lengths of the crank, for pictures."""
+"""Length of the slots beyond the travel of their pins, in lengths of the crank, for drawings."""
 
 
 @dataclass(frozen=True)
 class LeverMasses(Masses):
-    """The masses of a slotted lever: the block on the crank pin, which has no inertia of its own, and the lever.
+    """The masses of a slotted lever: the block on the crank pin, a point mass, and the lever.
 
     The lever's centre of mass lies ``lever_center_mm`` from its axis towards its pin; its inertia is about the axis.
     """
@@ -53,7 +53,7 @@ class LeverMasses(Masses):
 
 @dataclass(frozen=True, eq=False)
 class SlottedLevers(Mechanisms[Number]):
-    """What follows from the lengths of one slotted lever, or of one for each point where they have shape (n,)."""
+    """Quantities that follow from the lengths of one slotted lever, or of n of them where lengths have shape (n,)."""
 
     crank_mm: Number
     pivot_mm: Number
@@ -61,7 +61,7 @@ class SlottedLevers(Mechanisms[Number]):
 
     @property
     def turns_fully(self) -> Mask:
-        """Where the crank is shorter than the distance of the axes, and the lever reaches beyond the block's way."""
+        """True if the crank is shorter than the distance of the axes and the lever reaches beyond the block's way."""
         return np.asarray((self.crank_mm < self.pivot_mm) & (self.crank_mm + self.pivot_mm < self.lever_mm))
 
     @property
@@ -81,18 +81,18 @@ class SlottedLevers(Mechanisms[Number]):
 
     @property
     def _swing_rad(self) -> Number:
-        """psi, by which the lever swings to both sides."""
+        """Angle psi of the lever's swing to either side."""
         return np.arcsin(self.crank_mm / self.pivot_mm)
 
     @property
     def _foot_mm(self) -> Number:
-        """Distance of the block from the lever's axis at the dead centres, l."""
+        """Distance l of the block from the lever's axis at the dead centres."""
         return np.sqrt((self.pivot_mm - self.crank_mm) * (self.pivot_mm + self.crank_mm))
 
     def _block(self, crank_angle: Jet) -> tuple[Jet, Jet, Jet]:
-        """The block's distance from the lever's axis, and it times the sine and the versine of chi, in mm.
+        """The block's distance from the lever's axis, and its products with the sine and the versine of chi, in mm.
 
-        The versine's product, distance less l + r sin(phi2), is taken in the form that does not cancel.
+        The product with the versine, distance less l + r sin(phi2), is computed in a form that does not cancel.
         """
         half_sine, half_cosine = jet.sin_cos(crank_angle * 0.5)
         across = half_sine * half_sine * (2.0 * self.crank_mm)
@@ -135,7 +135,7 @@ class SlottedLevers(Mechanisms[Number]):
 
 @dataclass(frozen=True)
 class SlottedLever(SlottedLevers[float], Mechanism):
-    """A slotted lever; raises WrongInput for lengths that are not positive, or with which it does not swing."""
+    """A slotted lever; raises WrongInput for lengths that are not positive or do not let the lever swing."""
 
     NAME: ClassVar[str] = "a slotted lever"
     OUTPUT: ClassVar[Output] = Output("ram")
@@ -174,12 +174,12 @@ class SlottedLever(SlottedLevers[float], Mechanism):
 
     @classmethod
     def many(cls, **lengths: Array) -> SlottedLevers[Array]:
-        """Many slotted levers; ``turns_fully`` tells which can be one."""
+        """Many slotted levers; ``turns_fully`` tells which of them are possible."""
         return SlottedLevers(**lengths)
 
     @classmethod
     def of_stroke(cls, stroke_mm: float, **lengths: float) -> Self:
-        """The slotted lever with the crank stroke d / (2 L); raises WrongInput where it would not swing."""
+        """The slotted lever with the crank stroke d / (2 L); raises WrongInput where the lever cannot swing."""
         crank = stroke_mm * lengths["pivot_mm"] / (2.0 * lengths["lever_mm"])
         if not 0.0 < crank < min(lengths["pivot_mm"], lengths["lever_mm"] - lengths["pivot_mm"]):
             raise WrongInput(
@@ -191,7 +191,7 @@ class SlottedLever(SlottedLevers[float], Mechanism):
 
     @property
     def offset_mm(self) -> float:  # type: ignore[override]
-        """The ram's line goes through the lever pin's highest place."""
+        """Height of the ram's line: it goes through the highest place of the lever's pin."""
         return self.lever_mm - self.pivot_mm
 
     def crank_angle(self, displacement_mm: Array, returning: Mask) -> Array:
@@ -202,28 +202,28 @@ class SlottedLever(SlottedLevers[float], Mechanism):
 
     @property
     def corners(self) -> tuple[tuple[float, float], ...]:
-        """Where the block is next to the lever's axis; it is at the axis at i ln(d/r) from there."""
+        """Crank angle with the block nearest to the lever's axis; the block is on the axis i ln(d/r) from there."""
         return ((1.5 * pi + self._swing_rad, log(self.pivot_mm / self.crank_mm)),)
 
     @property
     def crank_start_rad(self) -> float:
-        """Across the lever."""
+        """Direction of the crank across the lever."""
         return pi + asin(self.crank_mm / self.pivot_mm)
 
     def transmission_rad(self, crank_rad: Array) -> Array:
-        """Between the way of the lever's pin and the ram's slot: the less, the more the lever leans."""
+        """Angle between the path of the lever's pin and the ram's slot: the more the lever leans, the smaller it is."""
         return 0.5 * pi - np.abs(self._angle(Jet(crank_rad[None, :])).value - 0.5 * pi)
 
     @property
     def rod_lines_mm(self) -> Mapping[str, tuple[tuple[Point, Point], ...]]:
-        """The lever from its far pin to its axis; the ram's slot as far as that pin goes, and its bar as drawn."""
+        """The lever from its far pin to its axis; the ram's slot over the travel of that pin, and its bar as drawn."""
         bar, sinks = -BAR * self.stroke_mm, self.lever_mm * (1.0 - cos(self._swing_rad))
         ram = ((bar, -sinks), (bar, 0.0)), ((bar, 0.0), (0.0, 0.0))
         return {"lever": (((0.0, 0.0), (self.lever_mm, 0.0)),), "ram": ram}
 
     @property
     def pivots_mm(self) -> Mapping[str, Point]:
-        """The lever's axis."""
+        """The axis of the lever."""
         return {"lever": (0.0, -self.pivot_mm)}
 
     def links(self, crank_angle: Jet) -> Mapping[str, Link]:
@@ -280,10 +280,10 @@ class SlottedLever(SlottedLevers[float], Mechanism):
         )
 
     def joint_forces(self, crank_angle: Jet, masses: Masses, pace: Pace, resistance_n: Term) -> JointForces:
-        """Forces by the equations of ram, lever, block and crank, one after the other.
+        """Forces from the equations of ram, lever, block and crank, one after the other.
 
-        The ram pin's force acts on the ram along its line, the bearing's and the slot's on the lever, the slot's across
-        it, the crank pin's on the block.
+        The force at the ram's pin acts on the ram along its line.  The forces of bearing and slot act on the lever, the
+        slot's across it.  The force at the crank pin acts on the block.
         """
         assert isinstance(masses, LeverMasses)
         ram, lever, block = self.moving_masses(crank_angle, masses)

@@ -1,8 +1,8 @@
-"""One line of the reproduction ledger: what a paper prints, what ncgear computes for it, and the verdict claimed.
+"""One line of the reproduction ledger: the printed figure, the figure that ncgear computes, and the verdict claimed.
 
-A computed number agrees with a printed one if it is within the rounding of the digits that are printed; an equation
-agrees if both of its sides do, to rounding errors; a claim that numbers are smaller than others agrees if all are.
-``papers.judgement`` holds the verdicts against the numbers.
+A computed number agrees with a printed number if it is within the rounding of the printed digits.  An equation agrees
+if both its sides agree to rounding errors.  A claim that numbers are smaller than others agrees if every pair agrees.
+``papers.judgement`` checks the verdicts against the numbers.
 """
 
 from __future__ import annotations
@@ -15,17 +15,17 @@ from ncgear.frozen import dataclass
 
 HOLDS = 1e-9
 """Largest residual of an equation that counts as true, relative to its largest term.  Rounding errors of a solved law
-are three orders smaller; a term left out or a wrong sign makes six orders more (tests/test_ledger.py)."""
+are three orders smaller; a missing term or a wrong sign makes residuals six orders larger (tests/test_ledger.py)."""
 
 BINARY = 1e-9
-"""What half a step is widened by, as a share of it, because a decimal half has no exact binary form."""
+"""Share by which half a step is widened, because a decimal half has no exact binary form."""
 
 
 @dataclass(frozen=True)
 class Computed:
-    """Numbers computed for what is printed, and how far each may be off because of rounded inputs.
+    """Numbers computed for a printed figure, and how far each may be off because of rounded inputs.
 
-    ``input_rounding`` is empty where the inputs are given dimensions, which count as exact; it holds one number per
+    ``input_rounding`` is empty where the inputs are given dimensions, which count as exact.  It has one number per
     value where the inputs are readings that the paper prints rounded.
     """
 
@@ -44,7 +44,7 @@ def computed(*values: float) -> Computed:
 
 
 def from_readings(function: Callable[..., tuple[float, ...]], *texts: str) -> Computed:
-    """Numbers computed from printed readings, with how far the rounding of the readings moves each, to first order."""
+    """Numbers computed from printed readings, and how far the rounding of the readings moves each, to first order."""
     readings = [float(text) for text in texts]
     values = function(*readings)
     leeway = [0.0] * len(values)
@@ -58,8 +58,8 @@ def from_readings(function: Callable[..., tuple[float, ...]], *texts: str) -> Co
 class Printed:
     """One printed number or several, as texts, with their unit.
 
-    Zeros at the end of a whole number do not count as digits, since they may only fill the place: 6300 has two digits,
-    182 has three.
+    Zeros at the end of a whole number do not count as digits, since they may only fill places: 6300 has two digits, 182
+    has three.
     """
 
     texts: tuple[str, ...]
@@ -85,7 +85,7 @@ class Printed:
         )
 
     def computed_text(self, computed: Computed) -> str:
-        """The computed numbers with two decimals more than are printed."""
+        """The computed numbers with two decimals more than the printed numbers."""
         return ", ".join(_fixed(value, text, "") for value, text in zip(computed.values, self.texts, strict=True))
 
     def difference_text(self, computed: Computed) -> str:
@@ -110,7 +110,7 @@ class Relation:
         return all(abs(residual) <= HOLDS for residual in computed.values)
 
     def computed_text(self, computed: Computed) -> str:
-        """Whether it holds; the residual only if it does not, since rounding errors differ between machines."""
+        """Whether the equation holds; a residual only if it fails, since rounding errors differ between machines."""
         if self.agrees(computed):
             return "holds"
         return f"off by {max(map(abs, computed.values)):.2g} of the largest"
@@ -122,16 +122,16 @@ class Relation:
 
 @dataclass(frozen=True)
 class Below:
-    """A claim that numbers are smaller than others; the computed values are pairs, each the smaller one first."""
+    """A claim that numbers are smaller than others; the computed values are pairs, the smaller value first."""
 
     text: str
 
     def agrees(self, computed: Computed) -> bool:
-        """Whether it is so for every pair."""
+        """Whether the first value is smaller in every pair."""
         return all(small < large for small, large in _pairs(computed))
 
     def computed_text(self, computed: Computed) -> str:
-        """The pair that bears the claim out least, or contradicts it most, and how many do."""
+        """The pair that supports the claim least or contradicts it most, and how many pairs support it."""
         pairs = _pairs(computed)
         small, large = max(pairs, key=lambda pair: pair[0] / pair[1])
         sign = "<" if small < large else "=" if small == large else ">"
@@ -154,14 +154,14 @@ def texts(line: str) -> tuple[str, ...]:
 
 
 def printed(line: str) -> Printed:
-    """Printed numbers from their text, behind which their unit stands: ``1600 1100 mm/s``."""
+    """Printed numbers from a text in which their unit follows them: ``1600 1100 mm/s``."""
     words = line.split()
     count = sum(word[-1].isdigit() and word[0] in "-.0123456789" for word in words)
     return Printed(tuple(words[:count]), " ".join(words[count:]))
 
 
 def half_step(text: str) -> float:
-    """Half a unit of the last digit that counts; raises ValueError for a text that is no finite number."""
+    """Half a unit of the last digit that counts; raises ValueError unless the text is a finite number."""
     number = Decimal(text)
     exponent = (number if "." in text or not number else number.normalize()).as_tuple().exponent
     if not isinstance(exponent, int):
@@ -170,14 +170,14 @@ def half_step(text: str) -> float:
 
 
 def _fixed(value: float, text: str, sign: str) -> str:
-    """With two decimals more than the printed text has; zero without a sign."""
+    """The value with two decimals more than the printed text; zero without a sign."""
     decimals = 2 + len(text.partition(".")[2])
     shown = f"{value:{sign}.{decimals}f}"
     return shown.lstrip("+-") if float(shown) == 0.0 else shown
 
 
 class Verdict(StrEnum):
-    """How a printed figure fares."""
+    """The verdict on a printed figure."""
 
     REPRODUCED = "reproduced"
     UNDER_READING = "reproduced under a stated reading"
@@ -188,10 +188,10 @@ class Verdict(StrEnum):
 
 
 AGREEING = (Verdict.REPRODUCED, Verdict.UNDER_READING, Verdict.FITTED, Verdict.GIVEN_BACK)
-"""Verdicts on figures that come out."""
+"""Verdicts on figures that ncgear confirms."""
 
 OF_PRINTED = (Verdict.REPRODUCED, Verdict.FITTED, Verdict.NOT_REPRODUCIBLE)
-"""Verdicts on what a paper makes of numbers that it prints: a sum is right or wrong, or it is one of other numbers."""
+"""Verdicts on figures that a paper computes from numbers that it prints: right, wrong, or from other numbers."""
 
 
 @dataclass(frozen=True)
@@ -200,19 +200,19 @@ class _Placed:
 
     @property
     def places(self) -> tuple[str, ...]:
-        """Its places in the paper, which ``where`` has between commas."""
+        """The places in the paper, separated by commas in ``where``."""
         return tuple(self.where.split(", "))
 
 
 @dataclass(frozen=True)
 class Entry(_Placed):
-    """A printed figure with its places in the paper, how it is computed, and the verdict claimed for it.
+    """A printed figure with its places in the paper, its computation, and the verdict claimed for it.
 
-    Numbers that ``compute`` gives count as exact.  ``words`` state the reading, the reason, or the missing data; only a
-    figure that is simply reproduced needs none.  ``of_printed`` tells that nothing but numbers which the paper prints
-    goes into the computation by sums, quotients or comparison.  Raises ValueError where the words are missing, where a
-    verdict other than ``NEEDS_DATA`` has no computation, or where what is made of printed numbers has a verdict that is
-    none of ``OF_PRINTED``.
+    The numbers that ``compute`` gives count as exact.  ``words`` state the reading, the reason, or the missing data;
+    only a figure that is simply reproduced needs no words.  ``of_printed`` is true where the computation only adds,
+    divides or compares numbers that the paper prints.  Raises ValueError where words are missing, where a verdict other
+    than ``NEEDS_DATA`` has no computation, or where a figure made of printed numbers has a verdict that is not in
+    ``OF_PRINTED``.
     """
 
     what: str
@@ -233,7 +233,7 @@ class Entry(_Placed):
             )
 
     def computed(self) -> Computed | None:
-        """What is computed for it; None where nothing is."""
+        """The numbers computed for the figure; None without a computation."""
         found = self.compute and self.compute()
         if found is None or isinstance(found, Computed):
             return found
@@ -241,7 +241,7 @@ class Entry(_Placed):
 
 
 class Reason(StrEnum):
-    """Why a printed figure is not computed."""
+    """The reason why a printed figure is not computed."""
 
     GIVEN = "dimensions, settings and choices, from which the figures above are computed if they depend on them"
     MEASURED = "readings, which nothing in the paper makes"
@@ -253,7 +253,7 @@ class Reason(StrEnum):
 
 @dataclass(frozen=True)
 class LeftOut(_Placed):
-    """What a place of a paper prints and the ledger does not compute, with the reason; ``figures`` are its numbers."""
+    """A printed place that the ledger does not compute, with the reason; ``figures`` are its numbers."""
 
     content: str
     reason: Reason
@@ -262,7 +262,7 @@ class LeftOut(_Placed):
 
 @dataclass(frozen=True)
 class Paper:
-    """A paper, its entries, and what is left out; each of the ``promised`` places must be named by one or the other."""
+    """A paper, its entries, and the parts left out; one of these must name each of the ``promised`` places."""
 
     title: str
     reference: str

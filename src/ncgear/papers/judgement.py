@@ -1,4 +1,4 @@
-"""The papers of the ledger, and their verdicts held against what is computed."""
+"""The papers of the ledger, and the check of their verdicts against the computed numbers."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ class Contradicted(ArithmeticError):
 
 @dataclass(frozen=True)
 class Judged:
-    """An entry whose verdict stands, with what was computed for it."""
+    """An entry whose verdict stands, with its computed numbers."""
 
     entry: Entry
     computed: Computed | None
@@ -48,7 +48,8 @@ def judgement(paper: Paper) -> Judgement:
 def judged(entry: Entry) -> Judged:
     """The entry with its numbers; raises Contradicted where the numbers do not support its verdict.
 
-    A figure claimed to be reproduced must agree.  Any other must not agree: otherwise it is reproduced after all.
+    A figure claimed to be reproduced must agree.  Any other figure must not agree: otherwise it is reproduced after
+    all.
     """
     computed = entry.computed()
     agrees = computed is not None and entry.published.agrees(computed)

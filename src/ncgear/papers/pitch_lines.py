@@ -33,7 +33,7 @@ from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 
 CENTER_DISTANCE_MM, SEMI_MAJOR_MM = 40.0, 23.0
-"""Read off figure 4, whose curves are drawn to scale; the text gives neither."""
+"""Read off figure 4, whose curves are drawn to scale; the text gives neither length."""
 
 READ_OFF = "Centre distance 40 mm and semi-major axis 23 mm are read off the figure; the text gives neither."
 
@@ -43,10 +43,10 @@ ANGLES = np.linspace(0.1, 6.1, 25)
 
 @cache
 def ellipse_law(x_mm: float, y_mm: float) -> ClosedLaw:
-    """The law of the ellipse that turns about a point, its semi-minor axis chosen so that the mate closes."""
+    """The law of an ellipse that turns about a point; its semi-minor axis is chosen so that the mate closes."""
 
     def search() -> Search:
-        # The ellipse comes to its axis where the semi-minor axis is as small as this.
+        # At this semi-minor axis the ellipse passes through its axis of rotation.
         least = abs(y_mm) / (1.0 - (x_mm / SEMI_MAJOR_MM) ** 2) ** 0.5
         return Search(max(1.01 * least, 1e-3 * SEMI_MAJOR_MM), CENTER_DISTANCE_MM, KEY)
 
@@ -69,7 +69,7 @@ def _along(residual: Callable[[Array, Array, Array], Array]) -> Computed:
 
 
 def _integral() -> Computed:
-    """Eqs. 5 and 6: the driven angle at 2 rad as the integral of the inverse ratio, by quadrature."""
+    """Eqs.  5 and 6: the driven angle at 2 rad as the integral of the inverse ratio, by quadrature."""
     law, (points, weights) = _pair().transmission, gauss_points(np.linspace(0.0, 2.0, 9), 20)
     driving = np.linalg.norm(_pair().driving.at_angle(points).position, axis=-1)
     driven = float(law.driven_angle(np.array([2.0])).value[0])
@@ -84,7 +84,7 @@ def _semi_minor(x_mm: float, y_mm: float) -> Computed:
 
 
 def _moving_distances() -> Computed:
-    """Distances of the axes at which both curves of gears that turn evenly touch, at the angles of figure 6."""
+    """Distances of the axes at which both curves touch while the gears turn evenly, at the angles of figure 6."""
     axes = MovingAxes(uniform_law(Lobes()), even_distances(np.array([60.0, 64.5, 68.0, 64.5]), 1))
     phi: Array = np.arange(4.0) * np.pi / 2.0
     driving, driven = (as_complex(axes.curve(gear).at_angle(phi).position) for gear in Gear)

@@ -36,7 +36,7 @@ KEY = "side_mm"
 
 @cache
 def square_law(center_distance_mm: float | None, side_mm: float | None) -> ClosedLaw:
-    """The rounded square and its mate: its side found from the centre distance, or the distance from the side."""
+    """The rounded square and its mate: the side follows from the centre distance, or the distance from the side."""
 
     def search() -> Search | None:
         slope = 2.0 * tan(pi / SIDES)
@@ -56,7 +56,7 @@ def pair() -> PitchPair:
 
 
 def _distance_of_the_module() -> Computed:
-    """Centre distance at which the mate of the square closes whose sides and corners are 32 pitches of 4.91 mm."""
+    """Centre distance at which the mate of the square closes; its sides and corners are 32 pitches of 4.91 mm."""
     side = (pi * MODULE_MM * TEETH - 2.0 * pi * CORNER_MM) / SIDES + 2.0 * CORNER_MM
     return computed(square_law(None, side).center_distance_mm)
 

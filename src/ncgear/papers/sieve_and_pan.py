@@ -44,7 +44,7 @@ from ncgear.papers.track_chassis.slider import two_term_stroke
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 
-# --- what the paper gives, and the two mechanisms that this makes ----------------------------------------------------
+# --- the data of the paper, and the two mechanisms made from them ----------------------------------------------------
 
 SPEED_RPM = 350.0
 SPEED_RAD_S = SPEED_RPM * RAD_S_PER_RPM
@@ -64,11 +64,11 @@ SIEVE_PRINTED = ("29.5", "61.26")
 """Masses of the sieve in kg at the pin and at the roller, as printed."""
 
 PAN_BOARD_FITTING_MM = PAN_LINKAGE.rod_mm * 12.6 / PAN_BOARD_KG
-"""Distance from the pin at which the printed masses of the board at pin and roller put its centre."""
+"""Distance from the pin to the board's centre of mass that the printed masses at pin and roller give."""
 
 
 def mechanism(linkage: CrankSlider, board_kg: float, center_mm: float) -> DrivenCrank:
-    """Crank, board and roller, driven evenly at the printed speed; the board's own inertia is not given: left out."""
+    """Crank, board and roller, driven evenly at the printed speed; the board's inertia, not given, is left out."""
     masses = RodMasses(
         slider_kg=ROLLER_KG,
         rod_kg=board_kg,
@@ -88,7 +88,7 @@ ANGLES_RAD = np.linspace(0.0, 2.0 * np.pi, 73)
 
 
 def place_residual() -> Computed:
-    """Eq. 2 against both linkages, by the stroke.
+    """Eq.  2 against both linkages, relative to the stroke.
 
     The slider's place counts from the crank axis, the crank angle from the extended dead centre.
     """
@@ -178,14 +178,14 @@ SIEVE_ALONE = (
           "The lower one is printed otherwise in section 2.2.2."),
 )  # fmt: skip
 
-# --- section 2.2.3, eqs. 9 to 16: what is left of the forces of both, and the counterweight for it -----------------
+# --- section 2.2.3, eqs.  9 to 16: the rest of the forces of both, and the counterweight for it ---------------------
 
 PRINTED_SHARES = {45: ("0.72", "0.86"), 90: ("0.65", "0.71"), 0: ("0.74", "0.77")}
-"""eta1 and eta2 by the pan's phase in degrees."""
+"""Printed eta1 and eta2, by the pan's phase in degrees."""
 
 
 def cranks(phase_deg: float, *masses_kg: float) -> tuple[Crank, Crank]:
-    """The crank of the pan at a phase and that of the sieve, which turns against it; both masses of each."""
+    """The crank of the pan at a phase and the crank of the sieve, which turns against it; both masses of each."""
     own, other = JointMasses(*masses_kg[:2]), JointMasses(*masses_kg[2:])
     return Crank(own, radians(phase_deg), -1), Crank(other, radians(90.0), 1)
 
@@ -247,7 +247,7 @@ class SweepTable:
     spread: tuple[str, ...]
 
     def spreads(self) -> Computed:
-        """Largest minus least force, and how far their rounding to whole numbers may move it."""
+        """Largest minus least force, and by how much their rounding to whole numbers may move it."""
         pairs = list(zip(self.least, self.most, strict=True))
         return Computed(tuple(float(b) - float(a) for a, b in pairs), (2.0 * half_step("1"),) * len(pairs))
 
@@ -256,7 +256,7 @@ class SweepTable:
         return computed(min(zip(map(float, self.spread), map(float, self.mass), strict=True))[1])
 
     def below_none(self) -> Computed:
-        """Mean, r.m.s. and spread with each counterweight, and without one, which is the first row."""
+        """Mean, r.m.s.  and spread with each counterweight, paired with the first row, which has no counterweight."""
         columns = [list(map(float, column)) for column in (self.mean, self.rms, self.spread)]
         return computed(*(value for column in columns for one in column[1:] for value in (one, column[0])))
 
@@ -283,7 +283,7 @@ BOTH_TABLE = SweepTable(
 
 
 def bearing(mechanism: DrivenCrank, mass_kg: float) -> Computed:
-    """Least, largest, mean and r.m.s. force in N on the crank's bearing, in the plane of the motion without weight."""
+    """Least, largest, mean and r.m.s.  force in N on the crank's bearing, in the plane of motion, without weight."""
     found = _tried(mechanism, mass_kg).bearing_n
     return computed(found.minimum, found.maximum, found.mean, found.rms)
 
@@ -301,8 +301,8 @@ WHICH_MASSES = (
 
 
 def track_extent(mechanism: DrivenCrank, *masses_kg: float) -> Computed:
-    """Extent in mm of the track of the common centre of mass, along the slider's line and across it, least to largest
-    with some counterweights."""
+    """Extent in mm of the path of the common centre of mass, along the slider's line and across it; least and largest
+    over some counterweights."""
     found = [_tried(mechanism, mass).track.extent_mm for mass in masses_kg]
     return computed(*(value for along in zip(*found, strict=True) for value in sorted(along)))
 

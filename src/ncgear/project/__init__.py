@@ -1,1 +1,1 @@
-"""A design file and all that follows from it."""
+"""A design file and everything that follows from it."""

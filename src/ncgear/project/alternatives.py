@@ -31,13 +31,13 @@ if TYPE_CHECKING:
     from ncgear.teeth.gear import ToothedGear
 
 Setting = float | int | bool | str | tuple[float, ...] | None
-"""What a key of the design file is set to; None leaves the key out."""
+"""A value of a key of the design file; None leaves the key out."""
 
 Changes = dict[str, Setting]
-"""Dotted keys of the design file with their other values."""
+"""Dotted keys of the design file with their new values."""
 
 STEPS = 100
-"""A gentler law is sought in steps of a hundredth of the law's swing; nobody would choose finer steps."""
+"""Number of steps in which a gentler law is searched: hundredths of the law's swing are fine enough."""
 
 LEAST_RACK_DEG = 14.5
 """The least pressure angle of common racks; teeth with a smaller angle are undercut and weak at the root."""
@@ -52,10 +52,10 @@ The thrust is the tangential force times the tangent of this angle, so it stays 
 """
 
 WIDER = 1.02
-"""The overlap of helical teeth divided by the gap that it bridges: over 1, because the sections differ a little."""
+"""Ratio of the overlap of helical teeth to the gap that it bridges: over 1, because the sections differ a little."""
 
 CLEAR = 0.995
-"""Share of the least tip height that becomes the addendum: a little under 1, so that rounding does no harm."""
+"""Share of the least tip height that the addendum takes: a little under 1, so that rounding does no harm."""
 
 LEAST_ADDENDUM = 0.5
 """Least addendum in modules: teeth of half the standard height hardly keep contact from one pitch to the next."""
@@ -64,7 +64,7 @@ RACK_ANGLES = ("pressure_angle_deg", "idle_pressure_angle_deg")
 """Keys of the pressure angles of both flanks."""
 
 SHIFTS = ("driving", "driven", "per_tooth")
-"""Keys of profile shifts that a person gives; a shift that ncgear chooses replaces them."""
+"""Keys of profile shifts that a user gives; a shift that ncgear chooses replaces them."""
 
 
 # A gentler law: a factor below 1 scales the logarithm of its ratio, or another measure of its unevenness.
@@ -109,13 +109,13 @@ def gentler(design: Design, share: float) -> Changes:
     turn, or of the ellipse's eccentricity.
     """
     lobes = design.gears.lobes if design.gears else None
-    # The driven angle per driving angle of gears that turn evenly.
+    # The driven angle per driving angle for gears that turn evenly.
     even_turn = f"{lobes.driving}/{lobes.driven}" if lobes else "1"
     values = design.motion.gentler(share, even_turn)
     return {f"motion.{key}": value for key, value in values.items() if value != ()}
 
 
-# What a person has asked for, which no change may undo.
+# Values that a user has given, which no change may undo.
 
 
 def is_given(design: Design, key: str) -> bool:
@@ -152,7 +152,7 @@ def overstepped(design: Design) -> set[str]:
 
 
 def changed_gears(gears: Gears, changes: Changes) -> Gears:
-    """The keys of the gears with changes below ``gears``; raises ValidationError where a key may not be so."""
+    """The keys of the gears with changes below ``gears``; raises ValidationError where a value is not allowed."""
     data = gears.model_dump(exclude_unset=True)
     for key, value in changes.items():
         *groups, name = key.split(".")[1:]
@@ -182,9 +182,9 @@ def flatter_rack(drive: Drive, excess_deg: float) -> Changes:
 
 
 def enough_teeth(drive: Drive) -> int:
-    """The number of driving teeth from which on no tooth is undercut at the same centre distance.
+    """The least number of driving teeth at which no tooth is undercut, at the same centre distance.
 
-    It holds wherever the teeth stand on the pitch curves.
+    It holds at all places of the teeth on the pitch curves.
     """
     return _enough(drive, drive.teeth.driving.flanks.rack, drive.teeth.driven.flanks.rack)
 
@@ -204,7 +204,7 @@ def resized(drive: Drive, teeth: int) -> Changes:
     gears, size = drive.gears, drive.pitch.size
     changes: Changes = {"gears.teeth": teeth}
     if gears.profile_shift.per_tooth is not None:
-        # They were given for other teeth.
+        # The shifts were given for other teeth.
         changes["gears.profile_shift.per_tooth"] = None
     if gears.module_mm is not None:
         fitting = size.module_mm * size.driving_teeth / teeth
@@ -229,7 +229,7 @@ def shift_free_of_undercut(drive: Drive) -> tuple[float, Changes] | None:
 
 
 def shifted_against_undercut(gears: Gears) -> Changes:
-    """The changes that ask for the profile shift chosen against undercut, in the place of the given shifts."""
+    """The changes that ask for the profile shift chosen against undercut, in place of the given shifts."""
     given = gears.profile_shift
     dropped: Changes = {f"gears.profile_shift.{key}": None for key in SHIFTS if getattr(given, key) is not None}
     return {**dropped, "gears.profile_shift.against_undercut": True}
@@ -238,8 +238,8 @@ def shifted_against_undercut(gears: Gears) -> Changes:
 def steeper_rack(drive: Drive, steepest_deg: float) -> Changes:
     """The rack of the least pressure angle, in whole degrees, that leaves no tooth undercut.
 
-    Empty where every rack would give the pair a pressure angle over ``steepest_deg``, and where teeth have shifts of
-    their own.
+    Empty where every rack would give the pair a pressure angle over ``steepest_deg``, and where single teeth have
+    profile shifts.
     """
     if drive.gears.profile_shift.per_tooth is not None:
         return {}
@@ -259,9 +259,9 @@ def steeper_rack(drive: Drive, steepest_deg: float) -> Changes:
 
 
 def rack_at(gears: Gears, angle_deg: float) -> Changes:
-    """The rack at another pressure angle; a root radius that is given and does not fit there becomes smaller.
+    """The rack at another pressure angle; a given root radius that does not fit there becomes smaller.
 
-    Of two angles both become at least as great.
+    If there are two angles, both become at least as great.
     """
     idle, changes = gears.rack.idle_pressure_angle_deg, fitted_root_radius(gears, angle_deg)
     if idle is None:
@@ -273,7 +273,7 @@ def rack_at(gears: Gears, angle_deg: float) -> Changes:
 def fitted_root_radius(gears: Gears, angle_deg: float) -> Changes:
     """The root radius that fits at a pressure angle; empty where the given radius fits, is left out, or none fits.
 
-    One that is left out fits by itself.
+    A root radius that is left out always fits.
     """
     rack = gears.rack
     angles = radians(max(angle_deg, rack.pressure_angle_deg)), radians(max(angle_deg, rack.angles_deg[1]))
@@ -288,7 +288,7 @@ def fitted_root_radius(gears: Gears, angle_deg: float) -> Changes:
 def blunt_addendum(drive: Drive) -> Changes:
     """The addendum at which no tooth is pointed; empty where it is under LEAST_ADDENDUM or not under the design's."""
     least = min(_least_addendum(gear) for gear in (drive.teeth.driving, drive.teeth.driven))
-    # Tips may be higher than the addendum where the mate is shortened; an addendum as high as they are changes nothing.
+    # Tips may be higher than the addendum where the mate is shortened; an addendum at least as high changes nothing.
     return {"gears.rack.addendum": least} if LEAST_ADDENDUM <= least < drive.gears.rack.addendum else {}
 
 
@@ -305,7 +305,7 @@ def _least_addendum(gear: ToothedGear) -> float:
 def room_for_index_hole(drive: Drive, gear: Gear) -> Changes:
     """The largest hub or else bore, in twentieths of the given one, that leaves room for an index hole of a gear.
 
-    Of a ring it is a rim that is thicker by quarters of a module.  Empty where none is found, and of helical teeth,
+    For a ring it is a rim that is thicker by quarters of a module.  Empty where none is found, and for helical teeth,
     whose sections take long.
     """
     from ncgear.project.gear_solids import finished_plans, rim_mm_of

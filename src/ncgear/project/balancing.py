@@ -1,6 +1,6 @@
-"""A balance file and all that follows from it, each part computed when it is first asked for.
+"""A balance file and everything that follows from it; each part is computed when it is first asked for.
 
-The functions below the class turn the keys of the file into the values that ``ncgear.balance`` computes with.
+The functions below the class turn the keys of the file into values for ``ncgear.balance``.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ class Balancing(Shown):
 
     @property
     def balance(self) -> keys.Balance:
-        """What the file says."""
+        """The keys of the file."""
         return self.loaded.balance
 
     @cached_property

@@ -1,13 +1,13 @@
-"""Speed against error of a person's own design: each stage at several finenesses, its time, and its error.
+"""Speed against error of a user's design: each stage with several settings, its time, and its error.
 
 Errors are measured against references that the stage does not use: exact peaks from closed forms, lengths by
-quadrature, points of the exact curves between the chords, or the same stage much finer.  The recommended fineness is
-the coarsest whose measured error is within the error that the file asks for; where no tried fineness is enough, finer
-ones are tried.
+quadrature, points of the exact curves between the chords, or the same stage with a much finer setting.  The recommended
+setting is the coarsest with a measured error within the error that the file asks for.  If no setting is fine enough,
+finer settings are tried.
 
 The file asks for an error by ``output.chord_tolerance_mm``: the largest distance between written and exact teeth.
-Errors that are lengths are held against it.  Errors that are shares have no key, and are held against a thousandth of a
-peak and a hundredth of a stress.
+Errors that are lengths are compared with it.  Errors that are shares have no key; they are compared with a thousandth
+of a peak and a hundredth of a stress.
 """
 
 from __future__ import annotations
@@ -38,13 +38,14 @@ if TYPE_CHECKING:
 Result = TypeVar("Result")
 
 PEAK_SHARE, STRESS_SHARE = 1e-3, 1e-2
-"""Errors of peaks and of stresses that are taken as asked for, as shares."""
+"""Errors of peaks and of stresses, as shares, that count as asked for."""
 
 REPEATS, SHORT_S = 3, 0.5
-"""A stage that takes less than this is timed so many times, and the median is told; a longer stage is timed once."""
+"""Number of timings of a stage that takes less than ``SHORT_S``, of which the median is told; a longer stage is timed
+once."""
 
 MOST_FINER = 4
-"""Finer settings that are tried where none of the first is fine enough."""
+"""Most finer settings that are tried where none of the first settings is fine enough."""
 
 LEAST_IN_MODULES = 3e-6
 """The least chord tolerance that is tried: finer chords are more points than an outline may have.
@@ -65,9 +66,9 @@ class Trial:
 class BenchStage:
     """One stage at several settings, from coarse to fine.
 
-    ``varied`` names the setting, ``counted`` the things that its size counts; ``error_of`` and ``unit`` tell the error,
-    ``reference`` the value it was measured against.  ``asked`` is the error that the file asks for, ``key`` its key or
-    empty, and ``used`` the setting of a build.
+    ``varied`` names the setting, ``counted`` the unit of its size; ``error_of`` and ``unit`` name the error,
+    ``reference`` the reference value.  ``asked`` is the error that the file asks for, ``key`` its key or empty, and
+    ``used`` the setting of a build.
     """
 
     name: str
@@ -84,9 +85,9 @@ class BenchStage:
 
     @property
     def recommended(self) -> Trial | None:
-        """The coarsest trial with an error, like all finer trials, within the asked error; None where there is none.
+        """The coarsest trial with an error within the asked error, as for all finer trials; None where there is none.
 
-        At one setting samples may meet extremes by luck.
+        At a single setting samples may hit the extremes by luck.
         """
         found = None
         for trial in reversed(self.trials):
@@ -97,7 +98,7 @@ class BenchStage:
 
     @property
     def order(self) -> float | None:
-        """The power of the fineness by which the error falls, by least squares in logarithms; None where none shows.
+        """The power of the fineness with which the error falls, by least squares in logarithms; None where it does not.
 
         The fineness is the inverse of a tolerance, and any other setting itself.
         """
@@ -112,7 +113,7 @@ class BenchStage:
 def benched(drive: Drive, on_step: Callable[[str], None]) -> list[BenchStage]:
     """All stages that a design has, from its motion to its finite elements; raises the errors of the drive's stages.
 
-    Two pairs of gears have all but the motion twice, each named by its pair: ``teeth of stage 1``.
+    Two pairs of gears have every stage but the motion twice, each named by its pair: ``teeth of stage 1``.
     """
     found = []
     for name, stage in _stages(drive):
@@ -160,7 +161,7 @@ def _tried(
     judge: Callable[[Result], tuple[float, int]],
     asked: float,
 ) -> tuple[Trial, ...]:
-    """Trials at settings and, while no trial is good enough, at finer settings; ``finer`` gives None at its end."""
+    """Trials at settings and, until one is good enough, at finer settings; ``finer`` gives None when none is left."""
     trials: list[Trial] = []
     waiting = list(settings)
     while waiting:
@@ -216,7 +217,7 @@ def _pitch_curves(drive: Drive) -> BenchStage:
         return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum()), int(count)
 
     def judge(found: tuple[float, int]) -> tuple[float, int]:
-        # The rounding of a sum of lengths is no error of the chords.
+        # The rounding of a sum of lengths is not an error of the chords.
         return max(length - found[0], np.finfo(float).eps * length), found[1]
 
     trials = _tried([50.0, 100.0, 200.0, 400.0, 800.0], _twice, compute, judge, asked)
@@ -278,7 +279,7 @@ def _teeth(drive: Drive) -> BenchStage:
 
 
 PER_TOOTH, MOST_PER_TOOTH = (4.0, 8.0, 16.0, 32.0), 64.0
-"""Positions per tooth that are tried at first, and at most."""
+"""Positions per tooth in the first trials, and the most."""
 
 
 def _contact(drive: Drive) -> BenchStage:
@@ -321,7 +322,7 @@ def _contact(drive: Drive) -> BenchStage:
 
 
 FINER_SOLIDS = 16.0
-"""The reference of solids is so many times finer than the finest solids that are tried first."""
+"""Ratio of the asked chord tolerance to the chord tolerance of the reference of solids."""
 
 
 def _solids(drive: Drive) -> BenchStage:
@@ -367,7 +368,7 @@ def _solids(drive: Drive) -> BenchStage:
 
 
 def _section_error_mm(exact: Array, mesh: Trimesh, height_mm: float) -> float:
-    """The farthest of exact points of a tooth outline from a section of a mesh, from its line that is nearest."""
+    """The largest distance of exact points of a tooth outline from the nearest line of a mesh's section."""
     from ncgear.metrology.chord_error import farthest_mm
     from ncgear.solids.mesh.triangles import section_rings
 
@@ -378,7 +379,7 @@ def _section_error_mm(exact: Array, mesh: Trimesh, height_mm: float) -> float:
 
 
 PARTS, REFERENCE_PARTS = (1.0, 2.0, 3.0), 5
-"""In how many parts the elements of the coarsest mesh, and of the reference, are cut along each side."""
+"""Number of parts on each side into which elements of the coarsest mesh are divided, and the same for the reference."""
 
 
 def _elements(drive: Drive) -> BenchStage:
@@ -419,6 +420,6 @@ def _elements(drive: Drive) -> BenchStage:
 
 
 def dominating(stages: list[BenchStage]) -> BenchStage | None:
-    """The stage that takes longest as recommended; None where nothing is recommended."""
+    """The stage that takes longest with its recommended setting; None where nothing is recommended."""
     known = [(stage.recommended.time_s, stage) for stage in stages if stage.recommended is not None]
     return max(known, key=lambda pair: pair[0])[1] if known else None

@@ -1,4 +1,4 @@
-"""The best law for a design's machine: certified limit, law and figures, each computed when it is first asked for."""
+"""The best law for a design's machine: certified limit, law and figures, each computed when first asked for."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Starts:
-    """How many starts the search for a law had, from how many of them it found none, and how far goals are apart.
+    """Number of starts of the search for a law, number of starts without a law, and the spread of the goals.
 
     ``apart`` is the difference of the goal between the worst and the best law found, as a share of the worst law's
     goal.
@@ -68,11 +68,11 @@ class BestLaw(SoughtMachine, Shown):
     """A design's machine with the best law that its wishes allow.
 
     Every attribute may raise WrongInput for wishes that contradict each other or the design, and NoSuchMechanism where
-    no law keeps the limits.  The law is the best of all laws found from ``starts`` starts, of which the first is the
-    motion of the certified limit; ``scheduler`` and ``processes`` say where the other laws are computed, as in
-    ``ncgear.workers``.  ``on_programme`` is called with the numbers of programmes solved and at most to be solved while
-    the limit is raised towards the law, and ``on_flywheel_law`` and ``on_length_law`` with the number of laws searched
-    for while the flywheel or lengths of the mechanism are free.
+    no law keeps the limits.  The law is the best of all laws found from ``starts`` starts; the first start is the
+    motion of the certified limit.  ``scheduler`` and ``processes`` say where the laws of other starts are computed, as
+    in ``ncgear.workers``.  ``on_programme`` is called with the numbers of programmes solved and at most to be solved
+    while the limit is raised towards the law, and ``on_flywheel_law`` and ``on_length_law`` with the number of laws
+    searched for while the flywheel or lengths of the mechanism are free.
     """
 
     def __init__(
@@ -94,12 +94,12 @@ class BestLaw(SoughtMachine, Shown):
     def flywheel(self) -> BestFlywheel | None:
         """The best flywheel on the driven shaft, with the gears as given; None where the design asks for none.
 
-        Where no law is found with any, it is the greatest, with which the limits are refused.
+        If no flywheel has a law, it is the greatest flywheel, with which the limits are refused.
         """
         return self._flywheel_of(self._linked)
 
     def _flywheel_of(self, design: Design) -> BestFlywheel | None:
-        """The best flywheel of a design with its lengths as they are."""
+        """The best flywheel of a design with its given lengths."""
         asked = design.free_flywheel
         if asked is None:
             return None
@@ -117,7 +117,8 @@ class BestLaw(SoughtMachine, Shown):
     def lengths(self) -> BestLengths | None:
         """The best lengths of the mechanism, with the gears as given; None where the design asks for none.
 
-        Where the flywheel is free too, both are sought together from the best flywheel with the lengths as given.
+        Where the flywheel is free too, both are searched together, starting from the best flywheel with the given
+        lengths.
         """
         if not self.given.free_lengths:
             return None
@@ -129,25 +130,25 @@ class BestLaw(SoughtMachine, Shown):
 
     @property
     def _linked(self) -> Design:
-        """The design with the best lengths, where it asks for some."""
+        """The design with the best lengths, if it asks for them."""
         return self.given if self.lengths is None else self.lengths.design
 
     @cached_property
     def design(self) -> Design:
-        """The design with the best lengths and the best flywheel, where it asks for them."""
+        """The design with the best lengths and the best flywheel, if it asks for them."""
         chosen = self.flywheel
         return self._linked if chosen is None else with_driven_flywheel(self._linked, chosen.inertia_kg_mm2)
 
     @cached_property
     def wishes(self) -> Wishes:
-        """Goal and limits with the mechanism that is chosen."""
+        """Goal and limits with the chosen mechanism."""
         return wishes_of(self._linked)
 
     @cached_property
     def begun(self) -> Begun:
-        """The machine with its gears as given, its certified limit, and where the search for a law starts.
+        """The machine with its gears as given, its certified limit, and the start of the search for a law.
 
-        Where no law keeps the limits with these gears, other laws have other gears.  The gears of the law that comes
+        If no law keeps the limits with these gears, other laws have other gears.  The gears of the law that comes
         nearest are tried until they settle, and only then the limits are refused.
         """
         inertia = inertia_as_given(self.design)
@@ -172,9 +173,9 @@ class BestLaw(SoughtMachine, Shown):
             return Begun(inertia, task, bound, known or start_motion(task, self.wishes, bound))
 
     def _inertia_of_nearest(self, used: TrainInertia) -> TrainInertia | None:
-        """That of the gears of the law that comes nearest to keeping the limits.
+        """The inertia of the gears of the law that comes nearest to keeping the limits.
 
-        None where it is the law in use, and where there is no such law or its gears cannot be made.
+        None where this law is already in use, and where there is no such law or its gears cannot be made.
         """
         if self.design.masses is None or not installed("casadi"):
             return None
@@ -194,9 +195,9 @@ class BestLaw(SoughtMachine, Shown):
 
     @cached_property
     def bound(self) -> Bound | None:
-        """A limit that no law of the machine that is built can go below, in the unit of the goal.
+        """A lower limit of the goal for all laws of the machine as built, in the unit of the goal.
 
-        None for a goal that no limit is known of; ``limit`` is higher for some goals.
+        None for a goal without a known limit; ``limit`` is higher for some goals.
         """
         begun = self.begun
         return begun.bound if self.task is begun.task else self._bound_of(self.task)
@@ -209,7 +210,7 @@ class BestLaw(SoughtMachine, Shown):
 
     @cached_property
     def limit(self) -> Bound | None:
-        """The highest limit that is known beside the best law, in the unit of the goal; None where there is none."""
+        """The highest known limit for the best law, in the unit of the goal; None where there is none."""
         from ncgear.optimum.makeable.demanded import raised_limit
 
         if self.bound is None:
@@ -218,13 +219,13 @@ class BestLaw(SoughtMachine, Shown):
 
     @contextmanager
     def _offering(self, task: Task) -> Iterator[None]:
-        """A context that adds to refusals what can be asked for instead, checked by doing it."""
+        """A context that adds to refusals other wishes that work, checked by trying them."""
         try:
             yield
         except Refused as refused:
             from ncgear.project.offered import with_what_was_found
 
-            # Offers are tried with the lengths and the flywheel that were chosen
+            # Offers are tried with the chosen lengths and flywheel
             held = {"lengths": None, "driven_flywheel_kg_mm2": None}
             asked = (self.design.optimize or Optimize()).model_copy(update=held)
             design = self.design.model_copy(update={"optimize": asked})
@@ -232,13 +233,13 @@ class BestLaw(SoughtMachine, Shown):
 
     @property
     def gap(self) -> float | None:
-        """The share by which the law's goal lies over the limit; None without one, and where soft wishes count too."""
+        """The share by which the law's goal lies above the limit; None without a limit, and with soft wishes."""
         bound = self.limit
         return None if bound is None or bound.value <= 0.0 or self.soft else self.goal / bound.value - 1.0
 
     @property
     def not_covered(self) -> list[str]:
-        """The limits, in words, that restrict the law and that the bound does not know."""
+        """The limits, in words, that restrict the law but are not part of the bound."""
         from ncgear.optimum.makeable.demanded import not_covered
 
         return not_covered(self.task, self.wishes)
@@ -250,7 +251,7 @@ class BestLaw(SoughtMachine, Shown):
 
     @cached_property
     def _settled(self) -> Settled:
-        """The law whose gears have the inertia that it was found with, to SETTLED of all that turns with the crank."""
+        """The law found with the inertia of its own gears, to SETTLED of everything that turns with the crank."""
         require("casadi", "optimize", "ncgear optimize")
         from ncgear.optimum.makeable.law import makeable_law
 
@@ -292,14 +293,14 @@ class BestLaw(SoughtMachine, Shown):
 
     @property
     def starts(self) -> Starts:
-        """What the search found from all its starts."""
+        """The results of the search from all its starts."""
         most = max(self._costs)
         apart = most - min(self._costs)
         return Starts(self._starts, self._starts - len(self._costs), apart / abs(most) if apart else 0.0)
 
     @property
     def _costs(self) -> list[float]:
-        """The goal of every law found; the law of the usual start with the costs of soft wishes."""
+        """The goal of every law found; for the law of the usual start with the costs of soft wishes."""
         return [law.cost(self._laws[0].goal) for law in self._laws]
 
     @cached_property
@@ -314,14 +315,14 @@ class BestLaw(SoughtMachine, Shown):
 
     @property
     def sizing(self) -> Train:
-        """The law found: the round gears of the uniform crank are as far apart as its own, as a simulation has them."""
+        """The law found: the uniform crank's round gears have its centre distance, as in a simulation."""
         return self.train
 
     @cached_property
     def limit_points(self) -> list[tuple[float, float]]:
         """Points of the certified limit, each a cap on the power in W and an acceleration in mm/s2.
 
-        Empty where nothing resists the slider.
+        Empty where no load acts on the slider.
         """
         from ncgear.optimum.frontier import limit_points
 
@@ -330,21 +331,20 @@ class BestLaw(SoughtMachine, Shown):
 
     @property
     def goal(self) -> float:
-        """The quantity that the design asks to be least, as the best law has it, in the unit of the bound."""
+        """The quantity that the design minimises, for the best law, in the unit of the bound."""
         return self.wishes.prices.of(self.figures)
 
 
 SETTLED = 1e-7
-"""Share of the inertia of the crank by which the gears of a law may differ from the gears that it was found with.  The
-figures and the limit are told for the resulting gears, and a law is much nearer to its optimum than this.
-"""
+"""Greatest difference between the inertia of a law's gears and the inertia with which it was found, over the crank's
+inertia.  The figures and the limit are told for the final gears, and a law is much nearer to its optimum than this."""
 
 MOST_ROUNDS = 12
-"""Laws that are found in sequence, at most; two or three are usual."""
+"""Most laws that are found in sequence; two or three are usual."""
 
 
 class _WithoutOffers(BestLaw):
-    """The same for designs that are only tried: refusals offer nothing else."""
+    """The same for designs that are only tried: their errors offer no other wishes."""
 
     @contextmanager
     def _offering(self, task: Task) -> Iterator[None]:
@@ -352,7 +352,7 @@ class _WithoutOffers(BestLaw):
 
 
 def _has_law(design: Design) -> bool:
-    """Whether a law is found for a design; with masses its gears settle the inertia with which all limits hold."""
+    """Whether a law is found for a design; with masses, all limits hold with the settled inertia of its gears."""
     try:
         _ = _WithoutOffers(design).law
     except DesignError:
@@ -361,7 +361,7 @@ def _has_law(design: Design) -> bool:
 
 
 class Begun(NamedTuple):
-    """The machine that the search begins with: its gears' inertia, its task, its limit, and a motion to start from."""
+    """The start of the search: the inertia of the gears, the task, the limit, and a motion to start from."""
 
     inertia: TrainInertia
     task: Task
@@ -370,19 +370,19 @@ class Begun(NamedTuple):
 
 
 class Settled(NamedTuple):
-    """A law, and the machine with the gears that it makes."""
+    """A law, and the machine with the gears of this law."""
 
     law: MakeableLaw
     task: Task
 
 
 def motion_keys(law: MakeableLaw) -> LawKeys:
-    """A law as the motion of a design."""
+    """A law as the keys of a design's motion."""
     return found_motion(law.ratio.tolist(), None if law.second is None else law.second.tolist())
 
 
 def _change(task: Task, used: TrainInertia, made: TrainInertia) -> float:
-    """Difference of the gears from the gears in use, over the mean inertia of the crank and all that turns with it."""
+    """Difference of the gears from the gears in use, over the mean inertia of everything that the crank turns."""
     apart = max(abs(used.between_kg_mm2 - made.between_kg_mm2), abs(used.driven_kg_mm2 - made.driven_kg_mm2))
     if not apart:
         return 0.0
@@ -390,7 +390,7 @@ def _change(task: Task, used: TrainInertia, made: TrainInertia) -> float:
 
 
 class _Found(NamedTuple):
-    """What differs between laws from several starts, and can be sent from process to process."""
+    """The part of a law from one of several starts that can be sent between processes."""
 
     ratio: Array
     second: Array | None
@@ -398,7 +398,7 @@ class _Found(NamedTuple):
 
 
 def _found_from(design: Design, inertia: TrainInertia, start: Motion, number: int) -> _Found | None:
-    """The law from another start, computed in a process of its own; None where none is found."""
+    """The law from another start, computed in a separate process; None where none is found."""
     from ncgear.optimum.makeable.law import law_from
 
     law = law_from(task_of(design, inertia), wishes_of(design), start, number)

@@ -1,8 +1,8 @@
-"""Gears as a coordinate measuring machine found them: compared with the exact gears, and run together.
+"""Gears measured by a coordinate measuring machine: compared with the exact gears, and run together.
 
 Each gear is brought into the pose of best fit; then its points are compared flank by flank.  The pair as measured,
 beside the exact outlines, is run through the contact of written outlines, like the outlines of files.  Helical gears
-are compared in the section that is measured (``project.workshop_measures.measured_section``).
+are compared in the measured section (``project.workshop_measures.measured_section``).
 """
 
 from __future__ import annotations
@@ -34,20 +34,20 @@ from ncgear.teeth.gear import ToothedPair
 
 
 class Fit(StrEnum):
-    """What is fitted: the angle alone, about the bore at (0, 0) of the file, or the place of the axis too."""
+    """Fitted quantities: only the angle, about the bore at (0, 0) of the file, or the place of the axis too."""
 
     ROTATION = "rotation"
     RIGID = "rigid"
 
 
 SUSPECT_IN_MODULES = 0.02
-"""R.m.s. distance, also of a file whose points are mostly astray, from which on other readings are tried."""
+"""R.m.s.  distance above which other readings of a file are tried, also where most of its points are far off."""
 
 MOST_IN_MODULES = 0.1
-"""R.m.s. distance from which on a gear is surely not the design's."""
+"""R.m.s.  distance above which a gear surely is not the gear of the design."""
 
 MUCH_NEARER = 0.5
-"""Another reading is named where the points are at most this share as far from it."""
+"""Another reading is named if the distance of its points is at most this share."""
 
 INCH_MM = 25.4
 
@@ -68,8 +68,8 @@ class ComparedGear:
 class ComparedPair:
     """Measured gears, the contact of the pair as measured, and the contact of the exact outlines.
 
-    A gear that was not measured is exact.  ``measured_extremes`` and ``exact_extremes`` are searched between the
-    positions as well.  ``lever_mm`` is the arm by which an angle of the driven gear is the least normal backlash of the
+    A gear that was not measured is exact.  ``measured_extremes`` and ``exact_extremes`` are also searched between the
+    positions.  ``lever_mm`` is the arm that turns an angle of the driven gear into the least normal backlash of the
     design.
     """
 
@@ -84,7 +84,7 @@ class ComparedPair:
 
     @property
     def jams(self) -> list[tuple[int, int]]:
-        """Driving and driven tooth, from 1, of each pitch in which the teeth have no room, the tightest first."""
+        """Driving and driven tooth, counted from 1, of each pitch where the teeth have no room, the tightest first."""
         play = self.measured.backlash_rad
         tight = np.flatnonzero(play < -JAM_RAD)
         pairs = [self.placement.teeth_at(int(place)) for place in tight[np.argsort(play[tight], kind="stable")]]
@@ -94,12 +94,12 @@ class ComparedPair:
 
     @property
     def needed_backlash_mm(self) -> float:
-        """How much more ``backlash_mm`` the pair as measured needs in order to turn; 0 where it does."""
+        """Increase of ``backlash_mm`` that the measured pair needs in order to turn; 0 if it turns."""
         return max(0.0, -self.measured_extremes.backlash_rad.low.value * self.lever_mm)
 
 
 JAM_RAD = 1e-9
-"""Overlap in rad that rounding may leave: a tenth of a nanometre at 100 mm."""
+"""Overlap in rad that may come from rounding: a tenth of a nanometre at 100 mm."""
 
 
 def compared_pair(drive: Drive, files: Mapping[Gear, MeasuredFile], fit: Fit, probe_mm: float) -> ComparedPair:
@@ -125,15 +125,15 @@ def compared_pair(drive: Drive, files: Mapping[Gear, MeasuredFile], fit: Fit, pr
 
 
 NEIGHBOURS = 5
-"""Positions from whose middle the play is looked for again."""
+"""Number of neighbouring positions from whose middle the play is searched again."""
 
 
 def _contact(outlines: Outlines, teeth: ToothedPair, placement: Placement, reach: float) -> AsWritten:
     """Contact of outlines that may overlap at the law's angle, as outlines of thick teeth do.
 
-    Play is looked for on both sides of an angle.  Where the gears overlap at that angle, a corner that has passed what
-    it would touch looks as if it touched.  So play is looked for a second time, on both sides of the middle of the play
-    that was found around each position.  The wider of both is the play: it is free all along.
+    Play is searched on both sides of an angle.  Where the gears overlap at that angle, a corner that has passed its
+    counterpart seems to touch it.  So play is searched a second time, on both sides of the middle of the play that was
+    found around each position.  The wider of both is the play: it is free everywhere.
     """
     first = as_written(outlines, teeth, placement, reach)
     if not np.any(first.overlap_mm > 0.0):
@@ -155,7 +155,7 @@ def _contact(outlines: Outlines, teeth: ToothedPair, placement: Placement, reach
 def compared_gear(
     outlines: Mapping[Gear, ExactOutline], gear: Gear, file: MeasuredFile, fit: Fit, probe_mm: float
 ) -> ComparedGear:
-    """Hold one measured gear against its exact outline; raises as ``compared_pair`` does."""
+    """Compare one measured gear with its exact outline; raises as ``compared_pair`` does."""
     outline, points = outlines[gear], as_complex(file.points_mm)
     module = outline.gear.flanks.rack.module_mm
     try:
@@ -188,7 +188,7 @@ def compared_gear(
 def _other_reading(
     outlines: Mapping[Gear, ExactOutline], gear: Gear, points: ComplexArray, probe_mm: float
 ) -> str | None:
-    """Another reading that fits the points much better, and what to do; None where there is none."""
+    """Another reading that fits the points much better, and its remedy; None where there is none."""
     other = Gear.DRIVEN if gear is Gear.DRIVING else Gear.DRIVING
     own = outlines[gear]
     readings = {
@@ -206,7 +206,7 @@ def _other_reading(
 
 
 def read_files(paths: Mapping[Gear, Path | None]) -> dict[Gear, MeasuredFile]:
-    """The files that are given; raises WrongInput where none is, and as ``read_measured`` does."""
+    """The measured points of the given files; raises WrongInput where none is given, and as ``read_measured`` does."""
     from ncgear.design.reading.measured_file import read_measured
 
     files = {gear: read_measured(path) for gear, path in paths.items() if path is not None}

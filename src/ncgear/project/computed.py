@@ -34,7 +34,7 @@ class computed(cached_property[Value]):
 
 
 def computed_by(method: Callable[[Any, By], Found]) -> Callable[[Any, By], Found]:
-    """A method of a drive that is computed, or refused, once for each value of its argument."""
+    """A method of a drive that is computed once for each value of its argument; an error is kept too."""
 
     @wraps(method)
     def known(drive: Any, by: By) -> Found:
@@ -54,6 +54,6 @@ def computed_by(method: Callable[[Any, By], Found]) -> Callable[[Any, By], Found
 
 
 def take_over(names: Iterable[str], source: Any, target: Any) -> None:
-    """Give a drive the named attributes that another drive has computed, where they are the same for both."""
+    """Give a drive the named attributes that another drive has computed, if they are the same for both."""
     known = vars(source)
     vars(target).update({name: known[name] for name in names if name in known})

@@ -47,10 +47,10 @@ MOTOR = "simulation.motor"
 
 
 class Drive(Geared):
-    """A design and all that follows from it: law, motion, pitch curves, teeth, contact, solids, forces.
+    """A design and everything that follows from it: law, motion, pitch curves, teeth, contact, solids, forces.
 
-    Each of these is an attribute.  It computes only the attributes that it is made from, so a check of power never
-    makes a tooth.  Where it cannot be made it raises WrongInput or NoSuchMechanism, with key and place in the file.
+    Each of these is an attribute.  It computes only the attributes that it needs, so a check of power never makes a
+    tooth.  Where it cannot be made it raises WrongInput or NoSuchMechanism, with key and place in the file.
 
     Two pairs of gears in series are two stages.  Law and motion of such a design belong to the whole machine.  Pitch
     curves, teeth, contact, solids and strength belong to one pair: only the drives in ``by_stage`` have them, and their
@@ -65,9 +65,9 @@ class Drive(Geared):
         return tuple(Drive(self.design, number, self.loaded, self) for number in range(1, self.design.stages + 1))
 
     def of_stage(self, stage: int | None) -> Drive:
-        """The drive of one pair of gears: of stage 1 or 2 of two pairs in series, or with None of the only pair.
+        """The drive of one pair of gears: of stage 1 or 2 of two pairs in series, or of the only pair with None.
 
-        Raises WrongInput where a stage is given of a single pair, or none of two.
+        Raises WrongInput for a stage of a single pair, and for None with two pairs.
         """
         if stage is None and self.design.stages > 1:
             raise WrongInput(
@@ -93,7 +93,7 @@ class Drive(Geared):
 
     @computed
     def free_contact(self) -> AsDesigned:
-        """Contact of the exact teeth, however short; raises where they overlap."""
+        """Contact of the exact teeth, of any length; raises where they overlap."""
         from ncgear.contact.designed.as_designed import as_designed
         from ncgear.contact.pair import refuse_clashing_bodies, refuse_cut_arcs, refuse_overlap
         from ncgear.contact.placement import placed
@@ -110,8 +110,8 @@ class Drive(Geared):
     def pairs_under_load(self) -> SidesInContact | None:
         """The pairs of flanks that touch under the torque of the rigid level, on both sides of the teeth.
 
-        None where no load is known, where teeth are helical, and where a load brings no more flanks into contact than
-        touch without it, as on flanks without relief.  Raises as ``loaded_contact`` does.
+        None where no load is known, where teeth are helical, and where a load brings no further flanks into contact,
+        for example without relief.  Raises as ``loaded_contact`` does.
         """
         from ncgear.contact.designed.as_designed import pairs_under_load
 
@@ -135,7 +135,7 @@ class Drive(Geared):
 
     @computed
     def short_contacts(self) -> tuple[str | None, str | None]:
-        """What pushing flanks, and their backs, lack of the contact ratio that is asked for; None where nothing."""
+        """The missing contact ratio of pushing flanks, and of their backs, in words; None where nothing is missing."""
         from ncgear.contact.pair import short_contacts
 
         contact, least = self.free_contact, self.gears.least_contact_ratio
@@ -143,13 +143,13 @@ class Drive(Geared):
 
     @computed
     def contact_extremes(self) -> ContactExtremes:
-        """Extremes of the contact of the exact teeth, between its positions as well; raises where teeth overlap."""
+        """Extremes of the contact of the exact teeth, also between its positions; raises where teeth overlap."""
         _ = self.designed_contact
         return self._free_extremes
 
     @computed
     def _free_extremes(self) -> ContactExtremes:
-        """The same of teeth whose contact may be too short."""
+        """Extremes of the contact of teeth whose contact may be too short."""
         from ncgear.contact.pair import sound_extremes
 
         designed, tolerance = self.free_contact, self.chord_tolerance_mm
@@ -158,7 +158,7 @@ class Drive(Geared):
 
     @computed
     def thickness_band(self) -> tuple[AtThickness, ...]:
-        """The pair with the thinnest teeth that the file allows, with its outlines' teeth, and with the thickest.
+        """The pair at three tooth thicknesses: the least allowed, the outlines' thickness, the greatest allowed.
 
         Empty where the file gives no limits of the thickness; raises where the thickest teeth overlap.
         """
@@ -178,7 +178,7 @@ class Drive(Geared):
 
     @computed
     def passings(self) -> tuple[Passing, ...]:
-        """How near crank pin and rods come to shafts, hubs and stops beside the gears; empty where no linkage moves."""
+        """How near crank pin and rods come to shafts, hubs and stops beside the gears; empty without a linkage."""
         from ncgear.project.passing import passings_of
 
         return passings_of(self)
@@ -195,7 +195,7 @@ class Drive(Geared):
     def contact(self, written: Sequence[Outlines]) -> PairContact:
         """Contact of the exact teeth and of the written outlines.
 
-        Raises where the written outlines overlap or do not touch where the exact teeth do.
+        Raises where the written outlines overlap, or do not touch although the exact teeth touch.
         """
         from ncgear.contact.pair import pair_contact, refuse_bad_outlines
 
@@ -220,7 +220,7 @@ class Drive(Geared):
 
     @computed
     def jam(self) -> Jam | None:
-        """The machine whose output is held; None where no overload is given, and of two pairs in series."""
+        """The machine with a blocked output; None where no overload is given, and for two pairs in series."""
         from ncgear.drivetrain.jam import Jam
         from ncgear.kinematics.motion import sample_angles
 
@@ -231,16 +231,16 @@ class Drive(Geared):
 
     @computed
     def knocks(self) -> tuple[Knock, ...] | None:
-        """The knocks of the teeth in a turn of the driven gear; None where they are not followed, or are refused."""
+        """The knocks of the teeth in a turn of the driven gear; None where they are not computed or are refused."""
         try:
             return self.loading_by(self.design.strength.method).knocks
         except DesignError:
-            # Shafts and bearings are judged beside teeth that cannot be.
+            # Shafts and bearings are judged even if the teeth are refused.
             return None
 
     @computed
     def knocking(self) -> KnockingMachine | None:
-        """The loaded machine with the knocks of its teeth; None where it has none, and of two pairs in series."""
+        """The loaded machine with the knocks of its teeth; None without knocks, and for two pairs in series."""
         from ncgear.dynamics.knocking import KnockingMachine
 
         if (
@@ -253,7 +253,7 @@ class Drive(Geared):
 
     @computed
     def knocking_peaks(self) -> LoadPeaks | None:
-        """The largest forces of the machine with the knocks of its teeth; None where it has none."""
+        """The largest forces of the machine with the knocks of its teeth; None without knocks."""
         from ncgear.kinematics.motion import sample_angles
 
         if self.knocking is None:
@@ -263,7 +263,7 @@ class Drive(Geared):
 
     @computed
     def motor_stall(self) -> Stall | None:
-        """Where the motor of the simulation stops within its turns; None where it passes, or where none is given."""
+        """Where the motor of the simulation stops within its turns; None if it keeps turning, or if none is given."""
         from ncgear.project.motor import motor_stall
 
         with self.stopwatch("motor"):
@@ -273,7 +273,7 @@ class Drive(Geared):
     def meshing(self) -> Meshing:
         """The straight teeth of the pair under load; raises where they are helical or their contact is not sound.
 
-        A stiffness is refused that no teeth have, before teeth are made.
+        An impossible stiffness is refused before teeth are made.
         """
         from ncgear.project.forces import require_possible_stiffness
 
@@ -288,10 +288,10 @@ class Drive(Geared):
 
     @computed
     def tooth_load(self) -> ToothLoad:
-        """The torque that the teeth bear: with the masses, or where there are none, of the resistance alone.
+        """The torque on the teeth: from the masses, or without masses from the resistance only.
 
         Raises WrongInput where there is neither, and where there are two pairs and this drive has no stage;
-        NoSuchMechanism where teeth cannot hold it.
+        NoSuchMechanism where teeth cannot carry it.
         """
         from ncgear.project.tooth_load import tooth_load
 
@@ -311,7 +311,7 @@ class Drive(Geared):
     def loading(self, methods: tuple[InSections, InSections], materials: tuple[Material, Material]) -> Loading:
         """The load of every tooth over a cycle of meetings, shared by the stiffness of the given methods.
 
-        A stiffness that ``simulation`` gives does not count.  Raises NoSuchMechanism where teeth are pressed too deep
+        A stiffness given under ``simulation`` is not used.  Raises NoSuchMechanism where teeth are pressed too deep
         into each other, and as ``require_sound_teeth`` and ``tooth_load`` do.
         """
         from ncgear.contact.placement import BOTH_SIDES
@@ -341,7 +341,7 @@ class Drive(Geared):
     def _bearing(
         self, methods: tuple[InSections, InSections], materials: tuple[Material, Material], sides: Sequence[int]
     ) -> Meshing:
-        """The teeth under load with the stiffness of methods, whatever ``simulation`` gives; ``sides`` can touch."""
+        """The teeth under load with the stiffness of methods, not of ``simulation``; only ``sides`` can touch."""
         from ncgear.design.keys.masses import Simulation
         from ncgear.project.forces import meshing_of
         from ncgear.project.tooth_strength import stiffnesses
@@ -353,7 +353,7 @@ class Drive(Geared):
 
     @computed
     def train_borne(self) -> tuple[BorneTorque, BorneTorque]:
-        """The torques that the teeth of two pairs in series bear, with the stiffness of the estimate."""
+        """The torques on the teeth of two pairs in series, with the stiffness of the estimate."""
         from ncgear.contact.placement import BOTH_SIDES
         from ncgear.dynamics.flank_changes import BorneTorque
         from ncgear.project.forces import train_borne_by
@@ -381,7 +381,7 @@ class Drive(Geared):
 
     @computed
     def stiffness_range(self) -> Range:
-        """The least and the largest stiffness in N/mm of any pair of teeth that touches, anywhere in the cycle."""
+        """The least and the largest stiffness in N/mm of any touching pair of teeth, anywhere in the cycle."""
         from ncgear.dynamics.pair_places import stiffness_range
         from ncgear.project.forces import stiffness_of
 
@@ -408,7 +408,7 @@ class Drive(Geared):
         return self.loaded_peaks_with(1.0)
 
     def loaded_peaks_with(self, stiffness_factor: float) -> LoadedPeaks:
-        """As ``loaded_peaks``, the teeth stiffer by a factor."""
+        """As ``loaded_peaks``, with teeth stiffer by a factor."""
         from ncgear.dynamics.quasi_static import loaded_peaks
         from ncgear.project.forces import loaded_places_rad
 
@@ -419,7 +419,7 @@ class Drive(Geared):
             return loaded_peaks(at, places, int(loaded.pairs.max()))
 
     def _loaded_with(self, stiffness_factor: float) -> LoadedContact:
-        """As ``loaded_contact``, the teeth stiffer by a factor."""
+        """As ``loaded_contact``, with teeth stiffer by a factor."""
         phi1, _, _ = self.motion.phi1_rad, self.rigid, self.meshing
         with self.stopwatch("band of stiffness" if stiffness_factor != 1.0 else "loaded contact"):
             return self._loaded_at(phi1, stiffness_factor)
@@ -434,7 +434,7 @@ class Drive(Geared):
     def course_with(self, stiffness_factor: float, accuracy: float) -> Course:
         """The motion in time with teeth stiffer by a factor; raises as ``dynamics.motion_in_time.course`` does.
 
-        A motor that stops on its way is refused at once.
+        A motor that stops during the turns is refused at once.
         """
         from ncgear.dynamics.crank_load import crank_load
         from ncgear.dynamics.motion_in_time import Start, ToothedMachine, course, started
@@ -462,7 +462,7 @@ class Drive(Geared):
         from ncgear.dynamics.peaks import motion_peaks
 
         def on_share(done: float) -> None:
-            self.stopwatch.within(f"peaks sought at {100.0 * done:.0f} % of the motion")
+            self.stopwatch.within(f"peaks searched at {100.0 * done:.0f} % of the motion")
 
         return motion_peaks(course, self.rigid.machine, on_share)
 
@@ -475,7 +475,7 @@ class Drive(Geared):
 
     @computed
     def cut_by(self) -> tuple[CutGear, CutGear]:
-        """What hob, shaper, wire and end mill make of the driving and the driven gear, and why."""
+        """The driving and the driven gear as hob, shaper, wire and end mill cut them, with reasons."""
         from ncgear.project.workshop_measures import cut_gears
 
         return cut_gears(self)
@@ -505,7 +505,7 @@ class Drive(Geared):
 
     @computed_by
     def told_face_load_by(self, method: Method) -> ToldFaceLoad | None:
-        """What is told of the load along the width by a method; None where it is not computed."""
+        """Figures of the load along the width by a method; None where it is not computed."""
         from ncgear.project.face_load import told_face_load
 
         found, over = self.strength_by(method), self.conditions.application_factor
@@ -513,7 +513,7 @@ class Drive(Geared):
 
     @computed_by
     def judged_teeth(self, method: Method) -> JudgedTeeth:
-        """Loads and strength of the teeth by a method, and what else the method found."""
+        """Loads and strength of the teeth by a method, with the method's other results."""
         from ncgear.project.tooth_strength import judged_teeth, methods_of, require_known_rims
 
         load, sections = self.tooth_load.load, self.face_sections
@@ -526,14 +526,14 @@ class Drive(Geared):
 
     @computed
     def face_loading(self) -> FaceLoading:
-        """How unevenly the teeth bear along their width, by the shafts around them where the file tells enough."""
+        """The uneven load along the width of the teeth, by the shafts around them if the file has enough keys."""
         from ncgear.project.face_load import face_loading_of
 
         return face_loading_of(self)
 
     @computed
     def vibration(self) -> Vibration:
-        """What the vibration of the pair's mesh depends on besides its loads."""
+        """The values on which the vibration of the pair's mesh depends, besides its loads."""
         from ncgear.project.vibration import vibration_of
 
         return vibration_of(self)

@@ -55,10 +55,10 @@ N_MM_PER_N_M = 1000.0
 class ShaftResult:
     """The bearings, the shaft with its largest moment, and the key of one gear; each None where it is not given.
 
-    They are those of the law or of knocks, whichever is worse; ``decided_by`` has that load of each part, or the jam
-    where a part bears most in it.
-    ``enough_mm`` is the diameter with which a shaft holds that does not; None where it holds, and where none does.
-    ``jammed`` and ``jammed_key`` are shaft, bearings and key in a jam; None where none is counted.
+    They are the results of the law or of knocks, whichever are worse.  ``decided_by`` has the deciding load of each
+    part, or the jam where a part is loaded most by it.  ``enough_mm`` is the diameter with which a failing shaft would
+    hold; None where it holds, and where none is enough.  ``jammed`` and ``jammed_key`` are shaft, bearings and key in a
+    jam; None where no jam counts.
     """
 
     bearings: tuple[BearingLife, BearingLife] | None
@@ -73,7 +73,7 @@ class ShaftResult:
 
 @dataclass(frozen=True, eq=False)
 class PowerTakeOffResult:
-    """Where the limiter slips and where the clutch lets the machine run ahead; None without limiter or clutch."""
+    """The angles where the limiter slips and where the clutch lets the machine run ahead; None without them."""
 
     slips: list[Excursion] | None
     runs_ahead: list[Excursion] | None
@@ -81,10 +81,10 @@ class PowerTakeOffResult:
 
 @dataclass(frozen=True, eq=False)
 class DrivetrainResult:
-    """What stands around the gears of a design.
+    """The machine parts around the gears of a design.
 
-    ``flywheel_kg_mm2`` is the inertia on the driving shaft, its gear and the motor included, that the wanted
-    coefficient of fluctuation ``wanted_fluctuation`` needs by the torque with losses; ``disc`` gives the part of it
+    ``flywheel_kg_mm2`` is the inertia on the driving shaft, including its gear and the motor, that the wanted
+    coefficient of fluctuation ``wanted_fluctuation`` needs for the torque with losses.  ``disc`` gives the part of it
     that the machine lacks.
     """
 
@@ -108,9 +108,9 @@ def drivetrain_of(
 ) -> DrivetrainResult:
     """The drivetrain of a design that has the section; ``touching`` is None where the teeth are helical.
 
-    Shafts, keys and bearings bear the loads of the law, or of ``knocking`` where these are worse, and beside them the
-    ``jam``.  The motor does not feel the knocks: its shaft goes on evenly.  Raises WrongInput where a part lacks what
-    it needs of the gears.
+    Shafts, keys and bearings carry the loads of the law, or of ``knocking`` where these are worse, and besides them the
+    ``jam``.  The motor does not feel the knocks: its shaft turns evenly.  Raises WrongInput where a part needs a value
+    of the gears that is missing.
     """
     given, masses = design.drivetrain, design.masses
     assert given is not None
@@ -177,7 +177,7 @@ def _shaft(
 
 
 def _sizes(found: ShaftResult) -> dict[str, float]:
-    """How much each part bears, by forces and stresses that grow as it becomes weaker."""
+    """The load of each part, as forces and stresses that grow as the part becomes weaker."""
     sizes = dict[str, float]()
     for letter, bearing in zip("ab", found.bearings or (), strict=False):
         sizes |= {f"bearing_{letter}_life": bearing.equivalent_n, f"bearing_{letter}_force": bearing.largest_n.value}
@@ -187,7 +187,7 @@ def _sizes(found: ShaftResult) -> dict[str, float]:
 
 
 def _sizes_in_jam(jammed: JammedShaft, key: KeySafety | None) -> dict[str, float]:
-    """The same of what a jam loads: nothing tires of it."""
+    """The same for the parts that a jam loads: no part tires from it."""
     sizes = {f"bearing_{letter}_force": most.value for letter, most in zip("ab", jammed.largest_n, strict=True)}
     if jammed.yielding is not None:
         sizes["yielding"] = 1.0 / jammed.yielding
@@ -195,7 +195,7 @@ def _sizes_in_jam(jammed: JammedShaft, key: KeySafety | None) -> dict[str, float
 
 
 def _worse(law: ShaftResult, knocks: ShaftResult) -> ShaftResult:
-    """Each part as it is worse: a knock may also lighten a bearing."""
+    """For each part the worse result: a knock may also unload a bearing."""
     assert law.bearings is not None
     assert knocks.bearings is not None
     first, second = (_worse_bearing(*of) for of in zip(law.bearings, knocks.bearings, strict=True))
@@ -228,7 +228,7 @@ def _shaft_of(
     cycle: Cycle,
     wanted: WantedLife,
 ) -> ShaftResult:
-    """The same under the loads of one cycle."""
+    """The parts of a shaft under the loads of one cycle."""
     gears, name = design.gears, gear.value
     assert gears is not None
     places = peak_places_rad(cycle, gear, bearings, crank_at_mm)
@@ -261,9 +261,9 @@ MOST_TIMES, GROWN = 10.0, 1.002
 
 
 def _thick_enough_mm(of_diameter: Callable[[float], ShaftSafety], given_mm: float, safety: ShaftSafety) -> float | None:
-    """The diameter from which on a shaft that is too thin holds, to GROWN, by trials; None for a shaft that holds.
+    """The least diameter with which a shaft that is too thin holds, to GROWN, by trials; None for a shaft that holds.
 
-    Safety grows nearly as the third power of the diameter.
+    The safety grows nearly with the third power of the diameter.
     """
     diameter_mm = given_mm
     while (least := min(safety.fatigue, safety.yielding)) < LEAST_SAFETY and diameter_mm < MOST_TIMES * given_mm:
@@ -273,7 +273,7 @@ def _thick_enough_mm(of_diameter: Callable[[float], ShaftSafety], given_mm: floa
 
 
 def _cycles_rad(gear: Gear, cycle: Cycle) -> Array:
-    """Angles that a shaft has turned at the beginning of the cycles after which it stands as at first."""
+    """Angles of a shaft at the beginnings of the cycles after which it is in its first position again."""
     if gear is Gear.DRIVEN:
         return np.zeros(1)
     place = cycle.rigid.place

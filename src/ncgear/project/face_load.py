@@ -1,15 +1,15 @@
-"""How unevenly the teeth of a design bear along their width: from keys and loads to ``ncgear.strength.face_load``.
+"""Uneven load along the width of a design's teeth: from keys and loads to ``ncgear.strength.face_load``.
 
 Where the file gives the bearings and diameters of both shafts, K_Hbeta is computed at every position; else it is the
-person's own or ASSUMED.  A bearing is as stiff as its key says, or as its static rating tells at its largest force of
-the cycle; where neither is given it is rigid.  Where teeth bear more than the law asks, as in knocks, the crank presses
-with what that hurries (``ncgear.dynamics.knocking``).  The application factor
-counts for all forces, K_V for the forces of the teeth.
+given factor or ASSUMED. A bearing has the stiffness of its key, or of its static rating at its largest force of the
+cycle; where neither is given it is rigid.  Where teeth carry more than the law needs, as in knocks, the crank presses
+with the force that the surplus accelerates (``ncgear.dynamics.knocking``).  The application factor counts for all
+forces, K_V for the forces of the teeth.
 
-Flanks lie askew by the helix slope that the grade allows either gear (ISO 1328-1) and by the tilt of its bore, all
-independent of each other: the root of the sum of squares, as ISO 6336-1 combines both gears' (secondary source).  Where
-the section ``tolerances`` is left out, both gears have the grade for which K_V is estimated.  Running in takes off the
-mean of what it takes off both materials.  Not counted: play in the bearings, and shafts that are not parallel.
+Flanks are misaligned by the helix slope that the grade allows for each gear (ISO 1328-1) and by the tilt of its bore,
+all independent: they add as the root of the sum of squares, as in ISO 6336-1 (secondary source).  Where the section
+``tolerances`` is left out, both gears have the grade for which K_V is estimated.  Running in reduces it by the mean of
+the reductions of both materials.  Not counted: play in the bearings, and shafts that are not parallel.
 """
 
 from __future__ import annotations
@@ -47,10 +47,10 @@ N_PER_MM_PER_UM = 1000.0
 
 @dataclass(frozen=True, eq=False)
 class FaceLoading:
-    """How K_Hbeta of a pair is known.
+    """The source of K_Hbeta of a pair.
 
-    ``basis`` says so: given by the person, assumed (``why`` says what is missing), or computed by ``model`` from the
-    loads ``asked``.  ``constant`` is the factor that is given or assumed.  Loads count with an application factor.
+    ``basis`` names it: given, assumed (``why`` says which value is missing), or computed by ``model`` from the loads
+    ``asked``.  ``constant`` is the given or assumed factor.  Loads count with an application factor.
     """
 
     basis: Literal["given", "assumed", "computed"]
@@ -78,7 +78,7 @@ class FaceLoading:
         return self.model.factors(self.loads_of(contacts, application_factor, shaken))[contacts.position]
 
     def loads_of(self, contacts: LoadedContacts, application_factor: float, shaken: Array) -> FaceLoads:
-        """What presses the flanks together at every position of loaded contacts with K_V ``shaken``, shape (n,)."""
+        """Forces that press flanks together at every position of loaded contacts with K_V ``shaken``, shape (n,)."""
         each = contacts.force_n, contacts.stiffness_n_mm
         force, stiffness = (np.bincount(contacts.position, one).astype(float) for one in each)
         phi1, urge, factor = np.zeros(force.size), np.ones(force.size), np.ones(force.size)
@@ -88,7 +88,7 @@ class FaceLoading:
         return self.pressing(phi1, urge, force, stiffness / self.model.width_mm, application_factor, factor)
 
     def of_side(self, one: SharedLoad, application_factor: float, shaken: Array) -> Array:
-        """K_Hbeta of a load that is known without teeth, with K_V ``shaken``, shape (n,) each."""
+        """K_Hbeta for a load that is known without teeth, with K_V ``shaken``, shape (n,) each."""
         if self.model is None:
             return np.full(one.load.force_n.shape, self.constant)
         load = one.load
@@ -106,11 +106,11 @@ class FaceLoading:
         application_factor: float,
         shaken: Array,
     ) -> FaceLoads:
-        """What presses the flanks together at driving angles, shape (n,).
+        """The forces that press the flanks together at driving angles, shape (n,).
 
-        ``urge`` is +1 where pushing flanks bear, -1 where backs do; ``force_n`` is the normal force of all pairs
-        without factors, and ``stiffness_n_mm2`` theirs.  K_V, ``shaken``, is of the teeth alone: the crank does not
-        feel it.
+        ``urge`` is +1 where pushing flanks carry, -1 where backs carry.  ``force_n`` is the normal force of all pairs
+        without factors, ``stiffness_n_mm2`` their stiffness.  K_V, ``shaken``, applies to the teeth only: the crank
+        does not feel it.
         """
         assert self.asked is not None
         asked, mesh = self.asked, self.asked.mesh_force(phi1_rad, urge)
@@ -122,16 +122,16 @@ class FaceLoading:
 
 
 def _crank_n(asked: ToothLoad, phi1_rad: Array, beyond_n_mm: Array) -> ComplexArray:
-    """The force as x + i y in N with which the crank presses on its shaft; the machine's gears lie nowhere.
+    """The force of the crank on its shaft in N as x + i y; the force between the teeth is not part of it.
 
-    Teeth bear ``beyond_n_mm`` (shape (n,)) more than the law asks of the driven gear.
+    Teeth carry ``beyond_n_mm`` (shape (n,)) more than the law asks of the driven gear.
     """
     bearing = hurried_loads(asked.machine, phi1_rad, beyond_n_mm).crank_bearing
     return np.asarray(-(bearing.x.value + 1j * bearing.y.value))
 
 
 def face_loading_of(drive: Geared) -> FaceLoading:
-    """How K_Hbeta of a drive's pair is known."""
+    """The source of K_Hbeta for a drive's pair."""
     design = drive.design
     if (own := design.strength.face_load_factor) is not None:
         return FaceLoading("given", own)
@@ -157,14 +157,14 @@ def face_loading_of(drive: Geared) -> FaceLoading:
 
 
 def bearing_of(given: keys.Bearing) -> Bearing:
-    """A bearing of the section."""
+    """A bearing from the keys of the section."""
     stiffness = None if given.stiffness_n_per_um is None else N_PER_MM_PER_UM * given.stiffness_n_per_um
     return Bearing(given.at_mm, given.kind, given.dynamic_rating_n, given.static_rating_n, stiffness)
 
 
 @dataclass(frozen=True)
 class _Around:
-    """What stands around one gear: the bearings and the diameter of its shaft, and where the crank is on it."""
+    """The parts around one gear: the bearings and the diameter of its shaft, and the place of the crank on it."""
 
     bearings: tuple[Bearing, Bearing]
     diameter_mm: float
@@ -182,7 +182,7 @@ class _Around:
         return cls((bearing_of(given.bearing_a), bearing_of(given.bearing_b)), diameter, crank_at)
 
     def shaft(self, body: tuple[float, float], gear_n: ComplexArray, crank_n: ComplexArray) -> Shaft:
-        """The shaft on springs, by the forces of gear and crank over the cycle; ``body`` is the body's radius and E."""
+        """The shaft on springs under the forces of gear and crank over the cycle; ``body``: the body's radius and E."""
         borne = supporting_forces(gear_n, crank_n, self.bearings, self.crank_at_mm)
         first, second = (
             Support(one.at_mm, stiffness_n_mm(one, float(np.abs(force).max())))
@@ -192,7 +192,7 @@ class _Around:
 
 
 def _askew_mm(design: Design, running: Running) -> float:
-    """By how much flanks lie askew over the face width, in either sense."""
+    """Misalignment of the flanks over the face width, in either direction."""
     given, width = design.tolerances, running.face_width_mm
     slopes = []
     for gear, teeth, grade in zip(Gear, running.whole, grades_of(design), strict=True):
@@ -203,7 +203,7 @@ def _askew_mm(design: Design, running: Running) -> float:
 
 
 def grades_of(design: Design) -> tuple[int | None, int | None]:
-    """The accuracy grades of both gears: GRADE without the section ``tolerances``, None where that gives none."""
+    """The accuracy grades of both gears: GRADE without the section ``tolerances``, None if the section has none."""
     given = design.tolerances
     if given is None:
         return GRADE, GRADE
@@ -220,7 +220,7 @@ def lead_form(gears: Gears) -> LeadForm:
 
 @dataclass(frozen=True)
 class ToothFactor:
-    """K_Hbeta of a tooth of the driving gear, counted from 1, where its flank bears most for each mm of width."""
+    """K_Hbeta of a tooth of the driving gear, counted from 1, where its flank carries most per mm of width."""
 
     factor: float
     tooth: int
@@ -228,12 +228,11 @@ class ToothFactor:
 
 @dataclass(frozen=True)
 class ToldFaceLoad:
-    """What is told of the load along the width: the least and the greatest K_Hbeta of the teeth, and the decisive one.
+    """Figures of the load along the width: the least and the greatest K_Hbeta of the teeth, and the decisive one.
 
-    Teeth count whose load for each mm of width is LEADING of the largest one at least.
-    ``decisive`` is that of the tooth that bears most for each mm of width, ``by_shafts`` the same if flanks were not
-    askew, and ``best`` with the best crowning, ``best_um``.  ``askew_um`` counts running in, and ``crowning_um`` is the
-    crowning of the design.
+    Teeth count if their load per mm of width is at least LEADING of the largest.  ``decisive`` is K_Hbeta of the tooth
+    with most load per mm of width, ``by_shafts`` the same without misalignment, and ``best`` the same with the best
+    crowning, ``best_um``.  ``askew_um`` includes running in, and ``crowning_um`` is the crowning of the design.
     """
 
     least: ToothFactor
@@ -247,12 +246,12 @@ class ToldFaceLoad:
 
 
 LEADING = 0.5
-"""Share of the largest load from which teeth and positions count for what is told, and for the best crowning.  Where
-teeth bear little, few of their flanks touch, and factors are high without harm."""
+"""Share of the largest load above which teeth and positions count for these figures and for the best crowning.  At
+small loads few flanks touch, and factors are high without harm."""
 
 
 def told_face_load(loading: FaceLoading, contacts: LoadedContacts, over: float, shaken: Array) -> ToldFaceLoad | None:
-    """What is told of contacts that bear load, ``over`` and K_V times it; None where K_Hbeta is not computed."""
+    """Figures of loaded contacts, with ``over`` and K_V as factors; None where K_Hbeta is not computed."""
     model = loading.model
     if model is None or not contacts.force_n.size:
         return None

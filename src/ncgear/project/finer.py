@@ -1,7 +1,7 @@
-"""The search for the least change of a size, as a number of teeth, with which gears are good.
+"""The search for the least change of a size, for example a number of teeth, with which gears are good.
 
-Each trial makes the changed gears.  Numbers grow until a number is good.  Then the numbers between are halved, so that
-the number before the found number is known not to be good.
+Each trial makes the changed gears.  Numbers grow until a number is good.  Then the interval is halved until the number
+just below the found number is known not to be good.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ from ncgear.project.alternatives import Changes, changed_drive, resized
 from ncgear.project.drive import Drive
 
 MOST_FINER = 10
-"""Most teeth that are tried, divided by the design's: teeth a tenth as large are another pair of gears."""
+"""Most teeth that are tried, as a multiple of the design's: teeth a tenth as large are another pair of gears."""
 
 FINER_STEP = 1.5
-"""By how many times more teeth are tried until a number works, from an estimate on: numbers under it cost time and are
-refused."""
+"""Factor between the numbers of teeth that are tried from an estimate on, until one works: smaller numbers cost time
+and are refused."""
 
 
 def require_made(drive: Drive) -> None:
@@ -37,13 +37,13 @@ def require_made(drive: Drive) -> None:
 
 
 Does = Callable[[int], bool | None]
-"""Whether a number does; None where time is over before that is known."""
+"""Whether a number works; None where the time is over before that is known."""
 
 
 def fewest(does: Does, low: int, most: int, each: int = 1, needed: float = 0.0, about: float = FINER_STEP - 1.0) -> int:
-    """The least multiple of ``each`` over ``low`` that does, and is no more than ``most``; 0 where none was found.
+    """The least multiple of ``each`` over ``low`` that works, up to ``most``; 0 where none was found.
 
-    Numbers are tried from ``needed`` on, near which the least number is expected to a share ``about``.
+    The trials begin at ``needed``; the least number is expected within a share ``about`` of it.
     """
     high, found = most + each, 0
 
@@ -73,7 +73,7 @@ def _up(count: float, each: int) -> int:
 
 @dataclass(frozen=True)
 class Least:
-    """Changes that do, and the greatest change that does not; ``is_whole`` is false where time ended the search.
+    """Changes that work, and the greatest change that does not; ``is_whole`` is false where time ended the search.
 
     ``changes`` are empty where none was found.
     """
@@ -107,7 +107,7 @@ def steepest_helix(pair: Drive, good: Good, seconds: float) -> Least:
 def _least(
     pair: Drive, changes: Callable[[int], Changes], good: Good, seconds: float, numbers: tuple[int, int, int]
 ) -> Least:
-    """The least number, of a range from ``low`` on, with whose changes a pair is good and can be made."""
+    """The least number, from ``low`` on, with whose changes a pair is good and can be made."""
     begun, failed, is_whole = process_time(), list[int](), True
 
     def does(count: int, is_so: Good) -> bool | None:

@@ -12,17 +12,17 @@ from ncgear.teeth.form import ToothForm
 from ncgear.teeth.gear import finest_tolerance_mm
 
 SPARE = 1.05
-"""Sections of helical teeth are told a twentieth more than z = 0 takes: with the height points come and go
-by a few per cent at most, and the tolerance by twice that."""
+"""Sections of helical teeth: the told tolerance is 5 % more than z = 0 needs.  With the height the number of points
+changes by a few per cent at most, and the tolerance by twice that."""
 
 
 SOON = 6_000
 """Points of an outline with which a build takes half a minute of processor time at most; with 28 000 it took 76 s.
-Their number falls with the root of the tolerance."""
+Their number is inversely proportional to the root of the tolerance."""
 
 
 def finest_chords_mm(made: Iterable[tuple[PitchPair, ToothForm, Helix | None]], from_mm: float) -> tuple[float, float]:
-    """The finest tolerance from one on with which pairs are made, and the finest with which they are made soon.
+    """The finest tolerance, from ``from_mm`` on, with which pairs can be made, and the finest that makes them soon.
 
     Each pair has a form and the helix of its teeth.
     """

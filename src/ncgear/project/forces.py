@@ -30,27 +30,26 @@ from ncgear.strength.stiffness import ISO_N_MM_UM
 from ncgear.teeth.gear import ToothedPair
 
 SAMPLES = 720
-"""Angles of a turn over which inertias are averaged."""
+"""Number of angles of a turn over which inertias are averaged."""
 
 STIFFEST, SOFTEST = 20.0, 1e-6
-"""Possible stiffness of pairs of teeth, in units of the stiffness of ISO 6336-1 for steel.  Diamond has five times the
-modulus of steel, and teeth of steel are at most 1.8 times as stiff as ISO's; rubber has some 1e-5 of the modulus."""
+"""Limits of the stiffness of pairs of teeth, in units of the stiffness of ISO 6336-1 for steel.  Diamond has five times
+the modulus of steel, and steel teeth are at most 1.8 times as stiff as in ISO; rubber has some 1e-5 of the modulus."""
 
 DEPTHS_MM = (1e-3, 1.0)
-"""Depths at which teeth bear loads: a law of impact is possible if its force is, at any of these depths.
-"""
+"""Depths at which teeth carry loads: a law of impact is possible if its force is possible at any of these depths."""
 
 
 STIFFNESS_KEY = "simulation.stiffness_n_mm"
 
 
 FULLY_DAMPED = 1500.0
-"""Depths in a module from which on damping is full where the file gives none: 2 micrometres at a module of 3 mm, where
-teeth under load are pressed a few times deeper.  Gears of any size are damped alike."""
+"""Depths in a module above which damping is full where the file gives none: 2 micrometres at a module of 3 mm, where
+loaded teeth are pressed a few times deeper.  So gears of any size are damped alike."""
 
 
 def require_possible_stiffness(given: Simulation, face_width_mm: float) -> None:
-    """Refuse a given stiffness that teeth of no material have; raises WrongInput with a possible stiffness."""
+    """Refuse a given stiffness that no material gives teeth; raises WrongInput with a possible stiffness."""
     if (stiffness := given.stiffness_n_mm) is None:
         return
     steel = 1e3 * ISO_N_MM_UM * face_width_mm
@@ -76,10 +75,10 @@ def meshing_of(
     sections: Sequence[tuple[ToothedPair, PairStiffness]],
     sides: Sequence[int] = BOTH_SIDES,
 ) -> Meshing:
-    """The pair of gears under load: with the stiffness given, or where none is, with the teeth's own.
+    """The pair of gears under load, with the given stiffness or else with the teeth's own stiffness.
 
-    ``sections`` are the teeth beside each other along the face width, one of straight ones, each with its stiffness.
-    Only ``sides`` of the teeth can touch.
+    ``sections`` are the teeth beside each other along the face width, a single one for straight teeth, each with its
+    stiffness.  Only ``sides`` of the teeth can touch.
     """
     depth_mm = given.full_damping_depth_mm or pitch.size.module_mm / FULLY_DAMPED
     impact = Impact(given.exponent, given.damping_n_s_mm or 0.0, depth_mm)
@@ -96,17 +95,17 @@ def friction_of(given: Simulation) -> Friction:
 
 
 def stiffness_of(given: Simulation, own: PairStiffness) -> PairStiffness:
-    """The stiffness of pairs of teeth that is given, or where none is, their ``own``."""
+    """The given stiffness of pairs of teeth, or else their ``own``."""
     constant = given.stiffness_n_mm
     return own if constant is None else lambda places: np.full(places.flanks.shape, constant)
 
 
 def damped(given: Simulation, meshing: Meshing, inertia_n_mm_s2: float) -> Meshing:
-    """The pair of gears with the damping given, or where none is, with the ratio given to the critical damping.
+    """The pair of gears with the given damping, or else with the given ratio to the critical damping.
 
-    It is 2 sqrt(k m) of one pair of teeth with the mean stiffness k and the inertia that swings on it, about the driven
-    axis, as a mass at the end of the normal force's arm; for exponents other than 1, k is the slope of the force at the
-    depth of full damping.  Each section of helical teeth has its part.
+    The critical damping is 2 sqrt(k m) of one pair of teeth with the mean stiffness k and the inertia that swings on
+    it, about the driven axis, as a mass at the end of the normal force's arm; for exponents other than 1, k is the
+    slope of the force at the depth of full damping.  Each section of helical teeth has its part.
     """
     if given.damping_n_s_mm is not None:
         return meshing
@@ -122,9 +121,9 @@ def damped(given: Simulation, meshing: Meshing, inertia_n_mm_s2: float) -> Meshi
 
 
 def swinging_inertia(meshing: Meshing, driving_n_mm_s2: float, driven_n_mm_s2: float) -> float:
-    """What swings on the teeth between two shafts, about the driven axis: 1/J = 1/J2 + i^2/J1, i the mean slope.
+    """The inertia that swings on the teeth of two shafts, about the driven axis: 1/J = 1/J2 + i^2/J1, mean slope i.
 
-    A driving shaft that turns evenly has an inertia of 0 here, which stands for one without end.
+    A driving shaft that turns evenly is given as 0, which here means an infinite inertia.
     """
     crank_rad = np.linspace(0.0, 2.0 * pi, SAMPLES, endpoint=False)
     ratio = float(np.mean(meshing.law.at(crank_rad)[1]))
@@ -133,16 +132,16 @@ def swinging_inertia(meshing: Meshing, driving_n_mm_s2: float, driven_n_mm_s2: f
 
 
 def mean_inertia(load: CrankLoad) -> float:
-    """The inertia in N mm s^2 of all that the crank turns, as a mean over a turn."""
+    """The mean inertia, over a turn, in N mm s^2 of everything that the crank turns."""
     crank_rad = np.linspace(0.0, 2.0 * pi, SAMPLES, endpoint=False)
     return float(np.mean(load.table.at(crank_rad)[0][..., 0]))
 
 
 def borne_by(load: ToothLoad, meshing: Meshing) -> BorneTorque:
-    """The torque that a pair bears in ``meshing``, where the load changes flanks as well if that is judged.
+    """The torque of a pair in ``meshing``, including changes of flanks where these are computed.
 
-    Teeth are damped as those of a design without ``simulation``.  A machine in which nothing has inertia at some angle
-    is not followed there, and its teeth bear what the law asks.
+    Teeth are damped as in a design without ``simulation``.  A machine without any inertia at some angle is not followed
+    there; its teeth carry the torque that the law asks for.
     """
     machine = load.machine.machine
     still = BorneTorque(load.torque_n_mm, machine.transmission.cycle_rad)
@@ -157,7 +156,7 @@ def borne_by(load: ToothLoad, meshing: Meshing) -> BorneTorque:
 
 
 def train_borne_by(loads: Sequence[ToothLoad], meshings: Sequence[Meshing]) -> tuple[BorneTorque, BorneTorque]:
-    """The torques that two pairs in series bear, as ``borne_by``; they need inertia of the shaft between."""
+    """The torques of two pairs in series, as ``borne_by``; the shaft between them must have inertia."""
     first, second = loads
     rigid, machine = first.machine, first.machine.machine
     cycle = machine.transmission.cycle_rad
@@ -178,10 +177,10 @@ def train_borne_by(loads: Sequence[ToothLoad], meshings: Sequence[Meshing]) -> t
 
 
 def loaded_places_rad(phi1_rad: Array, meshing: Meshing, rigid: RigidMachine) -> Array:
-    """Driving angles, rising and up to the last given angle, at which the peaks of loaded teeth are looked for.
+    """Driving angles, rising and up to the last given angle, at which the peaks of loaded teeth are searched.
 
-    They are the given angles, the angles at which pairs of teeth are known, and the angles at which the law has a joint
-    or the load turns.
+    They are the given angles, the known angles of pairs of teeth, the joints of the law, and the turning points of the
+    load.
     """
     breaks = [rigid.breaks(stretch) for stretch in stretches(rigid.machine)]
     places = distinct(np.concatenate([phi1_rad, meshing.gaps.table.breaks, *breaks]))
@@ -189,7 +188,7 @@ def loaded_places_rad(phi1_rad: Array, meshing: Meshing, rigid: RigidMachine) ->
 
 
 def drive_line_of(given: Simulation, masses: Masses, speed_rad_s: float) -> DriveLine:
-    """What turns the driving gear; raises WrongInput where the shaft of a motor has no inertia."""
+    """The drive of the driving gear; raises WrongInput where the shaft of a motor has no inertia."""
     motor = given.motor
     if motor is None:
         return EvenDrive(speed_rad_s)

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ncgear.optimum.certified.limit import Motion
 
 STROKE = ("stroke_mm", "stroke_deg")
-"""The keys of the stroke, which is no length of the linkage: the crank follows from it."""
+"""The keys of the stroke, which is not a length of the linkage: the crank follows from it."""
 
 FLYWHEEL = "driven_flywheel_kg_mm2"
 
@@ -30,15 +30,15 @@ DIGITS = 10
 """Digits of the masses of a rod that grows."""
 
 CRANK_STEP = 1e-6
-"""Step in mm to which the crank is rounded up: a place at the very end of a held stroke stays within it."""
+"""Step in mm to which the crank is rounded up, so that a place at the very end of a fixed stroke stays within it."""
 
 
 @dataclass(frozen=True, eq=False)
 class BestLengths:
-    """Values of the lengths that are free, by their keys, and the design that has them.
+    """Values of the free lengths, by their keys, and the design that has them.
 
-    ``motion`` is the motion of the law found with them, ``least_with_any`` the limit of the goal with any lengths; both
-    are None where no law was found with any lengths of the ranges, and the lengths are then as given.
+    ``motion`` is the motion of the law found with them, ``least_with_any`` the limit of the goal with any lengths.
+    Both are None where no lengths of the ranges have a law; the lengths are then as given.
     """
 
     values: Mapping[str, float]
@@ -50,8 +50,8 @@ class BestLengths:
 def best_lengths(given: Design, motion: Motion | None, tell: Callable[[int], None]) -> BestLengths:
     """The best lengths of a design that has ranges of them, with its gears as given.
 
-    A flywheel that is free is sought beside them, from the flywheel and the motion of the design.  ``tell`` is called
-    with the number of laws searched for.  Raises WrongInput where the optimiser is not installed.
+    A free flywheel is searched with them, from the flywheel and the motion of the design.  ``tell`` is called with the
+    number of laws searched.  Raises WrongInput where the optimiser is not installed.
     """
     require("casadi", "optimize", "ncgear optimize")
     ranges = dict(given.free_lengths)
@@ -80,7 +80,7 @@ def with_lengths(design: Design, values: Mapping[str, float]) -> Design:
     """The design with other values of unknowns, and the crank that gives its stroke; as given where none differ.
 
     A rod or coupler keeps its section: its mass grows with its length, its moment of inertia with the third power.  All
-    else keeps its masses.  Raises WrongInput where no such mechanism has the stroke.
+    other masses stay.  Raises WrongInput where no such mechanism has the stroke.
     """
     changed = {name: value for name, value in values.items() if value != _given(design, name)}
     if FLYWHEEL in changed:
@@ -122,12 +122,12 @@ def _given(design: Design, name: str) -> float:
 
 
 def _per_stroke(design: Design) -> float:
-    """The unit of the stroke's key for a mm or rad."""
+    """Number of units of the stroke's key per mm or rad."""
     return mechanism_of(design.linkage).OUTPUT.place.factor
 
 
 def changed_keys(given: Design, found: Design) -> dict[str, float]:
-    """The dotted keys of lengths and rods in which two designs differ, with the values of the second."""
+    """The dotted keys of lengths and rods in which two designs differ, with the values of the second design."""
     groups = {"linkage": (given.linkage, found.linkage)}
     if given.masses is not None and found.masses is not None:
         rods = [name for name in type(found.masses).model_fields if isinstance(getattr(found.masses, name), Rod)]

@@ -1,6 +1,6 @@
 """The computation of a design's frontier, point by point on all cores.
 
-Finished points are kept in a file.  A run after an interrupted run goes on from there.
+Finished points are kept in a file.  A run after an interrupted run continues from there.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ POINTS_FILE = "frontier-points.jsonl"
 """File of finished points in the output folder, one line each."""
 
 ENTRY = '{"key": "'
-"""How each entry begins."""
+"""Beginning of each entry."""
 
 
 @dataclass(frozen=True)
@@ -55,7 +55,7 @@ class FinishedPoints:
     def found(self) -> dict[tuple[str, float], dict[str, Any]]:
         """Results by kind and cap.  Lines that are no entry, or were cut off when a run was killed, are skipped.
 
-        Raises WrongInput where another file has the place, which would get the points of this run.
+        Raises WrongInput where another kind of file has the path of the points.
         """
         results = {}
         for line in self._lines():
@@ -74,7 +74,7 @@ class FinishedPoints:
         with self._refused():
             text = self.path.read_text(encoding="utf-8", errors="replace") if self.path.is_file() else "no file"
         lines = text.splitlines()
-        # A run that was killed at its first entry has left a part of one line.
+        # A run that was killed at its first entry has left an incomplete line.
         if any(lines) and not any(line.startswith(ENTRY[: len(line)]) for line in lines if line):
             problem = "is no file of finished points; move it away, or choose another folder with --out"
             raise WrongInput(problem, location=str(self.path))
@@ -86,7 +86,7 @@ class FinishedPoints:
         with going_on(), self._refused(), uninterrupted():
             self.path.parent.mkdir(parents=True, exist_ok=True)
             with self.path.open("a", encoding="utf-8") as file:
-                # The first line break separates the entry from a line that was cut off.
+                # The first line break separates the entry from an incomplete line.
                 file.write(f"\n{json.dumps(entry)}\n")
 
     @contextmanager
@@ -111,7 +111,7 @@ def frontier(
 
     ``scheduler`` and ``processes`` say where the points are computed, as in ``ncgear.workers``.
 
-    Raises WrongInput where nothing resists, where the guide rubs, or where the optimiser is not installed, and
+    Raises WrongInput where there is no load, where the guide has friction, or where the optimiser is not installed, and
     NoSuchMechanism where no law keeps the limits.
     """
     require("casadi", "optimize", "ncgear frontier")
@@ -135,9 +135,9 @@ def frontier(
 def over_flywheels(design: Design, count: int, on_law: Callable[[int, int], None]) -> list[FlywheelPoint]:
     """Least power with ``count`` sizes of the flywheel on the driven shaft, from the least to the greatest.
 
-    ``on_law`` is called with the numbers of laws searched for and of all laws.  Raises WrongInput where the design has
-    no range of sizes, where the guide rubs, or where the optimiser is not installed, and NoSuchMechanism where no law
-    is found with any size.
+    ``on_law`` is called with the numbers of laws done and in all.  Raises WrongInput where the design has no range of
+    sizes, where the guide has friction, or where the optimiser is not installed, and NoSuchMechanism where no law is
+    found with any size.
     """
     require("casadi", "optimize", "ncgear frontier")
     asked = design.free_flywheel
@@ -152,7 +152,7 @@ def over_flywheels(design: Design, count: int, on_law: Callable[[int, int], None
 
 
 def _caps(design: Design, count: int, kept: FinishedPoints) -> list[float]:
-    """The caps of a frontier of ``count`` points, which are kept as well."""
+    """The caps of a frontier of ``count`` points; they are kept in the file as well."""
     machine = GearsAsGiven(design)
     caps = caps_w(machine.task, machine.wishes, count)
     kept.add("caps", float(count), {"caps_w": caps})
@@ -160,7 +160,7 @@ def _caps(design: Design, count: int, kept: FinishedPoints) -> list[float]:
 
 
 def _point(design: Design, job: tuple[str, float]) -> dict[str, Any]:
-    """One point, computed in its own process; where no law keeps the limits, the refusal."""
+    """One point, computed in its own process; where no law keeps the limits, the error."""
     kind, cap_w = job
     machine = GearsAsGiven(design)
     if kind == "family":

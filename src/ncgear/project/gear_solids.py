@@ -1,4 +1,4 @@
-"""From keys to values: the bodies of a design's gears, in mm and rad, and the solids that they make with the teeth."""
+"""From keys to values: the bodies of a design's gears, in mm and rad, and their solids with teeth."""
 
 from __future__ import annotations
 
@@ -37,14 +37,14 @@ From this thickness on, ISO 6336-3 counts no weakening of internal teeth (value 
 def crank_direction_rad(linkage: Mechanism, driving_axis_deg: float) -> float:
     """Polar angle of the crank at phi1 = 0 in the frame of the driven gear of an external pair.
 
-    In the frame of the mechanism the driving axis is at ``driving_axis_deg`` from the crank's; in the frame of the gear
-    it is at pi.  Both frames are seen from the side from which the crank turns clockwise.
+    In the frame of the mechanism the driving axis is at ``driving_axis_deg`` from the crank's axis; in the frame of the
+    gear it is at pi.  Both frames are viewed from the side on which the crank turns clockwise.
     """
     return linkage.crank_start_rad - radians(driving_axis_deg) + pi
 
 
 def crank_pin_hole(gears: Gears, linkage: Mechanism) -> RoundHole | None:
-    """The hole for the crank pin that the file asks for in the driven gear; None where it asks for none."""
+    """The hole for the crank pin that the file asks for in the driven gear; None without such a wish."""
     pin = gears.driven.crank_pin
     if pin is None:
         return None
@@ -65,7 +65,7 @@ def straight_solids(
 def finished_plans(
     gears: Gears, pitch: PitchPair, teeth: ToothedPair, tolerance_mm: float, crank_pin: RoundHole | None = None
 ) -> tuple[BodyPlan, BodyPlan]:
-    """The bodies of both gears with straight teeth as they come out of the process, which may want other files.
+    """The bodies of both gears with straight teeth as they come out of the process, which may need other files.
 
     Raises WrongInput where a part of the body has no room.
     """
@@ -76,12 +76,12 @@ def finished_plans(
 
 
 def finished(gears: Gears) -> Gears:
-    """The gears without changes for the process alone: bevelled edges, and outlines moved into or out of material."""
+    """The gears without changes that only the process needs: bevelled edges, and outlines moved in or out."""
     return gears.model_copy(update=dict.fromkeys(PROCESS, 0.0))
 
 
 PROCESS = ("first_layer_chamfer_mm", "process_clearance_mm")
-"""Keys of changes for the process alone."""
+"""Keys of changes that only the process needs."""
 
 
 def _require_room_for_process(gears: Gears) -> None:
@@ -107,7 +107,7 @@ def _straight(
 ) -> tuple[Made, Made]:
     """Solids or plans of both gears with straight teeth, by functions that make a gear and a ring.
 
-    What the process wants and neither gear has room for is refused by the gear that has less.
+    Where neither gear has room for a change of the process, the gear with less room refuses it.
     """
     gear, ring = makers
     module, outline = pitch.size.module_mm, teeth.driven.outline_mm
@@ -197,7 +197,7 @@ def _web(body: GearBody) -> WebSize | None:
 
 
 def _ring_blank(gears: Gears, module_mm: float) -> RingBlank:
-    """The body that the file asks for, of a driven ring."""
+    """The body that the file asks for, for a driven ring."""
     return RingBlank(
         gears.face_width_mm,
         rim_mm_of(gears, module_mm),

@@ -60,7 +60,7 @@ class Geared(Moving):
 
     @computed
     def gears(self) -> Gears:
-        """What the file says of the gears; raises WrongInput when it says nothing."""
+        """The keys of the gears; raises WrongInput where the file has none."""
         if self.design.gears is None:
             raise WrongInput("missing; gears need teeth, module_mm, face_width_mm and more", key="gears")
         return self.design.gears
@@ -79,9 +79,9 @@ class Geared(Moving):
 
     @property
     def chord_tolerance_mm(self) -> float:
-        """How far chords of outlines may be from the exact curves.
+        """Largest distance of an outline's chords from the exact curves.
 
-        Raises WrongInput where that is no gear any more, outside the band of tooth thickness, or lost in rounding.
+        Raises WrongInput where chords would leave no gear, leave the band of tooth thickness, or be lost in rounding.
         """
         lower, upper = thickness_limits_mm(self.gears) or (0.0, 0.0)
         module_mm = self.pitch.size.module_mm
@@ -92,7 +92,7 @@ class Geared(Moving):
         return chord_mm
 
     def _too_fine(self, said: str, from_mm: float) -> WrongInput:
-        """That chords are too fine, with the finest from a tolerance on that makes all gears, and makes them soon."""
+        """The error for too fine chords, with the finest tolerances over ``from_mm`` that work and that are quick."""
         from ncgear.project.finest_chords import finest_chords_mm
 
         made = [
@@ -107,7 +107,7 @@ class Geared(Moving):
 
     @contextmanager
     def telling_the_finest(self) -> Iterator[None]:
-        """A context in which chords too many for teeth or for their sections are refused with the finest there are."""
+        """A context in which too fine chords, for teeth or sections, are refused with the finest that are possible."""
         from ncgear.teeth.chords import TooManyChords
 
         try:
@@ -117,7 +117,7 @@ class Geared(Moving):
 
     @property
     def moves_output(self) -> bool:
-        """Whether its driven shaft moves the output; the first of two pairs in series does not."""
+        """Whether its driven shaft moves the output; in the first of two pairs in series it does not."""
         return self.stage in (None, self.design.stages)
 
     @property
@@ -127,7 +127,7 @@ class Geared(Moving):
 
     @property
     def crank_pin(self) -> RoundHole | None:
-        """The hole for the crank pin in the driven gear; None where none is asked for or it turns no crank."""
+        """The hole for the crank pin in the driven gear; None where none is asked for or the gear turns no crank."""
         from ncgear.project.gear_solids import crank_pin_hole
 
         return crank_pin_hole(self.gears, self.linkage) if self.turns_crank else None
@@ -161,7 +161,7 @@ class Geared(Moving):
 
     @computed
     def tooth_form(self) -> ToothForm:
-        """The form of the teeth in mm; the tips of helical teeth are made so that they do not jump with height.
+        """The form of the teeth in mm; the tips of helical teeth do not jump with height.
 
         Raises NoSuchMechanism where no flank of any form could turn its mate.
         """
@@ -176,7 +176,7 @@ class Geared(Moving):
 
     @property
     def forms_at_limits(self) -> tuple[ToothForm, ...]:
-        """The form of the teeth at both limits of their thickness, first the thinnest; empty without limits."""
+        """The form of the teeth at both limits of their thickness, the thinnest first; empty without limits."""
         form, limits = self.tooth_form, thickness_limits_mm(self.gears) or ()
         return tuple(replace(form, backlash=replace(form.backlash, thickness_mm=(one, one))) for one in limits)
 
@@ -191,7 +191,7 @@ class Geared(Moving):
 
     @computed
     def face_sections(self) -> FaceSections:
-        """The teeth as they are over the face width: straight ones, or the sections of one rise of helical ones."""
+        """The teeth over the face width: one section of straight teeth, the sections of one rise of helical teeth."""
         from ncgear.solids.helical.sections import Sections
         from ncgear.strength.sections import FaceSection, FaceSections, count_of
 
@@ -207,7 +207,7 @@ class Geared(Moving):
 
     @computed
     def pumped(self) -> Pumped | None:
-        """What the gears displace in their housing; None where the design has none."""
+        """The volume that the gears displace in their housing; None where the design has no housing."""
         from ncgear.pitch.pumped import pumped
 
         radii = self.housing_radii_mm
@@ -225,14 +225,14 @@ class Geared(Moving):
 
     @computed
     def tooth_radii_mm(self) -> dict[Gear, tuple[Array, Array]]:
-        """How far each tooth reaches from the axis, and how near to it the space after each comes, shape (z,) each."""
+        """For each tooth the distance from the axis to its tip and to the bottom of the next space, shape (z,) each."""
         from ncgear.teeth.reach import root_radii_mm, tip_radii_mm
 
         return {gear: (tip_radii_mm(self.teeth.of(gear)), root_radii_mm(self.teeth.of(gear))) for gear in Gear}
 
     @computed
     def outer_radii_mm(self) -> dict[Gear, float]:
-        """How far each gear reaches from its axis: its teeth in all sections, or the rim of a ring."""
+        """Largest distance of each gear's points from its axis: of its teeth in all sections, or of a ring's rim."""
         from ncgear.project.gear_solids import rim_mm_of
         from ncgear.solids.plan.plan import outer_radius_mm
         from ncgear.teeth.reach import farthest_mm
@@ -276,7 +276,7 @@ class Geared(Moving):
 
     @computed
     def finished_plans(self) -> tuple[BodyPlan, BodyPlan]:
-        """The bodies of both gears as they come out of the process, which may want other files."""
+        """The bodies of both gears as they come out of the process, which may need other files."""
         from ncgear.project.gear_solids import finished, finished_plans, helical_solids
 
         gears, pitch, tolerance = self.gears, self.pitch, self.chord_tolerance_mm
@@ -293,7 +293,7 @@ class Geared(Moving):
 
     @computed
     def tooth_arcs(self) -> dict[Gear, ArcOutline] | None:
-        """Both gears' teeth as lines and arcs; None where the bodies' outlines are sections or parallels: chords only.
+        """Both gears' teeth as lines and arcs; None where outlines are sections or parallels, which have chords only.
 
         Arcs, not splines: all programs for cutters read arcs, and many of them cut splines into chords of their own.
         """
@@ -333,7 +333,7 @@ class Geared(Moving):
 
     @computed
     def train_inertia(self) -> TrainInertia:
-        """The moments of inertia of the gears of the whole machine; none where the design gives no masses."""
+        """The moments of inertia of the gears of the whole machine; zero where the design gives no masses."""
         given, whole = self.design.masses, self.whole
         if given is None:
             return TrainInertia()
@@ -356,19 +356,19 @@ class Geared(Moving):
 
     @property
     def masses_left_out(self) -> str | None:
-        """Why masses are not counted, in words; None where they are."""
+        """Why masses do not count, in words; None where they count."""
         if self.design.motion.is_open:
             return "gears turn less than once"
         return "give them as masses" if self.design.masses is None else None
 
     @property
     def gear_refusal(self) -> DesignError | None:
-        """Why gears whose inertia counts cannot be made as given, and discs stand for them; None where none do."""
+        """Why gears with counted inertia cannot be made as given, so that discs replace them; None without discs."""
         found = (pair for pair in self.whole.by_stage if "gear_inertia" in vars(pair))
         return next((pair.gear_inertia.refusal for pair in found if pair.gear_inertia.refusal), None)
 
     def loaded_machine(self, machine: Machine) -> RigidMachine:
-        """A machine of this design with all that the file gives; its gears do not lie anywhere."""
+        """A machine of this design with everything that the file gives, except the force between the teeth."""
         from ncgear.dynamics.loaded_machine import RigidMachine
 
         around, pairs = self.design.drivetrain, self.law.train.pairs
@@ -376,18 +376,18 @@ class Geared(Moving):
             machine,
             self.masses,
             guide_friction=around.guide_friction if around else 0.0,
-            # The uniform crank's shaft between turns evenly, and asks for nothing
+            # The uniform crank's shaft between turns evenly, and needs no torque
             between=pairs[0].transmission if len(pairs) > 1 and machine.transmission is self.transmission else None,
         )
 
     @computed
     def driving(self) -> DrivingShaft:
-        """What the driving shaft is asked for, with masses; raises as ``masses`` does."""
+        """The demand on the driving shaft, with masses; raises as ``masses`` does."""
         return self._driving(self.machine)
 
     @computed
     def uniform_driving(self) -> DrivingShaft:
-        """What the driving shaft of the uniform crank with the same masses is asked for."""
+        """The demand on the driving shaft of the uniform crank with the same masses."""
         return self._driving(self.uniform_machine)
 
     def _driving(self, machine: Machine) -> DrivingShaft:
@@ -413,7 +413,7 @@ class Geared(Moving):
         return self._counted(at_speed(self.massless_check, speed_rpm), lambda: self._driving(machine))
 
     def _counted(self, massless: KinematicCheck, driving: Callable[[], DrivingShaft]) -> KinematicCheck:
-        """A check with the given masses, of the machine with this driving shaft."""
+        """A check with the given masses, for the machine with this driving shaft."""
         if self.masses_left_out is not None:
             return massless
         from ncgear.dynamics.driving_shaft import counting_masses
@@ -436,7 +436,7 @@ class Geared(Moving):
     def extremes_rad(self) -> Array:
         """Driving angles at which a curve of motion, load, power or ratio is least or greatest, and beside them.
 
-        They rise, shape (n,). What is drawn is sampled there as well, so that a chart tells the peaks of ``check``.
+        They rise, shape (n,).  Drawn curves are sampled there too, so that a chart shows the peaks of ``check``.
         """
         of_ratio = [end.at for end in self.transmission.ratio_range]
         found = (*self.check.extremes_rad, *load_extremes_rad(self.machine), *of_ratio)
@@ -500,7 +500,7 @@ class Geared(Moving):
 
     @computed
     def conditions(self) -> Conditions:
-        """What the teeth run under, and how safe they shall be."""
+        """The conditions under which the teeth run, and their wanted safety."""
         from ncgear.project.service import conditions_of
 
         ways = 2.0 if self.design.motion.is_open else 1.0
@@ -508,7 +508,7 @@ class Geared(Moving):
 
     @computed
     def materials(self) -> tuple[Material, Material]:
-        """The materials of the driving and the driven gear, plastics as warm as their surroundings."""
+        """The materials of the driving and the driven gear, plastics at the temperature of their surroundings."""
         from ncgear.project.service import choices_of
         from ncgear.strength.endurance import materials_of
         from ncgear.strength.plastics import temperatures_of

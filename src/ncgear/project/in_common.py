@@ -14,7 +14,8 @@ BODY = ("face_width_mm", "material")
 """Keys that change nothing of straight teeth in the plane across the axes."""
 
 SAME_TEETH = ("pitch", "rack", "play", "tooth_form", "teeth", "free_contact")
-"""Attributes of a drive that such keys leave as they are, and the lengths of a mechanism that the law does not ask."""
+"""Attributes of a drive that do not change with these keys, nor with lengths of the mechanism that the law does not
+use."""
 
 
 def drive_like(drive: Drive, design: Design, loaded: LoadedDesign | None = None) -> Drive:

@@ -1,4 +1,4 @@
-"""From keys to values: how many assemblies of a pair jam, and the backlash that is enough."""
+"""From keys to values: how many assemblies of a pair jam, and how much backlash is enough."""
 
 from __future__ import annotations
 
@@ -23,30 +23,29 @@ from ncgear.project.tolerance_limits import (
 from ncgear.tolerances.estimate import Needed, Teeth, enough, needed, plays_of
 
 MOST_BACKLASH = 0.25
-"""Backlash in modules beyond which teeth are thinner than any standard of backlash makes them."""
+"""Backlash in modules above which teeth are thinner than in any standard of backlash."""
 
 LEAST_FACE, NEAR = 1e-3, 1.005
-"""Share of a face width down to which a narrower face is sought, and the factor to which it is found."""
+"""Least share of a face width in the search for a narrower face, and the factor to which it is found."""
 
 SURELY = 1.1
 """Factor on the backlash that the estimate finds enough.  The estimate is off by a tenth at most
-(tests/test_jamming.py), and the told backlash shall be enough where ncgear tolerance draws the assemblies.
-"""
+(tests/test_jamming.py), and the told backlash must be enough for the assemblies of ncgear tolerance."""
 
 STEP = 0.005
-"""The backlash that is enough, in mm or degrees, is rounded up to a multiple of this, or if less to two digits:
-nobody makes teeth of usual size to finer steps."""
+"""Step to which the needed backlash in mm or degrees is rounded up; a smaller one is rounded up to two digits.  Nobody
+makes teeth of usual size to finer steps."""
 
 
 @dataclass(frozen=True)
 class Jamming:
-    """The estimated need of assemblies for backlash, beside the backlash that their design gives.
+    """The estimated need of assemblies for backlash, and the backlash of their design.
 
     ``share`` is the share of jamming assemblies of one pair.  ``key`` of the design file gives the backlash, ``given``
     is its value, and with ``enough`` 99.9 % of all machines turn.  ``fits`` is false where this backlash leaves no
-    teeth.  Where a usual backlash is not enough, ``narrower`` are changes to the widest face for which it is; else, and
-    where no face helps, it is empty.  ``process`` is the process whose usual tolerances are taken; None where the file
-    gives ``tolerances``.
+    teeth.  Where a usual backlash is not enough, ``narrower`` changes the face to the widest for which it is enough;
+    otherwise, and where no face helps, it is empty.  ``process`` is the process with the assumed usual tolerances; None
+    where the file gives ``tolerances``.
     """
 
     share: float
@@ -84,14 +83,14 @@ def jamming_of(drive: Drive) -> Jamming:
 
 
 def _made_up(backlash: float) -> float:
-    """A backlash in mm or degrees rounded up as people make it."""
+    """A backlash in mm or degrees rounded up as people specify it."""
     return float(shown_above(backlash, 2)) if 0.0 < backlash < STEP else rounded_up(backlash, STEP)
 
 
 def _narrower(drive: Drive, key: str, given: float) -> Changes:
-    """The widest face, to three digits, for which a usual backlash is enough, and that backlash; empty where none is.
+    """The widest face, to three digits, for which a usual backlash is enough, and that backlash; empty if none is.
 
-    The wider tilted teeth are, the more backlash they take; helical teeth need their width to keep contact.
+    Wider tilted teeth need more backlash; helical teeth need their width to keep contact.
     """
     own, low, high = drive.gears.face_width_mm, LEAST_FACE, 1.0
     most = max(given, MOST_BACKLASH * drive.pitch.size.module_mm)
@@ -116,7 +115,7 @@ def _narrower(drive: Drive, key: str, given: float) -> Changes:
 
 @lru_cache(maxsize=1)
 def backlash_needed(drive: Drive) -> tuple[Needed, ...]:
-    """The backlash that assemblies of every pair need, in the unit of its key; raises as ``jamming_of``.
+    """The backlash that assemblies of each pair need, in the unit of its key; raises as ``jamming_of``.
 
     The result of the last machine is kept, since each of its pairs asks for it.
     """

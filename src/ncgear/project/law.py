@@ -70,9 +70,9 @@ def lobes_of(design: Design) -> Lobes:
 
 
 def size_of(gears: Gears, law: Law) -> tuple[int | None, float | None, float | None]:
-    """Teeth, module in mm and centre distance in mm as given; the distance from the law where it follows from it.
+    """Teeth, module in mm and centre distance in mm as given; the distance from the law if the law determines it.
 
-    Raises WrongInput where the file gives another distance than the law.
+    Raises WrongInput where the file gives a distance that differs from the law's.
     """
     from ncgear.pitch.pair import CONSISTENT
 
@@ -87,9 +87,10 @@ def size_of(gears: Gears, law: Law) -> tuple[int | None, float | None, float | N
 
 
 def kept_size(design: Design) -> tuple[int | None, float | None, float | None]:
-    """Teeth, module in mm and centre distance in mm by which the design's gears keep their size under another law.
+    """Teeth, module in mm and centre distance in mm with which the design's gears keep their size under another law.
 
-    Those of the file, but for a law that gives the centre distance: teeth with the module, or else with that distance.
+    They are the values of the file.  Only for a law that gives the centre distance: teeth with the module, or else with
+    that distance.
     """
     gears = design.gears
     assert gears is not None
@@ -104,7 +105,7 @@ def kept_size(design: Design) -> tuple[int | None, float | None, float | None]:
 
 
 def load_of(design: Design) -> SliderLoad:
-    """The load of the slider; without force where the file has none."""
+    """The load of the slider; zero force where the file has none."""
     given = design.resistance
     if given is None:
         return SliderLoad()
@@ -123,11 +124,11 @@ def load_of(design: Design) -> SliderLoad:
 
 
 SAME_TORQUE = 1e-9
-"""Difference of the torque after a turn, as a share of the largest torque within it, that counts as none."""
+"""Difference of the torque after a turn, as a share of the largest torque in it, that counts as zero."""
 
 
 def _refuse_a_seam(torque: Resistance) -> None:
-    """Refuse a torque on the driven shaft that is not the same after a turn; raises WrongInput."""
+    """Refuse a torque on the driven shaft that differs after a turn; raises WrongInput."""
     turn = torque.force_n(np.linspace(0.0, 2.0 * pi, 181))
     first, last = turn[[0, -1]]
     if abs(last - first) > SAME_TORQUE * np.abs(turn).max():
@@ -170,7 +171,7 @@ def _torque_of(given: TurningLoad, key: str) -> Resistance:
 def keeps_even_speed(design: Design) -> bool:
     """Whether a hard wish asks for even speed somewhere on the stretch on which the design's own law prescribes it.
 
-    The wish then says what a person needs of this stretch.  False where the law prescribes no even speed.
+    The wish then tells which part of this stretch is needed.  False where the law prescribes no even speed.
     """
     stretch, wishes = design.motion.even_rad, design.wishes
     if stretch is None or wishes is None:
@@ -187,7 +188,7 @@ def keeps_even_speed(design: Design) -> bool:
 
 
 def motion_wishes_of(design: Design, linkage: Mechanism, cycle_rad: float) -> tuple[Wish, ...]:
-    """The wishes of a design's motion, of a mechanism whose cycle takes a driving angle of ``cycle_rad``.
+    """The wishes of a design's motion, for a mechanism whose cycle takes a driving angle of ``cycle_rad``.
 
     Raises WrongInput for places outside the stroke, angles outside the cycle and wishes that contradict each other,
     NoSuchMechanism for an exact dwell.
@@ -212,7 +213,7 @@ def _wished(wishes: Wishes) -> Iterator[tuple[str, WishKeys]]:
 
 
 def _refuse_places(wished: dict[str, WishKeys], on: On) -> None:
-    """Refuse places beyond the stroke, and at its very end also places where the output has to move."""
+    """Refuse places beyond the stroke, and places at its very end where the output must move."""
     unit, stroke = on.linkage.OUTPUT.place, on.stroke
     for reaches in (False, True):
         for key, keys in wished.items():

@@ -1,4 +1,4 @@
-"""From keys to values: the machine that laws are sought for, its goal and limits, and how its laws are compared."""
+"""From keys to values: the machine for which laws are searched, its goal and limits, and the comparison of its laws."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def task_of(design: Design, gears: TrainInertia) -> task.Task:
 
 
 def _harmonics_above(asked: Optimize) -> int | None:
-    """The order above which harmonics count; None where they are neither least nor limited."""
+    """The order above which harmonics count; None where they are neither minimised nor limited."""
     of_law = _prices(asked)
     priced = of_law.torque_harmonics_n_m or of_law.acceleration_harmonics_mm_s2
     limited = any(value is not None for name, value in asked.limits if "_harmonics_" in name)
@@ -73,7 +73,7 @@ def _harmonics_above(asked: Optimize) -> int | None:
 
 
 def _masses_of(design: Design, gears: TrainInertia) -> Masses | None:
-    """All masses that move.  Without masses: zero masses where a figure of forces is asked for, else None."""
+    """All moving masses.  Without masses: zero masses where a figure of forces is asked for, else None."""
     linkage, asked = mechanism_of(design.linkage), design.optimize or Optimize()
     if design.masses is not None:
         return masses_of(design.masses, linkage, gears)
@@ -91,7 +91,7 @@ def _refuse_guide_friction(design: Design) -> None:
 
 
 def refuse_guide_friction(design: Design, changed: str) -> None:
-    """Refuse friction in the guide: it changes limited figures, and the search for a law does not know it."""
+    """Refuse friction in the guide: it changes ``changed``, and the search for a law does not include it."""
     if design.drivetrain is not None and design.drivetrain.guide_friction:
         raise WrongInput(
             f"given, but the search for a law does not know friction in the guide, which changes {changed}; "
@@ -101,7 +101,7 @@ def refuse_guide_friction(design: Design, changed: str) -> None:
 
 
 def inertia_with(design: Design, motion: LawKeys) -> TrainInertia:
-    """The moments of inertia of a design's gears with another motion, as they come out; as given where all are given.
+    """The moments of inertia of a design's gears made for another motion; as given where all are given.
 
     Raises as pitch curves and laws do.
     """
@@ -118,7 +118,7 @@ def inertia_with(design: Design, motion: LawKeys) -> TrainInertia:
 def inertia_as_given(design: Design) -> TrainInertia:
     """The moments of inertia of a design's gears with its own law.
 
-    With round gears where the law cannot be made, and where the law is for one pair and two pairs are looked for.
+    Round gears are taken where the law cannot be made, and where the law is for one pair and two pairs are searched.
     """
     pairs = design.optimize.limits.stages if design.optimize else 1
     even = even_motion(pairs)
@@ -138,7 +138,7 @@ def with_driven_flywheel(design: Design, inertia_kg_mm2: float) -> Design:
 
 
 def _size_of(design: Design, limits: Limits) -> task.GearSize | None:
-    """The size of an external pair; raises WrongInput where the force between its teeth is limited and not known."""
+    """The size of an external pair; raises WrongInput where the force between its teeth is limited but not known."""
     gears = design.gears
     prices = _prices(design.optimize or Optimize())
     names = ("tooth_force_n", "flank_load_n_mm", "center_distance_mm")
@@ -162,7 +162,7 @@ def _size_of(design: Design, limits: Limits) -> task.GearSize | None:
 
 
 def _prices(asked: Optimize) -> task.Prices:
-    """What shall be least."""
+    """The quantities to minimise, with their prices."""
     goal, weights = Goal(asked.goal), asked.weights
     if goal is not Goal.WEIGHTED or weights is None:
         return ALONE[goal]
@@ -213,7 +213,7 @@ def wishes_of(design: Design) -> Wishes:
 
 
 def _tangent_rad(limits: Limits, gears: Gears | None) -> float | None:
-    """The greatest tangent angle of the pitch curves: the limit of the pressure angle less the angle of the rack."""
+    """The greatest tangent angle of the pitch curves: the limit of the pressure angle less the rack's angle."""
     if limits.pressure_angle_deg is None:
         return None
     rack = _rack_angle_deg(gears)
@@ -232,7 +232,7 @@ def _rack_angle_deg(gears: Gears | None) -> float:
 class _Curvature(NamedTuple):
     """A limit of the curvature: ``turns`` is the curvature times the length rolled in one cycle.
 
-    ``wish`` says which limit of the file it comes from, and ``given`` is the number in the file.
+    ``wish`` names the limit in the file, and ``given`` is its number there.
     """
 
     turns: float | None
@@ -267,7 +267,7 @@ def _of_undercut(limits: Limits, gears: Gears | None) -> Iterator[_Curvature]:
     if gears is None or gears.teeth is None:
         raise WrongInput("true, but of how many teeth? give gears.teeth", key="optimize.limits.free_of_undercut")
     rack = gears.rack.in_mm(1.0)
-    # The flanks of the angle that is undercut first.
+    # The flanks with the angle that is undercut first.
     undercut = (
         sin(angle) ** 2
         * gears.teeth
@@ -296,7 +296,7 @@ class SoughtMachine(ABC):
 
     @property
     def design(self) -> Design:
-        """The design whose machine it is: as given, where nothing of the machine is free."""
+        """The design of the machine: the given design, where nothing of the machine is free."""
         return self.given
 
     @property
@@ -311,17 +311,17 @@ class SoughtMachine(ABC):
 
     @property
     def not_kept(self) -> str:
-        """What the design's own law prescribes of the motion and no wish asks for, in words; empty where none is."""
+        """Motion that the design's own law prescribes but no wish asks for, in words; empty where there is none."""
         return "" if keeps_even_speed(self.design) else self.design.motion.prescribed
 
     @property
     def soft(self) -> bool:
-        """Whether soft wishes count in the goal: they bend the law, and the limit is for hard wishes alone."""
+        """Whether soft wishes count in the goal: they change the law, and the limit is for hard wishes only."""
         return any(not wish.hard for wish in self.wishes.motion)
 
     @property
     def sizing(self) -> Train | None:
-        """The law whose gears tell how far the uniform crank's gears are apart; None: their own size does."""
+        """The law whose gears give the centre distance of the uniform crank's gears; None: their own size gives it."""
         return None
 
     @cached_property
@@ -343,5 +343,5 @@ class GearsAsGiven(SoughtMachine):
 
     @cached_property
     def task(self) -> Task:
-        """The machine; a moment of inertia that is left out follows from the gear that the design's own law makes."""
+        """The machine; an inertia that is left out is the inertia of the gear made for the design's own law."""
         return task_of(self.design, inertia_as_given(self.design))

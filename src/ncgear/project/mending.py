@@ -1,9 +1,9 @@
-"""The search for a change that makes teeth which are refused: what a good engineer would try, the least change first.
+"""The search for a change that makes refused teeth possible, as a good engineer would try: the least change first.
 
-A design whose pitch curves are fine may be refused for its teeth or their contact.  The search changes one or a few of
-the keys below ``gears``, and each trial makes the teeth and their contact anew.  A trial without an answer does not
-help.  The search ends after some seconds of processor time, and tells so.  Nothing is searched unless somebody asks:
-the attributes of a drive only raise.
+A design with good pitch curves may be refused for its teeth or their contact.  The search changes one or a few of the
+keys below ``gears``, and each trial makes the teeth and their contact anew.  A trial without an answer does not help.
+The search ends after some seconds of processor time, and tells so.  It runs only on request: the attributes of a drive
+only raise.
 """
 
 from __future__ import annotations
@@ -41,11 +41,11 @@ from ncgear.project.tooth_form import require_pushing_flanks
 from ncgear.shown import Shown
 
 MOST_SECONDS = 5.0
-"""Most processor time of a search: who waits for a refusal does not wait longer."""
+"""Most processor time of a search: it is the longest wait for an error."""
 
 BEFORE_FINER, AT_NOTCHES = 0.4, 0.1
-"""Share of that time for the changes that keep the number of teeth, and where notches need more: the number takes the
-most trials, and teeth as small as notches need take the longest ones."""
+"""Share of that time for the changes that keep the number of teeth, and the share where notches need more teeth: the
+number takes the most trials, and teeth as small as notches need take the longest."""
 
 OnTrial = Callable[[int, int], None]
 """Called with the numbers of trials done and in all."""
@@ -56,7 +56,7 @@ BACKLASH = ("gears.backlash_mm", "gears.backlash_deg")
 
 
 class Kind(StrEnum):
-    """What a change is about."""
+    """Subjects of a change."""
 
     ROOT_RADIUS = "root_radius"
     BACKLASH = "backlash"
@@ -89,42 +89,41 @@ ORDER = (
 )
 """Kinds of changes, alone and together, from the least change to the greatest.
 
-Less backlash comes after the root radius, where a tenth of it makes the teeth.  More teeth come after everything that
-keeps them, first alone and then with other changes: they are two changes, of ``teeth`` and ``module_mm``, and smaller
-teeth bear less.
-"""
+Less backlash comes after the root radius, and is tried where a tenth of it lets the teeth be made.  More teeth come
+after everything that keeps their number, first alone and then with other changes: they are two changes, of ``teeth``
+and ``module_mm``, and smaller teeth carry less."""
 
 TENTHS = 10
-"""Steps in which less backlash is tried."""
+"""Number of steps in which less backlash is tried."""
 
 STEEPER_DEG = (22.5, 25.0)
-"""Pressure angles of racks that are sold, over the usual 20 degrees."""
+"""Pressure angles of commercial racks, over the usual 20 degrees."""
 
 STEEPEST_DEG = 30.0
 """The pressure angle of splines.  From base circle to base circle of z : z teeth are z tan(alpha) / pi base pitches, so
 that 6 : 6 teeth hold contact from 27.7 degrees on."""
 
 SHIFTED_MODULES = (0.3, -0.3)
-"""Profile shifts of the driving gear that are tried where the one chosen against undercut would change nothing."""
+"""Profile shifts of the driving gear that are tried where the shift chosen against undercut would change nothing."""
 
 FINER_TOGETHER = (1.5, 3.0)
 """Numbers of teeth, divided by the design's, that are tried together with another change."""
 
 NOTCH_TEETH = 4.0
-"""About how many teeth the circles at a notch of a pitch curve must differ by: with fewer, tips run into each other as
-those of an internal gear and its pinion do.  It is where the search for a number begins, and trials correct it."""
+"""Approximate least difference of the teeth numbers of the circles at a notch of a pitch curve; with fewer, tips run
+into each other as in an internal gear and its pinion.  The search for a number begins there, and trials correct it."""
 
 NOTCH_SHARE = 0.1
-"""Share of that number by which the least one mostly differs from it: it is 0.9 to 1 times it for squares with corners
+"""Share by which the least number mostly differs from this number: it is 0.9 to 1 times this for squares with corners
 of 4, 6 and 8 mm, 1 to 1.05 times for a pentagon and a hexagon, 0.95 to 1.1 times for notched formulas."""
 
 SAME_SHIFT = 0.01
-"""Modules by which shifts differ at least that are worth a trial."""
+"""Least difference of two shifts, in modules, that is worth a trial."""
 
 
 @dataclass(frozen=True)
 class Way:
-    """A change of one kind or of several, as keys of the design file."""
+    """A change of one kind or of several kinds, as keys of the design file."""
 
     kinds: tuple[Kind, ...]
     changes: Changes
@@ -143,21 +142,21 @@ class Mend(Shown):
 
     @property
     def contact_ratio(self) -> float:
-        """The contact ratio of the exact teeth, with what a helix adds; of two pairs of gears, the worse's."""
+        """The contact ratio of the exact teeth, including a helix; for two pairs of gears the worse value."""
         return min(pair.designed_contact.contact_ratio + pair.overlap_ratio for pair in self.drive.by_stage)
 
     @property
     def pressure_angle_deg(self) -> float:
-        """The largest pressure angle, the rack's own included; of two pairs of gears, the worse's."""
+        """The largest pressure angle, including the rack's angle; for two pairs of gears the worse value."""
         return max(pair.largest_pressure_angle_deg for pair in self.drive.by_stage)
 
 
 @dataclass(frozen=True, eq=False)
 class Mending(Shown):
-    """The search for a change: the refusal, the ways that do not work in the order of the trials, and the one found.
+    """The search for a change: the error, the ways that do not work in the order of the trials, and the way found.
 
-    ``found`` is None where none of the ways works.  ``is_whole`` is false where time ended the search before all ways
-    were tried, or before it was known that a tooth less does not work.
+    ``found`` is None where no way works.  ``is_whole`` is false where time ended the search before all ways were tried,
+    or before one tooth less was known not to work.
     """
 
     refusal: DesignError
@@ -172,7 +171,7 @@ def mending(
     """The least change with which a design's teeth can be made; None where they can be made as they are.
 
     The search takes so many ``seconds`` of processor time at the most.  Raises WrongInput or NoSuchMechanism where
-    something else than the teeth is refused, as a law or pitch curves.
+    something other than the teeth is refused, for example a law or pitch curves.
 
     >>> from ncgear.project.opened import loads
     >>> machine = "linkage: {crank_mm: 40, rod_mm: 90}, operation: {speed_rpm: 30}, motion: {law: uniform_crank}"
@@ -188,8 +187,7 @@ def refusal_of_teeth(drive: Drive) -> DesignError | None:
     """The error that refuses the teeth of a design, their contact or their outlines; None where they can be made.
 
     Of wrong input, only a root radius that does not fit and too much backlash are about teeth.  Raises WrongInput or
-    NoSuchMechanism where something else is refused, as a law, pitch curves, or a pressure angle at which no flank
-    pushes.
+    NoSuchMechanism where something else is refused: a law, pitch curves, or a pressure angle at which no flank pushes.
     """
     with located(drive.places):
         for pair in drive.by_stage:
@@ -212,7 +210,7 @@ def searched(
     on_trial: OnTrial = lambda done, total: None,
     seconds: float = MOST_SECONDS,
 ) -> Mending:
-    """The least change with which refused teeth can be made; of equal changes, the change of most contact."""
+    """The least change with which refused teeth can be made; among equal changes the change with most contact."""
     every = list(ways(drive))
     trials = _Trials(drive, on_trial, sum(map(len, every)) + MOST_FINER, seconds)
     kept = [equals for equals in every if Kind.FINER not in equals[0].kinds]
@@ -235,7 +233,7 @@ def _given_backlash(drive: Drive) -> tuple[str, float]:
 
 
 def _of_backlash(drive: Drive, refusal: DesignError) -> DesignError:
-    """The refusal at the key of the backlash that is too much."""
+    """The error with the key of the backlash that is too large."""
     key, given = _given_backlash(drive)
     error = refusal.saying(f"{given:g} {key.rpartition('_')[2]} is too much: {refusal.problem}", key)
     if refusal.key in BACKLASH:
@@ -256,14 +254,14 @@ class _Trials:
         self.is_whole = True
 
     def best(self, equals: tuple[Way, ...], share: float = 1.0) -> Mend | None:
-        """Of equal ways that work, the way of most contact; None where none works within a share of the time."""
+        """The way with most contact among equal ways that work; None where none works within a share of the time."""
         try:
             sound = [mend for way in equals if (mend := self._sound(way, share))]
             for mend in sorted(sound, key=lambda one: -one.contact_ratio):
                 with self._in_time(share):
                     require_made(mend.drive)
                     if Kind.STEEPEST in mend.way.kinds:
-                        # Its roots are the deepest, and may come too near to a bore.
+                        # These teeth have the deepest roots, which may come too near to a bore.
                         _ = [pair.solids for pair in mend.drive.by_stage]
                     return mend
                 self.failed.append(mend.way)
@@ -272,7 +270,7 @@ class _Trials:
         return None
 
     def fewest(self) -> Mend | None:
-        """The least number of teeth that works: the number before it does not, unless time ends the search earlier."""
+        """The least number of teeth that works: the number before it does not, unless time ends the search early."""
         pair, fitted, mends = self._drive.by_stage[0], _fitted(self._drive), dict[int, Mend]()
         each, low = pair.transmission.lobes.teeth_step, pair.pitch.size.driving_teeth
 
@@ -289,7 +287,7 @@ class _Trials:
         return mends.get(fewest(does, low, most, each, self.needed, about))
 
     def most_backlash(self) -> Mend | None:
-        """The most tenths of the given backlash that work, where one does."""
+        """The most tenths of the given backlash that work, if any."""
         (key, given), fitted, mends = _given_backlash(self._drive), _fitted(self._drive), dict[int, Mend]()
 
         def does(off: int) -> bool:
@@ -303,7 +301,7 @@ class _Trials:
         return mends[fewest(does, 0, TENTHS - 2, needed=1.0) or TENTHS - 1]
 
     def _sound(self, way: Way, share: float) -> Mend | None:
-        """The way where teeth are sound with it; raises TimeIsOver."""
+        """The way, if teeth are sound with it; raises TimeIsOver."""
         changed = changed_drive(self._drive, way.changes)
         with self._in_time(share):
             for pair in changed.by_stage:
@@ -321,9 +319,9 @@ class _Trials:
 
 
 def _teeth_of_notches(drive: Drive) -> float:
-    """About how many driving teeth tips at the notches of pitch curves need to be free; 0 for convex curves, and rings.
+    """Approximate number of driving teeth with tips free at notches of pitch curves; 0 for convex curves and rings.
 
-    At a notch of radius r two circles roll on each other whose radii differ by about r^2 k, k being the sum of both
+    At a notch of radius r two circles roll on each other whose radii differ by about r^2 k, where k is the sum of both
     curvatures; their numbers of teeth differ by 2 r^2 k / m.
     """
     pitch = drive.pitch
@@ -340,7 +338,7 @@ def _teeth_of_notches(drive: Drive) -> float:
 
 
 def ways(drive: Drive) -> Iterator[tuple[Way, ...]]:
-    """All ways except more teeth alone, the least change first; the ways of a tuple are equals."""
+    """All ways except more teeth alone, the least change first; the ways in one tuple are equals."""
     fitted = _fitted(drive)
     for kinds in ORDER:
         options = [_options(drive, kind, alone=len(kinds) == 1) for kind in kinds]
@@ -353,18 +351,18 @@ def ways(drive: Drive) -> Iterator[tuple[Way, ...]]:
 
 
 def _fitted(drive: Drive) -> Changes:
-    """The root radius that fits; empty where the design's radius does."""
+    """The root radius that fits; empty where the design's root radius fits."""
     return fitted_root_radius(drive.gears, min(drive.gears.rack.angles_deg))
 
 
 def _options(drive: Drive, kind: Kind, *, alone: bool) -> list[Changes]:
-    """The changes of one kind; together with changes of other kinds only the likeliest of them."""
+    """The changes of one kind; together with changes of other kinds only the most promising."""
     gears = drive.gears
     match kind:
         case Kind.ROOT_RADIUS:
             return [fitted] if (fitted := _fitted(drive)) else []
         case Kind.BACKLASH:
-            # How much of it works is searched for
+            # The right amount is searched later
             return []
         case Kind.MATE:
             return _mate(drive)
@@ -384,7 +382,7 @@ def _options(drive: Drive, kind: Kind, *, alone: bool) -> list[Changes]:
 
 
 def _mate(drive: Drive) -> list[Changes]:
-    """The mate as the tool; none where it is that already."""
+    """The mate as the tool; empty where it is the tool already."""
     from ncgear.teeth.tool import least_concave_radius_mm
 
     cutter = drive.gears.cutter

@@ -1,7 +1,7 @@
 """From keys to values: how the motor of a design drives its machine, before any tooth is followed in time.
 
 A design has one motor at the most: the motor of ``drivetrain``, behind a gearbox, or of ``simulation``, at the driving
-gear.  A motor that is not enough is answered with a motor that is, tried with the very numbers that are told.
+gear.  If a motor is too weak, a stronger motor is told, which was tried with exactly the told numbers.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from ncgear.project.tooth_form import reach_in_pitches
 class MotorResult:
     """The motor of a drivetrain: the machine's demand, the motor's load at even speed, the course of the speed.
 
-    The course is None without a line of the motor, and where it ``stops``: why, in words.
+    The course is None without a line of the motor, and where the motor stops; ``stops`` says why, in words.
     """
 
     given: DrivetrainMotor
@@ -81,14 +81,14 @@ def motor_of(design: Design, given: DrivetrainMotor, demand: Demand) -> MotorRes
 
 
 def motor_within(drive: Geared) -> tuple[MotorResult, MotorResult]:
-    """The motor of a drivetrain without teeth: with no friction between them, and with the most that there can be."""
+    """The motor of a drivetrain without teeth: with no friction between them, and with the most that is possible."""
     design, around = drive.design, drive.design.drivetrain
     assert around is not None
     assert around.motor is not None
     gears, pitch = drive.gears, drive.pitch
     angle = radians(min(gears.rack.angles_deg))
     reach_mm = reach_in_pitches(gears) * pi * pitch.size.module_mm * cos(angle)
-    # Friction between helical teeth is not followed
+    # Friction between helical teeth is not computed
     most = None if drive.helix else most_mesh_loss_factor(pitch, reach_mm, radians(max(gears.rack.angles_deg)))
     least, greatest = (
         motor_of(design, around.motor, demand_of(design, drive.rigid, factor)) for factor in (None, most)
@@ -114,7 +114,7 @@ def _line_drive(design: Design, given: DrivetrainMotor) -> LineDrive | None:
 
 
 def _behind(gearbox: Gearbox, line: StraightLine, clutch: bool) -> LineDrive:
-    """The motor whose line at the driving gear, behind its gearbox and with its losses, is given."""
+    """The motor with a given line at the driving gear, which is behind its gearbox and includes its losses."""
     own = StraightLine(line.stall_n_mm / (gearbox.ratio * gearbox.efficiency), line.no_load_rad_s * gearbox.ratio)
     return LineDrive(own, gearbox, clutch)
 
@@ -139,7 +139,7 @@ def _asked(drive: Geared) -> tuple[Demand, LineDrive] | None:
 
 
 def motor_stall(drive: Geared) -> Stall | None:
-    """Where the motor of the simulation stops within its turns; None where it passes, or where none is given."""
+    """Where the motor of the simulation stops within its turns; None if it keeps turning, or if none is given."""
     if (asked := _asked(drive)) is None:
         return None
     return _stops(drive, *asked)
@@ -153,31 +153,29 @@ def _stops(drive: Geared, demand: Demand, motor: LineDrive) -> Stall | None:
 
 
 def steady_rad_s(drive: Geared) -> float | None:
-    """The mean speed at which the motor of the simulation keeps the machine turning; None where none is given.
+    """The mean speed at which the motor of the simulation keeps the machine turning; None without a motor.
 
-    Raises NoSuchMechanism where it cannot.
+    Raises NoSuchMechanism where the motor cannot keep it turning.
     """
     return None if (asked := _asked(drive)) is None else speed_course(*asked).mean_rad_s
 
 
-# A motor that does, in the place of one that does not.
+# A motor that works, in place of a motor that does not.
 
 
 Told = dict[str, float]
 """Dotted keys of the design file with values, as they are written."""
 
 TRIES = 3
-"""Number of speeds without load that are tried with a torque.  At the first the machine's mean torque leaves its own
-speed; each next speed is corrected by the error of the speed before.
-"""
+"""Number of no-load speeds that are tried with each torque.  The first follows from the machine's mean torque; each
+next speed is corrected by the error of the speed before."""
 
 STRONGER = (2.0, 4.0)
-"""Torques at rest that are tried if the given torque is not enough, over the machine's greatest torque: nearer to it
-motors lose half their speed and more.
-"""
+"""Torques at rest that are tried if the given torque is not enough, as multiples of the machine's greatest torque: with
+less, motors lose half of their speed and more."""
 
 STIFFENED = 1.01
-"""Times the mean square of its torque that a motor is rated for which has to be stronger: it holds its speed better."""
+"""Factor on the mean square of the torque for which a stronger motor is rated: it holds its speed better."""
 
 MOST_SECONDS = 5.0
 """Most processor time of these trials."""
@@ -188,16 +186,16 @@ OFF_SPEED = 0.03
 
 
 def told_words(found: Told | None) -> str:
-    """The keys of a motor that does, or that none was found."""
+    """The keys of a motor that works, or the words that none was found."""
     if found is None:
-        return "another speed, more torque or a heavier flywheel is needed; no motor that was tried does"
+        return "another speed, more torque or a heavier flywheel is needed; none of the tried motors works"
     return listed((f"{key}: {value:.6g}" for key, value in found.items()), "and")
 
 
 def fitting_simulated(drive: Geared) -> Told | None:
-    """Keys of a motor of the simulation that turns the machine at its own speed.
+    """Keys of a motor for the simulation that turns the machine at its own speed.
 
-    Only keys that change are told; the torque is the given torque where this is enough.  None where no tried motor is.
+    Only changed keys are told; the torque stays if it is enough.  None where no tried motor works.
     """
     asked, given = _asked(drive), drive.design.simulation.motor
     if asked is None or given is None:
@@ -215,7 +213,7 @@ def fitting_simulated(drive: Geared) -> Told | None:
 
 
 def fitting_geared(design: Design, found: MotorResult) -> Told | None:
-    """As ``fitting_simulated``, of a motor that stops behind its gearbox: torques and ratio, or line, that do."""
+    """As ``fitting_simulated``, for a motor that stops behind its gearbox: torques and ratio, or line, that work."""
     given, demand, line = found.given, found.demand, design.simulation.motor
 
     def run(ratio: float, rated_n_m: float, of_line: Told) -> MotorResult:
@@ -227,7 +225,7 @@ def fitting_geared(design: Design, found: MotorResult) -> Told | None:
         return motor_of(changed, motor, Demand(demand.cycle, demand.losses, rotor_kg_mm2))
 
     def tried(rpm: float, torque_n_m: float) -> tuple[Told, float | None]:
-        """The motor whose line at the driving gear has this speed and at least this torque, and its rated torque."""
+        """The motor with this speed and at least this torque in its line at the driving gear, and its rated torque."""
         of_line, ratio, rated = Told(), given.gearbox.ratio, given.rated_torque_n_m
         if given.no_load_speed_rpm is None:
             of_line = {"no_load_speed_rpm": float(f"{rpm:.4g}"), "stall_torque_n_m": float(shown_above(torque_n_m, 3))}
@@ -260,9 +258,9 @@ def _under(group: str, told: Told) -> Told:
 def _fitting(
     demand: Demand, given_n_m: float | None, tried: Callable[[float, float], tuple[Told, float | None]]
 ) -> Told | None:
-    """Of torques at rest in N m and speeds without load in r/min at the driving gear, the first that does.
+    """The first motor that works, among torques at rest in N m and no-load speeds in r/min at the driving gear.
 
-    ``tried`` gives keys as they are told, and the mean speed in rad/s with these; None where the motor stops.
+    ``tried`` gives the keys to tell, and the mean speed in rad/s with them; None where the motor stops.
     """
     own = () if given_n_m is None else (given_n_m,)
     least = max(N_M_PER_N_MM * demand.torque_range_n_mm[1].value, *own, 0.0)
@@ -286,7 +284,7 @@ def _runs_rad_s(drive: Geared, demand: Demand, motor: LineDrive) -> float | None
         runs = speed_course(demand, motor).mean_rad_s
     except NoSuchMechanism:
         return None
-    # The start takes as long to follow, and matters only where the speed is right
+    # The start takes as long to compute, and matters only where the speed is right
     return None if _is_near(runs, demand) and _stops(drive, demand, motor) else runs
 
 

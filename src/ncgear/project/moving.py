@@ -1,4 +1,4 @@
-"""What moves in a design: its law, its mechanism, and the output's motion, without any gear."""
+"""The moving parts of a design without its gears: its law, its mechanism, and the output's motion."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Moving(Shown):
         self.stopwatch = Stopwatch()
         self._whole = whole
         self.followed = followed
-        """How the law follows a function that a mapping gave; None where there is none."""
+        """How the law follows a function given in a mapping; None without a function."""
 
     def __repr__(self) -> str:
         stage = "" if self.stage is None else f", stage {self.stage}"
@@ -63,7 +63,7 @@ class Moving(Shown):
 
     @property
     def places(self) -> Places | None:
-        """Where the values of the design stand in its file; None where it came from no file."""
+        """The places of the design's values in its file; None where it came from no file."""
         return self.loaded.source if self.loaded else None
 
     @property
@@ -73,7 +73,7 @@ class Moving(Shown):
 
     @computed
     def whole(self) -> Self:
-        """The drive of the whole machine, of which a drive with a stage is one pair of gears."""
+        """The drive of the whole machine; a drive with a stage is one pair of its gears."""
         if self.stage is None:
             return self
         return self._whole or type(self)(self.design, loaded=self.loaded)
@@ -139,7 +139,7 @@ class Moving(Shown):
 
     @computed
     def achieved(self) -> Achieved | None:
-        """What the motion achieves without any wish, and of every wish; None for an output that never returns."""
+        """Figures of the motion, without a wish and for every wish; None for an output that never returns."""
         if not self.linkage.RETURNS:
             return None
         outcomes = self.outcomes
@@ -155,14 +155,14 @@ class Moving(Shown):
 
     @computed
     def stroke_residual(self) -> float:
-        """What the motion misses of the stroke, in mm or rad: the output's integrated speed, or a law's own parts."""
+        """Difference in mm or rad of motion and stroke: by the output's integrated speed, or by a law's own parts."""
         prescribed = abs(self.law.stroke.closing_error_mm) if self.law.stroke else 0.0
         with self.stopwatch("check"):
             return max(abs(stroke_error_mm(self.machine)), prescribed)
 
     @property
     def told_stroke_residual(self) -> dict[str, float]:
-        """The stroke's residual by its key, in the unit that people read; nothing of an output that never returns."""
+        """The stroke's residual by its key, in the unit that people read; empty for an output that never returns."""
         place = self.linkage.OUTPUT.place
         if not self.linkage.RETURNS:
             return {}

@@ -31,8 +31,8 @@ if TYPE_CHECKING:
 class GearInertia:
     """Moments of inertia in kg mm2 of the bodies of a pair's gears about their axes.
 
-    ``refusal`` is why the gears cannot be made as given, and discs within their pitch curves stand for them; None where
-    they can.
+    ``refusal`` says why the gears cannot be made as given, so that discs within their pitch curves replace them; None
+    where they can be made.
     """
 
     driving_kg_mm2: float
@@ -41,7 +41,7 @@ class GearInertia:
 
 
 class TrainInertia(NamedTuple):
-    """Moments of inertia in kg mm2 of all that turns with driving shaft, shaft between, and last gear."""
+    """Moments of inertia in kg mm2 of everything that turns with driving shaft, shaft between, and last gear."""
 
     driving_kg_mm2: float = 0.0
     between_kg_mm2: float = 0.0
@@ -77,7 +77,7 @@ def _vector(gravity: Gravity | None) -> tuple[float, float]:
 
 
 def states_inertia(given: ShaftMasses | DrivenShaftMasses, stages: int) -> bool:
-    """Whether a file states the moments of inertia of all gears, so that nobody asks for their bodies."""
+    """Whether a file states the moments of inertia of all gears, so that their bodies are not needed."""
     single = None not in (given.driving_gear_kg_mm2, given.driven_gear_kg_mm2)
     return single and (stages == 1 or given.shaft_between_kg_mm2 is not None)
 
@@ -92,7 +92,7 @@ def stated_inertia(given: ShaftMasses | DrivenShaftMasses) -> TrainInertia:
 def train_inertia(
     given: ShaftMasses | DrivenShaftMasses, stages: int, bodies: Callable[[int], GearInertia] | None
 ) -> TrainInertia:
-    """The moments of inertia of a design's gears, as given or of their bodies.
+    """The moments of inertia of a design's gears, as given or from their bodies.
 
     ``bodies`` makes the gears' bodies of the first pair (0) or the last pair (-1); it is called only where an inertia
     is left out, and is None without gears.
@@ -113,11 +113,11 @@ KG_MM3 = 1e-9
 """One kg/m3 in kg/mm3."""
 
 DISC_POINTS = 721
-"""Points of a pitch curve that stands for a gear: the polygon's moment is within 3e-5 of the curve's."""
+"""Points of a pitch curve as a polygon: its moment of inertia is within 3e-5 of the curve's."""
 
 
 def disc_kg_mm2(gears: Gears, curve: PitchCurve, module_mm: float, density_kg_m3: float) -> float:
-    """Moment of inertia of the disc within a pitch curve, or of the ring about it, with its bore and hub."""
+    """Moment of inertia of the disc within a pitch curve, or of the ring around it, with its bore and hub."""
     from ncgear.pitch.shape import Gear
 
     points = curve.drawn(DISC_POINTS).position

@@ -1,4 +1,4 @@
-"""Offers in the place of wishes and limits that no law keeps, checked by doing what they say."""
+"""Other values for wishes and limits that no law keeps, checked by trying them."""
 
 from __future__ import annotations
 
@@ -23,8 +23,7 @@ if TYPE_CHECKING:
     from ncgear.optimum.makeable.law import Eased
 
 ROOMS = (0.0, 0.005, 0.02, 0.08)
-"""Shares by which limits are eased more than a law of few knots needs, tried in turn until a share is enough.
-"""
+"""Shares by which limits are eased beyond the need of a law with few knots; tried in turn until one is enough."""
 
 
 def asking_for(design: Design, offers: Sequence[Offer]) -> Design:
@@ -40,13 +39,13 @@ def asking_for(design: Design, offers: Sequence[Offer]) -> Design:
 
 
 def _put(data: dict[str, Any], path: Sequence[str], value: Any) -> None:
-    """Set a key of nested groups and lists; the same angle in another unit gives way to it."""
+    """Set a key of nested groups and lists; the same angle in another unit is removed."""
     *groups, name = path
     within: Any = data
     for one in groups:
         if isinstance(within, dict):
             held = within.setdefault(one, {})
-            # Lists of models are tuples, which do not change.
+            # Lists of models are tuples, which are immutable.
             within[one] = within = list(held) if isinstance(held, tuple) else held
         else:
             within = within[int(one)]
@@ -56,7 +55,7 @@ def _put(data: dict[str, Any], path: Sequence[str], value: Any) -> None:
 
 
 def may_be_asked(design: Design, offers: Sequence[Offer]) -> bool:
-    """Whether a file with the values of all offers is read, and its wishes do not contradict each other."""
+    """Whether a file with the values of all offers can be read and its wishes do not contradict each other."""
     try:
         asking_for(design, offers)
     except (ValidationError, DesignError):
@@ -67,11 +66,11 @@ def may_be_asked(design: Design, offers: Sequence[Offer]) -> bool:
 def with_what_was_found(
     design: Design, task: Task, wishes: Wishes, refused: Refused, has_law: Callable[[Design], bool]
 ) -> Refused:
-    """The refusal with offers that a file may ask for, and behind them offers with which laws were found, if any.
+    """The refusal with the offers that a file may ask for, followed by offers with which laws were found, if any.
 
-    Where no limit alone is enough, all limits that together have to give way are named in their place, with values with
-    which a law was found that keeps every wish; ``has_law`` tries a design.  Without the optimiser, all offers only
-    might be enough.
+    Where no single limit is enough, all limits that must give way together are named in its place, with values for
+    which a law was found that keeps every wish; ``has_law`` tries a design.  Without the optimiser, all offers are only
+    guesses.
     """
     refused = refused.among(lambda offers: may_be_asked(design, offers))
     if not installed("casadi"):
@@ -93,7 +92,7 @@ def with_what_was_found(
 
 
 def _together(tried: Tried, wishes: Wishes, *, limits_alone: bool) -> list[Offer]:
-    """Limits, with values, that all together leave a law which keeps all wishes; wishes too unless ``limits_alone``.
+    """Limits, with values, that together allow a law that keeps all wishes; wishes too unless ``limits_alone``.
 
     Empty where none were found.
     """
@@ -107,7 +106,7 @@ def _together(tried: Tried, wishes: Wishes, *, limits_alone: bool) -> list[Offer
 class Tried:
     """A design whose wishes are refused, its machine, and the function that tries a whole design.
 
-    Where masses are given, other wishes have other gears, whose inertia counts: such a design is tried as a whole.
+    With masses, other wishes lead to other gears, whose inertia counts: such a design is tried as a whole.
     """
 
     design: Design
@@ -142,7 +141,7 @@ def _all(said: str, offers: Sequence[Offer]) -> str:
 
 
 def _limits(said: str, offers: Sequence[Offer]) -> str:
-    """Limits that have to give way together, or one of the wishes."""
+    """The words for limits that must give way together, or for one of the wishes."""
     limits, wishes = (
         ", ".join(str(one) for one in offers if _is_limit(one) is of_limits) for of_limits in (True, False)
     )

@@ -1,17 +1,18 @@
-"""The drive of a design: of its file, of a text, or of a mapping of its keys, whose law may be a function of Python.
+"""The drive of a design: from its file, a text, or a mapping of its keys, whose law may be a Python function.
 
 Under the law ``ratio_expression`` a function of phi1 in rad stands for its formula: it is traced, and the law is proven
-to follow that formula to 1e-12, as a law of a written formula is (``numerics.proven``).  Under ``table`` it is called
+to follow that formula to 1e-12, like the law of a written formula (``numerics.proven``).  Under ``table`` it is called
 at even driving angles of a cycle, twice as many until the law is as near as ``NEAR``.
 
-Of a function that is known by its values alone nothing can be proven.  Under ``table`` two things are measured instead,
-both at angles that the law is not made from.  The first is the error of the law, at eight angles between every two
-points and at all angles of the second.  The second is whether these eight angles miss anything: the cycle is cut into
-pieces, halved until the Chebyshev series through 17 values of each dies away and agrees with the function at other
+Nothing can be proven about a function that is known only by its values.  Under ``table`` two things are measured
+instead, both at angles that the law is not made from.  The first is the error of the law, at eight angles between every
+two points and at all angles of the second.  The second is whether these eight angles miss anything: the cycle is cut
+into pieces, halved until the Chebyshev series through 17 values of each dies away and agrees with the function at other
 angles of the piece (L. N. Trefethen, "Approximation Theory and Approximation Practice", SIAM 2013, chapters 7 and 8).
-Of a function that is analytic and bounded in an ellipse about each piece, as large as the coefficients fall, the series
-is off by no more than its tail; sampling cannot prove that the function is so, which is an assumption.  Where pieces
-shrink to a corner, a jump or a narrow peak, that is told, and how wide a peak is at most that lies between all angles.
+If the function is analytic and bounded in an ellipse about each piece, of the size that the fall of the coefficients
+gives, the series is off by no more than its tail.  Sampling cannot prove this; it is an assumption.  Where pieces
+shrink to a corner, a jump or a narrow peak, that is told, with the greatest width of a peak that lies between all
+angles.
 """
 
 from __future__ import annotations
@@ -45,33 +46,33 @@ KEYS = {
 """The keys of each law that can be a function."""
 
 FEWEST, MOST = 64, 1024
-"""Numbers of points that are tried."""
+"""Least and greatest number of points that are tried."""
 
 NEAR = 1e-9
 """Share of the greatest value by which the law may miss a function between the points."""
 
 FARTHEST = 0.01
-"""Share of the greatest value by which a law may miss a function with a corner.  Where it misses by more the function
-jumps, does not come back at the end of the cycle, has a pole, or a peak between the points."""
+"""Share of the greatest value by which a law may miss a function with a corner.  Where it misses by more, the function
+jumps, differs between start and end of the cycle, has a pole, or a peak between the points."""
 
 BETWEEN = 8
-"""Angles between two points at which that is measured."""
+"""Number of angles between two points at which the law is compared with the function."""
 
 PIECES, HALVINGS = 256, 6
-"""Pieces of a cycle at first, and how often they are halved: the last ones are 0.02 deg."""
+"""Number of pieces of a cycle at first, and how often they are halved: the last pieces are 0.02 deg."""
 
 DEGREE = 16
 
 WIDEST = sin(pi / (DEGREE + 1)) / (2.0 * PIECES)
-"""Share of a cycle that is widest between two angles of the first pieces, in their middles: what is narrower may lie
+"""Greatest distance of two neighbouring angles of the first pieces, as a share of a cycle: a narrower feature may lie
 between them."""
 
 DIED = 1e-10
 """Share of the greatest value under which a series has died away: a tenth of ``NEAR``."""
 
 ASIDE = (-0.3819660112501051, 0.2360679774997898)
-"""Places of a piece from -1 to 1 where its series is compared with the function, by the golden ratio: no nodes of it,
-and none of its halves' either."""
+"""Places of a piece from -1 to 1 where its series is compared with the function, by the golden ratio: no nodes of the
+piece or of its halves."""
 
 
 @dataclass(frozen=True)
@@ -79,9 +80,9 @@ class Followed:
     """How a law follows a function: by its ``formula``, exactly; or through ``points``, up to ``error``.
 
     The error is the greatest that was measured at some ``angles``, as a share of the function's greatest value.
-    ``tail`` is the greatest share of it by which the function's series on ``pieces`` of the cycle do not die away, or
-    differ from the function at other angles; where they do not, ``rough_rad`` has driving angles.  No two of these
-    angles are further apart than ``step_rad``.
+    ``tail`` is the greatest remainder of the function's series on ``pieces`` of the cycle, or their greatest difference
+    from the function at other angles, as a share of the same value.  ``rough_rad`` has driving angles where the series
+    do not die away.  Neighbouring angles are no further apart than ``step_rad``.
     """
 
     key: str
@@ -190,10 +191,10 @@ def _points(data: dict[str, Any], key: str, function: Function) -> Drive:
 
 
 def _decay(function: Callable[[Array], Array], cycle: float) -> tuple[int, float, tuple[float, ...]]:
-    """Pieces on which the series of a function die away, the greatest share by which they do not, and where not.
+    """Number of pieces on which a function's series die away, their greatest remainder, and the places of the others.
 
-    Where they do not agree on the narrowest pieces, the middles of these are told; neighbours count as one piece.  No
-    piece ends at the end of the cycle, or at an even part of it, where corners would lie between pieces.
+    The places are the middles of the narrowest pieces; neighbours count as one piece.  No piece ends at the end of the
+    cycle, or at an even part of it, where corners would lie between pieces.
     """
     edges = (np.arange(PIECES + 1) + ASIDE[1]) * cycle / PIECES
     left, right, done, tail, greatest = edges[:-1], edges[1:], 0, 0.0, 0.0
@@ -218,7 +219,7 @@ def _decay(function: Callable[[Array], Array], cycle: float) -> tuple[int, float
 
 
 def _called(function: Function, phi1: Array, key: str) -> Array:
-    """The function at angles, called with all angles, or with one at a time if it takes no arrays."""
+    """The values of the function at all angles, called with the array, or angle by angle if it takes no arrays."""
     with np.errstate(all="ignore"):
         try:
             values = _real(function(phi1), phi1.shape)
@@ -244,7 +245,7 @@ def _real(given: Any, shape: tuple[int, ...]) -> Array:
 
 
 def _with_top(phi1: Array, values: Array, function: Function, key: str) -> Array:
-    """The angles with the extended end's, where the function is greatest: a table of displacements needs it."""
+    """The angles and the angle of the extended end, where the function is greatest: tables of displacements need it."""
     step, top = phi1[1] - phi1[0], float(phi1[int(np.argmax(values))])
     nodes = top + step * chebyshev.chebpts1(17)
     series = chebyshev.Chebyshev.fit(nodes, _called(function, nodes, key), 16, [nodes[0], nodes[-1]])
@@ -261,10 +262,10 @@ def _between(phi1: Array, cycle: float) -> Array:
 
 
 def _off(drive: Drive, at: Array, wanted: Array, motion: Mapping[str, Any], key: str) -> Array:
-    """The differences of law and function at angles, over the function's greatest value."""
+    """The differences of law and function at angles, as shares of the function's greatest value."""
     if key.endswith("ratio"):
         found = 1.0 / drive.transmission.driven_angle(at, 1).derivative(1)
-        # A scale that closes the cycle is part of the law
+        # A scale that closes the cycle belongs to the law
         found *= np.median(wanted / found) if motion.get("scale_to_close") else 1.0
     else:
         found = drive.linkage.OUTPUT.place.factor * drive.machine.displacement(at, 0).value
@@ -277,8 +278,8 @@ def load(given: str | Path | Mapping[str, Any]) -> Drive:
     A mapping may hold arrays for lists, and a function of phi1 in rad as ``ratio``, ``driven_angle`` or displacement of
     its ``motion``; ``drive.followed`` tells how the law follows it.
 
-    Raises WrongInput, with ``FILE:LINE:COLUMN`` or the key, for what is wrong.  The attributes of the drive raise
-    WrongInput or NoSuchMechanism, with places of the same kind, once they are asked for.
+    Raises WrongInput, with ``FILE:LINE:COLUMN`` or the key, for each fault.  The attributes of the drive raise
+    WrongInput or NoSuchMechanism, with places of the same kind, when they are first used.
 
     >>> drive = load("designs/baler.yaml")
     >>> drive

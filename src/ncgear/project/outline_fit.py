@@ -1,6 +1,6 @@
 """The nearest pair that can be made: a pitch curve near an outline, and trials of its teeth, one after another.
 
-Between a pair whose exact teeth do and one that was refused others are tried.  The nearest one is also judged by its
+Other pairs are tried between a pair with sound exact teeth and a refused pair.  The nearest pair is also judged by its
 written outlines.
 """
 
@@ -51,20 +51,20 @@ from ncgear.project.outline_trial import (
 )
 
 TRIALS, NEARER = 10, 2
-"""Pairs made at most until one is not refused, and how many more are tried between it and the last refusal where it
-came soon; else one."""
+"""Most pairs that are made until one is accepted, and how many more are tried between it and the last refused pair if
+it came soon; else one more."""
 
 WORTH = 0.01
-"""Share of the deviation that another pair must be able to save to be tried."""
+"""Least share of the deviation that another pair must promise to save."""
 
 NEXT_TEETH = (1.5, 2.0)
-"""Numbers of teeth that are tried beside the wanted one, by it."""
+"""Numbers of teeth that are tried as well, as multiples of the wanted number."""
 
 FEWEST_TEETH = 12
-"""Fewest teeth that a module is turned into."""
+"""Least number of teeth that a module may lead to."""
 
 BINDS, BINDS_WITHIN_PITCHES = 0.02, 1.5
-"""How near to its limit a condition binds, and how far from a place along the curve."""
+"""Distance from its limit within which a condition binds, and distance in pitches from a place along the curve."""
 
 OnTrial = Callable[[int, int], None]
 """Called with the numbers of pairs made and at most to be made."""
@@ -72,7 +72,7 @@ OnTrial = Callable[[int, int], None]
 
 @dataclass(frozen=True)
 class NextSize:
-    """What another number of teeth would bring; its teeth are not made."""
+    """The result of another number of teeth; its teeth are not made."""
 
     teeth: int
     module_mm: float
@@ -84,7 +84,7 @@ class NextSize:
 
 @dataclass(frozen=True, eq=False)
 class MateFit:
-    """How near the mate comes to an outline of its own: distances in mm of the pair, places in mm of its drawing.
+    """Distances of the mate from an outline of its own: distances in mm of the pair, places in mm of its drawing.
 
     ``scale`` is the size of the gears over the size of the drawing; ``bound_by`` is as in ``OutlineFit``.
     """
@@ -98,7 +98,7 @@ class MateFit:
 
     @property
     def size_mm(self) -> float:
-        """Of the outline, at the size of the pair."""
+        """Size of the outline, scaled to the pair."""
         return self.scale * self.outline.size_mm
 
 
@@ -107,8 +107,8 @@ class OutlineFit:
     """The nearest pair that can be made: the outline, the curve, and the drive of the fitted design.
 
     ``motion`` has the keys of the fitted law.  ``bound_by`` are the kinds of conditions that bind where the deviation
-    is greatest, the most binding first; ``next_sizes`` are those with more teeth.  ``mate`` is known where the mate
-    follows an outline, too.
+    is greatest, the most binding first; ``next_sizes`` are the results with more teeth.  ``mate`` is given where the
+    mate follows an outline, too.
     """
 
     outline: Outline
@@ -128,7 +128,7 @@ class OutlineFit:
 
     @property
     def mate_points_mm(self) -> Array:
-        """Points of the mate's pitch curve about its axis, shape (n, 2), as its first faces the curve's first."""
+        """Points of the mate's pitch curve about its axis, shape (n, 2); its first point faces the curve's first."""
         return self.curve.mate_points()
 
     @property
@@ -138,7 +138,7 @@ class OutlineFit:
 
     @property
     def contact_ratio(self) -> float:
-        """Contact ratio of the exact teeth, of the side where it is less."""
+        """Contact ratio of the exact teeth, on the side where it is less."""
         return self.drive.designed_contact.contact_ratio
 
     @property
@@ -148,9 +148,9 @@ class OutlineFit:
 
     @property
     def length_by_size(self) -> float | None:
-        """Length of the pitch curve that teeth and module give by that of the outline's hull; None where one follows.
+        """Length of the pitch curve from teeth and module over the length of the outline's hull; None if one is free.
 
-        Where both are given the curve cannot have the size of the outline.
+        Where both are given, the curve cannot have the size of the outline.
         """
         gears = self.asked_gears
         if gears.teeth is None or gears.module_mm is None:
@@ -159,7 +159,7 @@ class OutlineFit:
 
     @property
     def pressure_angle_deg(self) -> float:
-        """Greatest pressure angle of the flanks that drive, with the rack's own."""
+        """Greatest pressure angle of the driving flanks, including the rack's angle."""
         return self.drive.largest_pressure_angle_deg
 
     @property
@@ -181,16 +181,15 @@ def fit(
     gears: Mapping[str, Any] | None = None,
     name: str = "outline",
 ) -> OutlineFit:
-    """The nearest pair of gears that can be made to a closed outline, points of shape (n, 2) in mm in either sense.
+    """The nearest pair of gears that can be made to a closed outline, points of shape (n, 2) in mm in either direction.
 
-    The size of its teeth is given by ``teeth`` or ``module_mm``.  The axis is held at ``axis_mm`` where it is given.
-    ``mate_mm`` are points of an outline for the mate, seen from the same side, shape (k, 2), ``mate_weight`` is its
-    share in the squared distances of both; it grows or shrinks to the size that suits.
-    ``pressure_angle_deg`` is the greatest pressure angle, with the rack's own.
-    ``criterion`` tells whether the root of the mean square of distances or their greatest is least; ``gears`` has
-    further keys of the section ``gears`` of a design file.
+    ``teeth`` or ``module_mm`` gives the size of the teeth.  ``axis_mm`` holds the axis in place.  ``mate_mm`` are
+    points of an outline for the mate, seen from the same side, shape (k, 2); it is scaled to the best size.
+    ``mate_weight`` is its share in the squared distances of both.  ``pressure_angle_deg`` is the greatest pressure
+    angle, including the rack's angle.  ``criterion`` tells whether the root mean square of the distances or the
+    greatest distance is minimised; ``gears`` has further keys of the section ``gears`` of a design file.
 
-    Raises WrongInput for what is wrong, and NoSuchMechanism where no pair near the outline can be made.
+    Raises WrongInput for wrong values, and NoSuchMechanism where no pair near the outline can be made.
     """
     outline = outline_of(outline_mm, "outline_mm")
     mate = (
@@ -223,7 +222,7 @@ def _points(outline: Outline) -> dict[str, Any]:
 def fitted(design: Design, on_trial: OnTrial = lambda done, most: None) -> OutlineFit:
     """The nearest pair that can be made for a design whose law draws a pitch curve.
 
-    Raises WrongInput for a design that has no outline, no size, or several lobes, and for a fixed axis outside;
+    Raises WrongInput for a design without outline or size, or with several lobes, and for a fixed axis outside;
     NoSuchMechanism where no pair near the outline can be made.
     """
     gears = gears_of(design)
@@ -250,7 +249,7 @@ def fitted(design: Design, on_trial: OnTrial = lambda done, most: None) -> Outli
 
 
 def _outline_and_axis(drawn: LawKeys | MateOutline, fixed: bool, key: str) -> tuple[Outline, Array | None]:
-    """The outline, and its axis where that is fixed; raises WrongInput for an axis outside."""
+    """The outline, and its axis if that is fixed; raises WrongInput for an axis outside."""
     points, axis, shape = drawn.outline_mm()
     outline = outline_of(points, shape)
     if fixed and not outline.holds(axis):
@@ -270,7 +269,7 @@ def _mate_wanted(asked: FollowedOutline | None) -> MateWanted | None:
 
 
 def _mate_fit(made: Made, wanted: MateWanted | None) -> MateFit | None:
-    """How near the mate comes to its outline."""
+    """The distances of the mate from its outline."""
     curve, place = made.curve, made.curve.mate_place
     if wanted is None or place is None:
         return None
@@ -281,7 +280,7 @@ def _mate_fit(made: Made, wanted: MateWanted | None) -> MateFit | None:
 
 
 def _steepest_rad(pressure_angle_deg: float, gears: Gears) -> float:
-    """The greatest angle of the pitch curve; raises WrongInput where the rack's own leaves none."""
+    """The greatest angle of the pitch curve; raises WrongInput where the rack's angle leaves none."""
     left = pressure_angle_deg - gears.carrying_angle_deg
     if left <= 0.0:
         raise WrongInput(
@@ -293,7 +292,7 @@ def _steepest_rad(pressure_angle_deg: float, gears: Gears) -> float:
 
 @dataclass(frozen=True, eq=False)
 class _Search:
-    """What is sought: the design, its outline, and the axis where it is held."""
+    """The task: the design, its outline, and the axis if it is fixed."""
 
     design: Design
     outline: Outline
@@ -302,7 +301,7 @@ class _Search:
     limits: Limits
 
     def with_module(self) -> Rolled:
-        """A near curve for the whole number of teeth whose module is nearest to the design's."""
+        """A near curve for the whole number of teeth that comes nearest to the design's module."""
         gears = gears_of(self.design)
         assert gears.module_mm is not None
         pitch = pi * gears.module_mm
@@ -311,7 +310,7 @@ class _Search:
         return _with_teeth(free, max(round(free.length_mm / pitch), FEWEST_TEETH))
 
     def best(self, teeth: int, start: Rolled | None, on_trial: OnTrial) -> Made:
-        """The nearest of the pairs that were made; raises NoSuchMechanism where all are refused."""
+        """The nearest of the pairs that were made; raises NoSuchMechanism where all pairs are refused."""
         limits, curve = self.limits, start
         good = list[Made]()
         refused: Made | None = None
@@ -329,7 +328,7 @@ class _Search:
                 good.append(made)
             near = good and refused is not None and self._away_mm(good[-1]) < (1 + WORTH) * self._away_mm(refused)
             if near or left == 0:
-                # Written outlines hardly ever refuse what exact teeth allow, and take as long as these.
+                # Written outlines hardly ever refuse sound exact teeth, and take as long as these.
                 while good:
                     made = judged(good.pop(), lambda one: require_made(one.drive))
                     if made.refusal is None:
@@ -346,7 +345,7 @@ class _Search:
         )
 
     def _away_mm(self, made: Made) -> float:
-        """What is to be least."""
+        """The deviation to be minimised."""
         return away_mm(self.outline, made.curve, self.wanted)
 
 
@@ -370,7 +369,7 @@ def _with_teeth(curve: Rolled, teeth: int) -> Rolled:
 
 
 def _next_sizes(outline: Outline, made: Made, wanted: Wanted) -> tuple[NextSize, ...]:
-    """The same with more teeth of a smaller module, from the curve that was found."""
+    """The results with more teeth of a smaller module, from the curve that was found."""
     sizes = list[NextSize]()
     share = np.broadcast_to(made.limits.share, made.curve.arc_mm.shape)
     for times in NEXT_TEETH:

@@ -1,7 +1,7 @@
-"""A pair of gears that is tried near an outline: its teeth, where its contact lacks, and the limits of the next pair.
+"""A trial pair of gears near an outline: its teeth, the places without contact, and the limits of the next pair.
 
-Conditions on curvature only tell about where teeth can stand.  Where contact of the teeth that are made is too short,
-the limits of places nearby are drawn in.
+Conditions on curvature only estimate where teeth can stand.  Where the contact of the made teeth is too short, the
+limits of places nearby are tightened.
 """
 
 from __future__ import annotations
@@ -26,28 +26,28 @@ from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 
 DRAWN_IN, MORE, MOST_DRAWN_IN = 0.05, 0.03, 0.3
-"""By what share limits are drawn in where no flanks touch for a moment, beside the length of that in pitches; how much
-more after each refusal; and the most of it."""
+"""Share by which limits are tightened where contact breaks off, on top of the length of the gap in pitches; its growth
+with each refusal; and the most that limits are tightened."""
 
 ROOMY, EASED = 1.25, 1.05
-"""Arc of contact in pitches of all flanks about a place over which its limits are eased, and by what factor."""
+"""Arc of contact in pitches of all flanks near a place above which its limits are eased, and the factor of easing."""
 
 BESIDE_PITCHES = 2.0
-"""How far from a pair of flanks its contact sets the limits, in pitches."""
+"""Distance in pitches from a pair of flanks over which its contact sets the limits."""
 
 CLASH, SHORT = 0.15, 1.1
-"""What teeth that run into each other count as a lack of contact, in pitches, and under which arcs of contact flanks
-are taken for the ones that written outlines leave without contact."""
+"""Lack of contact in pitches that counts for teeth that run into each other, and the arc of contact below which flanks
+count as those that have no contact in written outlines."""
 
 NO_TEETH = 0.9
-"""By what limits are drawn in everywhere where teeth cannot be made at all."""
+"""Factor on all limits where teeth cannot be made at all."""
 
 STUBBORN, LAST, FEW_LACKING = 2, 6, 8
-"""After how many refusals slopes and room are drawn in as well, where teeth run into each other or contact lacks at
-more than a few places, and where it lacks at few."""
+"""Numbers of refusals after which slopes and room are tightened too: where teeth run into each other or contact is
+short at many places, and where it is short at few.  More than ``FEW_LACKING`` places are many."""
 
 ROUNDER, ROOMIER, MOST_ROOM = 0.85, 0.05, 0.35
-"""By what share slopes are drawn in, by how much room grows, and the most of it."""
+"""Factor on the slopes, increase of the room, and its maximum."""
 
 LEAST_SHARE, MOST_SHARE = 0.25, 1.3
 """Range of the shares of the limits."""
@@ -58,7 +58,7 @@ class Made:
     """A curve with the drive of its teeth, and their refusal if any.
 
     ``meetings_mm`` are arc lengths of the curve at which flanks meet, with their arcs of contact in pitches.
-    ``lacking`` has rows of an arc length and of the pitches by which contact is too short there.
+    ``lacking`` has rows of an arc length and of the missing contact there in pitches.
     """
 
     curve: Rolled
@@ -77,7 +77,7 @@ def given_gear(motion: Mapping[str, Any]) -> Gear:
 
 
 def gears_of(design: Design) -> Gears:
-    """The design's gears; raises WrongInput for a design of which there is no fit."""
+    """The design's gears; raises WrongInput for a design that cannot be fitted."""
     gears = design.gears
     if not design.motion.gives_outline:
         raise WrongInput(f"{design.motion.law} given; pitch_curve, which draws an outline, is right", key="motion.law")
@@ -93,7 +93,7 @@ def gears_of(design: Design) -> Gears:
 
 
 def control_points(curve: Rolled) -> Array:
-    """Control points, shape (n, 2), of a closed uniform quintic B-spline in the plane that is the curve to 0.1 um."""
+    """Control points, shape (n, 2), of a closed uniform quintic B-spline in the plane, within 0.1 um of the curve."""
     count = 2 * curve.basis.count
     phi = 2.0 * pi * np.arange(count) / count
     radius = curve.basis.at(phi) @ curve.coefficients
@@ -101,9 +101,9 @@ def control_points(curve: Rolled) -> Array:
 
 
 def made_pair(design: Design, curve: Rolled, limits: Limits) -> Made:
-    """The teeth of a curve, and how long their flanks touch."""
+    """The teeth of a curve, and the lengths of their contact."""
     gears, motion = gears_of(design), design.motion.along(control_points(curve), curve.axis_mm)
-    # The curve has a size, and its teeth are counted; a phase would only turn it.
+    # The curve sets the size and the number of teeth; a phase would only turn it.
     size = {"teeth": curve.teeth} | ({"module_mm": None} if design.motion.gives_center_distance else {})
     keys = type(design.motion).model_validate({key: value for key, value in motion.items() if key[:5] != "phase"})
     changes = {"motion": keys, "masses": None, "gears": gears.model_copy(update=size)}
@@ -112,7 +112,7 @@ def made_pair(design: Design, curve: Rolled, limits: Limits) -> Made:
 
 
 def judged(made: Made, judge: Callable[[Made], Made | None]) -> Made:
-    """The pair as a judge of it leaves it, or with the refusal that the judge raises, and where it lacks contact."""
+    """The pair after a judge, or with the error that the judge raises and the places without contact."""
     found = made
     try:
         found = judge(made) or made
@@ -136,7 +136,7 @@ def _places(curve: Rolled, at: CurvePoints) -> Array:
 
 
 def _with_contact(made: Made, gears: Gears) -> Made:
-    """The same with how long flanks touch."""
+    """The pair with the lengths of contact of its flanks."""
     gear = made.drive.teeth.of(given_gear(made.motion))
     contact, placement = made.drive.free_contact, made.drive.free_contact.placement
     sides, own = (contact.pushing, contact.back), gear.flanks.curve.gear.value
@@ -149,18 +149,18 @@ def _with_contact(made: Made, gears: Gears) -> Made:
     judged = sides if gears.drives == "both_ways" else sides[:1]
     for low, high in np.concatenate([side.pairs.gaps for side in judged]):
         middle = placement.phi1_rad[round((low + high) / 2.0) % placement.count]
-        # The flanks that cross nearest to where none touch.
+        # The flanks that cross nearest to the places without contact.
         lacking.append((places[np.argmax(np.cos(phi1 - middle))], (high - low) / placement.per_tooth))
     return replace(made, meetings_mm=places, arcs=arcs, lacking=np.array(lacking).reshape(-1, 2))
 
 
 def drawn_in(made: Made, refusals: int) -> Limits:
-    """Limits drawn in where contact is too short and, the first time, eased where all flanks nearby touch for long."""
+    """Limits tightened where contact is too short and, the first time, eased where all flanks nearby touch for long."""
     curve, limits = made.curve, made.limits
     short = made.refusal is not None and made.refusal.key == "gears.least_contact_ratio"
     many = not short or len(made.lacking) > FEW_LACKING
     if refusals >= (STUBBORN if many else LAST):
-        # It is no single place: a rounder curve altogether has gentler slopes and more room.
+        # The fault is not at a single place: a rounder curve everywhere has gentler slopes and more room.
         rounder, room = limits.steepest_rad * ROUNDER, min(limits.nearest + ROOMIER, MOST_ROOM)
         limits = replace(limits, steepest_rad=rounder, nearest=room)
     share = np.broadcast_to(limits.share, curve.arc_mm.shape)
@@ -175,7 +175,7 @@ def drawn_in(made: Made, refusals: int) -> Limits:
 
 
 def most_lacking(made: Made) -> str:
-    """Where in the drawing the contact of a refused pair lacks most, in words; nothing where that is not known."""
+    """The place in the drawing where a refused pair lacks most contact, in words; empty where it is not known."""
     if not made.lacking.size:
         return ""
     place = made.lacking[np.argmax(made.lacking[:, 1]), 0]
@@ -190,7 +190,7 @@ def most_lacking(made: Made) -> str:
 
 
 def between(kept: Made, refused: Made | None) -> Limits:
-    """Limits half-way between a pair that was made and a refused pair; a little eased where no pair was refused."""
+    """Limits half-way between an accepted pair and a refused pair; a little eased where no pair was refused."""
     share = np.asarray(kept.limits.share)
     if refused is None:
         return replace(kept.limits, share=np.minimum(share * EASED**2, MOST_SHARE))

@@ -1,14 +1,14 @@
 """Whether the crank pin and the rods pass the bodies beside the gears: the driving shaft with its hub, end stops, axes
 about which other links turn.
 
-The model is plane.  Crank pin and rods move in one plane beside the gears, seen along the axes.  The driving gear's
+The model is plane.  Crank pin and rods move in one plane beside the gears, viewed along the axes.  The driving gear's
 shaft (as thick as its bore) or hub, the pins of end stops, and the axes of rocker and lever can stand in this plane.
-The axes are taken as lines since no key says how thick they are.  A rod is the straight line between its joints, with
-half its width on both sides and round ends; a yoke is two such lines, slot and bar, a rack its pitch line, and a pinion
-a disc.  The driven shaft cannot stand in the plane: at a dead centre every rod lies over the crank's axis.
+The axes count as lines, since no key gives their thickness.  A rod is the straight line between its joints, with half
+its width on both sides and round ends; a yoke is two such lines, slot and bar, a rack its pitch line, and a pinion a
+disc.  The driven shaft cannot be in the plane: at a dead centre every rod lies over the crank's axis.
 
 Over the cycle the distance of an axis from such a line is a continuous function of the driving angle, which changes no
-faster than the ends of the line move.  So a step between two samples is left out only where it cannot hold the least
+faster than the ends of the line move.  So a step between two samples is skipped only if it cannot have the least
 distance; all other steps are searched.
 """
 
@@ -34,10 +34,10 @@ CRANK_PIN = "crank pin"
 
 @dataclass(frozen=True)
 class Standing:
-    """Something round that stands beside the gears: its name, its centre in the mechanism's frame, its radius in mm.
+    """A round body beside the gears: its name, its centre in the mechanism's frame, its radius in mm.
 
-    The radius is None where the design does not say how thick it is, 0 for a line.  ``carries`` is the link about whose
-    axis it stands, if any.
+    The radius is None where the design does not give it, 0 for a line.  ``carries`` is the link that turns about it, if
+    any.
     """
 
     name: str
@@ -76,14 +76,14 @@ class Passing:
 
     @property
     def clearance_mm(self) -> float | None:
-        """The room between both, negative where they meet; None where a size is not known."""
+        """The gap between both, negative where they meet; None where a size is not known."""
         if self.half_mm is None or self.standing.radius_mm is None:
             return None
         return self.distance_mm - self.standing.radius_mm - self.half_mm
 
 
 def passings_of(drive: Geared) -> tuple[Passing, ...]:
-    """All parts that a pair moves beside all that stands there; none where no linkage moves."""
+    """All passings of a pair's moving parts and standing bodies; empty where no linkage moves."""
     linkage = drive.linkage
     if not (drive.moves_output and linkage.rod_lines_mm):
         return ()
@@ -113,7 +113,7 @@ def _half_mm(drive: Geared, part: str) -> float | None:
 
 
 def standing_of(drive: Geared) -> tuple[Standing, ...]:
-    """What stands beside gears: shaft or hub of the driving gear, axes of other links, and the pins of end stops."""
+    """The bodies beside the gears: shaft or hub of the driving gear, axes of other links, and the pins of end stops."""
     gears, distance_mm = drive.gears, drive.pitch.center_distance_mm
     axis_rad = radians(gears.driving_axis_deg)
     driving = distance_mm * cos(axis_rad), distance_mm * sin(axis_rad)
@@ -133,7 +133,7 @@ def standing_of(drive: Geared) -> tuple[Standing, ...]:
 
 
 def about_axis(body: GearBody) -> tuple[str, float | None]:
-    """What stands about a gear's axis, hub or shaft, and its radius in mm; None where neither hub nor bore is given."""
+    """The body about a gear's axis, hub or shaft, and its radius in mm; None where neither hub nor bore is given."""
     if body.hub is not None:
         return "hub", body.hub.diameter_mm / 2.0
     return "shaft", None if body.bore_mm is None else body.bore_mm / 2.0
@@ -171,29 +171,29 @@ def center_lines(linkage: Mechanism) -> Mapping[str, CenterLines]:
 
 
 STEPS, PARTS, LEVELS = 720, 16, 2
-"""Steps of a cycle, the parts into which a step is cut that may hold the least distance, and how often."""
+"""Steps of a cycle, the parts into which a step is divided that may have the least distance, and how often."""
 
 FASTER = 1.5
 """The ends of a line move no faster between samples than this factor times the greatest speed at samples."""
 
 NARROWEST_RAD = 1e-12
-"""Where a least distance is known as exactly, it is looked for no longer."""
+"""Interval of angles at which the search for a least distance ends."""
 
 
 def least_distance(
     lines: CenterLines, center_mm: tuple[float, float], transmission: Transmission
 ) -> tuple[float, float]:
-    """The least distance in mm of a point from a moving line over a cycle, and the driving angle in rad of it.
+    """The least distance in mm of a point from a moving line over a cycle, and its driving angle in rad.
 
-    The distance changes between two samples by less than the way of the line's ends.  A step whose bound, which follows
-    from this, is above the least value found cannot hold the least distance.  Raises Unanswered for a distance
-    that is no finite number.
+    Between two samples the distance changes by less than the path of the line's ends.  This gives a bound for each
+    step; a step with a bound above the least value found cannot have the least distance.  Raises Unanswered for a
+    distance that is not finite.
     """
     lobes, point = transmission.lobes, complex(*center_mm)
     end = transmission.cycle_rad if lobes.repeats else lobes.driving_period_rad
 
     def sampled(phi1_rad: Array) -> tuple[Array, Array]:
-        """Distances, and bounds of the way of the line's ends from each angle to the next, along the last axis."""
+        """Distances, and bounds of the path of the line's ends from each angle to the next, along the last axis."""
         crank = transmission.driven_angle(phi1_rad.ravel()).value
         start, stop, speed = lines(crank)
         way = FASTER * speed * np.abs(np.diff(crank.reshape(phi1_rad.shape), axis=-1))
@@ -218,7 +218,7 @@ def least_distance(
 
 
 def _narrowed(distance: Callable[[Array], Array], low: float, high: float) -> tuple[float, float]:
-    """The least distance between two angles, between which it has one minimum, and its angle."""
+    """The least distance between two angles, where it has one minimum, and its angle."""
     while True:
         grid = np.linspace(low, high, 2 * PARTS + 1)
         found = distance(grid)

@@ -1,4 +1,4 @@
-"""Teeth under load before any tooth is made: one pair on each side, as stiff as the pairs together are in the mean."""
+"""Teeth under load before any tooth is made: one pair on each side, with the mean stiffness of all pairs together."""
 
 from __future__ import annotations
 
@@ -18,11 +18,11 @@ from ncgear.project.tooth_load import ToothLoad
 from ncgear.strength.without_teeth import PUSHING_AND_BACK, SharedLoad
 
 PLACES = 720
-"""Places of a cycle between which levers and play are followed by lines."""
+"""Places of a cycle between which levers and play are interpolated linearly."""
 
 
 def rough_meshing(drive: Drive, load: ToothLoad, sides: Sequence[SharedLoad]) -> Meshing:
-    """The teeth of a pair as their pitch curves tell them, with the mean stiffness of pairs that share a load."""
+    """The teeth of a pair from its pitch curves, with the mean stiffness of the pairs that share a load."""
     transmission, play, gears = drive.pair.transmission, drive.play, drive.running
     phi1 = np.linspace(0.0, transmission.cycle_rad, PLACES + 1)
     levers = [1.0 / load.mesh_force(phi1, np.full(phi1.shape, urge)).size_n.value for urge in PUSHING_AND_BACK]
@@ -49,6 +49,6 @@ def rough_meshing(drive: Drive, load: ToothLoad, sides: Sequence[SharedLoad]) ->
 
 
 def _mean_stiffness(side: SharedLoad) -> float:
-    """The load of all pairs over how far it makes them give way, in N/mm for each mm of width, weighted by the load."""
+    """The load of all pairs over their deflection, in N/mm per mm of width, weighted by the load."""
     line = side.line_n_mm.sum(axis=0)
     return float((line**2).sum() / (line**2 / side.stiffness_n_mm2).sum())

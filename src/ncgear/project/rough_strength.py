@@ -1,4 +1,4 @@
-"""The rough strength of a design, for a check: from its law, its pitch curves and its loads, without a tooth."""
+"""The rough strength of a design, for a check: from its law, its pitch curves and its loads, without making teeth."""
 
 from __future__ import annotations
 
@@ -49,11 +49,11 @@ if TYPE_CHECKING:
 class RoughStrength:
     """Both gears' safeties, roughly.
 
-    ``unjudged`` says why the teeth are not judged for the wanted life.  ``at_once`` says that the safeties are against
+    ``unjudged`` says why the teeth are not judged for the wanted life.  ``at_once`` means that the safeties are against
     breaking at once instead; there are no safeties where even these are not known.  ``needs_teeth`` says why the
-    safeties are right within a factor of two and a half only.  Both are words that follow "because", and empty where
-    there is no such reason; ``jammed`` are the safeties in a jam, for which it is ``jam_needs_teeth``.  ``vibration``
-    is what is told of the mesh where the life of its teeth is judged.
+    safeties are right only within a factor of two and a half.  Both texts follow "because", and are empty without such
+    a reason.  ``jammed`` are the safeties in a jam, with ``jam_needs_teeth`` as their reason.  ``vibration`` has the
+    figures of the mesh where the life of its teeth is judged.
     """
 
     safeties: tuple[RoughSafety, ...]
@@ -65,11 +65,11 @@ class RoughStrength:
     jam_needs_teeth: str = ""
 
     def needs_teeth_for(self, one: RoughSafety) -> str:
-        """Why one of the safeties is right within a factor only; empty where it is not."""
+        """Why one of the safeties is right only within a factor; empty where it is exact."""
         return self.jam_needs_teeth if one in self.jammed else self.needs_teeth
 
     def share(self, one: RoughSafety) -> float:
-        """A safety over that under which teeth do not hold for certain."""
+        """A safety over the safety below which teeth certainly do not hold."""
         return one.safety / (one.wanted * (0.4 if self.needs_teeth_for(one) else 1.0))
 
     @property
@@ -80,7 +80,7 @@ class RoughStrength:
 
 @lru_cache(maxsize=2)
 def rough_strength(drive: Drive) -> RoughStrength | None:
-    """The rough strength of a pair; None where there are no gears, no load, or two pairs of which none is meant.
+    """The rough strength of a pair; None without gears or load, and for two pairs without a stage.
 
     The results of the last two pairs are kept, since several conditions ask for them.
     """
@@ -92,17 +92,17 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
     try:
         load = rolled_load(drive)
     except DesignError as error:
-        # Pitch curves and forces may be refused; a check does not ask for them.
+        # Pitch curves and forces may be refused; a check does not need them.
         return RoughStrength((), error.problem)
     if not load.force_n.any() and design.strength.overload is None:
-        return RoughStrength((), "nothing that is given presses the teeth at any angle")
+        return RoughStrength((), "no given load presses the teeth at any angle")
     if np.any(load.force_n < 0.0):
         return RoughStrength((), "the teeth cannot push the driven gear at every angle")
     plan, running, conditions = tooth_plan(drive), drive.running, drive.conditions
     sides = shared_loads(load, plan, running, drive.materials)
     asked, borne = asked_of(drive), None
     if asked.knocks_are_judged:
-        # Checks of machines without masses load nothing of contact.
+        # Checks of machines without masses load no module of contact.
         from ncgear.project.forces import borne_by
         from ncgear.project.rough_meshing import rough_meshing
 
@@ -157,7 +157,7 @@ def rough_strength(drive: Drive) -> RoughStrength | None:
 
 
 def beside_refusal(drive: Drive, refusal: DesignError | None) -> RoughStrength | None:
-    """The rough strength of a pair whose strength is refused, or of which none is computed (None)."""
+    """The rough strength of a pair whose strength is refused, or was not computed (None)."""
     if refusal is None:
         return rough_strength(drive)
     found = rough_strength(drive)
@@ -165,7 +165,7 @@ def beside_refusal(drive: Drive, refusal: DesignError | None) -> RoughStrength |
 
 
 def rough_mesh(drive: Drive, sides: list[SharedLoad], load: RolledLoad) -> MeshStiffness | None:
-    """How stiff the teeth of a pair are, roughly, as a mean over a pitch."""
+    """The rough mean stiffness of a pair's teeth over a pitch."""
     phi1, stiffness, pairs = (
         np.concatenate(parts)
         for parts in zip(
@@ -186,12 +186,12 @@ def rough_mesh(drive: Drive, sides: list[SharedLoad], load: RolledLoad) -> MeshS
 
 
 def rough_damage(found: RoughStrength, one: RoughSafety) -> str:
-    """What happens to a tooth, in words that follow "against"."""
+    """The damage of a tooth, in words that follow "against"."""
     return "breaking at once" if found.at_once else one.damage.words
 
 
 def _no_life(drive: Drive, phi1_rad: Array) -> str:
-    """Why no life of these teeth is told under any load."""
+    """Why the life of these teeth is unknown under any load."""
     for gear in Gear:
         wall_mm = float(_walls_mm(drive, gear, phi1_rad).min())
         if wall_mm < _known_wall_mm(drive, gear):
@@ -219,7 +219,7 @@ def _needs_teeth(drive: Drive, plan: ToothPlan, load: RolledLoad, sides: list[Sh
 
 
 def _shaken(drive: Drive, load: RolledLoad, mesh: MeshStiffness | None, borne: BorneTorque | None) -> Array:
-    """K_V at the positions of a load, shape (n,): by the law's part of it, or by the motion that is followed."""
+    """K_V at the positions of a load, shape (n,): for the law's part of it, or for the computed motion with knocks."""
     shaken, conditions = drive.vibration.factors, drive.conditions
     if borne is None or not borne.phi1_rad.size or conditions.dynamic_factor is not None:
         return shaken(load.phi1_rad, load.force_n, mesh, conditions)
@@ -241,21 +241,21 @@ def _uneven(drive: Drive, sides: list[SharedLoad], conditions: Conditions, shake
 
 
 def _would_be_undercut(drive: Drive) -> bool:
-    """Whether the straight edge of the rack reaches beyond where its normal meets the centre of curvature."""
+    """Whether the straight edge of the rack reaches beyond the foot of the normal from the centre of curvature."""
     rack = tooth_form_of(drive.gears, drive.pitch.size.module_mm).rack
     most = max(drive.pitch.curvature_range[gear][1].value for gear in Gear) / drive.pitch.center_distance_mm
     return rack.flank_depth_mm * most > sin(min(rack.angles_rad)) ** 2
 
 
 MOST_UNEQUAL_RAD = radians(5.0)
-"""Difference of both pressure angles from which roots are unlike the roots of a rack with either angle."""
+"""Difference of both pressure angles above which roots differ from the roots of a rack with either angle."""
 
 LEAST_SHIFT = 1e-9
-"""Sum of both shifts in modules that is a rounding error of none."""
+"""Sum of both shifts in modules up to which it counts as zero."""
 
 
 def _warm(drive: Drive, sides: list[SharedLoad], positions: int) -> tuple[Material, Material]:
-    """The materials; plastics are as warm as friction makes them."""
+    """The materials; plastics at the temperature that friction gives them."""
     choices, conditions, running = choices_of(drive.gears), drive.conditions, drive.running
     if not any(isinstance(choice.entry, Plastic) for choice in choices):
         return drive.materials
@@ -275,7 +275,7 @@ def tooth_plan(drive: Drive) -> ToothPlan:
 
 
 def _rims(drive: Drive, gear: Gear, phi1_rad: Array) -> Array:
-    """Y_B of a gear at driving angles, shape (n,); at least so much where walls are thinner than what is known."""
+    """Y_B of a gear at driving angles, shape (n,); only a lower bound where walls are thinner than its known range."""
     module, ring = drive.running.module_mm, drive.pitch.of(gear).is_ring
     walls = np.maximum(_walls_mm(drive, gear, phi1_rad), _known_wall_mm(drive, gear))
     return np.asarray(rim_factor(walls, _height_mm(drive), module, internal=ring))
@@ -286,14 +286,14 @@ def _height_mm(drive: Drive) -> float:
 
 
 def _known_wall_mm(drive: Drive, gear: Gear) -> float:
-    """The thinnest wall whose Y_B is known."""
+    """The thinnest wall for which Y_B is known."""
     return thinnest_rim_mm(_height_mm(drive), drive.running.module_mm, internal=drive.pitch.of(gear).is_ring)
 
 
 def _walls_mm(drive: Drive, gear: Gear, phi1_rad: Array) -> Array:
     """The walls that the keys of a gear give under the roots at driving angles, shape (n,).
 
-    Walls of a web, a ring, lightening holes and the bore with its keyway; infinite where no key gives one: a rim
+    Walls of a web, a ring, lightening holes and the bore with its keyway; infinite where no key gives a wall: a rim
     that the file leaves out is thick enough.  All helical teeth count as the tooth with the thinnest wall.
     """
     body, curve = getattr(drive.gears, gear.value), drive.pitch.of(gear)
@@ -305,7 +305,7 @@ def _walls_mm(drive: Drive, gear: Gear, phi1_rad: Array) -> Array:
         return walls
     bored = _bored_mm(drive, gear, phi1_rad)
     if body.keyway:
-        # Its edges are near few roots: of a tooth that touches here both lie within a pitch.
+        # The keyway is near few roots: both roots of a touching tooth are within a pitch.
         step_rad = 2.0 * pi / drive.pitch.size.driving_teeth * AROUND
         turns = phi1_rad + step_rad[:, None]
         end = drive.pitch.toothed.covered_rad if drive.pitch.toothed is not None else inf
@@ -314,7 +314,7 @@ def _walls_mm(drive: Drive, gear: Gear, phi1_rad: Array) -> Array:
 
 
 AROUND = np.linspace(-1.0, 1.0, 9)
-"""Pitches from where teeth touch to where walls over a keyway are looked at."""
+"""Distances in pitches from the contact at which walls over a keyway are computed."""
 
 
 def _bored_mm(drive: Drive, gear: Gear, phi1_rad: Array) -> Array:
@@ -334,7 +334,7 @@ def _bored_mm(drive: Drive, gear: Gear, phi1_rad: Array) -> Array:
 
 
 def rolled_load(drive: Drive, torque_n_mm: Callable[[Array], Array] | None = None) -> RolledLoad:
-    """What a pair bears while its pitch curves roll; raises as pitch curves and forces do.
+    """The load of a pair while its pitch curves roll; raises as pitch curves and forces do.
 
     The torque is ``torque_n_mm`` at driving angles, shape (n,), or else the torque that the law asks for.
     """
@@ -346,7 +346,7 @@ def rolled_load(drive: Drive, torque_n_mm: Callable[[Array], Array] | None = Non
         end_mm, end_rad = toothed.covered_mm, toothed.covered_rad
         count = ceil(end_mm / step_mm) + 1
     rolled: Array = np.minimum(step_mm * np.arange(count, dtype=float), end_mm)
-    # Rounding errors must not put the first position before the seam of the law, or the last position beyond a range.
+    # Rounding must not put the first position before the seam of the law, or the last position beyond a range.
     phi1 = np.clip(pitch.driving.driving_angle(rolled), 0.0, end_rad)
     speed = pitch.transmission.driven_angle(phi1, 1).derivative(1)
     curvature = np.stack([pitch.of(gear).at_angle(phi1).curvature for gear in Gear])

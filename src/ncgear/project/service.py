@@ -48,7 +48,7 @@ def densities_kg_m3(given: float | None, gears: Gears) -> tuple[float, float]:
 def conditions_of(given: StrengthKeys, stroke_rad: float, speed_rad_s: float) -> Conditions:
     """The conditions of the section ``strength``.
 
-    ``stroke_rad`` is how far the driving gear turns in one stroke of the slider, out and back, and ``speed_rad_s`` its
+    ``stroke_rad`` is the angle of the driving gear in one stroke of the slider, out and back, ``speed_rad_s`` its
     speed.
     """
     life_h = USUAL_LIFE_H if given.life_h is None else given.life_h

@@ -1,14 +1,13 @@
 """The search for the smallest gears that hold: module of series I, number of teeth and face width within a space.
 
 They hold where no tooth has less than the wanted safety against breakage and pitting, and where flanks neither scuff
-nor wear away.  Where K_Hbeta follows from the shafts and no crowning is given, flanks have the lead crowning that is
-best for the nearest gears.
+nor wear away.  Where K_Hbeta follows from the shafts and no crowning is given, flanks get the best lead crowning of the
+nearest gears.
 
-The law stays as it is, so a number of teeth and a module give gears of the same shape in another size.  How the safety
-depends on the size is guessed from the nearest gears that are computed already (``ncgear.strength.holding``).  For each
-module the numbers of teeth are tried in the order of the volume that they are guessed to need, and the face width is
-set right by computing, so that each answer has been computed.  A number of teeth that is refused is refused for every
-module.
+The law stays as it is, so a number of teeth and a module give gears of the same shape in another size.  The safety of a
+size is guessed from the nearest gears that are computed already (``ncgear.strength.holding``).  For each module the
+numbers of teeth are tried in the order of the guessed volume, and computations correct the face width, so that each
+answer has been computed.  A number of teeth that is refused is refused for every module.
 """
 
 from __future__ import annotations
@@ -46,49 +45,49 @@ OnTrial = Callable[[int, int], None]
 """Called with the numbers of computed gears so far and at most."""
 
 MOST_COMPUTED = {"resistance": 24, "masses": 11}
-"""Gears that are computed at most, by what their load follows from.  With masses, whose knocks are followed and which
-gears' bodies belong to, they take a second each, else a fifth of it: a person waits ten seconds."""
+"""Most gears that are computed, by the source of their load.  With masses, which include knocks and the gears' bodies,
+they take a second each, else a fifth of it: the search takes ten seconds."""
 
 MOST_NARROWED = {"resistance": 16, "masses": 5}
-"""Gears of the same teeth that are computed at most to find the least widths, in a half of that time each."""
+"""Most gears of the same teeth that are computed to find the least widths, in half of that time each."""
 
 HELIX_DEG = 20.0, 30.0
-"""Helix angles of herringbone teeth that are tried: as of such gears in machines, which have no thrust."""
+"""Helix angles of herringbone teeth that are tried: usual values in machines, without thrust."""
 
 BEST = 4
-"""Answers that are given."""
+"""Number of answers."""
 
 BODIES = "gears.driving.", "gears.driven."
-"""How keys of bodies begin, which have no room in gears that are too small."""
+"""Beginnings of the keys of bodies, which have no room in gears that are too small."""
 
 DOUBLED = tuple(2.0**power for power in range(1, 9))
-"""Times the module of teeth that are too weak to be rated, from which the search may begin."""
+"""Factors on the module of teeth that are too weak to be rated, from which the search may begin."""
 
 NEAR_MM = 3.0
-"""Between a width that does not do and one that does: so near to each other the next mm is tried at once."""
+"""Distance between a width that holds and a width that does not, below which the next mm is tried at once."""
 
 GREATER = 2.5
-"""Gears that have this many times the smallest gears' volume are not looked for."""
+"""Ratio to the smallest gears' volume above which gears are not computed."""
 
 TRIES = 3
-"""Numbers of teeth that are tried for a module, and face widths for a number of teeth."""
+"""Number of tooth numbers that are tried for a module, and of face widths for a number of teeth."""
 
 FEWEST_TEETH = 12
-"""Driving teeth that are tried at least: fewer are undercut on circular gears."""
+"""Least number of driving teeth that is tried: fewer are undercut on circular gears."""
 
 FINENESS = 1.06
 """Ratio of the numbers of teeth that follow each other: 6 % of the size is less than a step of the modules."""
 
 NARROWEST_MODULES = 5.0
-"""Least face width in modules: narrower gears lean on their shafts."""
+"""Least face width in modules: narrower gears tilt on their shafts."""
 
 
 @dataclass(frozen=True)
 class GearRoom:
-    """The room for a pair: largest centre distance and largest diameter of a gear in mm, both infinite where open.
+    """The room for a pair: largest centre distance and largest diameter of a gear in mm, both infinite if not limited.
 
-    ``width_modules`` and ``least_width_modules`` are the largest and the least face width in modules, ``modules_mm``
-    the modules and ``fewest_teeth`` the least number of driving teeth that are looked at.
+    ``width_modules`` and ``least_width_modules`` are the largest and the least face width in modules; ``modules_mm``
+    are the modules to try, ``fewest_teeth`` is the least number of driving teeth.
     """
 
     center_distance_mm: float = inf
@@ -109,17 +108,17 @@ class Sized:
 
     @property
     def flank_share(self) -> float:
-        """The least share of what is wanted that flanks have against scuffing and wear."""
+        """The least ratio of the flanks' safety to the wanted safety, against scuffing and wear."""
         return self.drive.surfaces_by(self.rating.strength.method).share
 
     @property
     def share(self) -> float:
-        """The least share of what is wanted that any tooth has."""
+        """The least ratio of any tooth's safety to the wanted safety."""
         return min(self.flank_share, *(one.share for one in self.rating.weakest))
 
     @property
     def holds(self) -> bool:
-        """Whether teeth and flanks have what is wanted."""
+        """Whether teeth and flanks have the wanted safety."""
         return self.rating.holds and self.flank_share >= 1.0
 
     @property
@@ -159,7 +158,7 @@ def require_material(name: str, key: str) -> None:
 def asked_design(design: Design, asked: Mapping[str, float | str]) -> Design:
     """The design with another material and other wanted safeties, by their keys.
 
-    Moments of inertia of gears that the file states are left out: they belong to gears of another size.
+    Moments of inertia of gears in the file are left out: they belong to gears of another size.
     """
     if design.masses is not None:
         design = design.model_copy(update={"masses": design.masses.model_copy(update=dict.fromkeys(GEAR_INERTIA))})
@@ -176,8 +175,8 @@ def smallest_gears(drive: Drive, space: GearRoom, on_trial: OnTrial = lambda don
 
     Each has the least width in whole mm: the same gears a mm narrower were computed, and do not hold.
 
-    Raises NoSuchMechanism where none are found, with the nearest that were computed, WrongInput where the law gives the
-    gears' size, and as ``rating_of`` does for the design as given, but for teeth that are too weak to be rated.
+    Raises NoSuchMechanism, with the nearest gears computed, where none are found, WrongInput where the law gives the
+    gears' size, and as ``rating_of`` for the design as given, except for teeth that are too weak to be rated.
     """
     motion = drive.design.motion
     if motion.gives_center_distance:
@@ -200,17 +199,17 @@ def smallest_gears(drive: Drive, space: GearRoom, on_trial: OnTrial = lambda don
     least_mm3 = min(one.volume_mm3 for one in found)
     found = sorted((one for one in found if one.volume_mm3 <= GREATER * least_mm3), key=lambda one: one.volume_mm3)
     narrow = [search.narrowed(one) for one in found[:BEST]]
-    # Of more gears than can be computed, those whose least width is not known are left out.
+    # If more gears remain than can be computed, gears without a known least width are left out.
     least = [one for one, known in narrow if known] or [narrow[0][0]]
     return sorted(least, key=lambda one: one.volume_mm3)
 
 
 def in_herringbone(one: Sized) -> Sized | None:
-    """The same teeth as herringbones, which bear more, in the least of a few widths that were computed and hold.
+    """The same teeth as herringbones, which carry more, in the least of a few widths that were computed and hold.
 
-    The angle is the one of HELIX_DEG that the estimate without teeth finds best.  None where such teeth cannot be made
-    (rings, gears that turn less than once, other methods, keys of the process), the design gives a helix angle, or
-    what is tried is no narrower.
+    The angle is the best of HELIX_DEG by the estimate without teeth.  None where such teeth cannot be made (rings,
+    gears that turn less than once, other methods, keys of the process), where the design gives a helix angle, or where
+    the tried teeth are not narrower.
     """
     from ncgear.project.gear_solids import PROCESS
 
@@ -251,7 +250,7 @@ def in_herringbone(one: Sized) -> Sized | None:
 
 
 def _roughly(drive: Drive) -> float:
-    """The least share of the wanted safeties by the estimate without teeth; 0 where it does not tell."""
+    """The least ratio to the wanted safeties by the estimate without teeth; 0 where it gives none."""
     found = rough_strength(drive)
     if found is None or found.unjudged or found.needs_teeth:
         return 0.0
@@ -261,21 +260,21 @@ def _roughly(drive: Drive) -> float:
 def smallest_accepted(
     drive: Drive, space: GearRoom, accepted: Callable[[Sized], bool], most_computed: int, on_trial: OnTrial
 ) -> Sized | None:
-    """The smallest gears that hold and are accepted besides, of so many that are computed; None where none are.
+    """The smallest gears that hold and are accepted, among a number that is computed; None where there are none.
 
-    Sizes are tried in the order of the volume that they are guessed to need by all that is computed so far, until no
-    other is guessed to need less than the smallest found.  Raises as ``rating_of`` does for the design as given where
-    no larger module can be rated either.
+    Sizes are tried in the order of the volume that all computed gears suggest, until no other size is guessed to need
+    less than the smallest found.  Raises as ``rating_of`` does for the design as given where no larger module can be
+    rated either.
     """
     search = _Search(drive, space, on_trial, [_begun(drive, any_size=True)], most=most_computed)
     return search.smallest_of_all(accepted)
 
 
 def _begun(drive: Drive, *, any_size: bool = False) -> Sized:
-    """The design as given or, of teeth too weak to be rated, the first of twice, four times ... the module that can be.
+    """The design as given or, if its teeth cannot be rated, the first of twice, four times ... the module that can.
 
-    With ``any_size``, a larger module is tried whatever is refused of the size as given.  Raises as ``rating_of`` does
-    for the design as given.
+    With ``any_size``, a larger module is tried after any error of the given size.  Raises as ``rating_of`` does for the
+    design as given.
     """
     try:
         return Sized({}, drive, rating_of(drive, "estimate"))
@@ -296,9 +295,9 @@ def _begun(drive: Drive, *, any_size: bool = False) -> Sized:
 
 @dataclass(eq=False)
 class _Search:
-    """The knowledge so far: all gears that were computed, the initial gears first, and what was refused.
+    """The knowledge so far: all gears that were computed, the initial gears first, and the refused sizes.
 
-    ``refused`` are numbers of teeth, ``weak`` those and the modules of teeth too weak to be rated.  Gears whose teeth
+    ``refused`` are numbers of teeth, ``weak`` numbers and modules of teeth too weak to be rated.  Gears whose teeth
     times module are not over ``too_small_mm`` have no room for their bodies.
     """
 
@@ -329,7 +328,7 @@ class _Search:
         return load if load in MOST_COMPUTED else "resistance"
 
     def modules(self) -> list[tuple[float, float]]:
-        """Modules and the volumes that their gears are guessed to need, the least first; none without room."""
+        """Modules and the guessed volumes of their gears, the least first; empty without room."""
         guessed = [
             (module, min((self.volume(z, module) for z in self.teeth()), default=inf))
             for module in self.space.modules_mm
@@ -337,7 +336,7 @@ class _Search:
         return sorted((one for one in guessed if one[1] < inf), key=lambda one: one[1])
 
     def teeth(self) -> list[int]:
-        """Numbers of driving teeth that may be tried, with the number of the design."""
+        """Numbers of driving teeth that may be tried, including the number of the design."""
         lobes = self.drive.gears.lobes.driving
         fewest = self.space.fewest_teeth
         steps = np.exp(np.arange(log(fewest), log(MOST_TEETH), log(FINENESS)))
@@ -393,7 +392,7 @@ class _Search:
         return best
 
     def narrowed(self, one: Sized) -> tuple[Sized, bool]:
-        """The gears with the least width that holds, and whether it is known: a mm less does not hold."""
+        """The gears with the least width that holds, and whether a mm less is known not to hold."""
         teeth, module, best = one.teeth, one.module_mm, one
         fails: Sized | None = None
         below = ceil(self.space.least_width_modules * module - 1e-9) - 1.0
@@ -410,7 +409,7 @@ class _Search:
             elif fails is None:
                 guess = self.width(teeth, module)
             else:
-                # Between a width that does not do and one that does, the share goes as a power of the width.
+                # Between a width that holds and a width that does not, the share is a power of the width.
                 part = log(1.0 / fails.share) / log(best.share / fails.share) if best.share > fails.share else 0.5
                 guess = float(ceil(below * (best.face_width_mm / below) ** part))
             self.narrowings += 1
@@ -424,11 +423,11 @@ class _Search:
         return best, best.face_width_mm - below <= 1.0
 
     def made(self, teeth: int, module_mm: float, width_mm: float) -> Sized | None:
-        """The gears of a size, computed; None where they are refused or do not go into the space."""
+        """The gears of a size, computed; None where they are refused or do not fit into the space."""
         crowned = self.crowning(self.nearest(teeth, module_mm))
         changes: Changes = {**sized(self.drive, teeth, module_mm), "gears.face_width_mm": width_mm, **crowned}
         self.on_trial(self.trials + self.narrowings, self.most_computed + self.most_narrowed)
-        # Teeth that are the same as the teeth of earlier gears are not made again.
+        # Teeth of earlier gears are not made again.
         same = [one for one in self.computed if (one.teeth, one.module_mm) == (teeth, module_mm)]
         try:
             changed = changed_drive(same[-1].drive if same else self.drive, changes)
@@ -440,7 +439,7 @@ class _Search:
             elif key.startswith(BODIES):
                 self.too_small_mm = max(self.too_small_mm, teeth * module_mm)
             else:
-                # Where so few teeth are refused, fewer are, unless some were made.
+                # If so few teeth are refused, fewer are refused too, unless some were made.
                 some = {one.teeth for one in self.computed}
                 fewer = {count for count in self.teeth() if count < teeth} if min(some) > teeth else set[int]()
                 self.refused |= {teeth} | fewer
@@ -449,10 +448,10 @@ class _Search:
         inside = changed.pitch.center_distance_mm <= self.space.center_distance_mm
         return made if inside and made.diameter_mm <= self.space.diameter_mm else None
 
-    # Guesses from the nearest gears that are computed.
+    # Guesses from the nearest gears computed.
 
     def crowning(self, near: Sized) -> Changes:
-        """The lead crowning that is best for gears; empty where nothing tells it, or the design gives its own."""
+        """The best lead crowning of gears; empty where it is not known, or the design gives its own."""
         if is_given(self.drive.design, CROWNING):
             return {}
         told = near.drive.told_face_load_by("estimate")
@@ -478,7 +477,8 @@ class _Search:
             module_mm / near.module_mm,
         )
         wider = [_wider(one, scale, larger) for one in near.rating.weakest]
-        # What is worn off goes as force over width, and may be a share of the module; heat is taken to go as that.
+        # Wear is in proportion to force over width, and may be a share of the module; heat is assumed to follow the
+        # same rule.
         wider.append(1.0 / (near.flank_share * scale * larger))
         return float(ceil(max(near.face_width_mm * max(wider), self.space.least_width_modules * module_mm) - 1e-9))
 
@@ -488,7 +488,7 @@ class _Search:
         return teeth * module_mm / (first.teeth * first.module_mm)
 
     def nearest(self, teeth: int, module_mm: float) -> Sized:
-        """Of the gears with the most similar number of teeth and then module, the gears computed last."""
+        """Among the gears with the most similar number of teeth and then module, the gears computed last."""
         return min(
             reversed(self.computed),
             key=lambda one: (abs(log(one.teeth / teeth)), abs(log(one.module_mm / module_mm))),
@@ -496,10 +496,10 @@ class _Search:
 
 
 def _wider(one: Weakest, scale: float, larger: float) -> float:
-    """The factor of a face width with which a tooth, so many times in scale and module, would just be safe enough.
+    """The factor of a face width with which a tooth, scaled and with another module, would just be safe enough.
 
-    The force goes as 1 over the scale; a root's stress as force over width and module; the square of the pressure as
-    force over width and scale.
+    The force is in proportion to 1 over the scale; a root's stress to force over width and module; the square of the
+    pressure to force over width and scale.
     """
     if one.damage is Damage.BENDING:
         return 1.0 / (one.share * scale * larger)
@@ -512,6 +512,6 @@ def _nothing(search: _Search) -> str:
     return (
         f"no gears of series I up to {search.space.width_modules:g} modules wide were found that hold in this space; "
         f"nearest of {len(search.computed)} come {near.teeth} teeth of module {near.module_mm:g} mm, "
-        f"{near.face_width_mm:g} mm wide, with {near.share:.2g} of what is wanted; more space, a stronger material or "
-        "less load is needed"
+        f"{near.face_width_mm:g} mm wide, with {near.share:.2g} of the wanted safety; more space, a stronger "
+        "material or less load is needed"
     )

@@ -1,7 +1,7 @@
-"""Whether the teeth of a design hold, and a face width, a module or a material that alone would make them hold.
+"""Whether the teeth of a design hold, and a face width, a module or a material that would make them hold by itself.
 
 Each change is first guessed by how stresses scale (``ncgear.strength.holding``), then computed with the changed design
-and made larger until it holds.
+and made larger until the teeth hold.
 """
 
 from __future__ import annotations
@@ -39,20 +39,20 @@ SERIES_I_MM = (1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 16
 """Modules of ISO 54, series I (secondary source)."""
 
 MOST_TEETH = 240
-"""Driving teeth that sizes are looked for with: more are finer than strength needs."""
+"""Most driving teeth in the search for sizes: strength never needs more."""
 
 CROWNING = "gears.lead.crowning_um"
 """The key of the lead crowning."""
 
 WIDEST_MODULES = 12.0
-"""Face width in modules beyond which straight teeth do not bear over their whole width, as shafts bend and lie askew:
-makers of machines keep to 10 or 12."""
+"""Face width in modules above which straight teeth do not carry over their whole width, because shafts bend and axes
+are misaligned: makers of machines keep to 10 or 12."""
 
 STRONGER = ("PETG-print", "PLA-print", "PA66", "POM", "C45", "42CrMo4", "34CrNiMo6", "42CrMo4-nitrided", "18CrNiMo7-6")
 """Materials of the table by their endurance, the weakest first."""
 
 TRIALS = 4
-"""How often a guess is made larger.  The second is mostly right: load factors change little with the size."""
+"""How often a guess is made larger.  The second guess is mostly right: load factors change little with the size."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,14 +65,14 @@ class Rating:
 
     @property
     def holds(self) -> bool:
-        """Whether no safety is under the wanted one."""
+        """Whether no safety is under the wanted safety."""
         return all(one.holds for one in self.weakest)
 
 
 def rating_of(drive: Drive, method: Literal["estimate", "elements"] | None = None) -> Rating:
     """The rating of a drive's teeth by a method, or by the method of its design.
 
-    Raises WrongInput, with the missing keys, where strength is not known, and where the teeth bear no load.
+    Raises WrongInput, with the missing keys, where strength is not known, and where the teeth carry no load.
     """
     if (why := unknown(drive)) is not None:
         raise why
@@ -80,7 +80,7 @@ def rating_of(drive: Drive, method: Literal["estimate", "elements"] | None = Non
     strength, loading = drive.strength_by(method), drive.loading_by(method)
     area_mm2 = drive.gears.face_width_mm * drive.pitch.size.module_mm
     if strength.peak_pair_n < NOTHING_MPA * area_mm2:
-        raise WrongInput("the teeth bear no load at any angle, so that nothing can be said of them", key="resistance")
+        raise WrongInput("the teeth carry no load at any angle, so their strength is unknown", key="resistance")
     wanted = {gear: _wanted(drive, strength, gear) for gear in Gear}
     return Rating(strength, loading, tuple(weakest_teeth(strength, wanted)))
 
@@ -88,14 +88,14 @@ def rating_of(drive: Drive, method: Literal["estimate", "elements"] | None = Non
 def known_rating(drive: Drive) -> Rating | DesignError | None:
     """The rating of a drive's teeth by its design's method; None where no load is known or no strength is computed.
 
-    A refusal, as of a load that teeth cannot bear at all, is the answer then.
+    An error, for example about a load that teeth cannot carry at all, is returned as the answer.
     """
     if unknown(drive) is not None:
         return None
     try:
         return rating_of(drive)
     except DesignError as error:
-        # Gears can be made that cannot be rated.
+        # Some gears can be made but not rated.
         return error
 
 
@@ -106,7 +106,7 @@ def _wanted(drive: Drive, strength: Strength, gear: Gear) -> WantedSafety:
 
 
 def unknown(drive: Drive) -> WrongInput | None:
-    """Why the strength of a design is not known before anything is computed; None where it can be."""
+    """Why the strength of a design is not known, before anything is computed; None where it can be computed."""
     design = drive.design
     if design.gears is None:
         return WrongInput("missing; gears need teeth, module_mm, face_width_mm and more", key="gears")
@@ -120,7 +120,7 @@ def unknown(drive: Drive) -> WrongInput | None:
 
 
 def crowned_enough(drive: Drive, rating: Rating) -> Changes:
-    """The lead crowning in whole um that is the best, where teeth hold with it; else, or as nothing tells it, empty."""
+    """The best lead crowning in whole um, if teeth hold with it; else, or where it is not known, empty."""
     told = drive.told_face_load_by(rating.strength.method)
     if told is None or told.best_um == told.crowning_um:
         return {}
@@ -139,7 +139,7 @@ def wide_enough(drive: Drive, rating: Rating) -> Changes:
 
 
 def large_enough(drive: Drive, rating: Rating) -> Changes:
-    """The module of series I with which as many teeth of the same face width hold; empty where there is none."""
+    """The module of series I with which the same number of teeth and face width hold; empty where there is none."""
 
     def changes(module_mm: float) -> Changes | None:
         module = next((one for one in SERIES_I_MM if one >= module_mm), None)
@@ -158,7 +158,7 @@ def strong_enough(drive: Drive, rating: Rating) -> Changes:
     above = max((STRONGER.index(name) + 1 for name in names if name in STRONGER), default=0)
     low, high, found = above, len(STRONGER), Changes()
     while low < high:
-        # The strongest material first: mostly it holds, or none does.
+        # The strongest material first: mostly it holds, or none holds.
         middle = high - 1 if high == len(STRONGER) and not found else (low + high) // 2
         tried: Changes = {"gears.material": STRONGER[middle]}
         if _holds(drive, rating, tried):
@@ -200,7 +200,7 @@ def _enough(
         try:
             found = rating_of(changed_drive(drive, tried), rating.strength.method)
         except (DesignError, ValidationError):
-            # Larger teeth may be refused, and a hub may be too low for a wider gear.
+            # Larger teeth may be refused, and a hub may be too short for a wider gear.
             return {}
         if found.holds:
             return tried
@@ -208,7 +208,7 @@ def _enough(
 
 
 def deciding_loads(drive: Drive, rating: Rating) -> dict[tuple[Gear, Damage], Load]:
-    """Which load the weakest tooth of each gear is the weakest under, by damage: that of the law, knocks or a jam."""
+    """The deciding load of the weakest tooth of each gear, by damage: the law, knocks or a jam."""
     from ncgear.drivetrain.jam import Load, deciding
 
     judged, found = drive.judged_teeth(rating.strength.method), dict[tuple[Gear, Damage], Load]()

@@ -1,8 +1,8 @@
 """A pair over the band of tooth thickness that its file allows: play and contact at both ends and in the middle.
 
-All other results are for the middle of the band: outlines, strength, simulation, the gears that measured gears are
-compared with, and the assemblies of ``tolerance``, whose own deviations come on top.  Only the backlash that assemblies
-need, and the share of jamming assemblies in a build's estimate, are for the thickest teeth.
+All other results are for the middle of the band: outlines, strength, simulation, the reference of measured gears, and
+the assemblies of ``tolerance``, whose own deviations are added.  Only the backlash that assemblies need, and the share
+of jamming assemblies in a build's estimate, are for the thickest teeth.
 """
 
 from __future__ import annotations
@@ -32,9 +32,9 @@ class AtThickness:
 
 
 def thickness_band(pair: Geared, contact: AsDesigned, extremes: ContactExtremes) -> tuple[AtThickness, ...]:
-    """The pair with the thinnest teeth, its outlines' teeth, and the thickest teeth; empty without limits.
+    """The pair with the thinnest teeth, with the outlines' teeth, and with the thickest teeth; empty without limits.
 
-    ``contact`` and ``extremes`` belong to its outlines.  Raises NoSuchMechanism where the thickest teeth overlap.
+    ``contact`` and ``extremes`` belong to the outlines.  Raises NoSuchMechanism where the thickest teeth overlap.
     """
     limits = thickness_limits_mm(pair.gears)
     if limits is None:

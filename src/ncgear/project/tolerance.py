@@ -1,4 +1,4 @@
-"""From keys to values: the assemblies of a design within its tolerances, and the backlash that they need."""
+"""From keys to values: the assemblies of a design within its tolerances, and their needed backlash."""
 
 from __future__ import annotations
 
@@ -46,24 +46,24 @@ PER_TOOTH = 10
 their size at most, since teeth take over from each other between positions (tests/test_tolerances.py)."""
 
 LEAST_WITHIN, MOST_WITHIN, SPARE = 0.03, 0.5, 1.5
-"""Places of contact are followed to this depth at least and at most, in modules; and this many times as deep as flanks
-may be displaced."""
+"""Least and greatest depth to which places of contact are followed, in modules; and their depth as a multiple of the
+possible displacement of the flanks."""
 
 CHECKED_POSITIONS = 60
-"""At how many positions assemblies are checked by their outlines."""
+"""Number of positions at which assemblies are checked by their outlines."""
 
 FINE_IN_MODULES = 1e-3, 1e-4
 """Chord tolerances of the outlines of the check, and of their flanks."""
 
 KNOCKING = 2.0, 0.05
-"""Play above which teeth knock: times the largest as designed, and in modules at least."""
+"""Play above which teeth knock: as a multiple of the largest designed play, and at least in modules."""
 
 
 @dataclass(frozen=True)
 class NeededBacklash:
     """The backlash with which 99.9 % of all assemblies turn, with 95 % confidence, by its key in the design file.
 
-    ``of_pairs`` are the backlashes that each pair would need by itself; the key holds for all pairs.  ``jammed`` is the
+    ``of_pairs`` are the backlashes that each pair needs by itself; the key applies to all pairs.  ``jammed`` is the
     share of jamming assemblies among fresh assemblies of the gears with this backlash.  It is None where these gears
     cannot be made, for the reason ``refused``.
     """
@@ -78,12 +78,12 @@ class NeededBacklash:
 
 @dataclass(frozen=True, eq=False)
 class Tolerated:
-    """What the assemblies of a design within its tolerances do: the machine, and each of its pairs.
+    """The behaviour of a design's assemblies within its tolerances: of the machine, and of each of its pairs.
 
     A machine jams or knocks where one of its pairs does.  ``process`` is the process whose usual tolerances are
-    assumed; None where the file gives tolerances.  ``needed`` is None where too few assemblies are drawn to tell it.
-    ``knock`` is None where the torque of no driven gear ever turns round; ``loaded`` tells whether any load is known:
-    if not, the torque counts as turning round at every angle.
+    assumed; None where the file gives tolerances.  ``needed`` is None where too few assemblies are drawn to determine
+    it.  ``knock`` is None where the torque of no driven gear ever reverses; ``loaded`` tells whether any load is known:
+    if not, the torque counts as reversing at every angle.
     """
 
     drive: Drive
@@ -102,7 +102,7 @@ class Tolerated:
 
     @property
     def too_few(self) -> int:
-        """The least number of samples that tells the needed backlash."""
+        """The least number of samples from which the needed backlash follows."""
         return enough_samples(TURNING)
 
 
@@ -113,7 +113,7 @@ def tolerated(
     workers: Workers,
     on_done: OnDone,
 ) -> Tolerated:
-    """What ``samples`` assemblies do, a power of two; calls ``on_done`` with the numbers done and in all.
+    """The behaviour of ``samples`` assemblies, a power of two; calls ``on_done`` with the numbers done and in all.
 
     Raises WrongInput where a grade does not hold for the gears, and as the drive does.
     """
@@ -153,7 +153,7 @@ def _pair(
     nominal: Assemblies,
     tasks: list[Task],
 ) -> PairStudy:
-    """What the pair ``number`` of a lot, whose drive is given, does in the assemblies found."""
+    """The behaviour of the pair ``number`` of a lot in the assemblies found; its drive is given."""
     pair, module = lot.pairs[number], drive.pitch.size.module_mm
     play_mm = float(nominal.pairs[number].largest_play_mm[0])
     coarse, fine = (share * module for share in FINE_IN_MODULES)
@@ -179,10 +179,10 @@ def _pair(
 
 
 def face_of(drive: Drive, tolerances_mm: tuple[float, float] | None = None) -> Face:
-    """The sections of a pair: one of straight teeth, PER_TOOTH for each pitch that helical teeth advance.
+    """The sections of a pair: one for straight teeth, PER_TOOTH for each pitch that helical teeth advance.
 
-    Their outlines are the outlines of the design, or have the given chord tolerances: the second tolerance is for
-    flanks.  Raises NoSuchMechanism, naming the height, where no tooth can stand.
+    The outlines are the outlines of the design, or have the given chord tolerances: the second tolerance is for flanks.
+    Raises NoSuchMechanism, naming the height, where no tooth can stand.
     """
     form, pitch, helix = drive.tooth_form, drive.pitch, drive.helix
     chord, flank = tolerances_mm or (drive.chord_tolerance_mm, None)
@@ -205,7 +205,7 @@ def face_of(drive: Drive, tolerances_mm: tuple[float, float] | None = None) -> F
 
 
 def lot_of(drive: Drive, given: AssemblyTolerances) -> Lot:
-    """What assemblies of a design are computed from; raises as ``Drive.designed_contact`` where teeth are not sound."""
+    """The data from which assemblies are computed; raises as ``Drive.designed_contact`` where teeth are not sound."""
     peak = drive.check.peak_acceleration_cycle.value
     made = [(*_mesh_and_limits(pair, given), _reversals(pair), pair.pair) for pair in drive.by_stage]
     first = drive.by_stage[0]
@@ -222,7 +222,7 @@ def _mesh_and_limits(drive: Drive, given: AssemblyTolerances) -> tuple[LinearMes
 
 
 def _mesh(drive: Drive, limits: Limits, per_tooth: int) -> LinearMesh:
-    """The linear mesh of one pair whose deviations have limits, at ``per_tooth`` positions per tooth pitch."""
+    """The linear mesh of one pair with limits of deviations, at ``per_tooth`` positions per tooth pitch."""
     size, module = drive.pitch.center_distance_mm, drive.pitch.size.module_mm
     within = float(np.clip(SPARE * limits.displaced_mm(size), LEAST_WITHIN * module, MOST_WITHIN * module))
     face, both = face_of(drive), drive.gears.drives == "both_ways"
@@ -234,7 +234,7 @@ def _is_loaded(drive: Drive) -> bool:
 
 
 def _reversals(drive: Drive) -> IndexArray:
-    """The positions of one pair beside which the torque of its driven gear turns round; all where no load is known."""
+    """The positions of one pair next to which the torque of its driven gear reverses; all where no load is known."""
     placement = placed(drive.pitch, PER_TOOTH)
     if not _is_loaded(drive):
         return np.arange(placement.count)
@@ -251,7 +251,7 @@ def _needed(
     workers: Workers,
     on_done: OnDone,
 ) -> NeededBacklash | None:
-    """The backlash that is needed; play by turning adds the same angle everywhere, so that the quantile tells it."""
+    """The needed backlash; play by turning adds the same angle everywhere, so the quantile gives it."""
     gears = drive.gears
     key, decimals = backlash_key(gears), 4 if gears.backlash_deg is not None else 3
     left = [left_of_backlash(pair, own.least_play_rad) for pair, own in zip(drive.by_stage, found.pairs, strict=True)]
@@ -261,7 +261,7 @@ def _needed(
         if lost is None:
             return None
         step, needs = 10.0**-decimals, max(-lost, 0.0)
-        # Nobody makes usual teeth to finer steps; tiny teeth have two digits.
+        # Nobody makes usual teeth to finer steps; tiny teeth get two digits.
         return rounded_up(needs, step) if needs > 10.0 * step else float(shown_above(needs, 2))
 
     value = enough(np.minimum.reduce(left))

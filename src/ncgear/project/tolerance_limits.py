@@ -1,17 +1,16 @@
-"""From keys to values: the limits of a pair's deviations, and the backlash that its assemblies leave.
+"""From keys to values: the limits of a pair's deviations, and the backlash left in its assemblies.
 
-Usual deviations of gears by the process that makes them: taken where a design gives no tolerances.
+The usual deviations of each process are taken where a design gives no tolerances.
 
 Sources, all for ordinary care, not for the best work of a process:
 
 - hobbed or shaped: class 8 of ISO 1328-1, which these leave without finishing (classes 7 to 9 in gear handbooks, from
-  secondary sources);
-- wire-cut: class 7.  Small brass gears came to DIN 5 in experiments (K. Gupta, N. K. Jain, Manufacturing of high
-  quality miniature gears by wire electric discharge machining, DAAAM International Scientific Book 2013, chapter 40);
-  two classes more are taken for work without such care.  Bore and teeth are cut in one set-up;
-- printed: service providers promise 0.2 mm either way for a whole part of calibrated machines that lay filament.  A
-  quarter of it is taken for a flank against its neighbour, since all flanks swell alike, and for the bore.  No gears
-  were measured for this: it is a rough guess.
+secondary sources); - wire-cut: class 7.  Small brass gears came to DIN 5 in experiments (K. Gupta, N. K. Jain,
+Manufacturing of high quality miniature gears by wire electric discharge machining, DAAAM International Scientific Book
+2013, chapter 40); two classes coarser are taken for work without such care.  Bore and teeth are cut in one set-up; -
+printed: service providers promise 0.2 mm either way for a whole part of calibrated machines that lay filament.  A
+quarter of it is taken for a flank against its neighbour, since all flanks swell alike, and for the bore.  No gears were
+measured for this: it is a rough guess.
 
 Centre distance and keyways are for housings and shafts that are milled, or printed with the gears.
 """
@@ -38,16 +37,15 @@ from ncgear.tolerances.iso286 import distance_deviation_mm
 from ncgear.tolerances.iso1328 import DIAMETERS_MM, MODULES_MM, TEETH, flank_tolerances, tooth_diameters_mm
 
 TURNING = 0.999
-"""Share of the assemblies that shall turn."""
+"""Share of the assemblies that must turn."""
 
 MOST_JAMMED = 0.01
-"""Share of the assemblies that may jam without a warning: the assembly gets other gears then.
-"""
+"""Share of the assemblies that may jam without a warning: such an assembly gets other gears."""
 
 
 def limits_of(drive: Drive, given: AssemblyTolerances) -> Limits:
     """The limits in mm and rad; raises WrongInput where a grade does not hold for the gears."""
-    # The grades of helical teeth go by the module across the flank.
+    # The grades of helical teeth are for the normal module.
     module = drive.pitch.size.module_mm * cos(drive.helix.angle_rad if drive.helix else 0.0)
     each = given.driving, given.driven
     pitch, profile = [], []
@@ -111,10 +109,10 @@ def backlash_key(gears: Gears) -> str:
 
 
 def left_of_backlash(pair: Drive, least_play_rad: Array) -> Array:
-    """The backlash that assemblies with given least plays would leave of a backlash of 0, in the unit of its key.
+    """The backlash left in assemblies with given least plays if the backlash were 0, in the unit of its key.
 
     The plays are for teeth in the middle of their thickness, the result is for the thickest teeth that the file allows.
-    Along the normal they count where its arm is least, as the key does.
+    Along the normal they are measured where its arm is least, like the key.
     """
     least_arm_mm = idle_arms_mm(pair.pitch, pair.rack)[0].value
     unit = degrees(1.0) if pair.gears.backlash_deg is not None else least_arm_mm
@@ -124,7 +122,7 @@ def left_of_backlash(pair: Drive, least_play_rad: Array) -> Array:
 
 
 class Process(StrEnum):
-    """How gears are made, in words that stand before "gears"."""
+    """The process that makes gears, in words that stand before "gears"."""
 
     GENERATED = "hobbed or shaped"
     CUT = "wire-cut"
@@ -144,9 +142,9 @@ USUAL = {
 
 
 def process_of(drive: Drive) -> Process:
-    """The process that the file tells by a printed material, or by keys for prints, for kerfs or for a cutter.
+    """The process given in the file by a printed material, or by keys for prints, for kerfs or for a cutter.
 
-    Where it tells none: hobbed or shaped, if a hob can cut every gear, else wire-cut.
+    Without such keys: hobbed or shaped, if a hob can cut every gear, else wire-cut.
     """
     gears = drive.gears
     if _is_printed(gears):
@@ -173,10 +171,10 @@ def _is_convex(pair: Drive) -> bool:
 
 
 def tolerances_of(drive: Drive) -> tuple[AssemblyTolerances, Process | None]:
-    """The tolerances of the assemblies of a design: as given, or as usual for its process, which is then told.
+    """The tolerances of the assemblies of a design: as given, or as usual for its process, then returned.
 
-    Housings are made by the drawing.  So a deviation of the centre distance on the drawing counts before both, and
-    where the drawing says JS7 by itself, the usual deviation is no smaller.
+    Housings are made to the drawing.  So a deviation of the centre distance on the drawing comes before both, and where
+    the drawing has JS7 by default, the usual deviation is no smaller.
     """
     drawn_mm, given = drive.gears.tolerances.center_distance_mm, drive.design.tolerances
     process = process_of(drive) if given is None else None
@@ -189,9 +187,8 @@ def tolerances_of(drive: Drive) -> tuple[AssemblyTolerances, Process | None]:
 
 
 SMALLEST_MM = 10.0
-"""Centre distance from which on the usual tolerances of the table hold.  The tolerances of smaller gears that are cut
-are smaller in proportion, as watchmakers have to make them.  A printer does not become finer.
-"""
+"""Centre distance above which the usual tolerances of the table hold.  Smaller gears that are cut have tolerances
+smaller in proportion, as watchmakers need them.  A printer does not become finer."""
 
 
 def _usual(process: Process, distance_mm: float) -> AssemblyTolerances:

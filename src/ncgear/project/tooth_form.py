@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from ncgear.pitch.pair import PitchPair
 
 RIGHT_ANGLE_DEG = 90.0
-"""Pressure angle from which a force along the flank's normal does not turn the mate at all."""
+"""Pressure angle from which on a force along the flank's normal does not turn the mate at all."""
 
 
 def reach_in_pitches(gears: Gears) -> float:
@@ -31,14 +31,14 @@ def reach_in_pitches(gears: Gears) -> float:
 def require_pushing_flanks(pitch: PitchPair, rack: Rack) -> None:
     """Raises NoSuchMechanism where the pressure angle reaches a right angle: a flank cannot turn its mate there.
 
-    Idle flanks count as well: where they cannot turn the mate, the play has no bounds.
+    Idle flanks count too: where they cannot turn the mate, the play is unlimited.
     """
     tangent = pitch.largest_tangent_angle_rad
     require_pushing(tangent.value, tangent.at, rack)
 
 
 def require_pushing(tangent_rad: float, at_rad: float, rack: Rack) -> None:
-    """As ``require_pushing_flanks``, of the largest tangent angle of the pitch curves and where it is, in rad."""
+    """As ``require_pushing_flanks``, for the largest tangent angle of the pitch curves and its place, in rad."""
     steeper = max(rack.angles_deg)
     angle = degrees(tangent_rad + radians(steeper))
     if angle < RIGHT_ANGLE_DEG:
@@ -70,7 +70,7 @@ def tooth_form_of(gears: Gears, module_mm: float) -> ToothForm:
 
 
 def backlash_of(gears: Gears) -> Backlash:
-    """The play that is asked for; no play where nothing is said."""
+    """The play that the keys ask for; zero play without such keys."""
     driven_rad = radians(gears.backlash_deg or 0.0)
     return Backlash(gears.backlash_mm, driven_rad, gears.backlash_share, thickness_limits_mm(gears) or (0.0, 0.0))
 
@@ -84,7 +84,7 @@ def thickness_limits_mm(gears: Gears) -> tuple[float, float] | None:
 
 
 def mesh_place(gears: Gears, center_distance_mm: float) -> MeshPlace:
-    """The place of the gears to each other and to the crank, as the force between the gears needs it."""
+    """The relative place of gears and crank, which the force between the gears needs."""
     (pushing, idle), axis = map(radians, gears.rack.angles_deg), radians(gears.driving_axis_deg)
     return MeshPlace(center_distance_mm, pushing, Mesh(gears.mesh), axis, idle)
 

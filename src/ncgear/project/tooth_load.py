@@ -1,4 +1,4 @@
-"""What the teeth of a pair of gears bear: the torque that the machine behind them asks for."""
+"""The load on the teeth of a pair of gears: the torque that the machine behind them asks for."""
 
 from __future__ import annotations
 
@@ -28,13 +28,13 @@ if TYPE_CHECKING:
 class ToothLoad:
     """The torque that a machine at constant driving speed asks of the driven gear of one of its pairs.
 
-    ``load`` says what counts: the machine's masses with the resistance, the resistance alone, or nothing but a jam,
-    without which the teeth bear nothing: ``jam_n_mm`` is its torque at the driving shaft.  ``place`` is how the
-    pair's gears lie.  Angles are of the pair's own driving gear.
+    ``load`` names its source: the machine's masses with the resistance, the resistance only, or only a jam.
+    ``jam_n_mm`` is the jam's torque at the driving shaft; without a jam such teeth carry nothing.  ``place`` is the
+    place of the pair's gears.  Angles are of the pair's own driving gear.
 
-    A pair passes on the power that its driven gear's shaft takes in; friction between the teeth is not counted.  The
-    first of two pairs turns the shaft between them, whose inertia the whole machine counts; the last pair turns the
-    crank alone.
+    A pair transmits the power that its driven gear's shaft takes; friction between the teeth is not counted.  The first
+    of two pairs turns the shaft between them, whose inertia the whole machine counts; the last pair turns only the
+    crank.
     """
 
     load: LoadBy
@@ -58,24 +58,24 @@ class ToothLoad:
         return open_range and self.machine.machine.load.loads_return
 
     def returning_n_mm(self, angle_rad: Array) -> Array:
-        """Torque asked of the driven gear on the way back, in the sense of the way out, shape (n,)."""
+        """Torque asked of the driven gear on the way back, positive as on the way out, shape (n,)."""
         return self.machine.coming_back(angle_rad).driven_torque.value
 
     def passed_on_n_mm(self, driving_n_mm: Array | float, angle_rad: Array) -> Array:
-        """The torque of the driven gear that the machine's driving shaft asks or gives with its own, shape (n,)."""
+        """The torque on the driven gear from a torque on the machine's driving shaft, shape (n,)."""
         driven_speed = self.pair.transmission.driven_angle(angle_rad, 1).derivative(1) * self.pair.speed(angle_rad)
         return np.asarray(driving_n_mm / driven_speed)
 
     @property
     def knocks_are_judged(self) -> bool:
-        """Whether what the teeth bear where the load changes flanks is followed for this pair alone, which has masses.
+        """Whether the loads of changing flanks are computed for this pair by itself, which needs masses.
 
-        Two pairs in series are followed together (``ncgear.project.forces.train_borne_by``).
+        Two pairs in series are computed together (``ncgear.project.forces.train_borne_by``).
         """
         return self.load == "masses" and self.machine.between is None
 
     def mesh_force(self, angle_rad: Array, torque_n_mm: Array | None = None) -> MeshForce:
-        """Normal force of all pairs of teeth together; ``torque_n_mm`` where it is known already."""
+        """Normal force of all pairs of teeth together; ``torque_n_mm`` if it is known already."""
         torque = self.torque_n_mm(angle_rad) if torque_n_mm is None else torque_n_mm
         slope = self.pair.transmission.driven_angle(angle_rad, 2).differentiated()
         return mesh_force(self.place, slope, Jet(torque[None, :]))
@@ -83,14 +83,14 @@ class ToothLoad:
     def arms_mm(self, angle_rad: Array, urge: Array) -> Array:
         """The arms of the mesh force about both axes, shape (n, 2).
 
-        ``urge`` is +1 where pushing flanks bear, -1 where backs do.
+        ``urge`` is +1 where pushing flanks carry, -1 where backs carry.
         """
         slope = self.pair.transmission.driven_angle(angle_rad, 1).derivative(1)
         return np.stack([slope, np.ones(slope.shape)], axis=1) / self.mesh_force(angle_rad, urge).size_n.value[:, None]
 
     @property
     def peak_n(self) -> float:
-        """Largest normal force of all pairs of teeth together; the force of the jam where nothing else loads them."""
+        """Largest normal force of all pairs of teeth together; the force of the jam if they have no other load."""
 
         def size_n(angle_rad: Array) -> Array:
             torque = self.torque_n_mm if self.jam_n_mm is None else partial(self.passed_on_n_mm, self.jam_n_mm)
@@ -101,7 +101,7 @@ class ToothLoad:
 
 
 def asked_of(drive: Geared) -> ToothLoad:
-    """What a drive asks of the teeth of its pair: with masses, or where there are none, of the resistance alone.
+    """The load of a drive's pair of gears: from the masses, or without masses from the resistance only.
 
     Raises WrongInput where there is neither, nor a jam, and where there are two pairs and the drive has no stage.
     """
@@ -119,16 +119,16 @@ def asked_of(drive: Geared) -> ToothLoad:
     jam = drive.conditions.overload
     if design.resistance is not None:
         found = ToothLoad("resistance", machine, pair, place, last)
-        # A resistance that is nowhere more than none leaves the jam alone.
+        # A resistance of zero everywhere leaves only the jam.
         if jam is None or np.any(found.torque_n_mm(sample_angles(pair.transmission))):
             return found
     return ToothLoad("jam", machine, pair, place, last, None if jam is None else jam.driving_n_mm)
 
 
 def tooth_load(drive: Geared) -> ToothLoad:
-    """The load of the teeth of a drive's pair, as ``asked_of``; raises NoSuchMechanism where they cannot hold it."""
+    """The load of the teeth of a drive's pair, as ``asked_of``; raises NoSuchMechanism where they cannot carry it."""
     found, pair = asked_of(drive), drive.pair
-    # The pressure angle is judged where it is largest, too, which is where the curves lean most, either way.
+    # The pressure angle is also judged at its largest, where the curves lean most to either side.
     angle = np.append(sample_angles(pair.transmission), [extremum.at for extremum in drive.pitch.leanings])
     torque = found.torque_n_mm(angle)
     refuse_locked_at(angle, torque, found.mesh_force(angle, torque).pressure_angle_rad.value)

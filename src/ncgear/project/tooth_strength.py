@@ -45,10 +45,10 @@ Method = Literal["estimate", "elements"]
 
 @dataclass(frozen=True, eq=False)
 class JudgedTeeth:
-    """The load of every tooth, its stresses, and the methods by which both gears' teeth were known.
+    """The load of every tooth, its stresses, and the methods that describe both gears' teeth.
 
-    ``warm`` are the temperatures of the driving and the driven gear's teeth, which matter of plastics.
-    ``strength`` counts a jam where that is worse; ``jammed`` is the strength by the jam alone, if there is one.
+    ``warm`` are the temperatures of the driving and the driven gear's teeth, which matter for plastics.  ``strength``
+    includes a jam where that is worse; ``jammed`` is the strength by the jam alone, if there is one.
     """
 
     loading: Loading
@@ -71,8 +71,8 @@ def judged_teeth(
 ) -> JudgedTeeth:
     """The stresses of teeth under their loads.
 
-    Plastics are as warm as the power lost between the teeth makes them, which follows from their loads; the loads are
-    shared by the stiffness of the materials at the temperature about them.
+    The power lost between the teeth, which follows from their loads, warms plastics.  The stiffness of the materials at
+    the ambient temperature shares the loads.
     """
     choices = choices_of(gears)
     warm = temperatures_of(choices, conditions, running, _lost_w(choices, conditions, loading))
@@ -88,7 +88,7 @@ def judged_teeth(
 
     strength = found(loading, conditions)
     if loading.still is not None:
-        # A harder load may leave the rated places of flanks to their mates: of both loads, the worse one counts.
+        # A larger load may move flanks beyond the rated places: the worse of both loads counts.
         strength = worse_of(strength, found(loading.still, conditions))
     if loading.jammed is None or conditions.overload is None:
         return JudgedTeeth(loading, strength, methods, warm)
@@ -109,7 +109,7 @@ def surfaces_of_teeth(
     face_loading: FaceLoading,
     vibration: Vibration,
 ) -> Surfaces:
-    """Film, heat and wear of the flanks of judged teeth, without jams, which are few."""
+    """Film, heat and wear of the flanks of judged teeth, without jams, which are rare."""
     materials = judged.strength.driving.material, judged.strength.driven.material
     mesh = mesh_stiffness(judged.loading, running)
 
@@ -126,10 +126,10 @@ def surfaces_of_teeth(
 def methods_of(
     method: Method, sections: FaceSections, materials: tuple[Material, Material], rims: tuple[Rim, Rim]
 ) -> tuple[InSections, InSections]:
-    """What a method knows of the teeth of both gears; raises WrongInput for elements of helical teeth."""
+    """The methods for the teeth of both gears; raises WrongInput for elements of helical teeth."""
     pairs, helix_rad = [one.teeth for one in sections.each], sections.helix_rad
     if method == "elements":
-        # Loads slowly, and only where it is asked for.
+        # Loads slowly, and only if asked for.
         from ncgear.strength.elements.teeth import elements_of
 
         if helix_rad:
@@ -148,7 +148,7 @@ def methods_of(
 
 
 def _lost_w(choices: tuple[Choice, Choice], conditions: Conditions, loading: Loading) -> float:
-    """The power lost between teeth of which some are of plastic; 0 of metal, which it hardly warms."""
+    """The power lost between teeth if some are of plastic; 0 for metal, which it hardly warms."""
     if not any(isinstance(choice.entry, Plastic) for choice in choices):
         return 0.0
     even = loading.contacts.kept(loading.even[loading.contacts.position])
@@ -156,14 +156,14 @@ def _lost_w(choices: tuple[Choice, Choice], conditions: Conditions, loading: Loa
 
 
 LIGHTEST_N_MM = 1.0
-"""Load per mm of face width at which contacts are taken to be flattened where the teeth bear less: next to nothing."""
+"""Load per mm of face width for the flattening of contacts where the teeth carry less: almost nothing."""
 
 
 @dataclass(frozen=True, eq=False)
 class Rim:
     """The walls under the roots of a gear's teeth in mm and Y_B by them, shape (z,) each; infinite where not known.
 
-    ``thinnest_mm`` is the wall down to which it is known.
+    ``thinnest_mm`` is the thinnest wall for which Y_B is known.
     """
 
     wall_mm: Array
@@ -177,7 +177,7 @@ class Rim:
 
 
 def rim_of(gear: ToothedGear, plan: BodyPlan, *, helical: bool) -> Rim:
-    """The walls under the teeth of a gear in its body; all helical teeth count as the one with the thinnest wall."""
+    """The walls under the teeth of a gear in its body; all helical teeth count as the tooth with the thinnest wall."""
     from ncgear.solids.plan.walls import walls_mm
 
     walls, rack = walls_mm(gear, plan), gear.flanks.rack
@@ -191,7 +191,7 @@ def rim_of(gear: ToothedGear, plan: BodyPlan, *, helical: bool) -> Rim:
 
 
 def require_known_rims(rims: tuple[Rim, Rim], gears: Gears) -> None:
-    """Raises WrongInput where the wall under a tooth is so thin that nothing tells its root stress."""
+    """Raises WrongInput where the wall under a tooth is so thin that its root stress is unknown."""
     for gear, rim in zip(Gear, rims, strict=True):
         if np.isfinite(rim.factor).all():
             continue
@@ -222,7 +222,7 @@ def stiffnesses(
 
 
 def estimated(gear: ToothedGear, material: Material) -> ToothMethod:
-    """The estimate of the teeth of a gear; where it does not reach, for want of a fillet, teeth that are all alike."""
+    """The estimate of the teeth of a gear; where it fails for lack of a fillet, teeth that are all alike."""
     try:
         return estimate_of(gear, material)
     except NoSuchMechanism:

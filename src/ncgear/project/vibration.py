@@ -1,10 +1,10 @@
 """The vibration of a design's mesh: from masses, pitch curves and grades to ``ncgear.strength.vibration``.
 
-The inertias are those of both shafts of the pair: all that turns with the driving gear, and all that the driven gear
-moves, reduced to its shaft, so that a slider counts most where it is fastest.  Of two pairs in series the shaft between
-ends the vibration of either.  Without masses both gears are discs within their pitch curves.  Gears that turn less than
-once are as stiff at an angle as the mean of the way out and the way back.  Not counted: that shafts twist, which keeps
-heavy masses behind them out of the vibration and raises its frequency.
+The inertias belong to both shafts of the pair: everything that turns with the driving gear, and everything that the
+driven gear moves, reduced to its shaft, so that a slider counts most where it is fastest.  For two pairs in series, the
+vibration of each pair ends at the shaft between.  Without masses both gears are discs within their pitch curves.  Gears
+that turn less than once are as stiff at an angle as the mean of the way out and the way back.  Not counted: the twist
+of shafts, which isolates heavy masses behind them and raises the frequency.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ if TYPE_CHECKING:
 
 
 def vibration_of(drive: Geared) -> Vibration:
-    """What the vibration of a drive's pair depends on; raises as ``asked_of``."""
+    """The values on which the vibration of a drive's pair depends; raises as ``asked_of``."""
     asked, inertias = asked_of(drive), _inertias_of(drive)
     pair, place, module_mm = asked.pair, asked.place, drive.running.module_mm
 
@@ -56,7 +56,7 @@ def vibration_of(drive: Geared) -> Vibration:
 
 
 def _inertias_of(drive: Geared) -> Callable[[Array], tuple[Array, Array]]:
-    """From driving angles to the inertias in kg mm2 of the driving and the driven shaft of a pair, shape (n,) each."""
+    """A function from driving angles to the inertias in kg mm2 of both shafts of a pair, shape (n,) each."""
     asked, gears, pitch = asked_of(drive), drive.gears, drive.pitch
     if asked.load != "masses":
         discs = [
@@ -82,7 +82,8 @@ def _inertias_of(drive: Geared) -> Callable[[Array], tuple[Array, Array]]:
 def _deviations_mm(drive: Geared, asked: ToothLoad) -> tuple[float, float]:
     """Deviations of base pitch and of profile form that the grades allow, the larger of both gears', less running in.
 
-    Running in takes off half of what it takes off flanks askew, the mean of both materials (ISO 6336-1, y_alpha).
+    Running in reduces them by half of its value for misaligned flanks, the mean of both materials (ISO 6336-1,
+    y_alpha).
     """
     running, given, found = drive.running, drive.design.tolerances, []
     for gear, grade, teeth in zip(Gear, grades_of(drive.design), running.whole, strict=True):
@@ -101,7 +102,7 @@ def _deviations_mm(drive: Geared, asked: ToothLoad) -> tuple[float, float]:
 
 
 def mesh_stiffness(loading: Loading, running: Running) -> MeshStiffness | None:
-    """How stiff the teeth of a loading are as a mean over a pitch; None where nothing bears."""
+    """The mean stiffness of a loading's teeth over a pitch; None without load."""
     contacts, even = loading.contacts, loading.even
     stiffness, pairs = (
         np.bincount(contacts.position, one, even.size)[even].astype(float)
@@ -115,13 +116,13 @@ def mesh_stiffness(loading: Loading, running: Running) -> MeshStiffness | None:
 
 @dataclass(frozen=True)
 class ToldVibration:
-    """What is told of a mesh's vibration.
+    """Figures of a mesh's vibration.
 
-    ``factor`` is K_V where a pair bears most, at the driving angle ``phi1_rad``, and ``is_given`` by the design;
-    ``most_n`` is the largest force of a pair with its own K_V, which may be elsewhere: what deviations add does not
-    grow with the load.  ``least`` and ``greatest`` are the resonance ratios of a turn.  The mesh resonates between the
-    pairs of driving angles in degrees ``resonates_deg``, and somewhere in the turn at speeds of ``critical_rpm``; None
-    without inertia.
+    ``factor`` is K_V at the largest load of a pair, at the driving angle ``phi1_rad``; ``is_given`` if the design gives
+    it.  ``most_n`` is the largest force of a pair with its own K_V, which may be elsewhere: the part from deviations
+    does not grow with the load.  ``least`` and ``greatest`` are the resonance ratios of a turn.  The mesh resonates
+    between the pairs of driving angles in degrees ``resonates_deg``, and somewhere in the turn at speeds of
+    ``critical_rpm``; None without inertia.
     """
 
     factor: float
@@ -137,7 +138,7 @@ class ToldVibration:
 def told_vibration(
     drive: Geared, vibration: Vibration, mesh: MeshStiffness, phi1_rad: Array, factors: Array, force_n: Array
 ) -> ToldVibration:
-    """What is told of a mesh of known stiffness with K_V under forces at driving angles, shape (n,) each."""
+    """Figures of a mesh of known stiffness with K_V under forces at driving angles, shape (n,) each."""
     turn = mesh.phi1_rad < 2.0 * pi
     phi1, most = mesh.phi1_rad[turn], int(force_n.argmax())
     ratios = vibration.resonance(phi1, mesh)
@@ -156,7 +157,7 @@ def told_vibration(
 
 
 def _stretches_deg(phi1_rad: Array, inside: Mask) -> tuple[tuple[float, float], ...]:
-    """The stretches of driving angles in degrees, shape (n,) and rising, over which a place is inside."""
+    """The stretches of driving angles in degrees, shape (n,) and rising, where ``inside`` is true."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
     return tuple(
         (degrees(float(phi1_rad[first])), degrees(float(phi1_rad[last - 1]))) for first, last in edges.reshape(-1, 2)
@@ -164,23 +165,23 @@ def _stretches_deg(phi1_rad: Array, inside: Mask) -> tuple[tuple[float, float], 
 
 
 LEADING = 0.5
-"""Share of the largest force from which places count for the greatest K_V of a turn: where teeth bear next to nothing,
-their deviations add many times as much."""
+"""Share of the largest force above which places count for the greatest K_V of a turn: at small loads, deviations add
+many times as much."""
 
 SPEEDS, SLOWER, FASTER = 121, 4.0, 1.5
-"""Speeds of a sweep, and from how far below to how far above the critical speeds they go at least; next speeds are
-nearer to each other than the width of a resonance with usual damping, a seventh of it."""
+"""Number of speeds of a sweep, and its least range below and above the critical speeds.  Neighbouring speeds are closer
+than the width of a resonance with usual damping, a seventh of the speed."""
 
 MOST_TURNS = 2
-"""Turns of the driving gear that are followed in a sweep, where teeth take more to meet all their mates."""
+"""Most turns of the driving gear that are computed in a sweep; teeth may need more to meet all their mates."""
 
 
 @dataclass(frozen=True, eq=False)
 class SpeedSweep:
-    """A mesh at s driving speeds under the loads of the design's own; shape (s,) each.
+    """A mesh at s driving speeds under the loads of the design's own speed; shape (s,) each.
 
-    ``least`` and ``greatest`` are the resonance ratios of a turn, ``factor`` the greatest K_V of places that bear
-    LEADING of the most at least.  ``load_factor`` is that of ``ncgear.dynamics.swinging_mesh``; None where the load
+    ``least`` and ``greatest`` are the resonance ratios of a turn, ``factor`` the greatest K_V of places with at least
+    LEADING of the largest load.  ``load_factor`` is as in ``ncgear.dynamics.swinging_mesh``; None where the load
     changes flanks, so that the teeth part.
     """
 
@@ -192,9 +193,9 @@ class SpeedSweep:
 
 
 def speed_sweep(drive: Geared, vibration: Vibration, loading: Loading) -> SpeedSweep | None:
-    """The sweep of a pair under its loads without knocks; None where nothing has inertia or bears load.
+    """The sweep of a pair under its loads without knocks; None without inertia or load.
 
-    Gears that turn less than once pass no speed for long: None.
+    None also for gears that turn less than once: they have no constant speed.
     """
     loads, running = loading.still or loading, drive.running
     mesh, contacts = mesh_stiffness(loads, running), loads.contacts
@@ -216,7 +217,7 @@ def speed_sweep(drive: Geared, vibration: Vibration, loading: Loading) -> SpeedS
 
 
 def _load_factor(drive: Geared, vibration: Vibration, loads: Loading, speeds_rad_s: Array) -> Array | None:
-    """How much more teeth bear that swing at driving speeds, shape (s,); None where the load changes flanks."""
+    """Factor on the load of teeth that swing at driving speeds, shape (s,); None where the load changes flanks."""
     if loads.contacts.side.min() != loads.contacts.side.max():
         return None
     rows = np.flatnonzero(loads.even & (loads.phi1_rad < 2.0 * pi * MOST_TURNS))

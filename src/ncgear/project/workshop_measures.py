@@ -1,4 +1,4 @@
-"""The gears of a drive as a workshop measures and cuts them: section, pins, spans, limits by tolerances, tools."""
+"""The gears of a drive as a workshop measures and cuts them: section, pins, spans, limits from tolerances, tools."""
 
 from __future__ import annotations
 
@@ -25,12 +25,11 @@ from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 
 @dataclass(frozen=True, eq=False)
 class GearMeasures:
-    """One gear in the section that is measured.
+    """One gear in the measured section.
 
-    ``tool`` lies in its spaces: a pin or, in spaces of helical teeth, a ball.  ``pins_mm`` are the diameters to choose
-    from.  ``section_z_mm`` is the height at which the balls' centres lie, None where any height is the same.
-    ``limits_mm`` are the lower and upper deviation of its tooth thickness, None where they are not given; the teeth
-    stand in the middle of both.
+    ``tool`` lies in its spaces: a pin or, for helical teeth, a ball.  ``pins_mm`` are the diameters to choose from.
+    ``section_z_mm`` is the height of the balls' centres, None where all heights are equal.  ``limits_mm`` are the lower
+    and upper deviation of its tooth thickness, None where they are not given; the teeth are in the middle of both.
     """
 
     gear: Gear
@@ -44,7 +43,7 @@ class GearMeasures:
 
     @cached_property
     def pins(self) -> Pins:
-        """The pins that fit in the most spaces; of several such pins, the first."""
+        """The pins that fit into the most spaces; the first of several such pins."""
         return max(map(self.pins_of, self.pins_mm), key=lambda pins: pins.space.size)
 
     def pins_of(self, diameter_mm: float) -> Pins:
@@ -66,7 +65,7 @@ class GearMeasures:
 
     @property
     def _thicker_mm(self) -> list[float]:
-        """How much thicker than the gear's own the thinnest and the thickest teeth are; empty without limits."""
+        """Added thickness of the thinnest and of the thickest teeth over the gear's own; empty without limits."""
         limits = self.limits_mm or ()
         return [limit - sum(limits) / 2.0 for limit in limits]
 
@@ -76,7 +75,7 @@ class GearMeasures:
         found = []
         for thicker in self._thicker_mm:
             working = self.working.thicker(thicker)
-            # The outline has teeth in the middle of their thickness.
+            # The teeth of the outline are in the middle of the thickness limits.
             astray_mm = self.tolerance_mm + abs(thicker)
             outline_mm = self.toothed.outline_mm
             found.append((working, pins_in_spaces(working, self.pins.diameter_mm, outline_mm, astray_mm)))
@@ -86,8 +85,8 @@ class GearMeasures:
 def measured_gears(drive: Geared) -> tuple[GearMeasures, GearMeasures]:
     """The driving and the driven gear, in the section of ``measured_section``.
 
-    Raises WrongInput where given pins measure in no space, with the least and the largest that do of those that are
-    sold or near the nominal one.
+    Raises WrongInput where given pins measure in no space, with the least and the largest commercial or near-nominal
+    pins that do.
     """
     teeth = measured_section(drive)
     gears = _measured(drive, Gear.DRIVING, teeth.driving), _measured(drive, Gear.DRIVEN, teeth.driven)
@@ -106,7 +105,7 @@ def measured_gears(drive: Geared) -> tuple[GearMeasures, GearMeasures]:
 class CutGear(Shown):
     """One gear as tools cut it: the largest round tool that follows its outline, and the result of each kind of tool.
 
-    Of helical gears the section at z = 0 is tried.
+    For helical gears the section at z = 0 is tried.
     """
 
     gear: Gear
@@ -126,7 +125,7 @@ def cut_gears(drive: Geared) -> tuple[CutGear, CutGear]:
 
 
 def measured_section(drive: Geared) -> ToothedPair:
-    """Both gears in the section that is measured.
+    """Both gears in the measured section.
 
     Straight teeth have one section.  Helical gears are measured half way up, herringbone gears half way up their lower
     half.
@@ -138,7 +137,7 @@ def measured_section(drive: Geared) -> ToothedPair:
 
 
 def section_z_mm(helix: Helix) -> float:
-    """Height of the section that is measured: half way up helical teeth, or up the lower half of herringbone teeth."""
+    """Height of the measured section: half way up helical teeth, or up the lower half of herringbone teeth."""
     return helix.rise_mm / 2.0
 
 
@@ -152,7 +151,7 @@ def _measured(drive: Geared, gear: Gear, toothed: ToothedGear) -> GearMeasures:
 
 
 def _pins_to_try_mm(drive: Geared, working: WorkingFlanks) -> tuple[float, ...]:
-    """The given diameter, or else those that are sold near the nominal one."""
+    """The given diameter, or else the commercial diameters near the nominal one."""
     given = drive.gears.measuring_pin_mm
     return (given,) if given is not None else pins_to_try(_nominal_mm(drive, working))
 

@@ -1,1 +1,1 @@
-"""Gear bodies: planned from a tooth outline and what is asked of it, then made as checked meshes or exact solids."""
+"""Gear bodies: planned from a tooth outline and wishes for the body, then made as checked meshes or exact solids."""

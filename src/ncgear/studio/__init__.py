@@ -1,1 +1,1 @@
-"""The studio: one design on a page of this computer, each answer computed while its values are dragged."""
+"""The studio: one design on a page of this computer; answers are computed while its values are dragged."""

@@ -1,4 +1,4 @@
-"""The processes of a page that compute answers, seen from the server: started, asked, watched, ended."""
+"""The processes of a page that compute answers; the server starts them, asks them, watches them and ends them."""
 
 from __future__ import annotations
 
@@ -20,13 +20,13 @@ LONGEST_S = 60.0
 """Time for all answers of one text, after which the process is replaced: an ordinary design takes a second or two."""
 
 LONGEST_ANSWER = 64 << 20
-"""Bytes of one answer: outlines of gears with thousands of teeth have some megabytes."""
+"""Largest size of one answer in bytes: outlines of gears with thousands of teeth have some megabytes."""
 
 
 def chains_by_process() -> tuple[tuple[str, ...], ...]:
     """The chains that each process follows.
 
-    On two cores a third process would take turns with the others, and make the gears once more.
+    On two cores a third process would share the processor with the others, and make the gears a second time.
     """
     return ((MOTION,), (GEARS,), (CONTACT,)) if core_count() > 2 else ((MOTION,), (GEARS, CONTACT))
 
@@ -36,7 +36,7 @@ Told = Callable[[str], Awaitable[None]]
 
 @dataclass
 class Process:
-    """A process that computes the answers of some chains; ``told`` gets each answer as a line of JSON."""
+    """A process that computes the answers of some chains; ``told`` is called with each answer, a line of JSON."""
 
     chains: tuple[str, ...]
     told: Told
@@ -48,19 +48,19 @@ class Process:
     _text: str | None = None
 
     async def ask(self, number: int, text: str, changes: Mapping[str, Any], path: str) -> None:
-        """Ask for the answers of a text with changes; it is sent once, and its changes as often as they come."""
+        """Ask for the answers of a text with changes; a text is sent once, its changes with every question."""
         if self._process is None or self._process.returncode is not None:
             await self.start()
         request = {"n": number, "changes": changes, "path": path} | ({} if text is self._text else {"text": text})
         self._asked, self._open, self._text = number, self.chains, text
         if self._watching is not None:
             self._watching.cancel()
-        # It watches the sending too: a process that does not read is replaced as one that does not answer.
+        # It watches the sending too: a process that does not read is replaced like one that does not answer.
         self._watching = asyncio.create_task(self._watch())
         await self._send(json.dumps(request).encode() + b"\n")
 
     async def start(self) -> None:
-        """Start the process, which makes itself ready before it is asked."""
+        """Start the process, which loads its modules before it is asked."""
         environment = {**ONE_THREAD, **os.environ}
         self._text = None
         self._process = await asyncio.create_subprocess_exec(
@@ -72,8 +72,8 @@ class Process:
             stdout=asyncio.subprocess.PIPE,
             env=environment,
             limit=LONGEST_ANSWER,
-            # Ctrl-C in the terminal is for the server, which closes the input of this process: a group of its own keeps
-            # it away.  A session of its own would too, but Linux shares the processor evenly between sessions.
+            # Ctrl-C in the terminal is for the server, which closes the input of this process; a process group keeps it
+            # away from here.  A session would do so too, but Linux shares the processor evenly between sessions.
             process_group=0 if os.name == "posix" else None,
         )
         self._listening = asyncio.create_task(self._listen(self._process))
@@ -93,7 +93,7 @@ class Process:
                     self._open = tuple(chain for chain in self._open if chain != done["from"])
                 await self.told(line.decode().rstrip())
         if process is self._process:
-            # It has ended by itself, as when memory is short.
+            # It has ended by itself, for example because memory is short.
             await self._give_up("the computation ended without an answer")
 
     async def _watch(self) -> None:
@@ -101,7 +101,7 @@ class Process:
         await self._give_up(f"stopped after {LONGEST_S:g} s without an answer")
 
     async def _give_up(self, problem: str) -> None:
-        """End the process where it owes answers, and tell each chain that has not given all of its own."""
+        """End the process where it owes answers, and tell each chain whose answers are not complete."""
         missing, self._open = self._open, ()
         if missing:
             self.kill()
@@ -135,7 +135,7 @@ class Chains:
     processes: list[Process] = field(default_factory=list)
 
     async def start(self) -> None:
-        """Start the first before there is a question: the motion is what is seen first."""
+        """Start the first process before there is a question: the motion is seen first."""
         self.processes = [Process(chains, self._tell) for chains in chains_by_process()]
         for first in self.processes[:1]:
             await first.start()
@@ -145,12 +145,12 @@ class Chains:
             await self.told(line)
 
     async def ask(self, number: int, text: str, changes: Mapping[str, Any], path: str) -> None:
-        """Ask all for the answers of a text with changes."""
+        """Ask all processes for the answers of a text with changes."""
         if not self.processes:
             await self.start()
         await asyncio.gather(*(process.ask(number, text, changes, path) for process in self.processes))
 
     async def close(self) -> None:
-        """End all."""
+        """End all processes."""
         await asyncio.gather(*(process.close() for process in self.processes))
         self.processes = []

@@ -1,7 +1,7 @@
-"""What is edited and not saved is kept in a hidden file beside the design, until it is saved or undone.
+"""Drafts: an edited text that is not saved is kept in a hidden file beside the design until it is saved or undone.
 
-A studio holds the locks of its drafts.  So a draft whose lock is free is that of a studio that has ended, however it
-ended, and the next page that opens the design goes on with it.
+A studio holds the locks of its drafts.  A draft with a free lock belongs to a studio that has ended in any way, and the
+next page that opens the design continues with it.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from ncgear.studio.on_disk import DesignOnDisk
 DRAFT = ".unsaved-"
 
 HOLDS = os.name == "posix"
-"""Whether a file that is open can be replaced; where it cannot, a draft is closed, and its lock is free."""
+"""Whether an open file can be replaced; where it cannot, a draft is closed and its lock is free."""
 
 
 class Draft:
-    """The text of a page beside the file from which it was edited; ``place`` is where it is kept if they differ."""
+    """The text of a page beside the file from which it was edited; ``place`` is its file if they differ."""
 
     def __init__(self, file: DesignOnDisk, text: str, place: Path | None = None, held: int | None = None) -> None:
         self.file, self.text = file, text
@@ -69,7 +69,7 @@ class Draft:
 
 
 def draft_left(file: DesignOnDisk) -> Draft | None:
-    """The newest draft of a design that no studio holds; this one holds it then."""
+    """The newest draft of a design that no studio holds; this studio holds it afterwards."""
     found: list[tuple[float, Path]] = []
     with suppress(OSError):
         for place in file.path.parent.iterdir():
@@ -80,7 +80,7 @@ def draft_left(file: DesignOnDisk) -> Draft | None:
 
 
 def _taken(file: DesignOnDisk, place: Path) -> Draft | None:
-    """A draft and its lock; None where it is held, or none, or has nothing that the design file has not."""
+    """A draft and its lock; None where another studio holds it, where it is no draft, or equals the design file."""
     try:
         handle = os.open(place, os.O_RDWR | getattr(os, "O_BINARY", 0))
     except OSError:

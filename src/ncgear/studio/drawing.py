@@ -1,4 +1,4 @@
-"""The drawing of a pitch curve on the page: its outline, points to drag, the nearest pair where its teeth are refused.
+"""The drawing of a pitch curve on the page: outline, points to drag, and the nearest pair where its teeth are refused.
 
 A drawing is dropped onto the page: its file goes beside the design, which then names it.
 """
@@ -21,22 +21,22 @@ from ncgear.studio.editing import edited
 from ncgear.studio.messages import Answer
 
 SHOWN_POINTS = 1200
-"""Points of an outline on the page, at most: about one for each of its pixels."""
+"""Most points of an outline on the page: about one for each of its pixels."""
 
 MOST_DRAGGED = 200
-"""Points that have a handle each; more could not be told apart."""
+"""Most points that have a handle each; more could not be told apart."""
 
 DECIMALS = 3
 """Decimals of a millimetre on the page."""
 
 NAMES = range(1, 100)
-"""Numbers by which a drawing with the name of another file is told from it."""
+"""Numbers that are tried in the name of a drawing whose own name another file has."""
 
 
 def drawing_of(drive: Drive) -> Iterator[Answer]:
-    """``drawing``: the outline, its axis, its points where the design has them; nothing without a known one.
+    """``drawing``: the outline, its axis, and its points if the design has them; nothing without a known outline.
 
-    Points ``of_file`` come into the design, in place of the file's name, when one is dragged; the file stays as it is.
+    If a point ``of_file`` is dragged, the points replace the file's name in the design; the file does not change.
     """
     motion = drive.design.motion
     if not motion.gives_outline or motion.solves_shape:
@@ -52,7 +52,7 @@ def drawing_of(drive: Drive) -> Iterator[Answer]:
 
 
 def nearest_pair(drive: Drive) -> Iterator[Answer]:
-    """``fitted``: the curve of the nearest pair that can be made, its deviation, and the changes that take it.
+    """``fitted``: the curve of the nearest pair that can be made, its deviation, and the changes that use it.
 
     Nothing for a design without an outline, and where there is no pair near it.
     """
@@ -79,7 +79,7 @@ def nearest_pair(drive: Drive) -> Iterator[Answer]:
 
 
 def require_or_fit(drive: Drive) -> Iterator[Answer]:
-    """Raise the refusal of the teeth, after the nearest pair that can be made has been told."""
+    """Raise the error about the teeth, after the nearest pair that can be made has been told."""
     try:
         drive.require_sound_pairs()
     except NoSuchMechanism:
@@ -90,8 +90,8 @@ def require_or_fit(drive: Drive) -> Iterator[Answer]:
 def with_dropped(text: str, design: Path, name: str, content: bytes) -> tuple[str, str]:
     """The text of a design whose pitch curve is a drawing that was dropped, and the name of the drawing's file.
 
-    The file goes beside the design, under its name or the first free one after it; nothing is written over.  Raises
-    WrongInput for what is no drawing, and leaves no file then.
+    The file goes beside the design, under its name or the first free name after it; no file is overwritten.  If the
+    content is no drawing, raises WrongInput and leaves no file.
     """
     plain = PurePosixPath(name.replace("\\", "/")).name
     if Path(plain).suffix.lower() not in KINDS or plain.startswith(".") or not plain.isprintable():
@@ -107,7 +107,7 @@ def with_dropped(text: str, design: Path, name: str, content: bytes) -> tuple[st
 
 
 def _placed(folder: Path, name: str, content: bytes) -> tuple[Path, bool]:
-    """The place of a file with a content in a folder, and whether it was written anew."""
+    """The path of a file with a content in a folder, and whether it was newly written."""
     for number in NAMES:
         place = folder / (name if number == 1 else f"{Path(name).stem}-{number}{Path(name).suffix}")
         try:

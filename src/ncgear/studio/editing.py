@@ -1,7 +1,7 @@
 """The text of a design while it is edited: changes of keys, history, and the difference from the file.
 
-The text stays that of the design file throughout, so its comments and their order stay, and whatever the page shows is
-what ``ncgear check`` would read.
+The text is always the text of the design file, so its comments and their order stay, and ``ncgear check`` would read
+exactly what the page shows.
 """
 
 from __future__ import annotations
@@ -30,28 +30,28 @@ from ncgear.project.drive import Drive
 from ncgear.project.in_common import drive_like
 
 MOST_STEPS = 500
-"""Steps that can be undone; with texts of some kilobytes they take a megabyte or two."""
+"""Most steps that can be undone; with texts of some kilobytes they take a megabyte or two."""
 
 
 MOST_PAIRS = 1_000_000
-"""Pairs of lines that are compared for what a line ends with: those of a thousand exchanged lines, half a second."""
+"""Most pairs of lines that are compared to find line ends: a thousand changed lines, half a second."""
 
 MOST_CHARACTERS = 16_000_000
-"""Characters of all steps together; of texts of a megabyte fewer steps can be undone."""
+"""Most characters of all steps together; with texts of a megabyte, fewer steps can be undone."""
 DIGITS = 7
-"""Significant digits of the lengths of another mechanism, which are in proportion to the crank's."""
+"""Significant digits of the lengths of another mechanism, which scale with the length of the crank."""
 
 
 @dataclass(frozen=True)
 class History:
-    """The text that is shown, those before it, and those that were undone."""
+    """The text that is shown, the texts before it, and the texts that were undone."""
 
     now: str
     past: tuple[str, ...] = ()
     future: tuple[str, ...] = ()
 
     def kept(self, text: str) -> History:
-        """The history with one more step; a text that is shown already makes none."""
+        """The history with one more step; a text that is shown already adds no step."""
         if text == self.now:
             return self
         past = (*self.past, self.now)[-MOST_STEPS:]
@@ -59,27 +59,27 @@ class History:
         return History(text, past[len(past) - fitting :])
 
     def undone(self) -> History:
-        """One step back; the same history where there is none."""
+        """The history one step back; the same history where there is no step."""
         if not self.past:
             return self
         return History(self.past[-1], self.past[:-1], (self.now, *self.future))
 
     def redone(self) -> History:
-        """One step forth; the same history where there is none."""
+        """The history one step forward; the same history where there is no step."""
         if not self.future:
             return self
         return History(self.future[0], (*self.past, self.now), self.future[1:])
 
 
 def difference(old: str, new: str, name: str, old_is: str = "saved") -> str:
-    """The lines that differ, in the form of ``diff -u``; empty where none does."""
+    """The lines that differ, in the form of ``diff -u``; empty where no line differs."""
     names = f"{name} ({old_is})", f"{name} (edited)"
     return "\n".join(unified_diff(old.splitlines(), new.splitlines(), *names, lineterm="", n=2))
 
 
 @contextmanager
 def in_its_place(key: str) -> Iterator[None]:
-    """Say in words of the design file that it has no place for a value."""
+    """A context that turns a value without a place into an error in words of the design file."""
     try:
         yield
     except WrongInput as error:
@@ -91,28 +91,28 @@ def in_its_place(key: str) -> Iterator[None]:
 def edited(text: str, changes: Mapping[str, Any]) -> str:
     """The text with other values at some dotted keys; None leaves a key out.
 
-    A number in a key is the place of an item in a list (``motion.ratio.3``).  Another law or mechanism takes the whole
-    of its group.  Raises WrongInput where the text has no such places.
+    A number in a key is the index of an item in a list (``motion.ratio.3``).  Another law or mechanism replaces its
+    whole group.  Raises WrongInput where the text has no such places.
     """
     with in_its_place(next(iter(changes), "")):
         return rewritten(text, values_of(text, changes))
 
 
 def in_line_ends_of(before: str, text: str) -> str:
-    """A text that was typed on the page, which knows one line end alone, in the line ends of the text before it."""
+    """A text typed on the page, where lines end in one way, with the line ends of the text before it."""
     ends = BREAK.findall(before)
     if "\r" in text or set(ends) <= {"\n"}:
         return text
     lines, former = text.split("\n"), BREAK.split(before)
     own = _counterparts(former, lines)
-    # What has no line of the file, or stands in place of its last one, ends as the first line does.
+    # A line without a counterpart in the file, or with the file's last line, ends as the first line does.
     last = len(ends)
     ended = [line + ends[own.get(place, last) % last] for place, line in enumerate(lines[:-1])]
     return "".join(ended) + lines[-1]
 
 
 def _counterparts(former: list[str], lines: list[str]) -> dict[int, int]:
-    """The places of lines in a former text; of more that were exchanged than can soon be compared there are none."""
+    """The numbers of lines in a former text; a changed part that is too long to compare quickly has none."""
     least = min(len(former), len(lines))
     same = next((place for place in range(least) if former[place] != lines[place]), least)
     left = least - same
@@ -127,7 +127,7 @@ def _counterparts(former: list[str], lines: list[str]) -> dict[int, int]:
 
 
 def values_of(text: str, changes: Mapping[str, Any]) -> dict[str, Any]:
-    """The changes as values by dotted keys: another law or mechanism as the group that it takes."""
+    """The changes as values by dotted keys; another law or mechanism becomes the group of its keys."""
     values: dict[str, Any] = {}
     for key, value in changes.items():
         if key == "motion.law":
@@ -140,7 +140,7 @@ def values_of(text: str, changes: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def with_values(document: Document, values: Mapping[str, Any]) -> Document:
-    """A document with other values by dotted keys; raises WrongInput where it has no place for one."""
+    """A document with other values by dotted keys; raises WrongInput where it has no place for a value."""
     for key, value in values.items():
         with in_its_place(key):
             document = replace(document, data=with_value(document.data, key, value))
@@ -148,14 +148,14 @@ def with_values(document: Document, values: Mapping[str, Any]) -> Document:
 
 
 def _written(value: Any) -> Any:
-    """A value as a file has it: whole numbers without a point."""
+    """A value as a file writes it: whole numbers without a point."""
     if isinstance(value, float):
         return whole(value)
     return [_written(item) for item in value] if isinstance(value, list) else value
 
 
 def _another_law(text: str, name: Any) -> dict[str, Any]:
-    """The group ``motion`` of another law in proportion to the machine of the text."""
+    """The group ``motion`` of another law, scaled to the machine of the text."""
     if name not in tuple(LawName):
         raise WrongInput(f"{name!r} given; a law of ncgear is right", key="motion.law")
     document = document_of(text)
@@ -165,7 +165,7 @@ def _another_law(text: str, name: Any) -> dict[str, Any]:
 
 
 def _another_mechanism(text: str, name: Any) -> dict[str, Any]:
-    """The group ``linkage`` of another mechanism, its crank as long as the text's; groups of other keys go."""
+    """The group ``linkage`` of another mechanism with the same crank; groups of other keys are removed."""
     if name not in MECHANISMS:
         raise WrongInput(f"{name!r} given; a mechanism of ncgear is right", key="linkage.kind")
     if name == NO_LINKAGE:
@@ -185,7 +185,7 @@ def _another_mechanism(text: str, name: Any) -> dict[str, Any]:
 
 
 class Followed:
-    """A text with values that change again and again."""
+    """A text whose values change again and again."""
 
     def __init__(self) -> None:
         self._text: str | None = None
@@ -193,10 +193,7 @@ class Followed:
         self._drive: Drive | None = None
 
     def drive(self, text: str, changes: Mapping[str, Any], path: Path) -> Drive:
-        """The drive of a text with changes by key; a fault has the line of the text.
-
-        Raises WrongInput where the text cannot be read, or has no place for a change.
-        """
+        """The drive of a text with changes by key; a fault names the line of the text."""
         if text != self._text:
             self._document, self._text = read_yaml(text, str(path)), text
         loaded = design_of(with_values(self._document, values_of(text, changes)), text, path)
@@ -206,10 +203,11 @@ class Followed:
 
 
 def lacking(text: str, changes: Mapping[str, Any], path: Path) -> dict[str, str]:
-    """Of the keys that ``changes`` leave out those without which the text has a fault that it has not with them.
+    """The keys that ``changes`` remove but that the text needs, each with the words of the fault without it.
 
-    Each has the words of that fault.  Keys that can be left out together are; otherwise each is judged by itself.
-    Raises WrongInput where the text cannot be read, or has no place for a change.
+    Only faults count that the text does not have with the keys.  If all keys can be removed together, none is returned;
+    otherwise each key is tried by itself.  Raises WrongInput where the text cannot be read, or has no place for a
+    change.
     """
     emptied = [key for key, value in changes.items() if value is None]
     if not emptied:

@@ -1,6 +1,6 @@
 """The values of a design as the page shows them: every key with its name, unit, meaning, range and value.
 
-All of it comes from the models that check design files; there is no other list of keys.
+Everything comes from the models that check design files; there is no other list of keys.
 """
 
 from __future__ import annotations
@@ -35,22 +35,22 @@ SHORT = {
     "kg/m3": "kg/m\u00b3",
     "N at a depth of 1 mm": "N, 1 mm deep",
 }
-"""Units as they stand beside a number on the page."""
+"""Units as they are written beside a number on the page."""
 
 LEFT_OUT = {"may be left out": "left out", "none: it must be given": "needed"}
-"""What stands in the field of a key without a value, where that is not its default; in full it is below the field."""
+"""Text in the field of a key without a value, if it is not the default; the full text is below the field."""
 
 MOST_ITEMS = 40
-"""Items of a list that have a row each; longer lists are points, which are dragged, or stand in the text."""
+"""Most items of a list that have a row each; longer lists are points that are dragged, or are edited in the text."""
 
 
 def form(data: Any) -> list[Row]:
     """The rows of a design's keys, given the plain values of its file, groups with their rows in ``rows``.
 
     A row has ``path``, ``label``, ``unit``, ``meaning``, ``allowed``, ``default`` in words, ``given`` and ``value``,
-    and by its ``kind`` (number, integer, choice, truth, text, numbers, group, groups, other): ``least`` and ``most``
-    where there are such bounds, ``choices``, or ``rows``.  A group that is left out has ``begin``, a value with which
-    it can begin.
+    and, depending on its ``kind`` (number, integer, choice, truth, text, numbers, group, groups, other): ``least`` and
+    ``most`` where there are bounds, ``choices``, or ``rows``.  A group that is left out has ``begin``, a value for its
+    start.
     """
     given = data if isinstance(data, dict) else {}
     return list(_rows(design_model(given), given, "", ""))
@@ -67,7 +67,7 @@ def _rows(model: type[BaseModel], given: Mapping[str, Any], above: str, law: str
 
 
 def _another_spelling_is_given(name: str, model: type[BaseModel], given: Mapping[str, Any]) -> bool:
-    """Whether the same quantity is given in another unit; of angles that are left out, degrees alone are shown."""
+    """Whether the same quantity is given in another unit; for angles that are left out, only degrees are shown."""
     alike = [one for one in spellings(quantity(name)) if one in model.model_fields]
     if quantity(name) == name or len(alike) < len(UNITS):
         return False
@@ -97,7 +97,7 @@ def _item(key: Key, value: Any, place: int) -> Row:
 
 
 def _model_of(key: Key, given: Mapping[str, Any]) -> type[BaseModel]:
-    """The model of a group; of ``motion`` that of its law."""
+    """The model of a group; for ``motion`` the model of its law."""
     if len(key.group) == 1:
         return key.group[0]
     by_law = {law_of(model): model for model in key.group if "law" in model.model_fields}
@@ -106,7 +106,7 @@ def _model_of(key: Key, given: Mapping[str, Any]) -> type[BaseModel]:
 
 
 def _begin(key: Key, root: type[BaseModel]) -> Any:
-    """What a group may begin with: the example that ``ncgear explain`` gives of it."""
+    """A first value of a group: the example that ``ncgear explain`` gives for it."""
     name, _, text = example(key, root).partition(": ")
     return read_yaml(f"{name}: {text}", "example").at(name)
 

@@ -1,4 +1,4 @@
-"""The chains of the gears: one makes them and shows them, the other judges their contact and strength."""
+"""The chains of the gears: one makes and shows the gears, the other judges their contact and strength."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ncgear.studio.motion_answers import live, power_needs_gears
 def gear_answers(drive: Drive) -> Iterator[Answer]:
     """The machine and its teeth: ``power`` where it counts them, ``scene``, and again with bore and holes.
 
-    Where there are no gears such as the design wants, ``bare`` is the mechanism without them.
+    Where the gears of the design cannot be made, ``bare`` is the mechanism without them.
     """
     try:
         scene = scene_of_teeth(drive)
@@ -37,7 +37,7 @@ def gear_answers(drive: Drive) -> Iterator[Answer]:
 
 
 def contact_answers(drive: Drive) -> Iterator[Answer]:
-    """What the teeth do: ``teeth``, ``strength``, ``chart`` for each chart, ``verdict``; of refused ones ``fitted``."""
+    """Answers about the teeth: ``teeth``, ``strength``, each ``chart``, ``verdict``; for refused teeth ``fitted``."""
     from ncgear.drawings.page.page import stage_name
     from ncgear.drawings.page.page_charts import charts_of_pair
     from ncgear.drawings.page.tables import strength_tables, typeset

@@ -1,8 +1,9 @@
-"""Points of the charts that can be dragged: where each one is, and which key of the design it moves, by how much.
+"""Points of the charts that can be dragged: the place of each, the key of the design that it moves, and by how much.
 
 A handle has a place on a chart of ``motion_charts``: the driving angle in degrees and the chart's value, both at the
-operating speed.  Along each axis it may move one key: ``key = base + factor * (coordinate - at)``, and others with it.
-Of dense points every few have a handle, which takes its neighbours along; a point of a series moves its coefficients.
+operating speed.  Along each axis it may move one key, ``key = base + factor * (coordinate - at)``, and others with it.
+Of dense points only some have a handle, which also moves the points beside it.  A point of a series moves its
+coefficients.
 """
 
 from __future__ import annotations
@@ -29,23 +30,23 @@ from ncgear.ratio.transmission import Transmission
 Handle = dict[str, Any]
 
 MOST_HANDLES = 60
-"""Points of a table or a spline that have a handle each; more could not be told apart on a chart."""
+"""Most points of a table or a spline that have a handle each; more could not be told apart on a chart."""
 
 THINNED = (18, 36, MOST_HANDLES)
-"""Handles of more points than that, the fewest that take no more along than they can: 18 do not touch on a chart."""
+"""Numbers of handles for more points than that; the first of them at which no handle moves too many points is taken."""
 
 MOST_TAKEN_ALONG = 180
-"""Points that one handle moves at most; a message to the studio changes 200 keys."""
+"""Most points that one handle moves; a message to the studio changes up to 200 keys."""
 
 
 def handles(drive: Drive) -> list[Handle]:
     """The handles of a drive's law and of its wishes.
 
     Each has ``name``, ``chart`` (key of a chart), ``x`` in deg, ``y`` in the chart's unit, and ``moves``: for ``x`` and
-    ``y``, where they move something, the ``key``, its value ``base`` at that place, its ``factor``, and its ``unit``.
-    A key within a formula has ``text``, what stands before and after its number.  A move may have no key but ``along``,
-    others that go with it from ``base`` on, numbers or lists of them: by ``sum`` times its step, by its growth to the
-    ``power``, or by ``log`` times the logarithm of its growth.
+    ``y``, if they move a key, the ``key``, its value ``base`` at that place, its ``factor``, and its ``unit``.  A key
+    within a formula has ``text``, the text before and after its number.  A move may have, instead of a key, ``along``:
+    other keys that change from their ``base``, a number or a list, by ``sum`` times the step, by the growth to the
+    ``power``, or by ``log`` times the logarithm of the growth.
     """
     points = drive.design.motion.law_points
     if not points:
@@ -56,10 +57,10 @@ def handles(drive: Drive) -> list[Handle]:
 
 
 def _of_few(drive: Drive, points: Sequence[LawPoint]) -> Iterator[Handle]:
-    """Handles of some of the points, evenly spread over the driving angle, whose cycle closes after the last one.
+    """Handles of some of the points, evenly spread over the driving angle; after the last handle comes the first.
 
-    A point between two handles goes with each by the square of a cosine of its way to it, so that all points go alike
-    where all handles do, and the moved curve has no corner that it did not have.  Ratios go by a common power.
+    A point between two handles moves with each by the square of a cosine of its distance from it.  So all points move
+    alike where all handles do, and the moved curve gets no new corner.  Ratios move by a common power.
     """
     count = len(points)
     if count > MOST_HANDLES * MOST_TAKEN_ALONG:
@@ -125,7 +126,7 @@ def _of_point(drive: Drive, point: LawPoint, angle_deg: float, shown: float) -> 
 
 
 def _of_number(drive: Drive, grip: Grip) -> Handle:
-    """The handle of a number of the law."""
+    """The handle of a number in the law."""
     number = grip.number
     move: dict[str, Any] = {"key": f"motion.{number.key}", "base": number.value, "factor": grip.factor, "unit": ""}
     if number.before or number.after:
@@ -136,7 +137,7 @@ def _of_number(drive: Drive, grip: Grip) -> Handle:
 
 
 def _factor(drive: Drive, point: LawPoint, shown: float) -> float:
-    """The value of a point's key per value on the chart: other speed of the machine, other common factor."""
+    """The change of a point's key per change on the chart, for the speed of the machine and a common factor."""
     faster = (point.speed_rpm or drive.law_speed_rpm) / drive.design.operation.speed_rpm
     match point.quantity:
         case "velocity":
@@ -151,8 +152,8 @@ def _factor(drive: Drive, point: LawPoint, shown: float) -> float:
 class Wished(NamedTuple):
     """A handle of a wish: its key below ``wishes`` and the key's value, which is moved along ``quantity``.
 
-    It stands where the output passes a place of a stroke, or at a driving angle in rad, with ``sign`` times the value
-    on the chart.  An angle's own handle has its ``unit``, moves along the driving angle, and stands at ``shown``.
+    It is placed where the output passes a place of a stroke, or at a driving angle in rad, with ``sign`` times the
+    value on the chart.  An angle's handle has its ``unit``, moves along the driving angle, and is placed at ``shown``.
     """
 
     name: str
@@ -168,7 +169,7 @@ class Wished(NamedTuple):
 
 
 def _of_wishes(drive: Drive) -> Iterator[Handle]:
-    """Places of wishes along the displacement, their bounds along speed or acceleration, angles along the driving's."""
+    """Handles of wishes: places along the displacement, bounds along speed or acceleration, angles along angles."""
     wished = list(_wished(drive)) if drive.linkage.RETURNS else []
     if not wished:
         return
@@ -213,7 +214,7 @@ def _wished(drive: Drive) -> Iterator[Wished]:
 
 
 def _gentle(drive: Drive, group: str, wish: GentleStop) -> Iterator[Wished]:
-    """The ends of a gentle stretch as far as they are given, and its bound in the middle."""
+    """The given ends of a gentle stretch, and its bound in the middle."""
     output, (bounded, value) = drive.linkage.OUTPUT, wish.bound
     key, place = f"{group}.{wish.bound_key(bounded)}", output.place.ending
     quantity = Quantity.VELOCITY if bounded == "speed" else Quantity.ACCELERATION
@@ -249,17 +250,17 @@ def _handle(drive: Drive, name: str, quantity: Quantity, at: tuple[float, float]
 
 
 MOST_NUMBERS = 4
-"""Numbers of a law that have a handle: each takes one law more, some hundredths of a second."""
+"""Most numbers of a law that have a handle: each needs one more law, some hundredths of a second."""
 
 STEP = 0.01
-"""Share of a number by which it is changed to see what that does."""
+"""Share by which a number is changed to see its effect."""
 
 LEAST_EFFECT = 1e-6
-"""Relative change of the ratio that counts as none, as that of a factor which the closing of the cycle takes back."""
+"""Relative change of the ratio that counts as none, as for a factor that the closing of the cycle cancels."""
 
 PLACES = 180
 APART = 18
-"""Places of a cycle where the ratio is looked at, and how many of them two handles are apart."""
+"""Number of places of a cycle where the ratio is compared, and least number of places between two handles."""
 
 
 @dataclass(frozen=True)
@@ -289,7 +290,7 @@ def grips(drive: Drive) -> Iterator[Grip]:
 
 
 def _with(drive: Drive, number: LawNumber, value: float) -> Transmission:
-    """The law with another value of a number; raises DesignError where there is none."""
+    """The law with another value of a number; raises DesignError where no such law exists."""
     motion = drive.design.motion
     changed = motion.model_copy(update={number.key: number.written(value)})
     return law_of(drive.design.model_copy(update={"motion": changed})).transmission

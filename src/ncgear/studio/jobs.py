@@ -1,7 +1,7 @@
 """Commands that the studio runs beside the page: they write files, show their progress, and can be cancelled.
 
-Each is the command that a person would type, run on a copy of the edited text in the export folder, so that what it
-writes is what the command line writes, whether the design file has been saved or not.
+Each is a command as a person would type it.  It runs on a copy of the edited text in the export folder, so it writes
+the same files as the command line, whether the design file has been saved or not.
 """
 
 from __future__ import annotations
@@ -44,13 +44,13 @@ COMMANDS: Mapping[str, Command] = {
 """The commands that a page can ask for; nothing else is ever run."""
 
 RUN = "from ncgear.interrupts import end_with_input; end_with_input(); from ncgear.cli import main; main()"
-"""The program ``ncgear``, which ends with the server."""
+"""The program ``ncgear``; it ends when the server ends."""
 
 LONGEST_S = 3600.0
-"""A command that takes longer than an hour is cancelled."""
+"""Time after which a command is cancelled."""
 
 GRACE_S = 5.0
-"""Time for a command to end after Ctrl-C, before it is killed; its folder is whole either way."""
+"""Time for a command to end after Ctrl-C before it is killed; its folder is complete in both cases."""
 
 LAST_LINES = 60
 """Lines of a command's output that the page keeps."""
@@ -58,7 +58,7 @@ LAST_LINES = 60
 
 @dataclass
 class Job:
-    """A running or finished command; ``told`` hears of every change.  It began at ``begun_s`` of the system's time."""
+    """A running or finished command; ``told`` is called at every change; ``begun_s`` is its start in system time."""
 
     number: int
     name: str
@@ -89,7 +89,7 @@ class Job:
         }
 
     async def run(self, out: Path, path: Path) -> None:
-        """Run the command on the text to its end; what it says is told as it comes."""
+        """Run the command on the text to its end; its output is told as it comes."""
         command = COMMANDS[self.name]
         copy = await asyncio.to_thread(_copied, self.text, path, out / f"{self.design}-studio")
         target = self.folder / command.file if command.file else self.folder
@@ -130,7 +130,7 @@ class Job:
             self.told(self)
 
     async def cancel(self) -> None:
-        """End the command as Ctrl-C does, and if that does not help, at once."""
+        """End the command with Ctrl-C, and if that does not help, kill it."""
         self.cancelled = True
         await self._stopped()
 
@@ -162,7 +162,7 @@ class Job:
 
 
 def _copied(text: str, path: Path, folder: Path) -> Path:
-    """A copy of the edited text that needs no file beside it, in a folder of its own; raises as reading it does."""
+    """A copy of the edited text that needs no other file, in a folder of its own; raises as reading the text does."""
     loaded = parsed(text, path)
     copy = design_copy(loaded, {}) if loaded.source.from_files else text
     place = folder / f"{loaded.design.name}.yaml"
@@ -171,7 +171,7 @@ def _copied(text: str, path: Path, folder: Path) -> Path:
 
 
 def require_command(name: Any) -> Command:
-    """The command of a name; raises WrongInput for anything else."""
+    """The command with a name; raises WrongInput for any other name."""
     if not isinstance(name, str) or name not in COMMANDS:
         raise WrongInput(f"{name!r} given; {', '.join(COMMANDS)} are right", key="command")
     return COMMANDS[name]

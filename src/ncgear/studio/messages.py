@@ -1,4 +1,4 @@
-"""What page and studio tell each other: messages from a page, answers about a design, and faults in words."""
+"""Messages between page and studio: messages from a page, answers about a design, and faults in words."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ncgear.project.drive import Drive
 
 
 def words_of(error: Exception) -> str:
-    """A fault of the design or of a file in its own words; any other is one of ncgear."""
+    """The words of a fault of the design or of a file; any other fault is a fault of ncgear."""
     match error:
         case DesignError():
             return str(error)
@@ -22,7 +22,7 @@ def words_of(error: Exception) -> str:
 
 
 def refusal(error: Exception, part: str = "") -> dict[str, Any]:
-    """Why the parts after one do not exist, and in ``others`` further faults of the same text."""
+    """The reason why the parts after one do not exist; ``others`` has further faults of the same text."""
     design = error if isinstance(error, DesignError) else DesignError(words_of(error))
     others = [_fault(one) for one in design.others]
     return {"after": part, "wrong_input": isinstance(design, WrongInput), **_fault(design), "others": others}
@@ -34,7 +34,7 @@ def _fault(error: DesignError) -> dict[str, Any]:
 
 
 def read_message(data: str | bytes) -> dict[str, Any]:
-    """The message in a frame of a web socket; raises WrongInput for what is none."""
+    """The message in a frame of a web socket; raises WrongInput for anything else."""
     try:
         if isinstance(data, bytes):
             raise ValueError("bytes")
@@ -49,7 +49,7 @@ def read_message(data: str | bytes) -> dict[str, Any]:
 
 
 def _number(text: str) -> float:
-    """A number of JSON, whole ones as such; raises ValueError for one that no computation could take."""
+    """A number of JSON, whole numbers as integers; raises ValueError for a number that no computation can use."""
     if not isfinite(float(text)):
         raise ValueError(text)
     return int(text) if text.lstrip("-").isdigit() else float(text)
@@ -61,7 +61,7 @@ Answers = Callable[[Drive], Iterator[Answer]]
 
 
 def guarded(answers: Answers, drive: Callable[[], Drive]) -> Iterator[Answer]:
-    """The answers about a drive, and a refusal in the place of those that cannot be given, whatever the reason."""
+    """The answers about a drive; where they cannot be given for any reason, a refusal."""
     part = "design"
     try:
         made = drive()

@@ -1,7 +1,6 @@
-"""The chain of the motion: what a law does with a mechanism, for which no tooth is needed.
+"""The chain of the motion: answers about a law with a mechanism that need no teeth.
 
-What it tells first follows the hand, so it asks for little: extremes are searched, charts drawn, and the design is
-judged, after it.
+The first answers follow the hand, so they compute little; extremes, charts and the verdict come after them.
 """
 
 from __future__ import annotations
@@ -25,10 +24,10 @@ from ncgear.studio.handles import handles
 from ncgear.studio.messages import Answer
 
 FIRST = (Quantity.VELOCITY, Quantity.ACCELERATION, Quantity.POWER, Quantity.RATIO)
-"""The charts that a designer looks at first, which are drawn first."""
+"""The charts that a designer looks at first; they are drawn first."""
 
 LIVE_POINTS = 400
-"""Points of a line that follows while something is dragged: one for each pixel or two of a chart."""
+"""Points of a line that is redrawn during a drag: one for each pixel or two of a chart."""
 
 
 def motion_answers(drive: Drive) -> Iterator[Answer]:
@@ -36,7 +35,7 @@ def motion_answers(drive: Drive) -> Iterator[Answer]:
     try:
         scene = scene_without_gears(drive)
     except NoSuchMechanism:
-        # Whoever draws a curve that is no gear goes on drawing.
+        # A curve that gives no gear can still be drawn further.
         yield from drawing_of(drive)
         raise
     asked = [one for one in quantities_of(drive) if one is not Quantity.POWER or not power_needs_gears(drive)]
@@ -75,14 +74,14 @@ def motion_answers(drive: Drive) -> Iterator[Answer]:
 
 
 def power_needs_gears(drive: Drive) -> bool:
-    """Whether the power counts the inertia of gears, which may take their teeth to know."""
+    """Whether the power counts the inertia of gears, for which their teeth may be needed."""
     return drive.masses_left_out is None and drive.design.gears is not None
 
 
 def live(page_chart: PageChart) -> dict[str, Any]:
-    """A chart for lines that follow at once; the page draws them on the scales of the last drawn chart.
+    """A chart with lines that are redrawn at once; the page draws them on the scales of the last full chart.
 
-    Its lines have their samples at the same angles.
+    All its lines have samples at the same angles.
     """
     chart, decimals = page_chart.chart, page_chart.decimals + MORE_DECIMALS
     angles_deg = chart.lines[0].x

@@ -1,8 +1,8 @@
-"""The design file on the disk: opened, compared and saved, so that no version of anybody is lost.
+"""The design file on the disk: opened, compared and saved, so that nobody's version is lost.
 
-Saves of all pages and studios wait for each other by the lock of the folder.  Other programs know no lock: a save takes
-away what stands there at the same instant as it puts its own there, and if that is not what it has compared it puts it
-back.
+The lock of the folder makes saves of all pages and studios wait for each other.  Other programs do not know this lock.
+So a save exchanges the file with its own in one instant; if the old file is not the compared one, the save exchanges
+them back.
 """
 
 from __future__ import annotations
@@ -37,17 +37,17 @@ from ncgear.files.publish import opened, real_place
 from ncgear.frozen import dataclass
 
 LARGEST_MB = 1
-"""Size of a text that can be edited: a hundred times that of a long design, and read in a few seconds."""
+"""Largest text that can be edited: a hundred times a long design, read in a few seconds."""
 
 LATE_S = 0.05
-"""Time for a program that had opened the file before a save to end its writing, which takes it a thousandth of that."""
+"""Time in which a program that opened the file before a save finishes writing; it needs a thousandth of that."""
 
 DIGITS = 12
 """Hexadecimal digits of a SHA-256 that tell the versions of a file from each other."""
 
 
 class NotSaved(WrongInput):
-    """A save that a person has to decide on; ``there`` is the file that it would replace, as it is on the disk."""
+    """A save that a person must decide on; ``there`` is the file on the disk that it would replace."""
 
     def __init__(self, problem: str, path: Path, found: bytes | None) -> None:
         super().__init__(problem, location=str(path))
@@ -56,9 +56,9 @@ class NotSaved(WrongInput):
 
 @dataclass(frozen=True)
 class DesignOnDisk:
-    """A design file and the bytes that it had when it was read or saved, None where there was no file.
+    """A design file and the bytes that it had when it was read or saved; None where there was no file.
 
-    ``kept`` has the files beside it in which versions of others have been kept.
+    ``kept`` has the files beside it that hold versions of other programs.
     """
 
     path: Path
@@ -67,21 +67,22 @@ class DesignOnDisk:
 
     @property
     def text(self) -> str:
-        """Its text."""
+        """The text of the file."""
         return (self.content or b"").decode("utf-8-sig", errors="replace")
 
     def saved(self, text: str, *, protected_too: bool = False) -> DesignOnDisk:
-        """The file with another text, written at one instant: a process that is killed leaves the old file or the new.
+        """The file with another text, written at one instant: a killed process leaves the old file or the new file.
 
-        Raises NotSaved where another program has changed it, and unless ``protected_too`` where it is read-only or a
-        hard link, which a new file parts from its other names; WrongInput where it cannot be written.
+        Raises NotSaved where another program has changed the file.  Raises NotSaved, unless ``protected_too``, where it
+        is read-only or a hard link, which a new file separates from its other names; WrongInput where it cannot be
+        written.
         """
         # Some editors begin a file with a byte order mark, and look for it.
         mark = BOM_UTF8 if (self.content or b"").startswith(BOM_UTF8) else b""
         content = mark + text.encode()
         with _clearing() as kept, _in_its_own_folder(), opened(self.path.parent):
             _clear_up(self.path, kept)
-            # Of a file that a killed run has just made it is a second name
+            # For a file that a killed run has just made, this is a second name
             hidden(self.path, UNFINISHED).unlink(missing_ok=True)
             if _content(self.path) != content:
                 self._require_same()
@@ -104,14 +105,14 @@ class DesignOnDisk:
         return NotSaved(f"{what} since it was opened{why and f', and {why}'}", self.path, found)
 
     def _protected(self) -> str:
-        """Why a person is asked before the file is replaced; empty where nobody is."""
+        """The reason to ask a person before the file is replaced; empty if there is none."""
         status = self.path.stat()
         writable = status.st_mode & 0o222 and os.access(self.path, os.W_OK)
         linked = "has another name, a hard link, which keeps the former text and is parted from it"
         return " and ".join(why for why, yes in (("is read-only", not writable), (linked, status.st_nlink > 1)) if yes)
 
     def _unmoved(self, error: OSError) -> OSError | WrongInput:
-        """What is said of a file that the disk does not exchange for a new one."""
+        """The error about a file that the disk cannot exchange for a new one."""
         if error.errno == EBUSY:
             problem = "is mounted by itself and cannot be exchanged for a new file; mount the folder that it is in"
             return WrongInput(problem, location=str(self.path))
@@ -124,7 +125,7 @@ class DesignOnDisk:
             raise self._changed(_content(self.path)) from error
 
     def _replace(self, former: bytes, content: bytes, kept: list[Path]) -> None:
-        """Exchange the file for a new one, and look whether what came away is the former one; ``kept`` grows."""
+        """Exchange the file for a new one, and check that the old one is the former version; ``kept`` may grow."""
         try:
             mode = S_IMODE(self.path.stat().st_mode)
             written = written_beside(self.path, content, mode)
@@ -157,7 +158,7 @@ class DesignOnDisk:
 
 
 def _content(path: Path) -> bytes | None:
-    """What a file holds; None where there is none.  Raises WrongInput for what is no file, before it is read."""
+    """The content of a file; None where there is no file.  Raises WrongInput before reading anything but a file."""
     try:
         _require_file(path)
         return path.read_bytes()
@@ -166,13 +167,13 @@ def _content(path: Path) -> bytes | None:
 
 
 def _require_file(path: Path) -> None:
-    """Raise WrongInput for a folder, a device or a pipe: a save would take it away, and a pipe would be waited for."""
+    """Raise WrongInput for a folder, a device or a pipe: a save would remove it, and reading a pipe would wait."""
     if not S_ISREG(path.stat().st_mode):
         raise WrongInput("is a folder, a device or a pipe, not a file; put a file there", location=str(path))
 
 
 def _belong_as(new: Path, former: Path) -> None:
-    """Give a file the owner, the group and the extended attributes of another one, as far as the system allows."""
+    """Give a file the owner, the group and the extended attributes of another file, as far as the system allows."""
     before, now = former.stat(), new.stat()
     with suppress(OSError, AttributeError):
         os.chown(new, before.st_uid, before.st_gid)
@@ -183,7 +184,7 @@ def _belong_as(new: Path, former: Path) -> None:
 
 @contextmanager
 def _in_its_own_folder() -> Iterator[None]:
-    """A context in which no other folder is advised: a design is saved where it was opened."""
+    """A context in which no other folder is proposed: a design is saved where it was opened."""
     try:
         yield
     except WrongInput as error:
@@ -192,7 +193,7 @@ def _in_its_own_folder() -> Iterator[None]:
 
 
 SAVING = ".saving"
-"""End of the name of a file that a save exchanges; before it stand the digests of the former version and the new."""
+"""End of the name of a file that a save exchanges; before it are the digests of the old and the new version."""
 
 
 def _digest(content: bytes) -> str:
@@ -200,7 +201,7 @@ def _digest(content: bytes) -> str:
 
 
 def _left(path: Path) -> list[Path]:
-    """What saves that were killed have left beside a file."""
+    """Files that killed saves have left beside a file."""
     digest = f"[0-9a-f]{{{DIGITS}}}"
     form = re.compile(f"{re.escape(hidden(path, '.').name)}{digest}-{digest}{SAVING}({UNFINISHED})?")
     with suppress(OSError):
@@ -210,7 +211,7 @@ def _left(path: Path) -> list[Path]:
 
 @contextmanager
 def _clearing() -> Iterator[list[Path]]:
-    """A context with the places of versions that are kept in it, which its fault tells too."""
+    """A context with the paths of versions that are kept in it; its errors tell them too."""
     kept: list[Path] = []
     try:
         yield kept
@@ -220,13 +221,13 @@ def _clearing() -> Iterator[list[Path]]:
 
 
 def kept_words(kept: Sequence[Path]) -> tuple[str, ...]:
-    """What is said of versions of others that were kept beside the file."""
+    """The text about versions of other programs that were kept beside the file."""
     names = ", ".join(place.name for place in kept)
     return (f"A version that another program wrote during a save is kept as {names}.",) if names else ()
 
 
 def _clear_up(path: Path, kept: list[Path]) -> None:
-    """Remove what killed saves have left; a version that they did not know is kept, and its new place put to these."""
+    """Remove the files of killed saves; a version that they did not know is kept, and its path is added to ``kept``."""
     for left in _left(path):
         content = left.read_bytes()
         if _digest(content) in left.name or (is_there(path) and path.read_bytes() == content):
@@ -238,7 +239,7 @@ def _clear_up(path: Path, kept: list[Path]) -> None:
 
 
 def require_same_place(file: DesignOnDisk, opened_as: Path) -> None:
-    """Raise NotSaved where the path by which a file was opened, perhaps a link, stands for another file by now."""
+    """Raise NotSaved where the path with which a file was opened, perhaps a link, now leads to another file."""
     real = real_place(opened_as)
     if real != file.path:
         problem = f"stands for another file than when it was opened: {real}, not {file.path}"
@@ -246,7 +247,7 @@ def require_same_place(file: DesignOnDisk, opened_as: Path) -> None:
 
 
 def design_on_disk(path: Path) -> DesignOnDisk:
-    """The design file at a path, whatever its text says; raises WrongInput where it cannot be read as text."""
+    """The design file at a path, with any text; raises WrongInput where it cannot be read as text."""
     real = real_place(path)
     if is_there(real):
         _require_file(real)

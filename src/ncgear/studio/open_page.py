@@ -1,9 +1,9 @@
-"""One page of the studio: what it asks for, the text that it edits, the answers and jobs that it is told of.
+"""One page of the studio: its requests, the text that it edits, and the answers and jobs that it is told of.
 
-Messages are values of JSON.  From the page come ``{"do": ..., ...}``, as the methods of ``OpenPage`` named after them
-say; to it go ``state`` (the text and all that follows from it), the answers of ``answers.py`` with the number ``n`` of
-the text that they belong to, ``job``, ``said``, ``lacking`` (keys that were emptied but must be given, with what is
-wrong without them), and ``question`` where a person has to decide on a save.
+Messages are values of JSON. The page sends ``{"do": ..., ...}``: the methods of ``OpenPage`` with these names do them.
+The page gets ``state`` (the text and everything that follows from it), the answers of ``answers.py`` with the number
+``n`` of their text, ``job``, ``said``, ``lacking`` (keys that were emptied but must be given, with the faults without
+them), and ``question`` where a person must decide on a save.
 """
 
 from __future__ import annotations
@@ -29,26 +29,26 @@ from ncgear.studio.messages import read_message, words_of
 from ncgear.studio.on_disk import LARGEST_MB, DesignOnDisk, NotSaved, design_on_disk, kept_words, require_same_place
 
 MOST_CHANGES = 200
-"""Keys that one message changes; a remedy changes three."""
+"""Most keys that one message changes; a remedy changes three."""
 
 BETWEEN_S = 0.05
-"""Time between two questions while something is dragged: 20 pictures a second leave the processor to the teeth."""
+"""Time between two questions during a drag: 20 pictures a second leave the processor free for the teeth."""
 
 RESTS_S = 0.3
-"""Time without a move after which the value that is dragged is kept as a draft, in case the studio is killed."""
+"""Time without a move after which the dragged value is kept as a draft, in case the studio is killed."""
 
 AGAIN_S = 1.0
-"""Time after which work is told once more to end: a page that comes back waits for it, and libraries lose a word."""
+"""Time after which work is told again to end: a page that comes back waits for it, and libraries may miss a signal."""
 
 ACTIONS = ("change", "set", "keep", "text", "undo", "redo", "save", "anew", "run", "cancel", "adopt", "point")
-"""What a page can ask for: methods of ``OpenPage``."""
+"""Requests of a page: methods of ``OpenPage``."""
 
 MOST_JOBS = 2
-"""Commands that run at once; each may use all cores."""
+"""Most commands that run at once; each may use all cores."""
 
 
 class OpenPage:
-    """The state of one page; it outlives a connection, so that a page that is loaded anew goes on where it was."""
+    """The state of one page; it outlives a connection, so a page that is loaded again continues where it was."""
 
     def __init__(self, path: Path, out: Path, chains: Chains | None = None) -> None:
         self._opened_as = path
@@ -75,8 +75,8 @@ class OpenPage:
         self._leaving = asyncio.Lock()
 
     async def connected(self, send: Callable[[str], Awaitable[None]]) -> None:
-        """Tell a page that has just connected everything, and go on telling it instead of an earlier connection."""
-        # A page that is loaded anew connects while its last connection still ends, which would end this one's work too.
+        """Tell everything to a page that has just connected; it replaces an earlier connection."""
+        # A page that is loaded again connects while its last connection still ends, which would end the new work too.
         async with self._leaving:
             if self._send is None:
                 self._spawn(self._follow())
@@ -88,7 +88,7 @@ class OpenPage:
             await self._say(" ".join(notices))
 
     async def disconnected(self, send: Callable[[str], Awaitable[None]] | None) -> None:
-        """End the processes of the page, unless another connection has taken it over; commands go on."""
+        """End the processes of the page, unless another connection has taken it over; commands continue."""
         async with self._leaving:
             if self._send is not send:
                 return
@@ -103,7 +103,7 @@ class OpenPage:
             await self._let_go()
 
     async def _let_go(self) -> None:
-        """Make one step of the history of what was dragged last, by a hand that has gone without a word."""
+        """Make a step of the history from the last drag, if the connection ended before the drag was finished."""
         if self.changes:
             text = await asyncio.to_thread(self._dragged_to)
             self.history, self.changes = self.history.kept(text), {}
@@ -116,12 +116,12 @@ class OpenPage:
         self.draft.let_go()
 
     async def hear(self, data: str | bytes) -> None:
-        """Do what a message asks for; what cannot be done is said, and nothing changes."""
+        """Do what a message asks for; if that fails, the error is told, and nothing changes."""
         if not await self._tried(self._done(data)):
             await self._tried(self._show())
 
     async def _tried(self, work: Awaitable[None]) -> bool:
-        """Whether work has been done; any fault of it is told, and the conversation goes on."""
+        """Whether work has been done; any fault is told, and the conversation continues."""
         try:
             await work
         except Exception as error:
@@ -148,7 +148,7 @@ class OpenPage:
         await self.keep(message)
 
     async def keep(self, _: Mapping[str, Any]) -> None:
-        """Make one step of the history of what was changed since the last one."""
+        """Make one step of the history from the changes since the last step."""
         changes, self.changes = self.changes, {}
         self._changed.clear()
         if not changes:
@@ -171,21 +171,21 @@ class OpenPage:
         await self._step(self.history.kept(await asyncio.to_thread(in_line_ends_of, before, text)))
 
     async def dropped(self, name: str, content: bytes) -> None:
-        """Make the pitch curve that of a drawing that was dropped onto the page, as one step of the history."""
+        """Use a drawing that was dropped onto the page as the pitch curve, as one step of the history."""
         found = await asyncio.to_thread(with_dropped, self.history.now, self.file.path, name, content)
         await self._step(self.history.kept(found[0]))
         await self._say(f"{found[1]} stands beside the design, and is its pitch curve; Undo takes the former one.")
 
     async def undo(self, _: Mapping[str, Any]) -> None:
-        """One step back."""
+        """Go one step back in the history."""
         await self._step(self.history.undone())
 
     async def redo(self, _: Mapping[str, Any]) -> None:
-        """One step forth."""
+        """Go one step forward in the history."""
         await self._step(self.history.redone())
 
     async def save(self, message: Mapping[str, Any]) -> None:
-        """Save into the design file; with ``over`` in the stead of the version that the last question has shown."""
+        """Save into the design file; with ``over`` replace the version that the last question has shown."""
         text = self.history.now
         asked_about, self._asked_about = self._asked_about, None
         over = asked_about if message.get("over") is True else None
@@ -205,7 +205,7 @@ class OpenPage:
         await self._show()
 
     async def anew(self, _: Mapping[str, Any]) -> None:
-        """Open the file as it is on the disk, as one step of the history."""
+        """Open the file on the disk again, as one step of the history."""
         self.file = await asyncio.to_thread(design_on_disk, self._opened_as)
         for words in kept_words(self.file.kept):
             await self._say(words)
@@ -221,7 +221,7 @@ class OpenPage:
         await job.cancel()
 
     async def adopt(self, message: Mapping[str, Any]) -> None:
-        """Take over the design that a ``job`` has found; of whole machines ``design`` is the name of one."""
+        """Take over the design that a ``job`` has found; for whole machines ``design`` is the name of one machine."""
         job = self._job(message)
         found = sorted(job.folder.glob("*-optimized.yaml")) if job.name == "optimize" and job.status == 0 else []
         names = [one["name"] for one in _machines_of(job).get("machines", [])]
@@ -278,14 +278,14 @@ class OpenPage:
         self._spawn(self._tell(json.dumps({"is": "job", "content": self._plain(job)})))
 
     def _plain(self, job: Job) -> dict[str, Any]:
-        """A job for the page, with files of its folder, points of a frontier and whole machines once it is done."""
+        """A job for the page; when it is done, with its files, points of a frontier and whole machines."""
         content = job.as_plain
         if found := _machines_of(job):
             content["machines"] = found
         if job.status == 0:
             content["files"] = _files_of(job.folder, self.out)
             if job.name == "frontier":
-                # Whoever has taken the file away has no picture of it.
+                # If the file has been removed, there is no picture of it.
                 with suppress(OSError, ValueError):
                     content["frontier"] = json.loads((job.folder / "frontier.json").read_text(encoding="utf-8"))
         return content
@@ -302,7 +302,7 @@ class OpenPage:
         await self._show()
 
     async def _follow(self) -> None:
-        """Ask for the answers of what is dragged: of the newest place only, however fast the hand is."""
+        """Ask for the answers to a drag: only for the newest place, however fast the hand is."""
         while True:
             try:
                 # Not wait_for: before Python 3.12 it loses a cancel that comes in the same turn as the change.
@@ -314,7 +314,7 @@ class OpenPage:
             await asyncio.sleep(BETWEEN_S)
 
     async def _rest(self) -> None:
-        """Keep the place of a hand that rests as a draft, and wait for it to go on."""
+        """Keep the place of a resting hand as a draft, and wait for the next move."""
         async with self._asking:
             # A step of the history that comes in the meantime writes its own draft after this one.
             if self.changes and (problem := await asyncio.to_thread(lambda: self._draft_problem(self._dragged_to()))):
@@ -322,7 +322,7 @@ class OpenPage:
         await self._changed.wait()
 
     def _dragged_to(self) -> str:
-        """The text with what is dragged; without it where it has no place, which the answers say."""
+        """The text with the dragged values; without them where they have no place, which the answers say."""
         with suppress(WrongInput):
             return edited(self.history.now, dict(self.changes))
         return self.history.now
@@ -330,14 +330,14 @@ class OpenPage:
     async def _ask(self) -> None:
         async with self._asking:
             self._changed.clear()
-            # A step of the history may have come in the meantime, with all changes in its text.
+            # A step of the history with all changes may have come in the meantime.
             if changes := dict(self.changes):
                 self.number += 1
                 await self._tell(json.dumps({"is": "asked", "n": self.number, "content": changes}))
                 await self._chains.ask(self.number, self.history.now, changes, str(self.file.path))
 
     async def _show(self) -> None:
-        """Tell the page the text and what follows from it by itself, and ask for the answers."""
+        """Tell the page the text and everything that follows from it alone, and ask for the answers."""
         async with self._asking:
             self.number = self._shown = self.number + 1
             content = await asyncio.to_thread(self._state)
@@ -365,14 +365,14 @@ class OpenPage:
         }
 
     def _draft_problem(self, text: str) -> str:
-        """Keep what is not saved where a killed studio leaves it; why that cannot be done, once."""
+        """Keep the unsaved text where it survives a killed studio; the reason why it cannot be kept, told once."""
         try:
             self.draft.follow(self.file, text)
             self._draft_refused = False
         except OSError as error:
             said, self._draft_refused = self._draft_refused, True
             reason = error.strerror or str(error)
-            return "" if said else f"what is not saved is lost when the studio ends: no draft can be written ({reason})"
+            return "" if said else f"unsaved changes are lost when the studio ends: no draft can be written ({reason})"
         return ""
 
     async def _say(self, text: str) -> None:
@@ -384,10 +384,10 @@ class OpenPage:
 
 
 running_jobs: dict[asyncio.Task[None], Job] = {}
-"""Commands that run, whatever page has asked for them; asyncio itself keeps no task alive."""
+"""Running commands of all pages; asyncio itself keeps no task alive."""
 
 
-DRAFT_FOUND = "What was not saved when the studio ended is here again; Undo leads back to the file."
+DRAFT_FOUND = "Changes that were not saved when the studio ended are here again; Undo leads back to the file."
 
 
 def _changes_of(message: Mapping[str, Any]) -> dict[str, Any]:
@@ -398,10 +398,10 @@ def _changes_of(message: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _machines_of(job: Job) -> dict[str, Any]:
-    """The whole machines that a job has found, also where it was cancelled; empty where there are none."""
+    """The whole machines that a job has found, also if it was cancelled; empty where there are none."""
     if job.name != "design" or job.status is None or not (job.status == 0 or job.cancelled):
         return {}
-    # Whoever has taken the file away has no machines.
+    # If the file has been removed, there are no machines.
     with suppress(OSError, ValueError):
         path = job.folder / "machines.json"
         if path.stat().st_mtime >= job.begun_s:
@@ -411,7 +411,7 @@ def _machines_of(job: Job) -> dict[str, Any]:
 
 
 def _files_of(folder: Path, out: Path) -> list[str]:
-    """The files of a folder, by their way from the export folder, without hidden ones and those in hidden folders."""
+    """The files of a folder, by their paths from the export folder, without hidden files and hidden folders."""
     places = sorted(place for place in folder.rglob("*") if place.is_file())
     shown = [place for place in places if not any(part.startswith(".") for part in place.relative_to(folder).parts)]
     return [place.relative_to(out).as_posix() for place in shown]

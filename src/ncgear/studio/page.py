@@ -1,4 +1,4 @@
-"""The page of the studio as one file of HTML, and the page that asks a studio without a file what to begin with."""
+"""The page of the studio as one file of HTML, and the first page of a studio without a file, with choices."""
 
 from __future__ import annotations
 
@@ -32,13 +32,13 @@ from ncgear.studio.jobs import COMMANDS
 WEB = "ncgear.studio.web"
 
 SCRIPTS = ("link", "machine", "lines", "handles", "drawing", "board", "form", "told", "making", "saving", "studio")
-"""Files of web/script/; each may use those before it."""
+"""Files of web/script/; each may use the files before it."""
 
 VIEWS = ("machine", "gears", "mesh")
 
 
 def page(file_name: str) -> tuple[str, str]:
-    """The page, and its content security policy: it runs its own script only, and talks to its own server only."""
+    """The page and its content security policy: it runs only its own script, and talks only to its own server."""
     loader = ChoiceLoader([PackageLoader(WEB, ""), PackageLoader(PACKAGE, "")])
     environment = Environment(loader=loader, autoescape=True, undefined=StrictUndefined)
     script = in_own_scope(shared_script(), *(_asset(f"script/{name}.js") for name in SCRIPTS))
@@ -61,7 +61,7 @@ def page(file_name: str) -> tuple[str, str]:
 
 
 def start_page(folder: str, problem: str = "") -> tuple[str, str]:
-    """The page of a studio without a file, which has no script, and its policy: its form goes to its own server."""
+    """The first page of a studio without a file, and its policy: no script, and its form goes to its own server."""
     environment = Environment(loader=PackageLoader(WEB, ""), autoescape=True, undefined=StrictUndefined)
     choices = beginnings()
     content = environment.get_template("start.html.j2").render(
@@ -96,7 +96,7 @@ SHIPPED = Path(ncgear.__file__).parents[2] / "designs"
 
 @dataclass(frozen=True)
 class Beginning:
-    """A choice in its group: a name, which the new file has, words for it, and its text for a name."""
+    """A choice in a group: a name, which the new file gets, words for it, and a function from a name to a text."""
 
     group: str
     name: str
@@ -105,12 +105,12 @@ class Beginning:
 
     @property
     def key(self) -> str:
-        """The choice among all, which may have one name in two groups."""
+        """The key of the choice among all choices; two groups may have a choice with the same name."""
         return f"{self.group}/{self.name}".lower().replace(" ", "-")
 
 
 def beginnings() -> list[Beginning]:
-    """All choices, those of a group together."""
+    """All choices, group by group."""
     machine, wish, shape, formula, worked = GROUPS
     by_law = {
         Begins.MACHINE: (machine, _of_law),
@@ -133,9 +133,9 @@ def beginnings() -> list[Beginning]:
 
 
 def begin(key: str, folder: Path) -> Path:
-    """Write the design of a choice into a folder, under its name or the first free one after it.
+    """Write the design of a choice into a folder, under its name or the first free name after it.
 
-    Raises WrongInput for what is no choice, and where the file cannot be written.
+    Raises WrongInput for an unknown choice, and where the file cannot be written.
     """
     chosen = next((one for one in beginnings() if one.key == key), None)
     if chosen is None:
@@ -162,7 +162,7 @@ def _of_law(law: LawName, name: str) -> str:
 
 
 def _of_gears(law: LawName, name: str) -> str:
-    """Gears by themselves, whose shaft moves nothing yet."""
+    """A design of gears only; their shaft does not move anything yet."""
     return edited(begun(name, law, {}), {"linkage.kind": NO_LINKAGE})
 
 
@@ -171,13 +171,13 @@ def _of_shape(shape: str, name: str) -> str:
 
 
 def _of_wish(wishes: dict[str, Any], name: str) -> str:
-    """A slider with some friction, whose law is looked for."""
+    """A design of a slider with some friction, whose law is searched."""
     text = begun(name, SOUGHT_LAW, {"stroke_mm": 200, "speed_rpm": 40}, wishes)
     return edited(text, {"resistance": {"friction_n": 50}})
 
 
 def _worked() -> Iterator[tuple[Path, str]]:
-    """The worked designs with what they say of themselves; none where ncgear was installed without its sources."""
+    """The worked designs with their own descriptions; none where ncgear was installed without its sources."""
     for path in sorted(SHIPPED.glob("*.yaml")):
         # Reading all of them as designs would take seconds.
         said = re.search(r'^description: *"?(.*?)"?$', path.read_text(encoding="utf-8"), re.MULTILINE)
@@ -185,7 +185,7 @@ def _worked() -> Iterator[tuple[Path, str]]:
 
 
 def _copied(path: Path, name: str) -> str:
-    """A worked design that needs no file beside it, under another name."""
+    """A worked design under another name, without other files that it needs."""
     loaded = parsed(path.read_text(encoding="utf-8"), path)
     text = design_copy(loaded, {}) if loaded.source.from_files else path.read_text(encoding="utf-8")
     return text if name == loaded.design.name else edited(text, {"name": name})

@@ -1,9 +1,9 @@
-"""The server of the studio: for this computer only, and only for whoever has its token.
+"""The server of the studio: for this computer only, and only for a browser that has its token.
 
-Every request must name the server's own host, which a page of another site that was led here by its name server does
-not; a web socket must come from the studio's own page; and every request has the token.  An address has it once, and
+Every request must name the server's own host; a page of another site, brought here by its name server, does not.  A web
+socket must come from the studio's own page, and every request needs the token.  An address has the token once, and
 gives it to the browser as a cookie, which no script can read and no page of another site can use.  The server reads and
-writes the opened design file, hidden files and dropped drawings beside it, and the export folder, nothing else.
+writes only the opened design file, hidden files and dropped drawings beside it, and the export folder.
 """
 
 from __future__ import annotations
@@ -49,25 +49,25 @@ HOST = "127.0.0.1"
 TOKEN_BYTES = 24
 
 MOST_PAGES = 6
-"""Pages that are open at once; each has two processes."""
+"""Most pages that are open at once; each has two processes."""
 
 MOST_REMEMBERED = 30
-"""Pages that are remembered, so that a page that is loaded anew goes on where it was."""
+"""Most pages that are remembered, so that a page that is loaded again continues where it was."""
 
 TAKEN_OVER = 4001
-"""Code with which the connection of a page ends that another connection has taken over; it does not connect anew."""
+"""Code that ends the connection of a page when another connection has taken it over; the page does not reconnect."""
 
 LARGEST_MESSAGE = 2 << 20
-"""Bytes of a message from a page: a text of a megabyte, escaped."""
+"""Most bytes of a message from a page: a text of a megabyte, escaped."""
 
 LARGEST_DRAWING = 20 << 20
-"""Bytes of a drawing that is dropped: a picture of many pixels."""
+"""Most bytes of a dropped drawing: a picture of many pixels."""
 
 LONGEST_CHOICE = 1000
-"""Bytes of the answer to what to begin with."""
+"""Most bytes of the answer of the first page."""
 
 SANDBOX = "sandbox allow-scripts; frame-ancestors 'none'"
-"""Files of the export folder are shown as if they came from elsewhere: no script of theirs reaches the studio."""
+"""Files of the export folder are shown like files of another site: none of their scripts reaches the studio."""
 
 Scope = MutableMapping[str, Any]
 Receive = Callable[[], Awaitable[MutableMapping[str, Any]]]
@@ -75,11 +75,11 @@ Send = Callable[[MutableMapping[str, Any]], Awaitable[None]]
 
 
 class Guard:
-    """Lets through what names this host, comes from this page, and has the token; all else gets 403 or 404."""
+    """Lets a request through that names this host, comes from this page, and has the token; others get 403 or 404."""
 
     def __init__(self, app: Any, hosts: frozenset[str], token: str) -> None:
         self.app, self.hosts, self.token = app, hosts, token
-        # A browser sends the cookies of all ports of a host to each of them: the name has the port.
+        # A browser sends cookies to all ports of their host: so the name has the port.
         self.cookie = f"ncgear-{min(hosts).rpartition(':')[2]}"
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
@@ -89,7 +89,7 @@ class Guard:
             return
         problem = self._problem(scope)
         if problem is None and scope["path"] == f"/{self.token}/":
-            # A page that leads on: a cookie that is given with a redirect would not be sent at once.
+            # A page that leads to the studio: a cookie that is set in a redirect would not be sent at once.
             never_told_on = {"referrer-policy": "no-referrer", "cache-control": "no-store"}
             entered = HTMLResponse(leading_to("/"), headers=never_told_on)
             entered.set_cookie(self.cookie, self.token, httponly=True, samesite="strict")
@@ -118,10 +118,10 @@ class Guard:
 
 
 class Conversation(WebSocketsSansIOProtocol):
-    """A web socket that can be ended while its page is ending it."""
+    """A web socket that can be ended while the page is ending it."""
 
     def shutdown(self) -> None:
-        """End the connection as the server ends; one that the page has begun to close needs no word of it."""
+        """End the connection with the server; if the page has begun to close it, no message is sent."""
         try:
             super().shutdown()
         except InvalidState:
@@ -129,7 +129,7 @@ class Conversation(WebSocketsSansIOProtocol):
 
 
 class Studio:
-    """All pages of one design; without a path the first page asks what to begin with."""
+    """All pages of one design; without a path the first page offers beginnings."""
 
     def __init__(self, path: Path | None, out: Path) -> None:
         self.path, self.out = path, out.absolute()
@@ -138,12 +138,12 @@ class Studio:
         self.ready = Chains()
 
     def page_of(self, name: str) -> OpenPage:
-        """A page by the name that it has chosen; the oldest ones that are closed are forgotten."""
+        """A page by the name that it has chosen; the oldest closed pages are forgotten."""
         assert self.path is not None
         if name not in self.pages:
             for old in [one for one in self.pages if one not in self.open][: len(self.pages) - MOST_REMEMBERED + 1]:
                 self.pages.pop(old).draft.let_go()
-            # The processes of the first page make themselves ready while the browser begins.
+            # The processes of the first page load their modules while the browser starts.
             self.pages[name] = OpenPage(self.path, self.out, self.ready)
             self.ready = Chains()
         return self.pages[name]
@@ -153,7 +153,7 @@ class Studio:
         return self._begun_with() if self.path is None else self._shown(*page(self.path.name), "no-referrer")
 
     async def begin(self, request: Request) -> Response:
-        """What was chosen on the first page becomes the design, unless another page has chosen already."""
+        """Make the choice of the first page the design, unless another page has chosen already."""
         chosen = parse_qs((await request.body())[:LONGEST_CHOICE].decode(errors="replace")).get("begin", [""])[0]
         if self.path is None:
             try:
@@ -163,7 +163,7 @@ class Studio:
         return RedirectResponse("./", status_code=303)
 
     def _begun_with(self, problem: str = "") -> Response:
-        # The form's own address has to be told with it, or the guard would take it for one of another page.
+        # The form's own address must be sent with it, or the guard would refuse it as from another page.
         return self._shown(*start_page(str(Path.cwd()), problem), "same-origin")
 
     def _shown(self, content: str, policy: str, referrer: str) -> Response:
@@ -184,7 +184,7 @@ class Studio:
         return FileResponse(place, headers=headers)
 
     async def drop(self, request: Request) -> Response:
-        """A drawing that was dropped onto a page becomes its pitch curve; what is wrong with it is told."""
+        """Make a dropped drawing the pitch curve of a page; faults in it are told."""
         page, name = (request.query_params.get(key, "") for key in ("page", "name"))
         if page not in self.open:
             return PlainTextResponse("no such page", status_code=404)
@@ -211,7 +211,7 @@ class Studio:
         return Response(await asyncio.to_thread(zipped, place), media_type="application/zip", headers=headers)
 
     async def _made(self, name: str) -> Path | None:
-        """What stands in the export folder under a name; None for what is hidden, elsewhere, or not there."""
+        """The path of a name in the export folder; None for a name that is hidden, elsewhere, or not there."""
         root = self.out.resolve()
         try:
             place = await asyncio.to_thread(real_place, self.out / name)
@@ -233,7 +233,7 @@ class Studio:
         try:
             opened = self.page_of(name)
         except Exception as error:
-            # The file has gone since the studio was started, or is a folder.
+            # The file has been removed since the studio was started, or is a folder.
             await socket.send_text(json.dumps({"is": "said", "content": words_of(error)}))
             await socket.close(code=1011)
             return
@@ -248,7 +248,7 @@ class Studio:
         try:
             await opened.connected(send)
             if former is not None:
-                # A page that is loaded anew may be here before its earlier connection has ended.
+                # A page that is loaded again may connect before its earlier connection has ended.
                 with suppress(RuntimeError, WebSocketDisconnect):
                     await former.close(code=TAKEN_OVER)
             while (data := await _data_from(socket)) is not None:
@@ -264,7 +264,7 @@ class Studio:
 
 
 async def _data_from(socket: WebSocket) -> str | bytes | None:
-    """What the next frame of a page holds; None once the page is gone, which starlette tells in two ways."""
+    """The content of the next frame of a page; None once the page is gone, which starlette tells in two ways."""
     try:
         frame = await socket.receive()
     except RuntimeError:
@@ -274,7 +274,7 @@ async def _data_from(socket: WebSocket) -> str | bytes | None:
 
 
 async def _told(_: Request, error: Exception) -> Response:
-    """Any fault in words."""
+    """An answer with any fault in words."""
     return PlainTextResponse(words_of(error), status_code=500)
 
 
@@ -300,7 +300,7 @@ def application(studio: Studio, hosts: frozenset[str], token: str) -> Guard:
 
 
 def listening(port: int) -> socket.socket:
-    """A socket on the loopback address; port 0 takes any that is free.  Raises OSError where the port is taken."""
+    """A socket on the loopback address; port 0 takes any free port.  Raises OSError where the port is taken."""
     made = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
     made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
@@ -312,7 +312,7 @@ def listening(port: int) -> socket.socket:
 
 
 def serve(path: Path | None, out: Path, bound: socket.socket, begun: Callable[[str], None]) -> None:
-    """Serve a design, or one that is chosen first, until Ctrl-C; ``begun`` hears of the address once it answers."""
+    """Serve a design, or a design chosen first, until Ctrl-C; ``begun`` is called with the address once it answers."""
     port, token = bound.getsockname()[1], secrets.token_urlsafe(TOKEN_BYTES)
     hosts = frozenset({f"{HOST}:{port}", f"localhost:{port}"})
     config = uvicorn.Config(
@@ -321,7 +321,7 @@ def serve(path: Path | None, out: Path, bound: socket.socket, begun: Callable[[s
         access_log=False,
         ws=Conversation,
         ws_max_size=LARGEST_MESSAGE,
-        # On one computer it takes longer to compress a message than to send it.
+        # On one computer, compressing a message takes longer than sending it.
         ws_per_message_deflate=False,
         server_header=False,
         timeout_graceful_shutdown=2,
@@ -329,7 +329,7 @@ def serve(path: Path | None, out: Path, bound: socket.socket, begun: Callable[[s
     server = _Server(config)
     hears_of_its_terminal = hasattr(signal, "SIGHUP") and signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN
     if hears_of_its_terminal:
-        # The end of its terminal ends it as Ctrl-C does; uvicorn sees to the other signals.
+        # A closed terminal ends it as Ctrl-C does; uvicorn handles the other signals.
         before = signal.signal(signal.SIGHUP, server.handle_exit)
 
     async def run() -> None:
@@ -343,7 +343,7 @@ def serve(path: Path | None, out: Path, bound: socket.socket, begun: Callable[[s
     try:
         asyncio.run(run())
     except KeyboardInterrupt:
-        # Ctrl-C is the way to end it, and no fault.
+        # Ctrl-C is the usual way to end it, not a fault.
         if server.ended_by not in (0, signal.SIGINT):
             raise
     if hears_of_its_terminal:
@@ -353,20 +353,20 @@ def serve(path: Path | None, out: Path, bound: socket.socket, begun: Callable[[s
 
 
 LAST_SECONDS = 10.0
-"""Time after the signal that ends a server, two of them for its conversations, from which nothing is waited for."""
+"""Time after the signal that ends a server, two seconds of it for its conversations, at which waiting stops."""
 
 
 class _Server(uvicorn.Server):
-    """A server that knows the signal by which it is ended."""
+    """A server that remembers the signal that ended it."""
 
     ended_by = 0
 
     def handle_exit(self, sig: int, frame: FrameType | None) -> None:
-        """End by the first signal, within two seconds; a second one would only cut off the telling of it."""
+        """End within two seconds of the first signal; a second signal would only cut off the messages about the end."""
         if not self.ended_by:
             self.ended_by = sig
             if hasattr(signal, "setitimer"):
-                # A thread that waits for a process that is gone would keep this process for good.
+                # A thread that waits for a process that is gone would keep this process running for ever.
                 status = 0 if sig == signal.SIGINT else 128 + sig
                 signal.signal(signal.SIGALRM, lambda *_: os._exit(status))
                 signal.setitimer(signal.ITIMER_REAL, LAST_SECONDS)
@@ -374,7 +374,7 @@ class _Server(uvicorn.Server):
 
 
 def zipped(folder: Path) -> bytes:
-    """The files of a folder as a zip, below the folder's own name and in order; hidden ones stay behind.
+    """The files of a folder as a zip, below the folder's own name and in order, without hidden files.
 
     Raises OSError where a file cannot be read.
     """
@@ -388,7 +388,7 @@ def zipped(folder: Path) -> bytes:
 
 
 def open_in_browser(address: str) -> None:
-    """Open an address in the browser by a file of mode 0600, which goes with this process."""
+    """Open an address in the browser by a file of mode 0600, which is removed when this process ends."""
     # Only its owner may read a file of ``tempfile``.
     with tempfile.NamedTemporaryFile("w", prefix="ncgear-studio-", suffix=".html", delete=False) as made:
         made.write(leading_to(address))
@@ -398,7 +398,7 @@ def open_in_browser(address: str) -> None:
 
 
 def leading_to(address: str) -> str:
-    """A page that leads to an address, and asks for no icon of its own."""
+    """A page that leads to an address, and requests no icon."""
     leads = f'<link rel="icon" href="data:,"><meta http-equiv="refresh" content="0;url={escape(address)}">'
     return f"<!DOCTYPE html><title>ncgear studio</title>{leads}"
 

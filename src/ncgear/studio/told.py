@@ -1,4 +1,4 @@
-"""What the page is told of a design, as plain values: charts, tables, advices, facts, what the best law would save."""
+"""A design as plain values for the page: charts, tables, advice, facts, and the gain of the best law."""
 
 from __future__ import annotations
 
@@ -21,11 +21,11 @@ from ncgear.project.drive import Drive
 from ncgear.studio.messages import Answer
 
 CHART: Size = (280.0, 164.0)
-"""Size of a chart: two stand side by side beside values and figures at 1280 pixels, with text of 11 pixels or more."""
+"""Size of a chart: two fit side by side beside values and figures at 1280 pixels, with text of 11 pixels or more."""
 
 
 def drawn_charts(charts: Sequence[PageChart]) -> Iterator[Answer]:
-    """Each chart as the report has it: its drawing, its scales, its lines."""
+    """Each chart as in the report: its drawing, its scales, its lines."""
     for chart in charts:
         figure = drawn(chart, CHART)
         data = chart_data([figure])
@@ -54,7 +54,7 @@ def table_data(table: Table) -> dict[str, Any]:
 
 
 def verdict_data(verdict: Verdict) -> dict[str, Any]:
-    """The advices, and what is said of the whole."""
+    """The pieces of advice, and the sentence about the whole."""
     return {
         "advices": [_advice(row.of, advice) for row in verdict.rows for advice in row.advices],
         "good": "" if verdict.warnings else verdict.good,
@@ -82,7 +82,7 @@ def _advice(stage: str, advice: Advice) -> dict[str, Any]:
 
 
 def facts(drive: Drive) -> list[list[str]]:
-    """Name and text of each figure, the peaks before all else with those of the crank and how much they differ."""
+    """Name and text of each figure; the peaks come first, with the peaks of the crank and the differences."""
     compared = {row.name: row.texts for row in compared_rows(drive)}
     rows = {name: (text,) for name, text in machine_facts(drive)} | compared
     ordered = dict.fromkeys([*compared, *rows])
@@ -100,13 +100,13 @@ def safety_facts(pairs: Iterable[Drive]) -> list[tuple[str, str]]:
 
 
 NEAR = 0.01
-"""Share of the limit that a law may lie above it and count as the best: laws of 180 knots lack as much themselves."""
+"""Share by which a law may lie above the limit and still count as the best: laws of 180 knots miss it by as much."""
 
 
 def saved(design: Design) -> dict[str, str] | None:
-    """``words`` that stand on the button of the best law, and the same ``in_full`` with figures and units.
+    """``words`` on the button of the best law, and the same ``in_full`` with figures and units.
 
-    None where nothing can be said beforehand: no law is sought for the mechanism, no limit of its goal is known, the
+    None where nothing can be said beforehand: no law is searched for the mechanism, no limit of its goal is known, the
     wishes contradict each other, lengths or the flywheel are free, or the extra of the optimiser is not installed.
     """
     from ncgear.figures.answers.best_law import GOALS

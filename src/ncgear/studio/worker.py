@@ -1,15 +1,15 @@
-"""A process that computes answers, each for the newest change that was there when it was begun.
+"""A process that computes answers, each for the newest change that was there when the answer was begun.
 
-What is dragged shall move even if changes come faster than answers, so an answer is finished up to its picture, the
-part named in PICTURES, though a newer change has come; what follows the picture is broken off at once.  Pictures that
-take longer than PATIENCE_S are broken off too, and so are those of a hand that rests at a newer place, but never two of
-them in a row: then the hand would see none.
+A dragged value must move even if changes come faster than answers.  So an answer is finished up to its picture, the
+part named in PICTURES, even if a newer change has come; the parts after the picture are then broken off at once.
+Pictures that take longer than PATIENCE_S are broken off too, and so are pictures when the hand rests at a newer place,
+but never two in a row: then the hand would see none.
 
 Requests come as lines of JSON on the standard input, answers go as lines of JSON to the standard output.  A request has
-the number ``n``, the ``path`` of the design, ``changes`` by key, and the ``text`` unless it is that of the request
-before.  The process ends with its input, so it never outlives the server.  ``python -m ncgear.studio.worker motion``
-follows the chain of the motion, with ``gears`` or ``contact`` those of the gears, with ``gears contact`` both of them,
-one after the other.
+the number ``n``, the ``path`` of the design, ``changes`` by key, and the ``text`` unless the request before had the
+same text.  The process ends with its input, so it never outlives the server.  ``python -m ncgear.studio.worker motion``
+follows the chain of the motion, with ``gears`` or ``contact`` one of the gears, with ``gears contact`` both, one after
+the other.
 """
 
 from __future__ import annotations
@@ -41,28 +41,28 @@ PICTURES: Mapping[str, str] = {MOTION: "motion", GEARS: "scene", CONTACT: "stren
 CHAINS = tuple(PICTURES)
 
 IMPORTING = "<frozen importlib._bootstrap>"
-"""File name of Python's own code of imports: an import that is broken off could never be made again."""
+"""File name of Python's own code of imports: an import that is broken off cannot be repeated."""
 
 PATIENCE_S = 5.0
-"""Time that a picture may take while a newer change waits: several times that of teeth and their strength."""
+"""Time that a picture may take while a newer change waits: several times the time of teeth and their strength."""
 
 RESTING_S = 0.1
-"""Time without a newer request after which the hand rests: two moves of a drag are half as long apart."""
+"""Time without a newer request after which the hand counts as resting: during a drag, moves come at half this time."""
 
 DONE = "done", None
 """The last message about a request."""
 
 
 NICENESS = 5
-"""The motion follows the hand; teeth may come a little later."""
+"""Lower priority of the gears: the motion follows the hand, teeth may come a little later."""
 
 
 AGAIN_S = 0.05
-"""Time after which a computation is broken off again that has gone on: some libraries swallow what they are told."""
+"""Time after which a computation that has not stopped is broken off again: some libraries swallow the signal."""
 
 
 class Superseded(KeyboardInterrupt):
-    """A newer request has come; the optimiser makes a plain KeyboardInterrupt of it."""
+    """A newer request has come; the optimiser turns this into a plain KeyboardInterrupt."""
 
 
 class Requests:
@@ -79,7 +79,7 @@ class Requests:
         self.computing = False
 
     def read_all(self) -> None:
-        """Take requests to the end of the input."""
+        """Read requests until the input ends."""
         for line in self._lines:
             request = json.loads(line)
             with self._come:
@@ -94,7 +94,7 @@ class Requests:
 
     @property
     def _due_s(self) -> float:
-        """When the newest request need not wait any longer for the one that is computed."""
+        """Time from which the newest request no longer waits for the answer that is being computed."""
         return min(self._patient_until_s, self._came_s + RESTING_S) if self._patient_until_s < inf else inf
 
     def _wake(self, wait_s: float) -> None:
@@ -132,8 +132,8 @@ class Requests:
     def interrupt(self, number: int, frame: FrameType | None) -> None:
         """Raise Superseded in the main thread while it computes for an older request, unless it imports a module.
 
-        It comes again until the main thread takes the newer request: where it lands in a callback of a weak reference,
-        or in the optimiser, nobody hears it.
+        It is repeated until the main thread takes the newer request: in a callback of a weak reference, or in the
+        optimiser, it may be lost.
         """
         self._alarm = None
         if self._newest is None or time.monotonic() < self._due_s:
@@ -153,7 +153,7 @@ def main() -> None:
     """Compute until the input ends."""
     chains = tuple(sys.argv[1:])
     out = os.fdopen(os.dup(1), "wb")
-    # Whatever a library prints must not come between the answers.
+    # Output of libraries must not come between the answers.
     os.dup2(2, 1)
     if MOTION not in chains and hasattr(os, "nice"):
         os.nice(NICENESS)
@@ -179,7 +179,7 @@ def main() -> None:
 
 
 def _answer(requests: Requests, out: BinaryIO, asked: tuple[str, int, bool], found: Iterator[Answer]) -> None:
-    """Send the answers of a chain to the request of a number, of which it is the last chain or not."""
+    """Send the answers of a chain to the request with a number; ``asked`` says whether it is the last chain."""
     from ncgear.studio.messages import refusal
 
     chain, number, is_last = asked
@@ -190,7 +190,7 @@ def _answer(requests: Requests, out: BinaryIO, asked: tuple[str, int, bool], fou
             name, content = next(found, DONE)
             line = _line(name, number, chain, content)
         except ValueError as error:
-            # A number that is not finite is no JSON.
+            # A number that is not finite is not valid JSON.
             name, found = "refused", iter(())
             line = _line(name, number, chain, refusal(error))
         finally:
@@ -203,7 +203,7 @@ def _answer(requests: Requests, out: BinaryIO, asked: tuple[str, int, bool], fou
 
 
 def answers_of(chain: str) -> Answers:
-    """The answers of a chain; none imports what only another needs."""
+    """The answers of a chain; none of them imports modules that only another chain needs."""
     if chain == MOTION:
         from ncgear.studio.motion_answers import motion_answers
 

@@ -1,1 +1,1 @@
-"""Whole machines: law, flywheel, gears, material and process found together, and rated from their files alone."""
+"""Whole machines: law, flywheel, gears, material and process, searched together, and rated from their files only."""

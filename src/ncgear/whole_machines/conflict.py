@@ -1,4 +1,4 @@
-"""Why no whole machine exists though there are laws: which choices have to give way, each tried by making a machine."""
+"""Why laws exist but no whole machine: the choices that must give way, each tested by making a machine."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ WIDEST = 30.0
 
 
 class Easing(NamedTuple):
-    """A demand that gives way: its keys without it, and what is told of the machine that was made then."""
+    """A demand that gives way: its keys without the demand, and words about the machine that was then made."""
 
     key: str
     values: tuple[tuple[str, object], ...]
@@ -45,7 +45,7 @@ def easings(choices: Choices, material: str) -> list[Easing]:
 
 
 def _tried(text: str, jobs: list[GearJob], easing: Easing) -> WholeMachine | None:
-    """The first machine that is made of a few laws with a demand that gives way."""
+    """The first machine made from a few laws when a demand gives way."""
     loaded = parsed(text, Path("design.yaml"))
     values = dict(easing.values)
     given = loaded.design.choices
@@ -81,10 +81,10 @@ def refusal_of_gears(
     scheduler: str | None,
     processes: int | None,
 ) -> NoSuchMechanism:
-    """The refusal of a search that found laws and no gears, with demands each of which gave a machine by giving way.
+    """The error of a search that found laws but no gears, with the demands that each gave a machine when they gave way.
 
     ``text`` is the design file, ``material`` the name of the first material, ``jobs`` are gears of a few laws, and
-    ``unfit`` the gears that were no machines.
+    ``unfit`` the gears that made no machine.
     """
     asked = easings(choices, material)
     found = dict(finished(partial(_tried, text, jobs), asked, scheduler, processes))

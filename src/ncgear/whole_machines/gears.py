@@ -1,6 +1,6 @@
 """From a law to a whole machine: the smallest gears of a material that hold, with a clean verdict, as a design file.
 
-The gears' own inertia is a part of the machine's, so that the law is found once more with the gears that it makes.
+The gears' own inertia belongs to the machine, so the law is found again with the inertia of its gears.
 """
 
 from __future__ import annotations
@@ -28,23 +28,23 @@ from ncgear.whole_machines.laws import FoundLaw, law_keys, settled_law
 from ncgear.whole_machines.machine import WEAK, Unfit, WholeMachine, broken, judged_machine
 
 MOST_COMPUTED = 8
-"""Gears that are computed at most for one law and material, a second each."""
+"""Most gears that are computed for one law and material, at a second each."""
 
 MENDED = 4
-"""Remedies of the verdict that are taken at most, one after the other."""
+"""Most remedies of the verdict that are taken, one after the other."""
 
 ROUNDS = 4
-"""Laws and face widths that are tried at most until both agree."""
+"""Most pairs of law and face width that are tried until both agree."""
 
 ROOM_OF_CAP = 1.002
-"""Ratio by which the peak power may grow as the law is found with the gears' own inertia."""
+"""Ratio by which the peak power may grow when the law is found with the gears' own inertia."""
 
 SIZE_KEYS = {f"gears.{key}" for key in (*SIZES, "face_width_mm", "material")}
-"""Keys that sizes are chosen by: no remedy changes them."""
+"""Keys that the choice of sizes sets: no remedy changes them."""
 
 
 class GearJob(NamedTuple):
-    """A law, a material (None: that of the file) and ways of making teeth, of which a machine is to be made."""
+    """A law, a material (None: the file's material) and ways of making teeth, from which a machine is to be made."""
 
     law: FoundLaw
     material: GearMaterial | None
@@ -52,7 +52,7 @@ class GearJob(NamedTuple):
 
 
 def machine_of(text: str, job: GearJob) -> WholeMachine | Unfit:
-    """The smallest machine of a law by the first way of making teeth that can, or why none; ``text`` is the file."""
+    """The smallest machine of a law, by the first way of making teeth that works, or why none; ``text`` is the file."""
     loaded = parsed(text, Path("design.yaml"))
     made: WholeMachine | Unfit = Unfit(("no way of making teeth that may be chosen suits this material",))
     for process in job.processes:
@@ -77,7 +77,7 @@ def started(design: Design, law: FoundLaw, material: GearMaterial | None) -> Dri
 
 
 def room_of(choices: Choices, fewest_teeth: int) -> GearRoom:
-    """The room for gears that the choices leave."""
+    """The room that the choices leave for gears."""
     widths = choices.face_width_modules
     distance, diameter = choices.center_distance_mm, choices.diameter_mm
     return GearRoom(
@@ -91,7 +91,7 @@ def room_of(choices: Choices, fewest_teeth: int) -> GearRoom:
 
 
 def fewest_teeth(drive: Drive) -> int:
-    """The least number of driving teeth without undercut wherever they stand on the pitch curves."""
+    """The least number of driving teeth without undercut at any place of the pitch curves."""
     from ncgear.teeth.gear import teeth_free_of_undercut
 
     lobes = drive.gears.lobes.driving
@@ -100,7 +100,7 @@ def fewest_teeth(drive: Drive) -> int:
 
 
 class _Weakened(Exception):
-    """Teeth do not hold once remedies of the verdict are taken; the drive that has them, and these changes."""
+    """Teeth do not hold after remedies of the verdict; ``drive`` has the remedies, ``changes`` are their keys."""
 
     def __init__(self, drive: Drive, changes: Changes) -> None:
         super().__init__()
@@ -108,7 +108,7 @@ class _Weakened(Exception):
 
 
 class _Making:
-    """The making of one machine."""
+    """The search for one machine: one law, one material and one way of making teeth."""
 
     def __init__(self, loaded: LoadedDesign, job: GearJob, process: Process) -> None:
         self.loaded, self.job, self.process = loaded, job, process
@@ -127,7 +127,7 @@ class _Making:
                     found = smallest_accepted(drive, room, self.is_clean, MOST_COMPUTED, lambda done, most: None)
                     return Unfit(self.why) if found is None else self.finished(found)
                 except _Weakened as weakened:
-                    # Teeth that are thinner, or lower, have to be larger
+                    # Teeth that the changes make thinner or lower have to be larger
                     self.kept |= weakened.changes
                     drive = weakened.drive
         except (DesignError, ArithmeticError) as error:
@@ -135,7 +135,7 @@ class _Making:
         return Unfit(self.why)
 
     def is_clean(self, sized: Sized) -> bool:
-        """Whether the verdict on gears is clean, with remedies taken that it names itself; they are kept.
+        """Whether the verdict on gears is clean, after its own remedies; the remedies are kept.
 
         Raises _Weakened where teeth do not hold with these remedies.
         """
@@ -162,7 +162,7 @@ class _Making:
         return False
 
     def finished(self, sized: Sized) -> WholeMachine | Unfit:
-        """The machine with a law that is found with its own gears, widened until its teeth hold with it."""
+        """The machine with a law found with its own gears, widened until its teeth hold with this law."""
         law, values = self.job.law, self.values(sized)
         cap_w = ROOM_OF_CAP * law.found.peak_power_w
         made: WholeMachine | Unfit = Unfit(self.why)
@@ -190,7 +190,7 @@ class _Making:
             **{key: whole(value) if isinstance(value, float) else value for key, value in chosen.items()},
             **dict.fromkeys(stated_inertias(design)),
         }
-        # Where the nearest gears are those of the file nothing is changed
+        # Where the nearest gears are the file's gears nothing is changed
         size = dict(zip(("gears.teeth", "gears.module_mm"), (sized.teeth, sized.module_mm), strict=True))
         values = {**size, "gears.face_width_mm": whole(sized.face_width_mm), **values}
         if design.gears is not None and design.gears.center_distance_mm is not None:
@@ -204,7 +204,7 @@ class _Making:
 
 
 def _of_gears(changes: tuple[Any, ...]) -> Changes:
-    """The changes of a remedy, where all are of the gears and none is a size; else none."""
+    """The changes of a remedy, if all are of the gears and none is a size; else none."""
     keys = [one.key for one in changes]
     if not keys or any(not key.startswith("gears.") or key in SIZE_KEYS for key in keys):
         return {}

@@ -1,8 +1,8 @@
 """Laws of least flank load under caps of the peak power, for each size of the flywheel on the driven shaft.
 
-The face width times the centre distance squared that flanks need against pitting is in proportion to the flank load, a
-property of the law alone.  So the law comes first.  Under each cap it is found from the law under the next lower cap
-and from the law under the next higher cap, since two optima can lie side by side.
+To resist pitting, flanks need a face width times centre distance squared in proportion to the flank load, which depends
+on the law only.  So the law comes first.  Under each cap it is searched from the law under the next lower cap and from
+the law under the next higher cap, since two optima can lie side by side.
 """
 
 from __future__ import annotations
@@ -30,22 +30,22 @@ from ncgear.optimum.task import Figures, Task, figures
 from ncgear.project.law_task import inertia_as_given, task_of, wishes_of, with_driven_flywheel
 
 KNOTS = 60
-"""Knots of the laws, half a second each: 180 knots gain a hundredth."""
+"""Knots of the laws; a law takes half a second.  180 knots are better by 1 %."""
 
 CAPS = 4
 """Caps of the power for each flywheel, from the least power to the power of the least flank load."""
 
 SIZES = 5
-"""Sizes of the flywheel, from the least to the greatest."""
+"""Number of sizes of the flywheel, from the least to the greatest."""
 
 ABOVE = 1.003
-"""The lowest cap over the least power: at the least power itself nothing is left to choose."""
+"""Ratio of the lowest cap to the least power: at the least power itself there is nothing left to choose."""
 
 SAME_POWER = 1.02
-"""Ratio of powers between which no other cap is worth a law."""
+"""Ratio of two powers below which a law under a cap between them is not worth its time."""
 
 STEEPEST_DEG = 60.0
-"""The greatest pressure angle where the file limits none: beyond it a verdict warns."""
+"""The greatest pressure angle where the file sets no limit: beyond it a verdict warns."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,19 +62,19 @@ class FoundLaw:
 
     @property
     def flank_load_n_mm(self) -> float:
-        """What makes gears large against pitting."""
+        """The figure of the law that makes gears large against pitting."""
         assert self.found.flank_load_n_mm is not None
         return self.found.flank_load_n_mm
 
     @property
     def motion(self) -> Motion:
-        """How the crank turns at the knots."""
+        """Motion of the crank at the knots."""
         angle = np.linspace(0.0, 2.0 * np.pi, len(self.ratio), endpoint=False)
         return Motion(angle, 1.0 / np.array(self.ratio))
 
 
 class LawJob(NamedTuple):
-    """A flywheel and a number of teeth whose laws are looked for together, and the powers to look at, if given."""
+    """A flywheel and a number of teeth for which laws are searched together, and the powers to look at, if given."""
 
     flywheel_kg_mm2: float
     teeth: int | None
@@ -82,7 +82,7 @@ class LawJob(NamedTuple):
 
 
 def law_design(design: Design, flywheel_kg_mm2: float | None = None) -> Design:
-    """The design that laws are found for: least flank load, by a given flywheel, with teeth of any number."""
+    """The design for which laws are found: least flank load, with a given flywheel and any number of teeth."""
     asked = design.optimize or Optimize()
     steepest = asked.limits.pressure_angle_deg or STEEPEST_DEG
     limits = asked.limits.model_copy(update={"free_of_undercut": False, "pressure_angle_deg": steepest})
@@ -113,15 +113,15 @@ def flywheel_sizes(design: Design) -> tuple[float, ...]:
     bare = law_design(design, 0.0)
     own = max(mean_inertia_kg_mm2(task_of(bare, inertia_as_given(bare))), LEAST_SHARE * asked.most)
     sizes = np.geomspace(own + asked.least, own + asked.most, SIZES) - own
-    # A workshop reads three digits
+    # Three digits are enough for a workshop
     middle = [float(f"{size:.3g}") for size in sizes[1:-1]]
     return (asked.least, *middle, asked.most)
 
 
 def with_best_lengths(loaded: LoadedDesign, tell: Callable[[int], None]) -> tuple[LoadedDesign, Mapping[str, float]]:
-    """The design with the best lengths for the flank load with a middle flywheel, and these by their keys.
+    """The design with the best lengths for the flank load with a middle flywheel, and the lengths by their keys.
 
-    ``tell`` takes the number of mechanisms looked at.  Raises NoSuchMechanism where no lengths of the ranges have a
+    ``tell`` takes the number of mechanisms tried so far.  Raises NoSuchMechanism where no lengths in the ranges have a
     law.
     """
     from ncgear.project.free_lengths import best_lengths, changed_keys
@@ -138,14 +138,14 @@ def with_best_lengths(loaded: LoadedDesign, tell: Callable[[int], None]) -> tupl
 
 
 def laws_of(design: Design, job: LawJob) -> list[FoundLaw]:
-    """The laws of one flywheel, that of the least power first; empty where none is found."""
+    """The laws of one flywheel, the law of least power first; empty where none is found."""
     made = law_design(design, job.flywheel_kg_mm2)
     search = _Search(task_of(made, inertia_as_given(made)), law_wishes(made, job.teeth), job)
     return search.laws()
 
 
 class _Search:
-    """The laws found so far of one flywheel."""
+    """The search for the laws of one flywheel."""
 
     def __init__(self, task: Task, wishes: Wishes, job: LawJob) -> None:
         self.task, self.wishes, self.job = task, wishes, job
@@ -167,7 +167,7 @@ class _Search:
                 near = self.capped(cap, [near.motion]) or near
                 under[cap] += [near] if near.found.peak_power_w <= cap * (1.0 + 1e-6) else []
         best = [min(laws, key=lambda one: one.flank_load_n_mm) for laws in under.values() if laws]
-        # Those that have less flank load than every law of less power
+        # Keep each law that has less flank load than every law of less power
         found: list[FoundLaw] = []
         for law in sorted((least, *best, most), key=lambda one: (one.found.peak_power_w, one.flank_load_n_mm)):
             if not found or law.flank_load_n_mm < found[-1].flank_load_n_mm:
@@ -175,7 +175,7 @@ class _Search:
         return found
 
     def caps_w(self, least_w: float, most_w: float) -> list[float]:
-        """The caps of the power: the powers of motors that can be had, or even ratios."""
+        """The caps of the power: the powers of available motors, or powers in even ratios."""
         if self.job.powers_w:
             return [one for one in sorted(self.job.powers_w) if ABOVE * least_w < one < most_w]
         if not most_w > SAME_POWER * least_w:
@@ -187,7 +187,7 @@ class _Search:
         return self._found(replace(self.wishes, goal=Goal.POWER), [start])
 
     def capped(self, cap_w: float | None, starts: list[Motion]) -> FoundLaw | None:
-        """The law of least flank load under a cap of the power, the best from several motions."""
+        """The law of least flank load under a cap of the power, the best of the searches from several motions."""
         given = self.wishes.limits.peak_power_w
         cap = min((one for one in (cap_w, given) if one is not None), default=None)
         return self._found(replace(self.wishes, limits=replace(self.wishes.limits, peak_power_w=cap)), starts)
@@ -204,7 +204,7 @@ class _Search:
 
 
 def settled_law(design: Design, teeth: int | None, near: Motion, cap_w: float | None) -> FoundLaw | None:
-    """The law of least flank load for a machine with the gears that the design has, from a motion near it."""
+    """The law of least flank load for a machine with the gears of the design, searched from a motion near it."""
     flywheel = design.masses.driven_flywheel_kg_mm2 if design.masses else 0.0
     made = law_design(design)
     job = LawJob(flywheel, teeth)

@@ -1,8 +1,8 @@
-"""How far from the best machines are: certified limits of flank load, power and cost, and what is outside the proof.
+"""The distance of machines from the best: certified limits of flank load, power and cost, and the gaps of the proof.
 
-The limits are for laws: no law of the machine, with any flywheel of the range, needs less power, and none of so much
-power has less flank load.  The face width times the centre distance squared is in proportion to the flank load, at the
-level of the estimate of strength: with the load factors that the machine found has.
+The limits are for laws: no law of the machine, with any flywheel in the range, needs less power, and no law of the same
+power has less flank load.  The face width times the centre distance squared is in proportion to the flank load, as far
+as the estimate of strength is right: it takes the load factors of the machine that was found.
 """
 
 from __future__ import annotations
@@ -28,23 +28,23 @@ from ncgear.whole_machines.laws import FoundLaw, law_design, law_wishes
 from ncgear.whole_machines.machine import KEPT, WholeMachine, cost_of, guessed_figures, motor_for
 
 FLYWHEELS = 8
-"""Parts of the flywheel's range, each with a limit of its own."""
+"""Number of parts of the flywheel's range, each with its own limit."""
 
 POWERS = 12
-"""Parts of the range of powers in the limit of the cost."""
+"""Number of parts of the range of powers in the limit of the cost."""
 
 OUTSIDE = (
     "modules of a series, whole teeth and widths in whole mm",
-    "the load factors and the sharing of load between teeth, which are those of the machine found",
+    "the load factors and the sharing of load between teeth, which are taken from the machine found",
     "the gears' inertia, beyond the range of the machines found",
     "convex pitch curves, jerk, forces in bearings and soft wishes, which restrict laws and not the limit",
 )
-"""What the proof does not cover."""
+"""Things that the proof does not cover."""
 
 
 @dataclass(frozen=True)
 class MachineLimit:
-    """The flank load that no law of a machine's flywheel and power is under, and its gears; 0 where unknown."""
+    """A lower bound of the flank load of all laws with a machine's flywheel and power, and its gears; 0 if unknown."""
 
     flank_load_n_mm: float
     flank_load_gap: float
@@ -54,9 +54,9 @@ class MachineLimit:
 
 @dataclass(frozen=True)
 class Limits:
-    """The limits of all machines; ``power_w`` is one that no law is under with any flywheel of the range.
+    """The limits of all machines; no law needs less than ``power_w`` with any flywheel in the range.
 
-    ``cost`` is one that no machine is under at the level of the estimate of strength, for the materials and processes
+    No machine costs less than ``cost``, as far as the estimate of strength is right, with the materials and processes
     that may be chosen; None where no cost is given.
     """
 
@@ -91,12 +91,12 @@ class MachineLimits:
         return Limits(power, gap, tuple(each), cost, min(best) / cost - 1.0 if best and cost else None)
 
     def of_machines(self) -> list[MachineLimit]:
-        """The flank load that no law of the same power and flywheel is under, for each machine."""
+        """For each machine a lower bound of the flank load of all laws with its power and flywheel."""
         flywheel = np.array([one.figures.driven_flywheel_kg_mm2 for one in self.machines]) + np.array(self.own)
         power = np.array([one.figures.peak_power_w for one in self.machines]) * (1.0 + KEPT)
         load = np.array([one.figures.flank_load_n_mm for one in self.machines]) * (1.0 + KEPT)
         bounds = least_flank_load(self.sweeps, power, np.stack([flywheel, flywheel]), load)
-        # With a large flywheel the work of a cycle by itself may tell more
+        # With a large flywheel the bound from the work of a cycle may be higher
         of_work = bound_of_stroke("flank_load_n_mm", 1.0, self.task, self.sweeps.asked)
         bounds = np.maximum(bounds, 0.0 if of_work is None else of_work.value)
         return [machine_limit(one, float(bound)) for one, bound in zip(self.machines, bounds, strict=True)]
@@ -112,27 +112,27 @@ class MachineLimits:
         return np.stack([ends[:-1], ends[1:]])
 
     def power_w(self) -> float:
-        """A peak power that no law is under with any flywheel of the range."""
+        """A lower bound of the peak power of all laws, with any flywheel in the range."""
         parts = self._flywheel_parts()
         most = np.full(parts.shape[1], min(one.figures.peak_power_w for one in self.machines) * (1.0 + KEPT))
         bounds = swept_power(self.sweeps, parts, most)
         if self.design.masses is None:
-            # Without masses the conic programmes are nearer, and no flywheel or gear changes anything
+            # Without masses the conic programmes give a higher bound, and no flywheel or gear changes anything
             return max(float(bounds.min()), least_power(replace(self.task, masses=None), self.sweeps.asked).value)
         return max(float(bounds.min()), least_mean_power_w(self.task), 0.0)
 
     def cost(self, lowest_w: float) -> float:
-        """A cost that no machine is under: the least over parts of the ranges of power, from the least, and flywheel.
+        """A lower bound of the cost: the least over parts of the ranges of power, from the least power, and flywheel.
 
-        In each part the power and the flywheel are the least, and the flank load is that which no law with the greatest
-        power of the part is under.  The gears' volume has the least constant of all machines found.
+        In each part the power and the flywheel are the least, and the flank load is a lower bound for all laws with at
+        most the greatest power of the part.  The gears' volume has the least constant of all machines found.
         """
         choices = self.design.choices or Choices()
         parts = self._flywheel_parts()
         load = max(one.flank_load_n_mm for one in self.laws)
         highest = max(one.found.peak_power_w for one in self.laws)
         ends = np.geomspace(lowest_w, max(highest, lowest_w * 1.01), POWERS + 1)
-        # No law of more power than any found is cheaper than its power alone
+        # A law of more power than all laws found costs at least its power
         caps = np.append(ends[1:], inf)
         count = parts.shape[1]
         power = np.repeat(caps, count)
@@ -157,11 +157,11 @@ class MachineLimits:
 
 
 def machine_limit(one: WholeMachine, bound_n_mm: float) -> MachineLimit:
-    """What follows for a machine's gears from a flank load that no law is under."""
+    """The limit of a machine's gears that follows from a lower bound of the flank load of all laws."""
     has = one.figures
     if not bound_n_mm > 0.0:
         return MachineLimit(0.0, inf, 0.0, inf)
-    # Of materials without figures for pitting no gears' volume follows from the flank load
+    # For materials without figures for pitting, no gears' volume follows from the flank load
     pits = has.contact_share < inf
     volume = has.gear_volume_mm3 / has.contact_share**2 * bound_n_mm / has.flank_load_n_mm if pits else 0.0
     gap = has.gear_volume_mm3 / volume - 1.0 if volume > 0.0 else inf

@@ -1,4 +1,4 @@
-"""One whole machine: its design file, and the figures and the verdict that follow from that file alone."""
+"""One whole machine: its design file, and the figures and the verdict that follow from this file only."""
 
 from __future__ import annotations
 
@@ -38,23 +38,24 @@ TOOLS: Mapping[Process, Tool | None] = {
 """The tool of each way of making teeth; a printer has none."""
 
 OF_HOBS = (Kind.CONCAVE,)
-"""Conditions of the verdict that concern a hob alone."""
+"""Conditions of the verdict that concern hobs only."""
 
 WEAK = (Kind.STRENGTH, Kind.FLANKS)
-"""Conditions that wider gears may keep."""
+"""Conditions that wider gears may satisfy."""
 
 KEPT = 1e-6
-"""Share of a limit by which a figure may exceed it: ten times what laws stay below their limits."""
+"""Share of a limit by which a figure may exceed it; laws stay ten times closer to their limits."""
 
 MM3_PER_DM3 = 1e6
 
 
 @dataclass(frozen=True)
 class MachineFigures:
-    """What counts of a whole machine, from its design file alone.
+    """The figures of a whole machine that count, from its design file only.
 
-    ``gear_volume_mm3`` is the face width times the square of the centre distance.  ``safeties`` are the least shares of
-    the wanted safety against breakage and pitting (infinite where the material has no figures) and of film and wear.
+    ``gear_volume_mm3`` is the face width times the square of the centre distance.  ``safeties`` are the least ratios of
+    safety to wanted safety for breakage and pitting (infinite where the material has no figures), and for film and
+    wear.
     """
 
     peak_power_w: float
@@ -78,9 +79,9 @@ class MachineFigures:
 
 @dataclass(frozen=True, eq=False)
 class WholeMachine:
-    """A machine that builds with a clean verdict: the text of its design file, and what follows from it.
+    """A machine that builds with a clean verdict: the text of its design file, and the values that follow from it.
 
-    ``motor`` is the cheapest of the motors that can be had, ``cost`` what the machine costs, both None where the file
+    ``motor`` is the cheapest of the available motors, ``cost`` the cost of the machine; each is None where the file
     gives none.  ``cut`` says how its teeth are made.
     """
 
@@ -94,7 +95,7 @@ class WholeMachine:
     cost: float | None
 
     def named(self, name: str) -> WholeMachine:
-        """The same by another name, in its file too."""
+        """The same machine with another name, in its file too."""
         return replace(self, name=name, text=rewritten(self.text, {"name": name}))
 
     def value(self, objective: str) -> float:
@@ -104,9 +105,9 @@ class WholeMachine:
 
 @dataclass(frozen=True, eq=False)
 class Unfit:
-    """Why gears are no whole machine: what the verdict or a limit says, in words.
+    """Why gears do not make a whole machine: the words of the verdict or of a limit.
 
-    ``wider`` is the factor of the face width with which teeth and flanks may hold; None where these are not at fault.
+    ``wider`` is the factor of the face width with which teeth and flanks may hold; None where they are not the cause.
     """
 
     why: tuple[str, ...]
@@ -146,7 +147,7 @@ def figures_of(drive: Drive) -> tuple[MachineFigures, Figures]:
 
 
 def guessed_figures(law: Figures, flywheel_kg_mm2: float, volume_mm3: float, speed_rad_s: float) -> MachineFigures:
-    """What is known of a machine before its gears are: the law's figures, and a guess of the gears' volume."""
+    """Figures of a machine before its gears are known: the law's figures, and a guess of the gears' volume."""
     return replace(
         MachineFigures(**dict.fromkeys(MachineFigures.__dataclass_fields__, 0.0)),  # type: ignore[arg-type]
         peak_power_w=law.peak_power_w,
@@ -171,7 +172,7 @@ def limits_missed(design: Design, found: Figures, pressure_angle_deg: float) -> 
 
 
 def broken(verdict: Verdict, process: Process) -> list[Judged]:
-    """What is broken of a verdict for gears that are made by a process."""
+    """The conditions that a verdict finds broken, for gears that are made by a process."""
     return [
         row for row in verdict.rows if row.state is State.BROKEN and (process == "hobbed" or row.kind not in OF_HOBS)
     ]
@@ -195,7 +196,7 @@ def cut_words(drive: Drive, process: Process) -> str | None:
 
 
 def motor_for(choices: Choices, found: MachineFigures) -> Motor | None:
-    """The cheapest motor that can be had and does; None where none does, or any power can be had."""
+    """The cheapest available motor that is strong enough; None where there is none, or where any power is available."""
     does = [
         one
         for one in choices.motors or ()
@@ -207,7 +208,7 @@ def motor_for(choices: Choices, found: MachineFigures) -> Motor | None:
 def cost_of(
     choices: Choices, found: MachineFigures, motor: Motor | None, material: str, process: Process
 ) -> float | None:
-    """What a machine costs; None where the file gives no costs."""
+    """The cost of a machine; None where the file gives no costs."""
     if choices.cost is None and not choices.motors:
         return None
     costs = choices.cost or Costs.model_construct()
@@ -223,7 +224,7 @@ def cost_of(
 
 
 def judged_machine(text: str, process: Process, choices: Choices) -> WholeMachine | Unfit:
-    """A machine as its design file's text alone tells it, or why it is none; everything is computed anew."""
+    """The machine that a design file's text gives, or why it is none; everything is computed anew."""
     loaded = parsed(text, Path("machine.yaml"))
     drive = Drive(loaded.design, loaded=loaded)
     try:
@@ -254,6 +255,6 @@ def judged_machine(text: str, process: Process, choices: Choices) -> WholeMachin
 
 
 def _wider(drive: Drive) -> float:
-    """The factor of the face width with which teeth and flanks are guessed to hold."""
+    """The factor of the face width with which teeth and flanks are expected to hold."""
     rating = rating_of(drive, "estimate")
     return max(face_width_factor(rating.weakest), 1.0 / drive.surfaces_by("estimate").share)

@@ -1,4 +1,4 @@
-"""What counts of machines: figures that none beats, a few of them far apart, the recommended one, and differences."""
+"""Comparison of machines: machines that none beats, a few of them far apart, the recommended one, and differences."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ncgear.design.keys.design import Design
 Item = TypeVar("Item")
 
 SAME = 1e-3
-"""Share of a figure by which machines differ that nobody would tell apart."""
+"""Relative difference of a figure below which machines count as equal."""
 
 
 def objectives_of(design: Design) -> tuple[str, ...]:
@@ -25,7 +25,7 @@ def objectives_of(design: Design) -> tuple[str, ...]:
 
 
 def undominated(items: Sequence[Item], values: Callable[[Item], Sequence[float]]) -> list[Item]:
-    """The items that no other one is as good as in every figure and better in one, by SAME of the figure."""
+    """The items that no other item matches in every figure and beats in one, by SAME of the figure."""
     table = np.array([values(one) for one in items], dtype=float).reshape(len(items), -1)
     kept: list[int] = []
     for row in range(len(items)):
@@ -40,7 +40,7 @@ def undominated(items: Sequence[Item], values: Callable[[Item], Sequence[float]]
 
 
 def far_apart(items: Sequence[Item], values: Callable[[Item], Sequence[float]], count: int) -> list[Item]:
-    """At most ``count`` items: the best in each figure, the nearest to all, then the farthest from them."""
+    """At most ``count`` items: the best in each figure, the item nearest to all, then the farthest from them."""
     if len(items) <= count:
         return list(items)
     table = np.array([values(one) for one in items], dtype=float)
@@ -57,10 +57,10 @@ def far_apart(items: Sequence[Item], values: Callable[[Item], Sequence[float]], 
 def recommended(
     items: Sequence[Item], values: Callable[[Item], Sequence[float]], cost: Callable[[Item], float | None]
 ) -> int:
-    """The place of the item of least cost; without costs that of the least product of all figures that are over zero.
+    """The index of the cheapest item; without costs, the item with the least product of all figures over zero.
 
-    So it does not matter in what unit a figure is, and how far the worst items are away.  A figure that is zero of some
-    item, as a flywheel that is left out, does not count.
+    The product does not depend on the unit of a figure, nor on how bad the worst items are.  A figure does not count
+    where it is zero for some item, for example a flywheel that is left out.
     """
     costs = [one for item in items if (one := cost(item)) is not None]
     if len(costs) == len(items):

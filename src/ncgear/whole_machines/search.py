@@ -1,4 +1,4 @@
-"""The search for whole machines: laws first, then gears of the laws that may count, each rated from its file alone."""
+"""The search for whole machines: laws first, then gears of the laws that may count, each rated from its file only."""
 
 from __future__ import annotations
 
@@ -31,24 +31,24 @@ from ncgear.whole_machines.wish_prices import WishPrice, wish_prices
 from ncgear.workers import finished
 
 MORE = 4
-"""Machines that are made beyond those wanted, since some turn out worse than others."""
+"""Number of machines made beyond the wanted number, since some turn out worse than others."""
 
 FINER_LAWS = 1.1
-"""Ratio of the fewest teeth of a law to the teeth with which breakage and pitting balance from which the curvature is
-limited: fewer teeth of a larger module are then stronger."""
+"""The curvature is limited where laws need more teeth against undercut than breakage and pitting ask for, by this
+ratio: fewer teeth of a larger module are then stronger."""
 
 Kind = tuple[bool, int]
-"""Whether the driving shaft brakes, so that teeth change flanks and knock, and the place of a material."""
+"""Whether the driving shaft brakes, so that teeth change flanks and knock, and the index of a material."""
 
 BRAKING = 1e-3
-"""Share of the peak power under which nothing brakes."""
+"""Share of the peak power below which the driving shaft does not count as braking."""
 
 OnStep = Callable[[str, int, int], None]
-"""Called with what is being found and with how many are done and to be done."""
+"""Called with the name of the current step, the number of finished jobs and the number of all jobs."""
 
 
 class Candidate(NamedTuple):
-    """A law and a material, with the gears' volume that they are guessed to need."""
+    """A law and a material, with a guess of the gears' volume that they need."""
 
     law: FoundLaw
     material: GearMaterial | None
@@ -58,10 +58,10 @@ class Candidate(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class WholeMachines(Shown):
-    """Machines that no other found one beats in every figure that counts, in the order of the first such figure.
+    """Machines that no other machine found beats in every figure, in the order of the first such figure.
 
-    ``recommended`` is the place of the recommended one.  ``laws`` are all laws that were found, ``unfit`` the reasons
-    why gears of some of them were no machines.  ``lengths`` are lengths of the mechanism that were free.
+    ``recommended`` is the index of the recommended machine.  ``laws`` are all laws that were found, ``unfit`` the
+    reasons why gears of some of them made no machine.  ``lengths`` are lengths of the mechanism that were free.
     """
 
     design: Design
@@ -76,11 +76,11 @@ class WholeMachines(Shown):
 
 
 def require_offered(design: Design) -> Choices:
-    """The choices of a design; raises WrongInput with the key for what the search does not offer."""
+    """The choices of a design; raises WrongInput with the key of anything that the search does not offer."""
     require("casadi", "optimize", "ncgear design")
     gears = design.gears
     if gears is None:
-        raise WrongInput("missing; give what of the gears is not sought: bores, backlash, a first size", key="gears")
+        raise WrongInput("missing; give the keys that are not searched: bores, backlash, a first size", key="gears")
     if gears.mesh == "internal":
         raise WrongInput("internal given; whole machines are sought with external pairs only", key="gears.mesh")
     if design.stages > 1 or (design.optimize or Optimize()).limits.stages > 1:
@@ -119,7 +119,7 @@ class MachineSearch:
             raise WrongInput(problem, key="choices.processes")
 
     def run(self) -> WholeMachines:
-        """The machines; raises NoSuchMechanism where there is no law, or no gears of any law, with what would do."""
+        """The machines; raises NoSuchMechanism, with a remedy, where there is no law, or no gears of any law."""
         if self.design.free_lengths:
             self.loaded, self.lengths = with_best_lengths(self.loaded, lambda tried: self._on_step("lengths", tried, 0))
             self.design = self.loaded.design
@@ -127,7 +127,7 @@ class MachineSearch:
         if not self.laws:
             self._refuse_laws()
         constants = self._reference()
-        # The reference has been made already
+        # The machine of the reference has been made already
         picked = far_apart(self._candidates(constants), self._guessed, self.choices.machines + MORE)
         jobs = [GearJob(one.law, one.material, self.processes_of(one.material)) for one in picked]
         _ = list(self._numbered("machines", jobs))
@@ -136,7 +136,7 @@ class MachineSearch:
         return self.proven(self.found)
 
     def proven(self, found: WholeMachines) -> WholeMachines:
-        """The machines with their limits, and with what each wish costs of the recommended one."""
+        """The machines with their limits, and with the price of each wish for the recommended machine."""
         self._on_step("limits", 0, 1)
         limits = MachineLimits(self.design, found.machines, self.laws).found()
         best = found.machines[found.recommended]
@@ -145,7 +145,7 @@ class MachineSearch:
 
     @property
     def found(self) -> WholeMachines:
-        """The machines found so far, of which there must be one."""
+        """The machines found so far; there must be at least one."""
         best = undominated(self.made, self._values)
         best = far_apart(best, self._values, self.choices.machines)
         best = sorted(best, key=lambda one: (one.value(self.objectives[0]), *self._values(one)))
@@ -166,7 +166,7 @@ class MachineSearch:
             self.laws += laws
 
     def _refuse_laws(self) -> None:
-        """Raise the refusal of ``ncgear optimize`` with what could be asked for instead, checked by doing it."""
+        """Raise the error of ``ncgear optimize`` with a wish that works instead, checked by doing it."""
         from ncgear.project.best_law import BestLaw
 
         for size in reversed(flywheel_sizes(self.design)):
@@ -176,7 +176,7 @@ class MachineSearch:
     # Gears
 
     def _reference(self) -> dict[Kind, float]:
-        """For each kind of law and material the gears' volume over the flank load, from the gears of one law."""
+        """For each kind of law and material the ratio of gears' volume to flank load, from the gears of one law."""
         materials, jobs = self.materials, dict[Kind, GearJob]()
         for brakes in (False, True):
             laws = sorted((one for one in self.laws if _brakes(one) is brakes), key=lambda one: one.flank_load_n_mm)
@@ -194,14 +194,14 @@ class MachineSearch:
                 balanced.append(found.teeth * found.bending_share / found.contact_share**2)
         needed = min(map(self.fewest_teeth, self.laws))
         if balanced and needed > FINER_LAWS * max(balanced):
-            # Between both: the least of what pitting and what breakage asks for
+            # The geometric mean of this number and the balanced number
             teeth = max(max(balanced), FEWEST_TEETH)
             self._find_laws(ceil((teeth * needed) ** 0.5))
         usual = max(constants.values(), default=1.0)
         return {kind: constants.get(kind, usual) for kind in jobs}
 
     def fewest_teeth(self, law: FoundLaw) -> int:
-        """The driving teeth from which on the pitch curves of a law undercut none."""
+        """The least number of driving teeth without undercut on the pitch curves of a law."""
         gears = self.design.gears
         assert gears is not None
         rack = gears.rack.in_mm(1.0)
@@ -211,13 +211,13 @@ class MachineSearch:
 
     @property
     def materials(self) -> list[tuple[GearMaterial | None, float]]:
-        """The materials that may be chosen, with their factors of the cost; None is that of the file."""
+        """The materials that may be chosen, with their cost factors; None stands for the file's material."""
         if self.choices.materials is None:
             return [(None, 1.0)]
         return [(one.material, one.cost_factor) for one in self.choices.materials]
 
     def processes_of(self, material: GearMaterial | None) -> tuple[Process, ...]:
-        """The ways of making teeth of a material, the cheapest first."""
+        """The ways of making teeth in a material, the cheapest first."""
         gears = self.design.gears
         assert gears is not None
         own = gears.material.each[0] if material is None and gears.material is not None else material
@@ -229,7 +229,7 @@ class MachineSearch:
         return tuple(able)
 
     def _refused_gears(self) -> NoSuchMechanism:
-        """Why no gears were a machine; tried with laws of the least power, of the least flank load and between."""
+        """Why no gears made a machine; tried with the laws of least power, of least flank load and between."""
         laws = sorted(self.laws, key=lambda one: one.found.peak_power_w)
         some = dict.fromkeys((laws[0], laws[-1], laws[len(laws) // 2]))
         material, _ = self.materials[0]
@@ -240,7 +240,7 @@ class MachineSearch:
         return refusal_of_gears(self.loaded.text, self.choices, name, jobs, self.unfit, *self.where)
 
     def _candidates(self, constants: dict[Kind, float]) -> list[Candidate]:
-        """Laws with materials that may count: none is guessed to be worse than another one in every figure."""
+        """Laws with materials that may count: no other one is guessed to be better in every figure."""
         materials = self.materials
         every = [
             Candidate(law, *materials[place], constant * law.flank_load_n_mm)
@@ -275,7 +275,7 @@ class MachineSearch:
         return self.design.operation.speed_rpm * RAD_S_PER_RPM
 
     def _numbered(self, what: str, jobs: Sequence[GearJob]) -> Iterator[tuple[int, WholeMachine | Unfit]]:
-        """The machines of jobs with the places of the jobs, as they are finished; they are kept."""
+        """The machines of jobs with the numbers of the jobs, as they are finished; the machines are kept."""
         for number, made in self._done(what, partial(_numbered_machine, self.loaded.text, jobs), range(len(jobs))):
             if isinstance(made, WholeMachine):
                 self.made.append(made)
@@ -284,7 +284,7 @@ class MachineSearch:
             yield number, made
 
     def _done(self, what: str, function: Callable[[Any], Any], jobs: Sequence[Any]) -> Iterator[tuple[Any, Any]]:
-        """Jobs and what a function makes of them, as they are finished; each step is told."""
+        """Jobs and the results of a function for them, as they are finished; each step is reported."""
         self._on_step(what, 0, len(jobs))
         for done, pair in enumerate(finished(function, list(jobs), *self.where), start=1):
             self._on_step(what, done, len(jobs))

@@ -1,4 +1,4 @@
-"""What is told of whole machines: a table, what each gains and costs beside the recommended one, figures for files."""
+"""Text about whole machines: a table, gains and costs of each beside the recommended one, figures for files."""
 
 from __future__ import annotations
 
@@ -22,16 +22,16 @@ WORDS = {
     "center_distance_mm": ("less centre distance", "more centre distance"),
     "cost": ("less cost", "more cost"),
 }
-"""Words for less and more of each figure that counts."""
+"""Words for less and for more of each figure that counts."""
 
 ALIKE = 0.005
-"""Share by which figures differ that are told as alike."""
+"""Relative difference below which figures are told as equal."""
 
 HEADS = ("motor, W", "gears, dm3", "flywheel, kg m2", "teeth", "width, mm", "centres, mm")
 
 
 def difference_words(one: WholeMachine, other: WholeMachine, objectives: Sequence[str]) -> str:
-    """What a machine gains and what it costs beside another one, in words."""
+    """The gains and the costs of a machine beside another one, in words."""
     gains, losses = list[str](), list[str]()
     for name in objectives:
         own, beside = one.value(name), other.value(name)
@@ -56,7 +56,7 @@ def _listed(words: Sequence[str]) -> str:
 
 
 def machines_answer(found: WholeMachines, then: str = "") -> Answer:
-    """The machines side by side, the recommended one first among what is said of them."""
+    """The machines side by side; the text tells the recommended machine first."""
     best = found.machines[found.recommended]
     rows = [Row(f"{one.name} *" if one is best else one.name, _cells(one)) for one in found.machines]
     others = (one for one in found.machines if one is not best)
@@ -76,7 +76,7 @@ def machines_answer(found: WholeMachines, then: str = "") -> Answer:
         f"{found.design.operation.speed_rpm:g} r/min; recommended: {best.name}",
         tuple(rows),
         heads=HEADS,
-        good="Each builds with a clean verdict; figures are those of its file alone.",
+        good="Each builds with a clean verdict; its figures follow from its file only.",
         then=then,
     )
 
@@ -87,7 +87,7 @@ def _sizes(lengths: Mapping[str, float]) -> Iterator[tuple[str, str, float]]:
 
 
 def _limit_rows(found: WholeMachines) -> list[Row]:
-    """How near the recommended machine, and the least power, come to what no law goes below."""
+    """How near the recommended machine, and the least power, come to the certified limits."""
     limits = found.limits
     if limits is None:
         return []
@@ -95,7 +95,7 @@ def _limit_rows(found: WholeMachines) -> list[Row]:
     rows = [Row("least power", (f"{to_digits(limits.power_w, 4)} W at least, whatever the law (certified)",))]
     if own.flank_load_n_mm > 0.0:
         gap = fixed(100.0 * own.flank_load_gap, 1)
-        rows.append(Row("flank load", (f"{gap} % over what no law of this power is under (by sweeps)",)))
+        rows.append(Row("flank load", (f"{gap} % over a limit that no law of this power goes below (by sweeps)",)))
     if own.gear_volume_mm3 > 0.0:
         gap = fixed(100.0 * own.gear_volume_gap, 1)
         rows.append(Row("gears", (f"{gap} % over that limit at the estimate's level of strength",)))
@@ -105,7 +105,7 @@ def _limit_rows(found: WholeMachines) -> list[Row]:
 
 
 def prices_words(found: WholeMachines) -> str:
-    """What each wish and limit costs, in words."""
+    """The price of each wish and limit, in words."""
     return "; ".join(
         f"{price.key.removeprefix('optimize.limits.')} costs {fixed(100.0 * max(price.motor, 0.0), 0)} % of motor or "
         f"{fixed(100.0 * max(price.gears, 0.0), 0)} % of gears"
@@ -131,7 +131,7 @@ def _cells(one: WholeMachine) -> tuple[str, ...]:
 
 
 def machines_figures(found: WholeMachines) -> dict[str, Any]:
-    """The machines and what was found beside them, as plain values whose keys end in their unit."""
+    """The machines and the other results of the search, as plain values with keys that end in their unit."""
     best = found.machines[found.recommended]
     return {
         "design": found.design.name,

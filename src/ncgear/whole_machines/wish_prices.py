@@ -1,4 +1,4 @@
-"""What each wish and limit costs: the law found once more without it, at the same power and for the least power."""
+"""The price of each wish and limit: the law found again without it, at the same power and for the least power."""
 
 from __future__ import annotations
 
@@ -30,17 +30,17 @@ LIMITS = {
     "pressure_angle_deg": "pressure_angle_rad",
     **{name: name for name in LOAD_LIMITS},
 }
-"""Limits of a file that are looked at, and their names in the wishes of a law."""
+"""Limits of a file that have a price, and their names in the wishes of a law."""
 
 COUNTS = 5e-3
-"""Share of the motor or of the gears from which on a price is told."""
+"""Least share of the motor or of the gears at which a price is told."""
 
 CLOSE = 1.001
-"""Ratio by which laws that are found anew may miss the power of the machine."""
+"""Ratio by which laws that are found again may miss the power of the machine."""
 
 
 class WishPrice(NamedTuple):
-    """How much more motor and gears are needed because of a wish or limit, as shares of what is needed without it."""
+    """Increase of motor and gears because of a wish or limit, as shares of the need without it."""
 
     key: str
     motor: float
@@ -56,7 +56,7 @@ class Needed:
 
 
 def wish_keys(text: str) -> list[str]:
-    """The keys of all hard wishes and limits of a design file that are looked at."""
+    """The keys of all hard wishes and limits of a design file that have a price."""
     design = parsed(text, Path("machine.yaml")).design
     given = (design.optimize or Optimize()).limits
     limits = [f"optimize.limits.{name}" for name in LIMITS if getattr(given, name) is not None]
@@ -75,7 +75,7 @@ def _without(wishes: Wishes, key: str) -> Wishes:
 
 
 def needed_without(text: str, key: str) -> Needed:
-    """What a machine needs without a wish; with an empty key, what it needs with all."""
+    """The need of a machine without a wish; with an empty key, the need with all wishes."""
     from ncgear.optimum.makeable.law import kept_law
 
     design = parsed(text, Path("machine.yaml")).design
@@ -102,7 +102,7 @@ def wish_prices(
     scheduler: str | None = None,
     processes: int | None = None,
 ) -> tuple[WishPrice, ...]:
-    """What each wish and limit of a machine costs, the dearest first; ``on_law`` takes how many of how many."""
+    """The price of each wish and limit of a machine, the highest first; ``on_law`` takes numbers done and in all."""
     keys = ["", *wish_keys(one.text)]
     found: dict[str, Needed] = {}
     for key, needed in finished(partial(needed_without, one.text), keys, scheduler, processes):

@@ -1,4 +1,4 @@
-"""The scene as a moving picture, and the kinds of files that can hold it; this module itself loads no library."""
+"""The scene as a moving picture, and the kinds of files that can hold it; this module loads no library."""
 
 from __future__ import annotations
 
@@ -17,9 +17,9 @@ class AnimationFormat(StrEnum):
 
 
 def format_of(path: Path) -> AnimationFormat:
-    """The format that a file's suffix names.
+    """The format of a file by its suffix.
 
-    Raises WrongInput for another suffix, and where a library that the format needs is not installed.
+    Raises WrongInput for an unknown suffix, and where a library that the format needs is not installed.
     """
     suffix = path.suffix.lower()
     if suffix not in set(AnimationFormat):
@@ -31,7 +31,7 @@ def format_of(path: Path) -> AnimationFormat:
 
 
 LEAST_GIF_MS = 20.0
-"""Shortest time of a frame of a GIF: viewers take 0 and 10 ms for a mistake, and show such a frame for 100 ms."""
+"""Shortest time of a frame of a GIF: viewers take 0 and 10 ms for a mistake, and show such frames for 100 ms."""
 
 
 def require_shown(kind: AnimationFormat, frames: int, seconds: float) -> None:

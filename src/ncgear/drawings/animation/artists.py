@@ -27,7 +27,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 
 PURE = (INK, DRIVING, DRIVEN, HIGHLIGHT, MATERIAL)
-"""Colours of lines and dots; a palette that is made from the areas of colours would not have them."""
+"""Colours of lines and dots; a palette made only from the colours of areas would lack them."""
 
 TINT, LINK_SHARE = 0.24, 0.85
 """Shares of the colour in the filling of a gear, and of crank and rod; the rest is white."""
@@ -70,7 +70,7 @@ PITCH_POINT: Style = {"color": HIGHLIGHT, "marker": "o", "markersize": 4.2, "lin
 
 
 PIXEL_SHARE = 0.1
-"""Largest distance of a drawn outline from the written one, in pixels: too small to show in Agg's shades of grey."""
+"""Largest distance of a drawn outline from the written outline, in pixels: too small for Agg's shades of grey."""
 
 
 @dataclass(frozen=True)
@@ -116,7 +116,7 @@ def _path(contours: Sequence[Array]) -> Path:
 
 
 def material_artists(axes: Axes, scene: Scene) -> Iterator[MovingArtists]:
-    """The material before the slider, up to the chamber's wall, and the material behind it, where there is any."""
+    """The material in front of the slider, up to the chamber's wall, and the material behind it, if there is any."""
     chamber = scene.chamber
     if chamber is not None:
         shown = (("material", chamber.begins_mm), ("material-behind", chamber.behind_mm))
@@ -160,7 +160,7 @@ def pin_artists(axes: Axes, scene: Scene) -> MovingArtists:
 
 
 def standing_artist(axes: Axes, points_mm: Array, style: Style, to_screen: Transform) -> MovingArtists:
-    """A line or marks at points of shape (n, 2) that stand still, but are drawn over the moving bodies."""
+    """A line or marks at fixed points of shape (n, 2) that are drawn over the moving bodies."""
     line = Line2D(*points_mm.T, transform=to_screen, **style)
     axes.add_artist(line)
     return MovingArtists((line,), lambda poses, row: None)

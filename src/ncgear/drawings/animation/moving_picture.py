@@ -1,9 +1,9 @@
 """The moving picture of a machine: the machine beside its gears, and two charts below; frames as arrays of pixels.
 
-All that stands still is drawn once, as a background.  For each frame the moving parts are drawn over it, from the back
-to the front; this takes a tenth of the time of a new figure.  The charts show displacement and velocity over the
-driving angle; in each a dot follows the motion, and a number gives the present value.  The words about numbers stand
-still: letters would take most of the time of a frame.
+Parts that stand still are drawn once, as a background.  For each frame the moving parts are drawn over it, from the
+back to the front; this takes a tenth of the time of a new figure.  The charts show displacement and velocity over the
+driving angle; in each a dot follows the motion, and a number gives the present value.  The words beside numbers are
+part of the background: letters would take most of the time of a frame.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ def look_at(axes: Axes, box: Box) -> float:
 
 
 def draw_standing(axes: Axes, scene: Scene) -> None:
-    """Walls, supports, the mark of the ground, and the circle of the crank pin."""
+    """Draw walls, supports, the mark of the ground, and the circle of the crank pin."""
     linkage = scene.machine.linkage
     if not scene.links:
         return
@@ -80,7 +80,7 @@ def gears(axes: Axes, scene: Scene, pixel_mm: float) -> Iterator[MovingArtists]:
 
 
 def mesh(axes: Axes, scene: Scene, pixel_mm: float) -> Iterator[MovingArtists]:
-    """The gears about the pitch point of the last pair, which stays at the origin of the axes."""
+    """The gears around the pitch point of the last pair, which stays at the origin of the axes."""
     camera = Affine2D()
 
     def pose(poses: Poses, row: int) -> None:
@@ -107,7 +107,7 @@ DIGITS = 3
 """Significant digits of the largest value of a chart; the eye does not follow more."""
 
 TICKS = 4
-"""Steps of a chart's scale of angles over the loop."""
+"""Number of steps of a chart's scale of angles over the loop."""
 
 
 def charts(both: Sequence[Axes], scene: Scene) -> list[MovingArtists]:
@@ -137,11 +137,11 @@ def _chart(axes: Axes, linkage: Mechanism, motion: OutputMotion, quantity: Quant
 
 
 ABOVE = 1.06
-"""Place of words above axes, as a share of their height."""
+"""Height at which words stand above axes, as a share of the axes' height."""
 
 
 def _number_in_words(axes: Axes, before: str, widest: str, after: str) -> Text:
-    """A number above the left end of axes; words stand still before it, and after the room for the widest number."""
+    """A number above the left end of axes; fixed words stand before it, and after the room for the widest number."""
     made = axes.figure
     style: Style = {"size": SMALL, "color": INK, "va": "bottom"}
     begins_in = _width_in(made, before, style)
@@ -153,7 +153,7 @@ def _number_in_words(axes: Axes, before: str, widest: str, after: str) -> Text:
 
 
 def _width_in(made: Figure | SubFigure, words: str, style: Style) -> float:
-    """Width in inches of words, the spaces at their ends included."""
+    """Width in inches of words, including spaces at their ends."""
     probe = made.text(0.0, 0.0, words, **style)
     width = float(probe.get_window_extent().width) / made.dpi
     probe.remove()
@@ -173,7 +173,7 @@ CHART_LOOK = Look({Role.OWN: {"color": DRIVING, "linewidth": 1.2}}, marks_extrem
 
 
 def angles(figure: Figure, x: float, y: float) -> MovingArtists:
-    """Both angles in words that end at a point given in shares of the figure; only the numbers in them move."""
+    """Both angles in words that end at a point given in shares of the figure; only their numbers move."""
     style: Style = {"size": NORMAL, "color": INK, "ha": "right", "va": "top", "family": "DejaVu Sans Mono"}
     figure.text(x, y, ANGLES, **style)
     letter = _width_in(figure, ANGLES, style) / len(ANGLES) / figure.get_figwidth()
@@ -208,7 +208,7 @@ GAP_IN = 0.12
 """Space between views in inches."""
 
 NAME_PT = 42.0
-"""Width of the name of a gear in points, with the space before it."""
+"""Width of a gear's name in points, with the space before it."""
 
 LOWEST_IN, HIGHEST_IN = 2.2, 4.6
 """Bounds of the height of the views in inches."""
@@ -240,7 +240,7 @@ class Picture:
 
 
 def opaque(pixels: NDArray[np.uint8]) -> Frame:
-    """Red, green and blue of pixels (height, width, 4); one colour at a time is the fastest."""
+    """Red, green and blue of pixels (height, width, 4); copying one colour at a time is fastest."""
     frame = np.empty((*pixels.shape[:2], 3), np.uint8)
     for color in range(3):
         frame[..., color] = pixels[..., color]
@@ -271,7 +271,7 @@ def picture(scene: Scene, width_px: int) -> Picture:
 
 
 def _shown(scene: Scene) -> dict[str, Box]:
-    """The boxes of the machine and of the view beside it: the gears, or their mesh where the gears are large."""
+    """The boxes of the machine and of the view beside it: the gears, or their mesh if the gears are large."""
     found = views(scene)
     if not scene.pairs:
         return found
@@ -294,7 +294,7 @@ def even(pixels: float) -> int:
 
 
 def _panels(made: Figure, shapes: list[float], views_in: float) -> list[Axes]:
-    """Axes side by side, whose widths are in the ratio of the given shapes (width by height)."""
+    """Axes side by side; their widths have the ratio of the given shapes (width by height)."""
     height = made.get_figheight()
     bottom, room = (height - HEADING_IN - views_in) / height, WIDTH_IN - (len(shapes) + 1) * GAP_IN
     widths = [room * shape / sum(shapes) for shape in shapes]
@@ -310,7 +310,7 @@ def _chart_axes(made: Figure) -> tuple[Axes, Axes]:
 
 
 def _name_gears(axes: Axes) -> None:
-    """Both gears named in their colours, above the right end of the view."""
+    """Name both gears in their colours, above the right end of the view."""
     for name, color, left_pt in (("driven", DRIVEN, 0.0), ("driving", DRIVING, NAME_PT)):
         words = axes.annotate(name, (1.0, 1.0), (-left_pt, 2.0), xycoords="axes fraction", textcoords="offset points")
         words.set(color=color, size=SMALL, weight="bold", ha="right", va="bottom")

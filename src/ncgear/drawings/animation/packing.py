@@ -19,7 +19,7 @@ from ncgear.drawings.scene.scene import Scene
 from ncgear.frozen import dataclass
 
 COLORS = 128
-"""Colours of a GIF's palette beside those of lines: enough for shades at edges, with half the bytes of 256 colours."""
+"""Colours of a GIF's palette besides the colours of lines: enough for shades at edges, with half the bytes of 256."""
 
 PAPER = 244
 """Colours whose red, green and blue are at least this become white.
@@ -28,15 +28,15 @@ Pillow finds the colour of a palette to 4 of 255, and the median of many shades 
 """
 
 SAMPLES = 4
-"""Number of frames, spread over the loop, from which the colours of a GIF are taken; so memory never holds them all."""
+"""Number of frames, spread over the loop, that give the colours of a GIF; so memory never holds all frames."""
 
 
 EVERY = 2
-"""Of these frames every second pixel of every second row is looked at: a quarter of the time, and colours as near."""
+"""Step of the rows and pixels that are used of these frames: a quarter of the time, with almost the same colours."""
 
 
 Frames = Callable[[int], Iterator[Frame]]
-"""So many frames, evenly in time over the whole loop, without its end, which looks like its beginning."""
+"""A function that gives a number of frames, even in time over the loop, without its end, which repeats its start."""
 
 
 def palette_found(frames: Frames) -> Image.Image:
@@ -85,13 +85,13 @@ def gif_bytes(images: Iterable[Image.Image], loop: Loop) -> bytes:
 
 def mp4_bytes(images: Iterable[Image.Image], loop: Loop) -> bytes:
     """An MP4 of one loop, in a form of H.264 that every player knows."""
-    # An optional library; format_of has made sure that it is installed.
+    # An optional library; format_of has checked that it is installed.
     import imageio_ffmpeg
 
     images = iter(images)
     first = next(images)
     rate = {"fps": loop.frames / loop.seconds, "macro_block_size": 2, "pix_fmt_out": "yuv420p"}
-    # Without these flags the file would hold the time and the version of the program.
+    # Without these flags the file would contain the time and the version of the program.
     bare = ["-crf", QUALITY, "-fflags", "+bitexact", "-flags:v", "+bitexact", "-movflags", "+faststart"]
     with TemporaryDirectory() as folder:
         path = Path(folder) / "loop.mp4"
@@ -107,13 +107,13 @@ PACKERS = {AnimationFormat.GIF: gif_bytes, AnimationFormat.MP4: mp4_bytes}
 
 
 def animated(scene: Scene, kind: AnimationFormat, loop: Loop, on_frame: Callable[[int, int], None]) -> bytes:
-    """The scene over its whole loop as the bytes of a file; ``on_frame`` gets the number of frames drawn and of all."""
+    """The scene over its whole loop as the bytes of a file; ``on_frame`` gets the numbers drawn and in all."""
     made = picture(scene, loop.width_px)
     return packed(lambda count: made.frames(scene.poses(scene.evenly_in_time(count))), kind, loop, on_frame)
 
 
 def packed(frames: Frames, kind: AnimationFormat, loop: Loop, on_frame: Callable[[int, int], None]) -> bytes:
-    """Frames over their whole loop as the bytes of a file; ``on_frame`` as of ``animated``."""
+    """Frames over their whole loop as the bytes of a file; ``on_frame`` as in ``animated``."""
     images: Iterator[Image.Image] = map(Image.fromarray, frames(loop.frames))
     if kind is AnimationFormat.GIF:
         palette = palette_found(frames)

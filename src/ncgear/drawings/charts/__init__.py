@@ -1,1 +1,1 @@
-"""Charts as values, built from a drive, and the one drawer that puts them onto axes."""
+"""Charts as values, built from a drive, and the drawer that puts them onto axes."""

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 EMPTY = np.empty(0)
 NO_STRETCHES = np.empty((0, 2))
-"""Empty arrays of places along the axis and of stretches of it."""
+"""Empty arrays: places along the axis, and stretches of it."""
 
 
 class Role(StrEnum):
@@ -32,16 +32,16 @@ class Role(StrEnum):
     """This design. Every chart has one such line."""
 
     OTHER = "other"
-    """A second line of this design, such as the back flanks beside the pushing ones."""
+    """A second line of this design, for example the back flanks beside the pushing flanks."""
 
     WRITTEN = "written"
-    """This design as its files have it, beside the exact design."""
+    """This design as written in its files, beside the exact design."""
 
     MEAN = "mean"
     """The mean of this design's values: a level line."""
 
     LIMIT = "limit"
-    """What this design's values should stay under: a level line."""
+    """An upper limit of this design's values: a level line."""
 
     UNIFORM = "uniform"
     """The reference for this design: the uniform crank, circular gears, or the law without elasticity."""
@@ -68,8 +68,8 @@ class Chart:
     Lines that cover only the first ``period`` of a longer axis are repeated when they are drawn.  ``joints_deg`` (shape
     (k,)) are the joints of the law, which are marked; ``apart_deg`` (shape (k, 2)) are the stretches in which no
     pushing flanks touch.  With ``names_extreme``, the largest value of this design is named.  With ``counts``, the
-    values are whole numbers and drawn in steps.  ``axis_label`` is the label of the vertical axis where that is not the
-    name with the unit.
+    values are whole numbers and drawn in steps.  ``axis_label`` is the label of the vertical axis where it differs from
+    the name with the unit.
     """
 
     name: str
@@ -91,14 +91,14 @@ class Chart:
 
 
 def decimals_of(largest: float, digits: int) -> int:
-    """Decimals that show a largest value with so many significant digits; 0 for a value of 0."""
+    """Number of decimals that shows a largest value with so many significant digits; 0 for a value of 0."""
     return max(0, digits - 1 - floor(log10(largest))) if largest > 0.0 else 0
 
 
 def joints_up_to(transmission: Transmission, end_rad: float) -> Array:
-    """Driving angles in rad at which pieces of the law meet, shape (n,), over 0 and up to an end.
+    """Driving angles in rad at which pieces of the law meet, shape (n,), greater than 0 and up to an end.
 
-    They include the seams between periods.  A law of one piece has none.
+    They include the joints between periods.  A law of one piece has none.
     """
     starts = [piece.start_rad for piece in transmission.pieces]
     if len(starts) == 1:

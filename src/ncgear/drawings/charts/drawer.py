@@ -82,11 +82,11 @@ AT_JOINTS: Style = {"color": canvas.JOINT, "linewidth": 0.8, "linestyle": (0, (1
 APART: Style = {"color": canvas.HIGHLIGHT, "alpha": 0.25, "linewidth": 0.0}
 
 MOST_JOINTS = 12
-"""Joints are not marked if there are more than these, as in a table: the marks would look like a grid."""
+"""Most joints that are marked; the marks of more, for example of a table, would look like a grid."""
 
 
 def draw(axes: Axes, chart: Chart, look: Look) -> None:
-    """Draw a chart with its joints and stretches without contact, and name its largest value if it asks for that.
+    """Draw a chart with its joints and stretches without contact, and name its largest value if the chart asks for it.
 
     The caller sets the limits of the horizontal axis and the legend with ``angle_scale``.
     """
@@ -121,7 +121,7 @@ def _repeated(line: Line, chart: Chart) -> tuple[Array, Array]:
 def mark_extreme(axes: Axes, line: Line, unit: str) -> None:
     """Mark and name the value largest in size, beside the point and clear of all curves where there is room.
 
-    The axes have their horizontal limits and all their curves.  Where all values are 0, the axes say so.
+    The axes have their horizontal limits and all their curves already.  Where all values are 0, the axes say so.
     """
     place = int(np.argmax(np.abs(line.values)))
     x, y = float(line.x[place]), float(line.values[place])
@@ -139,7 +139,7 @@ def mark_extreme(axes: Axes, line: Line, unit: str) -> None:
     note = axes.annotate(
         text, (x, y), xytext=(0.0, 0.0), textcoords="offset points", size=canvas.SMALL, color=canvas.INK
     )
-    # Where no place is clear, the note covers a curve with the paper: a line through digits makes them another number.
+    # If no place is clear, the note covers a curve with white: a line through digits would change the number.
     note.set_bbox({"facecolor": axes.get_facecolor(), "edgecolor": "none", "alpha": 0.85, "pad": 0.8})
     note.set_zorder(5.0)
     up = 1.0 if y > 0.0 else -1.0
@@ -159,17 +159,17 @@ NOTE_PLACES = (
     ("right", -9.0, -9.0),
     ("center", 0.0, -18.0),
 )
-"""Places of a note about a highest point, the best first: how it is aligned with the point, and the distances in points
-from the point along the axis and upwards.  For a lowest point upwards is downwards."""
+"""Places of a note about a highest point, the best first: its alignment with the point, and the distances in points
+from the point along the axis and upwards.  For a lowest point, upwards becomes downwards."""
 
 
 def _is_curve(line: Line2D) -> bool:
-    """Whether a line has points to be read, other than the marks of joints."""
+    """Whether a line has points to read, unlike the marks of joints."""
     return line.get_color() != canvas.JOINT and np.size(line.get_xdata()) > 0
 
 
 def angle_scale(column: Sequence[Axes], end_deg: float) -> None:
-    """The scale in degrees below the lowest axes, and the legend above the highest."""
+    """Draw the scale in degrees below the lowest axes, and the legend above the highest."""
     # A cycle of n turns of the driving gear has marks n times as far apart.
     step = 45 * max(round(end_deg / 360.0), 1)
     column[-1].set_xticks(np.arange(0.0, end_deg + 1.0, step))
@@ -177,7 +177,7 @@ def angle_scale(column: Sequence[Axes], end_deg: float) -> None:
 
 
 def across_scale(column: Sequence[Axes], end: float, label: str) -> None:
-    """The scale below the lowest axes, and the legend above the highest."""
+    """Draw the scale below the lowest axes, and the legend above the highest."""
     column[-1].set_xlim(0.0, end)
     column[-1].set_xlabel(label, size=canvas.NORMAL, color=canvas.INK)
     canvas.legend_above(column[0])
@@ -237,7 +237,7 @@ def beside_png(pairs: Sequence[tuple[Chart, Chart]], title: str) -> bytes:
     for row, pair in zip(grid, pairs, strict=True):
         for axes, chart in zip(row, pair, strict=True):
             draw(axes, chart, MOTION_LOOK)
-        # Both have one vertical scale, on which the left one has made room for its note.
+        # Both have one vertical scale, on which the left chart has made room for its note.
         row[1].margins(y=row[0].margins()[1])
         row[1].set_ylabel("")
     angle_scale(left, pairs[0][0].end)

@@ -30,7 +30,7 @@ class Quantity(Enum):
     RATIO = "ratio"
 
     def name_of(self, output: Output) -> str:
-        """What the quantity of an output is called."""
+        """The name of the quantity for an output."""
         match self:
             case Quantity.LOAD:
                 return output.load_name
@@ -81,7 +81,7 @@ def motion_chart(
     uniform: OutputMotion | None = None,
     joints_deg: Array = EMPTY,
 ) -> Chart:
-    """A quantity of a motion over the driving angle, beside the uniform law unless that is None.
+    """A quantity of a motion over the driving angle, beside the uniform law unless it is None.
 
     ``joints_deg`` (shape (k,)) are the joints of the law, which are marked.
     """
@@ -102,9 +102,9 @@ def motion_chart(
 
 
 def over_displacement(chart: Chart, output: Output, motions: Sequence[OutputMotion]) -> Chart:
-    """A chart of motions over their displacement instead of the driving angle, with no marks.
+    """A chart of motions over their displacement instead of the driving angle, without marks.
 
-    ``motions`` are those of the chart's lines, in their order.
+    ``motions`` are the motions of the chart's lines, in their order.
     """
     places = [Quantity.DISPLACEMENT.values(motion, output) for motion in motions]
     lines = tuple(replace(line, x=x) for line, x in zip(chart.lines, places, strict=True))

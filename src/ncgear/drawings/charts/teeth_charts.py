@@ -35,7 +35,7 @@ def transmission_error(contact: PairContact) -> Chart:
 
 
 def worst_written(contact: PairContact) -> AsWritten:
-    """The form of the written outlines that has the largest transmission error."""
+    """The form of the written outlines with the largest transmission error."""
     return max(contact.as_written, key=lambda outlines: outlines.transmission_error_rad)
 
 
@@ -46,7 +46,7 @@ def backlash(designed: AsDesigned) -> Chart:
 
 
 def flanks_in_contact(designed: AsDesigned) -> Chart:
-    """How many pairs of flanks touch, on either side of the teeth."""
+    """Number of touching pairs of flanks, on either side of the teeth."""
     counts = (side.simultaneous.astype(float) for side in (designed.pushing, designed.back))
     lines = _sides(designed, *counts)
     return Chart("flanks in contact", "", lines, _cycle_deg(designed), counts=True, axis_label="flanks\nin contact")
@@ -79,20 +79,20 @@ def _cycle_deg(designed: AsDesigned) -> float:
 
 
 SAME_LIMIT = 0.01
-"""Relative difference of two endured stresses that are drawn as one line: its width on paper."""
+"""Relative difference below which two endured stresses are drawn as one line: the line's width on paper."""
 
 
 def strength_charts(strength: Strength, found: Sequence[Weakest]) -> list[Chart]:
-    """Forces of the two most loaded pairs, stresses at both roots, and pressure where the material has figures of it.
+    """Forces of the two most loaded pairs, stresses at both roots, and pressure where the material has figures for it.
 
-    Positions at which nothing bears load have values of 0.
+    Positions without load have values of 0.
     """
     charts = [_forces(strength), _root_stress(strength, found)]
     return charts if strength.driving.contact is None else [*charts, _pressure(strength, found)]
 
 
 def speed_charts(sweep: SpeedSweep) -> list[Chart]:
-    """What vibration makes of the teeth's load over the driving speed, and the resonance ratios of a turn."""
+    """The effect of vibration on the teeth's load over the driving speed, and the resonance ratios of a turn."""
     speed = sweep.speed_rpm
     end, across = float(speed[-1]), "driving speed in r/min"
     factors = [Line(Role.OWN, "K_V, greatest of a turn", speed, sweep.factor)]
@@ -114,7 +114,7 @@ def speed_charts(sweep: SpeedSweep) -> list[Chart]:
 def _forces(strength: Strength) -> Chart:
     contacts = strength.contacts.of_pairs()
     angle = _position_deg(strength)
-    # By position, and there the greatest force first: the place in its run is the rank of a pair.
+    # Sorted by position, then by falling force: the index within a position is the rank of a pair.
     order = np.lexsort((-contacts.force_n, contacts.position))
     position = contacts.position[order]
     rank = np.arange(position.size) - np.searchsorted(position, position)
@@ -139,7 +139,7 @@ def _pressure(strength: Strength, found: Sequence[Weakest]) -> Chart:
     lines = []
     kinds = (Role.OTHER, "of any pair", contacts.flanks), (Role.OWN, "rated", rated_for_pitting(contacts))
     for role, label, counted in kinds:
-        # Where only edges touch, the pressure is not known: no value is drawn there.
+        # Where only edges touch, the pressure is unknown: no value is drawn there.
         known = np.ones(angle.size, dtype=bool)
         known[contacts.position] = False
         known[contacts.position[counted]] = True
@@ -150,21 +150,21 @@ def _pressure(strength: Strength, found: Sequence[Weakest]) -> Chart:
 
 
 def _limits(strength: Strength, found: Sequence[Weakest], damage: Damage) -> list[Line]:
-    """What the weakest teeth endure, as level lines: one for both gears where they endure the same."""
+    """The stresses that the weakest teeth endure, as level lines; one line for both gears if they endure the same."""
     endured = {one.gear: one.endured_mpa for one in found if one.damage is damage}
     ends = np.array([0.0, degrees(strength.end_rad)])
     driving, driven = endured[Gear.DRIVING], endured[Gear.DRIVEN]
     if abs(driving - driven) <= SAME_LIMIT * max(driving, driven):
         return [Line(Role.LIMIT, "endured", ends, np.full(2, min(driving, driven)))]
     return [
-        # Both are drawn alike: their values tell them apart.
+        # Both are drawn alike: their values distinguish them.
         Line(Role.LIMIT, f"{gear.value} gear endures {to_digits(value, 3)}", ends, np.full(2, value))
         for gear, value in endured.items()
     ]
 
 
 def _position_deg(strength: Strength) -> Array:
-    """The driving angle of every position, those without load included, shape (n,)."""
+    """The driving angle of every position, including positions without load, shape (n,)."""
     present, first = np.unique(strength.contacts.position, return_index=True)
     angle: Array = np.degrees(np.interp(np.arange(present[-1] + 1), present, strength.contacts.phi1_rad[first]))
     return angle

@@ -1,1 +1,1 @@
-"""Pictures that are not charts, as PNG: the assembled pair, balance, frontier; and what all pictures share."""
+"""Pictures that are not charts, as PNG: the assembled pair, balance, frontier; and parts that all pictures share."""

@@ -50,7 +50,7 @@ def draw_pitch_curves(axes: Axes, pair: Assembled, concave: tuple[Mask, Mask]) -
     for gear, curve, color in zip(Gear, curves, (canvas.DRIVING, canvas.DRIVEN), strict=True):
         draw_body(axes, pair, gear, curve, color, 1.8, f"{gear.value} gear")
     driving, driven = (np.where(mask[:, None], curve, np.nan) for curve, mask in zip(curves, concave, strict=True))
-    # One line with a gap between the gears, so that the legend names it once.
+    # A single line with a gap between the gears, so that the legend names it once.
     highlighted = np.vstack([driving, np.full((1, 2), np.nan), driven])
     if np.isfinite(highlighted).any():
         axes.plot(*highlighted.T, color=canvas.HIGHLIGHT, linewidth=4.0, label="concave", solid_capstyle="butt")

@@ -30,7 +30,7 @@ DRIVING, DRIVEN, HIGHLIGHT, MATERIAL = (LIGHT[name] for name in ("driving", "dri
 REFERENCE, INK, GRID, JOINT, PAPER = (LIGHT[name] for name in ("uniform", "ink", "grid", "joint", "panel"))
 
 FILL = 0.16
-"""Opacity of areas, small enough to show where two of them overlap."""
+"""Opacity of areas, small enough to show where two areas overlap."""
 
 SMALL = 8.0
 NORMAL = 9.5
@@ -76,7 +76,7 @@ def figure(width_in: float, height_in: float, title: str, margins: Margins | Non
 
 
 PACKED = 3
-"""How much zlib tries: a third less time than at its usual 6, for files that are a twelfth larger."""
+"""Compression level of zlib: a third less time than its usual 6, for files a twelfth larger."""
 
 
 def png(made: Figure) -> bytes:
@@ -91,7 +91,7 @@ def png(made: Figure) -> bytes:
 
 
 def dress(axes: Axes, x_label: str, y_label: str) -> None:
-    """Put labels, a faint grid, and no frame on the sides without a scale."""
+    """Put labels, a faint grid, and no frame on sides without a scale."""
     axes.set_xlabel(x_label, size=NORMAL, color=INK)
     axes.set_ylabel(y_label, size=NORMAL, color=INK)
     axes.tick_params(labelsize=SMALL, colors=INK, length=3.0)
@@ -111,7 +111,7 @@ def plain_log(axis: Axis, steps: tuple[float, ...]) -> None:
 
 
 def legend_above(axes: Axes, in_a_line: int | None = None) -> None:
-    """Put the legend in one line above the axes, at their right end, or in lines of so many entries."""
+    """Put the legend in one line above the axes, at their right end, or in lines with a number of entries."""
     entries = in_a_line or len(axes.get_legend_handles_labels()[1])
     axes.legend(
         loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=entries, frameon=False, fontsize=SMALL, borderaxespad=0.1
@@ -121,7 +121,7 @@ def legend_above(axes: Axes, in_a_line: int | None = None) -> None:
 def area(axes: Axes, points: Array, color: str, line_width: float, label: str = "") -> None:
     """Draw a closed outline (shape (n, 2)) with a faint filling; does not set the limits of the axes."""
     patch = Polygon(points, facecolor=to_rgba(color, FILL), edgecolor=color, linewidth=line_width, label=label)
-    # add_patch would compute the limits of every edge as if it were a curve: half a second for two gears.
+    # add_patch would compute the limits of every edge like those of a curve: half a second for two gears.
     axes.add_artist(patch)
 
 
@@ -129,7 +129,7 @@ def ring_area(
     axes: Axes, hole: Array, center: tuple[float, float], radius: float, color: str, line_width: float, label: str = ""
 ) -> None:
     """Draw the area between a circle and a closed outline within it (shape (n, 2)), with a faint filling."""
-    # Agg fills by winding: the outline is a hole if it runs in the sense opposite to the circle.
+    # Agg fills by winding: the outline is a hole if it runs opposite to the circle.
     clockwise = hole if signed_area(hole) < 0.0 else hole[::-1]
     inner = Path(np.vstack([clockwise, clockwise[:1]]), closed=True)
     path = Path.make_compound_path(Path.circle(center, radius), inner)
@@ -138,7 +138,7 @@ def ring_area(
 
 
 NotePlace = tuple[str, float, float]
-"""How a note is aligned with its point, and the distances in points from the point along the axis and upwards."""
+"""Alignment of a note with its point, and the distances in points from the point along the axis and upwards."""
 
 CLEAR_PX = 2.0
 """Least distance in pixels of a note from a curve."""
@@ -147,7 +147,7 @@ CLEAR_PX = 2.0
 def place_note(axes: Axes, note: Annotation, places: Sequence[NotePlace], curves: Sequence[Line2D]) -> None:
     """Put a note at the first place inside the axes that is clear of curves, else where it covers the fewest.
 
-    The limits of the axes are those of the finished picture.
+    The axes must have the limits of the finished picture.
     """
     paths = [curve.get_transform().transform_path(curve.get_path()) for curve in curves]
 

@@ -20,7 +20,7 @@ WEAKEST = 1e-9
 """A power beyond the left edge of every picture, in its unit."""
 
 Named = tuple[str, float, float]
-"""A mechanism by its name, its power in W and its acceleration in mm/s2."""
+"""The name of a mechanism, its power in W and its acceleration in mm/s2."""
 
 
 def frontier(
@@ -48,7 +48,7 @@ def flywheels(limit: Array, laws: Array, title: str) -> bytes:
     """PNG of least power against the flywheel; rows of moment of inertia in kg m2 and power in W."""
     made = canvas.figure(WIDTH_IN, HEIGHT_IN, title, canvas.Margins(left=0.8, right=0.25, top=0.8))
     axes = made.add_subplot()
-    # A limit is certain for its own flywheel, not between two
+    # A limit is certain for its own flywheel only, not between two
     axes.plot(*limit.T, color=canvas.INK, linestyle="none", marker="_", markersize=14.0, label="certified limit")
     axes.plot(*laws.T, color=canvas.DRIVING, linewidth=1.8, marker="o", markersize=3.5, label="laws that can be made")
     axes.set_ylim(bottom=0.0)
@@ -63,8 +63,8 @@ def rows(points: Sequence[tuple[float, float]]) -> Array:
 
 
 def _draw_curves(axes: Axes, limit: Array, laws: Array, family: Array) -> None:
-    # More power never needs more acceleration: so each point of the limit holds for all smaller powers, up to the point
-    # before it.  Straight lines between points would lie above a curve that is hollow.
+    # More power never needs more acceleration: so each point of the limit holds for all smaller powers, down to the
+    # point before it.  Straight lines between points would lie above a hollow curve.
     powers, heights = np.append(WEAKEST, limit[:, 0]), np.append(limit[:1, 1], limit[:, 1])
     axes.fill_between(powers, heights, 1e-3, step="pre", color=canvas.REFERENCE, alpha=0.14, linewidth=0.0)
     note: Style = {"transform": axes.transAxes, "size": canvas.SMALL, "color": canvas.REFERENCE, "style": "italic"}

@@ -1,15 +1,15 @@
 """The moving bodies of the mechanism with their shapes, and the chamber in which the slider works.
 
-A design file gives only lengths, and the force, so shapes and the chamber are drawn for the picture, in proportion to
-crank and stroke.  The crank lies along +x from its axis, a slider has its pin at the origin and its face in front of it
-in +x, and the mechanism says where the bars, eyes and slots of the other links are.
+A design file gives only lengths, and the force, so the picture adds shapes and the chamber, in proportion to crank and
+stroke.  The crank lies along +x from its axis, a slider has its pin at the origin and its face in front of it in +x,
+and the mechanism says where the bars, eyes and slots of the other links are.
 
 Where a slider works against a force, its guide is a chamber with a load in it, called material: a plain block, or straw
-where a design file says so.  It reaches from the place where the force first acts to the end of the chamber.  On its
-way back the slider leaves it pressed; the next stroke begins with new material.  Where a force acts on the way back,
-there is material behind the slider then, up to the open end of the chamber.  A carton or a sheet is pushed along a
-table instead: it stands where the force reaches half of its greatest, goes with the slider to the extended end, and
-stays there until the next stroke begins with a new one.  Friction is not drawn.
+if a design file says so.  It reaches from the place where the force first acts to the end of the chamber.  On its way
+back the slider leaves the material pressed; the next stroke begins with new material.  Where a force acts on the way
+back, there is material behind the slider then, up to the open end of the chamber.  A carton or a sheet is pushed along
+a table instead: it stands where the force reaches half of its maximum, moves with the slider to the extended end, and
+stays there until the next stroke begins with a new carton.  Friction is not drawn.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ def pin_radius_mm(linkage: Mechanism) -> float:
 
 
 def crank_shape(linkage: Mechanism) -> Contours:
-    """The crank's contours in mm: a plain crank, or what the mechanism says of it."""
+    """The crank's contours in mm: a plain crank, or the mechanism's own shape."""
     if "crank" in linkage.shapes():
         return link_shape(linkage, "crank")
     length = linkage.crank_mm
@@ -100,7 +100,7 @@ def link_shape(linkage: Mechanism, name: str) -> Contours:
 
 
 def output_shape(linkage: Mechanism, chamber: Chamber | None) -> Contours:
-    """The output's contours in mm: a piston in its chamber, the parts that the mechanism adds, or these alone."""
+    """The output's contours in mm: a piston in its chamber and the parts that the mechanism adds, or only these."""
     shape = linkage.shapes().get(linkage.OUTPUT.name, Shape())
     if chamber is None:
         return _contours(_shaped(linkage, shape))
@@ -110,7 +110,7 @@ def output_shape(linkage: Mechanism, chamber: Chamber | None) -> Contours:
 
 
 def _shaped(linkage: Mechanism, shape: Shape, *more: Polygon) -> Polygon:
-    """A link as one area: its bars, eyes, areas and walls of slots, and ``more``, less what its slots leave free."""
+    """A link as one area: its bars, eyes, areas and walls of slots, and ``more``, without the room in its slots."""
     eye, half = PIN_EYE * linkage.crank_mm, ROD_WIDTH / 2.0 * linkage.crank_mm
     bars = [_bar(np.array(start), np.array(end), half) for start, end in shape.bars]
     eyes = [_disc(x, eye, y) for x, y in shape.eyes]
@@ -141,15 +141,16 @@ REST = 0.14
 
 PUSHED = {"carton": (0.32, 0.4), "sheet": (0.6, 0.04)}
 PUSHER_HEIGHT = 0.22
-"""Length and height of what is pushed along a table, and height of its slider, as shares of the stroke."""
+"""Length and height of the carton that is pushed along a table, and height of its slider, as shares of the stroke."""
 
 
 @dataclass(frozen=True)
 class Chamber:
     """A rectangle about the slider's line y = ``offset_mm``; places along it count from the crank's axis.
 
-    ``begins_mm`` is the slider's displacement at which it meets the material, ``behind_mm`` the one at which it meets
-    the material behind it on its way back; None where there is none.  ``shown_as`` is what the material is.
+    ``begins_mm`` is the slider's displacement at which it meets the material.  ``behind_mm`` is the displacement at
+    which it meets the material behind it on its way back; None without such material.  ``shown_as`` is the kind of
+    material.
     """
 
     linkage: Mechanism
@@ -164,7 +165,7 @@ class Chamber:
 
     @property
     def pushed_mm(self) -> float | None:
-        """Length of what is pushed along a table; None where material is pressed in a chamber."""
+        """Length of the carton that is pushed along a table; None where material is pressed in a chamber."""
         return PUSHED[self.shown_as][0] * self.linkage.stroke_mm if self.shown_as in PUSHED else None
 
     @property
@@ -189,7 +190,7 @@ class Chamber:
 
     @property
     def start_mm(self) -> float:
-        """Place of the back of the retracted slider."""
+        """Place of the rear end of the retracted slider."""
         return self.linkage.nearest_mm - self.face_mm
 
     @property
@@ -214,7 +215,7 @@ class Chamber:
 
 
 def chamber_of(linkage: Mechanism, load: SliderLoad, shown_as: str = "load") -> Chamber | None:
-    """The chamber of a mechanism whose piston works against a load; an empty guide where no force but friction acts."""
+    """The chamber of a mechanism whose piston works against a load; an empty guide where only friction acts."""
     if not linkage.PISTON:
         return None
     out, back = (_acting_mm(force, linkage.stroke_mm) for force in (load.working, load.returning))
@@ -224,14 +225,14 @@ def chamber_of(linkage: Mechanism, load: SliderLoad, shown_as: str = "load") -> 
 
 
 def _half_mm(resistance: Resistance, stroke_mm: float) -> float:
-    """The least displacement, of a thousand, at which a force reaches half of its greatest."""
+    """The least displacement, out of a thousand, at which a force reaches half of its maximum."""
     at = np.linspace(0.0, stroke_mm, 1001)
     force = resistance.force_n(at)
     return float(at[np.argmax(force >= force.max() / 2.0)])
 
 
 def _acting_mm(resistance: Resistance, stroke_mm: float) -> tuple[float, float] | None:
-    """The least and the greatest displacement between which a force acts; None where it acts nowhere."""
+    """The least and the greatest displacement between which a force acts; None where no force acts."""
     edges = np.concatenate([[0.0], resistance.zeros_mm(stroke_mm), [stroke_mm]])
     acting = np.nonzero(resistance.force_n((edges[:-1] + edges[1:]) / 2.0) > 0.0)[0]
     return (float(edges[acting[0]]), float(edges[acting[-1] + 1])) if acting.size else None

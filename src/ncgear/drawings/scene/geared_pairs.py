@@ -1,11 +1,11 @@
 """The pairs of gears of a scene, each at its place in the machine, and each gear on its shaft.
 
 In the frame of a pair, the driving axis is at (0, 0), the driven axis at (a, 0), and the driving gear turns
-counter-clockwise.  In the frame of the scene, which is that of the mechanism, the crank's axis is at the origin, the
-slider moves along +x, and the crank turns clockwise.  The driven gear of the last pair turns with the crank.  So that
-pair is seen from the side from which its driven gear turns clockwise: an external pair from the front, an internal pair
-from behind.  Each pair before it is seen from the side from which the shaft that it shares with the next pair turns in
-the same sense.  All axes are on one line.
+counter-clockwise.  In the frame of the scene, the frame of the mechanism, the crank's axis is at the origin, the slider
+moves along +x, and the crank turns clockwise.  The driven gear of the last pair turns with the crank.  So this pair is
+viewed from the side on which its driven gear turns clockwise: an external pair from the front, an internal pair from
+behind.  Each earlier pair is viewed from the side on which the shaft that it shares with the next pair turns in the
+same direction.  All axes are on one line.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ CRANK_SENSE = -1.0
 class Mounting:
     """The place of one pair in the frame of the mechanism.
 
-    ``turn_rad`` is the direction from the driving axis to the driven one.  ``hand`` is -1 for a pair that is seen from
+    ``turn_rad`` is the direction from the driving axis to the driven axis.  ``hand`` is -1 for a pair viewed from
     behind, whose own y axis then points the other way; otherwise it is 1.
     """
 
@@ -48,7 +48,7 @@ class Mounting:
         return self.driving_axis_mm if gear is Gear.DRIVING else self.driven_axis_mm
 
     def sense(self, gear: Gear) -> float:
-        """The sense in which one of the gears turns: +1 counter-clockwise, -1 clockwise."""
+        """The direction in which one of the gears turns: +1 counter-clockwise, -1 clockwise."""
         return self.hand if gear is Gear.DRIVING else self.hand * self.mesh.sense
 
     def seen(self, points_mm: Array) -> Array:
@@ -57,7 +57,7 @@ class Mounting:
         return seen
 
     def on_centres_mm(self, distance_mm: Array) -> Array:
-        """Points (n, 2) on the line of centres, at distances (n,) from the driving axis towards the driven one."""
+        """Points (n, 2) on the line of centres, at distances (n,) from the driving axis towards the driven axis."""
         along = np.array([cos(self.turn_rad), sin(self.turn_rad)])
         points: Array = np.array(self.driving_axis_mm) + distance_mm[:, None] * along
         return points
@@ -88,9 +88,9 @@ CURVE_POINTS = 721
 class SceneGear:
     """A gear in the view of the scene, the number of its shaft (0 is the driving shaft), and its closed pitch curve.
 
-    The curve is in mm, shape (n, 2).  That of gears that turn less than once is closed by straight sides to the axis.
-    ``teeth_mm`` (shape (z, 2)) are the places on the pitch curve in the middle of each tooth, from tooth 1 on, and
-    ``numbers_mm`` those below the roots where their numbers stand.
+    The curve is in mm, shape (n, 2).  Where gears turn less than once, straight sides to the axis close it.
+    ``teeth_mm`` (shape (z, 2)) are the middles of the teeth on the pitch curve, from tooth 1 on.  ``numbers_mm`` are
+    the places of their numbers, below the roots.
     """
 
     body: Body
@@ -108,9 +108,9 @@ class SceneGear:
 
     @property
     def facing_rad(self) -> float:
-        """Angle from the direction towards the mate's axis to that towards the pitch point: 0, or pi in a ring's pair.
+        """Angle from the direction of the mate's axis to the direction of the pitch point: 0, or pi in a ring's pair.
 
-        In an internal pair the pitch point lies beyond the driving axis, seen from the driven one.
+        In an internal pair the pitch point lies beyond the driving axis, seen from the driven axis.
         """
         own = meeting_direction_rad(self.gear, self.mounting.mesh)
         return own if self.gear is Gear.DRIVING else own - pi
@@ -142,7 +142,7 @@ class ScenePair:
 
 
 GearShape = tuple[Polygon, list[Array]]
-"""The section of a gear in its own frame, and the edges that are seen on its upper face."""
+"""The section of a gear in its own frame, and the edges visible on its upper face."""
 
 
 def whole_body(drive: Drive, gear: Gear) -> GearShape:
@@ -152,7 +152,7 @@ def whole_body(drive: Drive, gear: Gear) -> GearShape:
 
 
 def teeth_alone(drive: Drive, gear: Gear) -> GearShape:
-    """One gear of a drive without bore and holes, which takes a tenth of the time; of a ring the whole body."""
+    """One gear of a drive without bore and holes, which takes a tenth of the time; for a ring the whole body."""
     if gear is Gear.DRIVEN and drive.pitch.driven.is_ring:
         return whole_body(drive, gear)
     return Polygon(drive.teeth.of(gear).outline_mm), []
@@ -161,7 +161,7 @@ def teeth_alone(drive: Drive, gear: Gear) -> GearShape:
 def scene_pairs(drive: Drive, shape: Callable[[Drive, Gear], GearShape] = whole_body) -> tuple[ScenePair, ...]:
     """The pairs of a drive from the driving shaft on; none where its design has no gears.
 
-    ``shape`` gives what is seen of each gear.  The contact of the teeth is not judged.  Raises WrongInput or
+    ``shape`` gives the visible shape of each gear.  The contact of the teeth is not checked.  Raises WrongInput or
     NoSuchMechanism where the teeth cannot be made.
     """
     gears = drive.design.gears

@@ -1,7 +1,7 @@
 """The scene of a drive: all moving and standing parts of a machine, and their places at any driving angle.
 
-The frame is that of the mechanism: the crank's axis is at the origin, the slider moves along +x, and the crank turns
-clockwise.
+The frame is the frame of the mechanism: the crank's axis is at the origin, the slider moves along +x, and the crank
+turns clockwise.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ class Poses:
     ``shaft_angles_rad`` (shape (shafts, n)) are the angles by which the shafts have turned, from the driving shaft to
     the crank's.  ``places`` has the places of each body by its name, ``pitch_points_mm`` (shape (n, 2) each) the pitch
     point of each pair.  ``material_mm`` (shape (n,)) is the depth of the material before the chamber's end,
-    ``material_behind_mm`` that of the material behind the slider.
+    ``material_behind_mm`` the depth of the material behind the slider.
     """
 
     motion: OutputMotion
@@ -44,7 +44,7 @@ class Poses:
 
 
 SWEEP = 73
-"""Crank angles of a cycle at which the way of the links is looked at for the box of a view."""
+"""Crank angles of a cycle whose link positions give the box of a view."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +63,7 @@ class Scene:
         return not self.machine.transmission.lobes.repeats
 
     def evenly_in_time(self, count: int) -> Array:
-        """Driving angles in rad of so many frames, shape (n,), over the loop without its end, or forth and back."""
+        """Driving angles in rad of a number of frames, shape (n,), over the loop without its end, or forth and back."""
         share = np.linspace(0.0, 1.0, count, endpoint=False)
         return self.loop_rad * (1.0 - np.abs(1.0 - 2.0 * share) if self.swings else share)
 
@@ -71,7 +71,7 @@ class Scene:
     def loop_rad(self) -> float:
         """Least driving angle after which every body is back in its pose and every gear has made whole turns.
 
-        Of gears that turn less than once, the driving angle from one end to the other, from where they go back.
+        For gears that turn less than once, the driving angle from one end to the other, where they turn back.
         """
         lobes = self.machine.transmission.lobes
         if self.swings:
@@ -80,7 +80,7 @@ class Scene:
 
     @cached_property
     def links(self) -> tuple[Body, ...]:
-        """The output, the crank, and the links between them from back to front; none of a shaft by itself."""
+        """The output, the crank, and the links between them from back to front; none for a shaft by itself."""
         linkage = self.machine.linkage
         names = list(linkage.links(Jet(np.zeros((1, 1)))))
         if not names:
@@ -111,7 +111,7 @@ class Scene:
 
     @property
     def crank_is_behind(self) -> bool:
-        """Whether the gears are drawn over the crank: they are if they are smaller, so that both can be seen."""
+        """Whether the gears are drawn over the crank: they are if they are smaller, so that both are visible."""
         return bool(self.pairs) and self.pairs[-1].driven.body.reach_mm < self.machine.linkage.crank_mm
 
     @property
@@ -120,7 +120,7 @@ class Scene:
         return (*(pair.mounting.driving_axis_mm for pair in self.pairs), (0.0, 0.0))
 
     def shaft_angles_rad(self, phi1_rad: Array) -> Array:
-        """The angles in rad by which the shafts have turned, each in its own sense, at driving angles (n,).
+        """The angles in rad by which the shafts have turned, each in its own direction, at driving angles (n,).
 
         The shape is (shafts, n).
         """
@@ -143,9 +143,9 @@ class Scene:
         )
 
     def strips_mm(self, poses: Poses) -> dict[str, tuple[Array, Array]]:
-        """Left end and length of the material and of that behind the slider, shape (n,) each; without those not there.
+        """Left end and length of the material in front of the slider and behind it, shape (n,) each; only if present.
 
-        What is pushed along keeps its length.
+        A carton that is pushed along keeps its length.
         """
         chamber, found = self.chamber, dict[str, tuple[Array, Array]]()
         if chamber is not None and chamber.begins_mm is not None:
@@ -172,7 +172,7 @@ class Scene:
 
 
 def scene_of(drive: Drive) -> Scene:
-    """The scene of a drive, with all pairs of gears that the design has; whether their teeth mesh is not judged.
+    """The scene of a drive, with all pairs of gears of the design; it is not checked whether their teeth mesh.
 
     Raises WrongInput or NoSuchMechanism where law, pitch curves or teeth cannot be made.
     """
@@ -180,12 +180,12 @@ def scene_of(drive: Drive) -> Scene:
 
 
 def scene_of_teeth(drive: Drive) -> Scene:
-    """The same with gears that have neither bore nor holes, as soon as their teeth are known."""
+    """The scene of a drive with gears without bore and holes, as soon as their teeth are known."""
     return replace(scene_without_gears(drive), pairs=scene_pairs(drive, teeth_alone))
 
 
 def scene_without_gears(drive: Drive) -> Scene:
-    """The scene of a drive's mechanism alone; raises WrongInput or NoSuchMechanism where its law cannot be made."""
+    """The scene of a drive's mechanism only; raises WrongInput or NoSuchMechanism where its law cannot be made."""
     machine, asked = drive.machine, drive.design.resistance
     chamber = chamber_of(drive.linkage, machine.load, asked.shown_as if isinstance(asked, Resistance) else "load")
     return Scene(drive.design.name, machine, drive.law.train, (), chamber)

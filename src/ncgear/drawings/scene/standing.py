@@ -1,4 +1,4 @@
-"""The standing parts of a scene, the boxes of its views, and contours with as many points as a picture needs.
+"""The fixed parts of a scene, the boxes of its views, and contours with only the points that a picture needs.
 
 The walls beside a slider, the supports of axes and other guides are hatched like the ground in a drawing.  Straw in
 front of the slider has a grain, which shows how the slider presses it.
@@ -22,14 +22,14 @@ from ncgear.numerics.arrays import Array
 def simplified(contours_mm: Sequence[Array], tolerance_mm: float) -> list[Array]:
     """Contours (shape (n, 2) each) without points that are within the tolerance of the rest; the first point stays."""
     closed = [shapely.linestrings(np.vstack([contour, contour[:1]])) for contour in contours_mm]
-    # Lines take a seventh of the time of polygons, which are kept from crossing themselves.
+    # Lines take a seventh of the time of polygons, for which crossings must be prevented.
     return [
         shapely.get_coordinates(shapely.simplify(line, tolerance_mm, preserve_topology=False))[:-1] for line in closed
     ]
 
 
 HATCHES = 44
-"""Strokes along a wall."""
+"""Number of strokes along a wall."""
 
 HATCH_LENGTH = 0.07
 """Length of a stroke of the hatching across the wall, as a share of the chamber's height."""
@@ -48,16 +48,16 @@ Source: M. Roberts, "The unreasonable effectiveness of quasirandom sequences", 2
 
 
 WALL_GAP = 0.03
-"""Least room that is left between a wall and what moves through it, as a share of the crank's length."""
+"""Least gap between a wall and a part that moves through it, as a share of the crank's length."""
 
 
 @lru_cache(maxsize=1)
 def walls_mm(scene: Scene) -> list[Array]:
     """The open lines of the chamber's walls in mm, shape (n, 2) each; none without a chamber.
 
-    Two sides, and an end where there is material; of a table the lower side alone.  Where there is material behind the
-    slider, there is a wall too, with an opening for the links that pass.  A side begins where no link reaches it any
-    more: a rod that swings out passes before it, not through it.
+    Two sides, and an end where there is material; for a table only the lower side.  Where there is material behind the
+    slider, a wall closes it in, with an opening for the links that pass.  A side begins where no link reaches it: a rod
+    that swings out passes before it, not through it.
     """
     chamber = scene.chamber
     if chamber is None:
@@ -83,7 +83,7 @@ def _sides_mm(chamber: Chamber) -> tuple[float, float]:
 
 
 def wall_starts_mm(scene: Scene, chamber: Chamber) -> tuple[float, float]:
-    """Where the lower and the upper side begin: at the chamber's start, or beyond the last place that a link reaches.
+    """Starts of the lower and the upper side: the chamber's start, or beyond the last place that a link reaches.
 
     The output, which slides between them, does not count.
     """
@@ -136,11 +136,11 @@ SUPPORT = 0.16
 """Height of a support and half its width, as a share of the crank's length."""
 
 SUPPORT_HATCHES = 6
-"""Strokes under a support; a guide has so many in a length of the crank."""
+"""Number of strokes under a support; a guide has as many in a length of the crank."""
 
 
 def supports_mm(linkage: Mechanism) -> list[Array]:
-    """The lines of the supports of fixed axes and of guides that stand, in mm, shape (n, 2) each."""
+    """The lines of the supports of fixed axes and of fixed guides, in mm, shape (n, 2) each."""
     size, lines = SUPPORT * linkage.crank_mm, list[Array]()
     for x, y in linkage.pivots_mm.values():
         foot = y - size
@@ -191,8 +191,8 @@ Box = tuple[float, float, float, float]
 def views(scene: Scene) -> dict[str, Box]:
     """The boxes of the views: the whole machine, and where there are gears, all gears and the mesh.
 
-    The box of the mesh is about the origin; it has to be moved to the pitch point.  A shaft by itself, whose gears
-    cannot be made, has nothing to be seen: the box of its machine is a square about its axis.
+    The box of the mesh is about the origin; it has to be moved to the pitch point.  Where the gears of a shaft by
+    itself cannot be made, there is nothing to see: the box is a square about its axis.
     """
     linkage = scene.machine.linkage
     reach = linkage.crank_mm * (1.0 + CRANK_EYE)

@@ -1,4 +1,4 @@
-"""Table 1 and section 4.3, Figs. 4 and 9 to 14: the mechanism that the paper gives, and its simulation."""
+"""Table 1 and section 4.3, Figs.  4 and 9 to 14: the mechanism of the paper, and its simulation."""
 
 from __future__ import annotations
 
@@ -32,18 +32,18 @@ TEETH, MODULE_MM, CENTER_DISTANCE_MM = 25, 3.0, 200.0
 SIMULATION_RPM = 20.0
 
 EARLIER_RPM = 60.0
-"""Speed of the earlier mechanism's figures: an inference, if the even crank beside it has this linkage and resistance.
+"""Speed of the earlier mechanism's figures: an inference, which assumes this linkage and resistance for the even crank.
 
-The paper prints none.  Of the powers 18750 W against an even crank's, and 28.6 % below it, follow 60.44 r/min."""
+The paper prints no speed.  The power of 18750 W, 28.6 % below the even crank's power, gives 60.44 r/min."""
 
 EARLIER_POWER_W, EARLIER_ACCELERATION_MM_S2 = 18750.0, 45000.0
 PROPOSED_POWER_W = 6300.0
 
 
 def stroke_at(law_rpm: float | None, a1_rpm: float | None, stroke_mm: float | None) -> WorkingStroke:
-    """The working stroke of Table 1, v1 and v2 holding at ``law_rpm`` and a1 at ``a1_rpm``.
+    """The working stroke of Table 1; v1 and v2 hold at ``law_rpm``, a1 at ``a1_rpm``.
 
-    A speed or a stroke of None follows from the rest; without ``a1_rpm`` a1 holds at the speed of v1 and v2.
+    A speed or a stroke of None follows from the rest; without ``a1_rpm``, a1 holds at the speed of v1 and v2.
     """
     law_speed, a1_speed = (None if rpm is None else rpm * RAD_S_PER_RPM for rpm in (law_rpm, a1_rpm))
     return solved_stroke(StrokeRequest(*THETAS_RAD, V1_MM_S, V2_MM_S, A1_MM_S2, law_speed, stroke_mm, a1_speed))
@@ -51,7 +51,7 @@ def stroke_at(law_rpm: float | None, a1_rpm: float | None, stroke_mm: float | No
 
 @cache
 def law() -> StrokeLaw:
-    """The reading of designs/baler.yaml: a1 at the simulation's speed, v1 and v2 at that which closes the stroke."""
+    """The reading of designs/baler.yaml: a1 at the simulation's speed, v1 and v2 at the speed closing the stroke."""
     return stroke_law(stroke_at(None, SIMULATION_RPM, STROKE_MM), LINKAGE, Lobes(), constant=0.0)
 
 
@@ -80,7 +80,7 @@ def at_speed(rpm: float) -> KinematicCheck:
 
 @cache
 def other_at_speed(rpm: float) -> KinematicCheck:
-    """The same with ``other_law``."""
+    """Power and peaks of the mechanism with ``other_law`` at a driving speed in r/min."""
     return _check(other_law().transmission, rpm)
 
 
@@ -118,13 +118,13 @@ def end_acceleration() -> Computed:
 
 
 def fluctuation_over_cycle() -> Computed:
-    """Largest speed by speed of pressing: of the earlier mechanism as printed, and of this one over the whole cycle."""
+    """Largest speed over speed of pressing: this mechanism over the whole cycle, and the earlier one as printed."""
     pressing = working_speeds(SIMULATION_RPM).values[1]
     return computed(at_speed(SIMULATION_RPM).peak_speed.value / pressing, 2100.0 / 820.0)
 
 
 def speeds_at_equal_speed() -> Computed:
-    """Largest speed below the earlier mechanism's, and speed of pressing above it, at its inferred speed."""
+    """Largest speed, below the earlier mechanism's, and speed of pressing, above it, at its inferred speed."""
     fastest, pressing = working_speeds(EARLIER_RPM).values
     return computed(fastest, 2100.0, 820.0, pressing)
 

@@ -61,7 +61,7 @@ def ratio_residual() -> Computed:
 
 
 def segment_residual() -> Computed:
-    """Eqs. 2.4, 2.7 and 2.10: how far each segment's displacement is from a polynomial of the printed degree, by the
+    """Eqs.  2.4, 2.7, 2.10: distance of each segment's displacement from a polynomial of the printed degree, over the
     stroke."""
     worst = []
     for segment, degree in enumerate((5, 1, 4)):
@@ -72,7 +72,7 @@ def segment_residual() -> Computed:
 
 
 def condition_residual() -> Computed:
-    """Conditions 3.3 to 3.7, each by its own scale: speeds at the law's speed, a1 at the simulation's."""
+    """Conditions 3.3 to 3.7, each on its own scale: speeds at the law's speed, a1 at the simulation's speed."""
     t1, t2, t3, t4 = THETAS_RAD
     omega, slow = law_rpm() * RAD_S_PER_RPM, SIMULATION_RPM * RAD_S_PER_RPM
 
@@ -129,7 +129,7 @@ STROKE = (
 
 
 def radius_residual() -> Computed:
-    """Eqs. 3.1 and 3.2 against both pitch curves, by the centre distance."""
+    """Eqs.  3.1 and 3.2 against both pitch curves, relative to the centre distance."""
     worst = []
     for segment in range(4):
         angle = _inside(segment)
@@ -141,7 +141,7 @@ def radius_residual() -> Computed:
 
 
 def return_residual() -> Computed:
-    """Eq. 3.8 with its constant 0: how far the ratio of the return is from a polynomial of degree 5 in phi1 without a
+    """Eq.  3.8 with its constant 0: distance of the return's ratio from a polynomial of degree 5 in phi1 without a
     constant term."""
     angle = _inside(3)
     ratio = 1.0 / law().transmission.pieces[3].slope(angle, 0).value
@@ -162,7 +162,7 @@ def joint_residual() -> Computed:
 
 
 def closure_residual() -> Computed:
-    """Eqs. 3.10 to 3.12: how far the driven gear turns in the working stroke and in the whole turn."""
+    """Eqs.  3.10 to 3.12: rotation of the driven gear in the working stroke and in the whole turn."""
     pieces = law().transmission.pieces
     working = float(pieces[2].driven_angle(np.array([pieces[2].end_rad]), 0).value[0])
     whole = float(pieces[3].driven_angle(np.array([pieces[3].end_rad]), 0).value[0])

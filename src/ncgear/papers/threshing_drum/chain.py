@@ -1,4 +1,4 @@
-"""Sections 3.2.1 and 3.3, Tables 3 to 6: the equivalent unbalance of the chain drive, and what it predicts.
+"""Sections 3.2.1 and 3.3, Tables 3 to 6: the equivalent unbalance of the chain drive, and its predictions.
 
 A reading with a weight is the sum of the chain's part and the weight's part, as complex numbers; the chain's part is
 the sum of a tight and a slack side.  Each amplitude is known to lie within a range.
@@ -52,7 +52,7 @@ WEIGHT_G = 161.3
 
 
 def sides_residual() -> Computed:
-    """Eqs. 3 to 6: what both sides at their phases add up to, against the chain's part, by the larger side."""
+    """Eqs.  3 to 6: the sum of both sides at their phases against the chain's part, relative to the larger side."""
     worst = []
     for weight, amplitude, phase in RUNS:
         part = polar(amplitude, phase) - polar(PRINTED_RANGES.weight.high, weight)
@@ -75,8 +75,8 @@ def vectors(*phases_deg: float) -> Computed:
 
 
 def slack_with_two_slips(*readings: float) -> tuple[float]:
-    """Eq. 6 for the slack side at 300 deg, with the size of the cosine for the sine of the reading's phase and with the
-    weight's y of the other sign."""
+    """Eq.  6 for the slack side at 300 deg, with two slips: the absolute cosine in place of the sine of the reading's
+    phase, and the weight's y with the opposite sign."""
     amplitude, phase = readings[8:10]
     weight, tight = ranges(*readings).weight.high, ranges(*readings).tight.high
     down = amplitude * abs(cos(radians(phase)))
@@ -110,7 +110,7 @@ RANGES = (
           "section 3.2.1 prints at 300 deg; either by itself gives another number."),
 )  # fmt: skip
 
-# --- section 3.3, eqs. 10 to 13, Table 6: what the ranges predict, and how the predictions fare ---------------------
+# --- section 3.3, eqs.  10 to 13, Table 6: the predictions of the ranges, and how good they are ---------------------
 
 RANGES_PRINTED = texts("0.074 0.214 2.04 2.58")
 """Ends of the weight's range, largest amplitudes of tight and slack side, as printed."""
@@ -124,7 +124,7 @@ def prediction(weight_deg: float, *ends: float) -> Prediction:
 
 
 def corners(weight_deg: float, *ends: float) -> tuple[float, float, float, float]:
-    """Eqs. 10 to 13: least and largest x and y in mm/s, y downwards, each by the ends of the ranges on its own."""
+    """Eqs.  10 to 13: least and largest x and y in mm/s, y downwards, each from the ends of the ranges on its own."""
     low, high, tight, slack = ends
     along, down = cos(radians(weight_deg)), -sin(radians(weight_deg))
     xs, ys = (sorted(share * end for end in (low, high)) for share in (along, down))
@@ -149,7 +149,7 @@ def from_ranges(function: Callable[..., tuple[float, ...]], *fixed: float) -> Co
 
 
 def errors(*rows: tuple[str, str, str]) -> Computed:
-    """Of each row, the first reading minus the second in percent of the third, which is one of them."""
+    """For each row, the first reading minus the second, in percent of the third, which repeats one of them."""
 
     def percent(*readings: float) -> tuple[float, ...]:
         triplets = zip(readings[::3], readings[1::3], readings[2::3], strict=True)
@@ -192,10 +192,10 @@ PREDICTED = (
 )  # fmt: skip
 
 HOLES = (("1.587", "286", "1.264", "148"), ("1.487", "283", "0.943", "150"))
-"""Table 6 before balancing: of each hole, amplitude and phase with the weight at 30 deg and at 270 deg."""
+"""Table 6 before balancing: for each hole, amplitude and phase with the weight at 30 deg and at 270 deg."""
 
 LEFT = (("0.731", "329", "0.59", "157"), ("0.682", "335", "0.453", "152"))
-"""The same after balancing."""
+"""Table 6 after balancing, in the same order."""
 
 
 def all_errors() -> Computed:

@@ -32,7 +32,7 @@ FIRST = ("1.234", "159")
 """Reading before balancing: amplitude in mm/s, phase in degrees."""
 
 TRIAL = ("107.7", "90", "0.562", "204")
-"""Weight in g at an angle in degrees, and the reading with it."""
+"""Trial weight in g and its angle in degrees, then the reading with it."""
 
 
 def polar(amplitude: float, phase_deg: float) -> complex:
@@ -63,13 +63,13 @@ def correction(*readings: float) -> tuple[float, ...]:
 
 
 def after_correction(*readings: float) -> tuple[float, ...]:
-    """Amplitude and phase that the 142.45 g put on at 120 degrees should leave."""
+    """Amplitude and phase that should remain with 142.45 g added at 120 degrees."""
     left = polar(*readings[:2]) + effect(*readings) * polar(142.45, 120.0)
     return abs(left), phase_deg(left)
 
 
 def with_weight_added(*readings: float) -> tuple[float, ...]:
-    """Phase of the reading once 58.8 g at 240 degrees are added; the last two readings are what was left before."""
+    """Phase of the reading once 58.8 g at 240 degrees are added; the last two readings are the reading before."""
     *known, amplitude, phase = readings
     return (phase_deg(polar(amplitude, phase) + effect(*known) * polar(58.8, 240.0)),)
 
@@ -153,7 +153,7 @@ def at(bar_deg: int, speed_rpm: int) -> tuple[float, ...]:
 
 
 def growth_with_speed() -> Computed:
-    """Of each hole, the amplitude at a speed and that at the next one."""
+    """For each hole, the amplitude at a speed and the amplitude at the next speed."""
     rows = [list(map(float, row)) for bar in BY_HOLE.values() for row in bar]
     return computed(*(value for row in rows for pair in pairwise(row) for value in pair))
 
@@ -165,7 +165,7 @@ def front_and_rear() -> Computed:
 
 
 def spread_of_holes() -> Computed:
-    """Of each bar, the largest quotient of largest by least amplitude of its holes, below 800 r/min and above."""
+    """For each bar, the largest ratio of largest to least amplitude of its holes, below 800 r/min and above."""
 
     def quotient(bar: int, *speeds_rpm: int) -> float:
         return max(max(at(bar, speed)) / min(at(bar, speed)) for speed in speeds_rpm)
@@ -174,7 +174,7 @@ def spread_of_holes() -> Computed:
 
 
 def single_and_spiral() -> Computed:
-    """The largest amplitude of a single weight in Tables 3 and 4 at each speed, and that of the spiral."""
+    """The largest amplitude of a single weight in Tables 3 and 4 at each speed, and the spiral's amplitude."""
     pairs = []
     for row, speed in enumerate(SPEEDS_RPM):
         single = [max(map(float, BY_PHASE[row][::2])), *(max(at(bar, speed)) for bar in BY_HOLE)]

@@ -13,8 +13,8 @@ DRIVE_SHAFT_HZ = 1354.0 / 60.0
 SAMPLING_HZ, ANALYSIS_HZ = 2000.0, 781.25
 
 LINE_HZ = SAMPLING_HZ / 1024.0
-"""Spacing of the spectrum's lines, inferred: all frequencies of Table 5 but one are whole multiples of it, and of none
-that is wider (tests/test_ledger.py).  The settings printed in sections 2.5 and 2.6 give other spacings."""
+"""Spacing of the spectrum's lines, inferred: all frequencies of Table 5 but one are whole multiples of it, and no wider
+spacing has this property (tests/test_ledger.py).  The settings printed in sections 2.5 and 2.6 give other spacings."""
 
 POINTS = ("1", "2", "3", "5", "6", "7", "10", "11", "12")
 X = (
@@ -33,18 +33,18 @@ Z = (
 
 
 def on_a_line(frequency_hz: float, spacing_hz: float = LINE_HZ) -> Computed:
-    """A frequency, which a spectrum shows to half the spacing of its lines."""
+    """A frequency, with half the spacing of the lines as its rounding."""
     return Computed((frequency_hz,), (spacing_hz / 2.0,))
 
 
 def strongest() -> Computed:
-    """The largest amplitude along each direction, and the number of the point where it is."""
+    """The largest amplitude along each direction, and the number of its point."""
     largest = [max(zip(map(float, amplitudes), map(int, POINTS), strict=True)) for _, amplitudes in (X, Y, Z)]
     return computed(*(value for value, _ in largest), *(point for _, point in largest))
 
 
 def near(wanted_hz: tuple[float, ...], points: tuple[str, ...]) -> Computed:
-    """Number of frequencies at some points that are on the line of one of those wanted, or on the next half line."""
+    """Number of frequencies at some points that are within half a line of one of the wanted frequencies."""
     found = [float(hz[POINTS.index(point)]) for hz, _ in (X, Y, Z) for point in points]
     return computed(sum(min(abs(one - other) for other in wanted_hz) <= LINE_HZ / 2.0 for one in found))
 
@@ -101,13 +101,13 @@ FOUND = (
 
 @dataclass(frozen=True)
 class Readings:
-    """Largest displacement upwards and downwards in mm at the sixteen points, as printed."""
+    """Largest displacements upwards and downwards in mm at the sixteen points, as printed."""
 
     up: tuple[str, ...]
     down: tuple[str, ...]
 
     def combined(self, up: float, down: float) -> Computed:
-        """Sum of both columns with factors, and how far their rounding may move it."""
+        """Sum of both columns with factors, and by how much their rounding may move it."""
         pairs = list(zip(self.up, self.down, strict=True))
         values = tuple(up * float(one) + down * float(other) for one, other in pairs)
         return Computed(values, tuple(abs(up) * half_step(one) + abs(down) * half_step(other) for one, other in pairs))
@@ -123,7 +123,7 @@ class Readings:
 
     @property
     def largest(self) -> Computed:
-        """The largest displacement in mm, whether up or down."""
+        """The largest displacement in mm, up or down."""
         return computed(max(abs(float(text)) for text in (*self.up, *self.down)))
 
 
@@ -147,7 +147,7 @@ MADE_WITH = (
     texts("0.02 -0.02 0.02 0.02 0.00 0.01 -0.02 0.07 -0.05 -0.03 0.00 0.00 -0.08 -0.07 -0.03 -0.05"),
 )
 MADE = {"peak to peak": (1.0, -1.0), "means of up and down": (0.5, -0.5), "differences of up and down": (1.0, 1.0)}
-"""The columns that the paper makes of the readings, with the factors of up and down."""
+"""The columns that the paper makes from the readings, with the factors of up and down."""
 
 
 MOVEMENT = (

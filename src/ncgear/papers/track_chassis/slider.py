@@ -73,7 +73,7 @@ def errors(*orders: int) -> Computed:
 
 
 def nearer_than_the_auger() -> Computed:
-    """Number of other excitations as near to a natural frequency as the auger's rotation is to the first."""
+    """Number of other excitations that are as near to a natural frequency as the auger's rotation is to the first."""
     excitations = [*of_engine(ENGINE), *(one for shaft in SHAFTS for one in of_shaft(shaft))]
     found = margins(excitations, NATURAL_HZ, 1.0 - AUGER_HZ / NATURAL_HZ[0])
     return computed(sum(one.near and one.excitation.source != "feeding auger" for one in found))
@@ -122,7 +122,7 @@ WEIGHT_KG, WEIGHT_LEVER_MM = 500.0, 470.0
 GRAVITY_M_S2 = 9.81
 
 MECHANISM = DrivenCrank(LINKAGE, uniform_law(Lobes()), SPEED_RAD_S, RodMasses(slider_kg=SLIDER_KG))
-"""Rod and crank have no mass: the paper puts all that it weighed at the slider."""
+"""Rod and crank have no mass: the paper puts all the mass that it weighed at the slider."""
 
 # --- section 2.2, eqs. 1 to 8: the motion, exact and by two terms of the rod's series --------------------------------
 
@@ -143,7 +143,7 @@ def two_term_stroke(linkage: CrankSlider, angles_rad: Array, order: int) -> Jet:
 
 
 def stroke_residual() -> Computed:
-    """Eqs. 2 and 3 against the linkage, by the stroke; both count it from the extended dead centre."""
+    """Eqs.  2 and 3 against the linkage, relative to the stroke; both count it from the extended dead centre."""
     exact = LINKAGE.stroke_mm - LINKAGE.displacement(Jet.variable(np.pi + ANGLES_RAD, 0)).value
     sine, cosine = np.sin(ANGLES_RAD), np.cos(ANGLES_RAD)
     second = (ROD + CRANK) - (CRANK * cosine + ROD * np.cos(np.arcsin(RATIO * sine)))
@@ -152,7 +152,7 @@ def stroke_residual() -> Computed:
 
 
 def two_term_residual() -> Computed:
-    """Eq. 6 against eq. 3 with the root of eq. 5, by the stroke."""
+    """Eq.  6 against eq.  3 with the root of eq.  5, relative to the stroke."""
     sine, cosine = np.sin(ANGLES_RAD), np.cos(ANGLES_RAD)
     with_root = CRANK * (1.0 - cosine) + ROD * 0.5 * RATIO**2 * sine**2
     return computed(float(np.abs(two_term_stroke(LINKAGE, ANGLES_RAD, 0).value - with_root).max() / LINKAGE.stroke_mm))
@@ -194,7 +194,7 @@ MOTION = (
 
 @cache
 def tail_weights() -> DynamicCounterweights:
-    """M1, against the slider's inertia: at both dead centres, and the largest over the turn, at the paper's gravity."""
+    """M1, against the slider's inertia: at both dead centres, and the largest of the turn, with the paper's gravity."""
     weighing = replace(MECHANISM, masses=replace(MECHANISM.masses, gravity_m_s2=(0.0, -GRAVITY_M_S2)))
     return dynamic_counterweights(CHASSIS, weighing)
 

@@ -1,1 +1,1 @@
-"""Gears as solids with exact faces, made by the OpenCASCADE library, which only the extra ``step`` installs."""
+"""Gears as solids with exact faces.  The OpenCASCADE library makes them; only the extra ``step`` installs it."""

@@ -1,7 +1,7 @@
 """Gears as solids whose every flank, fillet and land is one face.
 
 Straight teeth are a prism over the exact outline.  Helical and herringbone teeth are sewn from B-spline surfaces and
-two plane ends.  Pockets, bore and set-screw hole are cut off as the solids that their tools sweep.
+two plane ends.  Each tool sweeps a solid; pockets, bore and set-screw hole are cut with these solids.
 """
 
 from __future__ import annotations
@@ -39,20 +39,20 @@ from ncgear.solids.plan.body import BodyPlan
 from ncgear.teeth.contour import DEGREE, Contour, Spline, ring_of_arcs
 
 AT_CORNERS = 8.0 / 17.0
-"""Share of the chord tolerance within which walls of pockets pass the polygon's corners: they then keep to the whole of
-it everywhere."""
+"""Share of the chord tolerance to which pocket walls pass the polygon's corners; then they keep the whole tolerance
+everywhere."""
 
 SHORT_OF_HUB = 4.0
-"""Chord tolerances: a pocket that goes round a hub stops three short of it, for its chords' sake."""
+"""Chord tolerances: a pocket around a hub stops three chord tolerances short of the hub, since its walls are chords."""
 
 BEYOND = 0.1
-"""How far tools go on beyond what they cut, as a share of the face width, so that no two faces coincide."""
+"""How far tools go beyond the material that they cut, as a share of the face width, so that no two faces coincide."""
 
 SAME_MM = 1e-7
-"""Distance at which the kernel takes two points as one, whatever the size of what it is given (its confusion)."""
+"""Distance at which the kernel takes two points as one, at any size of the model (its confusion)."""
 
 SEWN_MM = 10.0 * SAME_MM
-"""Distance at which edges are sewn: both have the same poles, and the kernel's own points stray by 1e-7 mm."""
+"""Distance at which edges are sewn: both have the same poles, but the kernel's own points stray by 1e-7 mm."""
 
 
 def gear_shape(contour: Contour, plan: BodyPlan) -> TopoDS_Shape:
@@ -65,7 +65,7 @@ def gear_shape(contour: Contour, plan: BodyPlan) -> TopoDS_Shape:
 
 
 def helical_gear_shape(patches: Patches, plan: BodyPlan, *, herringbone: bool) -> TopoDS_Shape:
-    """A gear with helical teeth, as ``gear_shape``."""
+    """A gear with helical teeth, made and refused as in ``gear_shape``."""
     beyond = BEYOND * plan.face_width_mm
     drills = [prism(hole, [], -beyond, plan.face_width_mm + beyond) for hole in _holes(plan)]
     return sound(_cut_and_bored(cut(_helical_shape(patches, herringbone=herringbone), drills), plan))
@@ -83,7 +83,7 @@ def _holes(plan: BodyPlan) -> list[TopoDS_Wire]:
 
 
 def _cut_and_bored(shape: TopoDS_Shape, plan: BodyPlan) -> TopoDS_Shape:
-    """The toothed shape with pockets first, so that a hub stands on them, and the bore last, as one face."""
+    """The toothed shape with pockets cut first, so that a hub stands on them, and the bore cut last, as one face."""
     shape = cut(shape, _pocket_tools(plan))
     if plan.hub is not None:
         circle = circle_wire(0.0, 0.0, plan.hub.diameter_mm / 2.0)
@@ -112,7 +112,7 @@ def _round(ring: LinearRing, plan: BodyPlan) -> TopoDS_Wire:
     if radii.max() - middle > within:
         return wire_of(ring_of_arcs(corners, within))
     hub = plan.hub.diameter_mm / 2.0 if plan.hub else 0.0
-    # The hub's own side goes on down to the web, without a ledge of a few micrometres.
+    # The hub's side goes on down to the web, without a ledge of a few micrometres.
     return circle_wire(0.0, 0.0, hub if abs(middle - hub) <= SHORT_OF_HUB * plan.chord_tolerance_mm else middle)
 
 

@@ -1,7 +1,7 @@
-"""What gears with exact faces are made of: closed wires, prisms and cylinders, and what is left when solids are cut.
+"""Parts of gears with exact faces: closed wires, prisms and cylinders, and the solids that cuts leave.
 
-Wires lie in the plane z = 0, or level at a height; prisms and cylinders are solids of the kernel.  It is a fault if a
-cut or a union does not leave one solid.
+Wires lie in the plane z = 0, or level at a height; prisms and cylinders are solids of the kernel.  A cut or a union
+that does not leave exactly one solid is a fault.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def geometry_of(curve: Curve, height: float) -> Geom_Curve:
 
 
 def knots_of(knots: Array) -> tuple[Array1_double, Array1_int]:
-    """Distinct knots and how often each stands, from knots of shape (n,)."""
+    """Distinct knots and the multiplicity of each, from knots of shape (n,)."""
     distinct, times = np.unique(knots, return_counts=True)
     values, multiplicities = Array1_double(1, distinct.size), Array1_int(1, distinct.size)
     for number, (knot, count) in enumerate(zip(distinct, times, strict=True), 1):
@@ -127,7 +127,7 @@ def sound(shape: TopoDS_Shape) -> TopoDS_Shape:
 
 
 def moved_by(step: gp_Vec) -> TopLoc_Location:
-    """The place of a shape that is moved without turning."""
+    """The location of a shape that is moved without turning."""
     move = gp_Trsf()
     move.SetTranslation(step)
     return TopLoc_Location(move)
@@ -147,14 +147,14 @@ def fused(first: TopoDS_Shape, second: TopoDS_Shape) -> TopoDS_Shape:
 
 
 def cut(shape: TopoDS_Shape, tools: Sequence[TopoDS_Shape]) -> TopoDS_Shape:
-    """A solid without what tools take off it."""
+    """The solid that remains when tools are cut off it."""
     for tool in tools:
         shape = _one(BRepAlgoAPI_Cut(shape, tool))
     return shape
 
 
 def _one(done: BRepAlgoAPI_BooleanOperation) -> TopoDS_Shape:
-    """The solid that an operation leaves; raises Unanswered unless it is a single one."""
+    """The solid that an operation leaves; raises Unanswered unless there is exactly one."""
     solids = solids_of(done.Shape()) if done.IsDone() else []
     if len(solids) != 1:
         raise Unanswered(f"a gear's body falls into {len(solids)} solids")
@@ -162,17 +162,17 @@ def _one(done: BRepAlgoAPI_BooleanOperation) -> TopoDS_Shape:
 
 
 def solids_of(shape: TopoDS_Shape) -> list[TopoDS_Shape]:
-    """Its solids in their order."""
+    """The solids of a shape, in their order."""
     return parts_of(shape, TopAbs_SOLID)
 
 
 def faces_of(shape: TopoDS_Shape) -> list[TopoDS_Shape]:
-    """Its faces in their order."""
+    """The faces of a shape, in their order."""
     return parts_of(shape, TopAbs_FACE)
 
 
 def parts_of(shape: TopoDS_Shape, kind: TopAbs_ShapeEnum) -> list[TopoDS_Shape]:
-    """Its parts of a kind in their order."""
+    """The parts of one kind of a shape, in their order."""
     explorer, found = TopExp_Explorer(shape, kind), []
     while explorer.More():
         found.append(explorer.Current())

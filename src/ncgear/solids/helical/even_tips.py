@@ -1,12 +1,12 @@
 """The form of helical teeth whose tips change evenly from section to section.
 
-Sections are fitted at advances over the helix, up to one pitch, after which they repeat; all of them share out foulings
-in one way.  All flanks stay exact: lower tips cost contact only.
+Sections are fitted at advances over the helix, up to one pitch, after which they repeat.  All sections shorten fouling
+tips in the same way.  All flanks stay exact: lower tips cost contact only.
 
-How high a tip can be depends on where its tooth stands.  Along the curve that height may jump: where the mate's
-undercut begins or ends with the curvature, or where another way to shorten fouling tips is the best.  Tips of helical
-teeth would then jump from section to section.  A ceiling over the tips is what the lower side of each jump allows, and
-rises evenly away from it.
+The possible height of a tip depends on the place of its tooth on the curve.  Along the curve that height may jump:
+where the mate's undercut begins or ends with the curvature, or where another way to shorten fouling tips becomes the
+best.  Tips of helical teeth would then jump from section to section.  A ceiling limits the tips to the lower side of
+each jump, and rises evenly away from it.
 """
 
 from __future__ import annotations
@@ -29,21 +29,21 @@ from ncgear.teeth.gear import pair_tips
 from ncgear.teeth.tips import Limit, Tips
 
 FEWEST, PER_PITCH = 4, 48
-"""Steps between fitted sections: at least, and in a pitch of advance."""
+"""Least number of steps between fitted sections, and number of steps in one pitch of advance."""
 
 Fits = list[tuple[Tips, Tips]]
-"""Both gears' tips in sections one step apart."""
+"""Tips of both gears in sections one step apart."""
 
 
 def with_even_tips(pitch: PitchPair, form: ToothForm, helix: Helix) -> ToothForm:
-    """The form with one way and ceilings for all sections; raises NoSuchMechanism with the height without teeth."""
+    """The form with one way and ceilings for all sections; raises NoSuchMechanism with the height that has no teeth."""
     heights, step = heights_fitted(helix, form.rack.pitch_mm)
     way, fits = _best_fits(pitch, form, helix, heights)
     return replace(form, limits=replace(form.limits, way=way, ceilings=ceilings_over(fits, step)))
 
 
 def heights_fitted(helix: Helix, pitch_mm: float) -> tuple[Array, float]:
-    """Heights of fitted sections, up to the end or the first pitch of advance, and the rolled step in mm."""
+    """Heights of fitted sections, up to the end or to one pitch of advance, and the rolled step in mm."""
     share = min(1.0, pitch_mm / helix.largest_advance_mm)
     advance = share * helix.largest_advance_mm
     steps = max(FEWEST, ceil(PER_PITCH * advance / pitch_mm))
@@ -52,10 +52,10 @@ def heights_fitted(helix: Helix, pitch_mm: float) -> tuple[Array, float]:
 
 
 def _best_fits(pitch: PitchPair, form: ToothForm, helix: Helix, heights: Array) -> tuple[Way, Fits]:
-    """The way that leaves most contact in the worst section, and the sections fitted so; the first if none fouls."""
+    """The way that leaves most contact in the worst section, and its fitted sections; the first way if no tip fouls."""
     found: list[tuple[Way, Fits]] = []
     refusals: list[NoSuchMechanism] = []
-    # Tips foul near concave stretches only; without any the ways do not differ.
+    # Tips foul near concave stretches only; without such stretches all ways give the same tips.
     for way in WAYS[:1] if all(pitch.convex(gear) for gear in Gear) else WAYS:
         try:
             found.append((way, _fits(pitch, form, helix, heights, way)))
@@ -69,7 +69,7 @@ def _best_fits(pitch: PitchPair, form: ToothForm, helix: Helix, heights: Array) 
 
 
 def _fits(pitch: PitchPair, form: ToothForm, helix: Helix, heights: Array, way: Way) -> Fits:
-    """Tips in all sections, fitted in one way; raises NoSuchMechanism, naming the height, where no tooth can stand."""
+    """Tips in all sections, fitted in one way; raises NoSuchMechanism with the height at which no tooth can stand."""
     fits, one_way = [], replace(form, limits=replace(form.limits, way=way))
     for height in heights:
         with said_of_section(float(height)):
@@ -85,7 +85,7 @@ STANDS_OUT = 1e-3
 that only bend do not count; smaller jumps are lost in the chord tolerance."""
 
 HIGH = 10.0
-"""Height, in modules, that stands for no ceiling."""
+"""Height, in modules, that means: no ceiling."""
 
 
 def ceilings_over(fits: Sequence[tuple[Tips, Tips]], step_mm: float) -> Ceilings:
@@ -98,7 +98,7 @@ def _ceiling(fits: list[Tips], step: float) -> Ceiling:
     flanks = fits[0].flanks
     at = np.stack([fit.flanks.crossing_mm for fit in fits]) % flanks.curve.length_mm
     height = np.stack([fit.flanks.tip_height_mm for fit in fits])
-    # Of back and front flanks, each in the order of arc lengths
+    # Rows: back flanks, then front flanks, each in the order of arc lengths
     at, height = (values.reshape(-1, 2).T for values in (at, height))
     order = np.argsort(at, axis=1)
     at, height = (np.take_along_axis(values, order, axis=1) for values in (at, height))
@@ -126,7 +126,7 @@ def _low_sides(height: Array, gap: Array, fitted: Mask, module: float) -> Array:
 
 
 def _rising(at: Array, low: Array, length: float) -> Array:
-    """The greatest heights that are nowhere over ``low`` and rise nowhere more steeply than ``RISE``."""
+    """The greatest heights that are nowhere above ``low`` and nowhere rise more steeply than ``RISE``."""
     around = np.concatenate([at - length, at, at + length])
     heights = np.tile(low, 3)
     ahead = np.minimum.accumulate(heights - RISE * around) + RISE * around

@@ -1,7 +1,7 @@
 """Helical and herringbone gears as closed meshes: sections lofted into a wall, with straight holes from end to end.
 
-Between two sections each quadrilateral is folded along its shorter diagonal, which on a round body is the one that
-stays nearer to it.
+Each quadrilateral between two sections is folded along its shorter diagonal.  On a round body the shorter diagonal
+stays nearer to the surface.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def helical_pair(
     """Both gears as meshes that stray from the exact surfaces by no more than the chord tolerance.
 
     Raises NoSuchMechanism, naming the height, where a section cannot be made or changes too abruptly with height;
-    WrongInput when a bore does not fit into every section, or when there would be too many of them.
+    WrongInput when a bore does not fit into every section, or when too many sections would be needed.
     """
     sections = Sections(pitch, form, helix, OUTLINE * tolerance_mm)
     stacks = close_stacks(sections, tolerance_mm)
@@ -62,8 +62,8 @@ def _solid(sections: Sections, stack: Stack, gear: Gear, blank: Blank, tolerance
 def lofted(rings_mm: Array, heights_mm: Array, holes_mm: Sequence[Array]) -> TriangleMesh:
     """The solid through rings (l, c, 2) at rising heights (l,), with holes (n, 2) along z, all counter-clockwise.
 
-    Neighbouring points of a ring that single precision cannot tell apart become one.  Raises Unanswered if the mesh
-    is not sound.
+    Neighbouring points of a ring become one where single precision cannot tell them apart.  Raises Unanswered if the
+    mesh is not sound.
     """
     tubes = [_tube(rings_mm, heights_mm, 0)]
     for hole in holes_mm:
@@ -77,10 +77,10 @@ def lofted(rings_mm: Array, heights_mm: Array, holes_mm: Sequence[Array]) -> Tri
 
 @dataclass(frozen=True, eq=False)
 class _Tube:
-    """A wall through rings (l, c, 2) at heights (l,), with the material on the left of the rings' sense.
+    """A wall through rings (l, c, 2) at heights (l,); the material is on the left when one follows a ring.
 
-    ``column`` (l, c) is the vertex of its ring that stands for each point: points that coincide share one.  Vertices
-    are numbered from ``first`` on.
+    ``column`` (l, c) is the vertex of its ring that stands for each point: points that coincide share one vertex.
+    Vertices are numbered from ``first`` on.
     """
 
     rings: Array
@@ -118,10 +118,10 @@ class _Tube:
 
 
 def _tube(rings: Array, heights: Array, first: int) -> _Tube:
-    """The tube with points of a ring merged that the single precision of STL files could not tell apart."""
+    """The tube; neighbouring points of a ring are merged where the single precision of STL files makes them equal."""
     distinct = np.linalg.norm(rings - np.roll(rings, 1, axis=1), axis=2) > stl_resolution_mm(rings)
     column = np.maximum.accumulate(np.where(distinct, np.arange(rings.shape[1]), -1), axis=1)
-    # Points before the first distinct one belong to the last of the ring.
+    # Points before the first distinct point belong to the last point of the ring.
     column = np.where(column < 0, column[:, -1:], column)
     return _Tube(np.take_along_axis(rings, column[..., None], axis=1), heights, column, first)
 

@@ -20,17 +20,17 @@ from ncgear.teeth.outline import whole_curves
 from ncgear.teeth.stretch import Stretch
 
 GRIDS = ((4, 8), (4, 12), (6, 16), (8, 24), (12, 32), (16, 48), (24, 64))
-"""Spans up the gear and along each curve that are tried in turn: what takes more is no smooth surface."""
+"""Spans up the gear and along each curve, tried in turn; a surface that needs more spans is not smooth."""
 
 REMEDY = "formats stl and 3mf can hold these teeth"
 
 
 @dataclass(frozen=True, eq=False)
 class Patches:
-    """Surfaces side by side round a gear, the last beside the first; neighbours have the poles of their edge in common.
+    """Surfaces side by side round a gear, the last beside the first; neighbours share the poles of their common edge.
 
     ``along`` and ``up`` are the clamped knots of both parameters; ``poles_mm`` has shape (patches, n along, n up, 3).
-    ``deviation_mm`` is how far points of them were found from the exact ones at most.
+    ``deviation_mm`` is the largest distance found between points of the surfaces and the exact points.
     """
 
     along: Array
@@ -40,9 +40,9 @@ class Patches:
 
 
 def patches_of(sections: Sections, gear: Gear, tolerance_mm: float) -> Patches:
-    """Surfaces within ``tolerance_mm`` of the teeth, from z = 0 as far as they advance in one sense.
+    """Surfaces within ``tolerance_mm`` of the teeth, from z = 0 up to the height where the advance ends or turns back.
 
-    Raises WrongInput where the teeth change with height in other ways than smoothly.
+    Raises WrongInput where the teeth do not change smoothly with height.
     """
     deviation = 0.0
     for up, along in GRIDS:
@@ -59,7 +59,7 @@ def _rough(gear: Gear, why: str) -> WrongInput:
 
 
 def _interpolated(sections: Sections, gear: Gear, up: int, along: int) -> Patches:
-    """Surfaces with these numbers of spans, held against exact sections half way between those they go through."""
+    """Surfaces with these numbers of spans, compared with exact sections half way between the interpolated sections."""
     heights, share = np.linspace(0.0, sections.helix.rise_mm, up + 1), np.linspace(0.0, 1.0, along + 1)
     curves = [_curves(sections, gear, float(height)) for height in heights]
     shortest_mm = SHORTEST_IN_MODULES * sections.at(0.0).of(gear).flanks.rack.module_mm
@@ -83,7 +83,7 @@ def _lengthwise(curves: list[list[Stretch]], heights: Array, share: Array) -> BS
 
 
 def _apart(found: BSpline, exact: list[tuple[float, list[Stretch]]], probes: Array) -> float:
-    """Largest distance of points found, shape (probes, patches, 3) at a height, from those of exact sections."""
+    """Largest distance between points found, shape (probes, patches, 3) at a height, and points of exact sections."""
     return max(
         float(np.linalg.norm(found(height).swapaxes(0, 1) - _points(curves, height, probes), axis=2).max())
         for height, curves in exact
@@ -96,7 +96,7 @@ def _curves(sections: Sections, gear: Gear, height: float) -> list[Stretch]:
 
 
 def _require_alike(curves: list[list[Stretch]], gear: Gear, shortest_mm: float) -> None:
-    """Raise WrongInput unless every section has the same curves, and none of them vanishes."""
+    """Raise WrongInput unless every section has the same curves and no curve vanishes."""
     for stretches in zip(*curves, strict=True):
         if any(not np.array_equal(one.owner, stretches[0].owner) for one in stretches):
             raise _rough(gear, "some are undercut at one height and not at another")
@@ -106,7 +106,7 @@ def _require_alike(curves: list[list[Stretch]], gear: Gear, shortest_mm: float) 
 
 
 def _order(curves: list[Stretch]) -> IndexArray:
-    """Places of all curves' rows along the outline."""
+    """Places along the outline of all rows of curves."""
     return np.argsort(np.concatenate([stretch.rank for stretch in curves]), kind="stable")
 
 
@@ -127,7 +127,7 @@ def _rows(stretch: Stretch, share: Array) -> tuple[Array, Array]:
 
 
 def _sharing_edges(poles: Array, shortest_mm: float) -> Array:
-    """Poles with each patch's last edge replaced by the next one's first; they differ by rounding errors."""
+    """Poles with each patch's last edge replaced by the first edge of the next; they differ by rounding errors."""
     following = np.roll(poles[:, 0], -1, axis=0)
     gap = float(np.abs(poles[:, -1] - following).max())
     if not gap <= shortest_mm:

@@ -35,11 +35,11 @@ PER_TOOTH = 6
 """Places on each tooth."""
 
 AGREEMENT = 1e-7
-"""Distance, in modules, at which a place computed from the exact curves counts as a vertex of the outline: rounding
-of gears of up to a thousand modules, far below any chord."""
+"""Distance, in modules, at which a place computed from the exact curves counts as a vertex of the outline.  It covers
+the rounding of gears of up to a thousand modules and is far below any chord."""
 
 LOOKED_AT = 9
-"""Sections in which contact is looked at, both ends included: it changes as slowly as the curvature."""
+"""Sections in which contact is computed, both ends included: contact changes as slowly as the curvature."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,12 +49,12 @@ class Section:
     teeth: ToothedPair
 
     def of(self, gear: Gear) -> ToothedGear:
-        """One of them."""
+        """The gear of the pair in this section."""
         return self.teeth.of(gear)
 
     @cached_property
     def pieces(self) -> dict[Gear, Pieces]:
-        """Their outlines, cut at corresponding places."""
+        """The outlines of both gears, cut at corresponding places."""
         return {gear: pieces_of(self.of(gear)) for gear in Gear}
 
 
@@ -82,16 +82,16 @@ class Sections:
         return [self.at(height).pieces[gear] for height in heights_mm]
 
     def steps_within(self, sagitta_mm: float) -> int:
-        """Even steps from z = 0 to where the teeth stop advancing, so that no land is cut across by more."""
+        """Number of even steps, from z = 0 to where the teeth stop advancing, that cut across no land by more."""
         return max(1, ceil(sqrt(self.sagitta_mm(1) / sagitta_mm)))
 
     def sagitta_mm(self, steps: int) -> float:
-        """How far lands are cut across by even steps over as much of the height."""
+        """How far straight lines cut across lands when the same height is divided into even steps."""
         turning = max(self._turning(gear) for gear in Gear)
         return turning * (self.helix.largest_advance_mm / steps) ** 2 / 8.0
 
     def _turning(self, gear: Gear) -> float:
-        """1 / rho, the largest of both lands, as high and as deep as they are at z = 0."""
+        """The larger 1 / rho of both lands, with their height and depth at z = 0."""
         hollow, sharp = (extremum.value for extremum in self.pitch.curvature_range[gear])
         flanks = self.at(0.0).of(gear).flanks
         lands = float(np.max(flanks.tip_height_mm)), -float(np.max(flanks.root_depth_mm))
@@ -100,7 +100,7 @@ class Sections:
 
 @contextmanager
 def said_of_section(height_mm: float) -> Iterator[None]:
-    """Refusals from within name the section by its height."""
+    """Add the height of the section to any error that is raised inside."""
     try:
         yield
     except NoSuchMechanism as fault:
@@ -109,17 +109,17 @@ def said_of_section(height_mm: float) -> Iterator[None]:
 
 
 def least_section_contact(sections: Sections) -> float:
-    """Least arc of contact, in pitches, of pairs of flanks in all sections, whose shapes differ."""
+    """Least arc of contact, in pitches, of the pairs of flanks in all sections; their shapes differ."""
     placement, heights = placed(sections.pitch), np.linspace(0.0, sections.helix.rise_mm, LOOKED_AT)
     return min(least_arc(sections.at(float(height)).teeth, placement) for height in heights)
 
 
 @dataclass(frozen=True, eq=False)
 class Pieces:
-    """An outline from its first place round to it again, in the sense of growing arc length of the pitch curve.
+    """A closed outline from its first place round to the same place, in the direction of growing arc length.
 
-    ``points_mm`` has shape (n + 1, 2), first point repeated; ``length_mm`` (n + 1,) is the outline's length up to each
-    point, ``cut_mm`` (pieces + 1,) that up to each place and to the end.
+    ``points_mm`` has shape (n + 1, 2), first point repeated.  ``length_mm`` (n + 1,) is the outline's length up to each
+    point.  ``cut_mm`` (pieces + 1,) is the length up to each place and up to the end.
     """
 
     points_mm: Array
@@ -143,7 +143,7 @@ class Pieces:
 
 
 def pieces_of(gear: ToothedGear) -> Pieces:
-    """A gear's outline cut at its teeth's places; raises Unanswered where these are not found in order."""
+    """A gear's outline cut at the places of its teeth; raises Unanswered where the places are not found in order."""
     from scipy.spatial import cKDTree
 
     places = _places(gear)

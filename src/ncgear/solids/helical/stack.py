@@ -2,8 +2,8 @@
 
 A stack is one gear's sections at rising heights, with points on each at the same places round the outline, the columns;
 the mesh goes in straight lines from point to point.  A first guess of heights and columns follows from the curvature of
-the pitch curves and of the outlines.  Then the mesh is held against exact sections half way up the steps that may be
-the worst, and steps and columns are halved where it strays.
+the pitch curves and of the outlines.  Then the mesh is compared with exact sections half way up the steps that may be
+the worst; steps and columns are halved where it strays too far.
 """
 
 from __future__ import annotations
@@ -22,35 +22,34 @@ from ncgear.pitch.shape import Gear
 from ncgear.solids.helical.sections import PER_TOOTH, Pieces, Sections
 
 OUTLINE = 0.1
-"""Share of the chord tolerance left to the outlines that sections are sampled from."""
+"""Share of the chord tolerance for the outlines from which sections are sampled."""
 
 SAGITTA, TWIST, RISE = 0.5, 0.5, 0.6
-"""Shares of it for the chords of a section, the folds of quadrilaterals, and straight lines from section to section.
-They are largest at different places, and their sum is measured."""
+"""Shares of the chord tolerance for the chords of a section, the folds of quadrilaterals, and the straight lines from
+section to section.  They are largest at different places, and their sum is measured."""
 
 CHECKED = 3
-"""Steps that are checked at least: those that seem to stray most.  All that seem to stray by more than their share are
-checked as well."""
+"""Least number of steps that are checked: the steps that seem to stray most.  All other steps that seem to stray by
+more than their share are checked too."""
 
 SECTION_HALVINGS = 6
-"""Rounds of halving steps.  Where a trimmed corner moves across columns, comes or goes, what strays only halves with
-them."""
+"""Rounds of halving steps; where a trimmed corner moves across columns, comes or goes, each only halves the error."""
 
 LOCAL = 0.1
-"""Share of the columns up to which what strays is taken to be at corners, where more columns help."""
+"""Greatest share of the columns that may stray for the error to count as one at corners, where more columns help."""
 
 MOST_STEPS = 300
-"""Steps from section to section at first: millions of triangles, files of a hundred megabytes, a minute's work."""
+"""Most steps between sections in the first guess: millions of triangles, files of 100 megabytes, a minute's work."""
 
 SPREADS = 5
-"""Rounds of placing columns by what the last ones left; the more even the curves, the fewer are needed."""
+"""Rounds of placing columns by the errors of the last placing; even curves need fewer columns."""
 
 COLUMN_HALVINGS = 16
-"""Rounds of halving between columns where outlines stray even then, at corners within a piece: down to far below any
-chord of an outline."""
+"""Rounds of halving between columns where outlines still stray, at corners within a piece.  They go far below any chord
+of an outline."""
 
 SPARE, LEAST = 1.05, 1e-3
-"""Columns are placed a twentieth closer than seems needed; even a straight interval wants a thousandth of one."""
+"""Columns are placed 5 % closer than seems needed; even a straight interval counts as a thousandth of a column."""
 
 TINY = float(np.finfo(float).tiny)
 
@@ -59,8 +58,8 @@ TINY = float(np.finfo(float).tiny)
 class StrayLimits:
     """How far, in mm, the mesh may stray.
 
-    ``sagitta_mm`` is for a section's outline from the chords between columns, ``twist_mm`` for the middle of a
-    quadrilateral between neighbouring sections from its diagonals.
+    ``sagitta_mm`` limits the distance of a section's outline from the chords between columns.  ``twist_mm`` limits the
+    distance of the middle of a quadrilateral between neighbouring sections from its diagonals.
     """
 
     sagitta_mm: float
@@ -99,7 +98,7 @@ def _first_heights(sections: Sections, tolerance: float) -> Array:
 
 
 def finest_in_steps_mm(sections: Sections) -> float:
-    """The finest chord tolerance of a solid that takes no more steps from section to section than are made."""
+    """The finest chord tolerance of a solid that does not need more steps between sections than are allowed."""
     return sections.sagitta_mm(MOST_STEPS) / RISE
 
 
@@ -107,7 +106,7 @@ def finest_in_steps_mm(sections: Sections) -> float:
 class _Check:
     """Heights of exact sections (shape (s,)) and, by gear, how far the mesh strays from each after each column (s, c).
 
-    ``allowed_mm`` is how far it may.
+    ``allowed_mm`` is how far the mesh may stray.
     """
 
     heights_mm: Array
@@ -121,13 +120,13 @@ class _Check:
         return np.asarray(worst > self.allowed_mm)
 
     def wide(self, gear: Gear) -> Mask:
-        """Columns of a gear after which its mesh strays too much at some height, shape (c,), if they are few."""
+        """Columns of a gear after which its mesh strays too far at some height, shape (c,); none if they are many."""
         wide = np.any(self.strays_mm[gear] > self.allowed_mm, axis=0)
         return np.asarray(wide & (np.mean(wide) < LOCAL))
 
 
 def _checked(sections: Sections, stacks: dict[Gear, Stack], tolerance: float) -> _Check:
-    """The steps that may be the worst, held against exact sections half way up."""
+    """The steps that may be the worst, compared with exact sections half way up."""
     heights = stacks[Gear.DRIVING].heights_mm
     seeming = np.max([stack.seems_to_stray_mm() for stack in stacks.values()], axis=0)
     steps = np.argsort(seeming)[::-1][: max(CHECKED, int(np.sum(seeming > RISE * tolerance)))]
@@ -137,9 +136,9 @@ def _checked(sections: Sections, stacks: dict[Gear, Stack], tolerance: float) ->
 
 
 def _too_abrupt(check: _Check, stacks: dict[Gear, Stack], sections: Sections, tolerance: float) -> NoSuchMechanism:
-    """The error for teeth that jump, where the undercut that the mate's tips avoid ends from one section to the next.
+    """The error for teeth that jump between two sections because the undercut that the mate's tips avoid ends there.
 
-    Halving does not help there, but letting the flanks be cut away does.
+    Halving steps does not help there, but letting the flanks be cut away does.
     """
     gear = max(Gear, key=lambda own: float(np.max(check.strays_mm[own])))
     step, column = np.unravel_index(int(np.argmax(check.strays_mm[gear])), check.strays_mm[gear].shape)
@@ -207,14 +206,14 @@ def _apart(ring: Array, outline: Array) -> Array:
 
 
 def _nearest(points: Array, ring: Array) -> tuple[IndexArray, Array]:
-    """Number of the chord of a closed ring (m, 2) that is nearest to each point (n, 2), and how far it is."""
+    """Number of the nearest chord of a closed ring (m, 2) for each point (n, 2), and the distance to it."""
     chords = shapely.STRtree(shapely.linestrings(np.stack([ring, np.roll(ring, -1, axis=0)], axis=1)))
     (_, chord), away = chords.query_nearest(shapely.points(points), all_matches=False, return_distance=True)
     return chord, away
 
 
 def middle_section(lower_mm: Array, upper_mm: Array) -> Array:
-    """Rings half way between rings (..., c, 2), shape (..., 2 c, 2): where a plane there meets the mesh's edges."""
+    """Rings half way between rings (..., c, 2), shape (..., 2 c, 2): a plane there meets the mesh's edges in them."""
     lower_next, upper_next = np.roll(lower_mm, -1, axis=-2), np.roll(upper_mm, -1, axis=-2)
     falling = falls(lower_mm, upper_mm)[..., None]
     diagonal = np.where(falling, lower_next + upper_mm, lower_mm + upper_next) / 2.0
@@ -231,7 +230,7 @@ def falls(lower_mm: Array, upper_mm: Array) -> Mask:
 
 @dataclass(frozen=True, eq=False)
 class Columns:
-    """Places of columns in order, shape (c,) each: piece and share of its length.  Each piece begins with one."""
+    """Places of columns in order, shape (c,) each: piece and share of its length.  Each piece begins with a column."""
 
     piece: IndexArray
     share: Array
@@ -241,9 +240,10 @@ class Columns:
         return np.stack([section.at(self.piece, self.share) for section in sections])
 
     def spread(self, wanted: Array) -> Columns:
-        """The columns spread anew: on each piece as many as its intervals want together, dense where one wants many.
+        """The columns spread anew: each piece gets as many as its intervals want together, closer where they want many.
 
-        ``wanted`` (c,) tells how many parts, whole or not, the interval after each column is to be divided into.
+        ``wanted`` (c,) is the number of parts, whole or not, into which the interval after each column is to be
+        divided.
         """
         dense = np.maximum(wanted, LEAST) * SPARE
         reached = np.concatenate([[0.0], np.cumsum(dense)])
@@ -256,7 +256,7 @@ class Columns:
         return Columns(piece, np.where(step == 0, 0.0, place - piece))
 
     def halved(self, wide: Mask) -> Columns:
-        """The columns with another one half way after each that is marked, shape (c,)."""
+        """The columns with a further column half way after each marked one; ``wide`` has shape (c,)."""
         after = np.append(self.share[1:], 0.0)
         middle = (self.share + np.where(after > 0.0, after, 1.0)) / 2.0
         row, step = counted_up(np.zeros_like(self.piece), np.where(wide, 2, 1))
@@ -264,7 +264,7 @@ class Columns:
 
 
 def spread_columns(sections: Sequence[Pieces], limits: StrayLimits) -> Columns:
-    """Columns about as far apart as the limits allow, by the sections they are for."""
+    """Columns about as far apart as the limits allow in the given sections."""
     columns = Columns(np.arange(sections[0].count), np.zeros(sections[0].count))
     for _ in range(SPREADS):
         columns = columns.spread(_wanted(columns, sections, limits))
@@ -272,7 +272,7 @@ def spread_columns(sections: Sequence[Pieces], limits: StrayLimits) -> Columns:
 
 
 def close_columns(columns: Columns, sections: Sequence[Pieces], limits: StrayLimits) -> Columns:
-    """The columns with others halfway between until all sections keep the limits; raises Unanswered else."""
+    """The columns with others half way between until all sections keep the limits; raises Unanswered if none does."""
     for _ in range(COLUMN_HALVINGS):
         wide = _wanted(columns, sections, limits) > 1.0
         if not wide.any():
@@ -282,7 +282,7 @@ def close_columns(columns: Columns, sections: Sequence[Pieces], limits: StrayLim
 
 
 def _wanted(columns: Columns, sections: Sequence[Pieces], limits: StrayLimits) -> Array:
-    """Parts into which intervals would have to be divided, (c,): sagittas fall with squares, twists evenly."""
+    """Parts into which intervals must be divided, (c,): sagittas fall with their square, twists in proportion."""
     rings = columns.rings(sections)
     sagitta = np.max([sagittas(columns, *pair) for pair in zip(sections, rings, strict=True)], axis=0)
     return np.asarray(np.maximum(np.sqrt(sagitta / limits.sagitta_mm), twists(rings) / limits.twist_mm))
@@ -302,7 +302,7 @@ def sagittas(columns: Columns, section: Pieces, ring: Array) -> Array:
 
 
 def twists(rings: Array) -> Array:
-    """Distance in mm of the middle of the quadrilateral after each column from those of its diagonals, largest of all.
+    """Largest distance in mm, after each column, from a quadrilateral's middle to the middles of its diagonals.
 
     Shape (c,); only the part across the chords counts, since the part along them lies in the surface.
     """

@@ -1,7 +1,7 @@
-"""What is cut into a toothed mesh and put onto it: pockets, the hub, and the hole of its set screw.
+"""Cuts into a toothed mesh and parts put onto it: pockets, the hub, and the hole of its set screw.
 
-Unions and differences are those of the manifold library, in double precision; the volume of what comes out is held
-against that of its parts.
+The manifold library makes unions and differences in double precision.  The volume of the result is compared with the
+volume of its parts.
 """
 
 from __future__ import annotations
@@ -23,14 +23,14 @@ from ncgear.solids.mesh.triangles import TriangleMesh, merged
 from ncgear.solids.plan.body import BodyPlan, SetScrew, Slab, circle_points
 
 SCREW_TOLERANCE = 1e-6
-"""Relative difference allowed between the volume that a screw hole takes and the quadrature of its sections; the
-quadrature errs at the hub's corners (tests/test_bodies.py)."""
+"""Relative difference allowed between the volume of a screw hole and the quadrature of its sections; the quadrature
+errs at the hub's corners (tests/test_bodies.py)."""
 
 GAUSS_POINTS = 8
 """Points of the quadrature between the heights of two corners of the hole's polygon."""
 
 LEVEL_DIGITS = 9
-"""Corners of the hole's polygon whose heights, as shares of the greatest, agree to so many decimals are at one."""
+"""Decimals to which heights of the hole's corners, relative to the greatest, must agree to count as one height."""
 
 
 def finished(toothed: TriangleMesh, plan: BodyPlan) -> TriangleMesh:
@@ -46,7 +46,7 @@ def finished(toothed: TriangleMesh, plan: BodyPlan) -> TriangleMesh:
             volume -= pocket.intersection(plan.section).area * (top - floor)
     if plan.hub is not None:
         hub = plan.slabs[-1]
-        # The hub begins within the gear, so that both have a volume in common and not just a face.
+        # The hub begins within the gear, so that both share a volume and not just a face.
         solid += _solid_of(slab_mesh((Slab(hub.section, plan.face_width_mm / 2.0, hub.high_mm),)))
         volume += hub.section.area * hub.thickness_mm
     made = _mesh_of(solid)
@@ -77,7 +77,7 @@ def _drill(screw: SetScrew, reach: float, tolerance: float) -> TriangleMesh:
 
 
 def screw_hole_mm3(section: BaseGeometry, screw: SetScrew, tolerance_mm: float) -> float:
-    """Volume that a screw hole takes out of a hub's section, by quadrature over the height; both as polygons."""
+    """Volume that a screw hole takes out of a hub's section; both are polygons, integrated over the height."""
     reach = 2.0 * float(np.abs(section.bounds).max())
     turned = rotate(section, -screw.direction_rad, origin=(0.0, 0.0), use_radians=True)
     strips = _strips(circle_points(screw.diameter_mm / 2.0, tolerance_mm))

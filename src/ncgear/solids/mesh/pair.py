@@ -1,4 +1,4 @@
-"""The gears of a pair with straight teeth as solids, each with the plan that it was made by."""
+"""The gears of a pair with straight teeth as solids, each with its plan."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ CHAMFER_KEY = "gears.first_layer_chamfer_mm"
 
 @dataclass(frozen=True, eq=False)
 class GearSolid(Shown):
-    """One gear's triangles in its own frame at phi1 = 0, and the plan that it was made by."""
+    """One gear's triangles in its own frame at phi1 = 0, and the gear's plan."""
 
     triangles: TriangleMesh
     plan: BodyPlan
@@ -35,7 +35,7 @@ class GearSolid(Shown):
 
     @property
     def index_hole(self) -> RoundHole | None:
-        """The index hole; None where none was wanted or had room."""
+        """The index hole; None where none was asked for or none had room."""
         return self.plan.index_hole
 
     def __repr__(self) -> str:
@@ -52,7 +52,7 @@ class SolidPair(Shown):
     driven: GearSolid
 
     def of(self, gear: Gear) -> GearSolid:
-        """One of them."""
+        """The solid of one gear."""
         return self.driving if gear is Gear.DRIVING else self.driven
 
     def __repr__(self) -> str:
@@ -67,7 +67,7 @@ def gear_solid(
     chord_tolerance_mm: float,
     mesh: Mesh = Mesh.EXTERNAL,
 ) -> GearSolid:
-    """A gear that is no ring, with all that its blank asks; raises as ``planned`` and ``solid_of_plan`` do."""
+    """A gear, not a ring, with everything that its blank asks for; raises as ``planned`` and ``solid_of_plan`` do."""
     return solid_of_plan(gear_plan(gear, outline_mm, blank, module_mm, chord_tolerance_mm, mesh))
 
 
@@ -79,7 +79,7 @@ def gear_plan(
     chord_tolerance_mm: float,
     mesh: Mesh = Mesh.EXTERNAL,
 ) -> BodyPlan:
-    """The body of a gear that is no ring; raises as ``planned`` does."""
+    """The body of a gear that is not a ring; raises as ``planned`` does."""
     direction, key = meeting_direction_rad(gear, mesh), f"gears.{gear.value}"
     return planned(outline_mm, blank, direction, module_mm, chord_tolerance_mm, key)
 
@@ -90,6 +90,6 @@ def ring_solid(outline_mm: Array, blank: RingBlank, module_mm: float, chord_tole
 
 
 def solid_of_plan(plan: BodyPlan) -> GearSolid:
-    """The solid of straight teeth; raises WrongInput for a chamfer too thick, Unanswered if it is not sound."""
+    """The solid of straight teeth; raises WrongInput for a chamfer too large, Unanswered if the mesh is not sound."""
     bevel = bevel_of(plan.section, plan.chamfer_mm, plan.chord_tolerance_mm, CHAMFER_KEY) if plan.chamfer_mm else None
     return GearSolid(drilled_hub(slab_mesh(plan.slabs, bevel), plan), plan)

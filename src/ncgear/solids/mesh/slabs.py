@@ -1,9 +1,9 @@
-"""A body made of slabs that stand on each other, as one closed mesh that is known to be sound.
+"""A body made of slabs that stand on each other, as one closed mesh that is checked to be sound.
 
 The surface is put together from sheets of triangles that share their edges: level faces, upright walls, and where the
-foot has a bevel, slopes from the section's edges down to those of its inner parallel at z = 0.  The slopes fall at 45
-degrees from each edge of the section.  Constrained Delaunay triangles join each edge to the one that it was moved to;
-where edges vanish on the way, levels are put in between until the slopes' sections are the parallels to the tolerance.
+foot has a bevel, slopes from the section's edges down to the edges of its inner parallel at z = 0.  The slopes fall at
+45 degrees from each edge of the section.  Constrained Delaunay triangles join each edge to its moved edge; where edges
+vanish on the way, levels are put in between until the slopes' sections are the parallels to the tolerance.
 """
 
 from __future__ import annotations
@@ -30,14 +30,14 @@ if TYPE_CHECKING:
     from trimesh import Trimesh
 
 UNEVEN = 1e-9
-"""How unevenly points are shifted, relative to their distance from the axis, to choose the triangles of an end: far
-below single precision."""
+"""How unevenly points are shifted, relative to their distance from the axis, so that earcut passes over no point of an
+end: far below single precision."""
 
 VOLUME_TOLERANCE = 1e-9
 """Relative difference allowed between the mesh's volume and section areas times heights: rounding only."""
 
 SHARES = (0.25, 0.5, 0.75)
-"""Shares of a slope's height at which its section is held against the parallel."""
+"""Shares of a slope's height at which its section is compared with the parallel."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,9 +62,9 @@ class Bevel:
 def slab_mesh(slabs: Sequence[Slab], bevel: Bevel | None = None) -> TriangleMesh:
     """The slabs from the lowest up, each within the one below it; all in mm.
 
-    A ``bevel`` is that of the first slab's section, which then begins at z = 0; it is lower than this slab.  Between
-    two slabs there is a face only where the lower one ends, so that nothing lies within the body.  Raises Unanswered
-    if the mesh is not sound.
+    A ``bevel`` belongs to the section of the first slab, which then begins at z = 0; it is lower than this slab.
+    Between two slabs there is a face only where the lower one ends, so that nothing lies within the body.  Raises
+    Unanswered if the mesh is not sound.
     """
     lowest, top = slabs[0], slabs[-1]
     sheets = [
@@ -134,7 +134,7 @@ def walls(area: BaseGeometry, low_mm: float, high_mm: float) -> list[TriangleMes
 
 
 def facing(vertices: Array, triangles: IndexArray, *, up: bool) -> TriangleMesh:
-    """Triangles turned together to face up, or down: rounding would turn those of three points in line."""
+    """Triangles turned so that all face up, or all down: rounding would turn a triangle of three points in line."""
     area = float(np.sum(signed_area(vertices[triangles][..., :2])))
     return TriangleMesh(vertices, triangles if (area > 0.0) == up else triangles[:, ::-1])
 
@@ -155,7 +155,7 @@ def bevel_of(section: Polygon, height_mm: float, tolerance_mm: float, key: str) 
 def _slopes(
     area: BaseGeometry, foot: BaseGeometry, between: tuple[float, float], tolerance: float
 ) -> Iterator[TriangleMesh]:
-    """Slopes from a foot at one height to the area at another."""
+    """Slopes from a foot at one height to the area at another height."""
     low, high = between
     slope = _slope(area, foot, between)
     if high - low <= tolerance or all(
@@ -170,7 +170,7 @@ def _slopes(
 
 
 def _slope(area: BaseGeometry, foot: BaseGeometry, between: tuple[float, float]) -> TriangleMesh:
-    """Triangles with the corners of the foot at the lower height and those of the area at the upper one."""
+    """Triangles with the corners of the foot at the lower height and the corners of the area at the upper height."""
     low = distinct(as_complex(shapely.get_coordinates(foot)))
     triangles = shapely.get_parts(shapely.constrained_delaunay_triangles(area.difference(foot)))
     corners = shapely.get_coordinates(triangles).reshape(-1, 4, 2)[:, :3]
@@ -187,14 +187,14 @@ def _close(slope: TriangleMesh, area: BaseGeometry, height: float, top: float, t
 
 
 def _within(lines: Array, of: Array, tolerance: float) -> bool:
-    """Whether the ends of all lines, shape (n, 2, 2), lie within a distance of others."""
+    """Whether the ends of all lines, shape (n, 2, 2), lie within a distance of other lines."""
     points = shapely.points(lines[:, 0])
     near, _ = shapely.STRtree(shapely.linestrings(of)).query(points, predicate="dwithin", distance=tolerance)
     return bool(distinct(near).size == points.size)
 
 
 def _level_lines(triangles: Array, height: float) -> Array:
-    """Where triangles (t, 3, 3) cross a height, shape (n, 2, 2)."""
+    """Lines in which triangles (t, 3, 3) cross a height, shape (n, 2, 2)."""
     start, end = triangles, np.roll(triangles, -1, axis=1)
     crossing = (start[..., 2] > height) != (end[..., 2] > height)
     low, high = start[crossing], end[crossing]

@@ -1,7 +1,7 @@
-"""A mesh of triangles as two arrays, and what they say of the body within: closed or not, volume, box.
+"""A mesh of triangles as two arrays, and its figures: closed or not, volume, box.
 
-To find that a body is closed, edges are counted and no coordinates are compared.  Whoever needs more of a mesh than
-that asks for it as one of trimesh, which takes long to load and judges these figures in the tests.
+A body is found closed by counting edges; no coordinates are compared.  For anything more, the mesh is handed to
+trimesh, which takes long to load and judges these figures in the tests.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ MERGED = 1e-10
 """Points whose coordinates agree to about this share of the largest one are one vertex: far below single precision."""
 
 TINY = 1e-200
-"""Less than any length; a mesh of one point has a grain by it."""
+"""Less than any length; it stands for the size of a mesh of one point."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +62,7 @@ class TriangleMesh:
 
     @cached_property
     def _edges(self) -> tuple[IndexArray, IndexArray]:
-        """For each edge how many triangles have it, and how many of them one way more than the other way."""
+        """For each edge the number of its triangles, and how many more of them run it one way than the other way."""
         start, end = self.faces.ravel(), np.roll(self.faces, -1, axis=1).ravel()
         keys = np.minimum(start, end) * np.int64(len(self.vertices)) + np.maximum(start, end)
         order = np.argsort(keys, kind="stable")
@@ -72,12 +72,12 @@ class TriangleMesh:
 
     @property
     def is_watertight(self) -> bool:
-        """Whether every edge is that of exactly two triangles."""
+        """Whether every edge belongs to exactly two triangles."""
         return bool(np.all(self._edges[0] == 2))
 
     @property
     def is_winding_consistent(self) -> bool:
-        """Whether two triangles run along their common edge in opposite senses, everywhere."""
+        """Whether the two triangles at each edge run along it in opposite directions."""
         count, sense = self._edges
         return bool(np.all(sense[count == 2] == 0))
 
@@ -89,16 +89,16 @@ class TriangleMesh:
 
 
 def with_used_vertices(mesh: TriangleMesh) -> TriangleMesh:
-    """The mesh without vertices that no triangle has; the others keep their order."""
+    """The mesh without vertices that no triangle uses; the others keep their order."""
     used = np.zeros(len(mesh.vertices), dtype=bool)
     used[mesh.faces] = True
     return TriangleMesh(mesh.vertices[used], np.asarray((np.cumsum(used) - 1)[mesh.faces]))
 
 
 def merged(vertices: Array, faces: IndexArray) -> TriangleMesh:
-    """The mesh with vertices at one place, to ``MERGED``, as their first, in order; unused ones left out."""
+    """The mesh with vertices at one place, to ``MERGED``, merged into the first, in order; unused vertices left out."""
     mesh = with_used_vertices(TriangleMesh(vertices, faces))
-    # Powers of ten: what is written in decimals is rounded as it stands.
+    # A grid of powers of ten keeps coordinates that are written in decimals as they stand.
     grain = MERGED * 10.0 ** ceil(log10(max(float(np.abs(mesh.vertices).max(initial=0.0)), TINY)))
     keys = np.round(mesh.vertices / grain).astype(np.int64)
     order = np.lexsort(keys.T)

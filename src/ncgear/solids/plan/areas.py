@@ -1,11 +1,11 @@
 """Plane areas in mm: their outlines and moments, their parallels, and the largest size that fits.
 
 An area is one shapely polygon or several.  Its parallel is the area with its edges moved along the normal by one
-distance everywhere.  The parallel of a polygon whose chords stray from a curve by a tolerance strays from the curve's
-parallel by no more; where one section lies within another, so do their parallels.  Each edge keeps its direction, and
-neighbouring ones are prolonged to meet (mitred), so that moving back gives the edges again.  In a hollow of radius r,
-by a distance d, the corners between prolonged edges stray by d / r of the tolerance: less than it up to the radius of
-the fillets.
+distance everywhere.  Where a polygon's chords stray from a curve by a tolerance, the polygon's parallel strays from the
+curve's parallel by no more.  Where one section lies within another, its parallel lies within the other's parallel.
+Each edge keeps its direction, and neighbouring ones are prolonged to meet (mitred), so that moving back gives the edges
+again.  In a hollow of radius r, by a distance d, the corners between prolonged edges stray by d / r of the tolerance:
+less than the tolerance up to the radius of the fillets.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ SHARPEST = 10.0
 """A corner is prolonged by up to this many times the distance moved: corners down to 12 degrees stay corners."""
 
 RESOLUTION, NEXT_TO_NOTHING = 1e-4, 1e-6
-"""Accuracy to which the largest size is found, as a share of it, and as a share of the largest one tried."""
+"""Accuracy to which the largest size is found, as a share of that size, and as a share of the largest size tried."""
 
 
 class TooThick(WrongInput):
-    """What a process takes off or adds along the edges is more than a gear has room for; ``largest_mm`` has room."""
+    """The process takes off or adds more along the edges than a gear has room for; ``largest_mm`` has room."""
 
     def __init__(self, problem: str, *, key: str = "", location: str = "", largest_mm: float = 0.0) -> None:
         super().__init__(problem, key=key, location=location)
@@ -79,13 +79,13 @@ def _moments_within(ring: Array) -> tuple[complex, complex, complex]:
 
 
 def parallel(area: BaseGeometry, distance_mm: float) -> BaseGeometry:
-    """The outer parallel of an area, or the inner one of a negative distance."""
+    """The outer parallel of an area; for a negative distance the inner parallel."""
     moved = area.buffer(distance_mm, join_style="mitre", mitre_limit=SHARPEST)
     return shapely.remove_repeated_points(moved, stl_resolution_mm(area.bounds))
 
 
 def stl_resolution_mm(coordinates_mm: ArrayLike) -> float:
-    """Distance up to which the single precision of STL files may make one point of two, by the largest coordinate."""
+    """Distance below which the single precision of STL files may merge two points, by the largest coordinate."""
     return 2.0 * float(np.spacing(np.float32(np.abs(coordinates_mm).max())))
 
 
@@ -103,14 +103,14 @@ def moved_inwards(section: Polygon, distance_mm: float, tolerance_mm: float, key
 
 
 def moved_outwards(section: Polygon, distance_mm: float, tolerance_mm: float, key: str) -> Polygon:
-    """The outer parallel of a section; raises TooThick for ``key`` where a cutter along it leaves more than that."""
+    """The outer parallel of a section; raises TooThick for ``key`` where a cutter along it leaves too much."""
     outer = parallel(section, distance_mm)
     if _leaves(section, outer, distance_mm, tolerance_mm):
         return shapely.get_parts(outer)[0]
     largest = largest_fitting(
         lambda size: _leaves(section, parallel(section, size), size, tolerance_mm), 0.0, distance_mm
     )
-    right = "no kerf does; larger teeth or a larger root radius are needed"
+    right = "no kerf works; larger teeth or a larger root radius are needed"
     if largest > 0.0:
         right = f"{-floored(largest):.10g} mm, a kerf of {2.0 * floored(largest):.10g} mm, is the most"
     problem = f"a kerf of {2.0 * distance_mm:g} mm is wider than the narrowest fillet or space of the gear; {right}"
@@ -128,13 +128,13 @@ def _comes_back(section: Polygon, inner: BaseGeometry, distance: float, toleranc
     """Whether nothing is lost: the parallel is in one piece, and its own parallel is the section."""
     if inner.is_empty or len(shapely.get_parts(inner)) != 1 or len(inner.interiors) != len(section.interiors):
         return False
-    # Where a tip's land is lost, its prolonged flanks meet beyond it: material that is gained counts as well.
+    # Where a tip's land is lost, its prolonged flanks meet beyond it: added material counts as a change too.
     changed = section.symmetric_difference(parallel(inner, distance))
     return bool(changed.buffer(-tolerance / 2.0).is_empty)
 
 
 def largest_fitting(fits: Callable[[float], bool], low_mm: float, high_mm: float) -> float:
-    """The largest size in mm that fits between two, by bisection, ``low_mm`` not tried; 0 where none does."""
+    """The largest size in mm that fits between two, by bisection, ``low_mm`` not tried; 0 where no size fits."""
     fitting, least = 0.0, NEXT_TO_NOTHING * high_mm
     while high_mm - low_mm > max(RESOLUTION * high_mm, least):
         middle = (low_mm + high_mm) / 2.0
@@ -146,7 +146,7 @@ def largest_fitting(fits: Callable[[float], bool], low_mm: float, high_mm: float
 
 
 def floored(size_mm: float) -> float:
-    """A size rounded down to 0.01 mm, so that the stated size itself fits; one below 1 mm to two digits."""
+    """A size rounded down to 0.01 mm, so that the stated size itself fits; a size below 1 mm to two digits."""
     decimals = max(2, 1 - floor(log10(size_mm))) if size_mm > 0.0 else 2
     return floor(size_mm * 10.0**decimals) / 10.0**decimals
 
@@ -157,5 +157,5 @@ def raised(size_mm: float) -> float:
 
 
 def said_largest(largest_mm: float, otherwise: str) -> str:
-    """The end of a refusal: the largest size that fits, or the other remedy where none does."""
+    """The end of an error message: the largest size that fits, or the other remedy where no size fits."""
     return f"the largest that fits is {floored(largest_mm):.10g} mm" if largest_mm > 0.0 else otherwise

@@ -1,4 +1,4 @@
-"""A gear's body as a workshop describes it: what is asked of it, and what stands and is cut; all lengths in mm.
+"""A gear's body as a workshop describes it: wishes, material and cuts; all lengths in mm.
 
 Every solid and every drawing is made from a ``BodyPlan``, in the gear's own frame: axis along z through the origin,
 lower face at z = 0, pose of phi1 = 0.
@@ -32,7 +32,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.solids.plan.areas import area_moments
 
 FEWEST_CHORDS = 24
-"""Chords of a full circle however coarse the tolerance, so that a small bore still looks round."""
+"""Least number of chords of a full circle at any tolerance, so that a small bore still looks round."""
 
 KG_MM3 = 1e-9
 """One kg/m3 in kg/mm3."""
@@ -104,7 +104,7 @@ class WebSize:
 class HoleSet:
     """Round holes of one diameter evenly about the axis, with their least wall to every edge and to each other.
 
-    Where no diameter is given they are as large as possible.
+    Where no diameter is given, the holes are as large as possible.
     """
 
     count: int
@@ -116,8 +116,8 @@ class HoleSet:
 class EndStop:
     """A pin in the frame, in an arc slot of a gear that turns by ``turned_rad``, counter-clockwise where positive.
 
-    The slot is wider than the pin by ``clearance_mm`` and so much shorter that its ends still meet the pin exactly at
-    both ends of the turn.
+    The slot is wider than the pin by ``clearance_mm`` and shorter, so that its ends still meet the pin exactly at both
+    ends of the turn.
     """
 
     pin_mm: float
@@ -135,7 +135,7 @@ class EndStop:
         return middle_rad + self.turned_rad / 2.0
 
     def slot(self, middle_rad: float) -> ArcSlot:
-        """The slot about a polar angle in the gear's frame, beyond the stopping pin by half the clearance."""
+        """The slot about a polar angle in the gear's frame; its round ends touch the pin at both ends of the turn."""
         beyond = 2.0 * asin(self.clearance_mm / 4.0 / self.radius_mm)
         half = abs(self.turned_rad) / 2.0 - beyond
         return ArcSlot(self.radius_mm, self.width_mm, middle_rad - half, middle_rad + half)
@@ -143,7 +143,7 @@ class EndStop:
 
 @dataclass(frozen=True)
 class ArcSlot:
-    """A through slot along an arc about the gear's axis, with round ends; ``low_rad`` and ``high_rad`` are of these."""
+    """A through slot along an arc about the gear's axis; its round ends are centred at ``low_rad`` and ``high_rad``."""
 
     radius_mm: float
     width_mm: float
@@ -152,7 +152,7 @@ class ArcSlot:
 
     @property
     def points(self) -> Array:
-        """Where its six arcs begin, shape (6, 2), counter-clockwise; each long side is two arcs."""
+        """Starts of its six arcs, shape (6, 2), counter-clockwise; each long side is two arcs."""
         half, middle = self.width_mm / 2.0, (self.low_rad + self.high_rad) / 2.0
         radii = self.radius_mm + half * np.array([1.0, 1.0, 1.0, -1.0, -1.0, -1.0])
         angles = np.array([self.low_rad, middle, self.high_rad, self.high_rad, middle, self.low_rad])
@@ -160,7 +160,7 @@ class ArcSlot:
 
     @property
     def bulges(self) -> Array:
-        """The tangent of a quarter of the angle that each arc turns by, positive counter-clockwise."""
+        """For each arc the tangent of a quarter of its angle, positive counter-clockwise."""
         along = tan((self.high_rad - self.low_rad) / 8.0)
         return np.array([along, along, 1.0, -along, -along, 1.0])
 
@@ -171,10 +171,10 @@ class ArcSlot:
 
 @dataclass(frozen=True)
 class Blank:
-    """What is asked of a gear's body beside its teeth, whether there is room for it or not.
+    """The wishes for a gear's body beside its teeth, whether there is room for them or not.
 
-    The process wants outline and bore moved into the material by ``clearance_mm``; where that is negative, it is half a
-    kerf, and all that is cut through is moved out of the material.  ``chamfer_mm`` is the bevel of the lower edges.
+    The process wants outline and bore moved into the material by ``clearance_mm``. A negative clearance is half a kerf:
+    then all cuts through the gear are moved out of the material.  ``chamfer_mm`` is the bevel of the lower edges.
     """
 
     face_width_mm: float
@@ -191,7 +191,7 @@ class Blank:
 
 @dataclass(frozen=True)
 class RingBlank:
-    """What is asked of a ring beside its teeth: face width, rim, index hole, ``Blank``'s chamfer and clearance."""
+    """The wishes for a ring beside its teeth: face width, rim, index hole; chamfer and clearance as in ``Blank``."""
 
     face_width_mm: float
     rim_mm: float
@@ -219,7 +219,7 @@ class Web:
 
 @dataclass(frozen=True, eq=False)
 class Slab:
-    """A part of a body that has one section (polygons, one or more) from one height to another."""
+    """A part of a body with the same section (one or more polygons) from one height to another."""
 
     section: BaseGeometry
     low_mm: float
@@ -271,7 +271,7 @@ class BodyPlan:
 
     @property
     def is_plate(self) -> bool:
-        """Whether one section goes all the way up."""
+        """Whether the body has the same section at every height."""
         return self.hub is None and self.web is None and self.chamfer_mm == 0.0
 
     @cached_property
@@ -284,7 +284,7 @@ class BodyPlan:
 
     @cached_property
     def slabs(self) -> tuple[Slab, ...]:
-        """The body from the bottom up, without chamfer and set screw; each slab lies within the one below it."""
+        """The body from the bottom up, without chamfer and set screw; each slab lies within the slab below it."""
         top = self.face_width_mm
         if self.web is None:
             parts = [Slab(self.section, 0.0, top)]
@@ -303,22 +303,22 @@ class BodyPlan:
 
 
 def body_kg_mm2(plan: BodyPlan, density_kg_m3: float) -> float:
-    """Moment of inertia about the axis by slabs, helical ones by z = 0, without chamfer and set screw."""
+    """Moment of inertia about the axis, by slabs, without chamfer and set screw; helical teeth by their z = 0."""
     polar = (slab.thickness_mm * area_moments(slab.section).polar_mm4 for slab in plan.slabs)
     return KG_MM3 * density_kg_m3 * sum(polar)
 
 
 HOLE_CHORDS_MM, SMALL_MM = 0.0025, 1.0
-"""Most that the points of holes stand off their circles, and the diameter under which it is less in proportion.  The
-narrowest fit that a file may give them, H6 up to 3 mm, lets a diameter be 0.006 mm greater and none less, and small
-ones in proportion: polygons of solids are within it too."""
+"""Largest distance of a hole's points from its circle, and the diameter below which it shrinks in proportion.  The
+narrowest fit that a file may give, H6 up to 3 mm, allows a diameter 0.006 mm greater and none smaller; small holes
+shrink it in proportion.  Polygons of solids keep this fit too."""
 
 
 def bore_points(bore: Bore, chord_tolerance_mm: float) -> Array:
     """The bore's polygon in mm, shape (n, 2), counter-clockwise, first point not repeated.
 
-    What fits the circle fits the polygon: its chords touch the circle or stay off it, its points stand off it by
-    ``chord_tolerance_mm``, or by HOLE_CHORDS_MM where that is less.
+    A shaft that fits the circle fits the polygon: its chords touch the circle or stay off it, and its points stand off
+    it by ``chord_tolerance_mm``, or by HOLE_CHORDS_MM where that is less.
     """
     tolerance_mm = min(chord_tolerance_mm, HOLE_CHORDS_MM * min(1.0, bore.diameter_mm / SMALL_MM))
     radius = bore.diameter_mm / 2.0 + tolerance_mm
@@ -349,7 +349,7 @@ def slot_points(slot: ArcSlot, chord_tolerance_mm: float) -> Array:
 
 
 def circle_points(radius_mm: float, chord_tolerance_mm: float) -> Array:
-    """A circle about the origin as a polygon in mm with its points on it, no chord farther off than the tolerance."""
+    """A circle about the origin as a polygon in mm; its points lie on the circle, its chords within the tolerance."""
     return _arc(radius_mm, 0.0, 2.0 * pi, chord_tolerance_mm)[:-1]
 
 

@@ -1,4 +1,4 @@
-"""The plan of a gear's body: its outline and what is asked of it, with the places at which there is room for it."""
+"""The plan of a gear's body: its outline, the wishes for the body, and the places that have room for them."""
 
 from __future__ import annotations
 
@@ -49,8 +49,8 @@ def planned(
 ) -> BodyPlan:
     """The body of a gear with straight teeth, from its outline as designed, shape (n, 2).
 
-    ``direction_rad`` is where the index hole goes; ``key`` (``gears.driving``) names the gear in errors.  Raises
-    NoSuchMechanism where the outline crosses itself, WrongInput where something asked for has no room.
+    ``direction_rad`` is the polar angle of the index hole; ``key`` (``gears.driving``) names the gear in errors.
+    Raises NoSuchMechanism where the outline crosses itself, WrongInput where a wish has no room.
     """
     disc = full_disc(outline_mm, key)
     if blank.clearance_mm < 0.0:
@@ -66,7 +66,7 @@ def planned(
 def planned_within(
     disc: Polygon, room: Polygon, blank: Blank, direction_rad: float, module_mm: float, tolerance_mm: float, key: str
 ) -> BodyPlan:
-    """The body on a disc, for whose cuts there is the room that all sections of the gear have in common."""
+    """The body on a disc; its cuts must fit into the room that all sections of the gear share."""
     bore = blank.bore.widened(blank.clearance_mm) if blank.bore else None
     hub_mm = blank.hub.diameter_mm if blank.hub else 0.0
     if blank.bore is not None:
@@ -107,7 +107,7 @@ def planned_within(
 def _slot(
     room: Polygon, blank: Blank, axis: BaseGeometry, direction_rad: float, module_mm: float, key: str
 ) -> tuple[ArcSlot | None, tuple[float, float] | None]:
-    """The slot of the end stop, away from the mate, and its pin's centre; nothing where none is asked for."""
+    """The slot of the end stop, away from the mate, and its pin's centre; both None where no end stop is asked for."""
     stop = blank.end_stop
     if stop is None:
         return None, None
@@ -122,7 +122,7 @@ def _slot(
 def _crank_pin(
     room: Polygon, blank: Blank, others: Sequence[BaseGeometry], module_mm: float, key: str
 ) -> RoundHole | None:
-    """The hole of the crank pin, as wide as the process wants it; None where none is asked for."""
+    """The hole of the crank pin, widened for the process; None where none is asked for."""
     asked = blank.crank_pin
     if asked is None:
         return None
@@ -132,7 +132,7 @@ def _crank_pin(
 
 
 def _free(plan: BodyPlan, room: Polygon) -> BaseGeometry:
-    """Where holes may be: in the pockets or, without web, anywhere beside bore, hub and index hole."""
+    """Where holes may be: in the pockets or, without a web, anywhere beside bore, hub and index hole."""
     if plan.web is not None:
         return shapely.union_all(plan.web.pockets)
     cut = replace(plan, disc=room).section
@@ -142,7 +142,7 @@ def _free(plan: BodyPlan, room: Polygon) -> BaseGeometry:
 
 
 def _with_kerf(plan: BodyPlan, half_mm: float) -> BodyPlan:
-    """The body, its pockets apart, with all cuts moved out by half a kerf; raises TooThick for too thick a cutter."""
+    """The body with all cuts except pockets moved out by half a kerf; raises TooThick for too thick a cutter."""
     openings = [(width, name) for name, width in _widths_cut(plan)]
     if openings and min(openings)[0] <= 2.0 * half_mm:
         width, name = min(openings)
@@ -170,7 +170,7 @@ def _with_kerf(plan: BodyPlan, half_mm: float) -> BodyPlan:
 
 
 def _widths_cut(plan: BodyPlan) -> list[tuple[str, float]]:
-    """The names and widths in mm of all openings that a cutter must go into, but for the spaces of the teeth."""
+    """The names and widths in mm of all openings that a cutter must enter, except the spaces of the teeth."""
     bore, hole = plan.bore, plan.index_hole
     openings = [("a bore", bore.diameter_mm)] if bore else []
     openings += [("a keyway", bore.keyway.width_mm)] if bore and bore.keyway else []
@@ -190,7 +190,7 @@ def planned_ring(outline_mm: Array, blank: RingBlank, module_mm: float, toleranc
     Raises NoSuchMechanism where the outline crosses itself, WrongInput where the clearance takes teeth off.
     """
     clearance = max(blank.clearance_mm, 0.0)
-    # The clearance is taken off the teeth only: off a ring that is as much thicker it leaves the circle asked for.
+    # The clearance is taken off the teeth only: a ring thicker by the clearance keeps its circle.
     disc = ring_section(outline_mm, blank.rim_mm + clearance, tolerance_mm)
     if clearance > 0.0:
         disc = moved_inwards(disc, clearance, tolerance_mm, CLEARANCE_KEY)
@@ -207,7 +207,7 @@ def planned_ring(outline_mm: Array, blank: RingBlank, module_mm: float, toleranc
 
 
 def ring_section(outline_mm: Array, rim_mm: float, tolerance_mm: float) -> Polygon:
-    """The ring's section in mm: the circle, inside of which it stays by a chord tolerance at most, less the outline."""
+    """The ring's section in mm: a circle less the outline; the circle's polygon is inside it, within the tolerance."""
     hole = full_disc(outline_mm, RING_KEY)
     return Polygon(circle_points(outer_radius_mm(outline_mm, rim_mm), tolerance_mm), [hole.exterior])
 

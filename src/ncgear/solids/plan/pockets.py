@@ -1,7 +1,7 @@
-"""What takes weight out of a gear: pockets between rim and hub down to a web, and round through holes about the axis.
+"""Cuts that make a gear lighter: pockets between rim and hub down to a web, and round through holes about the axis.
 
 Pockets are cut from above only, so that the gear lies on a level face when it is printed and is never turned over.
-Holes stand in evenly spread directions, each as far out as its walls allow: there holes have most room beside each
+Holes stand in evenly spread directions, each as far out as its walls allow: there, holes have most room beside each
 other, and take away most of the moment of inertia.
 """
 
@@ -22,17 +22,17 @@ from ncgear.solids.plan.body import HoleSet, RoundHole, Web, WebSize, circle_poi
 from ncgear.solids.plan.room import INNER_WALL_IN_MODULES, USEFUL_MM
 
 CORNER_IN_MODULES = 1.0
-"""Least radius of a pocket's corners: a round tool's, which leaves out whatever is narrower."""
+"""Least radius of a pocket's corners: the radius of a round tool, which cannot reach narrower places."""
 
 TURNS = 12
-"""Ways, between one direction and the next, in which the directions of holes are turned to find most room."""
+"""Angles, between one direction and the next, by which the directions of the holes are turned to find most room."""
 
 
 def web_of(disc: Polygon, cuts: Sequence[Array], size: WebSize, module_mm: float, tolerance_mm: float, key: str) -> Web:
-    """The web of a gear whose disc in mm has cuts, polygons of shape (n, 2): an index hole, a slot, or none.
+    """The web of a gear; its disc in mm has cuts, polygons of shape (n, 2): an index hole, a slot, or none.
 
     Pockets keep the rim's wall to the nearest point of the tooth outline.  Raises WrongInput for ``key``.web.rim_mm,
-    with the thickest rim that leaves a pocket, where there is no room for any.
+    with the thickest rim that leaves a pocket, where there is no room for a pocket.
     """
     around = _kept(cuts, size.hub_mm, module_mm, tolerance_mm)
     corner = CORNER_IN_MODULES * module_mm
@@ -46,7 +46,7 @@ def web_of(disc: Polygon, cuts: Sequence[Array], size: WebSize, module_mm: float
 
 
 def _kept(cuts: Sequence[Array], hub: float, module: float, tolerance: float) -> BaseGeometry:
-    """What no pocket cuts: the hub, and the wall around each cut."""
+    """The area that no pocket cuts: the hub, and the wall around each cut."""
     kept: BaseGeometry = Polygon(circle_points(hub / 2.0 + tolerance, tolerance))
     wall, quarter = INNER_WALL_IN_MODULES * module, quarter_chords(module, tolerance)
     return shapely.union_all([kept, *(Polygon(cut).buffer(wall, quad_segs=quarter) for cut in cuts)])
@@ -61,15 +61,15 @@ def _pockets(disc: Polygon, kept: BaseGeometry, rim: float, corner: float, toler
 
 
 def quarter_chords(radius_mm: float, tolerance_mm: float) -> int:
-    """Parts of a quarter circle, by shapely's count, that keep a parallel's arcs within a tolerance."""
+    """Number of parts of a quarter circle, for shapely, at which the arcs of a parallel keep the tolerance."""
     return max(2, ceil(pi / 4.0 / acos(max(1.0 - tolerance_mm / 4.0 / radius_mm, 0.0))))
 
 
 def lightening_holes(room: BaseGeometry, asked: HoleSet, tolerance_mm: float, key: str) -> tuple[RoundHole, ...]:
     """Holes within a room in mm, with walls to its edges and to each other.
 
-    Raises WrongInput for ``key``.lightening_holes, with the largest diameter that fits, where they have no room, and
-    where none is given and only holes under ``USEFUL_MM`` fit.
+    Raises WrongInput for ``key``.lightening_holes, with the largest diameter that fits, where the holes have no room,
+    or where no diameter is given and only holes under ``USEFUL_MM`` fit.
     """
     wanted = asked.diameter_mm
     if wanted is not None and (places := _places(room, asked, wanted, tolerance_mm)) is not None:
@@ -89,7 +89,6 @@ def _holes(places: Array, diameter: float) -> tuple[RoundHole, ...]:
 
 
 def _without_room(asked: HoleSet, largest: float, key: str) -> WrongInput:
-    """The refusal of holes that have no room, with the largest diameter that fits."""
     given = asked.diameter_mm is not None
     named = f"{asked.count} holes of {asked.diameter_mm:g} mm" if given else f"{asked.count} holes"
     helps = "fewer holes, thinner walls, or a smaller hub are needed"
@@ -101,7 +100,7 @@ def _without_room(asked: HoleSet, largest: float, key: str) -> WrongInput:
 
 
 def _places(room: BaseGeometry, asked: HoleSet, diameter: float, tolerance: float) -> Array | None:
-    """Centres of the holes, shape (count, 2), in the first turn in which they have room; None where there is none."""
+    """Centres of the holes, shape (count, 2), for the first turn with room for them; None where no turn has room."""
     # Chords of the parallel's arcs come nearer to the edge by up to a tolerance.
     inset = diameter / 2.0 + asked.wall_mm + tolerance
     inside = room.buffer(-inset, quad_segs=quarter_chords(inset, tolerance))
@@ -116,7 +115,7 @@ def _places(room: BaseGeometry, asked: HoleSet, diameter: float, tolerance: floa
 
 
 def _farthest(inside: BaseGeometry, direction: Array) -> Array | None:
-    """The point of an area farthest out in each direction from the axis, shape (n, 2); None where one meets none."""
+    """The farthest point of an area in each direction from the axis, shape (n, 2); None if a direction misses it."""
     reach = 2.0 * float(np.abs(inside.bounds).max())
     ends = reach * np.column_stack([np.cos(direction), np.sin(direction)])
     rays = shapely.linestrings(np.stack([np.zeros_like(ends), ends], axis=1))
@@ -127,7 +126,7 @@ def _farthest(inside: BaseGeometry, direction: Array) -> Array | None:
 
 
 def _apart(places: Array) -> float:
-    """Least distance between any two of them; infinite where there is one only."""
+    """Least distance between any two of the points; infinite for a single point."""
     between = np.hypot(*(places[:, None] - places[None, :]).transpose(2, 0, 1))
     np.fill_diagonal(between, np.inf)
     return float(between.min())

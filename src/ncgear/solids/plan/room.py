@@ -1,8 +1,8 @@
-"""Whether a gear has room for what is asked of its body: the bore, the hub, and the index hole that marks its pose.
+"""Whether a gear has room for the wishes for its body: the bore, the hub, and the index hole that marks its pose.
 
-A gear's section is a polygon, in mm: the disc inside its tooth outline, or a ring.  What has no room is refused with
-the largest size that would have.  At phi1 = 0 the index holes of both gears lie on the line of centres and face each
-other across the pitch point, so that they show how the gears go together; that of a ring is in its rim.
+A gear's section is a polygon, in mm: the disc inside its tooth outline, or a ring.  A part that has no room is refused,
+with the largest size that fits.  At phi1 = 0 the index holes of both gears lie on the line of centres and face each
+other across the pitch point, so that they show how the gears go together; a ring has its index hole in its rim.
 """
 
 from __future__ import annotations
@@ -23,25 +23,25 @@ from ncgear.solids.plan.body import FEWEST_CHORDS, Bore, EndStop, Hub, RoundHole
 from ncgear.teeth.outline import simple_polygon
 
 DIAMETER_IN_MODULES = 0.5
-"""Diameter of an index hole, if that is over ``USEFUL_MM``."""
+"""Diameter of an index hole, if it is over ``USEFUL_MM``."""
 
 USEFUL_MM, LEAST_MM = 2.0, 1.0
-"""Diameters in mm: of holes that a printer leaves open and that take off weight, and of the smallest common drill, for
-index holes of gears that have no room for more.  Holes that have no size of their own are not made smaller."""
+"""Diameters in mm: the least that a printer leaves open and that takes off weight, and the smallest common drill, for
+index holes of gears without room for more.  Holes without a given size are not made smaller."""
 
 OUTER_WALL_IN_MODULES = 1.5
-"""Least material between the hole and the tooth outline: enough that the hole does not reach into the foot of a tooth,
+"""Least material between the hole and the tooth outline: with it the hole does not reach into the foot of a tooth,
 between the roots at its sides."""
 
 INNER_WALL_IN_MODULES = 1.0
-"""Least material between the hole and the bore, its keyway, the axis of a gear without bore, or a ring's circle; and
-around the bore, to the teeth and to the side of what stands about the axis."""
+"""Least material between the hole and the bore, its keyway, the axis of a gear without a bore, or a ring's circle; and
+around the bore, up to the teeth and to the parts that stand about the axis."""
 
 SLOT_CHORDS = 1e-3
-"""Chord tolerance, as a share of its width, of a slot for which room is sought: far under any wall."""
+"""Chord tolerance of a slot while room is sought for it, as a share of its width: far below any wall."""
 
 RADII = 60
-"""Radii that are tried for a slot where the given one has no room."""
+"""Number of radii that are tried for a slot where the given radius has no room."""
 
 
 def full_disc(outline_mm: Array, key: str) -> Polygon:
@@ -51,7 +51,7 @@ def full_disc(outline_mm: Array, key: str) -> Polygon:
 
 
 def common_disc(outlines_mm: Sequence[Array], key: str) -> Polygon:
-    """What all sections of a gear have in common about its axis; outlines (n, 2) each, ``key`` as in ``full_disc``."""
+    """The area about the axis that all sections of a gear share; outlines (n, 2) each, ``key`` as in ``full_disc``."""
     common = shapely.intersection_all([full_disc(outline, key) for outline in outlines_mm])
     return max(shapely.get_parts(common), key=lambda part: part.area)
 
@@ -73,7 +73,7 @@ def require_room(
 def largest_bore_mm(
     disc: Polygon, bore: Bore, wall_mm: float, chord_tolerance_mm: float, clearance_mm: float = 0.0
 ) -> float:
-    """Largest diameter up to ``bore``'s own, in mm, that fits with the same keyway; 0 when none does."""
+    """Largest diameter up to ``bore``'s own, in mm, that fits with the same keyway; 0 when no diameter fits."""
 
     def fits(diameter: float) -> bool:
         return _has_room(disc, replace(bore, diameter_mm=diameter).widened(clearance_mm), wall_mm, chord_tolerance_mm)
@@ -88,7 +88,7 @@ def _has_room(disc: Polygon, bore: Bore, wall: float, tolerance: float) -> bool:
 
 
 def require_wall_around_bore(bore: Bore, about_axis_mm: float, wall_mm: float, key: str) -> None:
-    """Raise WrongInput for ``key`` unless ``about_axis_mm`` leaves a wall around the bore; tells the smallest."""
+    """Raise WrongInput for ``key`` unless ``about_axis_mm`` leaves a wall around the bore; tells the smallest size."""
     least = 2.0 * (bore.farthest_mm + wall_mm)
     if about_axis_mm < least:
         problem = f"{about_axis_mm:g} mm leaves less than {wall_mm:g} mm, one module, around bore and keyway"
@@ -109,7 +109,7 @@ def require_hub_room(disc: Polygon, hub: Hub, key: str) -> None:
 def require_slot_room(
     disc: Polygon, stop: EndStop, around_axis: BaseGeometry, middle_rad: float, wall_mm: float, key: str
 ) -> None:
-    """Raise WrongInput for ``key``.end_stop.radius_mm, with one that would do, unless slots keep walls."""
+    """Raise WrongInput for ``key``.end_stop.radius_mm, with a radius that would do, unless slots keep walls."""
 
     def fits(radius_mm: float) -> bool:
         if radius_mm <= stop.width_mm / 2.0:
@@ -134,7 +134,7 @@ def require_slot_room(
     turned = degrees(abs(stop.turned_rad))
     problem = (
         f"a slot of {stop.width_mm:g} mm for a turn of {turned:.5g} deg, {stop.radius_mm:g} mm from the axis, leaves "
-        f"less than {wall_mm:g} mm, one module, to the teeth, to what is about the axis, or between its ends; {right}"
+        f"less than {wall_mm:g} mm, one module, to the teeth, to bore, hub or axis, or between its ends; {right}"
     )
     raise WrongInput(problem, key=f"{key}.end_stop.radius_mm")
 
@@ -144,8 +144,8 @@ def require_crank_pin_room(
 ) -> None:
     """Raise WrongInput for ``key``.crank_pin.diameter_mm unless the hole keeps a wall to everything.
 
-    The hole is widened by the clearance first.  ``others`` is what is cut elsewhere or stands about the axis.  The
-    message states the largest hole that would do.
+    The hole is first widened by the clearance.  ``others`` are the other cuts and the parts about the axis.  The
+    message states the largest hole that fits.
     """
     center = Point(hole.x_mm, hole.y_mm)
     reach_mm = hypot(hole.x_mm, hole.y_mm)
@@ -159,7 +159,7 @@ def require_crank_pin_room(
     right = said_largest(largest, "none fits there; a larger gear, another crank or a thinner shaft is needed")
     problem = (
         f"a hole of {hole.diameter_mm:g} mm for the crank pin, {reach_mm:.5g} mm from the axis, leaves less than "
-        f"{wall_mm:g} mm, one module, to the teeth, to what is about the axis, or to the end stop's slot; {right}"
+        f"{wall_mm:g} mm, one module, to the teeth, to bore, hub or axis, or to the end stop's slot; {right}"
     )
     raise WrongInput(problem, key=f"{key}.crank_pin.diameter_mm")
 
@@ -175,8 +175,8 @@ def index_hole(
     """The hole farthest out on the ray from the axis at polar angle ``direction_rad``; None where no wall allows one.
 
     Its diameter is half a module, or ``USEFUL_MM`` where that is more and has room, or ``LEAST_MM``.  The walls above
-    are left all around it.  ``disc`` is the gear's section without bore, in mm; ``hub_mm`` is the diameter of its hub,
-    and ``beside`` what else is cut through it, beside which the hole stands.
+    are left all around it.  ``disc`` is the gear's section without bore, in mm; ``hub_mm`` is the diameter of its hub;
+    ``beside`` is the area of the other cuts, which the hole must not meet.
     """
     other = around_axis(bore, hub_mm, module_mm)
     other = other if beside is None else other.union(beside)
@@ -184,12 +184,12 @@ def index_hole(
 
 
 def rim_hole(ring: Polygon, direction_rad: float, module_mm: float) -> RoundHole | None:
-    """The same in a ring (its section in mm): the hole nearest to the teeth; None where the rim is too thin for one."""
+    """The index hole of a ring (its section in mm), nearest to the teeth; None where the rim is too thin for it."""
     return _hole_on_ray(ring, direction_rad, module_mm, ring.interiors[0], ring.exterior, np.argmin)
 
 
 def around_axis(bore: Bore | None, hub: float, module: float) -> BaseGeometry:
-    """What is cut around the axis or stands there; the axis itself where nothing does."""
+    """The area of the cuts and parts around the axis; the axis itself where there are none."""
     if hub > 0.0:
         return Point(0.0, 0.0).buffer(hub / 2.0, quad_segs=FEWEST_CHORDS)
     return Polygon(bore_points(bore, 0.01 * module)) if bore else Point(0.0, 0.0)
@@ -203,7 +203,7 @@ def _hole_on_ray(
     other: BaseGeometry,
     chosen: Callable[[Array], np.intp],
 ) -> RoundHole | None:
-    """The hole of which the centre is ``chosen`` by distance from the axis, with walls to the outline and the other."""
+    """The hole with its centre ``chosen`` by distance from the axis, with walls to the outline and the other area."""
     reach = float(np.abs(section.bounds).max()) * 2.0
     ray = LineString([(0.0, 0.0), (reach * cos(direction), reach * sin(direction))]).intersection(section)
     for least in (USEFUL_MM, LEAST_MM):

@@ -1,4 +1,4 @@
-"""How much material stands under the roots of each tooth, up to the next edge of its gear's body."""
+"""Thickness of the material under the roots of each tooth, up to the next edge of its gear's body."""
 
 from __future__ import annotations
 
@@ -18,8 +18,8 @@ from ncgear.teeth.reach import FILLET_CURVE, PROBES, ROOT_LAND
 def walls_mm(gear: ToothedGear, plan: BodyPlan) -> Array:
     """The least wall in mm under both roots of each tooth, shape (z,); infinite where the body has no other edge.
 
-    Edges are the bore with its keyway, holes, slots and the sides of pockets, and of a ring its rim.  A hole narrower
-    than a pitch, as the index hole, is no edge: beside it the root stands on the body.
+    Edges are the bore with its keyway, holes, slots and the sides of pockets, and for a ring its rim.  A hole narrower
+    than a pitch, such as the index hole, does not count as an edge: beside it the root stands on the body.
     """
     pitch_mm = pi * gear.flanks.rack.module_mm
     mark, pin = (
@@ -41,7 +41,7 @@ def walls_mm(gear: ToothedGear, plan: BodyPlan) -> Array:
         rows = np.arange(curve.owner.size)
         points = curve.at(rows[:, None], PROBES)[0]
         least = shapely.distance(every, shapely.points(points)).min(axis=1)
-        # A root belongs to the tooth of its own flank, and a land to the teeth on both of its sides.
+        # A root belongs to the tooth of its flank, and a land to the teeth on both of its sides.
         np.minimum.at(found, curve.owner // 2 % found.size, least)
         if kind == ROOT_LAND:
             np.minimum.at(found, (curve.owner // 2 + 1) % found.size, least)
