@@ -337,12 +337,13 @@ def moment_n_mm(impact: Impact, pairs: NearPairs, ahead_rad: float, speed_rad_s:
         damped = impact.damping(depths) * arms * (rates - speed_rad_s)
         return float(arms @ impact.force_n(impact.elastic_n(depths, stiffnesses), damped))
     # Plain numbers, as Impact has them for any: the knocks of a turn ask a hundred thousand times.
-    total, full = 0.0, impact.damping_n_s_mm
+    total, exponent, full_mm = 0.0, impact.exponent, impact.full_damping_depth_mm
     for arm, error_rad, stiffness, rate_rad_s in pairs:
         depth = arm * (error_rad + later_s * rate_rad_s - ahead_rad)
         if depth > 0.0:
-            damping = full if depth >= impact.full_damping_depth_mm else impact.damping(depth)
-            force = stiffness * depth**impact.exponent + damping * arm * (rate_rad_s - speed_rad_s)
+            share = depth / full_mm if depth < full_mm else 1.0
+            damping = impact.damping_n_s_mm * share * share * (3.0 - 2.0 * share)
+            force = stiffness * depth**exponent + damping * arm * (rate_rad_s - speed_rad_s)
             if force > 0.0:
                 total += arm * force
     return total
