@@ -9,6 +9,7 @@ stretch of positions.
 from __future__ import annotations
 
 from functools import cached_property
+from math import acos, pi, sqrt
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -32,7 +33,7 @@ GRAIN_IN_PITCHES = 0.04
 LONGEST = 4.0
 """Grains from which on driving chords are cut into pieces: a long chord would give all chords many pairs."""
 
-CELL, MOST_CELLS = 4.0, 2000
+CELL, MOST_CELLS = 2.0, 2000
 """Size in grains of the cells by which pairs are found, and most cells across an outline.  Smaller cells find fewer
 pairs that are not near, and take longer to make."""
 
@@ -157,6 +158,17 @@ class Facing:
         """The same chords by the polar angles of their starts."""
         return polar_outline(self.chords.start)
 
+    def meeting_rad(self, center_distance_mm: float) -> float:
+        """Half the angle about the driving axis, towards the driven one, beyond which no driven vertex is ever met."""
+        own, other = (float(np.abs(outline).max()) for outline in (self.driving, self.driven))
+        # A vertex stays on its circle about the driven axis: what it meets is a chord that reaches into the outermost.
+        reached = other + 2.0 * float(self.chords.half_mm.max())
+        if reached >= center_distance_mm:
+            return pi
+        farthest = min(own, sqrt(center_distance_mm**2 - reached**2))
+        cosine = (farthest**2 + center_distance_mm**2 - reached**2) / (2.0 * farthest * center_distance_mm)
+        return acos(min(cosine, 1.0))
+
     def cells(self, reach_mm: float) -> Cells:
         """Cells that name the driven chords within reach of driving ones, wherever these move within a stretch."""
         if reach_mm not in self._known_cells:
@@ -197,16 +209,20 @@ def apart_play(facing: Facing, placement: Placement, reach_mm: float) -> Apart:
     return Apart(play[0], play[1], np.isfinite(play).all(axis=0))
 
 
-def half_width_rad(placement: Placement, reach_mm: float) -> Array:
-    """Half the angle that a circle about the pitch point spans from the driving axis; half a turn around it."""
+def half_width_rad(facing: Facing, placement: Placement, reach_mm: float) -> Array:
+    """Half the angle that a circle about the pitch point spans from the driving axis, as far as anything is met there.
+
+    Half a turn around the axis.
+    """
     share = reach_mm / placement.driving_radius_mm
-    return np.where(share < 1.0, np.arcsin(np.minimum(share, 1.0)), np.pi)
+    spanned = np.where(share < 1.0, np.arcsin(np.minimum(share, 1.0)), pi)
+    return np.minimum(spanned, facing.meeting_rad(placement.center_distance_mm))
 
 
 def _stretches(facing: Facing, placement: Placement, reach_mm: float) -> _Stretches:
     """The longest stretches within which chords move by ``MOVED`` grains at most."""
     chords, outline = facing.chords, facing.around
-    direction, half_width = placement.mesh_direction_rad, half_width_rad(placement, reach_mm)
+    direction, half_width = placement.mesh_direction_rad, half_width_rad(facing, placement, reach_mm)
     for span in (*SPANS_IN_STEPS, 0.0):
         position = _together(placement, span)
         low, high = (direction - half_width)[position].min(axis=1), (direction + half_width)[position].max(axis=1)

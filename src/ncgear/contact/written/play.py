@@ -142,7 +142,7 @@ def outline_play(facing: Facing, placement: Placement, reach_mm: float) -> Writt
             continue
         if not open_still.size:
             break
-        setting = _setting(driving, driven, placement, reach_mm, followed * placement.pitch_mm)
+        setting = _setting(facing, placement, reach_mm, followed * placement.pitch_mm)
         for start in range(0, open_still.size, BLOCK):
             position = open_still[start : start + BLOCK]
             play[:, position] = _block_play(setting, position)
@@ -156,14 +156,12 @@ def _longest_chord_mm(*outlines: ComplexArray) -> float:
     return max(float(np.abs(np.diff(outline, append=outline[:1])).max()) for outline in outlines)
 
 
-def _setting(
-    driving: ComplexArray, driven: ComplexArray, placement: Placement, reach_mm: float, followed_mm: float
-) -> _Setting:
-    longest = _longest_chord_mm(driving)
-    runs = radial_runs(driven, followed_mm + longest, placement.pitch_mm)
+def _setting(facing: Facing, placement: Placement, reach_mm: float, followed_mm: float) -> _Setting:
+    driving, longest = facing.driving, _longest_chord_mm(facing.driving)
+    runs = radial_runs(facing.driven, followed_mm + longest, placement.pitch_mm)
     outline = polar_outline(driving)
     core, windows = (
-        outline.windows(placement.mesh_direction_rad, half_width_rad(placement, reach))
+        outline.windows(placement.mesh_direction_rad, half_width_rad(facing, placement, reach))
         for reach in (reach_mm, reach_mm + longest + 2.0 * followed_mm)
     )
     return _Setting(placement, runs, driving, longest, followed_mm, windows, core)
