@@ -686,7 +686,7 @@ def test_a_limiter_that_slips_against_the_equation_of_motion(
         assert one.heat_n_mm == pytest.approx(heat, rel=1e-5)
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_limiter_over_the_peak_holds_and_one_below_the_mean_stops_the_machine() -> None:
     asked = demand()
     most = asked.torque_range_n_mm[1].value

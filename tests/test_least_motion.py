@@ -66,7 +66,7 @@ def random_laws(count: int) -> list[Array]:
 
 @pytest.mark.judges("kinematics")
 def test_the_peak_jerk_of_a_uniform_crank_is_that_of_its_formula() -> None:
-    """The third derivative of the published baler's stroke, by mpmath, at 500 angles of a half that mirrors the other."""
+    """The third derivative of the published baler's stroke, by mpmath, at 500 angles of one of two equal halves."""
     crank, rod = mpf(380), mpf(960)
 
     def place(angle: mpf) -> mpf:
