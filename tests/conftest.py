@@ -6,8 +6,13 @@ libraries stay until the end, and to look through them for what nothing needs an
 
 from __future__ import annotations
 
-import gc
 import os
+
+# numpy, which the files of tests load, reads the numbers as it is loaded.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import gc
 import sys
 from collections.abc import Iterator
 from functools import cache
@@ -21,9 +26,6 @@ import ncgear.cli
 from commands import FOLDERS, Outcome, Run, signals_kept
 from shuffled import shuffled
 from tiers import Collected, tier_of
-
-for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
-    os.environ.setdefault(name, "1")
 
 gc.disable()
 gc.set_threshold(100_000)

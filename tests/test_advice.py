@@ -143,7 +143,7 @@ NOT_REMOVED = {Kind.NEGATIVE_RESISTANCE}
 """Kinds that a remedy answers otherwise: the load is then what the file says, and stays so in the advice."""
 
 
-@pytest.mark.tiers(quick=["undercut-*", "loses contact*"], rest="slow")
+@pytest.mark.tiers(quick=["undercut-*"], rest="slow")
 @pytest.mark.parametrize(
     ("name", "kind", "gear", "said"),
     [

@@ -95,8 +95,8 @@ PINNED = {
 
 @pytest.mark.tiers(
     quick=["threshing-drum-*"],
-    thorough=["track-chassis-*"],
     slow=[
+        "track-chassis-*",
         "sieve-*",
         "baler-gears.driving.unbalance_force_n-0.5526446634709999-0.001",
         "baler-gears.driving.corrected.unbalance_kg_mm-0.0-1e-09",

@@ -302,7 +302,7 @@ def sections_of(drive: Drive) -> list[Polygon]:
 
 
 @pytest.mark.judges("solids")
-@pytest.mark.tiers(quick=["web"], slow=["plate"], rest="long")
+@pytest.mark.tiers(slow=["web", "plate"], rest="long")
 @pytest.mark.parametrize("name", [*KERFED, "internal-1-2"])
 def test_a_cutter_that_follows_the_lines_leaves_the_gears_at_size(name: str) -> None:
     """Area and distance of what is left, against the design without kerf; with the other sign both are far off."""

@@ -157,6 +157,7 @@ def test_radii_of_an_ellipse_about_its_focus() -> None:
     assert r_1 + r_2 == pytest.approx(np.full(7, found.pitch.center_distance_mm), rel=1e-14)
 
 
+@pytest.mark.tiers(slow=["crank_rocker 20*", "crank_rocker*-1"], rest="quick")
 @pytest.mark.parametrize("case", CASES, ids=str)
 def test_mechanisms_there_and_back(case: Case) -> None:
     """The driven angle at x = phi_1^2, and the displacement at that angle, which is x again."""

@@ -182,7 +182,7 @@ def test_no_quick_limit_is_above_a_law(name: str) -> None:
 AT_ONCE = [f"designs/{name}" for name in ("baler-66", "baler-half", "baler-smooth", "baler", "pusher", "press")]
 
 
-@pytest.mark.tiers(quick=["designs/pusher"], rest="long")
+@pytest.mark.tiers(slow=["designs/pusher"], rest="long")
 @pytest.mark.parametrize(
     "name", long_but([*AT_ONCE, *(name for name in LAWS if "foreign" in name and "blanking" not in name)], LAWS)
 )

@@ -106,6 +106,7 @@ def test_knocks_of_two_pairs_and_of_herringbone_teeth_are_followed_with_inertia(
         assert not any(isinstance(found, NotJudged) for found in around(one))
 
 
+@pytest.mark.slow
 def test_a_knock_hurries_the_slider_as_newton_says() -> None:
     """Speed and acceleration of the slider by differences of its place, the crank's by the torque that is missed."""
     knocking = shaken(0.1).knocking

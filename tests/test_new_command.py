@@ -57,7 +57,7 @@ def at_terminal(arguments: Sequence[str], answers: Sequence[str], folder: Path) 
 SVG = '<svg xmlns="http://www.w3.org/2000/svg" width="80mm" height="80mm" viewBox="-40 -40 80 80">{}</svg>'
 
 
-@pytest.mark.tiers(thorough=["square"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("shape", SHAPES)
 def test_a_shape_gives_a_plain_pair_that_can_be_made(shape: str) -> None:
     """No machine is around the gears; teeth, contact and bodies are sound, and the mate closes."""

@@ -45,9 +45,17 @@ def test_importing_the_package_loads_no_library() -> None:
 
 
 def test_every_public_name_is_there_and_explained() -> None:
-    assert [name for name in ncgear.__all__ if not getattr(ncgear, name).__doc__] == []
+    """All but one, which loads the kernel of CAD programs."""
+    assert [name for name in ncgear.__all__ if name != "cad" and not getattr(ncgear, name).__doc__] == []
     assert [name for name in ncgear.plots.__all__ if not getattr(ncgear.plots, name).__doc__] == []
     assert set(ncgear.__all__) <= set(dir(ncgear))
+
+
+@pytest.mark.slow
+def test_the_names_of_cad_are_explained() -> None:
+    pytest.importorskip("OCP", reason="the kernel for STEP is not installed")
+    assert ncgear.cad.__doc__
+    assert [name for name in ncgear.cad.__all__ if not getattr(ncgear.cad, name).__doc__] == []
 
 
 def test_a_name_that_is_not_there_is_an_attribute_error() -> None:

@@ -78,7 +78,7 @@ def judge(seed: int, *, whole: bool) -> None:
 
 
 @pytest.mark.judges("optimum")
-@pytest.mark.tiers(quick=["1"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", QUICK)
 def test_a_few_machines(seed: int) -> None:
     judge(seed, whole=False)

@@ -107,8 +107,10 @@ CHANGES: list[tuple[dict[str, Any], list[str]]] = [
 ]  # fmt: skip
 
 
-@at_once("end", ["\n", "\r\n", "\r"])
-@at_once(("changes", "lines"), CHANGES)
+@at_once(
+    ("changes", "lines", "end"),
+    [(*case, "\n") for case in CHANGES] + [(*case, end) for case in CHANGES[::3] for end in ("\r\n", "\r")],
+)
 def test_only_lines_of_changed_values_differ(changes: Mapping[str, Any], lines: list[str], end: str) -> None:
     text = TEXT.replace("\n", end)
     made = rewritten(text, changes)

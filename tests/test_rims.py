@@ -93,6 +93,7 @@ def test_a_check_knows_the_walls_that_keys_give() -> None:
 
 
 @pytest.mark.judges("project")
+@pytest.mark.tiers(slow=["bore_mm: 46"], rest="quick")
 @pytest.mark.parametrize("bore", ["bore_mm: 46", "bore_mm: 36, keyway: {width_mm: 8, depth_mm: 4.6}"])
 def test_a_check_knows_the_wall_over_a_bore_of_gears_that_are_not_round(bore: str) -> None:
     """Its least wall is that under the teeth's own roots, and its safety that of the teeth."""
