@@ -40,6 +40,22 @@ def test_likely_answers_are_the_machine_of_that_kind(machine: MachineName) -> No
     assert all(fault_of_answer(one, text, likely[one]) is None for one in QUESTIONS)
 
 
+@at_once(("rpm", "table"), [(600.0, False), (600.0, True), (20.0, False)])
+def test_the_likely_flywheel_stores_the_work_of_a_turn_or_is_a_disc(rpm: float, table: bool) -> None:
+    """100 N out and 20 N of friction both ways over 100 mm: 14 J, or 12 J where the force rises from half of it on."""
+    force = "table: {displacement_mm: [0, 50, 100], force_n: [0, 100, 100]}" if table else "polynomial_n: [100]"
+    text = (
+        f"linkage: {{crank_mm: 50}}\noperation: {{speed_rpm: {rpm}}}\nresistance: {{{force}, friction_n: 20}}\n"
+        "masses: {slider_kg: 2}\ngears: {material: 42CrMo4}\n"
+    )
+    work_j = 4.0 + (7.5 if table else 10.0)
+    stores = 2.0 * work_j / (rpm * pi / 30.0) ** 2
+    disc = 7850.0 * pi / 4.0 * 0.18**2 * (0.18 / 20.0) * 0.18**2 / 8.0
+    likely = likely_answers(text)
+    assert float(likely["flywheel"]) == pytest.approx(min(stores, disc), rel=0.02)
+    assert (likely["force"], likely["mass"]) == ("120", "2")
+
+
 def test_each_answer_changes_its_keys() -> None:
     text = machine_template("mine", MachineName.PUMP)
     answers = {

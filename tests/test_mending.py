@@ -18,10 +18,12 @@ from shapely.affinity import rotate, translate
 import ncgear
 from commands import ROOT, Run
 from drives import design_of
+from ncgear.cli.arguments import _is_of_curve
+from ncgear.cli.mending import _search
 from ncgear.design.reading.design_file import parsed
 from ncgear.design.rewritten import rewritten
 from ncgear.design.words import LONGEST_DESCRIPTION, ending_in
-from ncgear.errors import DesignError, NoSuchMechanism
+from ncgear.errors import DesignError, NoSuchMechanism, Unanswered, WrongInput
 from ncgear.figures.mended import SUFFIX, mended_design, tried_words
 from ncgear.project.drive import Drive
 from ncgear.project.mending import Kind, Mend, Mending, Way, mending, refusal_of_teeth, ways
@@ -286,6 +288,26 @@ def test_attributes_only_raise(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(NoSuchMechanism, match="no flanks touch"):
         drive.require_sound_teeth()
     assert isinstance(refusal_of_teeth(drive), NoSuchMechanism)
+
+
+def test_help_is_sought_for_the_refusal_of_these_teeth_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Not for another class or another key, and of wrong values only for those that a search mends."""
+    monkeypatch.setattr("ncgear.project.mending.searched", lambda drive, error, on_trial: error)
+    few = drive_of(CASES["8 teeth"])
+    refusal = refusal_of_teeth(few)
+    assert refusal is not None
+    assert _search(few, refusal) is refusal
+    assert _search(few, NoSuchMechanism("no flanks touch", key="motion")) is None
+    assert _search(few, WrongInput("too wide", key="gears.face_width_mm")) is None
+
+
+@pytest.mark.parametrize(
+    ("key", "of_curve"),
+    [("gears.teeth", True), ("motion", True), ("motion.points", True), ("gears.module_mm", False), ("masses", False)],
+)
+def test_another_curve_is_offered_where_the_curve_or_its_teeth_are_refused(key: str, of_curve: bool) -> None:
+    assert _is_of_curve(NoSuchMechanism("no", key=key)) is of_curve
+    assert not _is_of_curve(Unanswered("no answer"))
 
 
 TEXT = """\

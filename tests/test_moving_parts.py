@@ -95,6 +95,9 @@ def test_moving_parts_take_the_pose_of_their_frame() -> None:
         # In their words: each before its own sign of degrees, of letters that are all as wide.
         (words,) = (text for text in found.figure.texts if text.get_text().startswith("phi1 "))
         letter = words.get_window_extent().width / len(words.get_text())
+        # In the upper right corner, an eighth of an inch from both edges or so, like the heading in the left one.
+        corner = found.figure.bbox.corners()[3] - np.array([words.get_window_extent().x1, words.get_window_extent().y1])
+        assert corner == pytest.approx(0.12 * found.figure.dpi, abs=0.06 * found.figure.dpi)
         end = words.get_window_extent().x1
         for text, place in zip(
             numbers, (i for i, sign in enumerate(words.get_text()) if sign == "\u00b0"), strict=True

@@ -51,6 +51,15 @@ def test_the_bar_counts_the_steps_that_are_done(monkeypatch: pytest.MonkeyPatch)
     assert seen == [("teeth", 0, 3), ("contact", 1, 3), ("solids", 2, 3)]
 
 
+def test_a_single_step_has_no_bar() -> None:
+    """Nothing of it is told but its name and its time."""
+    ends = [[type(column).__name__ for column in progress._bar("teeth", count).columns] for count in (3, 1)]
+    assert ends == [
+        ["SpinnerColumn", "TextColumn", "BarColumn", "MofNCompleteColumn", "TimeElapsedColumn"],
+        ["SpinnerColumn", "TextColumn", "TimeElapsedColumn"],
+    ]
+
+
 def test_a_step_says_how_far_it_has_come(monkeypatch: pytest.MonkeyPatch) -> None:
     made = []
     original = progress._bar

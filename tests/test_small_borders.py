@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
+from pydantic import ValidationError
 
 from ncgear.contact.written.as_written import require_reached
+from ncgear.design.keys.pitch_shapes import RationalCurve
 from ncgear.drawings.charts.teeth_charts import backlash, transmission_error
 from ncgear.drawings.scene.standing import SUPPORT, supports_mm
 from ncgear.dynamics.history import PER_TURN, even_times_s
@@ -66,6 +69,25 @@ def test_errors_and_play_are_drawn_in_millionths_of_a_rad() -> None:
     assert chart.lines[0].values == pytest.approx([10.0, 20.0, 30.0])
     assert chart.lines[1].values == pytest.approx([7.0, 7.0, 7.0])
     assert backlash(designed).lines[0].values == pytest.approx([400.0, 500.0, 600.0])
+
+
+@pytest.mark.judges("design")
+@pytest.mark.parametrize(
+    ("changed", "said"),
+    [
+        ({}, ""),
+        ({"weights": [1.0, -1.0]}, "must be over 0"),
+        ({"weights": [0.0, 1.0]}, "must be over 0"),
+        ({"knots": [0.0, 0.0, 1.0, 0.5]}, "must rise"),
+        ({"knots": [0.0, 1.0, 1.0, 1.0]}, "no length"),
+        ({"knots": [0.0, 0.0, 1.0]}, "2 control points need as many weights, and 4 knots"),
+        ({"degree": 2, "knots": [0.0, 0.0, 0.0, 1.0, 1.0]}, "more control points than the degree"),
+    ],
+)
+def test_a_part_of_a_contour_is_a_curve(changed: dict[str, Any], said: str) -> None:
+    given = {"degree": 1, "knots": [0.0, 0.0, 1.0, 1.0], "x": [0.0, 1.0], "y": [0.0, 2.0], "weights": [1.0, 0.5]}
+    with pytest.raises(ValidationError, match=said) if said else nullcontext():
+        RationalCurve.model_validate(given | changed)
 
 
 @pytest.mark.judges("figures")
