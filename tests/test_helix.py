@@ -380,6 +380,7 @@ def test_a_bump_of_a_section_strays_after_the_column_before_it() -> None:
     assert stack.strays_mm(np.array([0]), [pieces]) == pytest.approx(np.array([[0.3, 0.0, 0.2, 0.0]]), abs=0.02)
 
 
+@pytest.mark.thorough
 def test_surfaces_of_round_helical_teeth_are_the_section_turned() -> None:
     """By the advance over the radius at every height; they stray from the outline as far as they say, and join."""
     sections = Sections(pitch_of("circular"), ToothForm(rack()), Helix(ANGLE, WIDTH, Hand.LEFT), TOLERANCE)
