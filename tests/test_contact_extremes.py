@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import cos, radians, sin, sqrt
+from math import atan, cos, pi, radians, sin, sqrt, tan
 from typing import Any
 
 import numpy as np
@@ -55,6 +55,28 @@ def test_sliding_of_circular_gears_is_the_closed_form(name: str, teeth: int, rat
     # Negative control: the positions of the table miss it by about a per cent.
     assert designed(name, teeth).largest_sliding_mm.max() * SPEED < 0.995 * found.sliding_mm_s.value
     assert found.pushing_error_rad.width == found.backlash_rad.width == found.overlap_mm.value == 0.0
+
+
+def test_ranges_of_a_circular_pair_are_the_closed_forms() -> None:
+    """Play on the idle flanks alone; along the line of action, of tan(p) from one end of contact to the other.
+
+    The first contact is the one nearest to the pitch point: half a base pitch from it at most, where the next one takes
+    over, on either side.
+    """
+    backlash, radius, alpha = 0.1, 18.0, radians(20.0)
+    found = extremes("uniform", 18, backlash)
+    base, play = radius * cos(alpha), backlash / (radius * cos(alpha))
+    for told, wanted in ((found.pushing_error_rad, 0.0), (found.back_error_rad, play), (found.backlash_rad, play)):
+        assert [told.low.value, told.high.value] == pytest.approx([wanted, wanted], abs=1e-12)
+    half = pi * MODULE * cos(alpha) / 2.0
+    ends = [atan((base * tan(alpha) + off) / base) for off in (-half, half)]
+    told = found.pushing_pressure_angle_rad
+    assert [told.low.value, told.high.value] == pytest.approx(ends, rel=1e-5)
+    assert found.back_pressure_angle_rad.width == pytest.approx(told.width, rel=0.01)
+    assert found.least_lever_mm.value == pytest.approx(base, rel=1e-9)
+    reach = sqrt((radius + MODULE) ** 2 - base**2) - radius * sin(alpha)
+    assert (1.0 - KNOWN) * 2.0 * SPEED * reach <= found.sliding_mm_s.value <= 1.03 * 2.0 * SPEED * reach
+    assert found.overlap_mm.value == 0.0
 
 
 def places_looked_at(backlash_mm: float, monkeypatch: pytest.MonkeyPatch) -> tuple[int, ContactExtremes]:

@@ -14,15 +14,17 @@ from typing import Any
 import numpy as np
 import pytest
 import shapely
+from scipy.interpolate import BSpline
 from shapely import Polygon, affinity
 from trimesh import Trimesh
 
 from drives import drive_of_text
 from ncgear.contact.designed.as_designed import SideContact, as_designed
 from ncgear.contact.placement import placed
-from ncgear.errors import DesignError, NoSuchMechanism, WrongInput
+from ncgear.errors import DesignError, NoSuchMechanism, Unanswered, WrongInput
 from ncgear.files.build import build
 from ncgear.files.read_back import read_back, stl_bytes
+from ncgear.numerics.extrema import Extremum
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -33,6 +35,7 @@ from ncgear.ratio.transmission import Lobes, Transmission
 from ncgear.solids.helical.even_tips import ceilings_over, heights_fitted, with_even_tips
 from ncgear.solids.helical.helix import Hand, Helix
 from ncgear.solids.helical.mesh import helical_pair
+from ncgear.solids.helical.patches import _interpolated, _sharing_edges
 from ncgear.solids.helical.sections import Sections, pieces_of
 from ncgear.solids.helical.stack import MOST_STEPS, Columns, Stack, StrayLimits, close_stacks, spread_columns, stacked
 from ncgear.solids.mesh.pair import SolidPair
@@ -195,6 +198,31 @@ def test_steps_follow_from_the_turning_of_the_tip_circle() -> None:
         assert tip * (1.0 - cos(wider / radius / 2.0)) > sagitta * 0.999
 
 
+def test_steps_follow_from_the_worst_land_of_both_gears() -> None:
+    """|k| (1 + h k) d^2 / 8 of lands up to 2 mm outside and 2.5 mm inside, on a hollow and on a sharp pitch curve."""
+    flanks = SimpleNamespace(tip_height_mm=np.array([2.0, 1.0]), root_depth_mm=np.array([1.5, 2.5]))
+    helix = Helix(ANGLE, WIDTH, Hand.RIGHT)
+    for bends, worst in (((-0.1, 0.02), 0.1 * 1.25), ((-0.02, 0.1), 0.1 * 1.2)):
+        level = (Extremum(0.01, 0.0), Extremum(0.01, 0.0))
+        curved = (Extremum(bends[0], 0.0), Extremum(bends[1], 0.0))
+        pitch: Any = SimpleNamespace(curvature_range={Gear.DRIVING: level, Gear.DRIVEN: curved})
+        sections = Sections(pitch, ToothForm(rack()), helix, TOLERANCE)
+        section: Any = SimpleNamespace(of=lambda gear: SimpleNamespace(flanks=flanks))
+        sections._made[0.0] = section
+        assert sections.sagitta_mm(3) == pytest.approx(worst * (helix.largest_advance_mm / 3.0) ** 2 / 8.0)
+
+
+def test_a_section_is_cut_where_lands_end_and_flanks_pass_into_fillets() -> None:
+    """r^2 - 2 r f + f^2 / sin^2(alpha) is the square of the radius at which a circular flank ends, f below the line."""
+    gear, radius = exact("circular", 0.3).driving, 20.0
+    pieces, basic = pieces_of(gear), rack()
+    depth = basic.flank_depth_mm
+    joint = (radius**2 - 2.0 * radius * depth + (depth / np.sin(basic.pressure_angle_rad)) ** 2) ** 0.5
+    root, tip = radius - basic.dedendum_mm, radius + basic.addendum_mm
+    found = np.hypot(*pieces.at(np.arange(pieces.count), np.zeros(pieces.count)).T).reshape(-1, 6)
+    assert found == pytest.approx(np.tile([root, joint, tip, tip, joint, root], (20, 1)), abs=1e-5)
+
+
 def test_what_strays_between_two_sections_is_the_closed_form_of_a_circle() -> None:
     """A chord over the turn t of a circular gear passes its tip circle at r (1 - cos(t / 2))."""
     radius, tip = 20.0, 22.0
@@ -340,6 +368,40 @@ def test_ceilings_rise_from_the_lower_side_of_each_jump() -> None:
             wanted = np.minimum(0.6 + 0.5 * np.minimum(apart, length - apart).min(axis=1), 10.0)
             assert heights == pytest.approx(wanted)
         assert ceiling.over(np.array([25.0, 21.0, 80.125, 35.0])) == pytest.approx([2.975, 0.975, 0.6, 2.975])
+
+
+def test_a_bump_of_a_section_strays_after_the_column_before_it() -> None:
+    """Of an upright square column, whose side has a bump of 0.3 mm out of it and another of 0.2 mm into it."""
+    square = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]])
+    columns = Columns(np.arange(4), np.zeros(4))
+    stack = Stack(np.array([0.0, 1.0]), columns, np.stack([square, square]))
+    outline = np.insert(square, [1, 3], [[2.5, -0.3], [7.5, 9.8]], axis=0)
+    pieces: Any = SimpleNamespace(points_mm=np.vstack([outline, outline[:1]]))
+    assert stack.strays_mm(np.array([0]), [pieces]) == pytest.approx(np.array([[0.3, 0.0, 0.2, 0.0]]), abs=0.02)
+
+
+@pytest.mark.thorough
+def test_surfaces_of_round_helical_teeth_are_the_section_turned() -> None:
+    """By the advance over the radius at every height; they stray from the outline as far as they say, and join."""
+    sections = Sections(pitch_of("circular"), ToothForm(rack()), Helix(ANGLE, WIDTH, Hand.LEFT), TOLERANCE)
+    found = _interpolated(sections, Gear.DRIVING, 4, 4)
+    share = np.linspace(0.0, 1.0, 41)
+
+    def at(height: float) -> np.ndarray:
+        along = BSpline(found.up, found.poles_mm.transpose(2, 0, 1, 3), 3)(height)
+        points = BSpline(found.along, along.swapaxes(0, 1), 3)(share)
+        assert points[..., 2] == pytest.approx(np.full(points.shape[:2], height))
+        return np.asarray(points[..., 0] + 1j * points[..., 1])
+
+    for height in (WIDTH / 4.0, WIDTH):
+        turned = at(0.0) * np.exp(-1j * height * tan(ANGLE) / 20.0)
+        assert np.abs(at(height) - turned).max() < 1e-10
+        assert np.abs(at(height)[-1] - np.roll(at(height)[0], -1)).max() < 1e-10
+    outline = shapely.LinearRing(exact("circular", 0.0).driving.outline_mm)
+    strayed = shapely.distance(outline, shapely.points(at(0.0).real, at(0.0).imag)).max()
+    assert 0.9 * strayed < found.deviation_mm < 2.0 * strayed
+    with pytest.raises(Unanswered, match="where they should meet"):
+        _sharing_edges(found.poles_mm[::2], TOLERANCE)
 
 
 def test_columns_are_halved_where_they_are_marked_and_spread_as_wanted() -> None:
