@@ -11,7 +11,7 @@ from ncgear.drivetrain.demand import Demand
 from ncgear.drivetrain.pto import Excursion
 from ncgear.drivetrain.speed import SpeedCourse
 from ncgear.figures.numbers import known
-from ncgear.figures.quantities import extreme
+from ncgear.numerics.extrema import extreme
 from ncgear.numerics.units import KG_M2, N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.project.drivetrain import DrivetrainResult, PowerTakeOffResult, ShaftResult
 from ncgear.project.motor import MotorResult

@@ -10,7 +10,6 @@ from math import degrees
 from typing import Any
 
 from ncgear.figures.numbers import MICRORAD, drawn, five_digits, shown, to_digits
-from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.units import label_and_unit
 
 OF_GEAR = {"length": "length of pitch curve", "min radius": "least radius of curvature"}
@@ -117,11 +116,6 @@ def figure(key: str, value: Any) -> str:
     """Text and unit of a figure: ``6315.1 W``."""
     _, text, unit = told(key, value)
     return f"{text} {unit}".rstrip()
-
-
-def extreme(name: str, unit: str, found: Extremum, factor: float = 1.0) -> dict[str, Any]:
-    """An extreme value as a figure, and as another one the driving angle at which it is."""
-    return {f"{name}_{unit}": factor * found.value, f"{name}_at_rad": found.at}
 
 
 def _times(factor: float, value: Any) -> Any:

@@ -23,11 +23,11 @@ from ncgear.dynamics.peaks import MotionPeaks, Peak
 from ncgear.dynamics.rigid import LoadPeaks, MeshPeak, Rigid
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.csv_text import load_column, motion_columns
-from ncgear.figures.quantities import extreme
 from ncgear.figures.summary.check_summary import uniform_key
 from ncgear.kinematics.check import KinematicCheck, power_figures
 from ncgear.mechanisms.mechanism import Mechanism
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.extrema import extreme
 from ncgear.numerics.plane import Vector
 from ncgear.numerics.units import KG_M2, N_M_PER_N_MM, RAD_S_PER_RPM
 from ncgear.project.drive import Drive
@@ -187,11 +187,9 @@ def _stiffness(drive: Drive) -> dict[str, float]:
     """The least, the mean and the largest stiffness of the pairs of teeth that touch."""
     found = drive.stiffness_range
     return {
-        "least_pair_stiffness_n_per_mm": found.low.value,
-        "least_pair_stiffness_at_rad": found.low.at,
+        **extreme("least_pair_stiffness", "n_per_mm", found.low),
         "mean_pair_stiffness_n_per_mm": float(np.mean(drive.meshing.gaps.touching_stiffness)),
-        "largest_pair_stiffness_n_per_mm": found.high.value,
-        "largest_pair_stiffness_at_rad": found.high.at,
+        **extreme("largest_pair_stiffness", "n_per_mm", found.high),
     }
 
 

@@ -12,7 +12,7 @@ from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import Machine, Stretch, angles_at, stretches
 from ncgear.mechanisms.mechanism import Output
 from ncgear.numerics.arrays import Array, distinct
-from ncgear.numerics.extrema import Extremum, extremes_on, grid_between
+from ncgear.numerics.extrema import Extremum, extreme, extremes_on, grid_between
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.quadrature import gauss_points, rms_above
 from ncgear.numerics.units import RAD_S_PER_RPM
@@ -260,24 +260,17 @@ def power_figures(check: KinematicCheck) -> dict[str, float]:
     """
     found = check.with_masses
     counted = {} if found is None else {key: of(found) for key, of in OF_MASSES.items()}
-    peak = check.peak_power_w
-    return {"peak_power_w": peak.value, "peak_power_at_rad": peak.at, **counted, "mean_power_w": check.mean_power_w}
+    return {**extreme("peak_power", "w", check.peak_power_w), **counted, "mean_power_w": check.mean_power_w}
 
 
 def peak_figures(check: KinematicCheck, *, returns: bool = True) -> dict[str, float]:
     """All figures of a check with the driving angles of peaks; ``returns`` tells peaks of the working stroke, too."""
     speed, acceleration = check.output.speed.ending, check.output.acceleration.ending
-    working = {
-        f"peak_acceleration_working_{acceleration}": check.peak_acceleration_working.value,
-        "peak_acceleration_working_at_rad": check.peak_acceleration_working.at,
-    }
     return {
         **power_figures(check),
-        f"peak_speed_{speed}": check.peak_speed.value,
-        "peak_speed_at_rad": check.peak_speed.at,
-        **(working if returns else {}),
-        f"peak_acceleration_cycle_{acceleration}": check.peak_acceleration_cycle.value,
-        "peak_acceleration_cycle_at_rad": check.peak_acceleration_cycle.at,
+        **extreme("peak_speed", speed, check.peak_speed),
+        **(extreme("peak_acceleration_working", acceleration, check.peak_acceleration_working) if returns else {}),
+        **extreme("peak_acceleration_cycle", acceleration, check.peak_acceleration_cycle),
     }
 
 

@@ -65,6 +65,11 @@ class Extremum:
     at: float
 
 
+def extreme(name: str, unit: str, found: Extremum, factor: float = 1.0) -> dict[str, float]:
+    """An extreme value as a figure by its key, and as another one the driving angle at which it is."""
+    return {f"{name}_{unit}": factor * found.value, f"{name}_at_rad": found.at}
+
+
 def stationary_points(function: Callable[[Array], Jet], start: float, end: float, knots: Array = NO_KNOTS) -> Array:
     """Both ends, every point between them where the derivative changes sign, and samples where it is not finite.
 
