@@ -45,8 +45,7 @@ SPREADS = 5
 """Rounds of placing columns, each by the errors of the last round; even curves would need fewer rounds."""
 
 COLUMN_HALVINGS = 16
-"""Rounds of halving between columns where outlines still stray, at corners within a piece.  They go far below any chord
-of an outline."""
+"""Rounds of halving between columns where outlines still stray, at corners of a piece: far below their chords."""
 
 SPARE, LEAST = 1.05, 1e-3
 """Columns are placed 5 % closer than seems needed; even a straight interval counts as a thousandth of a column."""
