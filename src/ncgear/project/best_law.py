@@ -336,8 +336,9 @@ class BestLaw(SoughtMachine, Shown):
 
 
 SETTLED = 1e-7
-"""Greatest difference between the inertia of a law's gears and the inertia with which it was found, over the crank's
-inertia.  The figures and the limit are told for the final gears, and a law is much nearer to its optimum than this."""
+"""Greatest difference between the inertia of a law's gears and the inertia with which it was found, over everything
+that the crank turns.  Figures and limit are told for the final gears, and a law is much nearer to its optimum than
+this."""
 
 MOST_ROUNDS = 12
 """Most laws that are found in sequence; two or three are usual."""

@@ -175,7 +175,7 @@ STRONGER = (2.0, 4.0)
 less, motors lose half of their speed and more."""
 
 STIFFENED = 1.01
-"""Factor on the mean square of the torque for which a stronger motor is rated: it holds its speed better."""
+"""Factor on the r.m.s.  torque for which a stronger motor is rated: with a higher rating it holds its speed better."""
 
 MOST_SECONDS = 5.0
 """Most processor time of these trials."""

@@ -171,7 +171,8 @@ def center_lines(linkage: Mechanism) -> Mapping[str, CenterLines]:
 
 
 STEPS, PARTS, LEVELS = 720, 16, 2
-"""Steps of a cycle, the parts into which a step is divided that may have the least distance, and how often."""
+"""Steps of a cycle, parts into which a step is divided if it may have the least distance, and how often it is
+divided."""
 
 FASTER = 1.5
 """The ends of a line move no faster between samples than this factor times the greatest speed at samples."""

@@ -65,7 +65,7 @@ class RoughStrength:
     jam_needs_teeth: str = ""
 
     def needs_teeth_for(self, one: RoughSafety) -> str:
-        """Why one of the safeties is right only within a factor; empty where it is exact."""
+        """Why one of the safeties is right only within a factor; empty without such a reason."""
         return self.jam_needs_teeth if one in self.jammed else self.needs_teeth
 
     def share(self, one: RoughSafety) -> float:

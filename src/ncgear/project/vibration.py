@@ -169,8 +169,8 @@ LEADING = 0.5
 many times as much."""
 
 SPEEDS, SLOWER, FASTER = 121, 4.0, 1.5
-"""Number of speeds of a sweep, and its least range below and above the critical speeds.  Neighbouring speeds are closer
-than the width of a resonance with usual damping, a seventh of the speed."""
+"""Number of speeds of a sweep, and its least range below and above the critical speeds.  Neighbouring speeds are about
+a seventh of the width of a resonance with usual damping apart."""
 
 MOST_TURNS = 2
 """Most turns of the driving gear that are computed in a sweep; teeth may need more to meet all their mates."""

@@ -44,7 +44,7 @@ WEAK = (Kind.STRENGTH, Kind.FLANKS)
 """Conditions that wider gears may satisfy."""
 
 KEPT = 1e-6
-"""Share of a limit by which a figure may exceed it; laws stay ten times closer to their limits."""
+"""Share of a limit by which a figure may exceed it: ten times the margin that laws keep below their limits."""
 
 MM3_PER_DM3 = 1e6
 

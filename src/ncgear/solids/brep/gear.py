@@ -43,7 +43,8 @@ AT_CORNERS = 8.0 / 17.0
 everywhere."""
 
 SHORT_OF_HUB = 4.0
-"""Chord tolerances: a pocket around a hub stops three chord tolerances short of the hub, since its walls are chords."""
+"""Gap, in chord tolerances, up to which a pocket's circle is the hub's: pockets stop three tolerances short of a
+hub."""
 
 BEYOND = 0.1
 """How far tools go beyond the material that they cut, as a share of the face width, so that no two faces coincide."""

@@ -100,7 +100,7 @@ class Sections:
 
 @contextmanager
 def said_of_section(height_mm: float) -> Iterator[None]:
-    """Add the height of the section to any error that is raised inside."""
+    """A context that adds the height of the section to a NoSuchMechanism raised in it."""
     try:
         yield
     except NoSuchMechanism as fault:

@@ -42,11 +42,10 @@ MOST_STEPS = 300
 """Most steps between sections in the first guess: millions of triangles, files of 100 megabytes, a minute's work."""
 
 SPREADS = 5
-"""Rounds of placing columns by the errors of the last placing; even curves need fewer columns."""
+"""Rounds of placing columns, each by the errors of the last round; even curves would need fewer rounds."""
 
 COLUMN_HALVINGS = 16
-"""Rounds of halving between columns where outlines still stray, at corners within a piece.  They go far below any chord
-of an outline."""
+"""Rounds of halving between columns where outlines still stray, at corners of a piece: far below their chords."""
 
 SPARE, LEAST = 1.05, 1e-3
 """Columns are placed 5 % closer than seems needed; even a straight interval counts as a thousandth of a column."""
