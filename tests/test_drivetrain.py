@@ -792,7 +792,7 @@ def test_a_weak_motor_stops_where_its_energy_is_spent() -> None:
     assert stall_of(asked, lambda speed: np.full(speed.shape, 100.0), start, 2.0 * pi) is None
 
 
-@pytest.mark.thorough
+@pytest.mark.slow
 def test_a_limiter_over_the_peak_holds_and_one_below_the_mean_stops_the_machine() -> None:
     asked = demand()
     most = asked.torque_range_n_mm[1].value
