@@ -129,6 +129,19 @@ def test_a_pressure_angle_that_passes_zero_is_least_at_zero() -> None:
     assert even.pushing_pressure_angle_rad.low.value > radians(10.0)
 
 
+def test_where_the_pressure_angle_is_zero_the_normal_is_across_the_radius() -> None:
+    """The normal leads through the pitch point, as the law of gearing has it."""
+    pitch, pair = made("baler", 24, TOLERANCE, 0.0)
+    even, found = designed("baler", 24).placement, extremes("baler", 24)
+    for side, angle in (("pushing", found.pushing_pressure_angle_rad), ("back", found.back_pressure_angle_rad)):
+        rolled = pitch.driving.arc.length(np.array([angle.low.at])) * pitch.driving.unit_mm
+        at = placed_at(pitch, even, rolled)
+        place = getattr(touch_at(pair)(at), side).first.fixed_points(at)
+        normal, arm = place - at.driving_radius_mm, place - at.center_distance_mm
+        assert angle.low.value == 0.0
+        assert np.abs((normal * arm.conj()).real / np.abs(normal * arm)) <= 1e-6
+
+
 WRITTEN = [
     ("uniform", 12, 0.0, {"undercut": True}),
     ("uniform 3:2", 30, 0.1, {}),
