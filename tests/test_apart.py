@@ -116,6 +116,17 @@ def test_a_gear_wholly_inside_the_other_does_not_stand_apart() -> None:
     assert found.up_rad == pytest.approx(found.down_rad, abs=1e-12)
 
 
+@at_once(("own", "other"), [(10.0, 12.0), (14.0, 12.0), (2.0, 17.0), (3.0, 12.0)])
+def test_nothing_is_met_beyond_the_lens_of_two_discs(own: float, other: float) -> None:
+    """Points of a disc 16 mm from the axis of another one: the farthest angle at which they are in it, by a grid."""
+    around = np.exp(2j * pi * np.arange(20_000) / 20_000)
+    radius, angle = np.linspace(own / 400.0, own, 400)[:, None], np.linspace(0.0, pi, 2000)
+    inside = np.abs(radius * np.exp(1j * angle) - 16.0) <= other
+    found = Facing(own * around, other * around, 1.0).meeting_rad(16.0)
+    expected = float(angle[inside.any(axis=0)].max(initial=0.0))
+    assert expected - 1e-9 <= found <= expected + 0.01 + 0.1 * (own + other < 16.0)
+
+
 @pytest.mark.tiers(slow=["ring 1:2-30-0.01"], rest="long")
 @pytest.mark.parametrize(("name", "teeth", "tolerance"), [*KINDS, ("uniform", 120, 0.03)])
 def test_pairs_of_a_stretch_are_all_that_come_near_in_any_of_its_positions(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import atan, cos, pi, radians, sin, sqrt, tan
 from typing import Any
 
@@ -17,6 +18,8 @@ from ncgear.contact.written.as_written import reach_mm
 from ncgear.contact.written.extremes import KNOWN as KNOWN_OF_WRITTEN
 from ncgear.contact.written.play import facing_outlines, outline_play
 from ncgear.errors import NoSuchMechanism
+from ncgear.numerics.extrema import Extremum
+from ncgear.numerics.highest import largest_from
 from ncgear.pitch.pair import PitchPair
 from ncgear.teeth.form import TipRelief
 from ncgear.teeth.gear import ToothedPair
@@ -149,6 +152,27 @@ def test_a_pressure_angle_that_passes_zero_is_least_at_zero() -> None:
         assert angle.low.value == 0.0
         assert angle.high.value > radians(45.0)
     assert even.pushing_pressure_angle_rad.low.value > radians(10.0)
+
+
+def test_where_the_pressure_angle_is_zero_the_normal_is_across_the_radius(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The normal leads through the pitch point, as the law of gearing has it.  It is not searched for."""
+    pitch, pair = made("baler", 24, TOLERANCE, 0.0)
+    sought: list[Array] = []
+
+    def noting(functions: Callable[[Array], Array], places: Array, values: Array, missed: Array) -> list[Extremum]:
+        sought.append(values[np.isfinite(missed)])
+        return largest_from(functions, places, values, missed)
+
+    monkeypatch.setattr("ncgear.contact.designed.extremes.largest_from", noting)
+    even, found = designed("baler", 24).placement, extremes("baler", 24)
+    assert len(sought[0]) == 11
+    for side, angle in (("pushing", found.pushing_pressure_angle_rad), ("back", found.back_pressure_angle_rad)):
+        rolled = pitch.driving.arc.length(np.array([angle.low.at])) * pitch.driving.unit_mm
+        at = placed_at(pitch, even, rolled)
+        place = getattr(touch_at(pair)(at), side).first.fixed_points(at)
+        normal, arm = place - at.driving_radius_mm, place - at.center_distance_mm
+        assert angle.low.value == 0.0
+        assert np.abs((normal * arm.conj()).real / np.abs(normal * arm)) <= 1e-6
 
 
 WRITTEN = [

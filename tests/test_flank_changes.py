@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from ncgear.dynamics.crank_load import CrankLoad
-from ncgear.dynamics.flank_changes import BorneTorque, borne_torque
+from ncgear.dynamics.flank_changes import BorneTorque, borne_torque, moment_n_mm
 from ncgear.dynamics.gaps import Gaps
 from ncgear.dynamics.meshing import Friction, Impact, Meshing
 from ncgear.numerics.periodic_table import PeriodicTable
@@ -51,6 +51,20 @@ def saw(phi1_rad: np.ndarray, slope: float = 1e5) -> np.ndarray:
 def highest(found: BorneTorque, low: float, high: float, sign: float) -> float:
     """The largest torque of a sign between two angles."""
     return float((sign * found.at(np.linspace(low, high, 20001))).max())
+
+
+def test_pairs_press_by_the_law_of_impact() -> None:
+    """F = k d^e + step(d, 0, 0, d_full, c) d', never below 0, by its arm: of plain numbers and of arrays."""
+    rng, impact = np.random.default_rng(5), Impact(1.5, 40.0, 0.002)
+    pairs = rng.uniform([-40.0, -1e-4, 1e5, -0.1], [40.0, 1e-4, 1e6, 0.1], (40, 4))
+    expected, ahead, speed, later = 0.0, 2e-5, 0.03, 1e-4
+    for arm, error, stiffness, rate in pairs:
+        depth, closing = arm * (error + later * rate - ahead), arm * (rate - speed)
+        if depth > 0.0:
+            part = min(depth / 0.002, 1.0)
+            expected += arm * max(stiffness * depth**1.5 + 40.0 * (3.0 * part**2 - 2.0 * part**3) * closing, 0.0)
+    for form in (pairs.tolist(), pairs.T):
+        assert moment_n_mm(impact, form, ahead, speed, later) == pytest.approx(expected, rel=1e-12)
 
 
 DAMPING = 0.05

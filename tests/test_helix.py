@@ -295,7 +295,9 @@ def test_tips_that_jump_are_refused_with_height_and_tooth() -> None:
 
 def read_sections(pair: SolidPair, height: float) -> list[Polygon]:
     """Both gears' sections at a height, as read back from their files."""
-    return [section(read_back(stl_bytes(one.mesh), one.mesh).as_trimesh(), height) for one in (pair.driving, pair.driven)]
+    return [
+        section(read_back(stl_bytes(one.mesh), one.mesh).as_trimesh(), height) for one in (pair.driving, pair.driven)
+    ]
 
 
 @pytest.mark.tiers(slow=["86-0.6-15.0-0.02-False"], rest="long")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from io import BytesIO
 from math import asin, hypot, pi, sqrt
 
 import numpy as np
@@ -330,6 +331,9 @@ def test_stl_files_hold_the_triangles_in_single_precision(name: str) -> None:
     across = np.cross(*(mesh.triangles[:, corner + 1] - mesh.triangles[:, corner] for corner in (0, 1)))
     np.testing.assert_allclose(found["normal"], across / np.linalg.norm(across, axis=1)[:, None], atol=1e-6)
     assert mesh_of_stl(data).volume == pytest.approx(mesh.volume, rel=1e-5)
+    other = trimesh.load_mesh(BytesIO(data), file_type="stl")
+    np.testing.assert_array_equal(mesh_of_stl(data).vertices, other.vertices)
+    np.testing.assert_array_equal(mesh_of_stl(data).faces, other.faces)
 
 
 def test_an_stl_file_that_is_cut_off_is_refused() -> None:

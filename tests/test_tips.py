@@ -9,6 +9,7 @@ from math import cos, pi, radians, sin, tan
 import numpy as np
 import pytest
 from scipy.optimize import brentq
+from scipy.spatial import KDTree
 from shapely import Polygon
 
 from ncgear.figures.summary.build_summary import _tips
@@ -21,9 +22,10 @@ from ncgear.ratio.transmission import Lobes
 from ncgear.teeth import fitting, tips
 from ncgear.teeth.flank import flanks_of, mating_flanks
 from ncgear.teeth.form import Backlash, BasicRack, Cutter, CutterKind, TipLimits, TipRelief, ToothForm
+from ncgear.teeth.fouling import STEPS, paths_near_concave
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 from ncgear.teeth.regular import regular_depth, regular_height
-from ncgear.teeth.tips import Limit, Tips, even_heights, tip_crossing
+from ncgear.teeth.tips import Limit, Tips, _crossing_below_cusp, even_heights, tip_crossing
 from ncgear.teeth.tool import RackLine
 from oracles import meshing
 from oracles.rack_cut import involute
@@ -339,3 +341,30 @@ def test_relief_parts_the_flanks_where_only_tips_are_left_to_touch(name: str) ->
     assert eased.overlap_depth.max() <= 1.2 * TOLERANCE
     assert plain.gap.max() <= 2.0 * TOLERANCE
     assert eased.gap.max() <= 2.0 * TOLERANCE + 0.02 * MODULE
+
+
+def test_the_first_crossing_below_a_cusp_is_where_a_march_first_meets_the_land() -> None:
+    """Up each flank in 250 steps, with distances from a dense pitch curve; concave stretches among them."""
+    flanks = made("baler", ToothForm(rack())).driving.flanks
+    every, heights = np.arange(flanks.count), np.linspace(0.0, 1.3, 250) * flanks.tip_height_mm[:, None]
+    dense = flanks.curve.at_length(np.linspace(0.0, flanks.curve.length_mm, 10_000)).position
+    away = KDTree(dense).query(flanks.flank(every[:, None], heights)[0])[0]
+    first = np.argmax(away >= flanks.tip_height_mm[:, None], axis=1)
+    found, _, met = _crossing_below_cusp(flanks, every)
+    assert met.all()
+    assert np.all(first > 0)
+    assert np.all((found >= heights[every, first - 1] - 1e-6) & (found <= heights[every, first] + 1e-6))
+
+
+def test_tips_are_followed_along_both_pitch_curves() -> None:
+    """Each path by its own arc lengths, beside the points that paths share."""
+    pair = made("baler", ToothForm(rack(), backlash=Backlash(0.1)))
+    own, mate = pair.driving.flanks, pair.driven.flanks
+    pairs = mating_flanks(25, 25)
+    paths = paths_near_concave((own, mate), (pairs, pairs[::-1]))[0]
+    assert paths.own.size
+    steps = (paths.at.curvature.shape[1] - 1) // 2
+    rolled = np.arange(-steps, steps + 1) * own.rack.pitch_mm / STEPS
+    for flanks, found in ((own, paths.at), (mate, paths.there)):
+        wanted = flanks.curve.at_length(own.crossing_mm[paths.own, None] + rolled).position
+        assert np.abs(found.position - wanted).max() <= 1e-9

@@ -78,8 +78,8 @@ def contact_extremes(
     missed = np.maximum(shares * np.ptp(values, axis=1), told)
     level = {row: at for row, side in LEAST_ANGLES.items() if (at := _level_mm(designed, side)) is not None}
     if level:
-        angles = quantities(np.array(list(level.values())))[list(level), range(len(level))]
-        level = {row: at for (row, at), angle in zip(level.items(), angles, strict=True) if angle >= -missed[row]}
+        there = quantities(np.array(list(level.values())))
+        level = {row: at for number, (row, at) in enumerate(level.items()) if there[row, number] >= -missed[row]}
     # There is no angle below that: nothing is sought of it.
     missed[list(level)] = np.inf
     found = largest_from(quantities, places, values, missed)
