@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cache
+from itertools import pairwise
 from math import inf, pi, sin, tan
 
 import mpmath as mp
@@ -18,14 +19,13 @@ from at_once import at_once
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.forces import RodMasses
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.certified import proof
 from ncgear.optimum.certified.cycle import CrankCycle, cycle
 from ncgear.optimum.certified.demands import Demands, Priced, Ranges
 from ncgear.optimum.certified.limit import least_acceleration
 from ncgear.optimum.certified.motion import MotionProgramme
 from ncgear.optimum.certified.problem import LimitProblem, motion_programme
-from ncgear.optimum.certified.proof import DATA, ConicProgramme, Linear, Proof
-from ncgear.optimum.certified.ranges import KnownRanges, PlacesInRow, curved, everywhere
+from ncgear.optimum.certified.proof import DATA, ConicProgramme, Linear, Proof, proof_of
+from ncgear.optimum.certified.ranges import KnownRanges, between, curved, everywhere
 from ncgear.optimum.task import Task
 from published import AT_SIXTY, BALER_LINKAGE, OFFSET, PRESS
 
@@ -174,14 +174,13 @@ def variables_left(programme: ConicProgramme, values: Array) -> list[Array]:
 
 
 def worst(programme: ConicProgramme, values: Array) -> float:
-    matrix, bounds, cones = proof._standard_form(programme)
-    spare = bounds - matrix @ values
-    size = np.abs(bounds) + abs(matrix) @ np.abs(values)
-    flat = spare.size - 3 * cones
+    of = proof_of(programme)
+    spare = of.bounds - of.matrix @ values
+    size = np.abs(of.bounds) + abs(of.matrix) @ np.abs(values)
+    flat = spare.size - 3 * of.cones
     three, sizes = spare[flat:].reshape(-1, 3), size[flat:].reshape(-1, 3)
     of_cones = (np.hypot(three[:, 1], three[:, 2]) - three[:, 0]) / sizes.max(axis=1)
-    low, high = np.concatenate(programme.low), np.concatenate(programme.high)
-    outside = np.maximum(low - values, values - high) / np.maximum(np.abs(high), 1e-12)
+    outside = np.maximum(of.low - values, values - of.high) / np.maximum(np.abs(of.high), 1e-12)
     return float(max(np.max(-spare[:flat] / np.maximum(size[:flat], 1e-300)), np.max(of_cones), np.max(outside)))
 
 
@@ -382,11 +381,11 @@ def outside_between_checkpoints(law: Turning, apart_rad: float, steepness: float
     q = law.s(on.crank_angle_rad) ** 2
     numbers = np.arange(0, on.count, round(apart_rad / on.step_rad[0]))
     asked = Demands(0.01, 1.01 / float(np.sqrt(q.min())), steepness, convex=steepness == inf)
-    stretch = PlacesInRow(np.arange(on.count), q, asked)
+    parts = [np.arange(first, last + 1) for first, last in pairwise(numbers.tolist())]
     known = KnownRanges(np.full(on.count, asked.ratio_max**-2), np.full(on.count, inf))
     for place in numbers.tolist():
         known = known.within(place, float(q[place]), float(q[place]))
-    ranges = everywhere(on, known, [stretch], [numbers.tolist()])
+    ranges = everywhere(known, between(on, parts, asked))
     cells = np.arange(numbers[-1])
     inner = on.crank_angle_rad[cells, None] + on.step_rad[cells, None] * np.linspace(0.0, 1.0, 60)
     inside = 2.0 * np.log(law.s(inner))
@@ -498,15 +497,14 @@ def solved_with_driving_curve() -> Solved:
 def answered(made: MotionProgramme) -> Solved:
     import clarabel
 
-    matrix, bounds, cones = proof._standard_form(made.programme)
+    of = replace(proof_of(made.programme), error=DATA)
     cost = np.zeros(made.programme.size)
     cost[made.acceleration.columns[0, 0]] = 1.0
     settings = clarabel.DefaultSettings()
     settings.verbose = False
-    shapes = [clarabel.NonnegativeConeT(bounds.size - 3 * cones), *[clarabel.SecondOrderConeT(3)] * cones]
+    shapes = [clarabel.NonnegativeConeT(of.bounds.size - 3 * of.cones), *[clarabel.SecondOrderConeT(3)] * of.cones]
     nothing = sparse.csc_matrix((cost.size, cost.size))
-    found = clarabel.DefaultSolver(nothing, cost, matrix, bounds, shapes, settings).solve()
-    of = Proof(matrix, bounds, cones, np.concatenate(made.programme.low), np.concatenate(made.programme.high))
+    found = clarabel.DefaultSolver(nothing, cost, of.matrix, of.bounds, shapes, settings).solve()
     multipliers = np.array(found.z)
     return of, cost, multipliers, of.bound(cost, multipliers), float(found.obj_val)
 

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from math import fsum, inf, isfinite
 from typing import Any
 
@@ -48,8 +49,8 @@ class Linear:
         if not isinstance(other, Linear):
             return replace(self, constant=self.constant + other)
         return Linear(
-            np.vstack([self.columns, other.columns]),
-            np.vstack([self.coefficients, other.coefficients]),
+            np.concatenate([self.columns, other.columns]),
+            np.concatenate([self.coefficients, other.coefficients]),
             self.constant + other.constant,
         )
 
@@ -140,40 +141,59 @@ class ConicAnswer:
 
 def least(programme: ConicProgramme, goal: Linear) -> ConicAnswer:
     """The least of a goal, a single expression, and variables near it; raises WrongInput without Clarabel."""
-    require("clarabel", "optimize", "a certified limit")
-    import clarabel
+    return Solver().least(proof_of(programme), goal)
 
-    matrix, bounds, cones = _standard_form(programme)
-    cost = np.zeros(programme.size)
-    np.add.at(cost, goal.columns[:, 0], goal.coefficients[:, 0])
-    shapes = [clarabel.NonnegativeConeT(bounds.size - 3 * cones), *[clarabel.SecondOrderConeT(3)] * cones]
-    proof = Proof(matrix, bounds, cones, np.concatenate(programme.low), np.concatenate(programme.high), programme.error)
-    answer = ConicAnswer(-inf, None)
-    # The rows are scaled already and the proof judges, so the first try leaves out steps that cost a third of the time
-    for thorough in (False, True):
+
+class Solver:
+    """Clarabel: what it has made of a programme is used again where the next one's rows have the same variables."""
+
+    _last: tuple[Proof, Any] | None = None
+
+    def least(self, proof: Proof, goal: Linear) -> ConicAnswer:
+        """The least of a goal, a single expression, from what proves it, and variables near it."""
+        cost = np.zeros(proof.low.size)
+        np.add.at(cost, goal.columns[:, 0], goal.coefficients[:, 0])
+        answer = ConicAnswer(-inf, None)
+        # The rows are scaled already and the proof judges: the first try leaves out steps that take a third of the time
+        for thorough in (False, True):
+            found = self._solved(proof, cost, thorough)
+            near, multipliers = np.array(found.x), np.array(found.z)
+            if not np.all(np.isfinite(multipliers)):
+                continue
+            if "PrimalInfeasible" in str(found.status):
+                if proof.bound(np.zeros(cost.size), multipliers) > 0.0:
+                    return ConicAnswer(inf, None)
+                continue
+            value = proof.bound(cost, multipliers) + float(goal.constant[0])
+            if value > answer.value or answer.near is None:
+                answer = ConicAnswer(max(value, answer.value), near if np.all(np.isfinite(near)) else answer.near)
+            if str(found.status) == "Solved":
+                break
+        return answer
+
+    def _solved(self, proof: Proof, cost: Array, thorough: bool) -> Any:
+        require("clarabel", "optimize", "a certified limit")
+        import clarabel
+
+        if not thorough and self._last is not None and self._last[0].alike(proof):
+            solver = self._last[1]
+            solver.update(q=cost, A=proof.matrix.data, b=proof.bounds)
+            return solver.solve()
         settings = clarabel.DefaultSettings()
         settings.verbose = False
         settings.max_threads = 1
         settings.iterative_refinement_enable = settings.equilibrate_enable = thorough
+        flat = proof.bounds.size - 3 * proof.cones
+        shapes = [clarabel.NonnegativeConeT(flat), *[clarabel.SecondOrderConeT(3)] * proof.cones]
         nothing = sparse.csc_matrix((cost.size, cost.size))
-        found = clarabel.DefaultSolver(nothing, cost, matrix, bounds, shapes, settings).solve()
-        near, multipliers = np.array(found.x), np.array(found.z)
-        if not np.all(np.isfinite(multipliers)):
-            continue
-        if "PrimalInfeasible" in str(found.status):
-            if proof.bound(np.zeros(cost.size), multipliers) > 0.0:
-                return ConicAnswer(inf, None)
-            continue
-        value = proof.bound(cost, multipliers) + float(goal.constant[0])
-        if value > answer.value or answer.near is None:
-            answer = ConicAnswer(max(value, answer.value), near if np.all(np.isfinite(near)) else answer.near)
-        if str(found.status) == "Solved":
-            break
-    return answer
+        solver = clarabel.DefaultSolver(nothing, cost, proof.matrix, proof.bounds, shapes, settings)
+        if not thorough:
+            self._last = proof, solver
+        return solver.solve()
 
 
-def _standard_form(programme: ConicProgramme) -> tuple[sparse.csc_matrix, Array, int]:
-    """A, b and the number of cones: each row b - A v is an expression that must be in its cone."""
+def proof_of(programme: ConicProgramme) -> Proof:
+    """What bounds of a programme are proven from: each row b - A v is an expression that must be in its cone."""
     blocks = [*programme.rows, *_interleaved(programme.cones)]
     columns, rows, values, before = [], [], [], 0
     for block in blocks:
@@ -186,7 +206,8 @@ def _standard_form(programme: ConicProgramme) -> tuple[sparse.csc_matrix, Array,
     matrix = sparse.csc_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
     matrix.eliminate_zeros()
     cones = sum(first.constant.size for first, _, _ in programme.cones)
-    return matrix, np.concatenate([block.constant for block in blocks]), cones
+    bounds, low, high = map(np.concatenate, ([block.constant for block in blocks], programme.low, programme.high))
+    return Proof(matrix, bounds, cones, low, high, programme.error)
 
 
 def _interleaved(cones: Sequence[tuple[Linear, Linear, Linear]]) -> list[Linear]:
@@ -247,7 +268,13 @@ class Proof:
         z[flat:] = np.column_stack([np.maximum(three[:, 0], length), three[:, 1:]]).ravel()
         return z
 
-    @property
+    def alike(self, other: Proof) -> bool:
+        """Whether the same numbers of the rows are zero, and as many rows are in cones."""
+        one, two = self.matrix, other.matrix
+        same = (one.shape, self.cones) == (two.shape, other.cones) and np.array_equal(one.indptr, two.indptr)
+        return same and np.array_equal(one.indices, two.indices)
+
+    @cached_property
     def let_out(self) -> Array:
         """By how much every row is let out for errors of its numbers; of three rows in a cone, the first by all."""
         largest = np.maximum(np.abs(self.low), np.abs(self.high))

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import pairwise
-from math import cos, inf, pi, sqrt
+from math import inf, pi
 
 import numpy as np
 
@@ -41,27 +41,23 @@ def halves(on: CrankCycle) -> list[IndexArray]:
     return [np.arange(middle + 1), np.append(np.arange(middle, on.count), 0)]
 
 
-@dataclass(frozen=True, eq=False)
-class PlacesInRow:
-    """Places in a row in which ranges are looked for, and q there of a motion that keeps demands."""
+def parts_between(on: CrankCycle, places: IndexArray, motion: Array, asked: Demands) -> list[IndexArray]:
+    """Places in a row in parts from checkpoint to checkpoint, between which ln q hardly leaves the chord.
 
-    places: IndexArray
-    motion: Array
-    asked: Demands
-
-    def checkpoints(self, on: CrankCycle) -> list[int]:
-        """Places of the stretch, first and last among them, between which ln q hardly leaves the chord."""
-        places, ratio = self.places, 1.0 / np.sqrt(self.motion)
-        if self.asked.convex:
-            # A chord of length L is missed by R L^2/8
-            apart = np.sqrt(8.0 * LOWER / (2.0 * ratio + 2.0 * ratio**2))
-        else:
-            # At its middle by t (1 + s)/s L
-            apart = LEANING / (self.asked.steepness * (1.0 + ratio))
-        gone = np.concatenate([[0.0], np.cumsum(on.step_rad[places[:-1]] / np.minimum(apart[:-1], apart[1:]))])
-        parts = max(1, round(float(gone[-1])))
-        numbers = np.searchsorted(gone, gone[-1] * np.arange(parts + 1) / parts - 1e-9)
-        return list(dict.fromkeys(places[np.minimum(numbers, places.size - 1)].tolist()))
+    ``motion`` is q at the places of a motion that keeps demands.
+    """
+    ratio = 1.0 / np.sqrt(motion)
+    if asked.convex:
+        # A chord of length L is missed by R L^2/8
+        apart = np.sqrt(8.0 * LOWER / (2.0 * ratio + 2.0 * ratio**2))
+    else:
+        # At its middle by t (1 + s)/s L
+        apart = LEANING / (asked.steepness * (1.0 + ratio))
+    gone = np.concatenate([[0.0], np.cumsum(on.step_rad[places[:-1]] / np.minimum(apart[:-1], apart[1:]))])
+    count = max(1, round(float(gone[-1])))
+    numbers = np.searchsorted(gone, gone[-1] * np.arange(count + 1) / count - 1e-9)
+    ends = np.unique(np.minimum(numbers, places.size - 1)).tolist()
+    return [places[first : last + 1] for first, last in pairwise(ends)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,26 +110,41 @@ def rows_of_places(cells: IndexArray, count: int) -> list[IndexArray]:
     return [(part[0] + np.arange((part[-1] - part[0]) % count + 2)) % count for part in parts]
 
 
-def everywhere(
-    on: CrankCycle, known: KnownRanges, stretches: Sequence[PlacesInRow], checkpoints: Sequence[Sequence[int]]
-) -> Ranges:
-    """Ranges of q at all places and in all cells of the stretches, from known ranges and between checkpoints."""
-    least, most = np.zeros(on.count), np.full(on.count, inf)
-    least_in_cell, most_in_cell = np.zeros(on.count), np.full(on.count, inf)
-    for stretch, chosen in zip(stretches, checkpoints, strict=True):
-        numbers = [int(np.nonzero(stretch.places == one)[0][0]) for one in chosen]
-        for first, last in pairwise(numbers):
-            places = stretch.places[first : last + 1]
-            from_first = np.concatenate([[0.0], np.cumsum(on.step_rad[places[:-1]])])
-            if stretch.asked.convex:
-                low, low_in_cell = _between_lower(known.least[places], from_first, stretch.asked.ratio_max)
-                high, high_in_cell = _between_upper(known.most[places], from_first)
-            else:
-                low, low_in_cell = _leaning(known.least[places], from_first, -stretch.asked.steepness)
-                high, high_in_cell = _leaning(known.most[places], from_first, stretch.asked.steepness)
-            least[places], most[places] = low * (1.0 - ROUNDING), high * (1.0 + ROUNDING)
-            least_in_cell[places[:-1]] = low_in_cell * (1.0 - ROUNDING)
-            most_in_cell[places[:-1]] = high_in_cell * (1.0 + ROUNDING)
+@dataclass(frozen=True, eq=False)
+class Between:
+    """Places from each checkpoint to the next, shape (parts, n): a part of fewer places ends with its last again.
+
+    ``angle_rad`` is the crank's angle from the part's first place.
+    """
+
+    places: IndexArray
+    angle_rad: Array
+    asked: Demands
+
+
+def between(on: CrankCycle, parts: Sequence[IndexArray], asked: Demands) -> Between:
+    """The places of parts from checkpoint to checkpoint."""
+    most = max(part.size for part in parts)
+    places = np.array([np.pad(part, (0, most - part.size), mode="edge") for part in parts])
+    steps = np.where(places[:, 1:] != places[:, :-1], on.step_rad[places[:, :-1]], 0.0)
+    return Between(places, np.cumsum(np.pad(steps, ((0, 0), (1, 0))), axis=1), asked)
+
+
+def everywhere(known: KnownRanges, between: Between) -> Ranges:
+    """Ranges of q at all places and in all cells between checkpoints, from known ranges."""
+    places, angle, asked = between.places, between.angle_rad, between.asked
+    if asked.convex:
+        low, low_in_cell = _between_lower(known.least[places], angle, asked.ratio_max)
+        high, high_in_cell = _between_upper(known.most[places], angle)
+    else:
+        low, low_in_cell = _leaning(known.least[places], angle, -asked.steepness)
+        high, high_in_cell = _leaning(known.most[places], angle, asked.steepness)
+    least, most, least_in_cell, most_in_cell = (np.full(known.least.size, end) for end in (0.0, inf) * 2)
+    least[places], most[places] = low * (1.0 - ROUNDING), high * (1.0 + ROUNDING)
+    true = np.diff(angle, axis=1) > 0.0
+    cells = places[:, :-1][true]
+    least_in_cell[cells] = low_in_cell[true] * (1.0 - ROUNDING)
+    most_in_cell[cells] = high_in_cell[true] * (1.0 + ROUNDING)
     return Ranges(least, most, least_in_cell, most_in_cell)
 
 
@@ -141,58 +152,56 @@ def _leaning(known: Array, angle_rad: Array, steepness: float) -> tuple[Array, A
     """Greatest q at places and in cells where 1 + s changes by exp(t d) over d rad; the least where t is negative."""
     sign = 1.0 if steepness > 0.0 else -1.0
     far, height = abs(steepness) * angle_rad, sign * np.log1p(np.sqrt(known))
-    onward = np.minimum.accumulate(height - far) + far
-    at = np.minimum(onward, np.minimum.accumulate((height + far)[::-1])[::-1] - far)
-    in_cell = (at[:-1] + at[1:] + np.diff(far)) / 2.0
+    onward = np.minimum.accumulate(height - far, axis=1) + far
+    at = np.minimum(onward, np.minimum.accumulate((height + far)[:, ::-1], axis=1)[:, ::-1] - far)
+    in_cell = (at[:, :-1] + at[:, 1:] + np.diff(far, axis=1)) / 2.0
     q, q_in_cell = (np.maximum(np.expm1(sign * one), 0.0) ** 2 for one in (at, in_cell))
     return q, q_in_cell
 
 
 def _between_upper(known: Array, angle_rad: Array) -> tuple[Array, Array]:
     """Greatest q at places from known places, and in the cells: 1 + s lies below the sine curve through both ends."""
-    length = angle_rad[-1]
-    ends = 1.0 + np.sqrt(known[[0, -1]])
-    if not np.all(np.isfinite(ends)):
-        return known, np.full(angle_rad.size - 1, inf)
-    at = (ends[0] * np.sin(length - angle_rad) + ends[1] * np.sin(angle_rad)) / np.sin(length)
-    at = np.minimum(at, 1.0 + np.sqrt(known))
-    in_cell = np.maximum(at[:-1], at[1:]) / np.cos(np.diff(angle_rad) / 2.0)
+    length, s = angle_rad[:, -1:], np.sqrt(known)
+    at = ((1.0 + s[:, :1]) * np.sin(length - angle_rad) + (1.0 + s[:, -1:]) * np.sin(angle_rad)) / np.sin(length)
+    at = np.minimum(at, 1.0 + s)
+    in_cell = np.maximum(at[:, :-1], at[:, 1:]) / np.cos(np.diff(angle_rad, axis=1) / 2.0)
     return (at - 1.0) ** 2, (in_cell - 1.0) ** 2
 
 
 def _between_lower(known: Array, angle_rad: Array, ratio_max: float) -> tuple[Array, Array]:
     """Least q at places from known places, and in the cells: ln q bends up by 2 i + 2 i^2 at most."""
-    length, ends = float(angle_rad[-1]), known[[0, -1]]
-    ratio = _greatest_ratio(1.0 / sqrt(float(np.min(ends))), length, ratio_max)
+    length, log = angle_rad[:, -1:], np.log(known)
+    ratio = _greatest_ratio(1.0 / np.sqrt(np.minimum(known[:, :1], known[:, -1:])), length, ratio_max)
     bend = 2.0 * ratio + 2.0 * ratio**2
-    chord = np.interp(angle_rad, [0.0, length], np.log(ends))
+    chord = log[:, :1] + (log[:, -1:] - log[:, :1]) * (angle_rad / length)
     at = np.maximum(chord - bend * angle_rad * (length - angle_rad) / 2.0, -2.0 * np.log(ratio))
-    at = np.maximum(at, np.log(known))
-    in_cell = np.minimum(at[:-1], at[1:]) - bend * np.diff(angle_rad) ** 2 / 8.0
+    at = np.maximum(at, log)
+    in_cell = np.minimum(at[:, :-1], at[:, 1:]) - bend * np.diff(angle_rad, axis=1) ** 2 / 8.0
     return np.exp(at), np.exp(in_cell)
 
 
-def _greatest_ratio(at_ends: float, length_rad: float, most: float) -> float:
-    """The greatest i12 on a stretch of the crank angle of a convex driving curve, from the greatest at its ends.
+def _greatest_ratio(at_ends: Array, length_rad: Array, most: float) -> Array:
+    """The greatest i12 on stretches of the crank angle of a convex driving curve, from the greatest at their ends.
 
     Over the driving angle 1 + i lies at or below the sine curve through the ends: I <= (1 + M) / cos(I length/2) - 1,
     where I, the greatest i of the stretch, bounds the driving angle.  The right side is convex in I.  Where it is less
     than I at the greatest ratio of all, I is at most the first fixed point.
     """
 
-    def above(ratio: float) -> float:
+    def above(ratio: Array) -> Array:
         half = ratio * length_rad / 2.0
-        return (1.0 + at_ends) / cos(half) - 1.0 if half < 1.5 else inf
+        return np.where(half < 1.5, (1.0 + at_ends) / np.cos(np.minimum(half, 1.5)) - 1.0, inf)
 
-    if not above(most) < most:
-        return most
-    ratio = at_ends
+    found = np.full(at_ends.shape, most)
+    left, ratio = above(found) < most, at_ends
     for _ in range(100):
-        ratio = above(ratio)
-        enough = min(ratio * (1.0 + 1e-6), most)
-        if above(enough) <= enough:
-            return enough
-    return most
+        if not np.any(left):
+            break
+        ratio = np.minimum(above(ratio), most)
+        enough = np.minimum(ratio * (1.0 + 1e-6), most)
+        settled = left & (above(enough) <= enough)
+        found, left = np.where(settled, enough, found), left & ~settled
+    return found
 
 
 # --- three places in a row of a convex driving curve -----------------------------------------------------------------

@@ -31,8 +31,8 @@ from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.optimum.certified.cycle import CrankCycle
 from ncgear.optimum.certified.demands import Demands, NearMotion, Ranges
 from ncgear.optimum.certified.motion import MotionProgramme
-from ncgear.optimum.certified.proof import Linear, least
-from ncgear.optimum.certified.ranges import KnownRanges, PlacesInRow, everywhere
+from ncgear.optimum.certified.proof import Linear, Proof, Solver, proof_of
+from ncgear.optimum.certified.ranges import Between, KnownRanges, between, everywhere, parts_between
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,9 +172,10 @@ class Tree:
     """The stretches in which ranges of q are looked for; it narrows and divides boxes of these ranges."""
 
     trials: Trials
-    stretches: Sequence[PlacesInRow]
-    checkpoints: Sequence[Sequence[int]]
+    checkpoints: Sequence[int]
+    between: Between
     budget: Budget
+    solver: Solver
 
     def emptied(self, boxes: Sequence[MotionBox], target: float, until: int) -> list[MotionBox]:
         """The boxes that are left of others when motions below a target are looked for in them."""
@@ -196,12 +197,12 @@ class Tree:
     def narrowed(self, box: MotionBox, target: float, worth: float = WORTH) -> MotionBox | None:
         """A box narrowed in rounds to motions below a target; None where it holds none of them."""
         while True:
-            before = self.width(box)
+            before = self.widths(box).sum()
             after = self.round(box, target)
             if after is None:
                 return None
             after = self.bounded(after, target)
-            if after is None or self.width(after) > worth * before:
+            if after is None or self.widths(after).sum() > worth * before:
                 return after
             box = after
 
@@ -210,31 +211,34 @@ class Tree:
         seen = Seen(self.trials.on.count)
         for name in box.figures if len(box.figures) > 1 else ():
             made = self.trials.below(self.ranges(box), box.figures, target)
-            (low, high), of = box.figures[name], made.figures[name]
-            low = max(low, self.answer(made, of, seen))
-            high = min(high, max(-self.answer(made, -of, seen), LEAST_FIGURE * target / self.trials.prices[name]))
+            proof, of, (low, high) = proof_of(made.programme), made.figures[name], box.figures[name]
+            low = max(low, self.answer(proof, of, made.q, seen))
+            high = min(
+                high, max(-self.answer(proof, -of, made.q, seen), LEAST_FIGURE * target / self.trials.prices[name])
+            )
             if low > high:
                 return None
             box = replace(box, figures={**box.figures, name: (low, high)})
-        for place in chain.from_iterable(self.checkpoints):
+        for place in self.checkpoints:
             low, high = box.known.least[place], box.known.most[place]
             if high < NARROW * low or not (sides := seen.worth(place, low, high)):
                 continue
             made = self.trials.below(self.ranges(box), box.figures, target)
+            proof, of = proof_of(made.programme), made.q[place : place + 1]
             for side in sides:
-                answer = self.answer(made, made.q[place : place + 1] * side, seen)
+                answer = self.answer(proof, of * side, made.q, seen)
                 bounds = (answer, inf) if side > 0.0 else (0.0, -answer)
                 box = replace(box, known=box.known.within(place, *bounds))
             if box.known.empty:
                 return None
         return box
 
-    def answer(self, made: MotionProgramme, goal: Linear, seen: Seen) -> float:
-        """The certain least value of a goal in a programme; q of the motion near it is seen."""
+    def answer(self, proof: Proof, goal: Linear, q: Linear, seen: Seen) -> float:
+        """The certain least value of a goal, from what proves it; q of the motion near it is seen."""
         self.budget.spend(1)
-        answer = least(made.programme, goal)
+        answer = self.solver.least(proof, goal)
         if answer.near is not None:
-            seen.add(answer.near[made.q.columns[0]])
+            seen.add(answer.near[q.columns[0]])
         return answer.value
 
     def bounded(self, box: MotionBox, target: float) -> MotionBox | None:
@@ -257,7 +261,7 @@ class Tree:
     def halves(self, box: MotionBox) -> list[MotionBox]:
         """A box cut in two where ln q, or a figure of a sum, is widest; none where ln q is narrow everywhere."""
         known = box.known
-        place = max(chain.from_iterable(self.checkpoints), key=lambda one: float(known.most[one] / known.least[one]))
+        place = self.checkpoints[np.argmax(self.widths(box))]
         low, high = float(known.least[place]), float(known.most[place])
         if high < NARROW * low:
             return []
@@ -285,14 +289,13 @@ class Tree:
         found = self.trials.least(self.ranges(MotionBox(known, about, 0.0)), about, WIDENED * motion.value)
         return max(motion.value - found.value, 0.0)
 
-    def width(self, box: MotionBox) -> float:
-        """The sum of the widths of ln q at the checkpoints."""
-        places = list(chain.from_iterable(self.checkpoints))
-        return float(np.sum(np.log(box.known.most[places] / box.known.least[places])))
+    def widths(self, box: MotionBox) -> Array:
+        """The widths of ln q at the checkpoints, shape (k,)."""
+        return np.asarray(np.log(box.known.most[self.checkpoints] / box.known.least[self.checkpoints]))
 
     def ranges(self, box: MotionBox) -> Ranges:
         """Ranges of q everywhere in the stretches."""
-        return everywhere(self.trials.on, box.known, self.stretches, self.checkpoints)
+        return everywhere(box.known, self.between)
 
 
 class Seen:
@@ -358,7 +361,8 @@ def whole_tree(
 ) -> tuple[Tree, MotionBox]:
     """The tree and the box of all motions, with ranges in parts of the turn; see ``bisected``."""
     on = trials.on
-    stretches = [PlacesInRow(places, motion.q[places], asked) for places in parts]
+    stretches = [parts_between(on, places, motion.q[places], asked) for places in parts]
+    ends = [int(end) for own in stretches for end in (*(part[0] for part in own), own[-1][-1])]
     known = KnownRanges(np.full(on.count, asked.ratio_max**-2.0), np.full(on.count, asked.ratio_min**-2.0))
-    tree = Tree(trials, stretches, [stretch.checkpoints(on) for stretch in stretches], budget)
+    tree = Tree(trials, ends, between(on, [*chain(*stretches)], asked), budget, Solver())
     return tree, MotionBox(known, dict.fromkeys(trials.prices, (0.0, inf)), without)
