@@ -108,8 +108,7 @@ class Jet:
             row, rest = quotient[k], quotient[k + 1 :]
             row /= b[0]
             rest -= row * b[1 : len(a) - k]
-        row = quotient[-1]
-        row /= b[0]
+        quotient[-1] /= b[0]
         return Jet(quotient)
 
     def __pow__(self, exponent: float) -> Jet:
@@ -139,10 +138,9 @@ def sqrt(argument: Jet) -> Jet:
     a = argument.coefficients
     root = np.empty_like(a)
     root[0] = np.sqrt(a[0])
-    twice = 2.0 * root[0] if len(a) > 1 else root[0]
     for k in range(1, len(a)):
         rest = a[k] - _paired(root[1:k], root[1:k]) if k > 1 else a[k]
-        np.divide(rest, twice, out=root[k])
+        np.divide(rest, 2.0 * root[0], out=root[k])
     return Jet(root)
 
 
@@ -159,8 +157,7 @@ def sinh_cosh(argument: Jet) -> tuple[Jet, Jet]:
 def _pair(a: Array, odd: np.ufunc, even: np.ufunc, sign: float) -> tuple[Jet, Jet]:
     """Two functions, the derivative of the odd one being the even one, and the other way round times the sign."""
     sine, cosine = np.empty_like(a), np.empty_like(a)
-    odd(a[0], out=sine[0])
-    even(a[0], out=cosine[0])
+    sine[0], cosine[0] = odd(a[0]), even(a[0])
     count = _rows(a) - 1
     slopes = _slopes(a[: count + 1])
     for k in range(1, len(a)):
