@@ -59,7 +59,7 @@ def law_at_random(seed: int) -> Train:
 
 
 @cache
-def ratios_of(seed: int) -> Array:
+def ratios_of(seed: int) -> np.ndarray:
     return 1.0 / law_at_random(seed).whole.driven_angle(np.linspace(0.0, TURN, 2000), 1).derivative(1)
 
 
