@@ -36,7 +36,7 @@ PLUNGER = RodMasses(slider_kg=150.0)
 ALL = RodMasses(150.0, 30.0, 430.0, 2.8e6, 40.0, 120.0, 1.6e6, 5.5e6, 5.5e6, 0.0, (0.0, -9.80665))
 """Masses of the three columns of the table, written down again."""
 
-pytestmark = pytest.mark.thorough
+pytestmark = pytest.mark.slow
 
 
 def law(name: str) -> Transmission:

@@ -41,13 +41,13 @@ def test_drawings_come_from_the_second_process(drawer: Drawer) -> None:
     first, second = drawer.begun(PRODUCT, [2, 3]), drawer.begun("os:getpid")
     assert first() == 6
     assert second() != os.getpid()
-
-
-@pytest.mark.thorough
-def test_its_errors_are_raised_here(drawer: Drawer) -> None:
+    # Its errors are raised here.
     with pytest.raises(ValueError, match="negative"):
         drawer.begun(FACTORIAL, -1)()
     assert drawer.begun(PRODUCT, [5])() == 5
+    # What cannot be pickled is drawn here.
+    assert list(drawer.begun("builtins:map", lambda value: value + 1, [1, 2])()) == [2, 3]
+    assert drawer.begun(PRODUCT, [7])() == 7
 
 
 @pytest.mark.thorough
@@ -61,19 +61,13 @@ def test_where_it_dies_this_process_draws(drawer: Drawer) -> None:
 
 
 @pytest.mark.thorough
-def test_what_cannot_be_pickled_is_drawn_here(drawer: Drawer) -> None:
-    assert list(drawer.begun("builtins:map", lambda value: value + 1, [1, 2])()) == [2, 3]
-    assert drawer.begun(PRODUCT, [7])() == 7
-
-
-@pytest.mark.thorough
 def test_what_waits_is_drawn_here(drawer: Drawer) -> None:
     """An offer that the second process has begun stays there, and one that was drawn here it passes over."""
     pid(drawer)
-    begun = drawer.offered("time:sleep", 0.5)
+    begun = drawer.offered("time:sleep", 0.25)
     waiting = [drawer.offered("os:getpid") for _ in range(3)]
     asked = drawer.begun("os:getpid")
-    time.sleep(0.2)
+    time.sleep(0.1)
     assert [one() for one in waiting[1:]] == [os.getpid()] * 2
     assert waiting[1]() == os.getpid()
     assert begun() is None
@@ -94,7 +88,7 @@ def test_offers_are_drawn_here_where_it_dies_or_cannot_be_asked(drawer: Drawer) 
     assert list(drawer.offered("builtins:map", lambda value: value + 1, [1, 2])()) == [2, 3]
     number = pid(drawer)
     offers = [drawer.offered("time:sleep", 60), drawer.offered(PRODUCT, [3, 4])]
-    time.sleep(0.2)
+    time.sleep(0.1)
     os.kill(number, signal.SIGKILL)
     assert offers[1]() == 12
     assert drawer.offered(PRODUCT, [2, 5])() == 10

@@ -74,9 +74,9 @@ def dense(name: str, number: int) -> Array:
 
 
 @pytest.mark.tiers(
-    slow=["0.01-waves-straddled", "0.01-arcs-sampled", "0.01-waves-sampled"],
+    thorough=["0.01-arcs-straddled"],
     long=["0.0001-waves-sampled", "0.0001-arcs-straddled"],
-    rest="thorough",
+    rest="slow",
 )
 @pytest.mark.parametrize("sampling", [sampled, straddled])
 @pytest.mark.parametrize("name", SHAPES)

@@ -186,7 +186,7 @@ WRITTEN = [
 ]
 
 
-@pytest.mark.tiers(thorough=["uniform-12*"], slow=["uniform 3*"], rest="long")
+@pytest.mark.tiers(slow=["uniform-12*", "uniform 3*"], rest="long")
 @pytest.mark.parametrize(("name", "teeth", "backlash_mm", "kinds"), WRITTEN)
 def test_fifty_times_as_many_positions_find_nothing_beyond_written_outlines_extremes(
     name: str, teeth: int, backlash_mm: float, kinds: dict[str, Any]

@@ -290,7 +290,7 @@ def test_python_runs(kind: str) -> None:
         call("ratio" if kind != "harmonic" else "ratio_of_driven_angle", 7.0)
 
 
-@pytest.mark.tiers(thorough=["pusher"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no compiler of C")
 @pytest.mark.parametrize("kind", SOURCES)
 def test_c_runs(kind: str, tmp_path: Path) -> None:
@@ -299,7 +299,7 @@ def test_c_runs(kind: str, tmp_path: Path) -> None:
     assert np.isnan(call("ratio" if kind != "harmonic" else "ratio_of_driven_angle", -0.1))
 
 
-@pytest.mark.tiers(thorough=["pusher"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", SOURCES)
 def test_matlab_says_the_same(kind: str) -> None:
     text = printing.printed(of_kind(kind).formulas, "matlab")

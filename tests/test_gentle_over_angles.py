@@ -51,10 +51,16 @@ AROUND = replace(STOP, driving=driving(-0.6, 0.5), most_mm_s2=3000.0)
 ALL: list[GentleStretch] = [SLOW, STOP, AROUND]
 
 
+@cache
 def law_at_random(seed: int) -> Train:
     generator = np.random.default_rng([41, seed])
     cosine, sine = generator.normal(0.0, 0.25, (2, 3)) / np.arange(1.0, 4.0) ** 1.5
     return single(harmonic_law(cosine, sine, Lobes()))
+
+
+@cache
+def ratios_of(seed: int) -> np.ndarray:
+    return 1.0 / law_at_random(seed).whole.driven_angle(np.linspace(0.0, TURN, 2000), 1).derivative(1)
 
 
 def moving(train: Train) -> Machine:
@@ -92,7 +98,7 @@ def test_crank_angles_that_every_law_passes(ends: tuple[float, float]) -> None:
         outside = 0
         for seed in range(8):
             machine = moving(law_at_random(seed))
-            ratio = 1.0 / machine.transmission.driven_angle(np.linspace(0.0, TURN, 2000), 1).derivative(1)
+            ratio = ratios_of(seed)
             low, high = float(ratio.min()), float(ratio.max())
             middle, half = (low + high) / 2.0, share * (high - low) / 2.0
             case = passed_by_all(driving(*ends), TURN, middle - 1.001 * half, middle + 1.001 * half)

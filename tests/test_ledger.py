@@ -42,10 +42,6 @@ from printed_figures import ANYWHERE, BALER, CHASSIS, CLAIMS, DRUM, LINES, NUMBE
 ENTRIES = [entry for paper in PAPERS for entry in paper.entries]
 
 
-def name(entry: Entry) -> str:
-    return f"{entry.places[0]} {entry.what}"
-
-
 @pytest.mark.tiers(quick=["Threshing drum with a side chain drive"], rest="long")
 @pytest.mark.parametrize("paper", PAPERS, ids=lambda paper: paper.title)
 def test_every_verdict_is_borne_out(paper: Paper) -> None:
@@ -142,7 +138,7 @@ def test_the_other_verdict_is_refused() -> None:
             judged(replace(entry, verdict=other, words="typed"))
 
 
-@pytest.mark.parametrize("entry", [entry for entry in ENTRIES if entry.verdict in AGREEING], ids=name)
+@at_once("entry", [entry for entry in ENTRIES if entry.verdict in AGREEING])
 def test_what_is_printed_comes_out_and_another_last_digit_is_refused(entry: Entry) -> None:
     """Two steps off in any printed digit, a thousandth in an equation, or a claim the other way round: it falls."""
     computed = judged(entry).computed

@@ -9,6 +9,7 @@ Derivatives", 2nd edition, SIAM 2008, table 13.2.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 from math import factorial, pi
 
 import numpy as np
@@ -28,6 +29,10 @@ class Jet:
     """
 
     coefficients: Array
+
+    def __init__(self, coefficients: Array) -> None:
+        # As dataclasses do, in less time.
+        self.__dict__["coefficients"] = coefficients
 
     __array_ufunc__ = None
     """Makes numpy leave the arithmetic to the jet where an array stands to its left."""
@@ -75,9 +80,7 @@ class Jet:
     def __add__(self, other: Jet | float | Array) -> Jet:
         if isinstance(other, Jet):
             return Jet(self.coefficients + other.coefficients)
-        coefficients = self.coefficients.copy()
-        coefficients[0] += other
-        return Jet(coefficients)
+        return Jet(_raised(self.coefficients.copy(), other))
 
     __radd__ = __add__
 
@@ -87,9 +90,7 @@ class Jet:
         return self + (-other)
 
     def __rsub__(self, other: float | Array) -> Jet:
-        coefficients = -self.coefficients
-        coefficients[0] += other
-        return Jet(coefficients)
+        return Jet(_raised(-self.coefficients, other))
 
     def __mul__(self, other: Jet | float | Array) -> Jet:
         if not isinstance(other, Jet):
@@ -104,8 +105,9 @@ class Jet:
         a, b = self.coefficients, other.coefficients
         quotient = a.copy() if a.shape == b.shape else np.broadcast_to(a, np.broadcast_shapes(a.shape, b.shape)).copy()
         for k in range(len(a) - 1):
-            quotient[k] /= b[0]
-            quotient[k + 1 :] -= quotient[k] * b[1 : len(a) - k]
+            row, rest = quotient[k], quotient[k + 1 :]
+            row /= b[0]
+            rest -= row * b[1 : len(a) - k]
         quotient[-1] /= b[0]
         return Jet(quotient)
 
@@ -138,7 +140,7 @@ def sqrt(argument: Jet) -> Jet:
     root[0] = np.sqrt(a[0])
     for k in range(1, len(a)):
         rest = a[k] - _paired(root[1:k], root[1:k]) if k > 1 else a[k]
-        root[k] = rest / (2.0 * root[0])
+        np.divide(rest, 2.0 * root[0], out=root[k])
     return Jet(root)
 
 
@@ -156,11 +158,12 @@ def _pair(a: Array, odd: np.ufunc, even: np.ufunc, sign: float) -> tuple[Jet, Je
     """Two functions: the odd one's derivative is the even one, the even one's is ``sign`` times the odd one."""
     sine, cosine = np.empty_like(a), np.empty_like(a)
     sine[0], cosine[0] = odd(a[0]), even(a[0])
-    slopes, count = _slopes(a), _rows(a) - 1
+    count = _rows(a) - 1
+    slopes = _slopes(a[: count + 1])
     for k in range(1, len(a)):
         last = max(k - count, 0)
-        sine[k] = _paired(slopes[: k - last], cosine[last:k]) / k
-        cosine[k] = sign * _paired(slopes[: k - last], sine[last:k]) / k
+        np.divide(_paired(slopes[: k - last], cosine[last:k]), k, out=sine[k])
+        np.divide(_paired(slopes[: k - last], sine[last:k]), sign * k, out=cosine[k])
     return Jet(sine), Jet(cosine)
 
 
@@ -178,7 +181,12 @@ def tanh(argument: Jet) -> Jet:
 
 def _counted(rows: Array) -> Array:
     """1, 2, ... for the rows, in a shape that multiplies rows."""
-    return np.arange(1.0, len(rows) + 1.0).reshape(-1, *[1] * (rows.ndim - 1))
+    return _counts(len(rows), rows.ndim)
+
+
+@cache
+def _counts(count: int, axes: int) -> Array:
+    return np.arange(1.0, count + 1.0).reshape(-1, *[1] * (axes - 1))
 
 
 def _slopes(coefficients: Array) -> Array:
@@ -189,20 +197,28 @@ def _paired(rising: Array, falling: Array) -> Array:
     """Sum of products of rows: the first of one times the last of the other and so on; shape (n,)."""
     if len(rising) == 1:
         return np.asarray(rising[0] * falling[0])
-    return (rising * falling[::-1]).sum(axis=0)
+    return np.asarray(np.add.reduce(rising * falling[::-1]))
 
 
 def _product(a: Array, b: Array, count: int) -> Array:
     """Product of two series, of which the first one is zero but for so many rows."""
     product = a[0] * b
     for j in range(1, count):
-        product[j:] += a[j] * b[:-j]
+        rest = product[j:]
+        rest += a[j] * b[:-j]
     return product
+
+
+def _raised(coefficients: Array, by: float | Array) -> Array:
+    """The series itself, with a number added to its values."""
+    values = coefficients[0]
+    values += by
+    return coefficients
 
 
 def _rows(a: Array) -> int:
     """How many rows of a series count: a straight argument, which is the usual one, has a single slope."""
-    return len(a) if a[2:].any() else min(len(a), 2)
+    return len(a) if len(a) < 3 or a[2:].any() else 2
 
 
 def _whole_power(base: Jet, exponent: int) -> Jet:
@@ -258,11 +274,9 @@ def polynomial(coefficients: Sequence[float] | Array, argument: Jet) -> Jet:
     if len(coefficients) == 1:
         return argument * 0.0 + coefficients[0]
     a, count = argument.coefficients, _rows(argument.coefficients)
-    result = a * coefficients[-1]
-    result[0] += coefficients[-2]
+    result = _raised(a * coefficients[-1], coefficients[-2])
     for coefficient in reversed(coefficients[:-2]):
-        result = _product(a, result, count)
-        result[0] += coefficient
+        result = _raised(_product(a, result, count), coefficient)
     return Jet(result)
 
 

@@ -172,19 +172,20 @@ def zeros_between(function: Callable[[Array], Array], low: Array, high: Array, k
     value, old_value = _zero_at_an_end((low, high), *(known or (function(low), function(high))))
     share = np.full(low.shape, 0.5)
     with np.errstate(all="ignore"):
+        narrow = CLOSE * np.abs(high - low)
         for _ in range(MOST_STEPS):
             at = new + share * (old - new)
             at_value = function(at)
-            if np.any(np.isnan(at_value)):
-                raise _no_zero(np.isnan(at_value), low, high, "is no number between them")
+            if (missing := np.isnan(at_value)).any():
+                raise _no_zero(missing, low, high, "is no number between them")
             same = np.sign(at_value) == np.sign(value)
             older, older_value = np.where(same, new, old), np.where(same, value, old_value)
             old, old_value = np.where(same, old, new), np.where(same, old_value, value)
             new, value = at, at_value
             best = np.where(np.abs(value) < np.abs(old_value), new, old)
-            least = CLOSE * (np.abs(best) + CLOSE * np.abs(high - low)) / np.abs(old - new)
+            least = CLOSE * (np.abs(best) + narrow) / np.abs(old - new)
             done = (least > 0.5) | (value == 0.0) | (old_value == 0.0)
-            if np.all(done):
+            if done.all():
                 return np.where(np.abs(value) < np.abs(old_value), new, old)
             share = _next_share((new, old, older), (value, old_value, older_value), least)
             # A zero that is found stays where it is: a step within so narrow a bracket could leave it.
@@ -213,10 +214,12 @@ def _no_zero(failed: Mask, low: Array, high: Array, why: str) -> Unanswered:
 def _next_share(points: tuple[Array, Array, Array], values: tuple[Array, Array, Array], least: Array) -> Array:
     """Share of the way from the newest point to the point across the zero: by an inverse quadratic, or the middle."""
     (a, b, c), (fa, fb, fc) = points, values
-    place, height = (a - b) / (c - b), (fa - fb) / (fc - fb)
+    ab, fab, fcb = a - b, fa - fb, fc - fb
+    place, height = ab / (c - b), fab / fcb
     trusted: Mask = (height**2 < place) & ((1.0 - height) ** 2 < 1.0 - place)
-    share = fa / (fb - fa) * fc / (fb - fc) + (c - a) / (b - a) * fa / (fc - fa) * fb / (fc - fb)
-    return np.clip(np.where(trusted & np.isfinite(share), share, 0.5), np.minimum(least, 0.5), 1.0 - least)
+    share = fa / fab * fc / fcb - (c - a) / ab * fa / (fc - fa) * fb / fcb
+    usual = np.where(trusted & np.isfinite(share), share, 0.5)
+    return np.minimum(np.maximum(usual, np.minimum(least, 0.5)), 1.0 - least)
 
 
 SLOWEST = 0.5

@@ -314,13 +314,13 @@ class Transmission(Shown):
         cycles, local = np.divmod(points, self.lobes.driving_period_rad)
         if not self.lobes.repeats:
             cycles, local = np.zeros_like(points), points
+        if len(self.pieces) == 1:
+            return self.pieces[0].driven_angle(local, order) + cycles * self.lobes.driven_period_rad
         starts = [piece.start_rad for piece in self.pieces]
         index = np.maximum(np.searchsorted(starts, local, side="right") - 1, 0)
         masks = [(index == number, piece) for number, piece in enumerate(self.pieces)]
         parts = [(mask, piece.driven_angle(local[mask], order)) for mask, piece in masks if mask.any()]
-        turned = np.zeros((order + 1, points.size))
-        turned[0] = cycles * self.lobes.driven_period_rad
-        return jet.joined(parts) + Jet(turned)
+        return jet.joined(parts) + cycles * self.lobes.driven_period_rad
 
 
 @dataclass(frozen=True, eq=False)
