@@ -303,6 +303,5 @@ def test_meshes_and_room_of_a_train_are_judged_by_the_worst() -> None:
     assert "part by" in bad[0].said
     assert len({*allowed}) == 1
     assert (
-        judged_contacts(train, [contact(0.0, 0.0, "a")], [])[1].words
-        == "no parts at one height come near to each other"
+        judged_contacts(train, [contact(0.0, 0.0, "a")], [])[1].said == "no parts at one height come near to each other"
     )
