@@ -295,6 +295,10 @@ def test_a_dxf_file_is_sound_and_shows_its_sheet_on_paper(name: str, sheet: str)
     assert sorted([view.dxf.width, view.dxf.height]) == pytest.approx(A4_MM)
     heights = [one.dxf.height * scale for one in found.modelspace().query("TEXT")]
     assert min(heights) == pytest.approx(2.5)
+    if sheet != "pair":
+        # All of it is at true size about the gear's axis.
+        outline = max(found.modelspace().query("LWPOLYLINE"), key=len)
+        assert strayed_mm(np.array(outline.get_points("xy")), name, Gear(sheet)) <= 0.01
     # Dashes are as long on paper as in the other files: in mm of the model, and not once more in those of paper.
     assert (found.header["$LTSCALE"] * scale, found.header["$PSLTSCALE"]) == (pytest.approx(1.0), 0)
 

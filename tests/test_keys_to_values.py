@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import nullcontext
 from math import pi
 from types import SimpleNamespace
 from typing import Any
@@ -12,7 +13,7 @@ import pytest
 from at_once import at_once
 from drives import drive_of_text, loaded
 from ncgear.design.mechanisms import mechanism_of
-from ncgear.errors import NoSuchMechanism
+from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.jet import Jet
 from ncgear.optimum.outline.conditions import Limits
 from ncgear.project.alternatives import (
@@ -29,6 +30,7 @@ from ncgear.project.drive import Drive
 from ncgear.project.forces import mean_inertia, swinging_inertia
 from ncgear.project.free_lengths import _given
 from ncgear.project.law import load_of
+from ncgear.project.law_task import _size_of
 from ncgear.project.moving_masses import TrainInertia, train_inertia
 from ncgear.project.outline_trial import Made, between, drawn_in
 
@@ -88,6 +90,23 @@ def test_a_free_stroke_is_in_the_unit_of_its_key(name: str, key: str, factor: fl
     linkage = mechanism_of(design.linkage)
     way = linkage.displacement(Jet.variable(np.linspace(0.0, 2.0 * pi, 20_001), 0)).value
     assert _given(design, key) == pytest.approx(factor * np.ptp(way), rel=1e-6)
+
+
+@at_once(
+    ("name", "limits", "said"),
+    [
+        ("internal-1-2", {"tooth_force_n": 900.0}, "external pairs only"),
+        ("baler-66-two-stage", {"flank_load_n_mm": 9.0}, "one pair only"),
+        ("uniform-crank", {}, ""),
+        ("ellipse", {"tooth_force_n": 900.0}, ""),
+    ],
+)
+def test_the_force_between_teeth_is_limited_where_it_is_known(name: str, limits: dict[str, float], said: str) -> None:
+    design = loaded(name).design
+    names = dict.fromkeys(("tooth_force_n", "flank_load_n_mm", "center_distance_mm"))
+    given = Fake(**{**names, **limits}, stages=design.stages)
+    with pytest.raises(WrongInput, match=said) if said else nullcontext():
+        assert _size_of(design, given) is not None
 
 
 # --- limits of the next pair near an outline -------------------------------------------------------------------------

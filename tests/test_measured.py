@@ -29,7 +29,7 @@ from ncgear.metrology.alone import alone_mm, are_judged
 from ncgear.metrology.as_measured import _in_order, outline_as_measured
 from ncgear.metrology.best_fit import BestFit, Pose, _fitted, best_fit, on_flanks
 from ncgear.metrology.deviations import deviations
-from ncgear.metrology.exact_outline import TIP_LAND_CURVE, ExactOutline, exact_outline
+from ncgear.metrology.exact_outline import FLANK_CURVE, TIP_LAND_CURVE, ExactOutline, exact_outline
 from ncgear.numerics.plane import as_complex, as_points
 from ncgear.pitch.shape import Gear
 from ncgear.project.compared import ComparedPair, Fit, compared_gear, compared_pair
@@ -474,6 +474,27 @@ def test_an_outline_as_measured_goes_through_its_points_and_keeps_the_rest() -> 
     whole, _, _ = flank_points(outline.gear, 25)
     (own,) = np.split(whole, 38)[5:6]
     assert ring.distance(shapely.points(as_points(own))) == pytest.approx(0.03, abs=0.003)
+
+
+def test_points_at_one_place_count_as_their_mean() -> None:
+    """Two that are a ten-thousandth of a micrometre apart along the flank: 16 um out and 8 um in are 4 um out."""
+    outline = small()
+    at, _, normal = flank_points(outline.gear, 3)
+    points = np.append(at, at[7] + 1e-7j * normal[7]) + np.append(np.zeros(at.size), -0.008 * normal[7])
+    points[7] += 0.016 * normal[7]
+    ring = shapely.LinearRing(outline_as_measured(outline, posed(points)))
+    wanted = at[7] + 0.004 * normal[7]
+    assert ring.distance(shapely.Point(wanted.real, wanted.imag)) == pytest.approx(0.0, abs=1e-4)
+
+
+def test_points_at_the_ends_of_a_flank_do_not_count() -> None:
+    """Of its exact curve between root and tip, where an edge may be broken."""
+    outline = small()
+    flanks = np.flatnonzero(outline.part == FLANK_CURVE)
+    for share, counts in ((0.0, False), (5e-5, False), (0.5, True), (1.0 - 5e-5, False), (1.0, False)):
+        at, _ = outline.at(flanks, np.full(flanks.size, share))
+        found = on_flanks(outline, outline.feet(at))
+        assert found.all() if counts else not found.any(), share
 
 
 def test_places_that_coincide_are_one_of_their_mean_shift() -> None:

@@ -173,6 +173,9 @@ def test_span_of_a_circular_gear_is_the_closed_form(teeth: int, shift: float, ba
     assert found.first.size == teeth
     assert len(set(found.teeth)) == 1
     np.testing.assert_allclose(found.distance_mm, span_of(teeth, found.teeth[0], shift, backlash), rtol=AGREEMENT)
+    # Its middle comes to the pitch point a tooth later for each tooth.
+    order = np.argsort(found.first)
+    assert np.diff(np.unwrap(found.phi1_rad[order])) == pytest.approx(2.0 * pi / teeth, rel=1e-9)
 
 
 def test_span_of_a_circular_helical_gear_is_that_of_its_normal_section() -> None:

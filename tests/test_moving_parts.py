@@ -185,6 +185,9 @@ def test_a_train_is_shown_with_all_its_parts_in_the_pose_of_the_frame() -> None:
     assert across == pytest.approx(up, rel=1e-9)
     # The heading is above the axes, which the room of all poses fills.
     assert axes.figure.get_figheight() * (1.0 - axes.get_position().y1) == pytest.approx(0.4, rel=0.1)
+    box = axes.get_position(original=True)
+    filled = (box.height * height) / (box.width * width)
+    assert filled == pytest.approx(np.ptp(axes.get_ylim()) / np.ptp(axes.get_xlim()), rel=0.01)
     turned = one.poses_at(np.array([one.cycle_rad / 3.0]))
     patches = [patch for patch in axes.patches if isinstance(patch, Polygon)]
     assert len(patches) == len(one.parts)
@@ -254,7 +257,7 @@ def test_outlines_in_a_notebook_fit_in_their_box_with_y_up(name: str) -> None:
             assert np.hypot(*ring.T) == pytest.approx(1.1 * np.hypot(*curve.T).max())
         # Paths are in whole steps, of a five-thousandth of the picture or finer.
         steps = {float(step) for step in re.findall(r'transform="scale\((\S+)\)" d=', html)}
-        assert 0.0 < max(steps) <= 2e-4 * max(width, height)
+        assert 5e-6 * max(width, height) < max(steps) <= 2e-4 * max(width, height)
 
 
 def test_a_machine_in_a_notebook_runs_a_turn_in_five_seconds() -> None:

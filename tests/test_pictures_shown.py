@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import cache
+from itertools import pairwise
+from math import pi
 from types import SimpleNamespace
 from typing import Any
 
@@ -16,22 +19,29 @@ from matplotlib.figure import Figure
 from shapely import Point, Polygon
 
 from at_once import at_once
-from drives import drive_of_text
+from drives import drive, drive_of_text
 from ncgear.drawings.assembled import Assembled, Position
 from ncgear.drawings.pictures import positions_at
 from ncgear.drawings.plots import canvas
 from ncgear.drawings.plots.assembled_pair import pitch_curves_png, teeth_png
+from ncgear.figures.side_by_side import SideBySide
 from ncgear.files.balance import campbell, loops
-from ncgear.files.measured import _along_flanks, _round_factor, deviations_png
+from ncgear.files.bench import stage_png
+from ncgear.files.measured import _along_flanks, _round_factor, compared_pictures, deviations_png
+from ncgear.files.side_by_side import CHARTS, side_by_side_png
 from ncgear.files.strength import HOLDING_SCALE, ColouredGear, coloured_teeth_png
 from ncgear.files.sweep import Axis, _chosen, pareto, scatter_matrix
 from ncgear.files.tolerance import Spread, sources, spreads
+from ncgear.files.workshop.gear_drawing import pitch_points
 from ncgear.metrology.best_fit import BestFit, Pose, on_flanks
 from ncgear.metrology.deviations import deviations
 from ncgear.metrology.exact_outline import exact_outline
 from ncgear.numerics.plane import as_complex
 from ncgear.pitch.shape import Gear, Mesh
+from ncgear.project.bench import BenchStage, Trial
 from ncgear.project.drive import Drive
+
+Made: Any = SimpleNamespace
 
 
 @pytest.fixture
@@ -251,10 +261,10 @@ def test_closed_curves_are_at_most_eight_and_grow_thinner(shown: Callable[..., F
 @pytest.mark.judges("files")
 def test_excitations_rise_with_the_speed_across_natural_frequencies(shown: Callable[..., Figure]) -> None:
     excitations: Any = [
-        SimpleNamespace(kind="rotation", frequency_hz=2.0),
-        SimpleNamespace(kind="harmonic 3", frequency_hz=30.0),
-        SimpleNamespace(kind="combustion", frequency_hz=9.0),
-        SimpleNamespace(kind="tooth mesh", frequency_hz=40.0),
+        Made(kind="rotation", frequency_hz=2.0),
+        Made(kind="harmonic 3", frequency_hz=30.0),
+        Made(kind="combustion", frequency_hz=9.0),
+        Made(kind="tooth mesh", frequency_hz=40.0),
     ]
     (axes,) = shown(campbell, excitations, [25.0, 80.0], 0.1, "title").axes
     rising = [line for line in axes.lines if len(line.get_xdata()) > 10]
@@ -281,10 +291,10 @@ def test_excitations_rise_with_the_speed_across_natural_frequencies(shown: Calla
 def test_designs_that_are_written_lie_evenly_along_the_front() -> None:
     """By the first objective, both ends among them."""
     first = np.random.default_rng(5).permutation(50).astype(float)
-    front: Any = SimpleNamespace(numbers=np.arange(50))
+    front: Any = Made(numbers=np.arange(50))
     chosen = _chosen(front, np.column_stack([first, -first]))
     assert first[chosen].tolist() == pytest.approx(np.linspace(0.0, 49.0, 8), abs=0.5)
-    few = _chosen(SimpleNamespace(numbers=np.arange(3)), np.array([[2.0, 0.0], [0.0, 2.0], [1.0, 1.0]]))  # type: ignore[arg-type]
+    few = _chosen(Made(numbers=np.arange(3)), np.array([[2.0, 0.0], [0.0, 2.0], [1.0, 1.0]]))  # type: ignore[arg-type]
     assert few.tolist() == [1, 2, 0]
 
 
@@ -358,7 +368,7 @@ def measured() -> Any:
     feet = outline.feet(points)
     fit = BestFit(Pose(0.0), feet, on_flanks(outline, feet), 0.0, None, np.zeros(points.size))
     found = deviations(outline, fit)
-    return SimpleNamespace(gear=Gear.DRIVING, outline=outline, fit=fit, deviations=found)
+    return Made(gear=Gear.DRIVING, outline=outline, fit=fit, deviations=found)
 
 
 def test_deviations_are_drawn_many_times_as_long_on_their_own_flanks(shown: Callable[..., Figure]) -> None:
@@ -412,3 +422,72 @@ def test_lines_of_deviations_go_along_one_flank_each() -> None:
 @at_once(("factor", "rounded"), [(287.3, 200.0), (1.0, 1.0), (0.099, 0.09), (9999.0, 9000.0), (30.0, 30.0)])
 def test_factors_are_rounded_down_to_one_digit(factor: float, rounded: float) -> None:
     assert _round_factor(factor) == pytest.approx(rounded)
+
+
+# --- benches, designs side by side, play of measured pairs -----------------------------------------------------------
+
+
+@pytest.mark.judges("files")
+def test_trials_are_shown_by_time_and_error_and_the_one_that_is_recommended(shown: Callable[..., Figure]) -> None:
+    """In ms; an error of nothing is shown as the least, and room is left around all and what is asked."""
+    trials = tuple(Trial(setting, time, error, 9) for setting, time, error in
+                   ((0.4, 0.002, 0.3), (0.2, 0.004, 0.01), (0.1, 0.009, 0.0)))  # fmt: skip
+    stage = BenchStage("teeth", "tolerance", "mm", "points", "error", "mm", "exact", 0.02, "key", 0.2, trials)
+    (axes,) = shown(stage_png, stage, "name").axes
+    tried, asked, best = axes.lines
+    assert list(tried.get_xdata()) == pytest.approx([2.0, 4.0, 9.0])
+    assert list(tried.get_ydata())[:2] == [0.3, 0.01]
+    assert 0.0 < tried.get_ydata()[2] < 1e-6
+    assert list(asked.get_ydata()) == [0.02, 0.02]
+    assert (list(best.get_xdata()), list(best.get_ydata())) == ([pytest.approx(4.0)], [0.01])
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    assert left < 2.0 < 9.0 < right
+    assert low < tried.get_ydata()[2] < 0.3 < high
+    assert [text.xy for text in axes.texts] == [pytest.approx(place) for place in tried.get_xydata()]
+    coarse = replace(stage, asked=1e-9, trials=trials[:2])
+    (axes,) = shown(stage_png, coarse, "name").axes
+    assert len(axes.lines) == 2
+    assert axes.get_ylim()[0] < 1e-9
+    wide = replace(stage, asked=5.0)
+    assert shown(stage_png, wide, "name").axes[0].get_ylim()[1] > 5.0
+
+
+@pytest.mark.judges("files")
+def test_designs_side_by_side_have_a_chart_below_another(shown: Callable[..., Figure]) -> None:
+    """That of power only where a design has a load; curves are those of the motions, over one scale of angles."""
+    with_load, without = drive("pump-1-2"), press(Mesh.EXTERNAL)
+    for drives, count in (((with_load, without), len(CHARTS)), ((without, without), len(CHARTS) - 1)):
+        made = shown(side_by_side_png, SideBySide(drives, ({}, {})))
+        assert len(made.axes) == count
+        boxes = [axes.get_position() for axes in made.axes]
+        assert all(upper.y0 > lower.y1 for upper, lower in pairwise(boxes))
+        assert max(box.y1 for box in boxes) < 1.0
+        for axes in made.axes:
+            assert sum(len(line.get_xdata()) > 50 for line in axes.lines) >= 2
+
+
+@pytest.mark.judges("files")
+def test_play_of_a_measured_pair_is_in_micrometres_at_the_flanks(monkeypatch: pytest.MonkeyPatch) -> None:
+    kept: list[Any] = []
+    monkeypatch.setattr("ncgear.files.measured.column_png", lambda charts, *_: kept.extend(charts) or b"")
+    phi1 = np.array([0.0, pi, 2.0 * pi])
+    measured = Made(backlash_rad=np.array([1e-3, 2e-3, 3e-3]), pushing_rad=np.array([1e-6, 2e-6, 3e-6]))
+    pair: Any = Made(gears=(), placement=Made(phi1_rad=phi1, cycle_rad=2.0 * pi), lever_mm=30.0, measured=measured,
+                     exact=Made(backlash_rad=np.full(3, 5e-3), pushing_rad=np.zeros(3)))  # fmt: skip
+    assert list(compared_pictures(pair, "name")) == ["measured-contact.png"]
+    play, error = kept
+    assert (play.end, list(play.lines[1].x)) == (pytest.approx(360.0), pytest.approx([0.0, 180.0, 360.0]))
+    assert [list(line.values) for line in play.lines] == [pytest.approx([150.0] * 3), pytest.approx([30.0, 60.0, 90.0])]
+    assert [list(line.values) for line in error.lines] == [pytest.approx([0.0] * 3), pytest.approx([1.0, 2.0, 3.0])]
+
+
+@pytest.mark.judges("files")
+def test_points_of_a_pitch_curve_keep_the_tolerance_and_are_hardly_more_than_that_takes() -> None:
+    """By the sagitta of chords: k s^2/8 with the largest curvature."""
+    curve = press(Mesh.EXTERNAL).pitch.driving
+    for tolerance in (0.05, 0.002):
+        points = pitch_points(curve, tolerance)
+        at = curve.length_mm * (np.arange(len(points)) + 0.5) / len(points)
+        middle = curve.at_length(at).position
+        off = np.hypot(*(middle - (points + np.roll(points, -1, axis=0)) / 2.0).T)
+        assert 0.7 * tolerance < off.max() <= tolerance

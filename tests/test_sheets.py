@@ -6,7 +6,8 @@
 from __future__ import annotations
 
 import re
-from functools import cache
+from collections.abc import Callable
+from functools import cache, partial
 from itertools import pairwise
 from math import hypot, pi
 
@@ -17,9 +18,11 @@ from shapely import LineString, Point, Polygon
 
 from at_once import at_once
 from drives import drive
+from ncgear.files.workshop.drawing import Circle
 from ncgear.files.workshop.sheets.board import SLACK_MM, Board
 from ncgear.files.workshop.sheets.body import View
 from ncgear.files.workshop.sheets.frame import Columns, PaperTable, evenly, fitted
+from ncgear.files.workshop.sheets.gear_view import point_at_circle
 from ncgear.files.workshop.sheets.sheet import (
     Dimension,
     Line,
@@ -208,17 +211,19 @@ def words(sheet: str) -> list[str]:
     return [item.words for item in sheets()[sheet].items if isinstance(item, Text)]
 
 
-@pytest.mark.judges("files")
-@at_once("sheet", ["driving", "driven", "pair"])
-def test_every_dimension_measures_what_it_says(sheet: str) -> None:
-    found = sizes(sheet)
+def every_dimension_measures_what_it_says() -> None:
+    for sheet in sheets():
+        measures_what_it_says(sizes(sheet))
+
+
+def measures_what_it_says(found: dict[str, Dimension]) -> None:
     assert len(found) >= 4
     for said, one in found.items():
         (number,) = re.findall(r"^[R\u00d8]?([\d.]+)", said)
         assert one.value_mm == pytest.approx(float(number), abs=6e-5), said
 
 
-def test_dimensions_of_both_gears_are_those_of_the_design() -> None:
+def dimensions_of_both_gears_are_those_of_the_design() -> None:
     driving, driven = sizes("driving"), sizes("driven")
     # H7 from 6 to 10 mm is +0.015, from 10 to 18 mm +0.018; the keyway's bottom is 6 + 6 + 1.8 from the other side.
     assert {"10", "\u00d88 H7 (0 to +0.015)"} <= set(driving)
@@ -238,8 +243,7 @@ def test_dimensions_of_both_gears_are_those_of_the_design() -> None:
         assert np.hypot(*(outline - farthest).T).min() == pytest.approx(0.0, abs=1e-9)
 
 
-@at_once("gear", list(Gear))
-def test_pins_lie_in_the_spaces_that_are_named(gear: Gear) -> None:
+def pins_lie_in_the_spaces_that_are_named(gear: Gear) -> None:
     """Two circles of the pins' size between teeth, touching the dimension's ends from inside, and no tooth."""
     sheet = sheets()[gear.value]
     ((said, one),) = ((said, one) for said, one in sizes(gear.value).items() if "pins" in said)
@@ -261,7 +265,7 @@ def test_pins_lie_in_the_spaces_that_are_named(gear: Gear) -> None:
             assert float(near.removeprefix("tooth-")) in {*spaces, *(space + 1.0 for space in spaces)}
 
 
-def test_the_section_shows_the_widths_of_the_material() -> None:
+def the_section_shows_the_widths_of_the_material() -> None:
     """The material on x = 0 is the body's width at every y; its lines stand under one another beside the view."""
     sheet = sheets()["driven"]
     width = sizes("driven")["10"]
@@ -286,7 +290,7 @@ def test_the_section_shows_the_widths_of_the_material() -> None:
     assert any(points.shape == (2, 2) and np.allclose(points, wanted) for points in chain)
 
 
-def test_the_assembly_is_the_machine_at_its_first_pose() -> None:
+def the_assembly_is_the_machine_at_its_first_pose() -> None:
     found, sheet = sizes("pair"), sheets()["pair"]
     (said,) = (said for said in found if "\u00b1" in said)
     assert found[said].value_mm == pytest.approx(drive(PUMP).pitch.center_distance_mm, abs=1e-9)
@@ -305,8 +309,7 @@ def test_the_assembly_is_the_machine_at_its_first_pose() -> None:
     assert (pin - axes[1]) / sheet.scale == pytest.approx([-30.0, 0.0], abs=1e-9)
 
 
-@at_once("sheet", ["driving", "driven", "pair"])
-def test_texts_cover_neither_lines_nor_one_another(sheet: str) -> None:
+def texts_cover_neither_lines_nor_one_another(sheet: str) -> None:
     plain = list(sheets()[sheet].plain())
     boxes = {one: Polygon(one.corners) for one in plain if isinstance(one, Text)}
     frame = shapely.box(20.0, 10.0, 200.0, 287.0)
@@ -321,12 +324,26 @@ def test_texts_cover_neither_lines_nor_one_another(sheet: str) -> None:
     assert not len(tree.query([LineString(points) for points in lines], predicate="intersects").T)
 
 
+def tables_stand_beside_one_another() -> None:
+    """Their upright rules, by where they begin and end: 2 mm at least are left between tables side by side."""
+    for gear in Gear:
+        rules: dict[tuple[float, float], list[float]] = {}
+        for item in sheets()[gear.value].items:
+            if isinstance(item, Line) and item.pen is Pen.THIN and len(item.points) == 2:
+                (x, high), (other, low) = np.round(item.points, 6).tolist()
+                if x == other and 100.0 < high < 160.0:
+                    rules.setdefault((high, low), []).append(x)
+        beside = sorted((min(xs), max(xs)) for (high, _), xs in rules.items() if high == max(rules)[0])
+        assert len(beside) == 3
+        for (_, right), (left, _) in pairwise(beside):
+            assert left - right >= 2.0 - 1e-6
+
+
 def closed(plain: list[Line | Ring | Text]) -> list[Line]:
     return [one for one in plain if isinstance(one, Line) and one.closed]
 
 
-@at_once("gear", list(Gear))
-def test_marks_point_along_the_line_of_centres_and_the_crank(gear: Gear) -> None:
+def marks_point_along_the_line_of_centres_and_the_crank(gear: Gear) -> None:
     """In the gear's own frame: the driving gear is met ahead, the driven one behind, where its crank points too."""
     sheet = sheets()[gear.value]
     (place,) = (item for item in sheet.items if isinstance(item, Text) and item.words.startswith("mesh"))
@@ -336,6 +353,38 @@ def test_marks_point_along_the_line_of_centres_and_the_crank(gear: Gear) -> None
     tip = min((points[0] for points in arrows), key=lambda point: hypot(*(point - np.array(place.place))))
     assert ahead * (tip - sheet.origin)[0] > 0.0
     assert tip[1] == pytest.approx(sheet.origin[1], abs=1e-9)
+
+
+@pytest.mark.judges("files")
+@at_once(
+    "judge",
+    [
+        every_dimension_measures_what_it_says,
+        dimensions_of_both_gears_are_those_of_the_design,
+        *(partial(pins_lie_in_the_spaces_that_are_named, gear) for gear in Gear),
+        *(partial(marks_point_along_the_line_of_centres_and_the_crank, gear) for gear in Gear),
+        the_section_shows_the_widths_of_the_material,
+        the_assembly_is_the_machine_at_its_first_pose,
+        *(partial(texts_cover_neither_lines_nor_one_another, sheet) for sheet in ("driving", "driven", "pair")),
+        tables_stand_beside_one_another,
+    ],
+)
+def test_the_sheets_of_a_pump(judge: Callable[[], None]) -> None:
+    judge()
+
+
+@at_once("place", [(10.0, 20.0), (-15.0, 8.0), (12.0, -3.0)])
+def test_a_leader_to_a_hole_comes_from_the_side_of_the_axis(place: tuple[float, float]) -> None:
+    """An eighth of a turn beside the way to the axis, as first tried, from the edge through the centre."""
+    board = Board((-100.0, -100.0, 100.0, 100.0))
+    point_at_circle(board, View(2.0, (5.0, 6.0)), [Circle(*place, 1.5)], "\u00d83", 0.0)
+    (found,) = (item for item in board.items if isinstance(item, Dimension))
+    center = np.array([5.0, 6.0]) + 2.0 * np.array(place)
+    towards = -np.array(place) / hypot(*place)
+    way = np.array([towards[0] - towards[1], towards[0] + towards[1]]) / np.sqrt(2.0)
+    assert found.ends == pytest.approx(np.array([center + 3.0 * way, center - 3.0 * way]))
+    assert found.lines[0].points[:2] == pytest.approx(np.array([center + 3.0 * way, center + 8.0 * way]))
+    assert (found.value_mm, found.measured) == (pytest.approx(3.0), Measured.DIAMETER)
 
 
 @at_once("hand", [1.0, -1.0])

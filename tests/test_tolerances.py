@@ -7,6 +7,8 @@ from dataclasses import replace
 from functools import cache
 from math import acos, cos, pi, radians, sin, sqrt, tan
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -29,7 +31,16 @@ from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes, Pair, on_driving_shaft
 from ncgear.teeth.form import Backlash, ToothForm
 from ncgear.teeth.gear import ToothedPair, toothed_pair
-from ncgear.tolerances.assemblies import Assemblies, Lot, Smoothed, Waves, computed, lot_of_pairs
+from ncgear.tolerances.assemblies import (
+    Assemblies,
+    Between,
+    Lot,
+    PairLot,
+    Smoothed,
+    Waves,
+    computed,
+    lot_of_pairs,
+)
 from ncgear.tolerances.drawn import (
     COUNT,
     SOURCES,
@@ -53,6 +64,7 @@ from ncgear.tolerances.study import (
     drawn_at_random,
     drawn_evenly,
     enough_samples,
+    first_order,
     jammed,
     signs_of,
     sobol_indices_of,
@@ -62,6 +74,8 @@ from ncgear.tolerances.study import (
 from pairs import rack
 
 ALPHA = radians(20.0)
+
+Made: Any = SimpleNamespace
 
 ASSUMED = USUAL[Process.GENERATED]
 
@@ -777,6 +791,50 @@ def test_a_value_that_nearly_all_surpass_is_told_from_enough_samples_only() -> N
     assert surpassed(np.arange(1e5), 0.999) == pytest.approx(100.0 - 1.645 * 10.0, abs=2.0)
 
 
+def test_the_spread_of_play_to_first_order_is_that_of_the_centre_distance() -> None:
+    """Along the normal the play of circular gears grows by 2 sin(a) times the distance."""
+    _, _, placement, mesh = circular()
+    none = np.zeros(2 * (TEETH + DRIVEN_TEETH))
+    limits = Limits(0.03, (0, 0), (0, 0), (0, 0), none, none, (20.0, 20.0), 0.0, (0.0, 0.0, 0.0), (0, 0))
+    positions = np.arange(placement.count)
+    way = Between(positions, positions, np.zeros(positions.size))
+    lot = Lot((PairLot(mesh, limits, positions[:0], way, np.ones(positions.size)),), Made())
+    tasks = drawn_evenly(128, 1)
+    found = first_order(lot, 0, tasks)
+    size = float(np.std(np.concatenate([lot.drawn(task)[0].rigid[0] for task in tasks])))
+    assert found.by_source["center_distance"] == pytest.approx(2.0 * sin(ALPHA) * size, rel=0.02)
+    assert found.linear_mm == pytest.approx(found.by_source["center_distance"])
+    assert found.drawn_mm == pytest.approx(found.linear_mm, rel=0.02)
+    assert found.difference == pytest.approx(np.abs(found.linear_mm - found.drawn_mm).max() / found.drawn_mm.max())
+    pitched = replace(limits, pitch_mm=none + 0.02, profile_mm=none + 0.01)
+    other = first_order(replace(lot, pairs=(replace(lot.pairs[0], limits=pitched),)), 0, tasks[:1])
+    known = spread(pitched).pitch_mm[0]
+    # One flank of each gear on each side: four deviations along the pitch circles, cos(a) of each along the normal.
+    assert other.by_source["pitch"] == pytest.approx(2.0 * cos(ALPHA) * known, rel=1e-3)
+    assert other.linear_mm == pytest.approx(np.sqrt(sum(one**2 for one in other.by_source.values())))
+    # The same positions miss nothing.
+    same = between_positions(lot.pairs[0], mesh, lot.drawn(tasks[0])[0])
+    assert (same.assemblies, same.least_play_mm, same.largest_play_mm, same.transmission_error_mm) == (64, 0, 0, 0)
+
+
+def test_tasks_of_indices_exchange_one_source_each() -> None:
+    """Saltelli's: A, B, and A with the numbers of one source from B, in their order."""
+    sources = Source("pitch"), Source("wear"), Source("tilt_driven")
+    tasks = sobol_tasks(Made(pairs=(1, 2), sources=sources), 128, 5)
+    assert [task.number for task in tasks] == list(range(2 * 5))
+    own, others, swapped = tasks[:2], tasks[2:4], tasks[4:]
+    assert all(task.pairs.shape == (2 * COUNT, 64) for task in tasks)
+    assert not np.array_equal(own[0].pairs, others[0].pairs)
+    for place, task in enumerate(swapped):
+        assert task.source == sources[place // 2]
+        assert np.array_equal(task.pairs, own[place % 2].pairs)
+        assert task.other is not None
+        assert np.array_equal(task.other.pairs, others[place % 2].pairs)
+    # Both halves are points of one sequence, evenly spread in all numbers.
+    every = np.concatenate([np.concatenate([task.pairs for task in half], axis=1) for half in (own, others)])
+    assert every.mean(axis=1) == pytest.approx(0.5, abs=0.01)
+
+
 # --- assemblies of a design --------------------------------------------------------------------------------------
 
 
@@ -865,7 +923,7 @@ def test_the_backlash_that_is_needed_lets_fresh_assemblies_turn() -> None:
 @pytest.mark.slow
 def test_results_are_the_same_whatever_the_workers() -> None:
     lot = ellipse_lot()
-    tasks = drawn_evenly(512, 1)
+    tasks = drawn_evenly(128, 1)
     alone, two = (assemblies_of(lot, tasks, Workers(None, count)) for count in (1, 2))
     for one, other in ((alone, two), (alone.pairs[0], two.pairs[0])):
         arrays = {name: values for name, values in vars(one).items() if name != "pairs"}

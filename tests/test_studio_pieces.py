@@ -1,0 +1,87 @@
+"""Pieces of the studio by themselves: choices in their groups, thinned lines, what a best law would save."""
+
+from __future__ import annotations
+
+import re
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("starlette", reason="python -m pip install 'ncgear[studio]' installs the server")
+
+from at_once import at_once
+from drives import loaded
+from ncgear.errors import NoSuchMechanism
+from ncgear.optimum.makeable.wishes import Goal
+from ncgear.studio.motion_answers import LIVE_POINTS, _thinned
+from ncgear.studio.page import GROUPS, beginnings, start_page
+from ncgear.studio.told import saved
+
+pytestmark = pytest.mark.judges("studio")
+
+Fake: Any = SimpleNamespace
+
+
+def test_choices_stand_below_the_heading_of_their_group() -> None:
+    content, _ = start_page("/somewhere", "")
+    sections = re.findall(r"<h2[^>]*>(.*?)</h2>(.*?)</section>", content, re.DOTALL)
+    assert [heading for heading, _ in sections] == list(GROUPS)
+    keys = {heading: re.findall(r'value="([^"]+)"', body) for heading, body in sections}
+    for one in beginnings():
+        assert [heading for heading, of in keys.items() if one.key in of] == [one.group]
+
+
+@at_once("count", [5, 399, 400, 1000, 4321])
+def test_lines_that_follow_a_hand_keep_their_ends_and_both_sides_of_jumps(count: int) -> None:
+    angles = np.sort(np.random.default_rng(count).uniform(0.0, 360.0, count))
+    jumps = [count // 3, count - 3]
+    for jump in jumps:
+        angles[jump + 1] = angles[jump]
+    angles = np.sort(angles)
+    kept = _thinned(angles)
+    assert (kept[0], kept[-1]) == (0, count - 1)
+    assert {*jumps, *(jump + 1 for jump in jumps)} <= {*kept.tolist()}
+    assert (np.diff(kept) > 0).all()
+    step = max(count // LIVE_POINTS, 1)
+    assert np.diff(kept).max() <= step
+    assert len(kept) <= count / step + 6
+
+
+@at_once(
+    ("own", "words", "full"),
+    [
+        (100.0, "power up to 20.0 % lower", "power: 100 now, no law below 80 W"),
+        (80.7, "power within 1 % of the limit", "power: 80.7 now, no law below 80 W"),
+        (64.0, "power 25.0 % higher", "power: 64 now, no law below 80 W keeps every wish and limit"),
+    ],
+)
+def test_a_best_law_saves_what_lies_above_the_limit(
+    own: float, words: str, full: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    best = Fake(
+        begun=Fake(bound=Fake(value=80.0)),
+        given_figures=own,
+        wishes=Fake(goal=Goal.POWER, prices=Fake(of=lambda given: given)),
+    )
+    monkeypatch.setattr("ncgear.project.best_law.BestLaw", lambda design: best)
+    monkeypatch.setattr("ncgear.figures.best_law.unit_of_goal", lambda best: "W")
+    assert saved(loaded("pump-1-2").design) == {"words": words, "in_full": full}
+
+
+def test_nothing_is_said_where_no_limit_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
+    best = Fake(begun=Fake(bound=None), given_figures=1.0)
+    monkeypatch.setattr("ncgear.project.best_law.BestLaw", lambda design: best)
+    assert saved(loaded("pump-1-2").design) is None
+
+    class Refused:
+        def __init__(self, design: Any) -> None:
+            pass
+
+        @property
+        def begun(self) -> Any:
+            raise NoSuchMechanism("no law")
+
+    monkeypatch.setattr("ncgear.project.best_law.BestLaw", Refused)
+    assert saved(loaded("pump-1-2").design) is None
