@@ -9,7 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from ncgear.dynamics.crank_load import CrankLoad
-from ncgear.dynamics.flank_changes import BorneTorque, borne_torque
+from ncgear.dynamics.flank_changes import CHECKED, PER_SWING, SETTLED, BorneTorque, borne_torque
 from ncgear.dynamics.gaps import Gaps
 from ncgear.dynamics.meshing import Friction, Impact, Meshing
 from ncgear.numerics.periodic_table import PeriodicTable
@@ -89,6 +89,10 @@ def test_flanks_that_part_meet_again_and_swing_as_in_closed_form() -> None:
     end = pi + SPEED * (time_s + float(after[-1]))
     assert highest(found, pi, end, -1.0) == pytest.approx(peak, rel=0.02)
     assert peak > 3.0 * float(-saw(np.array([end]))[0])
+    # They are followed until nothing swings: over the last swings the teeth bear what is asked.
+    last = slice(-CHECKED * PER_SWING, None)
+    left = np.abs(found.torque_n_mm[last] - saw(found.phi1_rad[last]))
+    assert left.max() < 1.01 * SETTLED * saw(np.linspace(0.0, TURN, 1001)).max()
 
 
 def test_teeth_without_play_bear_what_is_asked() -> None:
