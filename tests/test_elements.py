@@ -25,8 +25,8 @@ from ncgear.ratio.laws.expression import driven_angle_expression_law
 from ncgear.ratio.transmission import Lobes
 from ncgear.strength.contacts import FlankPlaces
 from ncgear.strength.elements.landmarks import outline_of
-from ncgear.strength.elements.loaded import loaded_teeth, refuse_folded
-from ncgear.strength.elements.mesh import MeshSize, Topology, cells_of, nodes_of, topology_of
+from ncgear.strength.elements.loaded import _highest, loaded_teeth, refuse_folded
+from ncgear.strength.elements.mesh import MeshSize, Topology, _to_center, cells_of, nodes_of, topology_of
 from ncgear.strength.elements.plane import (
     displacements,
     edge_stress,
@@ -501,6 +501,23 @@ def test_places_beyond_the_table_are_those_at_its_ends() -> None:
     reach = np.full(tip.flank.size, 0.02)
     np.testing.assert_allclose(elements.compliance(above, reach), elements.compliance(tip, reach), rtol=1e-12)
     np.testing.assert_allclose(elements.root_stress(above).tension_mpa, elements.tension_mpa[:, -1], rtol=1e-12)
+
+
+def test_the_largest_stress_is_that_of_the_parabola_through_its_neighbours() -> None:
+    """At uneven places; at an end it is the value there, and pressure alone counts as none."""
+    place = np.array([0.0, 0.3, 0.5, 0.9, 1.2])
+    within, rising, pressed = 5.0 - 2.0 * (place - 0.55) ** 2, 1.0 + place, -1.0 - place
+    assert _highest(np.tile(place, (3, 1)), np.stack([within, rising, pressed])) == pytest.approx([5.0, 2.2, 0.0])
+
+
+def test_stumps_on_a_circle_lead_to_its_centre() -> None:
+    """And three in line, nearly straight on along the axis."""
+    stump = 3.0 - 2.0j + 40.0 * np.exp(1j * np.cumsum([0.1, 0.2, 0.3, 0.15, 0.4]))
+    found = _to_center(stump, np.ones(5, dtype=complex), 2.0)
+    assert stump[1:-1] + found[1:-1] == pytest.approx(np.full(3, 3.0 - 2.0j))
+    line = _to_center(np.arange(5.0) * 1j, np.full(5, -1.0 + 0.0j), 2.0)
+    assert line[1:-1].real == pytest.approx(np.full(3, line[2].real))
+    assert line[2].real > 100.0
 
 
 def test_a_folded_mesh_is_refused_by_the_number_of_its_tooth() -> None:

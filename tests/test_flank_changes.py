@@ -9,7 +9,19 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from ncgear.dynamics.crank_load import CrankLoad
-from ncgear.dynamics.flank_changes import BorneTorque, borne_torque, moment_n_mm
+from ncgear.dynamics.flank_changes import (
+    CHECKED,
+    HARDEST,
+    PER_SWING,
+    SETTLED,
+    BorneTorque,
+    Knock,
+    Stretch,
+    borne_torque,
+    joined,
+    moment_n_mm,
+    near_pairs,
+)
 from ncgear.dynamics.gaps import Gaps
 from ncgear.dynamics.meshing import Friction, Impact, Meshing
 from ncgear.numerics.periodic_table import PeriodicTable
@@ -103,6 +115,40 @@ def test_flanks_that_part_meet_again_and_swing_as_in_closed_form() -> None:
     end = pi + SPEED * (time_s + float(after[-1]))
     assert highest(found, pi, end, -1.0) == pytest.approx(peak, rel=0.02)
     assert peak > 3.0 * float(-saw(np.array([end]))[0])
+    # They are followed until nothing swings: over the last swings the teeth bear what is asked.
+    last = slice(-CHECKED * PER_SWING, None)
+    left = np.abs(found.torque_n_mm[last] - saw(found.phi1_rad[last]))
+    assert left.max() < 1.01 * SETTLED * saw(np.linspace(0.0, TURN, 1001)).max()
+
+
+def test_between_stretches_that_are_followed_the_teeth_bear_what_is_asked() -> None:
+    """Of two stretches, each by its own places; the knocks of the last cycle are told, within one."""
+    first = Stretch(np.array([1.0, 1.5, 2.0]), np.array([5.0, 6.0, 7.0]), [Knock(1.2, 3.0)])
+    second = Stretch(np.array([2.2, 3.0]), np.array([1.0, 2.0]), [Knock(2.5, 4.0)])
+    found = joined([first, second], lambda phi1: np.full(phi1.shape, 0.1), TURN)
+    assert found.at(np.array([1.25, 2.05, 2.15, 2.6, 3.5])) == pytest.approx([5.5, 0.1, 0.1, 1.5, 0.1])
+    assert np.all(np.diff(found.phi1_rad) > 0.0)
+    twice = joined([first, second], found.asked, 1.7)
+    assert [[(knock.phi1_rad, knock.speed_mm_s) for knock in one.knocks or ()] for one in (found, twice)] == [
+        [(1.2, 3.0), (2.5, 4.0)],
+        [(pytest.approx(0.8), 4.0)],
+    ]
+
+
+def test_pairs_count_that_the_hardest_load_presses() -> None:
+    """Each against the first one on its own side: a second pushing pair that is too far behind is left out."""
+    play, behind = 6e-4, 1e-3
+    ends = [[0.0, LEVER_MM, 0.0, 0.0, STIFFNESS], [-behind, LEVER_MM, 0.0, 0.0, STIFFNESS]]
+    table = PeriodicTable(np.array([0.0, TURN]), np.array([*ends, [play, LEVER_MM, 0.0, 0.0, STIFFNESS]])[None, None])
+    gaps = Gaps(
+        table, np.array([[1.0, 1.0, -1.0]]), np.zeros((1, 3, 2), dtype=int), np.array([np.inf]), np.zeros(3, dtype=int)
+    )
+    mesh = Meshing(teeth().law, gaps, Impact(1.0, 0.0, 1e-6), Friction(0.0, 0.0, 1.0, 2.0))
+    for reach, errors in ((5e-4, [0.0, play]), (1.1e-3, [0.0, -behind, play])):
+        (pairs,), levers = near_pairs(mesh, np.array([1.0]), SPEED, reach * TURNING / HARDEST)
+        assert [one[1] for one in pairs] == pytest.approx(errors)
+        assert [one[0] for one in pairs] == pytest.approx([LEVER_MM] * (len(errors) - 1) + [-LEVER_MM])
+        assert levers.tolist() == [LEVER_MM]
 
 
 def test_teeth_without_play_bear_what_is_asked() -> None:

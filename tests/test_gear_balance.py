@@ -23,6 +23,7 @@ from ncgear.balance.gears import (
     Means,
     balancing_boss,
     corrected,
+    drilled,
     drilled_holes,
     mesh_body,
     plate_body,
@@ -32,7 +33,7 @@ from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.solids.mesh.slabs import slab_mesh
 from ncgear.solids.mesh.triangles import TriangleMesh
 from ncgear.solids.plan.areas import area_moments
-from ncgear.solids.plan.body import Slab, circle_points
+from ncgear.solids.plan.body import RoundHole, Slab, circle_points
 
 STEEL = 7850.0
 TOLERANCE = 0.005
@@ -139,6 +140,13 @@ def test_holes_balance_the_mesh() -> None:
     assert all(np.cos(np.angle(complex(hole.x_mm, hole.y_mm)) - direction) > 0.0 for hole in found.holes)
     # Nothing drilled leaves everything
     assert residual(corrected(SLIGHT, 15.0, STEEL, Means(), TOLERANCE, "gears"), SLIGHT) == pytest.approx(1.0, rel=1e-9)
+
+
+def test_drilled_polygons_have_the_areas_of_their_circles() -> None:
+    """However coarse their chords."""
+    holes = [RoundHole(20.0, 5.0, 9.0), RoundHole(-15.0, 20.0, 4.0)]
+    lost = SLIGHT.area - drilled(SLIGHT, holes, 0.5).area
+    assert lost == pytest.approx(pi / 4.0 * (81.0 + 16.0), rel=1e-9)
 
 
 def test_holes_keep_their_walls() -> None:

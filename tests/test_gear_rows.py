@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import partial
+from itertools import pairwise
 from math import pi, radians
 
 import numpy as np
 import pytest
 from mpmath import mp, mpf
+from shapely import Polygon
 
 import drives
 from ncgear.errors import WrongInput
@@ -16,9 +18,11 @@ from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.ellipse import elliptical_law
 from ncgear.ratio.transmission import Lobes
-from ncgear.trains.chain import row_of
+from ncgear.teeth.form import Backlash, ToothForm
+from ncgear.trains.chain import chain_train, row_of
 from ncgear.trains.contact import contacts_of
 from ncgear.trains.train import Poses, Train
+from pairs import rack
 
 SHAPE = "idler_radius: 5*cos(phi) + sqrt(40**2 - (5*sin(phi))**2)"
 
@@ -139,6 +143,27 @@ def test_round_gears_are_a_plain_row() -> None:
     assert np.abs(np.diff(row.axes_mm)) == pytest.approx([25.0, 20.0], rel=1e-9)
     assert row.turned_rad(np.array([0.6]))[:, 0] == pytest.approx([0.6, 0.4, 1.2], rel=1e-9)
     assert row.pairs[1].length_mm(Gear.DRIVING) == pytest.approx(row.pairs[0].length_mm(Gear.DRIVEN), rel=1e-9)
+
+
+def test_the_teeth_of_a_bent_row_of_three_touch_and_stay_apart() -> None:
+    """By polygons at places of their own: within the play, no overlap but by chords; half a pitch off they clash."""
+    row = row_of(elliptical_law(0.15, 0.0, Lobes(1, 2)), (1, 2, 1), (0.3, 1.1), 24, 2.0)
+    train = chain_train(row, ToothForm(rack(), backlash=Backlash(0.1)), 10.0, None, 60.0, 0.01)
+    angles = np.array([0.1, 1.3, 2.9, 4.4])
+    poses = train.poses_at(angles)
+
+    def placed(number: int, place: int, off_rad: float = 0.0) -> Polygon:
+        points = train.parts[number].outline_mm @ [1.0, 1.0j] * np.exp(1j * (poses.angle_rad[number, place] + off_rad))
+        points = points + poses.x_mm[number, place] + 1j * poses.y_mm[number, place]
+        return Polygon(np.stack([points.real, points.imag], axis=-1))
+
+    for place in range(angles.size):
+        gears = [placed(number, place) for number in range(3)]
+        for one, other in pairwise(gears):
+            assert one.intersection(other).area < 0.02
+            assert one.distance(other) < 0.05
+    off = placed(2, 0, pi / 24.0)
+    assert off.intersection(placed(1, 0)).area > 0.5
 
 
 def test_bends_that_are_not_those_of_the_idlers_are_refused() -> None:

@@ -15,6 +15,8 @@ import pytest
 from drives import DESIGNS, loaded
 from ncgear.design.keys.choices import Choices
 from ncgear.design.reading.design_file import LoadedDesign, parsed
+from ncgear.figures.advice.values import Kind
+from ncgear.figures.advice.verdict import State
 from ncgear.numerics.jet import Jet
 from ncgear.optimum.certified.limit import Bound
 from ncgear.optimum.certified.sweeps import Sweeps
@@ -148,6 +150,27 @@ def test_a_machine_holds_is_cut_and_has_a_motor(
     assert found.wider == (1.3 if "hold" in said else None)
 
 
+def test_a_machine_whose_verdict_breaks_a_condition_is_unfit(monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the width that would do where one of them is of teeth or flanks, whatever the others are."""
+    monkeypatch.setattr(machine_room, "_wider", lambda drive: 1.3)
+    for kinds, wider in (((Kind.STRENGTH, Kind.CONTACT_RATIO), 1.3), ((Kind.CONTACT_RATIO,), None)):
+        rows = [SimpleNamespace(kind=kind, state=State.BROKEN, advices=[SimpleNamespace(brief="no")]) for kind in kinds]
+        verdict = SimpleNamespace(rows=[*rows, SimpleNamespace(kind=Kind.FLANKS, state=State.KEPT, advices=[])])
+        monkeypatch.setattr(machine_room, "judged", lambda drive, known, seconds, verdict=verdict: verdict)
+        found = machine_room.judged_machine(PUSHER, "hobbed", Choices())
+        assert isinstance(found, Unfit)
+        assert (found.why, found.wider) == (tuple(f"{kind}: no" for kind in kinds), wider)
+
+
+def test_faces_are_wider_by_what_teeth_and_flanks_need(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The share of their life that flanks have is lost in proportion; the larger factor of both counts."""
+    monkeypatch.setattr(machine_room, "rating_of", lambda drive, method: SimpleNamespace(weakest=1.2))
+    monkeypatch.setattr(machine_room, "face_width_factor", lambda weakest: weakest)
+    for share, factor in ((0.5, 2.0), (0.9, 1.2)):
+        drive: Any = SimpleNamespace(surfaces_by=lambda method, share=share: SimpleNamespace(share=share))
+        assert machine_room._wider(drive) == pytest.approx(factor)
+
+
 def test_a_machine_is_guessed_by_its_law() -> None:
     guess = guessed_figures(MEAN, 3e6, 2e6, SPEED)
     assert (guess.peak_torque_n_m, guess.gear_volume_mm3) == (20.0 / SPEED, 2e6)
@@ -259,6 +282,10 @@ def test_the_fewest_teeth_of_even_circular_gears() -> None:
     even = FoundLaw((1.0,) * 8, 0.0, figures(task, single(uniform_law(task.lobes))))
     angle = radians(20.0)
     assert search.fewest_teeth(even) == ceil(2.0 * (1.25 - 0.38 * (1.0 - sin(angle))) / sin(angle) ** 2) == 18
+    assert search.design.gears is not None
+    deep = search.design.gears.rack.model_copy(update={"dedendum": 1.6, "root_radius": 0.1})
+    search.design = search.design.model_copy(update={"gears": search.design.gears.model_copy(update={"rack": deep})})
+    assert search.fewest_teeth(even) == ceil(2.0 * (1.6 - 0.1 * (1.0 - sin(angle))) / sin(angle) ** 2)
     motion = replace(even, ratio=(0.5, 2.0)).motion
     assert (motion.crank_angle_rad.tolist(), motion.turning.tolist()) == ([0.0, pi], [2.0, 0.5])
     assert search.speed_rad_s == pytest.approx(SPEED)
@@ -359,6 +386,18 @@ def test_the_price_of_a_wish_is_what_is_needed_more_with_it(monkeypatch: pytest.
         ("b", 0.0, pytest.approx(0.25)),
         ("a", pytest.approx(0.2), 0.0),
     ]
+
+
+def test_a_wish_is_left_out_by_its_key() -> None:
+    """Of the motion, of the limits or convex curves; all others stay."""
+    wishes = law_wishes(law_design(loaded("pusher").design), None)
+    named: Any = [SimpleNamespace(key=key) for key in ("motion.dwells.0", "motion.time_ratio")]
+    limits_of = replace(wishes.limits, peak_acceleration_mm_s2=3.0)
+    wishes = replace(wishes, motion=tuple(named), convex=True, limits=limits_of)
+    assert wish_prices._without(wishes, "motion.time_ratio").motion == tuple(named[:1])
+    assert wish_prices._without(wishes, "optimize.limits.convex") == replace(wishes, convex=False)
+    free = wish_prices._without(wishes, "optimize.limits.peak_acceleration_rad_s2")
+    assert (free.limits.peak_acceleration_mm_s2, free.motion, free.convex) == (None, tuple(named), True)
 
 
 def test_what_is_told_of_a_machine_that_was_made_by_easing() -> None:

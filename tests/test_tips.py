@@ -25,7 +25,7 @@ from ncgear.teeth.form import Backlash, BasicRack, Cutter, CutterKind, TipLimits
 from ncgear.teeth.fouling import STEPS, paths_near_concave
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 from ncgear.teeth.regular import regular_depth, regular_height
-from ncgear.teeth.tips import Limit, Tips, _crossing_below_cusp, even_heights, tip_crossing
+from ncgear.teeth.tips import Limit, Tips, _crossing_below_cusp, _land, even_heights, tip_crossing
 from ncgear.teeth.tool import RackLine
 from oracles import meshing
 from oracles.rack_cut import involute
@@ -242,6 +242,15 @@ def test_heights_of_lands_by_newtons_method_are_those_in_brackets(backlash_mm: f
         assert found[met] == pytest.approx(bracketed[met], abs=1e-9)
         wider = tips._newton_lands(edges, back, 1.01 * least)[0]
         assert np.all(wider[met] < found[met] - 1e-3)
+
+
+def test_play_makes_lands_of_a_round_gear_narrower_by_its_way_on_the_tip_circle() -> None:
+    pitch = sized_pair(uniform_law(Lobes()), 25, MODULE, None)
+    flanks = toothed_pair(pitch, ToothForm(rack(), backlash=Backlash(0.2)), 0.05).driven.flanks
+    back = np.arange(0, flanks.count, 2)
+    way = flanks.turn_rad[0] * (25.0 + MODULE)
+    assert way > 0.2
+    assert _land(flanks.unturned, back) - _land(flanks, back) == pytest.approx(np.full(25, way), rel=1e-4)
 
 
 @pytest.mark.tiers(slow=["1:2"], rest="long")

@@ -373,7 +373,7 @@ class NewtonAndEuler:
         return torque / 1e6, (weights - self.load([*self.bodies], axis)[1]) / 1e3
 
 
-@pytest.mark.parametrize("arms", [1, 2])
+@pytest.mark.parametrize("arms", [1, 3])
 def test_torque_and_shaking_force_are_those_of_newton_and_euler(arms: int) -> None:
     train = replace(planetary(arms=arms, arm_mm=90.0, arm_deg=25.0), speed_rpm=600.0)
     tools = [PutMass(trace.part, complex(*trace.at_mm), 0.4) for trace in train.traces]

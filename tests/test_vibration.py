@@ -199,6 +199,22 @@ def test_a_mesh_that_is_even_does_not_swing() -> None:
     assert np.all(found.multiplier < 1.0)
 
 
+@pytest.mark.parametrize("share", [0.3, 0.9, 1.6])
+def test_an_even_mesh_that_errs_by_a_wave_swings_as_in_closed_form(share: float) -> None:
+    """J y.. + C y. + K y = -J e.. - C e. of e = h cos(n w t): the steady amplitude of y = x - e loads the teeth."""
+    teeth, stiff, inertia, damping, height, torque = 8, 1e6, 0.01, 0.05, 1e-4, 500.0
+    phi1, one = np.linspace(0.0, TURN, 4000, endpoint=False), np.ones(4000)
+    wave = sqrt(stiff / inertia) * share
+    mesh = SwingingMesh(phi1, TURN, stiff * one, inertia * one, height * np.cos(teeth * phi1), torque * one, damping)
+    across = 2j * damping * sqrt(inertia * stiff) * wave
+    swing = height * abs((inertia * wave**2 - across) / (stiff - inertia * wave**2 + across))
+    found = swings(mesh, np.array([wave / teeth]))
+    assert found.load_factor[0] == pytest.approx(1.0 + stiff * swing / torque, rel=1e-3)
+    assert found.multiplier[0] == pytest.approx(
+        np.exp(-damping * sqrt(stiff / inertia) * TURN * teeth / wave), rel=1e-6
+    )
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("share", [0.3, 0.52, 0.9, 1.02, 1.6])
 def test_swings_against_another_solver(share: float) -> None:

@@ -148,6 +148,8 @@ def test_what_is_not_offered_is_refused_by_its_key() -> None:
     bare = rewritten(PUSHER, {"gears": None})
     with pytest.raises(DesignError, match="gears: missing"):
         MachineSearch(parsed(bare, Path("wish.yaml")))
+    with pytest.raises(DesignError, match=r"limits\.stages: two pairs in series"):
+        MachineSearch(loaded("baler-66-two-stage"))
 
 
 def test_a_way_of_making_that_suits_no_material_is_refused() -> None:
