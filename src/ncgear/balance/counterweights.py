@@ -45,7 +45,7 @@ from ncgear.numerics.arrays import Array, ComplexArray
 from ncgear.numerics.units import N_PER_KG_MM_S2
 
 GAP = 1e-7
-"""Share by which the peak may be above its certified bound: far finer than a counterweight can be made."""
+"""Largest relative excess of the peak over its certified bound: far finer than a counterweight can be made."""
 
 FEASIBLE = 1e-10
 """Tolerance of the linear programme on planes, in forces of a slider mass at the pin: well below ``GAP``."""
@@ -77,7 +77,7 @@ class BestCounterweight:
 
 
 def least_squares(mechanism: DrivenCrank, known: Accelerations | None = None) -> BestCounterweight:
-    """The counterweight of least mean square beside those already there; ``known`` accelerations may be given."""
+    """The counterweight of least mean square beside existing ones; ``known`` accelerations may be given."""
     known = known or accelerations(mechanism)
     angles, weights = gauss_points(known.form.breaks)
     pin, slider = _pin_and_slider(mechanism, known, angles)
@@ -156,7 +156,7 @@ class Tried:
 
 
 def sweep(mechanism: DrivenCrank, counterweight: Counterweight, masses_kg: Sequence[float]) -> list[Tried]:
-    """A counterweight on the crank with each mass, beside those already there; with gravity, bearings carry weights."""
+    """A counterweight on the crank with each mass, added to existing ones; with gravity, bearings carry weights."""
     known, found = accelerations(mechanism), []
     for mass in masses_kg:
         one = mechanism.with_counterweight(replace(counterweight, mass_kg=mass))

@@ -34,8 +34,8 @@ class Excitation:
 class Shaft:
     """A shaft, with the number of rollers in its bearing and of teeth on its sprocket or gear, if any.
 
-    ``roller_ratio`` is the diameter of a roller divided by that of the pitch circle of the rollers, times the cosine of
-    the contact angle.
+    ``roller_ratio`` is the diameter of a roller divided by the diameter of the rollers' pitch circle, times the cosine
+    of the contact angle.
     """
 
     name: str

@@ -199,7 +199,8 @@ def rotating_share(one: Crank, other: Crank) -> float:
 
 
 def best_phase_rad(one: Crank, other: Crank) -> float:
-    """Phase of ``one`` in [0, 2 pi) at which its reciprocating force opposes that of ``other``: eta1 is least there."""
+    """Phase of ``one`` in [0, 2 pi) at which its reciprocating force opposes the force of ``other``: eta1 is least
+    there."""
     opposed = pi + other.sense * other.phase_rad
     return one.sense * opposed % (2.0 * pi)
 

@@ -172,7 +172,7 @@ class CompleteBalance:
 
 
 def complete_balance(mechanism: DrivenCrank, rod_arm_mm: float, crank_arm_mm: float) -> CompleteBalance:
-    """The two counterweights, beside those already there, that keep the common centre of mass on the crank axis.
+    """The two counterweights, beside the existing ones, that keep the common centre of mass on the crank axis.
 
     The counterweight on the rod brings the centre of slider and rod to the pin, the other brings all to the axis; arms
     are in mm beyond pin and axis.  They hold for every drive, circular or not; the shaking moment stays.  Z. Tang, Y.

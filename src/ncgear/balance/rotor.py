@@ -50,7 +50,7 @@ def grade_reached(unbalance_kg_mm: float, mass_kg: float, speed_rad_s: float) ->
 # --- corrections from trial weights ---------------------------------------------------------------------------------
 
 LEAST_EFFECT = 1e-3
-"""Share by which a trial weight must change the first readings: instruments show three digits."""
+"""Least relative change of the first readings by a trial weight: instruments show three digits."""
 
 WORST_CONDITION = 1e3
 """Condition number beyond which an error in the third digit of a reading is as large as the corrections."""

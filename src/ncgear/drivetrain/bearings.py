@@ -33,7 +33,7 @@ EXPONENTS = {"ball": 3.0, "roller": 10.0 / 3.0}
 """Exponent of the life by the kind of bearing."""
 
 MOST_OF_RATING = 0.5
-"""Share of the dynamic rating up to which the life by ISO 281 holds."""
+"""Largest load for the life by ISO 281, as a share of the dynamic rating."""
 
 MILLION = 1e6
 
@@ -166,7 +166,7 @@ def shaft_loads(cycle: Cycle, gear: Gear, phi1_rad: Array) -> ShaftLoads:
 
 
 def peak_places_rad(cycle: Cycle, gear: Gear, bearings: tuple[Bearing, Bearing], crank_at_mm: float) -> Array:
-    """The cycle's places, and those of a shaft's greatest torque and of its greatest bending anywhere, shape (n,)."""
+    """The cycle's places, and the places of a shaft's greatest torque and greatest bending anywhere, shape (n,)."""
 
     def sizes(phi1: Array) -> Array:
         shaft = shaft_loads(cycle, gear, phi1)

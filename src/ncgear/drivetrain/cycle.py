@@ -86,7 +86,7 @@ def loads_at(
     assert rigid.place is not None
     mesh, bearing = _complex(loads.mesh_force.force), _complex(loads.crank_bearing)
     angle = rigid.machine.transmission.driven_angle(phi1_rad, 1)
-    # All forces on the crank's shaft are in balance with those of its bearings
+    # All forces on the crank's shaft are in balance with the forces of its bearings
     driven = ShaftLoads(-angle.value, mesh, -bearing - mesh, loads.driven_torque.value)
     turned, torque = -rigid.place.mesh.sense * phi1_rad, loads.driving_torque.value
     pressed = -mesh * (1.0 + mesh_share * np.sign(torque))

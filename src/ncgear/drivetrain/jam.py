@@ -34,7 +34,7 @@ Load = Literal["law", "knocks", "jam"]
 """Load of a part: the forces of the law, of teeth that knock, or of a jam."""
 
 MORE = 1e-6
-"""Share by which a load is more than another, beyond rounding errors."""
+"""Relative difference of two loads that exceeds rounding errors."""
 
 
 def deciding(sizes: Mapping[Load, float]) -> Load:

@@ -1,4 +1,4 @@
-"""A shaft of constant speed, as a tractor's, before a torque limiter or an overrunning clutch.
+"""A shaft of constant speed, such as a tractor's, before a torque limiter or an overrunning clutch.
 
 A torque limiter passes no more than a set torque.  Where the machine at the shaft's speed w_0 asks for more, it slips:
 the machine gets the set torque T_s, slows down and, once it asks for less, comes back to w_0.  An overrunning clutch

@@ -51,7 +51,7 @@ LEAST_SAFETY = 1.2
 """Least safety that DIN 743 demands, since its figures scatter."""
 
 FIBRES = 72
-"""Fibres around the shaft from which the search for the worst fibre begins."""
+"""Fibres around the shaft where the search for the worst fibre begins."""
 
 KNOWN = 1e-6
 """Share of the largest bending stress to which a fibre's largest and least stress are known at least; the worst fibre's
@@ -60,7 +60,7 @@ use of its strength is known to the same share."""
 
 @dataclass(frozen=True)
 class Fall:
-    """Fall of a strength with the diameter of the blank: d_0 in mm, up to which it is whole, and s."""
+    """Fall of a strength with the diameter of the blank: d_0 in mm, the largest diameter of full strength, and s."""
 
     whole_to_mm: float
     per_decade: float

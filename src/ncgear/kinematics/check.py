@@ -100,7 +100,7 @@ NODES = 8
 """Gauss points between two points of a grid on which extremes are searched."""
 
 JUMP = 1e-7
-"""Share of the peak acceleration by which it may differ on both sides of a joint: a larger difference is a jump."""
+"""Largest difference of the accelerations on both sides of a joint that is no jump, as a share of the peak."""
 
 
 def peak_jerk(machine: Machine) -> Extremum | None:

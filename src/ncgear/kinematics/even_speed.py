@@ -25,7 +25,7 @@ Both are within 1e-6 of the stroke in tests/test_even_speed.py.
 """
 
 ALIKE = 1e-9
-"""Share by which equal speeds may differ: a constant speed has rounding errors."""
+"""Largest relative difference of equal speeds: a constant speed has rounding errors."""
 
 
 @dataclass(frozen=True)

@@ -24,13 +24,13 @@ FEWEST_PLACES = 3
 """Fewest places of a curve that show that one of them stands alone."""
 
 DIGITS = 9
-"""Decimals in mm to which points at one place agree: a file has fewer, and rounding of a turned point is less."""
+"""Equal decimals in mm of points at one place: a file has fewer, and rounding of a turned point is less."""
 
 SIGMAS = 8.0
 """Standard deviations of the noise beyond which no point of a million is by chance, even in a slightly heavier tail."""
 
 LEAST_IN_MODULES = 0.002
-"""Least distance in modules by which a point must stand off: less does no harm, as in small outlines' tolerance."""
+"""Least distance in modules of a point that stands off: less does no harm, as in small outlines' tolerance."""
 
 STEEP = 3.0
 """Factor of the medians' change from point to point, as at a burr's edge, by which a point must stand off there."""
@@ -40,7 +40,7 @@ MOST = 0.05
 
 
 def alone_mm(outline: ExactOutline, feet: Feet) -> Array:
-    """Distance in mm of each point that stands alone from those beside it, away from the material, (n,); 0 for others.
+    """Distance in mm of each point that stands alone from its neighbours, away from the material, (n,); 0 for others.
 
     Points at one place count as one.  No point stands alone on a rough gear, or on a curve of fewer than three places.
     """
@@ -49,7 +49,7 @@ def alone_mm(outline: ExactOutline, feet: Feet) -> Array:
 
 
 def rough_points(outline: ExactOutline, feet: Feet) -> int:
-    """Number of places that stand off from those beside them where they are too many to be faults; else 0."""
+    """Number of places that stand off from their neighbours if they are too many to be faults; else 0."""
     off, _ = _standing_off(outline, feet)
     return 0 if _are_few(off) else int(np.count_nonzero(off))
 

@@ -1,10 +1,10 @@
 """The outline of a gear as it was measured: the exact outline, moved by the deviations of its points.
 
 The outline goes through measured points.  Between the points of a flank the deviation along the normal is interpolated
-along the outline; beyond them, up to the flank's ends, it is that of the nearest point.  Between flanks, at tip and
-root, the outline moves evenly from one flank's deviation to the other's, unless points were measured there.  Only the
-middle third of a tip land counts: a flank that stands back takes the land's ends with it.  Points that stand alone are
-left out.  Flanks without points stay exact.
+along the outline; beyond them, up to the flank's ends, it is the deviation of the nearest point.  Between flanks, at
+tip and root, the outline moves evenly from one flank's deviation to the other's, unless points were measured there.
+Only the middle third of a tip land counts: a flank that stands back takes the land's ends with it.  Points that stand
+alone are left out.  Flanks without points stay exact.
 """
 
 from __future__ import annotations

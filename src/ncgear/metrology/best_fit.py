@@ -30,27 +30,27 @@ FEWEST = 12
 """Fewest points on working flanks for a fit."""
 
 ASTRAY_IN_MODULES = 0.25
-"""Distance in modules from the outline from which on a point belongs to bore, hub or something else."""
+"""Least distance in modules from the outline of points that belong to bore, hub or something else."""
 
 AT_END, AT_END_IN_MODULES = 1e-4, 1e-4
 """Share of a flank, and height in modules, within which a point is at the end of the working flank: the corners of a
 written outline are, and rounding must not choose among them."""
 
 BEGUN_PER_TOOTH = 12
-"""Angles per tooth pitch from which a fit may begin."""
+"""Angles per tooth pitch where a fit may begin."""
 
 FEW = 250
 """Points that find the best of these angles."""
 
 BEGINNINGS = 3
-"""Number of best angles from which fits begin; as many of the nearly as good angles that turn least are added."""
+"""Number of best angles where fits begin; as many of the nearly as good angles that turn least are added."""
 
 NEARLY = 1.5
-"""Factor of the least average distance of points up to which an angle is nearly as good as the best."""
+"""Largest factor of the least average distance of points for an angle that is nearly as good as the best."""
 
 ALIKE = 1.02
-"""Factor of the least r.m.s. up to which a fit is as good as the best; the fit that turns least is taken.  A gear that
-repeats itself fits as often as it has lobes, and its noise must not choose among them."""
+"""Largest factor of the least r.m.s. for a fit that is as good as the best; the fit that turns least is taken.  A gear
+that repeats itself fits as often as it has lobes, and its noise must not choose among them."""
 
 ROUNDING_IN_MODULES = 3e-10
 """Rounding of the distances of exact points, in modules."""
@@ -149,7 +149,7 @@ def _without_those_alone(
 def _by_teeth(outline: ExactOutline, points: ComplexArray, probe_mm: float, fit: BestFit) -> BestFit:
     """The best of a rigid fit and fits a tooth farther on, and on from there, as long as they are better.
 
-    A gear that is nearly round about its middle nearly fits a tooth farther on, its axis moved, wherever its bore is.
+    A gear nearly round about its middle nearly fits a tooth farther on with its axis moved, wherever its bore is.
     """
     count = outline.gear.flanks.count // 2
     for _ in range(count):
@@ -181,7 +181,7 @@ def _nearness_mm(outline: ExactOutline, points: ComplexArray, probe_mm: float, p
 
 
 def _beginnings(outline: ExactOutline, points: ComplexArray, probe_mm: float, rigid: bool) -> list[Pose]:
-    """The poses from which fits begin, the best of many; if ``rigid`` also about the middle of the points."""
+    """The poses where fits begin, the best of many; if ``rigid`` also about the middle of the points."""
     poses = _chosen(_begun(outline, points, probe_mm))
     return poses + (_chosen(_begun(outline, points, probe_mm, by_middle=True)) if rigid else [])
 

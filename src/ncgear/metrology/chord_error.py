@@ -11,7 +11,7 @@ from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.outline import exact_curves
 
 PER_CURVE = 21
-"""Points of each flank, fillet and land that are checked, at equal shares beside the points of chords and arcs."""
+"""Checked points of each flank, fillet and land, at equal shares, in addition to the points of chords and arcs."""
 
 OFF_GRID = 0.382
 """Share of the way between two of these points at which the first one lies."""

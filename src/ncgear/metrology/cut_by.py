@@ -27,7 +27,7 @@ from ncgear.teeth.spaces import cut_spaces
 from ncgear.teeth.tool import FEWER_TEETH, HARMLESS, MOST_TEETH, PinionCircle, RackLine, gouged_mm
 
 SAME = 1e-9
-"""Share of the module by which equal depths and radii may differ."""
+"""Largest difference of equal depths and radii, as a share of the module."""
 
 FEWEST_TEETH = 12
 """Fewest teeth of a tried shaper; such cutters have 15 or more."""

@@ -1,7 +1,7 @@
 """Deviations of a measured gear, flank by flank: pitch, thickness, profile, and the points beside the flanks.
 
-A flank's deviation is that of its points along the exact normals, positive for metal in excess.  Its mean e moves the
-flank along the pitch curve by e / cos(alpha), and so
+A flank's deviation is the deviation of its points along the exact normals, positive for metal in excess.  Its mean e
+moves the flank along the pitch curve by e / cos(alpha), and so
 
     tooth thickness   t = e_front / cos(alpha_front) + e_back / cos(alpha_back)
     position          d = side e / cos(alpha)            in the sense of growing arc length

@@ -31,11 +31,11 @@ SOLD_MM = (
     *(2.25, 2.5, 2.75, 3.0, 3.25, 3.5, 3.75, 4.0, 4.25, 4.5, 5.0, 5.25, 5.5, 6.0, 6.5, 7.0, 7.5, 8.0, 9.0, 10.0, 10.5),
     *(11.0, 12.0, 14.0, 15.0, 16.0, 18.0, 20.0, 22.0, 25.0, 28.0, 30.0, 35.0, 40.0, 45.0, 50.0),
 )
-"""Diameters in mm in which such pins are commonly sold, after DIN 3977 and, below 1.5 mm, the wires of DIN 2269 (values
-from secondary sources, not compared with the standards)."""
+"""Commonly sold diameters of such pins in mm, after DIN 3977 and, below 1.5 mm, the wires of DIN 2269 (values from
+secondary sources, not compared with the standards)."""
 
 NEAR = 1.3
-"""Factor of the nominal diameter up to which pins are tried; larger pins touch near the tips."""
+"""Largest tried factor of the nominal diameter; larger pins touch near the tips."""
 
 SHARES = tuple(np.linspace(1.0, NEAR, 7).tolist())
 """Sizes that are tried where none is sold, as shares of the nominal size."""

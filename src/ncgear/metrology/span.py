@@ -124,7 +124,7 @@ def _touching(working: WorkingFlanks, sigma_mm: Array, side: float) -> tuple[Ind
 
 
 STEPS = 1024
-"""Steps of the arc length in which chords are searched.  Two chords nearer than a thousandth of the curve, whose signs
+"""Steps of the arc length in the search for chords.  Two chords nearer than a thousandth of the curve, whose signs
 cancel, do not matter, since the reading hardly changes between them."""
 
 EVEN = 1e-9
@@ -135,7 +135,7 @@ NEIGHBOURS = 1.5
 """Starts fewer steps apart than this are neighbours on the grid; between starts two steps apart, one is left out."""
 
 HAIR = 1e-6
-"""Share of a step by which brackets are widened, so that rounding at their ends does no harm."""
+"""Widening of brackets as a share of a step, so that rounding at their ends does no harm."""
 
 
 @dataclass(frozen=True, eq=False)

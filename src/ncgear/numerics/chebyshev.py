@@ -100,7 +100,7 @@ CELL_DEGREE = 8
 """Degree of the polynomials of cells, which are about a tenth as wide as panels of degree 24 and quicker by a third."""
 
 CELL_ROUNDING = 2.0**-54
-"""Share of a column's largest coefficient up to which the left out coefficients of a cell may sum: half a rounding
+"""Largest sum of a cell's left out coefficients, as a share of a column's largest coefficient: half a rounding
 error."""
 
 

@@ -19,7 +19,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 
 FAR = 600.0
-"""Real part from which an exponential counts as far from zero rather than as a disc: exp(600) is 4e260."""
+"""Exponentials with a larger real part count as far from zero rather than as a disc: exp(600) is 4e260."""
 
 
 @dataclass(frozen=True, eq=False)

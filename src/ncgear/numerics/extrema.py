@@ -18,8 +18,8 @@ extrema closer than a 128th of a piece may be missed together; their values diff
 a twelfth of the third derivative."""
 
 ROUGH = 0.01
-"""Share of the largest value by which a sample may miss the cubic through its neighbours.  A wave of nine samples
-misses it by this share; narrower features, as of a ratio of 1:200, are refined until they miss by less."""
+"""Largest miss of a sample from the cubic through its neighbours, as a share of the largest value.  A wave of nine
+samples misses it by this share; narrower features, as in a ratio of 1:200, are refined until they miss by less."""
 
 FINE, BEYOND = 1e-6, 10.0
 """Where the value may be the largest or the smallest, samples are added until they miss by this share only.  It may be
@@ -35,11 +35,11 @@ DOUBTFUL = 0.1
 """If a larger share of samples misses the cubic, the function may be zero but for rounding errors."""
 
 ASIDE = 1e-9
-"""Share of a step by which samples are moved to show rounding errors, which differ from one number to the next."""
+"""Shift of samples that shows rounding errors, as a share of a step; they differ from one number to the next."""
 
 FLAT = 4.0 * np.finfo(float).eps
-"""Rise over a step, as a share of the largest value, up to which a slope counts as zero: a sample of such a slope is as
-good as an extremum beside it.  Where the function is constant, slopes are rounding errors, and change their signs at
+"""Largest rise over a step of a slope that counts as zero, as a share of the largest value: a sample of such a slope is
+as good as an extremum beside it.  Where the function is constant, slopes are rounding errors, and change their signs at
 every other sample."""
 
 MOST_ADDED = 20_000
@@ -99,7 +99,7 @@ class _Samples:
 
     @property
     def rise(self) -> float:
-        """The rise over a step up to which a slope counts as zero."""
+        """The largest rise over a step of a slope that counts as zero."""
         return FLAT * float(np.max(np.abs(self.values)))
 
     @property

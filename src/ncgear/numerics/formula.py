@@ -1,11 +1,11 @@
 """Expressions in one variable: read through a whitelist of Python's grammar, run and differentiated by jets.
 
-The text is never evaluated.  It is parsed to a syntax tree, of which only numbers, the variable, ``pi``, the four
-operations, powers with constant exponents, the functions listed below and a condition between two expressions are
-accepted; anything else is refused by name.  The accepted text becomes a tape of operations in the order in which they
-are written: a formula is rewritten only where operations on numbers are done at once, and where the root of an even
-power becomes an absolute value.  The tape runs on Taylor arithmetic, so derivatives cost no more than the text is long,
-and on discs, so no feature of the formula stays unseen (``ncgear.numerics.proven``).
+The text is never evaluated.  It is parsed to a syntax tree; only numbers, the variable, ``pi``, the four operations,
+powers with constant exponents, the functions listed below and a condition between two expressions are accepted;
+anything else is refused by name.  The accepted text becomes a tape of operations in the order in which they are
+written: a formula is rewritten only where operations on numbers are done at once, and where the root of an even power
+becomes an absolute value.  The tape runs on Taylor arithmetic, so derivatives cost no more than the text is long, and
+on discs, so no feature of the formula stays unseen (``ncgear.numerics.proven``).
 """
 
 from __future__ import annotations

@@ -33,8 +33,8 @@ EVEN = 1e-10
 """Share of the highest value that may be missed."""
 
 ALIKE = 0.1
-"""Share of the allowed miss by which two intervals may differ and count as equal, so that one of them is searched: the
-teeth of circular gears are all alike."""
+"""Largest difference of two equal intervals, as a share of the allowed miss; only one of them is searched: the teeth of
+circular gears are all alike."""
 
 LEAST = 1e-200
 """Difference of values that always counts as zero; values divided by it do not overflow."""

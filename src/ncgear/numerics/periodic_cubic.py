@@ -24,7 +24,7 @@ FEWEST_KNOTS = 3
 """Fewest knots of a turn: each then has two different neighbours."""
 
 NEGLIGIBLE = 2.0**-54
-"""Share of the function up to which the left out terms of a cell's Taylor series may sum: half a rounding error."""
+"""Largest sum of the left out terms of a cell's Taylor series, as a share of the function: half a rounding error."""
 
 BEYOND = 12
 """Terms of the majorant beyond ``DEGREE`` that are summed; further terms are far smaller, each than the last."""

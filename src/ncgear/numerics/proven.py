@@ -34,7 +34,7 @@ TAIL = 100.0
 rounding errors of the formula itself, and a point's error is the sum of many such."""
 
 HALVINGS = 45
-"""Most halvings of a panel into cells: beyond them a root at the panel's end, as of x^0.9, counts as nothing."""
+"""Most halvings of a panel into cells: beyond them a root at the panel's end, as in x^0.9, counts as nothing."""
 
 SHORT = 8
 """Halvings after which the range of a cell's values may prove it: beside a root, where the disc gives no proof."""

@@ -21,15 +21,15 @@ from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.zeros import zeros_between
 
 LAST = 3
-"""Number of last coefficients that show whether a function is resolved: even and odd ones, and one to spare, since one
-may be zero by chance."""
+"""Number of last coefficients that show whether a function is resolved: even and odd coefficients, and one to spare,
+since one may be zero by chance."""
 
 NEGLIGIBLE = 1e-13
 """A top between two points is searched only if it may exceed the largest value by more than this share of it; rounding
 errors of the slopes make less."""
 
 HIGHER = 0.5
-"""Share of its largest second difference along the points by which a function may exceed its largest value at them.
+"""Largest excess of a function over its largest value at the points, as a share of its largest second difference there.
 
 The points are even in the angle whose cosine they are.  Between two of them a function leaves its chord by an eighth of
 the step's square times its second derivative, hence by an eighth of a second difference; four times that is allowed,

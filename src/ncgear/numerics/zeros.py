@@ -66,7 +66,7 @@ def all_zeros(form: PiecewiseChebyshev) -> Array:
 
 
 EVEN = 0.3
-"""Share of a series' mean slope by which its slope may differ where Newton's method seeks its zero.  No step then
+"""Largest relative difference of a series' slope from its mean where Newton's method seeks its zero.  No step then
 leaves more than six sevenths of the error, and far less of a small error."""
 
 NEWTON_STEPS = 200
@@ -109,7 +109,7 @@ def _first_zeros_of_series(coefficients: Array) -> Array:
 
 
 def _keep_first(first: Array, row: IndexArray, parts: Array) -> None:
-    """Keeps parts of rows (shape (4, n)) that begin before those of ``first``, shape (4, m)."""
+    """Keeps parts of rows (shape (4, n)) that begin before the parts of ``first``, shape (4, m)."""
     for number in np.nonzero(parts[0] < first[0, row])[0]:
         if parts[0, number] < first[0, row[number]]:
             first[:, row[number]] = parts[:, number]

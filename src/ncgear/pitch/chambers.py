@@ -80,7 +80,7 @@ class Chambers:
 
     @property
     def cycle_rad(self) -> float:
-        """Turn of the sun in which a chamber goes through one cycle."""
+        """Turn of the sun during one cycle of a chamber."""
         return self.step_rad + self.curves.lobe_rad
 
     def contact_rad(self, place_rad: Array) -> Array:

@@ -52,7 +52,7 @@ POINTS, WEIGHTS = np.polynomial.legendre.leggauss(96)
 """Gauss points of a part of the continuation; u is a polynomial of degree 12 or less there."""
 
 GENTLE = 6.0
-"""Curvature times centre distance up to which a continuation counts as gentle, however gentle the range is."""
+"""Largest curvature times centre distance of a gentle continuation, however gentle the range is."""
 
 HOLLOW = 3.0
 """Factor by which hollow curves count as sharper: tips foul there."""

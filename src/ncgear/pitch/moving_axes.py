@@ -178,7 +178,7 @@ def round_driving_law(distance: JetFunction, lobes: Lobes, key: str) -> tuple[Tr
 
 
 MARGIN = 1e-6
-"""Share by which radii stay clear of the limits, where a gear would stand still or its mate turn without end."""
+"""Least relative distance of radii from their limits; there a gear would stand still or its mate turn without end."""
 
 
 def _round_slope(distance: Jet, moving: Jet, radius_mm: float) -> Jet:

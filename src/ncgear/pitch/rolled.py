@@ -22,8 +22,8 @@ Path = Callable[[Array], tuple[ComplexArray, ComplexArray, ComplexArray]]
 
 
 TRIED = 1024
-"""Steps of a lobe in which a curve is tested for a cusp: a curve that turns by over 90 deg in a step bears no tooth,
-and its arc length cannot be inverted beside the cusp."""
+"""Steps per lobe in the test of a curve for cusps: a curve that turns by over 90 deg in a step bears no tooth, and its
+arc length cannot be inverted beside the cusp."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,7 +31,7 @@ class Mesh(Enum):
 
     @property
     def sense(self) -> float:
-        """Sense in which the driven gear turns while the driving one turns by +phi1: +1 alike, -1 against it."""
+        """Sense of the driven gear's turn while the driving gear turns by +phi1: +1 alike, -1 against it."""
         return 1.0 if self is Mesh.INTERNAL else -1.0
 
 

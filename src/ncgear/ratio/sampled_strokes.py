@@ -1,6 +1,6 @@
 """Samples of many three-segment strokes and their returns at once, for searches and for screenings of thousands.
 
-The strokes are those of ``working_stroke.py``, the returns the polynomials of ``return_stroke.py``; arrays of strokes
+The strokes come from ``working_stroke.py``, the returns are the polynomials of ``return_stroke.py``; arrays of strokes
 have shape (n,) and polynomials (m, n).  ``return_stroke.py`` solves one return in a bracket, polishes it or refuses it
 with a reason, in milliseconds.  Here Newton's method closes many at once on the points of the samples; the caller must
 check that each has a positive ratio and ends where it must.
@@ -311,8 +311,8 @@ def peaked_returns(
 ) -> PeakedReturns:
     """As ``returns_with_constant``, for ratios that nearly touch zero inside the return; NaN for other ratios.
 
-    The steps are those of ``return_stroke.py``: the multiple at which the polynomial touches zero, its powers about
-    that place, and the addition with which the return covers its driven angle.
+    The steps follow ``return_stroke.py``: the multiple at which the polynomial touches zero, its powers about that
+    place, and the addition with which the return covers its driven angle.
     """
     length, driven = period_rad - strokes.theta4_rad, 2.0 * pi - linkage.working_angle_rad
     cubic, origin = _cubic(strokes, linkage, length, inverse=False), -strokes.theta4_rad / length

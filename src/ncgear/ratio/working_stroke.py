@@ -264,8 +264,8 @@ def _assembled(request: StrokeRequests[Number], approach: Array) -> dict[str, An
 
 
 CLEAR = 1e-9
-"""Share of its largest value by which v/phi1 must stay over zero for a stroke to pass without a search for its zeros: a
-million rounding errors."""
+"""Least v/phi1 of a stroke that passes without a search for its zeros, as a share of the largest value: a million
+rounding errors."""
 
 
 def stroke_refusals(

@@ -33,7 +33,7 @@ from ncgear.tolerances.drawn import COUNT, Chances, Limits, Source, chances_of, 
 from ncgear.tolerances.mesh import Deviations, LinearMesh
 
 SLOW_SHARE = 0.25
-"""Share of the number of teeth up to which waves per turn of the driving gear, or in its range, count as slow."""
+"""Most slow waves per turn of the driving gear, or in its range, as a share of the number of teeth."""
 
 
 @dataclass(frozen=True, eq=False)

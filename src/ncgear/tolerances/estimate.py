@@ -40,7 +40,7 @@ FARTHEST = 12.0
 """Standard deviations above the mean beyond which a gamma distribution of that shape holds nothing that matters."""
 
 NORMAL_95 = 1.645
-"""Standard deviations of a normal distribution above its mean under which 95 % of it lies."""
+"""Standard deviations above the mean of a normal distribution with 95 % of it below."""
 
 TINY = 1e-12
 """Deviation in mm or degrees that counts as zero."""

@@ -34,7 +34,7 @@ CLASSES = 1, 11
 MODULES_MM = 0.5, 70.0
 DIAMETERS_MM = 5.0, 15_000.0
 TEETH = 5, 1000
-"""The ranges in which the formulas hold; the standard forbids to use them beyond."""
+"""The ranges of validity of the formulas; the standard forbids to use them beyond."""
 
 MM_PER_UM = 1e-3
 

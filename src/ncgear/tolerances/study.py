@@ -33,8 +33,8 @@ JAMMED_RAD = 1e-9
 """Overlap of the driven gear's angle above which teeth jam, and spread of an angle that counts: rounding is less."""
 
 ALONE = 3e9
-"""Places of contact times assemblies up to which this process computes alone, unless processes are asked for.  They
-take some ten seconds, and other processes would hardly have begun by then."""
+"""Most places of contact times assemblies that this process computes alone, unless processes are asked for.  They take
+some ten seconds, and other processes would hardly have begun by then."""
 
 OnDone = Callable[[int, int], None]
 
@@ -50,7 +50,7 @@ class Workers:
 def assemblies_of(
     lot: Lot, tasks: list[Task], workers: Workers, on_done: OnDone = lambda done, total: None
 ) -> Assemblies:
-    """The assemblies of tasks, in the order of tasks; the same whatever the workers."""
+    """The assemblies of tasks, in the order of tasks; the workers do not change them."""
     total = sum(task.pairs.shape[1] for task in tasks)
     alone = workers.scheduler is None and lot.places * total < ALONE
     processes = workers.processes or (1 if alone else None)
@@ -97,13 +97,13 @@ def share_of(count: int, total: int) -> Share:
 
 
 def jammed(pairs: Sequence[PairAssemblies]) -> Share:
-    """The share in which one of the pairs jams: somewhere in the cycle both flanks of a tooth touch and are pressed."""
+    """The share with a pair that jams: somewhere in the cycle both flanks of a tooth touch and are pressed."""
     jam = np.logical_or.reduce([pair.least_play_rad < -JAMMED_RAD for pair in pairs])
     return share_of(int(np.count_nonzero(jam)), jam.size)
 
 
 def knocking(pairs: Sequence[PairAssemblies], largest_mm: Sequence[float]) -> Share:
-    """The share in which one of the pairs knocks: its play is larger than ``largest_mm`` where its torque turns."""
+    """The share with a pair that knocks: its play is larger than ``largest_mm`` where its torque turns."""
     knock = np.logical_or.reduce(
         [pair.reversal_play_mm > largest for pair, largest in zip(pairs, largest_mm, strict=True)]
     )
@@ -112,7 +112,7 @@ def knocking(pairs: Sequence[PairAssemblies], largest_mm: Sequence[float]) -> Sh
 
 CONFIDENCE = 0.95
 NORMAL_95 = 1.96
-"""Standard deviations of a normal distribution to either side within which 95 % of it lies."""
+"""Standard deviations to either side of a normal distribution's mean with 95 % of it between them."""
 
 
 def surpassed(values: Array, share: float) -> float | None:
@@ -277,7 +277,7 @@ def signs_of(torque_n_mm: Array) -> Array:
 
 
 FINER, MOST_POSITIONS = 8, 20_000
-"""Largest factor by which a finer mesh has more positions (the least is 2), and its largest number of positions."""
+"""Largest factor of positions of a finer mesh (the least is 2), and its largest number of positions."""
 
 CHECKED = 2
 """Number of assemblies that are checked by outlines besides the assembly with the least play."""
@@ -311,7 +311,7 @@ class PairStudy:
 
 
 def finer_by(pair: PairLot) -> int:
-    """Factor by which the mesh is finer that shows the figures between a pair's positions."""
+    """Fineness factor of the mesh that shows the figures between a pair's positions."""
     return int(np.clip(MOST_POSITIONS // pair.mesh.phi1_rad.size, 2, FINER))
 
 

@@ -32,7 +32,7 @@ SEARCHED = 3
 """Number of worst positions around which the extreme is searched."""
 
 NARROWED = 8e-3
-"""Width to which the search narrows an extreme, as a share of the step between positions."""
+"""Final width of the search for an extreme, as a share of the step between positions."""
 
 
 @dataclass(frozen=True)

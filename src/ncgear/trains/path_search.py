@@ -174,13 +174,13 @@ def found_motion(path: WishedPath, limits: PathLimits, axis: complex | None) -> 
 
 
 BEYOND = 0.01, 0.05
-"""Shares of the path's size by which the tried paths go beyond the points at first."""
+"""First distances of the tried paths beyond the points, as shares of the path's size."""
 
 SEARCHES = 5
-"""Number of starts from which the axis is searched."""
+"""Number of starting points of the search for the axis."""
 
 PLACES = 13
-"""Places along each side of the square in which axes are tried first."""
+"""Number of places along each side of the square where the search first tries axes."""
 
 WIDE = 2.5
 """Half the side of that square, in sizes of the path."""
@@ -272,4 +272,4 @@ TOOL_ROUNDING = 1e-3
 """Weighed excess of the tool's angle error that counts as rounding of the search."""
 
 MOST_BURDEN = 1.6
-"""Burden up to which teeth are tried: nearly all curves within the limits can be made, and some beyond them."""
+"""Largest burden for a trial of teeth: nearly all curves within the limits can be made, and some beyond them."""

@@ -212,8 +212,8 @@ class Arm:
 class Stand:
     """Position of the train: the sun's axis in mm, the carrier's angle in rad at first, and its sense of turning.
 
-    Axis and angle are those of a carrier that turns counter-clockwise; ``clockwise`` is the same train seen from the
-    other side, reflected in the x axis.
+    Axis and angle hold for a carrier that turns counter-clockwise; ``clockwise`` is the same train seen from the other
+    side, reflected in the x axis.
     """
 
     axis_mm: complex = 0j

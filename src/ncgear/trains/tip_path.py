@@ -36,7 +36,7 @@ GRID = 360
 """Angles w at which ratios are judged during the search; a harmonic of the highest order has 15 angles."""
 
 USED_TOLERANCE = 0.8
-"""Share of the tolerance that the smoothest curve may use; the rest is for terms beyond the linear ones."""
+"""Share of the tolerance that the smoothest curve may use; the rest is for nonlinear terms."""
 
 STRAIGHT = 3
 """Points added on a straight stretch between its ends."""
@@ -191,10 +191,10 @@ def motion_from(
 
 
 UNEVEN = 20.0
-"""Burden of an axis from which no series of HARMONICS waves keeps the points, and the most that is added to it."""
+"""Burden of an axis if no series of HARMONICS waves about it keeps the points, and the most that is added to it."""
 
 NOT_PASSED = 100.0
-"""Burden of an axis from which no motion passes the points."""
+"""Burden of an axis if no motion about it passes the points."""
 
 NEAREST = 0.02
 """Least distance of the path from the axis, as a share of the greatest: nearer, u turns too fast for any gear."""

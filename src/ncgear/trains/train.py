@@ -127,7 +127,7 @@ class Told:
     """Figures and conditions of one train.
 
     ``head`` says in a few words what the train is; ``rows`` are names with a text each, the most telling first;
-    ``figures`` are those of the summary, whose keys end in their unit; ``conditions`` are judged by the kind itself.
+    ``figures`` stand in the summary, and their keys end in their unit; ``conditions`` are judged by the kind itself.
     """
 
     head: str

@@ -19,8 +19,8 @@ from ncgear.mechanisms.mechanism import SLIDER, Mechanism, Output, Unit
 from ncgear.wishes.requirements import DrivingRange, PushedSpeed, Requirement, passed_no_earlier, passed_no_later
 
 NEGLIGIBLE = 1e-6
-"""Share of a wished bound, and angle in rad, by which a kept wish may be missed: files hold the numbers of a law to
-some ten digits."""
+"""Largest miss of a kept wish, as a share of its bound and as an angle in rad: files hold the numbers of a law to some
+ten digits."""
 
 DEGREES = Unit("deg", "deg", degrees(1.0))
 """The unit of wishes for a driving angle."""

@@ -22,7 +22,7 @@ from ncgear.numerics.proven import proven, smooth_parts
 from ncgear.ratio.transmission import DrivenGearStops, Piece, Range, Transmission
 
 NO_JUMP = 1e-9
-"""Share of the function's whole change by which it may jump where one formula follows another."""
+"""Largest jump where one formula follows another, as a share of the function's whole change."""
 
 PLACES = 1025
 """Places of a formula's range between which its slope may change its sign; if it touches zero in between, the place of

@@ -43,7 +43,7 @@ NEAREST = 1.0001
 """Least centre distance over the greatest radius: nearer, the mate would turn 10 000 times as fast as the gear."""
 
 ROUNDING = 1e-12
-"""Share by which equal places and turns may differ: far more than their rounding errors."""
+"""Largest relative difference of equal places and turns: far more than their rounding errors."""
 
 ALIKE = 200
 """Angles of a lobe at which it is compared with the other lobes."""
