@@ -1,4 +1,4 @@
-"""How the two gears touch: as designed, on the exact curves, and as written, on outlines that are read back from files.
+"""Contact of the two gears: as designed, on the exact curves, and as written, on outlines read back from files.
 
-placement says how the gears stand, designed and written find the contacts, and pair joins both and refuses bad pairs.
+placement places the gears, designed and written find the contacts, and pair joins both and refuses bad pairs.
 """

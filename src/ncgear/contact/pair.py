@@ -30,7 +30,7 @@ from ncgear.teeth.tips import Limit
 
 @dataclass(frozen=True, eq=False)
 class PairContact:
-    """Contact of the exact curves, and of the ``outlines`` in each of the forms in which they were written."""
+    """Contact of the exact curves, and of the ``outlines`` in each written form."""
 
     as_designed: AsDesigned
     as_written: tuple[AsWritten, ...]
@@ -65,7 +65,7 @@ class PairContact:
 def pair_contact(
     pitch: PitchPair, teeth: ToothedPair, designed: AsDesigned, written: Sequence[Outlines]
 ) -> PairContact:
-    """Contact of a pair as it was designed and in each form in which it was written; raises as ``as_written``."""
+    """Contact of a pair as designed and in each written form; raises as ``as_written``."""
     reach = reach_mm(pitch, teeth)
     found = tuple(as_written(one, teeth, designed.placement, reach) for one in written)
     return PairContact(designed, found, pitch, teeth, tuple(written))
@@ -93,7 +93,7 @@ def refuse_overlap(designed: AsDesigned, tolerance_mm: float) -> None:
 
 
 def refuse_cut_arcs(designed: AsDesigned) -> None:
-    """Refuse gears turning less than once of which no pair of flanks touches over its arc; raises NoSuchMechanism."""
+    """Refuse gears turning less than once if no pair of flanks touches over its whole arc; raises NoSuchMechanism."""
     for side, name in ((designed.pushing, "pushing"), (designed.back, "idle")):
         if not side.pairs.whole.any():
             raise NoSuchMechanism(
@@ -211,7 +211,7 @@ REMEDY = (
 
 LESS_RELIEF = "less tip relief, or one that begins higher, helps"
 EXACT_FLANKS = "exact flanks help"
-"""What helps where flanks are held apart that could touch: with tip relief, and without."""
+"""Advice where flanks that could touch are held apart: with tip relief, and without."""
 
 SidesInContact = tuple[PairsInContact, PairsInContact]
 """The pairs of pushing flanks in contact, and the pairs of their backs."""
@@ -220,12 +220,12 @@ SidesInContact = tuple[PairsInContact, PairsInContact]
 def short_contacts(
     designed: AsDesigned, teeth: ToothedPair, least: float, overlap: float = 0.0, loaded: SidesInContact | None = None
 ) -> tuple[str | None, str | None]:
-    """What pushing flanks and their backs lack that touch over fewer than ``least`` pitches or lose contact, in words.
+    """Words for pushing flanks and backs that touch over fewer than ``least`` pitches or lose contact; None if enough.
 
-    Contact under load counts where ``loaded`` tells it, else that of rigid teeth without flanks that a tip relief
-    holds apart.  ``overlap`` is what a helix adds, in pitches.  Neighbours may bridge the rest of a pitch: a
-    ``least`` of exactly 1 asks only that contact never ceases, a ``least`` above 1 asks for both, below 1 for
-    nothing.  None where contact is enough.
+    Contact under load counts where ``loaded`` gives it, else the contact of rigid teeth without flanks that a tip
+    relief holds apart.  ``overlap`` is the part that a helix adds, in pitches.  Neighbours may bridge the rest of a
+    pitch: a ``least`` of exactly 1 asks only that contact never ceases, a ``least`` above 1 asks for both, below 1 for
+    nothing.
     """
     sides = designed.pushing, designed.back
     pairs = loaded or (designed.pushing.pairs, designed.back.pairs)
@@ -300,7 +300,7 @@ def _limits(judged: _Judged) -> str:
 
 
 def _hollow(judged: _Judged) -> str:
-    """Which gear is concave where the flanks meet, and how much; empty where none is."""
+    """Words for the gear that is concave where the flanks meet, and for its curvature; empty where neither is."""
     met, shortest = judged.side.meetings, judged.shortest
     told = ""
     for gear, number in ((judged.teeth.driving, met.driving[shortest]), (judged.teeth.driven, met.driven[shortest])):

@@ -1,7 +1,7 @@
-"""How the two gears stand in the positions that are looked at, and which flanks meet in them.
+"""The places of the two gears in the analysed positions, and the flanks that meet in them.
 
-The whole analysis is made in the driven gear's own frame, in which its curves stand still and the driving gear moves.
-Everything that depends on the senses in which the gears turn, and on which side of the pitch point they lie, is here.
+The whole analysis uses the driven gear's own frame: its curves stand still and the driving gear moves.  Everything that
+depends on the gears' senses of turning, and on their sides of the pitch point, is here.
 """
 
 from __future__ import annotations
@@ -81,7 +81,7 @@ class Placement:
 
     @property
     def steps(self) -> int:
-        """Steps from position to position: as many as positions, where the last position leads to the first."""
+        """Steps from position to position: as many as positions where the last position leads to the first."""
         return self.count - (self.toothed is not None)
 
     @property
@@ -127,7 +127,8 @@ class Placement:
 
     @property
     def ahead(self) -> float:
-        """Sense, +1 for up, in which a driven gear that is ahead of the law sees the driving gear turned."""
+        """Sense, +1 for up, of the driving gear's turn in the driven gear's frame where the driven gear leads the
+        law."""
         return -self.mesh.sense
 
     @property
@@ -146,7 +147,7 @@ class Placement:
     def bounds_rad(self, up_rad: Array, down_rad: Array) -> tuple[Array, Array]:
         """Driven angles beyond the law's at which the pushing flanks touch and at which their backs touch.
 
-        ``up_rad`` and ``down_rad`` are how far the driving gear can be turned up and down, as the driven gear sees it.
+        In the driven gear's frame the driving gear can turn up by ``up_rad`` and down by ``down_rad``.
         """
         return (-down_rad, up_rad) if self.ahead > 0.0 else (-up_rad, down_rad)
 
@@ -212,9 +213,8 @@ def _law_at(pitch: PitchPair, rolled_mm: Array) -> tuple[Array, Array, Array]:
 
 
 REACH_IN_PITCHES = 2.0
-"""A pair of flanks is looked at over this rolled length before and after it crosses the pitch point.  It is twice the
-length that a rack tooth as high as the module covers at 20 degrees, since corners touch beyond the flanks' own
-contact."""
+"""Rolled length before and after the pitch point over which a pair of flanks is analysed.  It is twice the length that
+a rack tooth as high as the module covers at 20 degrees, since corners touch beyond the flanks' own contact."""
 
 
 NEARLY_IN_PITCHES = 1e-6
@@ -223,12 +223,12 @@ NEARLY_IN_PITCHES = 1e-6
 
 @dataclass(frozen=True, eq=False)
 class Meetings(Columns):
-    """The m meetings of two flanks in a cycle, each looked at in k positions.
+    """The m meetings of two flanks in a cycle, each analysed in k positions.
 
     ``side`` is PUSHING or BACK, ``driving`` and ``driven`` number the flanks, shape (m,).  ``position`` numbers the
     positions, shape (m, k); ``driving_ahead_mm`` and ``driven_ahead_mm`` are the rolled lengths until each flank
-    crosses the pitch point.  ``there`` (shape (m, k)) tells which of these positions there are: none lie beyond the
-    ends of a range.
+    crosses the pitch point.  ``there`` (shape (m, k)) marks the positions that exist: none lie beyond the ends of a
+    range.
     """
 
     side: IndexArray
@@ -277,7 +277,7 @@ def single_meetings(teeth: ToothedPair, placement: Placement) -> Meetings:
 
 
 def _near(driving_mm: Array, placement: Placement) -> tuple[IndexArray, IndexArray]:
-    """Meetings and positions that are near each other, and a few more, in the meetings' order; shape (n,) each."""
+    """Meetings and their near positions, with a few more, in the meetings' order; shape (n,) each."""
     crossing, rolled, who = driving_mm, placement.rolled_mm, np.arange(driving_mm.size)
     reach = (REACH_IN_PITCHES + NEARLY_IN_PITCHES) * placement.pitch_mm
     if placement.toothed is None:
@@ -308,7 +308,7 @@ def _crossings_mm(teeth: ToothedPair, placement: Placement) -> tuple[IndexArray,
 
 
 def _made_crossings_mm(teeth: ToothedPair) -> tuple[IndexArray, IndexArray, IndexArray, Array, Array]:
-    """As ``_crossings_mm`` for gears that turn less than once: on the range neither comes round."""
+    """As ``_crossings_mm`` for gears that turn less than once: neither makes a whole turn."""
     own, other = teeth.driving.flanks, teeth.driven.flanks
     driving, driven = made_mates(own, other)
     side = np.where(own.side[driving] > 0.0, BACK, PUSHING)

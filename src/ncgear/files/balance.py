@@ -28,7 +28,7 @@ COLORS = (canvas.DRIVING, canvas.DRIVEN, canvas.HIGHLIGHT, canvas.REFERENCE)
 """Colours of closed curves; further curves have the same colours, dashed."""
 
 MOST_CURVES = 8
-"""Most closed curves in one picture, evenly chosen: nobody could tell more of them apart."""
+"""Most closed curves in one picture, evenly chosen: nobody could tell more curves apart."""
 
 WIDEST_AND_THINNEST = 2.6, 1.2
 """Widths in points of the first and of the last of several closed curves."""
@@ -122,7 +122,7 @@ def _name_natural(axes: Axes, natural_hz: Sequence[float]) -> None:
 def spread(heights: Array, gap: float) -> Array:
     """Rising heights (shape (n,)) moved apart so that each is at least a gap above the one before it.
 
-    Those that have no gap to mend stay where they are.
+    A height that is far enough from its neighbours stays where it is.
     """
     steps = gap * np.arange(len(heights))
     raised = np.maximum.accumulate(heights - steps)

@@ -15,11 +15,11 @@ ROOM = 2.5
 """Room around the points, as a factor."""
 
 LEAST = 1e-16
-"""Errors that are shown as this: zero has no place on a logarithmic scale."""
+"""Smallest error that a picture shows; smaller errors stand here, since a logarithmic scale has no zero."""
 
 
 def stage_png(stage: BenchStage, name: str) -> bytes:
-    """Error over time of the trials of a stage, each named by its setting, and what is asked."""
+    """PNG of the errors of a stage's trials over their times, named by their settings, with the wanted error."""
     made = canvas.figure(
         WIDTH_IN, HEIGHT_IN, f"{name}: {stage.name}, by {stage.varied}", canvas.Margins(left=0.9, right=0.3, top=0.75)
     )

@@ -43,12 +43,12 @@ STEPS = {
 
 WRITTEN_STEPS = (*STEPS, "files", "written contact")
 PAIR_STEPS = (*WRITTEN_STEPS, "workshop files", "plots")
-"""The steps of one pair of gears: those up to its contact as written, and those for the rest of its files."""
+"""The steps of one pair of gears: first the steps up to its contact as written, then the steps for its other files."""
 
 
 @dataclass(frozen=True)
 class Built:
-    """The paths of the files that a build wrote and of those of others that it kept, and what it found: the summary of
+    """The paths of the files that a build wrote, of other people's files that it kept, and its results: the summary of
     every pair, and the verdict on the whole machine.
     """
 
@@ -66,11 +66,11 @@ def build(
     reported: LoadedDesign | None = None,
     drawer: Drawer = HERE,
 ) -> Built:
-    """Compute everything, and write all files into ``folder``, which is created if need be.
+    """Compute everything, and write all files into ``folder``, which is created where it does not exist.
 
     Files of the kinds ``formats`` are written beside CSV and STL.  A report is written if ``reported``, the design as
     loaded, is given.  Both pairs of two stages are written at the same instant.  Files that an earlier build wrote and
-    this one does not write, of the other number of stages or of other kinds, are removed then; files of others stay.
+    this build does not write (of another number of stages, or of other kinds) are removed; other people's files stay.
     ``on_step`` is called with the name of each step before the step begins.  ``drawer`` draws the pictures, and the
     charts of the report.  Raises WrongInput or NoSuchMechanism from the steps, and WrongInput when the folder cannot be
     written; whatever fails, the last good build stays.
@@ -107,7 +107,7 @@ def contacts_as_written(drive: Drive, on_step: Callable[[str], None]) -> list[Pa
 
 
 def verdicts_of(drive: Drive) -> list[Verdict]:
-    """The verdict on every pair and what it is part of, or on a design without gears."""
+    """The verdict on every pair with its machine, or on a design without gears."""
     if drive.design.gears is None:
         return [judged(drive, Known.MOTION)]
     return [judged(pair, Known.TEETH) for pair in drive.by_stage]
@@ -116,9 +116,9 @@ def verdicts_of(drive: Drive) -> list[Verdict]:
 def summaries_without_files(
     drive: Drive, contacts: Sequence[PairContact], verdicts: Sequence[Verdict]
 ) -> list[dict[str, Any]]:
-    """The summary of every pair, by contacts as written and verdicts, as a build has it but for errors of its files.
+    """The summary of every pair from its written contact and its verdict: that of a build without errors of files.
 
-    Of a design without gears, which has no contacts, it is the summary of its check.
+    A design without gears has no contacts; its summary is the summary of its check.
     """
     if not contacts:
         return [check_summary(drive, *verdicts)]
@@ -151,7 +151,7 @@ class _Pair:
 def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Format], drawer: Drawer) -> _Pair:
     """All files of one pair of gears."""
     drawn: list[Callable[[], dict[str, bytes]]] = []
-    # What can be drawn already is drawn beside while the rest is computed.
+    # The second process draws finished values while this process computes the others.
     for step in _computed(drive, on_step):
         if step == "motion":
             drawn.append(drawer.begun(MOTION_PICTURE, *motion_picture(drive)))
@@ -173,7 +173,7 @@ def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Form
     figures = build_summary(drive, contact, verdict)
     with _timed(drive, "workshop files", on_step):
         errors_mm = measured()
-        # What the second process has not come to is soonest made here, the last first.
+        # This process makes the files that the second process has not begun, the last file first.
         workshop = all_made([*other_files, *slow_files])
         files.update(workshop.files)
         errors_mm.update(workshop.errors_mm)

@@ -1,8 +1,8 @@
 """The schemas of ncgear in the settings of a folder that is opened in VS Code, for its extension YAML (Red Hat).
 
-Settings are JSON with comments and trailing commas, and are changed without losing a character.  Comments and trailing
-commas become blanks of the same length.  So what is left is JSON whose every value stands where it stood, and a change
-is a replacement of characters in the text as it was.
+Settings are JSON with comments and trailing commas; a change loses no other character.  Comments and trailing commas
+become blanks of the same length.  The result is JSON in which every value stands at its old place, and a change is a
+replacement of characters in the text as it was.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ TOKEN = re.compile(
 BLANK = re.compile(r"\ufeff?\s*")
 
 INDENT = "    "
-"""What VS Code indents by where nothing else is set."""
+"""Indentation of VS Code where the settings name no other."""
 
 Span = tuple[int, int]
-"""Where a value stands in a text: its start and its end."""
+"""The place of a value in a text: its start and its end."""
 
 
 class NotEditable(ValueError):
-    """The text is not an object of JSON with comments, or has a key more than once; says what is wrong."""
+    """The text is no object of JSON with comments, or has a key twice; the message names the fault."""
 
 
 def plain(text: str) -> str:
@@ -59,8 +59,7 @@ def parsed(text: str) -> dict[str, Any]:
 def with_member(text: str, path: tuple[str, ...], value: Any) -> str:
     """The text with a value at a path of keys, every other character as it was; objects on the way are made.
 
-    A text without anything is taken for an empty object.  Raises NotEditable where the text is no object, or something
-    on the way is none.
+    An empty text counts as an empty object.  Raises NotEditable where the text, or a value on the way, is no object.
     """
     text = text if plain(text).strip() else f"{text}{{\n}}\n"
     bare, start = plain(text), 0
@@ -78,10 +77,10 @@ def with_member(text: str, path: tuple[str, ...], value: Any) -> str:
 
 
 def _inserted(text: str, inside: str, start: int, key: str, value: Any, depth: int) -> str:
-    """The text with one more member before what is ``inside`` an object from ``start`` on."""
+    """The text with one more member at ``start``, before the text ``inside`` the object."""
     line, rest = _line_break(text), text[start:]
     comma = "," if inside.strip() else ""
-    # What stood behind the bracket goes to a line of its own.
+    # Text behind the bracket goes to a line of its own.
     if "\n" not in rest[: _skipped(rest, 0)]:
         rest = f"{line}{INDENT * (depth if comma else depth - 1)}{rest.lstrip(' ')}"
     return f"{text[:start]}{line}{INDENT * depth}{json.dumps(key)}: {_text(value, depth, text)}{comma}{rest}"
@@ -105,7 +104,7 @@ def _skipped(bare: str, place: int) -> int:
 
 
 def _members(bare: str, start: int) -> tuple[dict[str, Span], int]:
-    """Where the values of an object's members stand, by their keys, and where the object ends; raises NotEditable."""
+    """The places of the values of an object's members by their keys, and the end of the object; raises NotEditable."""
     if bare[start : start + 1] != "{":
         raise NotEditable("it is no object in curly brackets")
     found: dict[str, Span] = {}
@@ -138,7 +137,7 @@ def _members(bare: str, start: int) -> tuple[dict[str, Span], int]:
 SETTINGS_FOLDER, SETTINGS_FILE = ".vscode", "settings.json"
 
 SETTING = "yaml.schemas"
-"""The setting in which the extension looks for schemas: to each the files that it is for."""
+"""The setting in which the extension looks for schemas; it gives each schema its files."""
 
 SCHEMAS: dict[str, type[Model]] = {"ncgear.schema.json": Design, "ncgear-balance.schema.json": Balance}
 """The files of the schemas, beside the settings."""
@@ -148,16 +147,16 @@ OF_BALANCE = re.compile(
     rf"^(?:{'|'.join(name for name in Balance.model_fields if name not in Design.model_fields)})\s*:",
     flags=re.MULTILINE,
 )
-"""What the text of a design file and that of a balance file has at its left margin."""
+"""Keys at the left margin by which the text of a design file and of a balance file is recognized."""
 
 MOST_FILES, LONGEST_BYTES = 5000, 1_000_000
-"""Files of YAML that are looked at, and how large one may be."""
+"""Most YAML files that are read, and the largest size of each in bytes."""
 
 LEFT_OUT = ("node_modules", "__pycache__", "site-packages")
-"""Folders that are not looked into, beside those whose names begin with a dot."""
+"""Folders that are not searched; folders whose names begin with a dot are not searched either."""
 
 ANY = "*.yaml"
-"""The files of a folder in which there is nothing yet."""
+"""The pattern for a folder that has no design file yet."""
 
 
 @dataclass(frozen=True)
@@ -169,10 +168,10 @@ class EditorFiles:
 
 
 def editor_files(folder: Path) -> EditorFiles:
-    """What is to be written into ``.vscode`` of a folder; files that are as they should be already are not in it.
+    """The files that must be written into ``.vscode`` of a folder; files that are right already are left out.
 
-    All settings and comments that are there stay.  Raises WrongInput, with the lines to paste, where the settings are
-    a link or are not read as JSON with comments.
+    Existing settings and comments stay.  Raises WrongInput, with the lines to paste, where the settings are a link or
+    cannot be read as JSON with comments.
     """
     place = folder / SETTINGS_FOLDER
     patterns = dict(zip(SCHEMAS, _patterns(folder), strict=True))
@@ -227,8 +226,8 @@ def _settings(path: Path, patterns: dict[str, list[str]]) -> bytes:
 def _patterns(folder: Path) -> tuple[list[str], list[str]]:
     """Patterns of the design files and of the balance files below a folder, by their paths from it.
 
-    ``NAME/*.yaml`` where all YAML files in a folder and below are of the kind, else each file by itself: in the
-    extension's patterns a star also stands for names of folders, and two schemas of one file would contradict.
+    The pattern is ``NAME/*.yaml`` where all YAML files in and below a folder are of one kind; otherwise each file has
+    its own.  In the extension's patterns a star also matches folders, and two schemas of one file would contradict.
     """
     kinds = {path.relative_to(folder): _kind(path) for path in islice(_yaml_files(folder), MOST_FILES)}
     found: dict[re.Pattern[str] | None, dict[str, None]] = {OF_DESIGN: {}, OF_BALANCE: {}, None: {}}

@@ -1,8 +1,8 @@
 """A pair of gears for FreeCAD: the macro that shows it there, and the process that computes it for the macro.
 
 FreeCAD's own Python need not have ncgear's libraries.  So the macro starts ``python -m ncgear.files.freecad`` with the
-Python that ncgear is installed in, and keeps it: a line with the path of a design file goes in, a line of JSON comes
-out.  Each solid is text of OpenCASCADE's format BREP, which FreeCAD reads as it is, so that no face is approximated
+Python that has ncgear, and keeps this process: it sends a line with the path of a design file and receives a line of
+JSON.  Each solid is text of OpenCASCADE's format BREP, which FreeCAD reads directly, so that no face is approximated
 again.
 """
 
@@ -32,10 +32,10 @@ def macro() -> str:
 
 
 def answer(path: Path) -> dict[str, Any]:
-    """What the macro shows of a design: of each pair of gears its name, solids, places and pitch curves.
+    """The content that the macro shows of a design: the name, solids, places and pitch curves of each pair of gears.
 
     Places are in mm in the pose of phi1 = 0, the driving axis at the origin.  A pitch curve is a cubic B-spline: poles,
-    knots and how often each stands.  Raises the errors of the design.
+    knots and the multiplicity of each knot.  Raises the errors of the design.
     """
     require("OCP", "step", "FreeCAD's macro")
     import numpy as np
@@ -72,7 +72,7 @@ def answered(lines: TextIO, out: TextIO) -> None:
 
 
 if __name__ == "__main__":
-    # What the kernel prints goes to the messages, so that nothing stands between the answers.
+    # Output of the kernel goes to the messages, so that no other text stands between the answers.
     replies = os.fdopen(os.dup(1), "w", encoding="utf-8", newline="\n")
     os.dup2(2, 1)
     sys.stdin.reconfigure(encoding="utf-8")  # type: ignore[union-attr]

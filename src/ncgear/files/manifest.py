@@ -1,7 +1,7 @@
 """The manifest of a folder: which files ncgear wrote there, and their contents by SHA-256.
 
-A later run removes or replaces only what the manifest names and what is still as it was written.  Where another file
-has the place of a new one, somebody made or changed it: it is kept beside it, as ``law-kept.csv``.
+A later run removes or replaces only files that the manifest names and that nobody has changed.  Where another file
+has the place of a new file, somebody made or changed it: it is kept beside the new file, as ``law-kept.csv``.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ KEYS = {"ncgear", "files"}
 
 @dataclass(frozen=True)
 class Entry:
-    """The command that wrote a file, and the SHA-256 of what it wrote, in hexadecimal digits."""
+    """The command that wrote a file, and the SHA-256 of the written content in hexadecimal digits."""
 
     command: str
     sha256: str
@@ -36,18 +36,18 @@ class Entry:
 
 @dataclass(frozen=True)
 class Run:
-    """The paths of the files that a run wrote, and of those of others that it kept beside them under new names."""
+    """The paths of the files that a run wrote, and of other people's files that it kept beside them under new names."""
 
     paths: list[Path]
     kept: list[Path]
 
 
 def publish_run(folder: Path, files: Mapping[str, bytes], command: str) -> Run:
-    """Write the files of a command into ``folder``, in the place of those that it wrote there before, and a manifest.
+    """Write the files of a command and a manifest into ``folder``; they replace the command's earlier files there.
 
-    A name is plain, or has one folder before it: ``stage-1/law.csv``.  All happens at one instant.  Files that the same
-    ``command`` wrote earlier and does not write now are removed.  Raises WrongInput when the folder cannot be written,
-    ValueError when a name has another form; in both cases the folder is as it was.
+    A name is plain, or has one folder before it: ``stage-1/law.csv``.  All files change at one instant.  Files that the
+    same ``command`` wrote earlier and does not write now are removed.  Raises WrongInput when the folder cannot be
+    written, ValueError when a name has another form; in both cases the folder is as it was.
     """
     for name in files:
         # It could lead out of the folder, or into a staging folder.
@@ -66,10 +66,10 @@ def publish_run(folder: Path, files: Mapping[str, bytes], command: str) -> Run:
 
 
 def publish_named(path: Path, content: bytes, command: str, *, replaces: bool = False) -> Run:
-    """Write the one file that a person has named, with an entry where its folder has a manifest of ncgear's.
+    """Write a single file that a person has named, with an entry where its folder has a manifest of ncgear.
 
-    A foreign folder gets no manifest.  There a file that has the place already is kept as ``publish_run`` keeps one,
-    unless the new one ``replaces`` it.  Raises WrongInput when the file cannot be written.
+    Another folder gets no manifest.  A file that has the place already is kept there, as ``publish_run`` does,
+    unless the new file ``replaces`` it.  Raises WrongInput when the file cannot be written.
     """
     folder, files = path.parent, {path.name: content}
     with refused(folder):
@@ -90,7 +90,7 @@ def holds_as_written(folder: Path, name: str) -> bool:
 
 
 def entries_in(folder: Path) -> dict[str, Entry]:
-    """The entries of a folder's manifest by the names of files; none where it is not as ncgear writes it.
+    """The entries of a folder's manifest by the names of files; empty where the manifest has another form.
 
     Raises OSError where it cannot be read.
     """
@@ -103,7 +103,7 @@ def entries_in(folder: Path) -> dict[str, Entry]:
 
 
 def _content(place: Path) -> bytes | None:
-    """What a file holds, None where no file is; raises OSError where it cannot be read."""
+    """The content of a file, None where there is no file; raises OSError where it cannot be read."""
     try:
         return place.read_bytes() if S_ISREG(place.stat().st_mode) else None
     except (FileNotFoundError, NotADirectoryError, IsADirectoryError):
@@ -128,9 +128,9 @@ def _as_written(folder: Path, entries: Mapping[str, Entry]) -> Iterator[str]:
 
 
 def _kept(folder: Path, files: Mapping[str, bytes], earlier: Mapping[str, Entry]) -> dict[str, bytes]:
-    """The files of others that have the places of new ones, by new names that are free.
+    """Other people's files that have the places of new files, by new names that are free.
 
-    Raises WrongInput where something else has such a place, as a folder or a link to nothing.
+    Raises WrongInput where a folder or a link to nothing has such a place.
     """
     kept: dict[str, bytes] = {}
     for name, content in files.items():

@@ -92,7 +92,7 @@ def _draw_gear(made: Figure, one: ComparedGear, worst_mm: float) -> None:
 
 
 def _round_factor(factor: float) -> float:
-    """A factor of one digit, not greater."""
+    """The factor, rounded down to one digit."""
     digit = 10.0 ** floor(log10(factor))
     return float(floor(factor / digit + 1e-9) * digit)
 
@@ -180,7 +180,7 @@ def compared_pictures(pair: ComparedPair, name: str) -> dict[str, bytes]:
 
 
 def compared_files(pair: ComparedPair, name: str) -> dict[str, bytes]:
-    """The files by their names; outlines as measured have the form of those of a build."""
+    """The files by their names; measured outlines have the form of a build's outlines."""
     files = {
         "measured.json": json_text(compared_figures(pair, name)).encode(),
         "measured.csv": compared_csv(pair).encode(),

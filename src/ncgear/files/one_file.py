@@ -25,20 +25,20 @@ from ncgear.interrupts import uninterrupted
 REMEDY = "choose another folder with --out"
 
 UNFINISHED = ".part"
-"""End of the name of a file that is being written; it is of no use to anybody, and the next writer removes it."""
+"""End of the name of an unfinished file; after a killed run nobody needs it, and the next writer removes it."""
 
 LONGEST_NAME = 200
 """Bytes of a file's name to which fifty more can be added: file systems have names of 255."""
 
 WITHOUT_LINKS = {EPERM, ENOSYS, EOPNOTSUPP, EROFS}
-"""What file systems answer that have no links; shared folders of virtual machines say that they can only be read."""
+"""Errors of file systems without links; shared folders of virtual machines answer EROFS."""
 
 _HERE, _EXCHANGE = -100, 2
 """AT_FDCWD and RENAME_EXCHANGE of Linux's renameat2."""
 
 
 def put_in_place(place: Path, content: bytes) -> None:
-    """Write one file and move it to its place, where it replaces what stands there.
+    """Write one file and move it to its place, where it replaces an earlier file.
 
     Raises WrongInput when that cannot be done.
     """
@@ -47,13 +47,13 @@ def put_in_place(place: Path, content: bytes) -> None:
 
 
 def replace_by(place: Path, content: bytes) -> None:
-    """Write one file and move it to its place; raises OSError, and what stood there stays then."""
+    """Write one file and move it to its place; raises OSError, and then the earlier file stays."""
     written_beside(place, content).replace(place)
     sync_folder(place.parent)
 
 
 def put_at_free_place(place: Path, content: bytes) -> None:
-    """Write one file to a place that is free; raises FileExistsError where it is not, or another OSError."""
+    """Write one file to a free place; raises FileExistsError where the place is taken, or another OSError."""
     beside = written_beside(place, content)
     try:
         os.link(beside, place)
@@ -70,7 +70,7 @@ def put_at_free_place(place: Path, content: bytes) -> None:
 
 
 def written_beside(place: Path, content: bytes, mode: int = 0o666) -> Path:
-    """A hidden file beside a place, down to the disk; raises OSError, and leaves none then."""
+    """A hidden file beside a place, written down to the disk; raises OSError, and then leaves no file."""
     beside = hidden(place, UNFINISHED)
     try:
         place.parent.mkdir(parents=True, exist_ok=True)
@@ -84,15 +84,15 @@ def written_beside(place: Path, content: bytes, mode: int = 0o666) -> Path:
 
 
 def hidden(place: Path, end: str) -> Path:
-    """A hidden place beside a file, by its name or, where that is nearly as long as names can be, by its digest."""
+    """A hidden place beside a file, named after the file, or after the digest of a name that is too long."""
     name = place.name if len(place.name.encode()) <= LONGEST_NAME else sha256(place.name.encode()).hexdigest()[:24]
     return place.with_name(f".{name}{end}")
 
 
 def swap(new: Path, place: Path) -> None:
-    """Move the file ``new`` to ``place``, and what stands there to ``new``; raises OSError.
+    """Exchange the file ``new`` and the file at ``place``; raises OSError.
 
-    On Linux both happen at one instant.  Elsewhere what stands there gets its second name just before: what another
+    On Linux this happens at one instant.  Elsewhere the old file gets its second name just before: a file that another
     program moves there in the microseconds between is lost.
     """
     if _exchanged(new, place):
@@ -119,7 +119,7 @@ def _exchanged(one: Path, other: Path) -> bool:
 
 
 def second(place: Path, other: Path) -> None:
-    """Make another name for a file; where the file system has no such links, or it is a link itself, a copy."""
+    """Make another name for a file; a copy where the file system has no hard links, or the file is a link itself."""
     if not S_ISLNK(place.lstat().st_mode):
         try:
             os.link(place, other)
@@ -138,7 +138,7 @@ def write(place: Path, content: bytes, mode: int = 0o666) -> None:
         write_all(handle, content)
         os.fsync(handle)
     except OSError as error:
-        # What writes by a handle does not know the file's name.
+        # An error while writing by a handle does not know the file's name.
         raise OSError(error.errno, error.strerror, str(place)) from error
     finally:
         os.close(handle)
@@ -155,7 +155,7 @@ def write_all(handle: int, content: bytes) -> None:
 
 
 def sync_folder(place: Path) -> None:
-    """Wait until the disk has the names of a folder, where the system can say so."""
+    """Wait until the disk has the names of a folder, where the system can tell."""
     if os.name != "posix":
         return
     handle = os.open(place, os.O_RDONLY)
@@ -169,9 +169,9 @@ def sync_folder(place: Path) -> None:
 
 
 def is_there(place: Path) -> bool:
-    """Whether a path is one of something, be it a link to nothing; raises OSError where the disk gives no answer.
+    """Whether something is at a path, even a link to nothing; raises OSError where the disk gives no answer.
 
-    Python's own questions take any fault of the disk for a no, some of them from version 3.12 or 3.14 on.
+    Python's own functions answer False for any fault of the disk, some of them since version 3.12 or 3.14.
     """
     try:
         place.lstat()
@@ -181,14 +181,14 @@ def is_there(place: Path) -> bool:
 
 
 def kept_names(place: Path) -> Iterator[Path]:
-    """Places beside a file for a version that is kept: ``law-kept.csv``, ``law-kept-2.csv`` and so on."""
+    """Places beside a file for its kept version: ``law-kept.csv``, ``law-kept-2.csv`` and so on."""
     for number in count(1):
         yield place.with_name(f"{place.stem}-kept{f'-{number}' if number > 1 else ''}{place.suffix}")
 
 
 @contextmanager
 def refused(folder: Path) -> Iterator[None]:
-    """A context that turns what the disk refuses into WrongInput."""
+    """A context that turns errors of the disk into WrongInput."""
     try:
         yield
     except OSError as error:
@@ -199,7 +199,7 @@ def refused(folder: Path) -> Iterator[None]:
 def locked(handle: int, *, wait: bool) -> bool:
     """Take the lock of an open file; False where another holds it and ``wait`` is false.
 
-    Some file systems, mostly of networks, have no locks; there everybody gets the lock.
+    Some file systems, mostly of networks, have no locks; there every process gets the lock.
     """
     try:
         import fcntl
@@ -215,11 +215,11 @@ def locked(handle: int, *, wait: bool) -> bool:
 
 
 BEYOND = 1 << 30
-"""Byte of a file that is locked on Windows, where nobody else can read or write a byte that is locked: beyond all that
-is ever written.  A lock there is of a place, whatever has been read or written before."""
+"""Byte of a file that is locked on Windows: far beyond every written byte, since no other process can read or write a
+locked byte.  A lock there belongs to a place in the file, and does not move as the file is read or written."""
 
 HELD = (errno.EACCES, errno.EDEADLK, getattr(errno, "EDEADLOCK", errno.EDEADLK))
-"""What Windows says of a byte that another holds: at once, and after the ten seconds that it waits."""
+"""Errors of Windows for a byte that another process has locked: at once, and after a wait of ten seconds."""
 
 
 def _locked_on_windows(handle: int, *, wait: bool) -> bool:
@@ -244,19 +244,19 @@ def _locked_on_windows(handle: int, *, wait: bool) -> bool:
 
 @contextmanager
 def alone_in(folder: Path) -> Iterator[None]:
-    """A context that one process or thread at a time can be in for a folder."""
+    """A context of a folder that one process or thread at a time can enter."""
     handle = _handle_of(folder)
     try:
         locked(handle, wait=True)
         yield
     finally:
-        # Whatever its end says, it tells nothing of the files.
+        # An error at the end of the lock says nothing about the files.
         with suppress(OSError):
             os.close(handle)
 
 
 def _handle_of(folder: Path) -> int:
-    """What stands for a folder in locks: the folder itself, or where folders cannot be opened a file of its own."""
+    """Handle by which a folder is locked: of the folder, or of a separate file where folders cannot be opened."""
     if os.name == "posix":
         return os.open(folder, os.O_RDONLY)
     name = sha256(os.path.realpath(folder).encode()).hexdigest()[:24]

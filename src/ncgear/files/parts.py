@@ -1,8 +1,7 @@
-"""A table of designs in parts: a folder of Parquet files, each written at one instant, by which a run goes on.
+"""A table of designs in parts: a folder of Parquet files, each written at one instant, from which a run continues.
 
-A part's bytes depend on its rows alone: no time, no name of a computer, no order in which parts were finished.  A file
-that is cut off or damaged, or belongs to another run or place, is known by its checksums, the digest of its run, and
-its number.
+A part's bytes depend on its rows alone: no time, no name of a computer, no order of completion.  Checksums, the digest
+of the run and the number of the part reveal a file that is cut off or damaged, or belongs to another run or place.
 """
 
 from __future__ import annotations
@@ -32,7 +31,7 @@ RUN, PART = b"ncgear.run", b"ncgear.part"
 """Keys of a file's metadata that hold the digest of its run, and the number of the part."""
 
 PLAN = "_run.json"
-"""The file that tells what a folder's parts belong to; readers of Parquet folders leave out names that begin so."""
+"""The file that describes the run of a folder's parts; readers of Parquet folders ignore names that begin with "_"."""
 
 
 def table_bytes(designs: Designs, digest: str, part: int) -> bytes:
@@ -55,12 +54,12 @@ def table_bytes(designs: Designs, digest: str, part: int) -> bytes:
 
 
 def _belonging(digest: str, part: int) -> dict[bytes, bytes]:
-    """What a file's metadata say of where it belongs."""
+    """The metadata of a file that name its run and its part."""
     return {RUN: digest.encode(), PART: str(part).encode()}
 
 
 def _numbers(values: Array) -> pyarrow.Array:
-    """Numbers as a column, null where they are not known; ``pyarrow.array`` would load pandas in every process."""
+    """Numbers as a column, null where not known; ``pyarrow.array`` would load pandas in every process."""
     import pyarrow as arrow
 
     known = ~np.isnan(values)
@@ -111,7 +110,7 @@ class Parts:
 
     @property
     def digest(self) -> str:
-        """What all parts of this run have in common with no other."""
+        """A digest that all parts of this run share, and no other run has."""
         return sha256(self.text.encode()).hexdigest()[:16]
 
     def path(self, part: int) -> Path:
@@ -126,7 +125,7 @@ class Parts:
     def begun(self, counts: Sequence[int]) -> list[int]:
         """Make the folder ready, and return the numbers of the parts that it lacks; part i has ``counts[i]`` rows.
 
-        Files that are no whole part of this run are lacking.  Raises WrongInput where the folder has another run.
+        A file that is no whole part of this run counts as lacking.  Raises WrongInput where the folder has another run.
         """
         path = self.folder / PLAN
         if is_there(path):
@@ -189,7 +188,7 @@ class Parts:
 
 @contextmanager
 def alone_in(folder: Path) -> Iterator[None]:
-    """A context that one run at a time can be in for a folder; raises WrongInput where another one is at work there."""
+    """A context of a folder that one run at a time can enter; raises WrongInput where another run works there."""
     with (folder / PLAN).open("rb") as held:
         if not locked(held.fileno(), wait=False):
             problem = "another run is at work here; wait for it, or choose another folder with --out"

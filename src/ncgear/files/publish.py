@@ -8,7 +8,7 @@ replace the links.  So at each moment either all names lead to old files, or all
     folder/a.csv -> .ncgear-xyz/current/a.csv        .ncgear-xyz/current -> old, then new
 
 A killed run leaves a staging folder and links into it.  The next run finishes the exchange and clears up.  A staging
-folder is known by its name, half of which is computed from the other half: other folders are never touched.
+folder is recognized by its name, whose second half is computed from the first half: other folders are never touched.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ def prepare_file(path: Path) -> None:
 
 
 def is_inside(name: str) -> bool:
-    """Whether a name is the name of a file in a folder or in a folder below it, and of no staging folder."""
+    """Whether a name leads to a file in a folder or in a folder below it, but to no staging folder."""
     parts = name.split("/")
     wrong = any(part in ("", ".", "..") or "\\" in part or "\0" in part for part in parts)
     return not wrong and len(parts) <= 2 and not name.startswith(STAGING_PREFIX)
@@ -80,9 +80,9 @@ def is_inside(name: str) -> bool:
 
 @contextmanager
 def opened(folder: Path) -> Iterator[None]:
-    """A context for one process at a time that changes files of ``folder``, which is created if need be.
+    """A context for one process at a time that changes files of ``folder``; the folder is created where missing.
 
-    In it the folder is as the last whole run left it.  Ctrl-C waits for its end.  Raises WrongInput, also for an
+    At its start the folder is as the last whole run left it.  Ctrl-C waits for its end.  Raises WrongInput, also for an
     OSError of its body, when the folder cannot be written; a folder created for nothing is removed.
     """
     prepare(folder)
@@ -126,14 +126,14 @@ def _is_of_staging(name: str) -> bool:
 
 
 def real_place(path: Path) -> Path:
-    """Where a file is behind the links of a person; links that a killed run has left are replaced by their files first.
+    """The place of a file behind a person's links; links that a killed run left are first replaced by their files.
 
-    Raises WrongInput where that cannot be done: no file in a staging folder is ever meant.
+    Raises WrongInput where that cannot be done: nobody means a file in a staging folder.
     """
     real = Path(os.path.realpath(path))
     if (left := _staging_in(real)) is not None and is_there(left):
         with opened(left.parent):
-            # What is opened is cleared up.
+            # Opening the folder clears it up.
             real = Path(os.path.realpath(path))
     if _staging_in(real) is not None:
         raise WrongInput("leads into what a run has left, and to no file; give the file itself", location=str(path))
@@ -156,8 +156,8 @@ def _clear_up(folder: Path) -> None:
 def exchange(folder: Path, files: Mapping[str, bytes], gone: Collection[str] = ()) -> None:
     """Write files to their places in an opened folder, and remove the files ``gone``, at the same instant.
 
-    Raises OSError when that cannot be done, and the old files are visible; WrongInput where it is done but could not be
-    tidied up, and the new files are visible.
+    Raises OSError when that cannot be done; the old files are then visible.  Raises WrongInput where the exchange is
+    done but the staging folder could not be cleared up; the new files are then visible.
     """
     names = [*files, *(name for name in gone if name not in files)]
     if names == [*files] and len(names) == 1:
@@ -171,7 +171,7 @@ def exchange(folder: Path, files: Mapping[str, bytes], gone: Collection[str] = (
             _stage(folder, staging, files, names)
             _exchange(folder, staging, names)
         except BaseException:
-            # What cannot be undone now are links to the old files; the next run clears them up.
+            # Links to the old files may remain; the next run clears them up.
             with suppress(OSError):
                 _settle(folder, staging)
                 shutil.rmtree(staging)
@@ -208,7 +208,7 @@ def _stage(folder: Path, staging: Path, files: Mapping[str, bytes], names: Itera
 def _exchange(folder: Path, staging: Path, names: Iterable[str]) -> None:
     """Make the files of ``staging/new`` visible at their places in ``folder``, and no file at the other ``names``.
 
-    ``staging`` is in ``folder``; ``staging/old`` has the files that are replaced.  Folders in ``names`` exist already.
+    ``staging`` is in ``folder``; ``staging/old`` has the replaced files.  Folders in ``names`` exist already.
     Raises OSError when something is in the way; the old files are then visible.  In both cases ``_settle`` must follow.
     Where the file system has no symbolic links, the files are moved one by one; only there can a killed run leave a
     mixture of old and new files.
@@ -250,7 +250,7 @@ def _exchange_one_by_one(folder: Path, staging: Path, names: list[str]) -> None:
 
 
 def _put(file: Path, place: Path) -> None:
-    """Move a file to a place; where there is no such file the place becomes empty."""
+    """Move a file to a place; where the file does not exist, the place becomes empty."""
     if is_there(file):
         file.replace(place)
     else:
@@ -258,9 +258,9 @@ def _put(file: Path, place: Path) -> None:
 
 
 def _settle(folder: Path, staging: Path) -> None:
-    """Replace all links that an exchange has left by their files, and remove links that lead to no file.
+    """Replace all remaining links of an exchange by their files, and remove links that lead to no file.
 
-    Raises OSError where the disk gives no answer: what is not known to be missing is not removed.
+    Raises OSError where the disk gives no answer: a link is removed only where its file is surely missing.
     """
     try:
         shown = staging / os.readlink(staging / _POINTER)
@@ -274,7 +274,7 @@ def _settle(folder: Path, staging: Path) -> None:
 
 
 def _files_below(folder: Path) -> Iterator[Path]:
-    """All that is in a folder and in those below it, but for folders; nothing where there is no folder."""
+    """All files and links in and below a folder; empty where there is no folder."""
     if is_there(folder):
         for name in os.listdir(folder):
             if S_ISDIR((folder / name).lstat().st_mode):

@@ -1,8 +1,8 @@
 """Solids as binary STL, and tooth outlines read back from the files of a build: tables, STL files, drawings.
 
 Every STL file is read back: it is used only if it still holds the closed solid that it was made from.  The contact is
-judged on outlines as written, and points of the exact curves, that no chord and no arc knows of, are held against them.
-The faces of STEP files are held against those when they are made, between the places that they go through.
+judged on written outlines.  They are compared with points of the exact curves that no chord and no arc was made from.
+STEP files are compared with the exact curves when they are made, between the points that their faces pass through.
 """
 
 from __future__ import annotations
@@ -39,27 +39,27 @@ BOUNDS_TOLERANCE = 1e-6
 """Largest error of a coordinate in single precision, divided by the largest one: 2^-24, rounded up generously."""
 
 STRAIGHT = 3e-11
-"""A point that is nearer to the line through its neighbours, as a share of the largest coordinate, is on that line.
+"""A point nearer than this to the line through its neighbours, as a share of the largest coordinate, is on that line.
 
 Such points arise where a section crosses the diagonal of a flat facet.
 """
 
 NEAR = 3e-8
-"""A point of a section that is nearer to the point before it, as a share of the largest coordinate, is the same point.
+"""A point of a section this near to the point before it, as a share of the largest coordinate, is the same point.
 
 Two such points arise where a diagonal crosses the section next to a corner.  Each would be on the line through the
 other one and its other neighbour.
 """
 
 STL_HEAD_BYTES = 84
-"""What binary STL has before its triangles, the last four bytes of it their number."""
+"""Bytes of binary STL before its triangles; the last four are the number of triangles."""
 
 STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-"""What it has for each of them."""
+"""The record of a triangle in binary STL."""
 
 FOOT = 1e-7
-"""Height of the section of helical teeth, as a share of the face width: here it is the outline, and farther up it has
-turned."""
+"""Height of the section of helical teeth, as a share of the face width: this low, the section has hardly turned against
+the outline."""
 
 
 def stl_bytes(mesh: Trimesh) -> bytes:
@@ -100,10 +100,10 @@ def read_back(data: bytes, original: TriangleMesh | Trimesh) -> TriangleMesh:
 
 
 def written_outlines(files: Mapping[str, bytes], bodies: SolidPair, *, helical: bool = False) -> list[Outlines]:
-    """Both gears' outlines from the tables of a build, and from its solids after the process has taken its clearance.
+    """Both gears' outlines from the tables of a build, and from its solids without the clearance of the process.
 
     ``files`` maps the names of a build's files to their contents; ``bodies`` are the solids that they were made from;
-    ``helical`` says whether the teeth are.  Raises ValueError for a solid that is not closed.
+    ``helical`` says whether the teeth are helical.  Raises ValueError for a solid that is not closed.
     """
     driving, driven = (
         _outline_of_body(files[f"{name}.stl"], gear.plan, helical)
@@ -150,8 +150,8 @@ def outline_of_stl(data: bytes, height_mm: float, *, hole: bool = False) -> Arra
 
 
 FLAT = 1e-7
-"""Distance from an arc of the chords by which it is measured, as a share of the largest coordinate: a thousandth of a
-usual chord tolerance."""
+"""Largest distance between an arc and its chords, as a share of the largest coordinate: a thousandth of a usual chord
+tolerance."""
 
 
 DXF_POLYLINE = re.compile(r"^  0\nLWPOLYLINE\n(.*?)^  0\n", re.DOTALL | re.MULTILINE)
@@ -222,7 +222,7 @@ def outline_errors_mm(exact_mm: ExactOutlines, outlines_mm: Mapping[str, tuple[A
 
 
 def error_of_step_mm(data: bytes) -> float:
-    """What the head of a STEP file says of its faces, which were held against the exact curves when they were made."""
+    """The error of the faces in mm that the head of a STEP file names; it was measured when the file was made."""
     head = b" ".join(data.split(b"ENDSEC", 1)[0].split())
     (error,) = re.findall(rb"tooth faces within (\S+) mm", head)
     return float(error)

@@ -29,7 +29,7 @@ from ncgear.whole_machines.told import machines_figures
 Points = Sequence[tuple[float, float]]
 
 PICTURE = "frontier.png"
-"""Name of the picture of a frontier, and of that of a limit."""
+"""Name of the picture of a frontier and of the picture of a limit."""
 
 
 def frontier_files(found: Frontier, beside: SoughtMachine) -> dict[str, bytes]:
@@ -37,7 +37,7 @@ def frontier_files(found: Frontier, beside: SoughtMachine) -> dict[str, bytes]:
     caps = [(point.cap_w, point.limit_mm_s2) for point in found.laws]
     curve = limit_points(beside.task, beside.wishes, caps[-1][0])
     points = sorted([*caps, *(point for point in curve if caps[0][0] < point[0] < caps[-1][0])])
-    # What needs so much acceleration at one power needs no less at a smaller one
+    # The acceleration needed at one power is needed at every smaller power, too
     heights = [*accumulate((acceleration for _, acceleration in reversed(points)), max)][::-1]
     limit = [(power, height) for (power, _), height in zip(points, heights, strict=True)]
     laws = [(point.law.peak_power_w, point.law.peak_acceleration_mm_s2) for point in found.laws]
@@ -62,7 +62,7 @@ def flywheel_files(found: Sequence[FlywheelPoint], design: Design) -> dict[str, 
 
 
 def limit_picture(best: BestLaw) -> bytes:
-    """PNG of the limit's curve with one makeable law, and the mechanisms to compare with."""
+    """PNG of the limit's curve with a makeable law and the mechanisms for comparison."""
     law = best.figures.peak_power_w, best.figures.peak_acceleration_mm_s2
     return _picture(best, best.limit_points, [law], [], "this law and the limit")
 
@@ -89,7 +89,7 @@ def outline_picture(found: OutlineFit, name: str) -> bytes:
     outlines, greatest = [found.outline.corners], [np.array([away.at_mm, away.toward_mm])]
     farthest = away.greatest_mm
     if follower is not None and curve.mate_place is not None:
-        # The mate's first point faces the curve's: it is turned from the drawing to there.
+        # The mate is turned from its drawing so that its first point faces the curve's first point.
         turn = pi - curve.mate_place.turned_rad
         to_pair = follower.scale * np.array([[cos(turn), sin(turn)], [-sin(turn), cos(turn)]])
 
@@ -120,9 +120,9 @@ OUTLINE_WIDTH_IN, HEIGHT_IN = 8.2, 5.0
 def outline_and_curve(
     outlines: list[Array], curve: Array, mate: Array, axes_mm: tuple[Array, Array], greatest: list[Array], title: str
 ) -> bytes:
-    """PNG of the outlines of one gear or both, the curve and its mate, points of shape (n, 2) each in the drawing.
+    """PNG of the outlines of one gear or both, the curve and its mate, each as points of shape (n, 2) in the drawing.
 
-    ``axes_mm`` are those of both gears, ``greatest`` the ends of the greatest deviation from each outline.
+    ``axes_mm`` are the axes of both gears, ``greatest`` the ends of the greatest deviation from each outline.
     """
     made = canvas.figure(OUTLINE_WIDTH_IN, HEIGHT_IN, title, canvas.Margins(left=0.6, right=0.2, top=0.75))
     axes = made.add_subplot()

@@ -19,7 +19,7 @@ STYLES: tuple[Style, ...] = tuple(
     for dashes in ("-", DASHED)
     for color in (canvas.DRIVING, canvas.DRIVEN, canvas.HIGHLIGHT, canvas.REFERENCE)
 )
-"""One for each design."""
+"""A line style for each design."""
 
 IN_A_LINE, LINE_IN = 4, 0.2
 """Names in a line of the legend, and the height of a line in inches."""
@@ -28,7 +28,7 @@ IN_A_LINE, LINE_IN = 4, 0.2
 def draw_side_by_side(axes: Axes, found: SideBySide, quantity: Quantity) -> float:
     """Draw a quantity of several designs onto axes; returns where the longest cycle ends, in degrees.
 
-    Only of those whose output moves as that of the first: one that turns has no place on a scale in mm.
+    It draws only designs whose output is of the first design's kind: a turning output has no place on a scale in mm.
     """
     end, label = 0.0, ""
     angular = found.drives[0].linkage.OUTPUT.angular
@@ -43,7 +43,7 @@ def draw_side_by_side(axes: Axes, found: SideBySide, quantity: Quantity) -> floa
 
 
 def side_by_side_png(found: SideBySide) -> bytes:
-    """All charts below one another; that of power only where any of the designs has a load."""
+    """PNG of all charts below one another; power is drawn only where a design has a load."""
     drives = found.drives
     charts = CHARTS if any(drive.motion.driving_power_w.any() for drive in drives) else CHARTS[:-1]
     lines = -(-len(drives) // IN_A_LINE)

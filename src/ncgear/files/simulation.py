@@ -51,8 +51,8 @@ def simulated_chart(
 ) -> Chart:
     """A quantity at driving angles in rad, shape (n,); ``own`` and ``compared`` are a label and values, shape (n,).
 
-    ``joints_deg`` (shape (k,)) are joints of the law, ``apart_deg`` (shape (k, 2)) stretches in which no pushing flanks
-    touch.
+    ``joints_deg`` (shape (k,)) are joints of the law; in the stretches ``apart_deg`` (shape (k, 2)) the pushing flanks
+    do not touch.
     """
     angle = np.degrees(phi1_rad)
     lines = [Line(Role.OWN, own[0], angle, own[1])]
@@ -102,7 +102,7 @@ def drawn_angles_rad(drive: Drive) -> Array:
 
 
 def _load_chart(drive: Drive, name: str, unit: str, own: Array, uniform: Array) -> Chart:
-    """A load of the rigid level at the driving angles of its charts, beside the uniform crank's."""
+    """A load of the rigid level at the driving angles of its charts, beside the load with a uniform crank."""
     phi1 = drawn_angles_rad(drive)
     joints = np.degrees(joints_up_to(drive.transmission, float(phi1[-1])))
     lines = ("this design", own), (f"{drive.linkage.UNIFORM}, same speed", uniform)
@@ -158,7 +158,7 @@ def bearings_in_time(drive: Drive, shown: History) -> dict[str, tuple[str, Array
 
 
 Columns = Mapping[str, tuple[Sequence[Chart], str]]
-"""Charts below one another, which may be none, and their title, by file name."""
+"""Charts below one another (perhaps empty) and their title, by file name."""
 
 
 def _pictures(drive: Drive, look: Look, columns: Columns) -> dict[str, bytes]:
@@ -175,8 +175,8 @@ class Simulated:
     """The results of a simulation.
 
     ``table`` holds columns of one length by name, ``figures`` sections of plain values, ``pictures`` PNGs by file name.
-    Names of columns and keys of figures end in their unit.  ``verdict`` is that on the machine, whose warnings the
-    figures have too.
+    Names of columns and keys of figures end in their unit.  ``verdict`` is the verdict on the machine; the figures have
+    its warnings, too.
     """
 
     table: Mapping[str, Array]
@@ -188,7 +188,7 @@ class Simulated:
 def simulate(drive: Drive, level: Level) -> Simulated:
     """Simulate a machine at a level; raises WrongInput where the design lacks what the level needs.
 
-    The verdict is the verdict of a build; at the rigid level, which makes teeth only for a drivetrain, of a check.
+    The verdict is that of a build; at the rigid level, which makes teeth only for a drivetrain, it is that of a check.
     """
     table, figures, pictures = _at_level(drive, level)
     with_teeth = drive.design.gears is not None and (level is not Level.RIGID or drive.design.drivetrain is not None)
@@ -245,7 +245,7 @@ def simulation_files(found: Simulated) -> dict[str, bytes]:
 def _dynamic(drive: Drive) -> Results:
     """The motion of a drive in time, beside its law: rows at even times, peaks from the solver's steps.
 
-    Pictures have a point at each peak besides even ones, so that they show what the figures say.
+    Pictures have points at even times and one at each peak, so that they show the peaks of the figures.
     """
     course, rigid = drive.course, drive.rigid.machine
     peaks = drive.peaks_of(course)

@@ -1,6 +1,6 @@
 """The strength of a pair of gears as files: figures, a table with a row per tooth, pictures.
 
-Pictures show both gears in mesh in colours: each tooth by how far it holds, with its number, or by the stress in it.
+Pictures show both gears in mesh, each tooth with its number, coloured by its safety or by its stress.
 """
 
 from __future__ import annotations
@@ -44,10 +44,10 @@ if TYPE_CHECKING:
     from ncgear.strength.elements.teeth import Painted
 
 SPREAD = 4.0
-"""The scale of colours ends where a safety is this many times the wanted one, and at its inverse."""
+"""The scale of colours goes from the wanted safety divided by this factor to the wanted safety times this factor."""
 
 ROOM_IN = 0.2
-"""Where teeth stand less than so many inches apart, only every fifth has its number, and the one that is named."""
+"""Where teeth stand less than so many inches apart, only every fifth tooth and the named tooth have numbers."""
 
 BELOW_IN = 0.13
 """Distance in inches of a number from the root of its tooth."""
@@ -61,9 +61,9 @@ SIZE_IN, REST_IN = (9.6, 7.0), 1.55
 
 @dataclass(frozen=True, eq=False)
 class ColouredGear:
-    """The safety of each tooth of a gear as a share of the wanted one, shape (z,), and the tooth that is named.
+    """The safety of each tooth of a gear divided by the wanted safety, shape (z,), and the named tooth.
 
-    A share may be infinite, of a tooth that bears no load.
+    It is infinite for a tooth without load.
     """
 
     share: Array
@@ -71,7 +71,7 @@ class ColouredGear:
 
 
 def coloured_teeth_png(drive: Drive, gears: dict[Gear, ColouredGear], position: Position, title: str) -> bytes:
-    """Both gears in a position, coloured by how far each tooth holds; the named teeth have a mark."""
+    """PNG of both gears in a position, each tooth coloured by its safety; the named teeth have a mark."""
     view = View.of(drive, title)
     norm = LogNorm(1.0 / SPREAD, SPREAD)
     for gear, coloured in gears.items():
@@ -129,7 +129,8 @@ class View:
         return cls(made, axes, pair, height, max((right - left) / width, 2.0 * top / (height - REST_IN)))
 
     def body(self, gear: ToothedGear, which: Gear, position: Position, line: float) -> Callable[[Array], Array]:
-        """Draw a gear's body, and return what moves points of the gear's own frame (shape (n, 2)) to their place."""
+        """Draw a gear's body; return the function that moves points of the gear's frame (shape (n, 2)) to their
+        place."""
         placed = partial(self.pair.placed, which, position=position)
         draw_body(self.axes, self.pair, which, placed(gear.outline_mm), canvas.REFERENCE, line)
         return placed
@@ -162,7 +163,7 @@ def _draw(
         named = number == coloured.named
         if not crowded or number % 5 == 0 or named:
             root, (back, down) = (tooth[0] + tooth[-1]) / 2.0, tooth[0] - tooth[-1]
-            # Closed by this chord, the tooth lies to the left of it where its outline runs counter-clockwise.
+            # This chord closes the tooth.  The tooth lies to its left where the outline runs counter-clockwise.
             inwards = np.sign(signed_area(tooth)) * np.array([down, -back]) / np.hypot(back, down)
             place = root + BELOW_IN * view.mm_per_in * inwards
             box = {"boxstyle": "circle,pad=0.15", "facecolor": "white", "edgecolor": canvas.INK, "linewidth": 1.0}
@@ -181,14 +182,14 @@ def _draw(
 
 
 NEAR_MODULES = 3.0
-"""How far from the pitch curve, in modules, the roots of teeth are looked for."""
+"""Largest distance from the pitch curve, in modules, at which the roots of teeth are searched."""
 
 
 def tooth_rows(gear: ToothedGear) -> list[IndexArray]:
-    """The rows of the outline that belong to each tooth, from the middle of one space to that of the next.
+    """The rows of the outline that belong to each tooth, from the middle of one space to the middle of the next.
 
-    The middle of a space is halfway along the pitch curve between the flanks that bound it.  Gears that turn less than
-    once have teeth on a part of their curve only.
+    The middle of a space is halfway along the pitch curve between its two flanks.  Gears that turn less than once have
+    teeth on a part of their curve only.
     """
     flanks, outline = gear.flanks, gear.outline_mm
     back, front = flanks.crossing_mm[0::2], flanks.crossing_mm[1::2]
@@ -209,7 +210,7 @@ def tooth_rows(gear: ToothedGear) -> list[IndexArray]:
 
 
 def strength_pictures(drive: Drive, rating: Rating) -> dict[str, bytes]:
-    """The gears coloured by how far each tooth holds, and loads and stresses over the cycle."""
+    """The gears coloured by the safety of each tooth, and loads and stresses over the cycle."""
     charts = strength_charts(rating.strength, rating.weakest)
     joints = np.degrees(joints_up_to(drive.pair.transmission, np.radians(charts[0].end)))
     charts = [replace(chart, joints_deg=joints) for chart in charts]
@@ -244,7 +245,7 @@ def _field(drive: Drive) -> bytes:
 
 
 def _gears(drive: Drive, rating: Rating) -> bytes:
-    """The pair at the driving angle at which its weakest tooth has its largest stress."""
+    """The pair at the driving angle of the largest stress of its weakest tooth."""
     strength, found = rating.strength, rating.weakest
     wanted = {(one.gear, one.damage): one.wanted for one in found}
     gears = {}

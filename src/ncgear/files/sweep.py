@@ -1,4 +1,4 @@
-"""The files beside the table of a sweep: figures, pictures, the Pareto set, what each key does, designs as files."""
+"""The files beside the table of a sweep: figures, pictures, the Pareto set, the effects of keys, designs as files."""
 
 from __future__ import annotations
 
@@ -29,17 +29,17 @@ CELL_IN = 1.75
 """Width and height of a small picture among many."""
 
 MOST_KEYS = 6
-"""Keys that a picture has room for; those that explain most of the first objective are shown."""
+"""Most keys in a picture; it shows the keys that explain most of the first objective."""
 
 TICKS = 4
 TICKS_OF_A_CELL = 3
 LABEL = 0.05
-"""Designs nearer to each other than this share of the picture have one number between them, the first one's."""
+"""Designs nearer to each other than this share of the picture share a number, that of the first design."""
 
 TITLE_IN = 0.62
 
 ROUNDING = 1e-9
-"""Share of a figure by which it differs from design to design only as numbers are rounded."""
+"""Relative differences of a figure between designs up to this are rounding."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +52,7 @@ class Axis:
 
 
 def scatter_matrix(axes: Sequence[Axis], title: str) -> bytes:
-    """PNG of every pair of keys and objectives below the diagonal, on which there is each one's distribution."""
+    """PNG of every pair of keys and objectives below the diagonal; the diagonal shows the distribution of each."""
     count = len(axes)
     size = CELL_IN * count + 0.9
     width, height = max(size, 5.0), size + TITLE_IN
@@ -118,7 +118,7 @@ Named = tuple[str, float, float]
 
 
 def pareto(along: Axis, up: Axis, named: Sequence[Named], title: str) -> bytes:
-    """PNG of two objectives: designs by lot, the Pareto set, and the designs of it that are written as files."""
+    """PNG of two objectives: designs drawn at random, the Pareto set, and its designs that are written as files."""
     width, height = 8.2, 5.8
     made = canvas.figure(width, height, title, canvas.Margins(left=0.95, right=0.3, top=0.8))
     axes = made.add_subplot()
@@ -146,7 +146,7 @@ def pareto(along: Axis, up: Axis, named: Sequence[Named], title: str) -> bytes:
 
 
 def _near_the_front(axes: Axes, along: Axis, up: Axis) -> None:
-    """Show the front, and about it as much again, or the quarter of the other designs that is nearest to it."""
+    """Limit the axes to twice the size of the front, or to the front and the nearest quarter of the other designs."""
     for axis, limits in ((along, axes.set_xlim), (up, axes.set_ylim)):
         low, high = axis.front.min(), axis.front.max()
         every = np.concatenate([axis.drawn, axis.front])
@@ -172,7 +172,7 @@ def _effects_picture(name: str, overview: Overview) -> bytes:
         hspace=0.85,
         wspace=0.42,
     )
-    # Of an objective, all keys have the same scale, so that what matters looks large.
+    # All keys have the same scale for an objective, so that important keys look large.
     for row, (key, place, counted) in enumerate(zip(keys, places, bins, strict=True)):
         middles = known.places[place][counted]
         for column, head in enumerate(heads):
@@ -202,7 +202,7 @@ def _effects_picture(name: str, overview: Overview) -> bytes:
 
 
 DESIGNS = 8
-"""Designs of the Pareto set that are written as files: the ends of the set, and others between them."""
+"""Most designs of the Pareto set that are written as files: the ends of the set, and designs between them."""
 
 BEST = "best"
 """The folder of design files in the output folder."""
@@ -211,9 +211,9 @@ BEST = "best"
 def sweep_files(
     loaded: LoadedDesign, overview: Overview, screened: Overview, figures: Mapping[str, Any]
 ) -> dict[str, bytes]:
-    """Everything beside the tables: the best of the last stage, among all designs that were screened.
+    """All files beside the tables: the best designs of the last stage, among all screened designs.
 
-    Where no design is made and keeps the constraints, there is nothing to show but the figures and the table.
+    Where no makeable design keeps the constraints, there are only the figures and the table.
     """
     files = {"sweep.json": json_text(figures).encode()}
     all_known = screened.wanted.objectives == overview.wanted.objectives
@@ -241,7 +241,7 @@ def sweep_files(
 
 
 def first_best(files: dict[str, bytes]) -> str | None:
-    """The name of the file of the best design by the first objective; None where there is none."""
+    """The name of the file of the best design by the first objective; None where no design is written."""
     return next((name for name in files if name.startswith(f"{BEST}/")), None)
 
 
@@ -254,7 +254,7 @@ def _chosen(front: Designs, costs: Array) -> IndexArray:
 
 
 def _head(name: str) -> str:
-    """A key or figure with the unit in which it is kept, as a picture shows its values."""
+    """A key or figure with the unit in which a picture shows its values."""
     label, unit = label_and_unit(name.rpartition(".")[2])
     return f"{name_of(name.rpartition('.')[2]) if unit else label}{f', {unit}' if unit else ''}"
 
@@ -265,7 +265,7 @@ def _axis(name: str, shown: Overview, front: Designs) -> Axis:
 
 
 def _foremost(overview: Overview) -> list[str]:
-    """The keys that a picture has room for: those that explain most of the first objective."""
+    """The keys that a picture shows: those that explain most of the first objective."""
     keys = overview.space.keys
     explained = np.nan_to_num(overview.effects.explained[:, 0])
     first = np.argsort(-explained, kind="stable")[:MOST_KEYS]

@@ -1,7 +1,7 @@
-"""The run of a sweep: parts on processes or on a cluster, each written as it comes; a run after a killed one goes on.
+"""The run of a sweep: parts on processes or on a cluster, each written when it is done; a killed run can be continued.
 
 Workers send finished parts as the bytes of their files, and this process alone writes: workers of a cluster need no
-common disk.  What is chosen and shown is gathered afterwards from the files, in the order of their numbers.
+common disk.  The choice and the pictures come afterwards from the files, in the order of their numbers.
 """
 
 from __future__ import annotations
@@ -40,26 +40,26 @@ TABLE = "sweep.parquet"
 """The folder of all designs in the output folder."""
 
 ROWS = 4096
-"""Designs in a part where they are computed together: about a second of work, and under a megabyte."""
+"""Designs in a part where designs are computed together: about a second of work, and under a megabyte."""
 
 MOST_ROWS = 16384
 """Designs in a part of the largest sweeps."""
 
 PARTS = 1024
-"""Parts from which on parts become larger."""
+"""Largest number of parts before the parts become larger."""
 
 ROWS_ALONE = 16
-"""Fewest designs in a part where each is computed by itself: a second or two of work."""
+"""Fewest designs in a part where each design is computed alone: a second or two of work."""
 
 ROWS_DEEPER = 4
-"""Fewest designs in a part that are followed deeper: half a second of work, or a few."""
+"""Fewest designs in a part of a later stage: half a second of work, or a few seconds."""
 
 STAGES = ("check", "pitch", "teeth", "contact", "strength")
 
 
 @dataclass(frozen=True)
 class Order:
-    """What a sweep is asked for: ``keep`` is the number of designs that go on to a stage beyond the pitch curves."""
+    """The order of a sweep; ``keep`` is the number of designs that go on to a stage after the pitch curves."""
 
     space: Space
     stage: str = "pitch"
@@ -67,7 +67,7 @@ class Order:
 
 
 def screening_of(design: Design, data: dict[str, Any], order: Order) -> Screening:
-    """What the first two stages screen; a stage ``check`` leaves out gears that motion and power do not depend on."""
+    """The screening of the first two stages; a stage ``check`` omits gears that change neither motion nor power."""
     check_only = order.stage == "check"
     needless = check_only and not _gears_count(design, order.space)
     screened = {key: value for key, value in data.items() if not (needless and key == "gears")}
@@ -77,7 +77,7 @@ def screening_of(design: Design, data: dict[str, Any], order: Order) -> Screenin
 
 
 def _gears_count(design: Design, space: Space) -> bool:
-    """Whether motion and power depend on the gears: by their lobes, by their own inertia, or because they vary."""
+    """Whether motion and power depend on the gears: by lobes or inertia, or because the sweep varies the gears."""
     varied = any(key.startswith("gears.") for key in space.keys)
     weighed = design.masses is not None and not states_inertia(design.masses, design.stages)
     return varied or weighed or lobes_of(design) != Lobes()
@@ -100,7 +100,7 @@ def _is_deep(stage: str) -> bool:
 
 
 def plan_of(loaded: LoadedDesign, screening: Screening, stage: str) -> dict[str, Any]:
-    """What the parts of a sweep depend on, in words and numbers."""
+    """All values on which the parts of a sweep depend, in words and numbers."""
     space = screening.space
     varied = {
         one.key: [one.low, one.high] if isinstance(one, Ranged) else _few(list(one.values)) for one in space.varied
@@ -119,7 +119,7 @@ def plan_of(loaded: LoadedDesign, screening: Screening, stage: str) -> dict[str,
 
 
 def _few(values: list[float]) -> Any:
-    """The values, or of very many only what tells them from others."""
+    """The values; for very many values only a digest that distinguishes them from others."""
     if len(values) <= 100:
         return values
     return {"first": values[0], "last": values[-1], "count": len(values), "sha256": _digest(values)}
@@ -131,7 +131,7 @@ def _digest(content: Any) -> str:
 
 @dataclass(frozen=True)
 class Swept:
-    """A sweep that is done: all designs, and those that went on deeper, if any; each with the folder of its parts."""
+    """A finished sweep: all designs, and the designs of a later stage, if any; each with the folder of its parts."""
 
     screened: Overview
     screened_parts: Parts
@@ -159,12 +159,12 @@ def swept(
     scheduler: str | None = None,
     processes: int | None = None,
 ) -> Swept:
-    """Run a sweep in a folder, or what is left of it.
+    """Run a sweep in a folder, or its missing parts.
 
-    All designs are screened.  Those that are made and keep the constraints on figures known by then go on to a later
-    stage: the ``keep`` best by the objectives known by then.  ``scheduler`` and ``processes`` say where they are
-    computed, as in ``ncgear.workers``.  Raises WrongInput where pyarrow is not installed, where the folder has another
-    run or cannot be written, and where no design could get to the stage.
+    All designs are screened.  The makeable designs that keep the constraints on figures known by then can go on to a
+    later stage; the ``keep`` best of them by the objectives known by then do.  ``scheduler`` and ``processes`` say
+    where designs are computed, as in ``ncgear.workers``.  Raises WrongInput where pyarrow is not installed, where the
+    folder has another run or cannot be written, and where no design can reach the stage.
     """
     require("pyarrow", "sweep", "ncgear sweep")
     if _is_deep(order.stage):
@@ -236,7 +236,7 @@ def _computed(
 def _gathered(
     parts: Parts, count: int, space: Space, wanted: Wanted, chosen: bool = False
 ) -> tuple[Overview, tuple[Any, Any]]:
-    """The overview of all parts, and the numbers and costs of the designs that may go deeper, where that is asked."""
+    """The overview of all parts and, where a later stage is asked for, numbers and costs of the designs for it."""
     overview = no_overview(space, wanted)
     numbers, costs = [np.empty(0, dtype=np.intp)], [np.empty((0, len(wanted.objectives)))]
     for part in range(count):

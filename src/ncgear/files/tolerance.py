@@ -1,4 +1,4 @@
-"""The files of a run of tolerances: figures, assemblies, pictures of how figures are spread and what they vary with."""
+"""The files of a run of tolerances: figures, assemblies, pictures of the distributions of figures and their causes."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from ncgear.tolerances.study import PairStudy
 BINS = 60
 
 ROUNDING = 1e-9
-"""Share of a figure that is rounding: bins that are no wider than that cannot be told apart."""
+"""Relative rounding error of a figure: narrower bins have no meaning."""
 
 COLORS = canvas.DRIVING, canvas.DRIVEN, canvas.REFERENCE, canvas.HIGHLIGHT
 """Colours of the figures whose sources are shown."""
@@ -30,9 +30,9 @@ COLORS = canvas.DRIVING, canvas.DRIVEN, canvas.REFERENCE, canvas.HIGHLIGHT
 
 @dataclass(frozen=True, eq=False)
 class Spread:
-    """A figure of many assemblies (shape (n,)), with its value as designed and a limit; one side of the limit is bad.
+    """A figure of many assemblies (shape (n,)), with its designed value and a limit; one side of the limit is bad.
 
-    ``below`` tells whether assemblies below the limit are bad, else those above; ``beyond`` says what they do.
+    ``below`` is true where assemblies below the limit are bad, else assemblies above it; ``beyond`` names the failure.
     """
 
     label: str
@@ -109,7 +109,7 @@ SHOWN = {"least_play_mm": "least play", "transmission_error_mm": "transmission e
 
 
 def tolerance_files(tolerated: Tolerated) -> dict[str, bytes]:
-    """JSON, CSV and pictures; a picture of sources where something varies, pictures of two pairs in their folders."""
+    """JSON, CSV and pictures; a picture of causes where something varies; two pairs have their pictures in folders."""
     files = {
         "tolerance.json": json_text(tolerance_json(tolerated)).encode(),
         "assemblies.csv": assemblies_csv(tolerated).encode(),
@@ -149,7 +149,7 @@ def _spreads(tolerated: Tolerated) -> bytes:
 
 
 JAMS = 0.0, True, "jams"
-"""The limit of the least play, on which side of it is bad, and what assemblies do there."""
+"""The limit of the least play, whether values below it are bad, and the name of the failure."""
 
 
 def _of_pair(tolerated: Tolerated, pair: PairStudy) -> list[Spread]:

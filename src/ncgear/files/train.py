@@ -44,7 +44,7 @@ STEPS = ("outlines", "solids", "contact", "pictures")
 
 @dataclass(frozen=True, eq=False)
 class BuiltTrain:
-    """The files of a train by their names, its figures, and its conditions with those of what was written."""
+    """The files of a train by their names, its figures, and its conditions with the conditions of the written files."""
 
     files: Mapping[str, bytes]
     figures: dict[str, Any]
@@ -52,7 +52,7 @@ class BuiltTrain:
 
 
 def build_train(name: str, description: str, train: Train, on_step: Callable[[str], None]) -> BuiltTrain:
-    """All files of a train; raises Unanswered where a solid is not sound or its file does not hold it."""
+    """All files of a train; raises Unanswered where a solid is faulty or its file holds another solid."""
     on_step(STEPS[0])
     files = {f"{part.name}.csv": outline_csv(part.outline_mm).encode() for part in train.parts}
     outlines = {part.name: outline_of_csv(files[f"{part.name}.csv"]) for part in train.parts}
@@ -60,7 +60,7 @@ def build_train(name: str, description: str, train: Train, on_step: Callable[[st
     solids: dict[str, Trimesh] = {}
     alike: dict[object, Trimesh] = {}
     for part in train.parts:
-        # Planets that are alike are made once.
+        # Equal planets are made once.
         body = files[f"{part.name}.csv"], part.face_width_mm, part.bore_mm, part.rim_mm, part.holes
         if body not in alike:
             alike[body] = _solid(part, outlines[part.name], train.tolerance_mm)

@@ -26,11 +26,11 @@ from ncgear.shown import Shown
 from ncgear.teeth.gear import ToothedPair
 
 ALIKE_RAD = 1e-12
-"""Difference of driven angles at which contacts count as equally first: a hundred rounding errors."""
+"""Difference of driven angles up to which contacts count as equally first: a hundred rounding errors."""
 
 BESIDE_IN_PITCHES = 0.0064
-"""How far corners are followed behind the first contact where flanks part: where these come to touch between two
-positions is told by their lead over the corners at both."""
+"""Depth behind the first contact to which corners are followed where flanks part: the lead of the flanks over the
+corners at two positions gives the place between them where the flanks begin to touch."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +52,7 @@ class SideTouch:
 
     @property
     def ahead_mm(self) -> Array:
-        """How deep the teeth are in each other at the law's driven angle, negative where they are apart, shape (n,)."""
+        """Depth of the teeth in each other at the law's driven angle, negative where they are apart, shape (n,)."""
         return self.first.lead_rad * self.first.lever_mm
 
     @property
@@ -66,8 +66,8 @@ class SideContact(SideTouch):
     """Contact on one side of the teeth over the whole cycle.
 
     ``meetings`` are the meetings of its flanks, ``pairs`` the pairs that touch without load; ``reaches`` (shape (m,))
-    is how long the flanks of each meeting could touch, in pitches, if nothing held them apart.  ``driving_tips`` and
-    ``driven_tips`` are the clearances of the tips of both gears.
+    are the arcs in pitches over which the flanks of each meeting could touch, if nothing held them apart.
+    ``driving_tips`` and ``driven_tips`` are the clearances of the tips of both gears.
     """
 
     meetings: Meetings
@@ -83,7 +83,7 @@ class SideContact(SideTouch):
 
     @property
     def held_apart(self) -> bool:
-        """Whether any flanks touch for a shorter time than they could, as tip relief makes it."""
+        """Whether any flanks touch over a shorter arc than they could, for example because of tip relief."""
         return bool(np.any(self.pairs.arcs < self.reaches))
 
     @cached_property
@@ -92,7 +92,7 @@ class SideContact(SideTouch):
         return np.bincount(self.touching.position[self.touching.flanks], minlength=self.error_rad.size)
 
     def variation_by_tooth(self, error_rad: Array) -> dict[int, float]:
-        """Peak to peak variation of errors in rad (shape (n,)) at the positions where each driving tooth carries."""
+        """Peak to peak variation of errors in rad (shape (n,)) over the positions where each driving tooth carries."""
         tooth, error = self.touching.driving_tooth, error_rad[self.touching.position]
         high, low = np.full(tooth.max() + 1, -np.inf), np.full(tooth.max() + 1, np.inf)
         np.maximum.at(high, tooth, error)
@@ -102,7 +102,7 @@ class SideContact(SideTouch):
 
 @dataclass(frozen=True, eq=False)
 class PairTouch:
-    """What touches at n positions, on pushing flanks and on their backs."""
+    """The contacts at n positions, on pushing flanks and on their backs."""
 
     placement: Placement
     pushing: SideTouch
@@ -144,7 +144,7 @@ class AsDesigned(PairTouch, Shown):
 
     @property
     def contact_ratio(self) -> float:
-        """Mean number of pairs of flanks that touch without load, on the side of the teeth where it is less."""
+        """Mean number of pairs of flanks that touch without load, on the side of the teeth with the smaller number."""
         return min(self.pushing.pairs.contact_ratio, self.back.pairs.contact_ratio)
 
     @property
@@ -187,7 +187,7 @@ def as_designed(teeth: ToothedPair, placement: Placement) -> AsDesigned:
 
 
 def touch_at(teeth: ToothedPair) -> Callable[[Placement], PairTouch]:
-    """What touches at positions that need not be even, as a function of the placement; raises as ``as_designed``."""
+    """A function from a placement, whose positions need not be even, to its contacts; raises as ``as_designed``."""
     paths = _paths_of(teeth)
 
     def touch(placement: Placement) -> PairTouch:
@@ -200,7 +200,7 @@ def touch_at(teeth: ToothedPair) -> Callable[[Placement], PairTouch]:
 
 
 def contacts_within(teeth: ToothedPair, placement: Placement, within_mm: float) -> tuple[Contacts, Contacts]:
-    """What touches on pushing flanks, and on their backs, once the first contacts are pressed in by ``within_mm``."""
+    """The contacts on pushing flanks and on their backs when the first contacts are pressed in by ``within_mm``."""
     found = _candidates(teeth, _paths_of(teeth), placement, meetings(teeth, placement), within_mm)
     contacts = _contacts_among(found, within_mm)
     return contacts.on(PUSHING), contacts.on(BACK)
@@ -227,7 +227,7 @@ def pairs_under_load(
 
 @dataclass(frozen=True, eq=False)
 class _Candidates:
-    """What may touch: contacts of flanks, corners before curves, leads (2, n) with which flanks first touch."""
+    """Possible contacts: of flanks, and of corners before curves; leads (2, n) at which flanks first touch."""
 
     flanks: FlankContacts
     first_rad: Array
@@ -244,7 +244,7 @@ def _paths_of(teeth: ToothedPair) -> tuple[SidePaths, SidePaths]:
 def _candidates(
     teeth: ToothedPair, paths: tuple[SidePaths, SidePaths], placement: Placement, met: Meetings, within_mm: float
 ) -> _Candidates:
-    """What may touch in the given meetings, with the corners that are within ``within_mm`` of contact."""
+    """The possible contacts in the given meetings, with the corners within ``within_mm`` of contact."""
     flanks = flank_contacts(teeth, placement, met)
     first = foremost_two(flanks.contacts, placement)[0]
     return _Candidates(flanks, first, edge_hits(paths, placement, met, first, within_mm))
@@ -256,7 +256,7 @@ def _contacts_among(found: _Candidates, within_mm: Array | float) -> Contacts:
 
 
 def _rigid_contacts(found: _Candidates, placement: Placement) -> tuple[Contacts, Array]:
-    """All contacts that touch or tell where flanks begin to, and the values of ``foremost_two``."""
+    """All contacts that touch, those that tell where flanks begin to touch, and the values of ``foremost_two``."""
     contacts = _contacts_among(found, touching_mm(placement))
     foremost = foremost_two(contacts, placement)
     beside = found.flanks.beside_parted(foremost)

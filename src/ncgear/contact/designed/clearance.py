@@ -1,11 +1,11 @@
-"""Clearance as designed: how far a gear's tips stay from the other's roots as they stand over the pitch point.
+"""Clearance as designed: distance of a gear's tips from the other gear's roots over the pitch point.
 
-Tip and root lands are about parallel to pitch curves that roll on each other: over the pitch point they have the normal
-in common.  There the corners of a tip are nearest to fillets; farther on they go over into contact with flanks.
+Tip and root lands are about parallel to the rolling pitch curves, so they share their normal over the pitch point.
+There the corners of a tip are nearest to fillets; farther on they come into contact with flanks.
 
 The ends of the teeth's sides tell where the lands end at each flank, how wide they are and how far they are from the
-pitch curve.  So all this holds for tips of any height and roots of any depth.  Lands that slope change their height
-evenly from end to end, so that a tip is nearest to a root at an end of the part that both have in common.
+pitch curve.  So all this holds for tips of any height and roots of any depth.  A sloping land changes its height evenly
+from end to end, so that a tip is nearest to a root at an end of their common part.
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ def _over_lands(facing: _Facing, tips: _Lands) -> Array:
 
 
 def _over_fillets(facing: _Facing, tips: _Lands) -> Array:
-    """Distances of tip corners from fillets, infinite where there is none."""
+    """Distances of tip corners from fillets, infinite where there is no fillet."""
     flanks = facing.roots.flanks
     below = flanks.crossing_mm[facing.other] + tips.from_crossing_mm[facing.flank] - facing.lead_mm
     at = flanks.curve.at_length(below)
@@ -98,15 +98,15 @@ def _over_fillets(facing: _Facing, tips: _Lands) -> Array:
 ZOOM = np.linspace(-1.0, 1.0, 9)
 
 ZOOMS = 3
-"""Places about a chord at which the nearest point of a fillet is looked for, and how often that is done, each time a
-quarter as wide.  A thousandth of a module is then left of a chord, and the distance is off by some millionths of a
-module."""
+"""Places about a chord at which the nearest point of a fillet is searched, and rounds of the search, each a quarter as
+wide as the round before.  The last width is a thousandth of a module, and the error of the distance is some millionths
+of a module."""
 
 
 def _from_fillets(paths: SidePaths, flank: IndexArray, point: ComplexArray, free: ComplexArray) -> Array:
     """Distances of points from the fillets of flanks, (n,), infinite where a flank has none.
 
-    A distance is negative where the fillet is between the point and its place of ``free``, which is outside the
+    A distance is negative where the fillet is between the point and its place in ``free``, which lies outside the
     teeth.
     """
     fillet, away = paths.own_fillet[flank], square(paths.places[flank, :-1] - point[:, None])
@@ -157,7 +157,7 @@ class _Lands:
         return cls(from_crossing_mm, *columns)
 
     def of(self, flank: IndexArray) -> _Lands:
-        """Those at the given flanks."""
+        """The lands at the given flanks."""
         return _Lands(*(values[flank] for values in vars(self).values()))
 
     def height_at(self, along_mm: Array) -> Array:
@@ -167,7 +167,7 @@ class _Lands:
 
 
 def _tip_lands(paths: SidePaths) -> _Lands:
-    """The tips of all teeth, pointed ones of no width; raises Unanswered where a point stands over no found place."""
+    """The tips of all teeth, pointed tips with no width; raises Unanswered where a point stands over no known place."""
     flanks, unturned = paths.flanks, paths.corner[:, 0] * np.exp(-1j * paths.flanks.turn_rad)
     foot, height = flanks.curve.feet(unturned, paths.sides.tip_mm, FOOT_IN_MODULES * flanks.rack.module_mm)
     if np.isnan(foot).any():

@@ -1,10 +1,10 @@
-"""The curves that touch, as the driven gear sees them, and the places where they touch.
+"""The touching curves in the frame of the driven gear, and the places where they touch.
 
-Chords of its exact curves follow the side of a tooth and tell on which curve a contact is; its corners are where two of
-these curves meet at an angle.  A side goes on past its root land to the fillet of the side that it faces: a corner in a
-space can touch both.
+Chords of the exact curves follow the side of a tooth and tell the curve of a contact; a corner of the side is a place
+where two of these curves meet at an angle.  A side continues past its root land to the fillet of the side that it
+faces: a corner in a space can touch both.
 
-As the driven gear sees it, the driven gear is at rest, and the driving gear stands elsewhere in each position.
+In this frame the driven gear is at rest, and the driving gear has another place in each position.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ class Contacts(Columns):
     """n places of contact, all of shape (n,).
 
     ``side`` is the side of the teeth, PUSHING or BACK; ``driving`` and ``driven`` number the flanks that meet in
-    ``position``.  ``error_rad`` is how far the driven angle at which they touch is beyond the law's; ``point`` and
-    ``tangent`` (of any length) are in the frame of the driven gear, which then stands there.  ``flanks`` is true where
-    two flanks touch, and false at an edge.
+    ``position``.  ``error_rad`` is the driven angle of the contact minus the law's angle; ``point`` and ``tangent`` (of
+    any length) are in the frame of the driven gear at that angle.  ``flanks`` is true where two flanks touch, and false
+    at an edge.
     """
 
     side: IndexArray
@@ -97,7 +97,7 @@ CHORDS = 8
 """Chords per run of a curve; the exact curve strays from them by less than a fiftieth of a module."""
 
 SHARES = np.linspace(0.0, 1.0, CHORDS + 1)
-"""Shares of the way along a run at which its chords end."""
+"""Ends of the chords of a run, as shares of its parameter range."""
 
 KINK_RAD = 1e-6
 """Angle between two runs from which their joint is a corner; tangential joints are found to 1e-9."""
@@ -134,12 +134,12 @@ class SidePaths:
         return _curve(self.flanks, self.sides, self.runs.kind[run], self.runs.owner[run], parameter)
 
     def chord(self, flank: IndexArray, number: IndexArray) -> tuple[IndexArray, IndexArray]:
-        """The runs of chords that are numbered along the paths of flanks, and the chords' numbers in them."""
+        """The runs of chords with these numbers along the paths of flanks, and the chords' numbers in the runs."""
         return self.run[flank, number // CHORDS], number % CHORDS
 
     @cached_property
     def stray_mm(self) -> Array:
-        """How far the curves may stray from their chords, shape (r, CHORDS).
+        """Largest possible distance of the curves from their chords, shape (r, CHORDS).
 
         A curve that bends to one side stays within the triangle of its chord and the tangents at both ends, which is no
         higher than a quarter of the chord times the sum of the tangents' slopes against it.  An arc is half as high.

@@ -1,7 +1,7 @@
 """Edge contact: corners of one gear's teeth against the curves of the other.
 
 As one gear turns against the other about the driven axis, its corners run along circles.  Chords of the curves tell
-which corners come near enough to matter, since it is known how far curves may stray from chords.  Only for these
+which corners come near enough to matter, since the largest distance of curves from chords is known.  Only for these
 corners the crossing of circle and exact curve is solved.
 """
 
@@ -24,7 +24,7 @@ from ncgear.numerics.zeros import zeros_between
 from ncgear.teeth.tool import AGREEMENT
 
 REACH_IN_PITCHES = 0.6
-"""How far along its circle a corner is followed: beyond are another tooth or the other side of the same tooth."""
+"""Length of the circle over which a corner is followed: beyond it lies another tooth, or this tooth's other side."""
 
 NEWTON_STEPS = 12
 """Most steps of Newton's method to a circle.  From the cubics of chords two do."""
@@ -33,22 +33,22 @@ CLOSE_IN_MODULES = 1e-10
 """Last step of Newton's method, which is taken along the tangent: the curve leaves that by the square of the step."""
 
 SURELY = 2.0
-"""How far the angle at which a curve holds its corner may be from the chord's angle, in strays over the lever: a curve
-leans from its chord, and its arm is a little shorter."""
+"""Largest difference between the angles at which the curve and its chord hold a corner, in strays over the lever: a
+curve leans from its chord, and its arm is a little shorter."""
 
 CUBIC_STEPS = 2
 """Steps of Newton's method from a chord to a circle along the cubic that has the curve's slopes at the chord's ends."""
 
 ON_CIRCLE = 1e-12
-"""Relative error of the radius at which a point counts as on its corner's circle: rounding errors."""
+"""Relative error of the radius up to which a point counts as on its corner's circle: rounding errors."""
 
 
 @dataclass(frozen=True, eq=False)
 class EdgeHits(Columns):
-    """Corners of one gear whose circles cross chords of the other's ``curves``, all of shape (n,).
+    """Corners of one gear whose circles cross chords of the other gear's ``curves``, all of shape (n,).
 
     ``driving`` and ``driven`` number the flanks that meet in ``position``.  ``corner`` is in the driven gear's frame.
-    ``run`` and ``chord`` number the chord, ``share`` is how far along it the crossing lies, ``lever_mm`` the arm of a
+    ``run`` and ``chord`` number the chord, ``share`` the place of the crossing along it, ``lever_mm`` the arm of a
     force across it.  Turned by ``turn_rad`` the corner is on the chord.  ``side`` is the side of the teeth whose flanks
     hold the corner in the same sense: the side of the flanks that meet, and the other side in the notch of an undercut
     tooth or at the far side of a space.
@@ -78,7 +78,7 @@ class EdgeHits(Columns):
 
     @property
     def stray_mm(self) -> Array:
-        """How far the curves may stray from the chords."""
+        """Largest possible distance of the curves from the chords."""
         return self.curves.paths.stray_mm[self.run, self.chord]
 
     @property
@@ -97,7 +97,7 @@ class EdgeHits(Columns):
 def edge_hits(
     paths: tuple[SidePaths, SidePaths], placement: Placement, meetings: Meetings, first_rad: Array, within_mm: float
 ) -> list[EdgeHits]:
-    """Corners of the driving gear on the driven gear's curves, and the other way round, of the flanks that meet.
+    """Corners of the driving gear on the driven gear's curves, and the other way round, for the flanks that meet.
 
     ``paths`` are the paths of the driving gear and of the driven gear.  Corners that flanks hold farther away than
     ``within_mm`` are left out; ``first_rad`` (shape (2, n)) is the lead with which flanks first touch on both sides of
@@ -140,9 +140,9 @@ def _hits(corners: SeenGear, curves: SeenGear, meetings: Meetings, first_rad: Ar
 
 
 def _met_first(turn_rad: Array, lead_rad: Array, corner: IndexArray) -> Mask:
-    """Which hits of each corner (``corner`` numbers it) hold it, seen from the law's position.
+    """Whether each hit holds its corner (given by its number ``corner``), seen from the law's position.
 
-    The nearest curve holds a corner that would come out through it, else all curves through which it would go in.
+    If the corner would come out through its nearest curve, that curve holds it; else all curves that it would enter do.
     """
     out = lead_rad > 0.0
     held: Mask = ~out
@@ -158,7 +158,7 @@ def _met_first(turn_rad: Array, lead_rad: Array, corner: IndexArray) -> Mask:
 
 
 def edge_contacts(found: Sequence[EdgeHits], first_rad: Array, within_mm: Array | float) -> Contacts:
-    """Corners that touch before anything else does, or at most ``within_mm`` behind it, and a few that are farther.
+    """Corners that touch first or at most ``within_mm`` behind the first contact, and a few farther corners.
 
     ``first_rad`` is as in ``edge_hits``; ``within_mm`` broadcasts with it and is nowhere greater than there.  Depths
     are measured across the chords.  Raises Unanswered if a corner that comes near is not found on its curve.
@@ -169,7 +169,8 @@ def edge_contacts(found: Sequence[EdgeHits], first_rad: Array, within_mm: Array 
 def first_edge_contacts(
     found: Sequence[EdgeHits], flanks: Contacts, first_rad: Array, within_mm: Array | float
 ) -> Contacts:
-    """As ``edge_contacts``: the first of each pair of teeth, side and position, beside all contacts of ``flanks``."""
+    """As ``edge_contacts``, but the first corner of each pair of teeth, side and position, with contacts of
+    ``flanks``."""
     near = _hits_within(found, first_rad, within_mm)
     placement = found[0].curves.placement
     error = [SURELY * hits.stray_mm / np.maximum(hits.lever_mm, TINY) for hits in near]
@@ -201,14 +202,14 @@ def _hits_within(found: Sequence[EdgeHits], first_rad: Array, within_mm: Array |
         np.maximum.at(first, hits.place, hits.lead_rad - hits.stray_mm / np.maximum(hits.lever_mm, TINY))
     near = []
     for hits in found:
-        # How far each corner is from its chord when the first contact of its position touches.
+        # Distance of each corner from its chord when the first contact of its position touches.
         behind_mm = (first[hits.place] - hits.lead_rad) * hits.lever_mm
         near.append(hits.kept(behind_mm <= within[hits.place] + hits.stray_mm))
     return near
 
 
 def _touching(hits: EdgeHits) -> Contacts:
-    """Exact places of hits on the curves; where Newton's method ends beyond the chord it is bracketed there."""
+    """Exact places of hits on the curves; where Newton's method ends beyond the chord, it is bracketed there."""
     gear, squared_radius, module = hits.curves, square(hits.corner), hits.curves.paths.flanks.rack.module_mm
     first, last = hits.ends
     parameter = first + (last - first) * _on_cubics(hits)
@@ -234,7 +235,7 @@ def _touching(hits: EdgeHits) -> Contacts:
 
 
 def _on_cubics(hits: EdgeHits) -> Array:
-    """Shares of the way along chords at which the cubics with the curves' slopes at both ends meet the circles."""
+    """Places along chords, as shares, where the cubics with the curves' slopes at both ends meet the circles."""
     first, last = hits.ends
     (begin, end), (leave, arrive) = (
         (table[hits.run, hits.chord], table[hits.run, hits.chord + 1])
@@ -252,13 +253,13 @@ def _on_cubics(hits: EdgeHits) -> Array:
 
 
 def _step_to_circle(point: ComplexArray, slope: ComplexArray, squared_radius: Array) -> Array:
-    """The step of Newton's method along curves to circles about the origin; none where a curve is across the radius."""
+    """The step of Newton's method along curves to circles about the origin; 0 where a curve is across the radius."""
     rate = 2.0 * along(slope, point)
     return np.asarray((squared_radius - square(point)) / np.where(rate == 0.0, np.inf, rate))
 
 
 def _bracketed(hits: EdgeHits) -> Array:
-    """Parameters of the curves where they meet the corners' circles, by bracketing the radius on the chords."""
+    """Parameters at which the curves meet the corners' circles, by bracketing the radius on the chords."""
 
     def missing(parameter: Array) -> Array:
         return square(hits.curves.curve(hits.run, parameter, hits.position)[0]) - square(hits.corner)
@@ -273,7 +274,7 @@ def _bracketed(hits: EdgeHits) -> Array:
 
 
 def _ahead(curves: SeenGear, turn_rad: Array) -> Array:
-    """How far ahead the driven gear is when corners that are turned by angles lie on a gear's curves.
+    """Lead of the driven gear when corners, turned by these angles, lie on a gear's curves.
 
     Corners of the driven gear are at rest: instead of them the driving gear's curves are turned back.
     """

@@ -1,8 +1,8 @@
 """Extreme values of the contact as designed, between the positions of the table as well.
 
-From the even positions of a cycle the search closes in on each extreme: where contact goes over from one pair of teeth
-to another, errors have kinks and the sliding has jumps.  Teeth have no feature between two positions only: a dent of
-the pitch curves so narrow, and deep enough to show, is curved too much for a flank.
+From the even positions of a cycle the search closes in on each extreme: where contact passes from one pair of teeth to
+another, errors have kinks and the sliding has jumps.  Teeth have no feature between two positions only: a dent of the
+pitch curves that is so narrow and deep enough to show is curved too sharply for a flank.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ from ncgear.pitch.pair import PitchPair
 from ncgear.teeth.gear import ToothedPair
 
 KNOWN, CLOSELY = 1e-3, 1e-6
-"""Shares of its variation over the cycle to which an extreme is known at least.  The first is for an error, which has a
-kink at every change of teeth and is known only as far as angles are free of rounding.  The second is for a pressure
-angle, the sliding or the lever, which is a one-sided limit where the teeth change at the extreme."""
+"""Largest errors of an extreme, as shares of its variation over the cycle.  The first is for an error, which has a kink
+at every change of teeth and is limited by rounding of angles.  The second is for a pressure angle, the sliding or the
+lever, which is a one-sided limit where the teeth change at the extreme."""
 
 
 @dataclass(frozen=True)
@@ -46,8 +46,8 @@ class ContactExtremes:
     """Extremes over a whole cycle, ``at`` driving angles in rad; quantities as in ``AsDesigned``.
 
     ``least_lever_mm`` is the lever of the first contact of pushing flanks about the driven axis.  ``overlap_mm`` is 0
-    where teeth never run into each other; ``overlap_teeth`` are the numbers of the driving and the driven tooth at the
-    pitch point where they overlap most.
+    where teeth never overlap; ``overlap_teeth`` are the numbers of the driving and the driven tooth at the pitch point
+    where they overlap most.
     """
 
     pushing_error_rad: Range
@@ -80,7 +80,7 @@ def contact_extremes(
     if level:
         there = quantities(np.array(list(level.values())))
         level = {row: at for number, (row, at) in enumerate(level.items()) if there[row, number] >= -missed[row]}
-    # There is no angle below that: nothing is sought of it.
+    # No angle is below that, so these quantities need no search.
     missed[list(level)] = np.inf
     found = largest_from(quantities, places, values, missed)
     found = [Extremum(0.0, level[row]) if row in level else one for row, one in enumerate(found)]
@@ -93,7 +93,7 @@ def contact_extremes(
 
 
 def _level_mm(designed: AsDesigned, side: int) -> float | None:
-    """Rolled length at which the pressure angle of first contacts passes zero; None where no four positions show it.
+    """Rolled length at which the pressure angle of first contacts passes zero; None where no four positions show this.
 
     It is interpolated by the cubic through the angles of one pair of flanks at these positions.
     """
@@ -110,7 +110,7 @@ def _level_mm(designed: AsDesigned, side: int) -> float | None:
 
 
 def _settled(angle: Range) -> Range:
-    """A pressure angle, which is a size, whose least value is 0 where it cannot be told from 0."""
+    """The range of a pressure angle, which is never negative; its least value becomes 0 where rounding hides it."""
     return replace(angle, low=replace(angle.low, value=0.0)) if angle.low.value <= CLOSELY * angle.width else angle
 
 
@@ -134,14 +134,14 @@ def ranges_of(largest: Sequence[Extremum]) -> list[Range]:
 
 
 LEAST_ANGLES = {7: PUSHING, 9: BACK}
-"""The quantities that are the least pressure angles, below zero, of sides of the teeth."""
+"""The quantities that are the negative least pressure angles, and their sides of the teeth."""
 
 ERRORS = 6
 """The first quantities, in this number, are errors and backlash; the last quantity is the overlap."""
 
 
 def _quantities(touch: PairTouch, speed_rad_s: Callable[[Array], Array]) -> Array:
-    """The quantities whose largest values are sought, shape (q, n); errors are without mere rounding."""
+    """The quantities whose largest values are searched, shape (q, n); errors are without mere rounding."""
     sides = touch.pushing, touch.back
     errors = [_told(side.error_rad) for side in sides]
     angles = [side.first.pressure_angle_rad for side in sides]

@@ -19,14 +19,14 @@ BEYOND_IN_PITCHES = 0.15
 is three positions long, which also covers the shift by backlash."""
 
 END_IN_MODULES = 1e-9
-"""Height beyond its end at which a flank still counts as touching: rounding errors where an end meets a position."""
+"""Height beyond its end up to which a flank still counts as touching: rounding errors where an end meets a position."""
 
 TOUCHING_IN_PITCHES = 1e-4
 """Distance that the lightest load closes, so teeth touch with the first teeth: a micrometre for module 3."""
 
 GAP = 1e-3
-"""Share of a step between positions: a pair must part so much before the next pair meets for a gap to count.  Beside
-tip relief the lead is no straight line between positions; half a hundredth of a per cent of a pitch matters nowhere."""
+"""Least gap between the contacts of two pairs that counts, as a share of a step between positions.  Beside tip relief
+the lead is no straight line between positions; half a hundredth of a per cent of a pitch never matters."""
 
 
 def touching_mm(placement: Placement) -> float:
@@ -40,7 +40,7 @@ NOWHERE_MM = 1e9
 
 @dataclass(frozen=True, eq=False)
 class _Heights:
-    """What is left of each flank: up to r runs between heights in mm, (r, flanks); no run where top < bottom."""
+    """The remaining parts of each flank: up to r runs between heights in mm, (r, flanks); no run where top < bottom."""
 
     top: Array
     bottom: Array
@@ -59,13 +59,13 @@ class _Heights:
 
 @dataclass(frozen=True, eq=False)
 class PairsInContact:
-    """How the pairs of flanks on one side of the teeth touch over the whole cycle.
+    """Contact of the pairs of flanks on one side of the teeth over the whole cycle.
 
-    ``arcs`` (shape (m,)) is how long the flanks of each meeting touch, in pitches.  ``gaps`` (shape (k, 2)) are starts
-    and ends, in positions, of where no flanks touch.  ``fewest`` is the least number of pairs that touch at any angle.
-    ``positions`` is the number of positions in the cycle, and ``pitches`` the number of pitches.  Where gears turn less
-    than once, the flanks that touch at an end of the range do so over a part of their arc: ``whole`` (shape (m,)) tells
-    of which meetings all of it lies within the range.
+    ``arcs`` (shape (m,)) are the arcs of contact of the meetings in pitches.  ``gaps`` (shape (k, 2)) are the starts
+    and ends, in positions, of the stretches without contact of flanks.  ``fewest`` is the least number of pairs that
+    touch at any angle.  ``positions`` is the number of positions in the cycle, and ``pitches`` the number of pitches.
+    Where gears turn less than once, the flanks that touch at an end of the range do so over a part of their arc:
+    ``whole`` (shape (m,)) marks the meetings whose whole arc lies within the range.
     """
 
     arcs: Array
@@ -104,11 +104,11 @@ class PairsInContact:
 
 @dataclass(frozen=True, eq=False)
 class FlankContacts:
-    """Where flanks touch, on each side of the teeth, if nothing else holds the gears apart.
+    """Contacts of flanks on each side of the teeth, if nothing else holds the gears apart.
 
     ``contacts`` are the contacts within the remaining parts of both flanks.  ``near`` are these and the contacts a
-    little beyond the flanks' ends, shape (n,): ``room`` (shape (4, combinations, n)) is how far in mm each is from the
-    ends of both flanks' runs, negative beyond them, and ``place`` its row and column in the table of ``meetings``.
+    little beyond the flanks' ends, shape (n,): ``room`` (shape (4, combinations, n)) are their distances in mm from the
+    ends of both flanks' runs, negative beyond them, and ``place`` their rows and columns in the table of ``meetings``.
     """
 
     contacts: Contacts
@@ -124,7 +124,7 @@ class FlankContacts:
         return self._arcs(*self._reaching)
 
     def touching(self, foremost: Array, error_rad: Array | None = None) -> tuple[PairsInContact, PairsInContact]:
-        """The pairs whose flanks do touch, on pushing flanks and on their backs, by the values of ``foremost_two``.
+        """The pairs whose flanks really touch, on pushing flanks and on their backs, by the values of ``foremost_two``.
 
         Rigid flanks touch along with the first contact at each position; where others hold them apart, as beside a tip
         relief, they do not.  Under a load the driven gear stands at ``error_rad`` beyond the law at each position
@@ -156,7 +156,7 @@ class FlankContacts:
         return pushing, back
 
     def _pairs(self, arcs: Array, starts: Array, ends: Array, side: int) -> PairsInContact:
-        """Pairs that touch over ``arcs``, from the stretches, in positions, in which they do."""
+        """Pairs that touch over ``arcs``, from ``starts`` to ``ends`` in positions."""
         placement = self.placement
         steps, pitches = placement.steps, placement.steps / placement.per_tooth
         whole = self.whole[self.meetings.side == side]
@@ -175,9 +175,9 @@ class FlankContacts:
 
     @cached_property
     def whole(self) -> Mask:
-        """Of which meetings the whole arc of contact lies within the positions, shape (m,).
+        """Whether the whole arc of contact of each meeting lies within the positions, shape (m,).
 
-        Of flanks that cannot touch at all, the crossing of the pitch point does.
+        For flanks that cannot touch at all, whether the crossing of the pitch point does.
         """
         if self.placement.toothed is None:
             return np.ones(self.meetings.side.size, dtype=bool)
@@ -192,7 +192,7 @@ class FlankContacts:
 
     @property
     def reach_ends(self) -> Array:
-        """Where the flanks of each meeting begin and cease to reach each other, shape (2, m).
+        """Places where the flanks of each meeting begin and cease to reach each other, shape (2, m).
 
         They are counted in positions from the first of the meeting's row; infinite where flanks never reach.
         """
@@ -208,7 +208,7 @@ class FlankContacts:
         return self.meetings.there[:, :-1] & self.meetings.there[:, 1:]
 
     def beside_parted(self, foremost: Array) -> Mask:
-        """At which positions or next to which flanks near contact do not touch, shape (2, n)."""
+        """Whether flanks near contact do not touch at or next to each position, shape (2, n)."""
         near, parted = self.near, np.zeros(foremost.shape[1:], dtype=bool)
         behind_mm = (foremost[0, near.side, near.position] - near.lead_rad) * near.lever_mm
         apart = ~(near.flanks & (behind_mm <= touching_mm(self.placement)))
@@ -217,7 +217,7 @@ class FlankContacts:
 
     @cached_property
     def _reaching(self) -> tuple[Array, Array]:
-        """Where between positions the flanks of each meeting begin and cease to reach each other."""
+        """Places between positions where the flanks of each meeting begin and cease to reach each other."""
         enters, leaves = _between(self.room, *self.place, self.meetings.position.shape)
         return enters, np.where(self._steps_there, leaves, enters)
 
@@ -249,7 +249,7 @@ def flank_contacts(teeth: ToothedPair, placement: Placement, met: Meetings) -> F
 
 
 def foremost_two(contacts: Contacts, placement: Placement) -> Array:
-    """First and next lead of contacts on both sides at each position, (2, 2, n); -inf where there is none."""
+    """First and next lead of contacts on both sides at each position, (2, 2, n); -inf where there is no contact."""
     count = len(URGE) * placement.count
     lead, place = contacts.lead_rad, contacts.place(placement)
     foremost = largest_rows(lead, place, count)
@@ -282,7 +282,7 @@ def _heights(gear: ToothedGear) -> _Heights:
 def _near(
     teeth: ToothedPair, placement: Placement, meetings: Meetings, driving: _Heights, driven: _Heights
 ) -> tuple[IndexArray, IndexArray, FacingFlanks]:
-    """Where in the meetings' table (row, column) both flanks are on or near their remaining parts, and these flanks."""
+    """Places in the meetings' table (row, column) of flanks on or near their remaining parts, and these flanks."""
     pitch_mm, slant = teeth.driving.flanks.rack.pitch_mm, teeth.driving.flanks.slant.of(meetings.driving)
     # Heights, by the closed form, at which flanks touch before they cross the pitch point.
     per_rolled = (slant.height_per_rolled * meetings.urge)[:, None]
@@ -303,9 +303,9 @@ def _room(driving: Array, driven: Array) -> Array:
 
 
 def _between(room: Array, row: IndexArray, column: IndexArray, shape: tuple[int, ...]) -> tuple[Array, Array]:
-    """Where between two positions of the table each meeting begins and ceases to have room, as shares of the step.
+    """Places between two positions where each meeting begins and ceases to have room, as shares of the step.
 
-    Shape (combinations, rows, columns - 1); where it has none, the first is not less than the second.  On exact flanks
+    Shape (combinations, rows, columns - 1); without room, the first is not less than the second.  On exact flanks
     heights are linear in rolled length, so the shares are exact there.
     """
     table = np.full((*room.shape[:2], *shape), -1.0)

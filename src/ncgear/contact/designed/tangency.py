@@ -1,4 +1,4 @@
-"""Where two exact flanks touch: heights on both, and the driven angle.
+"""The contact of two exact flanks: heights on both, and the driven angle.
 
 Two flanks touch where their points coincide and their tangents are parallel.  For exact flanks the heights follow in
 closed form, and the driven angle is the law's or, on idle flanks, beyond it by the play.  There Newton's method starts,
@@ -6,8 +6,8 @@ on the curves themselves, and checks the two conditions.  Flanks that are not co
 approximate method) touch at another angle, which is their transmission error.
 
 Where the curvature jumps, the distance of such flanks may have two least values, or no point with a common tangent.
-There the first touch is searched for: points of the driving flank are followed along their circles about the driven
-axis to the driven flank, and the search closes in on the point that gets there first.
+There the first touch is searched: points of the driving flank are followed along their circles about the driven axis to
+the driven flank, and the search closes in on the point that arrives first.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ class FacingFlanks(Columns):
     """n pairs of a driving and a driven flank, each in one position, shape (n,) each.
 
     ``driving_mm`` and ``driven_mm`` are the heights at which they touch by the closed form.  Where ``upward`` is +1,
-    the driving gear is seen turned the farthest up at the first contact; where -1, the farthest down.
+    the driving gear is turned the farthest up at the first contact; where -1, the farthest down.
     """
 
     teeth: ToothedPair
@@ -49,7 +49,7 @@ class FacingFlanks(Columns):
 
     @property
     def turn_rad(self) -> Array:
-        """The angle by which the driving gear is seen turned when flanks touch by the closed form."""
+        """The angle by which the driving gear is turned when flanks touch by the closed form."""
         return self.teeth.driven.flanks.turn_rad[self.driven]
 
     def driving_curve(self, height_mm: Array) -> tuple[ComplexArray, ComplexArray]:
@@ -71,7 +71,7 @@ def _rows(numbers: IndexArray, values: Array) -> IndexArray:
 
 @dataclass(frozen=True, eq=False)
 class Touches:
-    """Where n pairs of flanks touch: heights in mm, and the angle by which the driving gear is then seen turned.
+    """Contacts of n pairs of flanks: heights in mm, and the angle by which the driving gear is then turned.
 
     ``point`` and ``tangent`` (up the driving flank, of any length) are in the driven gear's frame as it then stands.
     Where ``found`` is false the other values mean nothing.  Shape (n,) each.
@@ -86,7 +86,7 @@ class Touches:
 
 
 PARALLEL_RAD = 1e-9
-"""Angle at which tangents count as parallel: the driven angle is off by less than the square of it."""
+"""Angle up to which tangents count as parallel: the driven angle is off by less than its square."""
 
 NEWTON_STEPS = 8
 """Convergence is quadratic: from a tenth of a module four steps reach rounding errors."""
@@ -104,10 +104,10 @@ flanks are rolled unequally."""
 
 @dataclass(frozen=True, eq=False)
 class _State(Columns):
-    """Where a search stands, (n,) each: heights in mm and the angle by which the driving gear is seen turned.
+    """The state of a search, (n,) each: heights in mm and the angle by which the driving gear is turned.
 
-    ``point`` and ``slope`` (by the height) are the driving flank's; ``gap`` leads to the driven point, ``bend_rad``
-    from tangent to tangent.
+    ``point`` and ``slope`` (by the height) belong to the driving flank; ``gap`` leads to the driven point, ``bend_rad``
+    is the angle from tangent to tangent.
     """
 
     driving_mm: Array
@@ -144,10 +144,10 @@ class _Rates:
 
 
 def tangencies(facing: FacingFlanks, limits_mm: Array) -> Touches:
-    """Where flanks touch near the heights of the closed form.
+    """Contacts of flanks near the heights of the closed form.
 
-    Near jumps of the curvature another tangency may come first: it is searched for between ``limits_mm`` (2, 2, n),
-    least and greatest height of the driving and of the driven flanks.
+    Near jumps of the curvature another tangency may come first: it is searched between ``limits_mm`` (2, 2, n), least
+    and greatest height of the driving and of the driven flanks.
     """
     state = _state(facing, facing.driving_mm, facing.driven_mm, facing.turn_rad)
     met = _met(state, facing.module_mm)
@@ -255,7 +255,7 @@ def _about_joints(facing: FacingFlanks, state: _State) -> Mask:
 
 
 def _touches(state: _State) -> Touches:
-    """Where the search ended, with the angle corrected by the remaining gap across the tangent."""
+    """The result of the search, with the angle corrected by the remaining gap across the tangent."""
     lever = along(state.slope, state.point)
     found = lever != 0.0
     turn = state.turn_rad + across(state.slope, state.gap) / np.where(found, lever, 1.0)
@@ -268,15 +268,15 @@ REACH_IN_PITCHES = 0.15
 SHARES = np.linspace(-1.0, 1.0, 33)
 
 ROUNDS = 4
-"""Shares of the reach at which points are tried, and the number of rounds, each a sixteenth as wide as the round
-before.  The height comes out to some millionths of a module, and the driven angle, which is stationary there, to
+"""Places of the tried points as shares of the reach, and the number of rounds, each a sixteenth as wide as the round
+before.  The height is then exact to some millionths of a module, and the driven angle, which is stationary there, to
 rounding errors."""
 
 CIRCLE_STEPS = 8
 """Steps of Newton's method to a circle; four do on flanks, which cross circles about their axis steeply."""
 
 ON_CIRCLE = 1e-11
-"""Relative error of the squared radius at which a point counts as on its circle."""
+"""Relative error of the squared radius up to which a point counts as on its circle."""
 
 
 def _first_touches(facing: FacingFlanks, limits_mm: Array) -> Touches:
@@ -304,7 +304,7 @@ def _first_touches(facing: FacingFlanks, limits_mm: Array) -> Touches:
 
 
 def _on_circles(facing: FacingFlanks, squared: Array, start_mm: Array) -> tuple[Array, ComplexArray]:
-    """Heights (NaN where there is none) and points at which the driven flanks have squared radii, shape (n, m) each."""
+    """Heights (NaN where there is none) and points of the driven flanks with these squared radii, shape (n, m) each."""
     height = start_mm
     for _ in range(CIRCLE_STEPS):
         point, slope = facing.driven_curve(height)

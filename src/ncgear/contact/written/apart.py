@@ -1,8 +1,8 @@
-"""Play of two outlines in the positions in which they stand apart, which are nearly all.
+"""Play of two outlines in the positions where they stand apart, which are nearly all positions.
 
 Where no chords of two outlines cross, no point of one gear is inside the other, and the play is the least angle after
 which a vertex meets a chord.  (Neither outline crosses itself.)  Only chords that are nearly as close as the play
-matter, so that few pairs of chords are looked at.  Positions follow each other so closely that a set of pairs serves a
+matter, so that few pairs of chords are tested.  Positions follow each other so closely that a set of pairs serves a
 stretch of positions.
 """
 
@@ -22,44 +22,44 @@ from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask, counte
 from ncgear.numerics.plane import across, square
 
 REACHES_IN_PITCHES = 0.005, 0.02, 0.08
-"""How far vertices are followed along their circles: without backlash the first is nearly always enough."""
+"""Lengths over which vertices are followed along their circles: without backlash the first is nearly always enough."""
 
 FARTHEST = 4.0
 """Grains over which vertices are followed at most: fine chords have too many others within a greater reach."""
 
 GRAIN_IN_PITCHES = 0.04
-"""The grain of outlines, by which the sizes below count, is the mean length of their chords, and this at most."""
+"""Largest grain.  The grain of outlines is the mean length of their chords, and the unit of the sizes below."""
 
 LONGEST = 4.0
-"""Grains from which on driving chords are cut into pieces: a long chord would give all chords many pairs."""
+"""Length in grains above which driving chords are cut into pieces: a long chord would give all chords many pairs."""
 
 CELL, MOST_CELLS = 2.0, 2000
 """Size in grains of the cells by which pairs are found, and most cells across an outline.  Smaller cells find fewer
 pairs that are not near, and take longer to make."""
 
 SPANS_IN_STEPS, MOST_TOGETHER = (9.0, 3.0, 1.0, 0.25), 9
-"""Steps of the cycle's even positions that a stretch spans, of which the greatest is taken that leaves chords near each
-other, and most positions in a stretch.  Where no span does, each position is a stretch of its own."""
+"""Spans of a stretch in steps of the cycle's even positions, and most positions in a stretch.  The greatest span that
+keeps chords near each other is taken; where no span does, each position is a stretch of its own."""
 
 MOVED = 1.5
-"""How far, in grains, chords may move within a stretch, as the other gear sees them."""
+"""Largest motion of chords within a stretch in the other gear's frame, in grains."""
 
 BLOCK = 128
 """Positions treated at once, so few that their arrays stay in the processor's cache."""
 
 TOUCHING_IN_PITCHES = 1e-7
-"""Chords that are as near as this all along, or much nearer at one end, may cross by a rounding error."""
+"""Chords this near all along, or much nearer at one end, may cross by a rounding error."""
 
 ROUNDING = 1e-9
 """Share of a step that rounding may cost a position."""
 
 SLACK_IN_PITCHES = 1e-10
-"""By this much chords count as longer, so that rounding errors leave no gap where two of them join."""
+"""Length added to chords, so that rounding errors leave no gap at their joints."""
 
 
 @dataclass(frozen=True, eq=False)
 class Apart:
-    """Where outlines surely stand apart at n positions, and how far the driving gear then turns up and down."""
+    """Whether outlines surely stand apart at n positions, and how far the driving gear can then turn up and down."""
 
     up_rad: Array
     down_rad: Array
@@ -68,12 +68,12 @@ class Apart:
 
 @dataclass(frozen=True, eq=False)
 class _Stretches:
-    """Stretches of k positions each, and the driving chords that are looked at in them.
+    """Stretches of k positions each, and the driving chords that are tested in them.
 
     ``position`` numbers the positions, shape (stretches, k); the last may be repeated.  ``width`` driving chords are
-    looked at, from number ``first`` on.  As the driven gear sees them, points move about a ``pole`` of the driving
-    gear's frame: from where they are in the middle of the stretch by no more than ``shift_mm`` and ``turn_rad`` times
-    their distance from the pole.
+    tested, from number ``first`` on.  In the driven gear's frame points move about a ``pole`` of the driving gear's
+    frame: from their place in the middle of the stretch by at most ``shift_mm`` and ``turn_rad`` times their distance
+    from the pole.
     """
 
     position: IndexArray
@@ -124,9 +124,9 @@ class _Placed:
 
 @dataclass(frozen=True, eq=False)
 class Facing:
-    """Two outlines in their own frames, with their material on the left, and what they are at all positions.
+    """Two outlines in their own frames, with their material on the left, and their properties at all positions.
 
-    Shape (n,) each, counter-clockwise but for a ring's; ``pitch_mm`` is that of their teeth.
+    Shape (n,) each, counter-clockwise, but clockwise for a ring; ``pitch_mm`` is the pitch of their teeth.
     """
 
     driving: ComplexArray
@@ -145,7 +145,7 @@ class Facing:
 
     @cached_property
     def grain_mm(self) -> float:
-        """The grain, by which sizes count."""
+        """The grain, the unit of sizes."""
         return min(GRAIN_IN_PITCHES * self.pitch_mm, float(self.once.length_mm.mean()))
 
     @cached_property
@@ -159,9 +159,11 @@ class Facing:
         return polar_outline(self.chords.start)
 
     def meeting_rad(self, center_distance_mm: float) -> float:
-        """Half the angle about the driving axis, towards the driven one, beyond which no driven vertex is ever met."""
+        """Half the angle about the driving axis, centred towards the driven axis, within which driven vertices are
+        met."""
         own, other = (float(np.abs(outline).max()) for outline in (self.driving, self.driven))
-        # A vertex stays on its circle about the driven axis: what it meets is a chord that reaches into the outermost.
+        # A vertex stays on its circle about the driven axis, so it meets a chord that reaches into the outermost
+        # circle.
         reached = other + 2.0 * float(self.chords.half_mm.max())
         if reached >= center_distance_mm:
             return pi
@@ -170,7 +172,7 @@ class Facing:
         return acos(min(cosine, 1.0))
 
     def cells(self, reach_mm: float) -> Cells:
-        """Cells that name the driven chords within reach of driving ones, wherever these move within a stretch."""
+        """Cells that name the driven chords within reach of driving chords, wherever these move within a stretch."""
         if reach_mm not in self._known_cells:
             margin = float(self.chords.half_mm.max()) + MOVED * self.grain_mm
             outermost = float(np.abs(self.driven).max())
@@ -260,7 +262,7 @@ def _moving(placement: Placement, position: IndexArray) -> tuple[ComplexArray, A
 
 
 def _moved_mm(chords: Chords, stretches: _Stretches) -> float:
-    """How far any chord that is looked at moves from where it is in the middle of its stretch, at most."""
+    """Largest motion of any tested chord from its place in the middle of its stretch."""
     if stretches.position.shape[1] == 1:
         return 0.0
     window = _windows(chords, stretches.width)[stretches.first]
@@ -292,7 +294,7 @@ def _near_pairs(setting: _Setting, cells: Cells, rows: IndexArray, reach_mm: flo
     own, other, between = own[close], other[close], between[close]
     direction = placement.driving_directions(setting.driving.direction[chord], middle[row])[own]
     other_direction, near = setting.driven.direction[other], near[own]
-    # How far one chord's middle is from the other's line, less how far its ends are nearer.
+    # Distance of one chord's middle from the other's line, less the amount by which its ends are nearer.
     lean = np.abs(across(direction, other_direction))
     beside = np.abs(across(direction, between)) - lean * other_half[other]
     other_beside = np.abs(across(other_direction, between)) - lean * half[own]
@@ -302,7 +304,7 @@ def _near_pairs(setting: _Setting, cells: Cells, rows: IndexArray, reach_mm: flo
 
 
 def _block_play(setting: _Setting, pairs: _Pairs, rows: IndexArray, reach_mm: float) -> tuple[Array, Mask]:
-    """Play up and down at each position of the given stretches, as far as within reach, and whether no chords cross."""
+    """Play up and down at each position of the given stretches, up to the reach, and whether no chords cross."""
     placement, position = setting.placement, setting.stretches.position[rows]
     driving, driven = _placed(placement, pairs, position[pairs.row])
     between = driven.start - driving.start
@@ -343,7 +345,7 @@ def _places(row: IndexArray, number: IndexArray, positions: int) -> IndexArray:
 def _least_turns(
     vertex: ComplexArray, chord: _Placed, row: IndexArray, places: int, reach_mm: float, slack_mm: float
 ) -> Array:
-    """Least angles by which vertices turn about the driven axis until they are on chords, within reach of them.
+    """Least angles by which vertices turn about the driven axis to chords within their reach.
 
     Vertices, shape (n, k), are seen from the chords' starts, with the chords along the first axis.  The angles have the
     shape (2, 2, places): the angles at which a vertex leaves the other gear and at which it enters it, each up and

@@ -1,8 +1,7 @@
-"""The pair as written: where outlines that are read back from files touch, at the positions of the design.
+"""The pair as written: contacts of the outlines read back from files, at the positions of the design.
 
-Outlines are compared as far from the pitch point as they can touch: along the line of action, and in a ring where tips
-can foul.  A driving gear nestles in its ring, so that the tips overlap far beyond the line of action: halfway round on
-circular gears with nearly as many teeth as the ring.
+Outlines are compared wherever they can touch: along the line of action, and in a ring where tips can foul.  In a ring
+the tips overlap far beyond the line of action: halfway round on circular gears with nearly as many teeth as the ring.
 
 The clearance of tips over roots is measured on the outlines, along the normals of the pitch curve.
 """
@@ -48,9 +47,9 @@ class AsWritten:
     """Contact of written outlines at n positions.
 
     ``pushing_rad`` and ``back_rad`` are the driven angles beyond the law's at which pushing flanks and their backs
-    touch; ``overlap_mm`` is how deep the outlines overlap at the law's angle, shape (n,) each.  ``driving_tips_mm`` and
-    ``driven_tips_mm`` are the least clearances of these gears' tip lands over the other gear's root lands, infinite
-    where no tip land stands over a root land.
+    touch; ``overlap_mm`` is the depth of the outlines' overlap at the law's angle, shape (n,) each.
+    ``driving_tips_mm`` and ``driven_tips_mm`` are the least clearances of these gears' tip lands over the other gear's
+    root lands, infinite where no tip land stands over a root land.
     """
 
     source: str
@@ -81,7 +80,7 @@ def as_written(outlines: Outlines, teeth: ToothedPair, placement: Placement, rea
 
 
 def require_reached(outlines: Outlines, play: WrittenPlay, *tips_mm: float) -> None:
-    """Raise NoSuchMechanism where outlines do not touch, or a normal meets no outline: a clearance is no number."""
+    """Raise NoSuchMechanism where outlines do not touch, or a normal meets no outline (a clearance is NaN)."""
     if not (np.isfinite(play.up_rad).all() and np.isfinite(play.down_rad).all()) or np.isnan(tips_mm).any():
         raise NoSuchMechanism(
             f"the outlines written as {outlines.source} do not reach each other at some angles; less backlash_mm, "
@@ -95,7 +94,7 @@ PER_CHORD = 2
 other evenly, apart from the turning of a chord."""
 
 INSET = 1e-9
-"""Share of a land at its ends that is left out, so that a rounding error leads to no flank."""
+"""Share of a land left out at its ends, so that no rounding error leads to a flank."""
 
 UNMET_MM = 1e9
 """Nearness of no outline; finite, so that differences are numbers."""
@@ -124,7 +123,7 @@ Written = tuple[Array, ToothedGear]
 
 
 def _least_clearance(tips: Written, tooth: IndexArray, roots: Written, space: IndexArray) -> float:
-    """Least distance of tip lands from root lands below them; inf where there are none, NaN where one is not met."""
+    """Least distance of tip lands from root lands below them; inf without such lands, NaN where a land is not met."""
     (tip_mm, gear), (root_mm, mate) = tips, roots
     crossing, after = gear.flanks.crossing_mm.reshape(-1, 2), mate.flanks.crossing_mm
     following = np.append(after[2::2], after[0] + mate.flanks.curve.length_mm)
@@ -139,7 +138,7 @@ def _least_clearance(tips: Written, tooth: IndexArray, roots: Written, space: In
     of_tip, of_root = _along_normals(tip_mm, gear.flanks, 1.0), _along_normals(root_mm, mate.flanks, -1.0)
 
     def nearness(land: IndexArray, share: Array) -> Array:
-        """The clearance with the other sign, UNMET_MM where an outline is not met."""
+        """The negative clearance; UNMET_MM where an outline is not met."""
         at = low[land] + (high - low)[land] * np.clip(share, INSET, 1.0 - INSET)
         depth, height = of_root(at + ahead[land]), of_tip(at)
         met = np.isfinite(height) & np.isfinite(depth)
@@ -170,7 +169,7 @@ def _chords(outline_mm: Array, flanks: Flanks, low_mm: Array, high_mm: Array) ->
 
 
 def _along_normals(outline_mm: Array, flanks: Flanks, sense: float) -> Callable[[Array], Array]:
-    """Distances from the pitch curve at rolled lengths to the outline along ``sense`` (n,); inf where it is not met."""
+    """Distances from the pitch curve at rolled lengths to the outline along ``sense`` (n,); inf where it is missed."""
     outline = as_complex(outline_mm)
     around = polar_outline(outline)
 
@@ -195,11 +194,11 @@ BEYOND = 1.1
 """Outlines are compared by a tenth farther than flanks can touch, for contact of edges."""
 
 BOWL = 2.5
-"""How many times as far tips can foul where a pitch curve is concave: teeth enter such a bowl two or three pitches away
-from the pitch point."""
+"""Factor on the distance at which tips can foul where a pitch curve is concave: teeth enter such a bowl two or three
+pitches away from the pitch point."""
 
 POSITIONS = 64
-"""Positions over a period of the law at which the tip curves are laid over each other; they differ smoothly."""
+"""Positions over a period of the law at which the tip curves are compared; they vary smoothly between them."""
 
 POINTS_PER_TOOTH = 8
 """Points of a tip curve per tooth: the reach may miss an eighth of a pitch, far less than its margin."""
@@ -225,6 +224,6 @@ def tips_overlap_mm(pitch: PitchPair, teeth: ToothedPair) -> float:
 
 
 def _tip_curve(gear: ToothedGear) -> ComplexArray:
-    """The curve on which tips of full height end all around a gear, in mm in its own frame, shape (n,)."""
+    """The curve of tips of full height all around a gear, in mm in its own frame, shape (n,)."""
     sigma = np.linspace(0.0, gear.flanks.curve.length_mm, POINTS_PER_TOOTH * gear.teeth, endpoint=False)
     return as_complex(gear.flanks.offset(sigma, float(gear.flanks.full_tip_mm.max()))[0])

@@ -43,11 +43,11 @@ def chords_of(outline: ComplexArray, longest_mm: float) -> Chords:
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """A square grid; each of its cells names a range of chords, among them all that are near any place in the cell.
+    """A square grid; each cell names a range of chords, which includes all chords near any place in the cell.
 
     The grid has ``side`` cells of ``cell_mm`` along each axis from its lower left ``corner``.  ``first`` numbers the
     first chord of each range and ``beyond`` the chord after its last, shape (side * side,) each; both are 0 where no
-    chord is near.  Numbers go on counting where the outline begins again.
+    chord is near.  Counting continues where the outline begins again.
     """
 
     corner: complex
@@ -80,7 +80,7 @@ def cells_near(chords: Chords, near_mm: float, cell_mm: float) -> Cells:
     cell = (low[0::2] * side + low[1::2])[:, None] + offset
     cells = Cells(corner, cell_mm, side, np.zeros(side * side, dtype=int), np.zeros(side * side, dtype=int))
     _name(cells, cell.ravel(), np.repeat(chord, span * span))
-    # Where the outline ends and begins again, the chords after the seam go on counting.
+    # Counting continues over the seam where the outline begins again.
     half = chords.length_mm.size // 2
     row, column = np.nonzero(cells.beyond[cell] - cells.first[cell] > half)
     counted_on = chord[row] + np.where(chord[row] < half, chords.length_mm.size, 0)

@@ -1,8 +1,8 @@
 """Extreme values of the contact of written outlines, between the positions of the table as well.
 
 A vertex that comes to a chord, or leaves it, is a kink of the play; there are more of them than positions.  From the
-even positions the search closes in on each extreme.  Between them outlines are looked at in the middle of their play:
-both sides are near, and where there is room nothing overlaps.  Where something does, the law's angle is looked at too.
+even positions the search closes in on each extreme.  Between them outlines are compared in the middle of their play:
+both sides are near, and where there is play nothing overlaps.  Where they overlap, the law's angle is compared, too.
 """
 
 from __future__ import annotations
@@ -25,13 +25,13 @@ from ncgear.pitch.pair import PitchPair
 from ncgear.teeth.gear import ToothedPair
 
 KNOWN = 1e-2
-"""Share of its variation over the cycle to which an extreme is known at least: a fiftieth of a chord tolerance, as
-outlines vary by about two."""
+"""Largest error of an extreme as a share of its variation over the cycle: a fiftieth of a chord tolerance, since
+outlines vary by about two tolerances."""
 
 
 FINEST_MM = 1e-4
-"""Length at the pitch point to which extremes of outlines as measured are known at least: points are known to no less
-than a tenth of a micrometre, and the outlines through them have kinks of that size everywhere."""
+"""Largest error in mm at the pitch point of the extremes of measured outlines: no point is known better than to a tenth
+of a micrometre, and the outlines through them have kinks of that size everywhere."""
 
 
 @dataclass(frozen=True)
@@ -56,9 +56,9 @@ class PlayExtremes:
 class WrittenExtremes(PlayExtremes):
     """Extremes of outlines beside the exact teeth, ``at`` driving angles in rad.
 
-    ``from_design_rad`` is how far from the exact teeth's contact the outlines touch at most, on either side of the
-    teeth.  ``overlap_mm`` is 0 where outlines never run into each other; ``overlap_teeth`` are the numbers of the
-    driving and the driven tooth at the pitch point where they do so most.
+    ``from_design_rad`` is the largest angle between the contacts of the outlines and of the exact teeth, on either side
+    of the teeth.  ``overlap_mm`` is 0 where outlines never overlap; ``overlap_teeth`` are the numbers of the driving
+    and the driven tooth at the pitch point where they overlap most.
     """
 
     from_design_rad: Extremum
@@ -148,7 +148,7 @@ def _touched_at(
 
 
 def _errors_at(pitch: PitchPair, teeth: ToothedPair, designed: AsDesigned) -> Callable[[Array], Array]:
-    """The errors of the exact teeth on both sides at rolled lengths, (2, n); alike where they vary by rounding only."""
+    """The errors of the exact teeth on both sides at rolled lengths, (2, n); constant where only rounding varies."""
     sides = np.stack([designed.pushing.error_rad, designed.back.error_rad])
     if np.all(np.ptp(sides, axis=1) <= ALIKE_RAD):
         return lambda rolled_mm: np.broadcast_to(sides.mean(axis=1)[:, None], (2, rolled_mm.size))
@@ -168,7 +168,7 @@ def _ranged(touch_rad: Array) -> Array:
 
 
 def _quantities(touched: Touched, errors_rad: Array) -> Array:
-    """What the largest values are sought of, shape (8, n); where nothing overlaps, the room that is left counts."""
+    """The quantities whose largest values are searched, shape (8, n); without overlap the remaining room counts."""
     at, touch_rad, overlap_mm = touched
     astray = np.abs(touch_rad - errors_rad).max(axis=0)
     room = np.maximum(np.minimum(-touch_rad[0], touch_rad[1]), 0.0) * at.driven_radius_mm

@@ -1,4 +1,4 @@
-"""Play of two outlines as written: how far a gear can be turned each way against the other before they touch.
+"""Play of two written outlines: the angles by which a gear can turn each way against the other before they touch.
 
 Nearly always outlines stand apart, and ``apart.py`` finds their play.  This file finds it where outlines may overlap.
 Every vertex of one outline near the mesh is followed along its circle about the driven axis to the chords of the other
@@ -19,8 +19,8 @@ from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask, counte
 from ncgear.numerics.plane import as_complex, square
 
 REACHES_IN_PITCHES = 0.4, 0.6
-"""How far along its circle a vertex is followed: a tooth that holds it inside is half a pitch thick, so that nearly
-always the first reach finds its nearer side.  Where nothing is in reach, or an overlap is deep, it is followed on."""
+"""Lengths over which a vertex is followed along its circle: a tooth that holds it inside is half a pitch thick, so the
+first reach nearly always finds its nearer side.  The second is for nothing in the first reach, or a deep overlap."""
 
 DEEP_IN_PITCHES = 0.05
 """Overlap from which vertices are followed over the greater reach.  A vertex that is too deep inside for the first
@@ -35,9 +35,9 @@ BLOCK = 128
 class WrittenPlay:
     """Play at n positions, in rad, negative where the outlines overlap; shape (n,) each.
 
-    ``up_rad`` and ``down_rad`` are how far the driving gear, as the driven gear sees it, can be turned up and down
-    about the driven axis from the law's position; infinite where nothing is in reach.  ``overlap_mm`` is how deep the
-    deepest vertex is inside the other gear in the law's position.
+    ``up_rad`` and ``down_rad`` are the angles by which the driving gear can turn up and down about the driven axis from
+    the law's position, in the driven gear's frame; infinite where nothing is in reach.  ``overlap_mm`` is the depth of
+    the deepest vertex inside the other gear in the law's position.
     """
 
     up_rad: Array
@@ -47,11 +47,11 @@ class WrittenPlay:
 
 @dataclass(frozen=True, eq=False)
 class _Setting:
-    """What is the same at all positions: the driven outline's runs, the driving outline's vertices and longest chord.
+    """Values for all positions: the driven outline's runs, the driving outline's vertices and longest chord.
 
-    ``reach_mm`` is how far vertices are followed.  At each position ``windows`` hold the driving vertices that are
-    looked at; everything within twice that reach around the ``core`` of them is in the windows.  Both are first numbers
-    and counts.
+    ``reach_mm`` is the length over which vertices are followed.  At each position ``windows`` hold the tested driving
+    vertices; everything within twice the reach around their ``core`` is in the windows.  Both are first numbers and
+    counts.
     """
 
     placement: Placement
@@ -100,7 +100,7 @@ class _Meets:
 
 @dataclass(frozen=True, eq=False)
 class _Crossings:
-    """Where circles of vertices cross chords of the other outline, shape (n,) each.
+    """Crossings of vertices' circles with chords of the other outline, shape (n,) each.
 
     ``vertex`` numbers the vertices, of which ``position`` (shape (vertices,)) tells the position in the block;
     ``turn_rad`` turns a vertex onto the chord, ``entering`` tells whether a growing angle leads through it into the
@@ -125,7 +125,7 @@ class _Crossings:
 
 
 def facing_outlines(driving_mm: Array, driven_mm: Array, placement: Placement) -> Facing:
-    """Two outlines in their own frames, counter-clockwise, (n, 2), and what is the same at all positions."""
+    """Two outlines in their own frames, counter-clockwise, (n, 2), with their values for all positions."""
     # Outlines are followed with the material on their left: a ring's goes round the hole the other way.
     driven = as_complex(driven_mm[::-1] if placement.driven_inside else driven_mm)
     return Facing(as_complex(driving_mm), driven, placement.pitch_mm)
@@ -173,7 +173,7 @@ def _block_play(setting: _Setting, position: IndexArray) -> tuple[Array, Array, 
     meets = _meets(chords, setting.runs)
     own_up, own_down, own_depth = _free(_of_driving_vertices(meets, setting.reach_mm), position.size)
     up, down, depth = _free(_of_driven_vertices(meets, setting.reach_mm, position.size), position.size)
-    # To turn the driving gear up is to turn the driven one's vertices down.
+    # To turn the driving gear up is to turn the driven gear's vertices down.
     return np.minimum(own_up, down), np.minimum(own_down, up), np.maximum(own_depth, depth)
 
 
@@ -235,9 +235,9 @@ def _of_driving_vertices(meets: _Meets, reach_mm: float) -> _Crossings:
 
 
 def _of_driven_vertices(meets: _Meets, reach_mm: float, positions: int) -> _Crossings:
-    """Circles of the driven outline's vertices across the chords, as far as within reach.
+    """Circles of the driven outline's vertices across the chords, up to the reach.
 
-    A vertex that only meets chords at the edge of the windows, where nearer ones are missing, counts as outside.
+    A vertex that only meets chords at the edge of the windows, where nearer chords are missing, counts as outside.
     """
     runs, chords = meets.runs, meets.chords
     first = np.minimum(meets.at_start, meets.at_end)
@@ -270,7 +270,7 @@ def _across(turn_rad: Array, radius_mm: Array, aside_mm: Array) -> Array:
 def _numbered(position: IndexArray, entry: IndexArray, entries: int, positions: int) -> tuple[IndexArray, IndexArray]:
     """Numbers for pairs of a position and an entry: the position of each number, and the number of each pair.
 
-    Entries that are met in a position are neighbours around the outline, so they are counted from any of them.
+    Entries met in a position are neighbours around the outline, so counting may start at any of them.
     """
     some = np.zeros(positions, dtype=int)
     some[position] = entry

@@ -1,4 +1,4 @@
-"""An outline as seen from its gear's own axis.
+"""An outline in polar coordinates about its gear's axis.
 
 ``PolarOutline`` tells which vertices lie in given directions.  ``RadialRuns`` cut an outline into runs along which the
 distance from the axis grows or falls all the way.  A circle about the axis crosses such a run once, and bins of radii
@@ -21,7 +21,7 @@ TURN = 2.0 * np.pi
 
 @dataclass(frozen=True, eq=False)
 class PolarOutline:
-    """An outline around the origin, with bounds by which vertices are found by their polar angle.
+    """An outline around the origin, with bounds to find vertices by their polar angle.
 
     Over three turns, ``reached`` is the largest angle up to each vertex and ``left`` the smallest angle from it on;
     both grow all along, even where the outline turns back.
@@ -32,7 +32,7 @@ class PolarOutline:
     left: Array
 
     def windows(self, direction: Array, half_width: Array) -> tuple[IndexArray, IndexArray]:
-        """Stretches of vertices (first number and count) that hold all vertices in sectors, and one more at either end.
+        """Stretches of vertices (first number and count) with all vertices in sectors, and a vertex more at either end.
 
         Polar angles and half widths in rad, shape (n,).  Numbers may be negative: they count round the outline.
         """
@@ -52,10 +52,10 @@ def polar_outline(outline: ComplexArray) -> PolarOutline:
 
 
 SECTORS_PER_PITCH = 8
-"""Sectors per pitch by which runs are found from a direction; finer sectors hardly leave out more runs."""
+"""Sectors per pitch for finding runs by their direction; finer sectors hardly leave out more runs."""
 
 BINS_PER_ENTRY = 2
-"""Bins of squared radii per entry of the longest run, by which entries are found."""
+"""Bins of squared radii per entry of the longest run, for finding entries."""
 
 NO_RUN = -1
 """Stands for no run in the tables of runs near sectors."""
@@ -118,7 +118,7 @@ class RadialRuns:
 
     @cached_property
     def _bins(self) -> int:
-        """Number of bins of squared radii that each run is divided into; most hold one entry at most."""
+        """Number of bins of squared radii for each run; most bins hold at most one entry."""
         return BINS_PER_ENTRY * int((self.last - self.first).max() + 1)
 
     @cached_property
@@ -145,7 +145,7 @@ class RadialRuns:
         return np.where(sector < 0, sector + sectors, sector) % sectors
 
     def entry_beyond(self, run: IndexArray, squared: Array) -> IndexArray:
-        """First entry of runs at or beyond squared radii; the number after the last where there is none."""
+        """First entry of runs at or beyond squared radii; the number after the last entry where there is none."""
         found, last = self._first_in_bin[self._bin(run, squared)], self.last[run]
         short = np.nonzero((found <= last) & (self.square[np.minimum(found, self.square.size - 1)] < squared))[0]
         while short.size:
@@ -203,7 +203,7 @@ def headings(point: ComplexArray, outwards: ComplexArray) -> tuple[Array, Array]
 
 
 def with_feet(start: ComplexArray, end: ComplexArray) -> tuple[IndexArray, ComplexArray]:
-    """Which chords are nearest to the origin between their ends, and the points at which they are (their feet)."""
+    """Numbers of the chords whose nearest point to the origin is between their ends, and these points (feet)."""
     step = end - start
     share = -along(step, start) / np.maximum(square(step), np.finfo(float).tiny)
     inside = np.nonzero((share > 0.0) & (share < 1.0))[0]

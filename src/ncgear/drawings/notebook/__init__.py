@@ -1,1 +1,1 @@
-"""What notebooks show of a drive and of its stages: figures in the report's words, charts, the machine running."""
+"""The view of a drive and its stages in notebooks: figures in the report's words, charts, the running machine."""

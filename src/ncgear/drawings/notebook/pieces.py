@@ -1,12 +1,12 @@
-"""The pieces of what a notebook shows: a frame with its style, figures, tables, charts, outlines, the machine running.
+"""The pieces of a notebook's view: a frame with its style, figures, tables, charts, outlines, the running machine.
 
-Each output stands by itself and loads nothing.  Notebooks tell on the page around an output whether they are dark; the
-style looks for the marks of JupyterLab, VS Code, Colab, marimo and pages of documentation, and is light without one.
-All text that is not of this package is escaped: pieces are macros of ``pieces.html.j2``.
+Each output stands by itself and loads nothing.  The page around an output has a mark where it is dark; the style looks
+for the marks of JupyterLab, VS Code, Colab, marimo and pages of documentation, and is light without a mark.  All text
+from outside this package is escaped: pieces are macros of ``pieces.html.j2``.
 
-The machine is the report's scene, run by CSS alone, as notebooks run scripts of few outputs only; a check box runs and
-stops it.  Places between two frames lie on the straight line between them: at ``FRAMES`` to a turn the gears of the
-designs are astray by less than 0.002 rad (tests/test_notebook_in_browser.py).
+The machine is the report's scene, moved by CSS alone, since notebooks run the scripts of few outputs only; a check box
+starts and stops it.  Places between two frames lie on the straight line between them: at ``FRAMES`` to a turn the gears
+of the designs are astray by less than 0.002 rad (tests/test_notebook_in_browser.py).
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ DARK_PAGES = (
     ".dark-theme",
     '[data-md-color-scheme="slate"]',
 )
-"""What the page around an output has where it is dark: JupyterLab, VS Code, Colab, Sphinx themes, marimo, MkDocs."""
+"""Marks of a dark page around an output: JupyterLab, VS Code, Colab, Sphinx themes, marimo, MkDocs."""
 
 
 def _colors(colors: Mapping[str, str]) -> str:
@@ -78,7 +78,7 @@ def framed(title: str, *pieces: Markup, description: str = "") -> str:
 
 
 def made(piece: Callable[[], Markup]) -> Markup:
-    """A piece, or the words with which it is refused; a fault of ncgear's own is told as one, and ends nothing."""
+    """A piece, or the words of its refusal; a fault of ncgear is shown as a fault, and stops nothing."""
     try:
         return piece()
     except Exception as error:
@@ -86,14 +86,14 @@ def made(piece: Callable[[], Markup]) -> Markup:
 
 
 def not_made(error: Exception) -> Markup:
-    """What an error tells: a refusal by its words, anything else as a fault."""
+    """The words of a refusal, or of any other error as a fault."""
     if isinstance(error, DesignError):
         return refusal(str(error))
     return refusal(fault_words(error))
 
 
 def refusal(words: str) -> Markup:
-    """Words of what cannot be made."""
+    """The words of a refusal, as a piece."""
     return Markup(_macros().refusal(words))
 
 
@@ -119,7 +119,7 @@ def charts(shown: Iterable[PageChart]) -> Markup:
 
 
 def _named_by_content(plain: ChartFigure) -> str:
-    """The drawing of a chart; names within an SVG are those of the whole page, so equal names are equal things."""
+    """The drawing of a chart, named by its content: names in an SVG count for the whole page."""
     old, new = plain.page_chart.key, f"ncgear-{digest(plain.drawing)}"
     return plain.drawing.replace(f'"{old}-', f'"{new}-').replace(f"#{old}-", f"#{new}-")
 

@@ -1,7 +1,7 @@
-"""What a notebook shows of each value: the drive, its stages from the law to the strength, and what was searched.
+"""The view of each value in a notebook: the drive, its stages from the law to the strength, and results of searches.
 
-``html`` is what ``ncgear.shown.Shown`` asks.  A value shows what it knows by itself; the drive shows the whole machine,
-for which it makes the teeth.  Nothing is searched for to be shown.
+``ncgear.shown.Shown`` calls ``html``.  A value shows its own content; the drive shows the whole machine, for which it
+makes the teeth.  No view starts a search.
 """
 
 from __future__ import annotations
@@ -74,13 +74,13 @@ from ncgear.whole_machines.search import WholeMachines
 from ncgear.whole_machines.told import HEADS, machines_answer
 
 ANY_SAFETY = WantedSafety(0.0, 0.0)
-"""A strength does not know what was wanted; no tooth is too weak then."""
+"""A strength knows no wanted safety; with this no tooth is too weak."""
 
 STRENGTH_COLUMNS = columns_of("gear", "material", "damage", "weakest tooth", "stress, MPa", "safety", "life")
 
 
 def html(value: object) -> str:
-    """The value as HTML that stands by itself; never raises for what cannot be made, which is told instead."""
+    """The value as HTML that stands by itself; where a part cannot be made, the HTML says so, and nothing is raised."""
     title, description = _title(value)
     return framed(title, *_as_far_as_made(value), description=description)
 
@@ -106,13 +106,13 @@ def _title(value: object) -> tuple[str, str]:
 
 @singledispatch
 def _pieces(value: object) -> Iterator[Markup]:
-    """What is shown below the title of a value."""
+    """The pieces below the title of a value."""
     raise TypeError(f"{type(value).__name__} has no picture")
 
 
 @_pieces.register
 def _drive(drive: Drive) -> Iterator[Markup]:
-    """The whole machine; what needs a part that is refused is left out, and the refusal is told once."""
+    """The whole machine; pieces that need a refused part are left out, and the refusal is told once."""
     pairs = drive.by_stage if drive.design.gears is not None else ()
     pieces: list[Callable[[], Markup]] = [
         lambda: facts([("mechanism", _mechanism(drive.linkage)), *typeset(machine_facts(drive))]),
@@ -126,7 +126,7 @@ def _drive(drive: Drive) -> Iterator[Markup]:
 
 
 def _verdict(drive: Drive) -> Markup:
-    """What a check judges of a machine: its warnings, and what it cannot judge."""
+    """The verdict of a check on a machine: its warnings, and the conditions that it cannot judge."""
     verdict = judged(drive, Known.MOTION)
     warnings = [refusal(f"warning: {one.line}") for one in verdict.warnings]
     left = facts([("not judged", verdict.not_judged.removeprefix("Not judged: "))]) if verdict.not_judged else NOTHING
@@ -288,7 +288,7 @@ def _mending(search: Mending) -> Iterator[Markup]:
 
 @_pieces.register
 def _best_law(best: BestLaw) -> Iterator[Markup]:
-    """What was found, and nothing else: the search takes seconds."""
+    """The law that was found, and no further search, which would take seconds."""
     if "law" not in vars(best):
         yield facts([("best law", f"of {best.design.name}: searched for when .law or .figures is asked for")])
         return

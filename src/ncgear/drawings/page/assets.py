@@ -12,7 +12,7 @@ PACKAGE = "ncgear.drawings.page"
 
 SCENE_SCRIPTS = ("places", "gestures", "teeth", "scene")
 SHARED_SCRIPTS = ("clock", "charts", "find", "controls")
-"""Files of scene/ and of script/; each may use those before it.  The studio has them too."""
+"""Files of scene/ and of script/; each may use the files before it.  The studio uses them too."""
 
 
 def scene_script() -> str:

@@ -1,4 +1,4 @@
-"""A chart of the page, and as it is drawn: its SVG element, its cursor, its scales, its extremes."""
+"""A chart of the page and its drawing: the SVG element, the cursor, the scales, the extremes."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ DIGITS = 4
 """Significant digits of the largest value of a line; all lines of the chart have the decimals that follow from it."""
 
 ALIKE = 1e-9
-"""Share of a chart's largest value by which values differ that count as equal: more than rounding errors, and nothing
-that any digit shows."""
+"""Largest difference of values that count as equal, as a share of the chart's largest value: above rounding errors and
+below every shown digit."""
 
 DRIVING, BETWEEN = "driving", "between"
 """The shafts whose angle can be the horizontal axis: the driving shaft, and the shaft between two stages."""
@@ -26,8 +26,7 @@ DRIVING, BETWEEN = "driving", "between"
 class PageChart:
     """A chart with its ``key``, unique in the page, and the shaft whose angle is its horizontal axis.
 
-    The first line is the one whose values the page names beside the chart.  Raises ValueError for a
-    value that is not finite.
+    The page names the values of the first line beside the chart.  Raises ValueError for a value that is not finite.
     """
 
     key: str
@@ -80,7 +79,7 @@ class ChartFigure:
 
     @property
     def heading(self) -> str:
-        """The name of the chart with its unit: none stands at the scale, where it would lie over a number."""
+        """The name of the chart with its unit, which has no room at the scale beside the numbers."""
         chart = self.page_chart.chart
         return f"{chart.name} in {chart.unit}" if chart.unit else chart.name
 

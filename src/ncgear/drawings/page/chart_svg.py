@@ -1,8 +1,7 @@
 """Draws a chart of the page: an SVG element in the colours of the page.
 
-Matplotlib draws the chart, as it does for every picture.  Its SVG is then reduced to what the page needs: it has no
-fonts, sizes or names of its own, and its colours are variables of the page's style sheet, which differ in light, dark
-and print.
+Matplotlib draws the chart, as it does for every picture.  Its SVG then loses its own fonts, sizes and names, and its
+colours become variables of the page's style sheet, which differ in light, dark and print.
 """
 
 from __future__ import annotations
@@ -37,11 +36,11 @@ TEXT_SIZE = 11.0
 MINUS = "\u2212"
 
 DIGIT_WIDTH, WIDTHS = 0.64, {MINUS: 0.84, "+": 0.84, ".": 0.32}
-"""Widths of the letters of a number as shares of the size of text: those of DejaVu Sans and of Verdana, than which no
-font that pages are read in is wider."""
+"""Widths of the letters of a number as shares of the size of text, from DejaVu Sans and Verdana: no usual font of pages
+is wider."""
 
 NUMBERS_OFF = 8.0
-"""Gap between a vertical scale and its numbers, which has room for half a point that is dragged (``handles.js``)."""
+"""Gap between a vertical scale and its numbers: room for half of a dragged point (``handles.js``)."""
 
 BESIDE_NUMBERS, LEAST_LEFT, LEAST_RIGHT = NUMBERS_OFF + 6.0, 46.0, 12.0
 """Widths of a gap, a tick and an edge beside a number, and least widths beside a chart: most charts are alike."""
@@ -56,7 +55,7 @@ COLORS = {
     WRITTEN_COLOR: "var(--highlight)",
     JOINT: "var(--joint)",
 }
-"""Colours that stand for the colours of the page while matplotlib draws; the last one is the colour of joints."""
+"""Colours that stand for the colours of the page while matplotlib draws; the last colour is for joints."""
 
 SETTINGS: dict[Any, Any] = {
     "svg.fonttype": "none",

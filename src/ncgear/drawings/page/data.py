@@ -90,7 +90,7 @@ def scene_data(scene: Scene) -> dict[str, Any]:
 
 
 def shaft_tables(scene: Scene) -> list[dict[str, Any]]:
-    """Tables of the angles of all shafts but the driving one: those between by the shaft before, last the crank's."""
+    """Tables of the angles of all shafts after the driving shaft, each by the shaft before it; the crank's last."""
     shafts = [*(pair.transmission for pair in scene.train.pairs[:-1]), scene.train.whole]
     return [angle_table(transmission) for transmission in shafts]
 
@@ -119,7 +119,7 @@ def _tables(curves: Curves, start_rad: float, end_rad: float) -> list[Array]:
     """Places, values and slopes of each of several curves for Hermite's cubics, shape (3, m) each.
 
     A step is halved where its error exceeds TABLE_ERROR_RAD at any of the places of LOOKED_AT.  The steps of all curves
-    are looked at together, since these have much in common.
+    are tested together, since the curves share most of their computation.
     """
     at = np.linspace(start_rad, end_rad, FIRST_STEPS + 1)
     found = curves(at)
@@ -154,7 +154,7 @@ def _cubics(low: Array, high: Array) -> Array:
 
 
 CHAMBER = ("face", "start", "end", "begins", "behind", "level", "pushed")
-"""What scene.js knows of a chamber, in mm."""
+"""The values of a chamber that scene.js has, in mm."""
 
 
 def _gear(gear: SceneGear, module_mm: float) -> dict[str, Any]:
@@ -208,8 +208,8 @@ def _linkage(scene: Scene) -> dict[str, Any]:
 def _link_tables(linkage: Mechanism) -> dict[str, Any]:
     """Tables of the places and the angles of all links over a turn of the crank.
 
-    Divided by the length of the crank, the lengths are as exact as the angles.  They are those of the mechanism alone,
-    and are kept while its law changes.
+    Lengths are divided by the length of the crank, and are then as exact as the angles.  They depend on the mechanism
+    alone, and are kept while its law changes.
     """
     names = tuple(linkage.links(Jet(np.zeros((1, 1)))))
     scales = {"x": linkage.crank_mm, "y": linkage.crank_mm, "angle": 1.0}
@@ -225,7 +225,7 @@ def _link_tables(linkage: Mechanism) -> dict[str, Any]:
 
 
 def _link_table(table: Array, scale: float) -> dict[str, Any]:
-    """A table of a link with the places and slopes times ``scale``; of what stays both ends are enough."""
+    """A table of a link with the places and slopes times ``scale``; a link at rest needs only both ends."""
     at, value, slope = table if table[2].any() else table[:, [0, -1]]
     value, slope = scale * value, scale * slope
     rise = float(value[-1] - value[0])

@@ -1,9 +1,9 @@
 """The charts of the output's motion on the page, and the angles at which their lines are sampled.
 
 A cursor of the page runs along every line, straight from sample to sample, and shows the values.  The samples are
-therefore close together, there is one on either side of every angle at which a curve may jump, and one wherever this
-design's curves are least or greatest, so that the page names the extremes that a check tells.  The horizontal axis is
-the driving angle.
+therefore close together, there is one on either side of every angle at which a curve may jump, and one wherever a curve
+of this design is least or greatest, so that the page names the same extremes as a check.  The horizontal axis is the
+driving angle.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def quantities_of(drive: Drive) -> tuple[Quantity, ...]:
 def motion_charts(
     drive: Drive, end_rad: float, quantities: Sequence[Quantity] | None = None, phi1: Array | None = None
 ) -> list[PageChart]:
-    """Charts from 0 to a driving angle, all of them or some; masses are looked at for the power alone.
+    """All charts or some, from 0 to a driving angle; masses are needed for the power alone.
 
     They are sampled at driving angles ``phi1`` of a cycle in rad, shape (n,), or else at ``cycle_angles_rad`` and where
     any curve of this design is least or greatest.

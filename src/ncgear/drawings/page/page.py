@@ -49,8 +49,8 @@ def report_page(
 ) -> bytes:
     """The whole page; ``contacts`` has the contact of each pair of gears, and is empty for a design without gears.
 
-    ``verdict`` is that on the machine, ``drawer`` draws the charts.  The same design gives the
-    same bytes.  Raises WrongInput or NoSuchMechanism as the drive does.
+    ``verdict`` is the verdict on the machine, ``drawer`` draws the charts.  The same design gives the same bytes.
+    Raises WrongInput or NoSuchMechanism as the drive does.
     """
     pairs = list(zip(drive.by_stage, contacts, strict=True)) if contacts else []
     scene = scene_of(drive)
@@ -109,7 +109,7 @@ def report_page(
 
 
 def stage_name(pair: Drive) -> str:
-    """The name of one of two pairs on the page; empty where there is only one pair."""
+    """The name of a pair on the page; empty where there is a single pair."""
     return f"Stage {pair.stage}" if pair.stage else ""
 
 

@@ -1,7 +1,7 @@
 """The charts of a pair of gears on the page; teeth and their contact are loaded with this module.
 
 The horizontal axis is the angle of the pair's own driving gear, which for the second of two stages is on the shaft
-between the stages; the lines are sampled as those of the motion (``motion_charts``).
+between the stages; the lines are sampled like the lines of the motion (``motion_charts``).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def gear_charts(drive: Drive, contact: PairContact) -> list[PageChart]:
 
 
 def charts_of_pair(drive: Drive, written: Iterable[Chart], cycle_rad: float) -> list[PageChart]:
-    """Charts of one pair that need no file, with those of what was written after the first; keys follow from names."""
+    """Charts of one pair that need no file; the charts ``written`` follow the first.  Keys follow from names."""
     joints = np.degrees(joints_up_to(drive.pair.transmission, cycle_rad))
     found = (_pressure_angle(drive), *written, *_strength(drive))
     charts = {chart.name.replace(" ", "_"): replace(chart, joints_deg=joints) for chart in found}
@@ -72,7 +72,7 @@ def _pressure_angle(drive: Drive) -> Chart:
 
 
 def _transmission_error(contact: PairContact) -> Chart:
-    """The transmission error of the worst written outlines, from which gears are cut, and of the design."""
+    """The transmission errors of the worst written outlines, which gears are cut from, and of the design."""
     chart = teeth_charts.transmission_error(contact)
     designed, written = chart.lines
     worst = teeth_charts.worst_written(contact)
@@ -95,7 +95,7 @@ def _with_extremes(line: Line, found: Range, factor: float) -> Line:
 
 
 def _closed(line: Line, end_deg: float, role: Role, label: str) -> Line:
-    """The line with its first value once more at the end of the cycle, unless it goes to the end by itself."""
+    """The line with its first value again at the end of the cycle, unless it reaches the end already."""
     if line.x[-1] >= end_deg * (1.0 - 1e-12):
         return replace(line, role=role, label=label)
     return Line(role, label, np.append(line.x, end_deg), np.append(line.values, line.values[0]))

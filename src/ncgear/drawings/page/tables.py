@@ -1,7 +1,7 @@
-"""The tables of the page and the main figures at its top, and teeth that its words name, as links to the scene.
+"""The tables of the page, the main figures at its top, and links to the scene for the teeth that texts name.
 
-Words name teeth as the advices do: ``tooth 28 of the driving gear``, ``teeth 1-3, 7``, ``(tooth 3)`` after the name of
-a gear.  Of a run such as 1-3 both ends are links.  A link has the gear's name in the scene in ``data-gear`` and the
+Texts name teeth like the advice: ``tooth 28 of the driving gear``, ``teeth 1-3, 7``, ``(tooth 3)`` after the name of a
+gear.  In a run such as 1-3 both ends are links.  A link has the gear's name in the scene in ``data-gear`` and the
 number in ``data-tooth``; script/find.js acts on it.
 """
 
@@ -31,7 +31,7 @@ LIBRARIES = ("numpy", "scipy", "shapely", "trimesh", "mapbox-earcut", "matplotli
 
 
 def contact_tables(drive: Drive, contact: PairContact) -> list[Table]:
-    """The worst figures of the contact; and all figures as designed beside the figures of all written outlines."""
+    """The worst figures of the contact, and all designed figures beside the figures of all written outlines."""
     found = contact_summary(contact, drive.contact_extremes)
     designed, written = found.pop("as_designed"), found.pop("as_written")
     forms = {f"as written to {source.upper()}": figures for source, figures in written.items()}
@@ -79,7 +79,7 @@ TYPESET = (("mm/s2", "mm/s\u00b2"), ("rad/s2", "rad/s\u00b2"), (" cm3", " cm\u00
 
 
 def typeset(facts: Iterable[tuple[str, str]], of: str = "") -> list[tuple[str, str]]:
-    """Names and texts of facts for the page; the names begin with what they are of, as ``stage 1: ``."""
+    """Names and texts of facts for the page; the names begin with ``of``, such as ``stage 1: ``."""
     found = []
     for name, text in facts:
         for typed, set_ in TYPESET:
@@ -90,10 +90,10 @@ def typeset(facts: Iterable[tuple[str, str]], of: str = "") -> list[tuple[str, s
 
 NUMBERS = r"\d+(?:-\d+)?(?:, \d+(?:-\d+)?)*"
 NAMED = re.compile(rf"\b(driving|driven) gear\b|\b(?:tooth|teeth) ({NUMBERS})(?: of the (driving|driven) gear\b)?")
-"""A gear's name, or numbers of teeth and the gear whose teeth they are."""
+"""A gear's name, or numbers of teeth and the name of their gear."""
 
 TEETH_FIRST = re.compile(rf"({NUMBERS})(?=$|, by up to )")
-"""What a cell of teeth begins with, in a row whose name begins so."""
+"""The beginning of a cell of teeth."""
 
 TEETH_ROW = "teeth "
 

@@ -15,17 +15,17 @@ from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import bow_middles
 
 DECIMALS, FINER = 6, 8
-"""Decimals of coordinates in mm: a millionth of a millimetre, or about a hundred-millionth of what is smaller than
-100 mm: far below any chord tolerance."""
+"""Decimals of coordinates in mm: a millionth of a millimetre, or a hundred-millionth for drawings under 100 mm: far
+below any chord tolerance."""
 
 BULGE_DECIMALS = 9
 """Decimals of bulges: on a chord of a metre the arc stays within a millionth of a millimetre."""
 
 
 def written(values: Array | float, decimals: int) -> Array:
-    """Numbers as DXF and SVG files have them: without rounding errors, and without a minus before a zero.
+    """Numbers as DXF and SVG files have them: rounded, and without a minus before a zero.
 
-    Raises Unanswered for what is no finite number.
+    Raises Unanswered for infinity and NaN.
     """
     if not np.isfinite(values).all():
         raise Unanswered("a drawing holds a coordinate that is no finite number")
@@ -68,8 +68,8 @@ class Layer(Enum):
 class Polyline:
     """A closed chain of lines and arcs through points (n, 2), first point not repeated.
 
-    ``bulges`` (n,) tells how the contour goes on from each point: 0 a line, else an arc, by the tangent of a quarter of
-    the angle that it turns by, positive counter-clockwise (the DXF reference's bulge).
+    ``bulges`` (n,) describe the piece after each point: 0 for a line, else the tangent of a quarter of the arc's angle,
+    positive counter-clockwise (the bulge of the DXF reference).
     """
 
     points: Array
@@ -77,7 +77,7 @@ class Polyline:
 
     @property
     def corners(self) -> Array:
-        """Points whose box holds the contour, but for what arcs rise above the middles of their bows."""
+        """Points whose box holds the contour, up to the height of arcs above the points at their middles."""
         return np.vstack([self.points, bow_middles(self.points, self.bulges)])
 
 

@@ -1,8 +1,8 @@
 """DXF files (AutoCAD 2010 and later) in mm: drawings of gears, closed contours on named layers, and sheets.
 
-Of a sheet everything is at true size about the origin of the main view, so its frame is as much larger as the scale
-asks; the layout ``A4`` shows it on paper.  Its dimensions are dimensions; one in a view of another scale has the factor
-that makes its text right.
+A sheet is at true size about the origin of the main view, so its frame is enlarged by the inverse of the scale;
+the layout ``A4`` shows it on paper.  Its dimensions are DXF dimensions; a dimension in a view of another scale has the
+factor that makes its text right.
 """
 
 from __future__ import annotations
@@ -58,13 +58,13 @@ LETTERS_ACROSS = 80.0
 LINE_SPACING = 1.6
 """Distance of two lines of notes in heights of letters."""
 SLACK = 1.1
-"""Height of the view with which the file opens, divided by the height of the drawing."""
+"""Height of the first view of an opened file, divided by the height of the drawing."""
 
 
 def dxf_files(shown: PairDrawings) -> dict[str, bytes]:
     """``driving.dxf`` and ``driven.dxf`` in their own frames, and ``pair.dxf`` as assembled, by their names.
 
-    The files of one gear are for cutting: they hold the closed contours that are cut, and nothing beside them.
+    The files of one gear are for cutting: they hold only the closed contours that are cut.
     """
     driving, driven = shown.driving, shown.driven
     assembled = {"DRIVING_": driving, "DRIVEN_": driven.moved(shown.center_distance_mm)}
@@ -95,7 +95,7 @@ def dxf_bytes(drawings: Mapping[str, Drawing], notes: Sequence[str], *, in_sight
 
 
 def _file(name: str, fill: Callable[[Document], None]) -> bytes:
-    """A file of what fills it, with no time of writing and no random identities.
+    """A file that ``fill`` fills, with no time of writing and no random identities.
 
     Raises Unanswered for a file in which the library's audit finds a fault.
     """
@@ -142,7 +142,7 @@ def _add(space: Modelspace, shape: Shape, layer: str, decimals: int) -> None:
 
 
 def _add_polyline(space: BlockLayout | Modelspace, layer: str, points: Array, bulges: Array, *, closed: bool) -> None:
-    """Add points (shape (n, 2)) with their bulges (shape (n,)), at once: the library copies all for each single one."""
+    """Add points (shape (n, 2)) with their bulges (shape (n,)) at once: the library would copy all for each point."""
     polyline = space.add_lwpolyline([], close=closed, dxfattribs={"layer": layer, "flags": WHOLE_PATTERN | closed})
     width = np.zeros(len(points))
     polyline.lwpoints = _Vertices()
@@ -150,7 +150,7 @@ def _add_polyline(space: BlockLayout | Modelspace, layer: str, points: Array, bu
 
 
 class _Vertices(LWPolylinePoints):
-    """Points of a polyline that are written at once: the library makes several objects for every number."""
+    """Points of a polyline that are written at once: the library would make several objects for every number."""
 
     def dxftags(self) -> Iterator[DXFTag]:
         """All points as one tag."""
@@ -272,7 +272,7 @@ def _put(space: BlockLayout | Modelspace, item: Line | Ring | Text, sheet: Sheet
         case Line():
             points, layer = _true(item.points, sheet), {"layer": item.pen.name}
             if item.filled:
-                # A triangle, whose third corner a solid has twice.
+                # A triangle: a DXF solid has its third corner twice.
                 space.add_solid(points[[0, 1, 2, 2]].tolist(), dxfattribs=layer)
             elif len(points) == 2:
                 start, end = points.tolist()

@@ -1,4 +1,4 @@
-"""Both gears as solids with exact faces, and their pitch curves as splines: what STEP files and CAD programs get."""
+"""Both gears as solids with exact faces, and their pitch curves as splines, for STEP files and CAD programs."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ ONLY_MESHES = (
 )
 
 LEAST_MODULE_MM = 0.01
-"""Least module of teeth with exact faces: the kernel and programs for CAD take points within 1e-7 mm as one."""
+"""Least module of teeth with exact faces: the kernel and CAD programs take points within 1e-7 mm as one point."""
 
 ExactSolid = tuple[TopoDS_Shape, float]
 """A gear's solid in its own frame, and the largest distance found between its tooth faces and the exact ones."""
@@ -75,9 +75,9 @@ PROBES = np.array([0.25, 0.5, 0.75])
 def pitch_spline(curve: PitchCurve, tolerance_mm: float) -> Spline:
     """A pitch curve as a cubic B-spline by arc length, with equal tangents on both sides of each knot.
 
-    It passes through exact points along exact tangents, and no probe of it is further from the curve than the
-    tolerance; joints of the law are knots.  Of gears that turn less than once it is the curve of the range.  Raises
-    Unanswered where the most spans do not follow the curve.
+    It passes through exact points along exact tangents.  No point at PROBES is further from the curve than the
+    tolerance; joints of the law are knots.  For gears that turn less than once it covers the range of turning.  Raises
+    Unanswered where even the largest number of spans does not follow the curve.
     """
     ends, covered = curve.panels_mm, curve.transmission.lobes.range
     if covered is not None:
@@ -94,7 +94,7 @@ def pitch_spline(curve: PitchCurve, tolerance_mm: float) -> Spline:
 
 def _through(curve: PitchCurve, knots: Array) -> Spline:
     """The spline through a curve's points at arc lengths, with its tangents there (cubic Hermite)."""
-    # The seam of a closed curve is one point, as its beginning is.
+    # A closed curve ends exactly at its first point.
     at, third = curve.at_length(knots), np.diff(knots)[:, None] / 3.0
     after, before = at.position[:-1] + third * at.tangent[:-1], at.position[1:] - third * at.tangent[1:]
     inner = np.stack([after, before], axis=1).reshape(-1, 2)

@@ -37,10 +37,10 @@ USUAL = (Format.DXF, Format.SVG, Format.THREEMF, Format.GLB, Format.DRAWING)
 class Writer:
     """The function that makes the files of a kind, by its module in this package and its name, and the files' names.
 
-    It takes a drive, or what ``shown``, a function of a drive, tells of it: values that a second process can be given.
+    It takes a drive, or the result of ``shown``, a function of a drive: values that a second process can be given.
     ``reader``, of ``files/read_back.py``, reads the outline of a gear back from its file, ``driving.KIND`` or
     ``driven.KIND``; None where files have no outlines of their own.  ``is_slow`` says that the function needs a library
-    that takes long to load; ``library`` is an optional one that it needs.
+    that takes long to load; ``library`` is an optional library that it needs.
     """
 
     function: str
@@ -73,9 +73,9 @@ WRITERS = {
 
 @dataclass(frozen=True)
 class Written:
-    """Files by their names, and how far the outlines in them, read back, are from the exact ones, in mm by their kind.
+    """Files by their names, and the largest distance in mm of the outlines read back from the exact outlines, by kind.
 
-    A drawing has an outline where it shows one gear.
+    A drawing has an outline where it shows a single gear.
     """
 
     files: dict[str, bytes]
@@ -101,7 +101,7 @@ def require_libraries(formats: Collection[Format]) -> None:
 def begun_workshop_files(
     drive: Drive, formats: Collection[Format], drawer: Drawer, exact_mm: ExactOutlines | None
 ) -> list[Making]:
-    """The files of one pair of gears, of which ``drawer`` makes what it can until they are asked for.
+    """The files of one pair of gears; ``drawer`` makes as many of them as it can before they are asked for.
 
     Outlines are measured against ``exact_mm`` where it is given.  Raises the errors of the drive.
     """
@@ -129,7 +129,7 @@ WRITTEN = f"{__name__}:written_and_measured"
 
 
 def written_and_measured(kind: Format, shown: Any, exact_mm: ExactOutlines | None) -> Written:
-    """The files of a kind from a drive or from what is shown of it; see ``begun_workshop_files``."""
+    """The files of a kind from a drive or from the values of ``Writer.shown``; see ``begun_workshop_files``."""
     from ncgear.files import read_back
 
     writer = WRITERS[kind]

@@ -1,6 +1,6 @@
 """A gear as a flat drawing: the plan of its body from above, in the gear's own frame and in the pose of phi1 = 0.
 
-Its notes say what lines cannot show, so that a workshop needs no other paper.
+Its notes tell the facts that lines cannot show, so that a workshop needs no other paper.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def gear_drawing(drive: Drive, gear: Gear) -> Drawing:
 
 
 def body_shapes(plan: BodyPlan) -> dict[Layer, tuple[Shape, ...]]:
-    """All edges of a body that are visible from above, by their layers; some layers may be empty."""
+    """All visible edges of a body from above, by their layers; some layers may be empty."""
     return {
         **_toothed(plan),
         Layer.BORE: () if plan.bore is None else (bore_shape(plan.bore),),
@@ -99,8 +99,8 @@ def _points(ring: BaseGeometry) -> Array:
 def pitch_points(curve: PitchCurve, tolerance_mm: float) -> Array:
     """Evenly spread points of a pitch curve, shape (n, 2); no chord is off the curve by more than the tolerance.
 
-    Over an arc of length s, a chord is off by at most k s^2 / 8, with the largest curvature k.  Of gears that turn less
-    than once it is the sector of the range, whose last point is the axis.
+    Over an arc of length s, a chord is off by at most k s^2 / 8, with the largest curvature k.  For gears that turn
+    less than once it is the sector of the range; its last point is the axis.
     """
     sharpest = max(abs(bound) for bound in curve.curvature_bounds)
     covered = curve.transmission.lobes.range
@@ -113,10 +113,10 @@ def pitch_points(curve: PitchCurve, tolerance_mm: float) -> Array:
 
 
 def gear_notes(drive: Drive, gear: Gear, plan: BodyPlan) -> tuple[str, ...]:
-    """Sentences about the gear, its scale and frame, and about what lines cannot show.
+    """Sentences about the gear, its scale and frame, and the facts that lines cannot show.
 
-    Lines cannot show how deep or high a shape is that is not cut through, how far the lines are from the gear as
-    designed, and where the body differs from the lines.
+    These facts are the depth or height of shapes that are not cut through, the distance of the lines from the gear as
+    designed, and the places where the body differs from the lines.
     """
     notes = [
         f"{drive.title}: {gear.value} gear",

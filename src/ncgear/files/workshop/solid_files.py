@@ -24,7 +24,7 @@ LONG_AGO = (1980, 1, 1, 0, 0, 0)
 """The earliest time that a ZIP archive can hold; with it the same design gives the same bytes at any time."""
 
 PACKED = 4
-"""How much zlib tries: half the time of its usual 6, for files of the same size."""
+"""Level of compression of zlib: half the time of its usual 6, with files of the same size."""
 
 HEAD = "<?xml version='1.0' encoding='utf-8'?>\n"
 
@@ -67,7 +67,7 @@ PlacedMeshes = tuple[TriangleMesh, TriangleMesh, float]
 
 
 def placed_meshes(drive: Drive) -> PlacedMeshes:
-    """What the files show: the solids of the STL files."""
+    """The placed solids of the STL files, which these files show."""
     return drive.solids.driving.triangles, drive.solids.driven.triangles, drive.pitch.center_distance_mm
 
 

@@ -1,6 +1,6 @@
 """STEP files (ISO 10303-21, AP 214) of a pair in mm: each gear in its own frame, and both assembled at phi1 = 0.
 
-The OpenCASCADE kernel makes them, an optional library that is loaded with this module.  The same solids give the same
+OpenCASCADE makes them, an optional library that is loaded with this module.  The same solids give the same
 bytes.
 """
 
@@ -76,7 +76,7 @@ def part_bytes(part: Part, description: str) -> bytes:
 
 
 def assembly_bytes(name: str, parts: Sequence[Part], description: str) -> bytes:
-    """A file of one product that consists of the parts, each at its place."""
+    """A file of one product with the parts, each at its place."""
     document, shapes = _document()
     whole = _named(shapes.NewShape(), name)
     for part in parts:
@@ -152,7 +152,7 @@ def require_same(data: bytes, shapes: Sequence[TopoDS_Shape]) -> None:
 
 
 def read_back(data: bytes) -> TopoDS_Shape:
-    """The shape that a file holds; raises Unanswered where it cannot be read."""
+    """The shape in a file; raises Unanswered where it cannot be read."""
     reader = STEPControl_Reader()
     if reader.ReadStream("step", BytesIO(data)) != IFSelect_ReturnStatus.IFSelect_RetDone:
         raise Unanswered("a STEP file cannot be read back")

@@ -20,7 +20,7 @@ HAIRLINE_MM = 0.1
 """Width of lines: narrow enough for cutters that cut only thin lines, and wide enough for a screen."""
 
 COLORS = {Use.THROUGH: "#000000", Use.PART_WAY: "#0000ff", Use.REFERENCE: "#cc0000"}
-"""Colours by which cutters know what to do along a line."""
+"""Colours that tell a cutter how to treat a line."""
 
 
 def svg_files(shown: PairDrawings) -> dict[str, bytes]:
@@ -81,7 +81,7 @@ def _path(shape: Shape, decimals: int) -> str:
 
 
 def _steps(chain: Polyline, decimals: int) -> Iterator[str]:
-    """Its lines and arcs; an arc of over half a turn is the larger one of the two with its radius."""
+    """Path steps of lines and arcs; an arc over half a turn is marked as the larger of two arcs with its radius."""
     ends, turned = np.roll(chain.points, -1, axis=0), 4.0 * np.arctan(chain.bulges)
     # Lines have no radius; theirs is not written.
     sine = np.where(turned == 0.0, 1.0, np.sin(np.abs(turned) / 2.0))
@@ -110,7 +110,7 @@ FONT = "Arial, Helvetica, 'Liberation Sans', sans-serif"
 
 
 def sheet_svg(sheet: Sheet) -> bytes:
-    """A sheet as a file, whose unit is a millimetre of paper, from the upper left corner."""
+    """A sheet as a file in millimetres of paper, from the upper left corner."""
     width, height = sheet.size_mm
     size = {"width": f"{width:g}mm", "height": f"{height:g}mm", "viewBox": f"0 0 {width:g} {height:g}"}
     root = _root(sheet.title, {**size, "font-family": FONT, "fill": "none", "stroke-linejoin": "round"})

@@ -1,7 +1,7 @@
 """The gears of a binary glTF file turning by their law, so that a viewer or a page plays it (glTF 2.0, animations).
 
-Angles are keys of one animation at the speed of the machine, a degree of the driving gear apart, between which viewers
-turn evenly.  It ends when both gears stand as at first; gears that turn less than once come back.
+Angles are keys of one animation at the speed of the machine, one for each degree of the driving gear; viewers turn
+evenly between keys.  It ends when both gears stand as at first; gears that turn less than once come back.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ FLOAT = 5126
 """Number of single precision among the types of glTF."""
 
 CORNERS, FACETS = 34962, 34963
-"""Numbers of what a stretch of the file holds for meshes: values of corners, and the corners of facets."""
+"""Numbers in glTF for the content of a stretch of the file: values of corners, and corners of facets."""
 
 JSON, BINARY = 0x4E4F534A, 0x004E4942
 """Kinds of chunks of a GLB file."""
@@ -59,8 +59,8 @@ def turning(glb: bytes, pair: Pair, mesh: Mesh, speed_rad_s: float) -> bytes:
 def moving(glb: bytes, seconds: Array, ways: Mapping[str, tuple[Array, Array | None]]) -> bytes:
     """The file with nodes moving by keys at ``seconds``, shape (n,).
 
-    ``ways`` has for each node the angles in rad by which it is turned in its own frame, shape (n,), and its places in
-    the frame of the file, shape (n, 3); None where it stays at its place.
+    ``ways`` has for each node its angles of turning in rad in its own frame, shape (n,), and its places in the frame of
+    the file, shape (n, 3), or None where it stays at its place.
     """
     content, binary = _chunks(glb)
     _tell_what_meshes_read(content)
@@ -103,7 +103,7 @@ def moving(glb: bytes, seconds: Array, ways: Mapping[str, tuple[Array, Array | N
 
 
 def _tell_what_meshes_read(content: dict[str, Any]) -> None:
-    """Name what each stretch that a mesh reads is for, as the format's validator wants it of a file."""
+    """Name the purpose of each stretch that a mesh reads, which the format's validator demands."""
     for primitive in (one for mesh in content["meshes"] for one in mesh["primitives"]):
         read = [(place, CORNERS) for place in primitive["attributes"].values()] + [(primitive["indices"], FACETS)]
         for place, target in read:
@@ -111,7 +111,7 @@ def _tell_what_meshes_read(content: dict[str, Any]) -> None:
 
 
 def _parted(node: dict[str, Any]) -> Array:
-    """The turn of a node as a quaternion, whose matrix becomes shift, turn and scale: no matrix may be animated."""
+    """Turn a node's matrix into shift, quaternion and scale, since glTF animates no matrix; return the quaternion."""
     matrix = np.array(node.pop("matrix")).reshape(4, 4).T
     scale = float(np.linalg.norm(matrix[:3, 0]))
     turn = matrix[:3, :3] / scale

@@ -1,4 +1,4 @@
-"""A view that is being drawn: what is on it, and where there is still room for texts, leaders and dimensions.
+"""A view that is being drawn: its items, and the room that is left for texts, leaders and dimensions.
 
 A text covers no line and no other text; lines cross lines, but no text.
 """
@@ -21,14 +21,14 @@ SLACK_MM = 0.6
 """Room around texts."""
 
 CHUNK = 24
-"""Points of a line that are looked at together."""
+"""Points of a line that are tested together."""
 
 TOGETHER = 8
-"""Dimensions that are looked at together: mostly one of the first has room."""
+"""Dimensions that are tested together: usually one of the first has room."""
 
 LENGTHS_MM = (5.0, 8.0, 12.0, 17.0, 24.0, 32.0, 42.0, 54.0)
 TURNS_RAD = tuple(np.radians([0.0, 12.0, -12.0, 25.0, -25.0, 40.0, -40.0, 60.0, -60.0, 85.0, -85.0]))
-"""Lengths of leaders that are tried, and by how much they lean from the direction that is wanted."""
+"""Lengths of leaders that are tried, and their angles to the wanted direction."""
 
 
 class _Shapes:
@@ -59,7 +59,7 @@ class Board:
         self._lines, self._texts, self._holes = _Shapes(), _Shapes(), _Shapes()
 
     def add(self, *items: Item) -> None:
-        """Put items on the board; it is not asked whether there is room."""
+        """Put items on the board without a test for room."""
         for item in items:
             self.items.append(item)
             for part in parts_of(item):
@@ -69,7 +69,7 @@ class Board:
                     self._lines.add(_pieces(part))
 
     def keep_clear(self, holes: Iterable[Line | Ring]) -> None:
-        """Let no text lie in holes, whose edges are given; lines may cross them."""
+        """Keep texts out of holes with these edges; lines may cross them."""
         self._holes.add([Polygon(hole.points) for hole in holes])
 
     def has_room(self, text: Text) -> bool:
@@ -89,7 +89,7 @@ class Board:
         return bool(shapely.covers(self.box, pieces).all()) and not self._texts.meet(pieces).any()
 
     def put_text(self, candidates: Iterable[Text]) -> bool:
-        """Add the first text that has room; whether there was one."""
+        """Add the first text that has room; whether any had room."""
         for text in candidates:
             if self.has_room(text):
                 self.add(text)
@@ -108,7 +108,7 @@ class Board:
         return False
 
     def put_dimension(self, candidates: Iterable[tuple[Dimension, *tuple[Ring, ...]]]) -> bool:
-        """Add the first dimension that has room, and circles that belong to it; whether there was one."""
+        """Add the first dimension that has room, with its circles; whether any had room."""
         waiting = iter(candidates)
         while some := list(islice(waiting, TOGETHER)):
             roomy = self._roomy(shapely.polygons([_widened(dimension.text.corners) for dimension, *_ in some]))
@@ -127,7 +127,7 @@ class Board:
         turns_rad: Iterable[float] = TURNS_RAD,
         lengths_mm: Iterable[float] = LENGTHS_MM,
     ) -> tuple[tuple[Line, ...], Text] | None:
-        """A leader to a target from about a direction, with its text, where there is room; None where there is none."""
+        """A leader with its text that points to a target from about a direction; None where there is no room."""
         lengths, turns = tuple(lengths_mm), tuple(turns_rad)
         for back, length, turn in product((False, True), lengths, turns):
             angle = direction_rad + turn

@@ -1,4 +1,4 @@
-"""A gear's body as it is drawn on a sheet: finished, from above, and cut across its axis."""
+"""A gear's body as a sheet shows it: finished, from above, and cut across its axis."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ from ncgear.solids.plan.body import BodyPlan
 from ncgear.teeth.gear import ToothedGear
 
 STRAY_MM = 0.004
-"""How far lines of a drawing may be from those of the outline's table, which itself keeps the chord tolerance: in mm of
+"""Largest distance between lines of a drawing and the outline's table, which itself keeps the chord tolerance: in mm of
 paper where the gear is enlarged."""
 
 ARC_STEP_RAD = np.radians(3.0)
@@ -51,7 +51,7 @@ class View:
 
 
 def finished(drive: Drive, gear: Gear) -> BodyPlan:
-    """The body as it shall come out: without what a process takes off, or a cutter leaves, along its edges."""
+    """The finished body: without the clearance of a process along its edges, and without corners left by a cutter."""
     plan = drive.solids.of(gear).plan
     off = plan.clearance_mm
     if off == 0.0:
@@ -77,7 +77,7 @@ def finished(drive: Drive, gear: Gear) -> BodyPlan:
 
 
 def material_of(drive: Drive, gear: Gear) -> str:
-    """The name of a gear's material; or that the design names none."""
+    """The name of a gear's material, or words for a design that names no material."""
     if drive.gears.material is None:
         return "not given"
     driving, driven = drive.gears.material.each

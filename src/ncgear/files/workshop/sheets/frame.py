@@ -1,6 +1,6 @@
-"""What surrounds the views of a sheet: the frame, the title block and tables.
+"""The frame, the title block and the tables of a sheet.
 
-Frame and title block have the sizes of ISO 5457 and ISO 7200, and the sign of first angle projection is that of
+Frame and title block have the sizes of ISO 5457 and ISO 7200, and the sign of first angle projection is from
 ISO 5456-2 (values from secondary sources).
 """
 
@@ -54,7 +54,7 @@ class Box:
 
 @dataclass(frozen=True)
 class Titles:
-    """What the title block says of a sheet."""
+    """The texts of the title block of a sheet."""
 
     part: str
     design: str
@@ -129,7 +129,7 @@ def fitted(words: str, width_mm: float, letter_mm: float = paper.LETTER_MM) -> s
 
 
 def wrapped(words: str, width_mm: float) -> list[str]:
-    """A text on as many lines as it needs; a word that is too long for one is cut."""
+    """A text on as many lines as it needs; a word that is too long for a line is cut."""
     lines = [""]
     for word in words.split():
         longer = f"{lines[-1]} {word}".strip()
@@ -141,13 +141,13 @@ def wrapped(words: str, width_mm: float) -> list[str]:
 
 
 def width_for(texts: Iterable[str]) -> float:
-    """Width of a column that has room for texts, each on one line."""
+    """Width of a column with room for texts, each on one line."""
     return max(map(paper.text_width_mm, texts)) + 2.0 * PAD_MM + SPARE_MM
 
 
 @dataclass(frozen=True)
 class Columns:
-    """The widths of a table's columns in mm, and for each whether its texts are on the right."""
+    """The widths of a table's columns in mm, and whether each column's texts are on the right."""
 
     widths_mm: tuple[float, ...]
     right: tuple[bool, ...]
@@ -197,7 +197,7 @@ class PaperTable:
             y -= ROW_MM * lines
             if self.heads and len(edge) == 2:
                 yield Line(np.array([[left, y], [right, y]]), Pen.VISIBLE)
-            # One line to and fro draws all rules.
+            # A single line, to and fro, draws all rules.
             here, there = (right, left) if edge[-1][0] == right else (left, right)
             edge += [(here, y), (there, y)]
         yield Line(np.array(edge))
@@ -207,7 +207,7 @@ class PaperTable:
 
 
 def evenly(rows: Sequence[tuple[str, ...]], most: int) -> tuple[tuple[str, ...], ...]:
-    """At most so many rows, evenly spread, the first one among them."""
+    """At most ``most`` rows, evenly spread, with the first row among them."""
     if len(rows) <= most:
         return tuple(rows)
     return tuple(rows[number * len(rows) // most] for number in range(most))

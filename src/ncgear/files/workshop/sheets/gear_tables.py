@@ -1,4 +1,4 @@
-"""What a gear's sheet has below its views: data, pitch radii, measurements, and the bore enlarged."""
+"""The lower part of a gear's sheet, below its views: data, pitch radii, measurements, and the enlarged bore."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from ncgear.solids.plan.body import BodyPlan, Bore
 DATA = Columns((44.0, 35.0), (False, False))
 """The columns of the gear's data."""
 DETAIL_MM, GAP_MM = 42.0, 2.0
-"""Height of the view of the bore, and what is left free between tables."""
+"""Height of the view of the bore, and the gap between tables."""
 
 SHORTER = {
     "pressure angle of the rack": "pressure angle",
@@ -47,7 +47,7 @@ SHORTER = {
         for place in ("tips", "roots")
     },
 }
-"""Labels that are shorter on paper."""
+"""Labels with a shorter form on paper."""
 
 LEFT_OUT = {
     *("bore", "diameter of index hole", "tip relief", "fit of the bore", "fit of the index hole"),
@@ -56,7 +56,7 @@ LEFT_OUT = {
 """Rows of the data sheet that the sheet has elsewhere or does not need."""
 
 NOTHING = ("helix angle", "0")
-"""A row that says nothing."""
+"""A row that is left out: it tells nothing."""
 
 
 def gear_tables(drive: Drive, measured: GearMeasures, plan: BodyPlan, pitch_radii: Table, box: Box) -> list[Item]:
@@ -104,7 +104,7 @@ def _row(entry: Entry, gear: Gear) -> tuple[str, str] | None:
 
 
 def _least_and_greatest(rows: Sequence[tuple[str, str]]) -> list[tuple[str, str]]:
-    """The rows, with the least and the greatest of a size in one row, and so its lower and upper deviation."""
+    """The rows, with the least and the greatest value of a size in one row, and its lower and upper deviation, too."""
     found: list[tuple[str, str]] = []
     for label, value in rows:
         pairs = ((label.removeprefix(high), low) for low, high in (("least ", "greatest "), ("lower ", "upper ")))
@@ -151,13 +151,13 @@ def _pitch(drive: Drive, gear: Gear, pitch_radii: Table, height_mm: float) -> Pa
 
 
 def _even_step(count: int, most: int) -> int:
-    """The step that leaves at most so many of a number of rows: one that divides it, if that leaves half as many."""
+    """The step that leaves at most ``most`` of ``count`` rows; it divides ``count`` where half as many remain."""
     least = -(-count // most)
     return next((step for step in range(least, 2 * least + 1) if count % step == 0), least)
 
 
 def _measurements(measured: GearMeasures, width_mm: float, height_mm: float) -> list[PaperTable]:
-    """Over two pins or balls, or over one where no two lie opposite each other, and the spans; some rows of each."""
+    """Some sizes over two pins or balls (over one where no two lie opposite each other), and some spans."""
     two, one = (rows_found(partial(_alone, of, measured)) for of in (two_pin_table, one_pin_table))
     spans = rows_found(partial(span_table, measured))
     found: list[tuple[str, str, list[tuple[str, ...]]]] = []
@@ -175,7 +175,7 @@ def _measurements(measured: GearMeasures, width_mm: float, height_mm: float) -> 
         found.append(("Span, back to front", "teeth", rows))
     lines, made = int(height_mm // ROW_MM), list[PaperTable]()
     for place, (title, head, rows) in enumerate(found):
-        # Those that are left share the lines; each has a title and heads.
+        # The remaining tables share the lines; each has a title and heads.
         most = max(2, lines // (len(found) - place) - 2)
         heads = (head, "least, mm", "greatest, mm") if len(rows[0]) > 2 else (head, "mm")
         numbers = range(1, len(heads))
@@ -191,7 +191,7 @@ def _alone(table: Callable[[GearMeasures], Table], measured: GearMeasures) -> tu
 
 
 AGAINST_KEYWAY_RAD = radians(80.0)
-"""Direction in which the diameter of a bore is written."""
+"""Direction of the text of a bore's diameter."""
 
 
 def _bore_view(drive: Drive, bore: Bore, box: Box) -> list[Item]:

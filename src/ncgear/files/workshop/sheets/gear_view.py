@@ -44,7 +44,7 @@ CUT_MM = 24.0
 """Room beside the section for its dimension."""
 
 ASIDE_MM = 0.0, 1.2, -1.2, 2.2, -2.2
-"""Shifts of a tooth's number along the pitch curve that are tried."""
+"""Shifts along the pitch curve that are tried for a tooth's number."""
 
 ASIDE_SHARE = 0.45
 """Share of a pitch beyond which a number would be nearer to the next tooth."""
@@ -52,7 +52,7 @@ ASIDE_SHARE = 0.45
 CAPTION = "Pitch radii are at their angles from the mark of the mesh, against the sense of turning (arrow)."
 
 FIFTH_UNDER_MM = 5.0
-"""Where teeth stand nearer than this on paper, only every fifth has its number."""
+"""Where teeth stand nearer than this on paper, only every fifth tooth has its number."""
 
 
 def mounting_of(drive: Drive) -> Mounting:
@@ -91,7 +91,7 @@ def gear_views(drive: Drive, measured: GearMeasures, plan: BodyPlan, area: Box) 
 
 
 def _draw_gear(board: Board, drive: Drive, measured: GearMeasures, plan: BodyPlan, view: View) -> None:
-    """The gear from above, its numbers first, then what there is room for beside them."""
+    """The gear from above, its numbers first, then other items where there is room."""
     gear, module = measured.gear, drive.pitch.size.module_mm
     board.add(*drawn_body(drive, gear, plan, view, "outline"))
     board.keep_clear(drawn_holes(plan, view))
@@ -104,7 +104,7 @@ def _draw_gear(board: Board, drive: Drive, measured: GearMeasures, plan: BodyPla
     number_teeth(board, measured.toothed if drive.helix is None else drive.teeth.of(gear), view, "tooth")
     _point_at_tip(board, plan, view, drive.outer_radii_mm[gear])
     if drive.helix is None:
-        # Helical gears are measured in another section than the drawn one.
+        # Helical gears are measured in another section than the section drawn.
         _draw_pins(board, measured, view)
     _point_at_holes(board, drive, plan, view)
     sense = 1.0 if gear is Gear.DRIVING else drive.pitch.mesh.sense
@@ -148,10 +148,10 @@ def number_teeth(board: Board, gear: ToothedGear, view: View, name: str, *, fift
 
 
 UP_AND_DOWN_MM = np.array([[0.0, -0.4], [0.0, 0.0], [0.0, 0.4]])
-"""Places of a number from which its tooth must be the nearest."""
+"""Points of a number from which its tooth must be the nearest tooth."""
 
 TOGETHER = 24
-"""Places that are looked at together: between crowded teeth one of the first has room, or none."""
+"""Places that are tested together: between crowded teeth one of the first places has room, or no place has."""
 
 
 def _is_nearest(trees: Sequence[KDTree], row: int, places: Array) -> Mask:
@@ -161,9 +161,9 @@ def _is_nearest(trees: Sequence[KDTree], row: int, places: Array) -> Mask:
 
 
 def _draw_pins(board: Board, measured: GearMeasures, view: View) -> None:
-    """Two pins with the dimension over them, on the left or the right; of several pairs the most upright that fits.
+    """Two pins with the dimension over them, on the left or the right; the most upright pair with room is drawn.
 
-    The dimension is what the table of the measurements says: its limits, where it has some.
+    The text of the dimension is that of the table of measurements, with limits where it has limits.
     """
     rows = [row for row in rows_found(lambda: (two_pin_table(measured),)) if None not in row]
     pins, radius = measured.pins, measured.pins.diameter_mm / 2.0
@@ -221,9 +221,9 @@ AROUND_RAD = tuple(np.radians([45.0, -45.0, 20.0, -20.0, 70.0, -70.0, 100.0, -10
 
 
 def point_at_circle(board: Board, view: View, holes: Sequence[Circle], words: str, direction_rad: float = 0.0) -> None:
-    """A leader to the edge of one of several holes, as short as there is room, as a dimension of its diameter.
+    """The shortest leader with room to the edge of one of several holes, as a dimension of its diameter.
 
-    It points at the centre, from about a direction that counts from the one towards the gear's axis.
+    It points at the centre from about a direction, which counts from the direction towards the gear's axis.
     """
     for reach in LENGTHS_MM:
         for hole in holes:
@@ -239,7 +239,7 @@ def point_at_circle(board: Board, view: View, holes: Sequence[Circle], words: st
 
 
 def _point_at_tip(board: Board, plan: BodyPlan, view: View, radius_mm: float) -> None:
-    """The greatest radius, or of a ring its outer one, as a dimension that points at it from outside."""
+    """A dimension that points from outside at the greatest radius, or at the outer radius of a ring."""
     outer = shapely.get_coordinates(plan.disc.exterior)
     tips = [outer[int(np.argmax(np.hypot(*outer.T)))]]
     if plan.is_ring:
@@ -275,7 +275,7 @@ def _point_along(board: Board, plan: BodyPlan, view: View, words: str, own_rad: 
 
 
 def free_radius_mm(plan: BodyPlan, view: View) -> float:
-    """Radius on paper of an arc about the axis that is outside bore and hub."""
+    """Radius on paper of an arc about the axis outside bore and hub."""
     about = max([plan.bore.reach_mm if plan.bore else 0.0, plan.hub.diameter_mm / 2.0 if plan.hub else 0.0])
     return max(view.scale * about + 2.5, LEAST_TURNING_MM)
 
@@ -285,7 +285,7 @@ TURNING_RAD, LEAST_TURNING_MM = radians(100.0), 5.0
 
 
 def draw_turning(board: Board, view: View, sense: float, least_mm: float) -> None:
-    """An arc with an arrow about the axis that shows the sense of turning, where it crosses no text."""
+    """An arc with an arrow about the axis for the sense of turning, where it crosses no text."""
     axis = view.on_paper(np.zeros(2))
     for radius in least_mm + np.arange(0.0, 12.0, 1.0):
         for start in np.radians(np.arange(40.0, 400.0, 20.0)):

@@ -34,7 +34,7 @@ NARROW = 0.85
 """Width of letters as a share of the font's own."""
 
 DEPTH = 0.3
-"""How far letters reach below their line, as a share of the height of capital letters."""
+"""Depth of letters below their line, as a share of the height of capital letters."""
 
 WIDTHS = {
     191: "'",
@@ -64,11 +64,11 @@ WIDTHS = {
 WIDTH_OF = {letter: width for width, letters in WIDTHS.items() for letter in letters}
 
 WIDEST = 1015
-"""Width of letters that are in no table, so that there is room for any."""
+"""Width of letters that no table has: the widest, so that any letter has room."""
 
 
 def text_width_mm(words: str, letter_mm: float = LETTER_MM) -> float:
-    """Width of a text whose capital letters have a height."""
+    """Width of a text with capital letters of a given height."""
     return NARROW * letter_mm / CAPITAL * sum(map(WIDTH_OF.get, words, repeat(WIDEST))) / 1000.0
 
 
@@ -92,7 +92,7 @@ class Pen(Enum):
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """A line through points (n, 2), closed where its last point leads to the first; ``filled`` ones are black areas.
+    """A line through points (n, 2), closed where its last point leads to the first; a ``filled`` line is a black area.
 
     Lines that belong together have a ``name``.
     """
@@ -132,7 +132,7 @@ class Anchor(Enum):
 
 @dataclass(frozen=True)
 class Text:
-    """A text on one line, whose line begins, has its middle, or ends at a place, turned counter-clockwise."""
+    """A text on one line that begins, has its middle or ends at a place, turned counter-clockwise."""
 
     words: str
     place: tuple[float, float]
@@ -158,7 +158,7 @@ class Text:
 
 
 class Measured(Enum):
-    """What a dimension measures."""
+    """The kind of size that a dimension measures."""
 
     LENGTH = "length"
     RADIUS = "radius"
@@ -167,10 +167,10 @@ class Measured(Enum):
 
 @dataclass(frozen=True, eq=False)
 class Dimension:
-    """A dimension: what it measures between two points, how it is drawn, and its text.
+    """A dimension: the kind of its size between two points, its drawing, and its text.
 
     ``ends`` (2, 2) are the points of a length, the centre and a point of a circle, or opposite points of it.  ``base``
-    is a point of the dimension line.  ``view`` is the scale of the view in which it stands.
+    is a point of the dimension line.  ``view`` is the scale of its view.
     """
 
     measured: Measured
@@ -191,7 +191,7 @@ Item = Line | Ring | Text | Dimension
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
-    """A sheet of paper: its size, what is on it, the scale of its main view, and where that view's origin is."""
+    """A sheet of paper: its size, its items, the scale of its main view, and the origin of that view."""
 
     title: str
     size_mm: tuple[float, float]
@@ -200,7 +200,7 @@ class Sheet:
     items: tuple[Item, ...]
 
     def plain(self) -> Iterable[Line | Ring | Text]:
-        """All lines, circles and texts, those of the dimensions among them."""
+        """All lines, circles and texts, including those of the dimensions."""
         for item in self.items:
             yield from parts_of(item)
 
@@ -212,7 +212,7 @@ def parts_of(item: Item) -> tuple[Line | Ring | Text, ...]:
 
 ARROW_MM = 2.5
 BEYOND_MM, FREE_MM = 1.5, 0.8
-"""Length of arrows; how far lines go beyond the dimension line, and what they leave free of the body and of text."""
+"""Lengths of lines beyond the dimension line, and of their gaps to the body and to text."""
 
 OUTSIDE_MM = 9.0
 """Dimension lines shorter than this have their arrows outside."""
@@ -228,7 +228,7 @@ def arrow(tip: Array, towards: Array) -> Line:
 def length(ends: Array, apart_mm: float, words: str, view: float) -> Dimension:
     """A dimension of the length between two points (2, 2), its line so far to their left.
 
-    A short one has its arrows outside, and where its text is longer, that is beyond its second end.
+    A short dimension has its arrows outside, and a text longer than the dimension is beyond its second end.
     """
     way = ends[1] - ends[0]
     long = float(np.hypot(*way))

@@ -1,9 +1,9 @@
 """The sheets of a pair on paper, one for each gear and one for the assembly.
 
-The sheet of a gear has its views with numbered teeth above, its tables and its bore below them.  That of the assembly
-has both gears in mesh and the mechanism at phi1 = 0, and a list of parts.  Its frame is that of the mechanism, in which
-the slider moves to the right and the crank turns clockwise.  So a ring and the gear in it are seen from below, as their
-crank is.  Of two pairs in series, each sheet shows its own, and that of the second pair the mechanism.
+The sheet of a gear has its views with numbered teeth above, its tables and its bore below.  The sheet of the assembly
+has both gears in mesh, the mechanism at phi1 = 0, and a list of parts.  Its frame is that of the mechanism: the slider
+moves to the right and the crank turns clockwise.  So a ring and the gear in it are seen from below, like their crank.
+Each of two pairs in series has its own sheets; the assembly of the second pair shows the mechanism.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ from ncgear.project.workshop_measures import GearMeasures
 from ncgear.solids.plan.body import BodyPlan
 
 GAP_MM = 2.0
-"""What is left free beside tables and views."""
+"""Gap beside tables and views."""
 
 SIDE_MM, ABOVE_MM = 26.0, 16.0
 """Room left and right of the gears, and above and below them, for leaders and the centre distance."""
@@ -83,7 +83,7 @@ SEEN = {1.0: "seen from z > 0", -1.0: "seen from z < 0"}
 
 @dataclass(frozen=True)
 class Layout:
-    """Where the parts of the sheet are."""
+    """The places of the parts of the sheet."""
 
     size_mm: tuple[float, float]
     gears: Box
@@ -123,7 +123,7 @@ def pair_sheet(drive: Drive) -> Sheet:
 
 
 def _scale_in(box: Box, size_mm: Array) -> float:
-    """The largest scale in which a size has room in a box, with room around it."""
+    """The largest scale at which a size fits into a box, with room around it."""
     room = np.array([box.width - 2.0 * SIDE_MM, box.height - 2.0 * ABOVE_MM])
     return next((scale for scale in paper.SCALES if (scale * size_mm <= room).all()), paper.SCALES[-1])
 
@@ -174,7 +174,7 @@ def _gears(drive: Drive, plans: dict[Gear, BodyPlan], views: dict[Gear, View], b
     corners = np.vstack([views[gear].on_paper(shapely.get_coordinates(plans[gear].disc)) for gear in Gear])
     reach = (corners - axes[0]) @ aside
     distance = drive.pitch.center_distance_mm
-    # Outside both gears, or where that is not free, between their axes and there.
+    # Outside both gears, or between their axes and there where outside is not free.
     offsets = [edge + np.sign(edge) * more for more in (7.0, 11.0, 15.0) for edge in (reach.min(), reach.max())]
     offsets += [sense * more for more in np.arange(6.0, float(reach.max()), 2.0) for sense in (-1.0, 1.0)]
     scale = views[Gear.DRIVING].scale
@@ -194,7 +194,7 @@ FIRST_STAGE = "The shaft of the driven gear turns the driving gear of stage 2."
 
 
 def _draw_crank(board: Board, drive: Drive, axis: Array, drawn_mm: Array) -> None:
-    """The direction of the crank, from its axis to where nothing is drawn, with its name."""
+    """The direction of the crank with its name, from the axis to a free place."""
     angle = drive.linkage.crank_start_rad
     way = np.array([np.cos(angle), np.sin(angle)])
     ahead = (drawn_mm - axis) @ way
@@ -324,7 +324,7 @@ def _lengths(drive: Drive) -> Iterator[tuple[Array, str]]:
 
 
 def _parts(drive: Drive, links: list[str]) -> PaperTable:
-    """Gears with their files and materials, and what they move."""
+    """Gears with their files and materials, and the bodies that they move."""
     rows = [
         (str(number), f"{gear.value} gear", f"{gear.value}_drawing.pdf", material_of(drive, gear))
         for number, gear in enumerate(Gear, 1)
