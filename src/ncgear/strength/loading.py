@@ -393,7 +393,7 @@ class Fit:
         nearest = nearest_on_flanks(gear, places)
         off = np.abs(nearest.point - places.point)
         tilt = np.abs(along(nearest.slope / np.abs(nearest.slope), places.inwards))
-        return cls(gear, nearest.curvature, off, tilt)
+        return cls(gear, gear.flanks.curvature(places.flank, nearest.height_mm), off, tilt)
 
     @property
     def on_flank(self) -> Mask:

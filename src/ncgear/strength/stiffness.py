@@ -43,15 +43,11 @@ FLATTEST_IN_MODULES = 100.0
 
 @dataclass(frozen=True, eq=False)
 class NearestOnFlanks:
-    """The points of flanks nearest to n places, their heights, the derivatives by these, and the flanks' curvatures.
-
-    Shape (n,) each; curvatures as ``Flanks.curvature``.
-    """
+    """The points of flanks nearest to n places, their heights and the derivatives by these; shape (n,) each."""
 
     height_mm: Array
     point: ComplexArray
     slope: ComplexArray
-    curvature: Array
 
 
 def nearest_on_flanks(gear: ToothedGear, places: FlankPlaces) -> NearestOnFlanks:
@@ -69,17 +65,14 @@ def nearest_on_flanks(gear: ToothedGear, places: FlankPlaces) -> NearestOnFlanks
     point = np.empty_like(places.point)
     todo = np.arange(height.size)
     for _ in range(NEWTON_STEPS):
-        which, over = number[todo], height[todo]
-        beside = flanks.standing(which, flanks.rolled_mm(which, over))
-        at, leading = (as_complex(part) for part in flanks.flank_beside(beside, which, over))
-        nearer = over + along(leading, places.point[todo] - at) / np.abs(leading) ** 2
+        at, leading = (as_complex(part) for part in flanks.flank(number[todo], height[todo]))
+        nearer = height[todo] + along(leading, places.point[todo] - at) / np.abs(leading) ** 2
         nearer = np.clip(nearer, bottom[todo], top[todo])
-        moved = np.abs(nearer - over) > MET_IN_MODULES * flanks.rack.module_mm
-        height[todo], point[todo], slope[todo], turning[todo] = nearer, at, leading, beside.curvature
-        todo = todo[moved]
+        moved = np.abs(nearer - height[todo]) > MET_IN_MODULES * flanks.rack.module_mm
+        height[todo], point[todo], slope[todo], todo = nearer, at, leading, todo[moved]
         if not todo.size:
             break
-    return NearestOnFlanks(height, point, slope, flanks.curvature_beside(turning, number, height))
+    return NearestOnFlanks(height, point, slope)
 
 
 def on_flanks(gear: ToothedGear, places: FlankPlaces) -> tuple[FlankPlaces, Array]:
@@ -91,7 +84,7 @@ def on_flanks(gear: ToothedGear, places: FlankPlaces) -> tuple[FlankPlaces, Arra
     crossing = as_complex(flanks.crossings.position)
     normal = 1j * nearest.slope / np.abs(nearest.slope)
     inwards = normal * np.sign(along(normal, crossing[places.flank ^ 1] - crossing[places.flank]))
-    return FlankPlaces(places.flank, nearest.point, inwards), nearest.curvature
+    return FlankPlaces(places.flank, nearest.point, inwards), flanks.curvature(places.flank, nearest.height_mm)
 
 
 @dataclass(frozen=True, eq=False)

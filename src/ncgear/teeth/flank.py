@@ -195,11 +195,8 @@ class Flanks:
 
     def flank(self, flank: IndexArray, height_mm: Array) -> tuple[Array, Array]:
         """Points of flanks at heights over the rack's pitch line, and their derivatives by the height."""
-        return self.flank_beside(self.standing(flank, self.rolled_mm(flank, height_mm)), flank, height_mm)
-
-    def flank_beside(self, at: CurvePoints, flank: IndexArray, height_mm: Array) -> tuple[Array, Array]:
-        """As ``flank``, beside points of the rolling curve as they stand."""
         slant, side = self.slant.of(flank), self.side[flank]
+        at = self.standing(flank, self.rolled_mm(flank, height_mm))
         tangent, normal = as_complex(at.tangent), as_complex(at.normal)
         slope = (slant.sine + height_mm * at.curvature / slant.sine) / slant.height_per_rolled
         inwards = slant.cosine * normal - side * slant.sine * tangent
@@ -225,12 +222,8 @@ class Flanks:
         The tangent turns with the rolling curve's tangent, by k per mm rolled, while the flank runs along itself.  On
         tip relief, the change of k also changes its slope, which is left out.
         """
-        turning = self.at_rolled(flank, self.rolled_mm(flank, height_mm)).curvature
-        return self.curvature_beside(turning, flank, height_mm)
-
-    def curvature_beside(self, turning: Array, flank: IndexArray, height_mm: Array) -> Array:
-        """As ``curvature``, where the rolling curve has the curvatures ``turning``."""
         slant = self.slant.of(flank)
+        turning = self.at_rolled(flank, self.rolled_mm(flank, height_mm)).curvature
         slope = (slant.sine + height_mm * turning / slant.sine) / slant.height_per_rolled
         turning = turning / slant.height_per_rolled
         relief = self.rack.relief

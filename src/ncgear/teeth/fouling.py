@@ -26,7 +26,7 @@ from ncgear.numerics.plane import as_complex
 from ncgear.pitch.curve import CurvePoints
 from ncgear.teeth.flank import Flanks, flank_name
 from ncgear.teeth.tips import Limit, Tips, even_heights, no_tip, tip_crossing
-from ncgear.teeth.tool import PinionCircle
+from ncgear.teeth.tool import AGREEMENT, PinionCircle
 
 Mates = tuple[IndexArray, IndexArray]
 """Numbers of a gear's own flanks and of the mate's flanks that they meet."""
@@ -43,9 +43,6 @@ NEIGHBOURS, SPACES_BESIDE = 3, 1
 
 STEPS, FLANK_POINTS = 32, 33
 """Points of a tip's path per pitch, and of a flank: chords stray by less than a five-thousandth of a module."""
-
-ALIKE = 1e-11
-"""Rolled length, in pitches, by which places count as the same: far above rounding errors."""
 
 ASIDE = 0.02
 """Share of a flank's height, next to the pitch curve, that is left out: there flanks touch as they should."""
@@ -103,7 +100,7 @@ def _paths_near_concave(own: Flanks, mate: Flanks, mates: Mates, reach: float) -
     rolled = np.linspace(-reach, reach, 2 * ceil(STEPS * reach / own.rack.pitch_mm) + 1)
     sigma = crossing[doubtful, None] + rolled
     # Flanks that stand whole pitches apart roll over the same places, but for rounding.
-    alike = np.round(sigma.ravel() / (ALIKE * own.rack.pitch_mm))
+    alike = np.round(sigma.ravel() / (AGREEMENT * own.rack.module_mm))
     _, first, number = np.unique(alike, return_index=True, return_inverse=True)
     at, there = (flanks.curve.at_length(sigma.ravel()[first]) for flanks in (own, mate))
     number = number.reshape(sigma.shape)

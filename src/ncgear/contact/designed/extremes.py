@@ -11,6 +11,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from ncgear.contact.designed.as_designed import ALIKE_RAD, AsDesigned, PairTouch, touch_at
 from ncgear.contact.placement import BACK, PUSHING, Placement, placed_at
@@ -95,13 +96,14 @@ def contact_extremes(
 def _level_mm(designed: AsDesigned, side: int) -> float | None:
     """Rolled length at which the pressure angle of first contacts passes zero; None where no four positions show this.
 
-    It is interpolated by the cubic through the angles of one pair of flanks at these positions.
+    There it rises or falls on one pair of flanks; the place is that of the cubic through the inverse.
     """
     first, rolled = (designed.pushing, designed.back)[side].first, designed.placement.rolled_mm
     angle = angle_between(first.tangent, first.point)
     angle -= np.pi * np.round(angle / np.pi)
-    on = first.flanks[1:] & first.flanks[:-1] & (np.diff(first.driving) == 0) & (np.diff(first.driven) == 0)
-    passing = np.flatnonzero(on[:-2] & on[1:-1] & on[2:] & (angle[1:-2] * angle[2:-1] < 0.0))
+    alike = first.flanks[1:] & first.flanks[:-1] & (np.diff(first.driving) == 0) & (np.diff(first.driven) == 0)
+    steps = sliding_window_view(np.where(alike, np.sign(np.diff(angle)), 0.0), 3)
+    passing = np.flatnonzero((np.abs(steps.sum(axis=1)) == 3.0) & (angle[1:-2] * angle[2:-1] < 0.0))
     if not passing.size:
         return None
     four = passing[0] + np.arange(4)

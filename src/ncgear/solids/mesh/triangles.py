@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ncgear.frozen import dataclass
-from ncgear.numerics.arrays import Array, IndexArray
+from ncgear.numerics.arrays import Array, IndexArray, equal_rows
 
 if TYPE_CHECKING:
     from trimesh import Trimesh
@@ -100,16 +100,9 @@ def merged(vertices: Array, faces: IndexArray) -> TriangleMesh:
     mesh = with_used_vertices(TriangleMesh(vertices, faces))
     # A grid of powers of ten keeps coordinates that are written in decimals as they stand.
     grain = MERGED * 10.0 ** ceil(log10(max(float(np.abs(mesh.vertices).max(initial=0.0)), TINY)))
-    keys = np.round(mesh.vertices / grain).astype(np.int64)
-    order = np.lexsort(keys.T)
-    new = np.ones(order.size, dtype=bool)
-    new[1:] = np.any(keys[order[1:]] != keys[order[:-1]], axis=1)
-    # The order is stable: of vertices at one place, the first comes first.
-    first = order[new]
-    rank, number = np.empty(first.size, dtype=np.intp), np.empty(order.size, dtype=np.intp)
-    rank[np.argsort(first)] = np.arange(first.size)
-    number[order] = rank[np.cumsum(new) - 1]
-    return TriangleMesh(np.asarray(mesh.vertices[np.sort(first)]), np.asarray(number[mesh.faces]))
+    first, place = equal_rows(np.round(mesh.vertices / grain).astype(np.int64))
+    order = np.argsort(first)
+    return TriangleMesh(np.asarray(mesh.vertices[first[order]]), np.asarray(np.argsort(order)[place[mesh.faces]]))
 
 
 def section_rings(vertices: Array, faces: IndexArray, height: float) -> list[Array]:
