@@ -116,7 +116,7 @@ class Mechanism(Model):
         if self.linkage is not None and self.masses is None:
             yield fault("masses", "missing; a linkage given here needs slider_kg, rod and crank")
         if self.masses and not self.masses.slider_kg + self.masses.rod.mass_kg + self.masses.crank.mass_kg > 0.0:
-            yield fault("masses", "nothing has a mass; give that of the slider, the rod or the crank")
+            yield fault("masses", "nothing has a mass; give the slider, the rod or the crank a mass")
 
 
 class Chassis(Model):

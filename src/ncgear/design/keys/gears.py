@@ -368,7 +368,7 @@ class Gears(Model):
         if self.housing is None:
             return
         if self.mesh == "internal":
-            yield fault("housing", "given, but what a ring and the gear in it displace is not computed; leave it out")
+            yield fault("housing", "given, but ncgear does not compute the flow of a ring and its gear; leave it out")
         if min(self.lobes.driving, self.lobes.driven) < 2:
             yield fault(
                 "housing",

@@ -223,7 +223,7 @@ class Planetary(TrainKeys):
         if tangent <= 0.0:
             rack = degrees(self.gears.pressure_angle_rad)
             raise WrongInput(
-                f"{path.pressure_angle_deg:g} deg given, of which the rack has {rack:g}; more than that is right",
+                f"{path.pressure_angle_deg:g} deg given, but the rack alone has {rack:g}; more is right",
                 key="path.pressure_angle_deg",
             )
         apart_mm = self.bar_width_mm + ROOM_MM
