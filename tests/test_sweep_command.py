@@ -161,7 +161,7 @@ def test_items_of_lists_can_be_varied(run: Run) -> None:
             ["motion.v1_mm_s=1:2:100000", "motion.v2_mm_s=1:2:100000"],
             f"d.yaml: --vary: 10000000000 designs asked for; {MOST_DESIGNS} or fewer are right",
         ),
-        (["motion.v1_mm_s=1:2"], "d.yaml: --samples: missing; motion.v1_mm_s has a range, of which so many points"),
+        (["motion.v1_mm_s=1:2"], "d.yaml: --samples: missing; motion.v1_mm_s has a range; give a number of"),
         ([SPEEDS, "--samples=8"], "d.yaml: --samples: nothing is sampled, since every key has a grid or a list"),
         (
             ["gears.teeth=20:40", "--samples=8"],

@@ -136,7 +136,7 @@ def _common_cycle(mounted: Sequence[Mounted]) -> float:
     for number, one in enumerate(mounted):
         if not np.isclose(one.mechanism.speed_rad_s, mounted[0].mechanism.speed_rad_s, rtol=SAME):
             raise WrongInput(
-                "its driving speed is not that of the first; one shaft drives all", key=f"mechanisms.{number}"
+                "its driving speed differs from the first one's; one shaft drives all", key=f"mechanisms.{number}"
             )
         if abs(max(cycles) / cycles[number] - round(max(cycles) / cycles[number])) > SAME:
             raise WrongInput(

@@ -200,7 +200,7 @@ def space_of(
     ranges = [one for one in varied if isinstance(one, Ranged)]
     if ranges and samples is None:
         raise WrongInput(
-            f"missing; {ranges[0].key} has a range, of which so many points are sampled, as --samples 1024; or give "
+            f"missing; {ranges[0].key} has a range; give a number of sampled points, as --samples 1024, or give "
             f"{ranges[0].key} a number of even values, as {ranges[0].low:g}:{ranges[0].high:g}:11",
             key="--samples",
         )

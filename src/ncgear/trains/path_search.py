@@ -230,7 +230,7 @@ def _accepted(found: TipMotion | Refused, path: WishedPath, limits: PathLimits) 
         turned = "would have to turn back" if ratio.min() <= 0.0 else "all but stands"
         raise NoSuchMechanism(
             f"the carrier {turned} against the sun near point {near}, at {where.real:.4g}, {where.imag:.4g} mm, while "
-            f"the planet turns on (du/dw = {ratio.min():.3g}), and no gears do that; {helps}",
+            f"the planet turns on (du/dw = {ratio.min():.3g}); no gears can do that; {helps}",
             key="path.points_mm",
         )
     share, crowd = burden(found, limits), crowding(found, limits)

@@ -66,8 +66,8 @@ class Partial(Model):
     shares: Annotated[Several[Share], Field(min_length=1, max_length=MOST_ITEMS)] = optional(
         "shares k of the reciprocating mass that are balanced, 0 to 1", (1.0 / 3.0, 0.5)
     )
-    rotating_kg: Mass | None = optional("mass at the crank pin in kg; left out: that of the parts")
-    reciprocating_kg: Mass | None = optional("mass at the slider in kg; left out: that of the parts")
+    rotating_kg: Mass | None = optional("mass at the crank pin in kg; left out: mass of the parts there")
+    reciprocating_kg: Mass | None = optional("mass at the slider in kg; left out: mass of the parts there")
 
 
 class Best(Model):
@@ -89,12 +89,12 @@ class Mechanism(Model):
 
     RULES = ("one of linkage design",)
 
-    name: str = required("what it is called", min_length=1, max_length=100)
+    name: str = required("its name", min_length=1, max_length=100)
     linkage: Linkage | None = optional("its linkage, with a crank that turns evenly")
     design: str | None = optional(
         "a design file instead, whose linkage and law are taken; its path counts from this file", min_length=1
     )
-    masses: Masses | None = optional("its masses; left out: those of the design file")
+    masses: Masses | None = optional("its masses; left out: masses of the design file")
     counterweights: Annotated[Several[Fixed], Field(max_length=MOST_ITEMS)] = optional(
         "counterweights that the mechanism already has, a list; complete, partial, best and sweep add to them", ()
     )
@@ -116,7 +116,7 @@ class Mechanism(Model):
         if self.linkage is not None and self.masses is None:
             yield fault("masses", "missing; a linkage given here needs slider_kg, rod and crank")
         if self.masses and not self.masses.slider_kg + self.masses.rod.mass_kg + self.masses.crank.mass_kg > 0.0:
-            yield fault("masses", "nothing has a mass; give that of the slider, the rod or the crank")
+            yield fault("masses", "nothing has a mass; give the slider, the rod or the crank a mass")
 
 
 class Chassis(Model):
@@ -134,7 +134,7 @@ class Chassis(Model):
 class Shaft(Model):
     """A shaft that may shake the machine."""
 
-    name: str = required("what it is called", min_length=1, max_length=100)
+    name: str = required("its name", min_length=1, max_length=100)
     speed_rpm: Speed = required("its speed in r/min")
     rollers: int | None = optional("rolling elements of its bearing", ge=1, le=MOST_COUNT)
     roller_ratio: Annotated[float, Field(gt=0.0, lt=1.0)] | None = optional(
@@ -147,7 +147,7 @@ class Shaft(Model):
 class Engine(Model):
     """A reciprocating engine."""
 
-    name: str = optional("what it is called", "engine", min_length=1, max_length=100)
+    name: str = optional("its name", "engine", min_length=1, max_length=100)
     speed_rpm: Speed = required("its speed in r/min")
     cylinders: int = required("number of cylinders", ge=1, le=100)
     strokes: int = optional("strokes of a cycle, 2 or 4", 4, ge=2, le=4)

@@ -52,7 +52,7 @@ class Web(Model):
 
     thickness_mm: Length = required("thickness of the web in mm, from z = 0 up; under the face width")
     rim_mm: Length = required("least wall in mm between the pockets and the tooth roots")
-    hub_mm: Length | None = optional("diameter in mm that is left about the axis; left out: that of the hub")
+    hub_mm: Length | None = optional("diameter in mm of the full part about the axis; left out: diameter of the hub")
 
 
 class LighteningHoles(Model):

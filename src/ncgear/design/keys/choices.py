@@ -99,15 +99,14 @@ class Choices(Model):
     center_distance_mm: Length | None = optional("greatest centre distance in mm; left out: no limit")
     diameter_mm: Length | None = optional("greatest diameter of either gear in mm; left out: no limit")
     motors: Annotated[Several[Motor], Field(min_length=1, max_length=50)] | None = optional(
-        "motors that can be had, of which the cheapest that does is taken; left out: any power can be had"
+        "available motors; the cheapest motor that is strong enough is taken; left out: motors of any power"
     )
     least: Annotated[Several[OBJECTIVES], Field(min_length=1, max_length=4)] | None = optional(
-        "what counts: figures that shall be small; left out: the peak power, the gears' volume and, where it is free, "
-        "the flywheel"
+        "figures that shall be small; left out: the peak power, the gears' volume and, where it is free, the flywheel"
     )
-    cost: Costs | None = optional("what a machine costs; the least cost is recommended; left out: no cost")
+    cost: Costs | None = optional("costs of a machine; the cheapest machine is recommended; left out: no cost")
     machines: Annotated[int, Field(ge=FEWEST_MACHINES, le=MOST_MACHINES)] = optional(
-        "how many machines are wanted at most", 8
+        "greatest number of machines in the answer", 8
     )
 
     def _faults(self) -> Faults:

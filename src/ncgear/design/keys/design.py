@@ -65,23 +65,24 @@ class Design(Model, Shown):
     gears: Gears | None = optional("the pair of gears; a check does without, a build needs it")
     resistance: Resistance | None = optional("the force or torque against the output; left out: none")
     wishes: Wishes = optional(
-        "what the motion shall do: a check says whether it does, ncgear optimize looks for a law that does", Wishes
+        "wishes for the motion: a check tells which of them it keeps, ncgear optimize looks for a law that keeps them",
+        Wishes,
     )
     masses: Masses | None = optional(
-        "what moves, as masses: all power counts them, ncgear simulate needs them; left out: none"
+        "masses of the moving parts: all power counts them, ncgear simulate needs them; left out: none"
     )
     simulation: Simulation = optional(
         "how the teeth bear load in ncgear simulate; left out: as in the published baler's simulation", Simulation
     )
     fit: Fit | None = optional(
-        "what stands and moves beside the gears: a build tells whether rods pass it; left out: not known"
+        "parts that stand or move beside the gears: a build tells whether rods pass them; left out: not known"
     )
     strength: StrengthKeys = optional(
-        "what the teeth run under and how safe they shall be; left out: 20 000 h in oil", StrengthKeys
+        "running conditions and safeties of the teeth; left out: 20 000 h in oil", StrengthKeys
     )
     tolerances: AssemblyTolerances | None = optional(
-        "what gears and assembly may deviate by, for ncgear tolerance and for the load along the face width; left out: "
-        "grade 8 and more, which its answer tells"
+        "permissible deviations of gears and assembly, for ncgear tolerance and for the load along the face width; "
+        "left out: grade 8 and more, which its answer tells"
     )
     drivetrain: Drivetrain | None = optional(
         "bearings, shafts, motor and more around the gears, which ncgear simulate judges; left out: none"

@@ -25,7 +25,7 @@ class Bearing(Model):
         "ball or roller: the life falls with the load to the power 3 or 10/3", "ball"
     )
     dynamic_rating_n: Positive | None = optional(
-        "basic dynamic load rating C in N; left out: only the one that is needed is told"
+        "basic dynamic load rating C in N; left out: the report only tells the rating that is needed"
     )
     static_rating_n: Positive | None = optional("basic static load rating C0 in N; left out: no static safety")
     stiffness_n_per_um: Positive | None = optional(
@@ -42,7 +42,7 @@ class ShaftKey(Model):
     height_mm: Length | None = optional(
         "height in mm over which key and hub touch; left out: the depth of the gear's keyway less 0.4 mm"
     )
-    yield_mpa: Positive | None = optional("least yield strength of key and hub in MPa; left out: that of the shaft")
+    yield_mpa: Positive | None = optional("least yield strength of key and hub in MPa; left out: the shaft's")
 
 
 class DrivingShaft(Model):
@@ -60,7 +60,7 @@ class DrivingShaft(Model):
 
     bearing_a: Bearing | None = optional("one bearing; left out: none are looked at")
     bearing_b: Bearing | None = optional("the other bearing")
-    diameter_mm: Length | None = optional("diameter at the gear in mm; left out: that of the gear's bore")
+    diameter_mm: Length | None = optional("diameter at the gear in mm; left out: the bore of the gear")
     steel: Literal["S355", "E335", "C45", "42CrMo4", "34CrNiMo6"] | None = optional(
         "steel of the shaft: S355, E335, C45, 42CrMo4 or 34CrNiMo6; left out, and without tensile_mpa: the shaft is "
         "not looked at"
@@ -68,7 +68,7 @@ class DrivingShaft(Model):
     tensile_mpa: Positive | None = optional("tensile strength in MPa at this diameter, in place of a steel")
     yield_mpa: Positive | None = optional("yield strength in MPa at this diameter, in place of a steel")
     blank_mm: Length | None = optional(
-        "diameter in mm at which the steel was heat treated, the blank's; left out: that of the shaft"
+        "diameter in mm of the blank when the steel was heat treated; left out: diameter of the shaft"
     )
     key: ShaftKey | None = optional("key in the gear's keyway; left out: not looked at. Needs the steel")
 
@@ -95,7 +95,9 @@ class DrivenShaft(DrivingShaft):
 class Gearbox(Model):
     """The parts between a motor and the driving shaft."""
 
-    ratio: float = optional("speed of the motor over that of the driving shaft; over 1 slows down", 1.0, gt=0.0, le=1e6)
+    ratio: float = optional(
+        "speed of the motor over speed of the driving shaft; over 1 slows down", 1.0, gt=0.0, le=1e6
+    )
     efficiency: Share = optional("power that comes out over power that goes in", 1.0)
 
 

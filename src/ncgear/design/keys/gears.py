@@ -50,7 +50,7 @@ def _fitting_root_radius(data: dict[str, Any]) -> float:
 class TipRelief(Model):
     """Material that is taken off the flanks near their tips, so that teeth that bend under load meet gently."""
 
-    amount: float = required("what is taken off at the tip, along the normal, in modules", gt=0.0, le=0.1)
+    amount: float = required("material taken off at the tip, along the normal, in modules", gt=0.0, le=0.1)
     start: float = optional("height over the pitch line at which it begins, in modules", 0.5, ge=0.0, le=10.0)
 
 
@@ -104,8 +104,8 @@ class Rack(Model):
 
     profile: Literal["A", "B", "C", "D"] = optional("basic rack profile of ISO 53: A, B, C or D", "A")
     pressure_angle_deg: Annotated[float, Field(gt=5.0, lt=40.0)] = optional(
-        "pressure angle of the rack's flanks in degrees; of those that push, where idle_pressure_angle_deg is given "
-        "as well",
+        "pressure angle of the rack's flanks in degrees; only of the pushing flanks if idle_pressure_angle_deg is "
+        "given",
         20.0,
     )
     idle_pressure_angle_deg: Annotated[float, Field(gt=5.0, lt=40.0)] | None = optional(
@@ -150,7 +150,7 @@ class Helix(Model):
 
     angle_deg: Annotated[float, Field(gt=0.0, le=45.0)] = required(
         "helix angle at the pitch curve in degrees: its tangent is the advance along the pitch curve per unit of "
-        "height. Module and pressure angle stay those of the sections (transverse)"
+        "height. Module and pressure angle belong to the sections (transverse)"
     )
     kind: Literal["helical", "herringbone"] = required(
         "helical: one sense all the way up; herringbone: up to half the face width, and back from there"
@@ -204,7 +204,7 @@ class Tolerances(Model):
     )
     center_distance_mm: Annotated[float, Field(gt=0.0, le=10.0)] | None = optional(
         "largest deviation of the centre distance in mm on drawings, either way; assemblies are judged by it too. Left "
-        "out: that of the section tolerances or, where it has none, JS7 of ISO 286, but no less than is usual"
+        "out: the deviation in the section tolerances or, without one, JS7 of ISO 286, but no less than is usual"
     )
     bore_fit: Fit = optional("fit of both bores, of ISO 286", "H7")
     index_hole_fit: Fit = optional("fit of both index holes, of ISO 286", "H7")
@@ -289,14 +289,13 @@ class Gears(Model):
         "least width of tip lands in modules; sharper tips are shortened", 0.2, ge=0.01, le=1.0
     )
     least_contact_ratio: Annotated[float, Field(ge=0.0, le=3.0)] = optional(
-        "1: flanks must touch all the time, which tip relief does not prevent; above 1: each pair of flanks, on the "
-        "pushing and on the back side of the teeth, over so many pitches, flanks that tip relief holds apart left "
-        "out, unless the load on given masses brings them into contact; below 1: gears that lose contact are made all "
-        "the same",
+        "1: flanks must touch all the time; tip relief does not prevent that. Above 1: each pair of flanks, pushing "
+        "and back, must touch over this many pitches; flanks that tip relief holds apart do not count unless the load "
+        "on given masses brings them into contact. Below 1: ncgear also makes gears that lose contact",
         1.0,
     )
     method: Literal["exact", "equivalent_gear"] = optional(
-        "exact flanks, or for comparison those of the circular gear of the local radius of curvature", "exact"
+        "exact flanks, or for comparison the flanks of the circular gear with the local radius of curvature", "exact"
     )
     lead: Lead = optional(
         "form of the flanks along the width, which spreads the load where shafts bend; solids and drawings do not have "
@@ -309,9 +308,9 @@ class Gears(Model):
         False,
     )
     measuring_pin_mm: Length | None = optional(
-        "diameter in mm of the pins or balls in the data sheet; left out: one that is sold and fits"
+        "diameter in mm of the pins or balls in the data sheet; left out: a sold diameter that fits"
     )
-    tolerances: Tolerances = optional("what drawings and the data sheet say of accuracy", Tolerances)
+    tolerances: Tolerances = optional("accuracy on drawings and the data sheet", Tolerances)
     first_layer_chamfer_mm: Annotated[float, Field(ge=0.0, le=10.0)] = optional(
         "bevel in mm of all edges at z = 0, at 45 degrees: as much as the first layers of a print spread", 0.0
     )
@@ -319,7 +318,7 @@ class Gears(Model):
         "distance in mm along the normal by which solids and drawings are moved into the material at teeth, bores and "
         "keyways, since a print swells. Negative: half the kerf of a laser, wire or jet; what is cut through is then "
         "moved out of the material, since the cutter takes half its kerf on either side of the line. Outline tables "
-        "and contact are those of the gears as they shall come out",
+        "and contact hold for the finished gears",
         0.0,
     )
     housing: Housing | None = optional("a close housing: a build tells what the gears displace in it; left out: none")
@@ -369,7 +368,7 @@ class Gears(Model):
         if self.housing is None:
             return
         if self.mesh == "internal":
-            yield fault("housing", "given, but what a ring and the gear in it displace is not computed; leave it out")
+            yield fault("housing", "given, but ncgear does not compute the flow of a ring and its gear; leave it out")
         if min(self.lobes.driving, self.lobes.driven) < 2:
             yield fault(
                 "housing",

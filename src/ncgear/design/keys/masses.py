@@ -94,18 +94,18 @@ class GearMasses(Model):
     """Moments of inertia of the parts that turn with the gears."""
 
     driving_gear_kg_mm2: Inertia | None = optional(
-        "moment of inertia of the driving shaft with its gear in kg mm2, its flywheel apart; left out: that of the "
+        "moment of inertia of the driving shaft with its gear in kg mm2, its flywheel apart; left out: the "
         "gear's own body"
     )
     driven_gear_kg_mm2: Inertia | None = optional(
-        "moment of inertia of the driven gear in kg mm2, the last one of two pairs; left out: that of its own body"
+        "moment of inertia of the driven gear in kg mm2, the last one of two pairs; left out: its own body"
     )
     shaft_between_kg_mm2: Inertia | None = optional(
         "moment of inertia in kg mm2 of the shaft between two pairs of gears in series, with both its gears; left out: "
-        "that of these gears' own bodies"
+        "these gears' own bodies"
     )
     density_kg_m3: float | None = optional(
-        "density of all gears in kg/m3; left out: those of gears.material, 7850 where none is named", gt=0.0, le=30000.0
+        "density of all gears in kg/m3; left out: densities of gears.material, 7850 without it", gt=0.0, le=30000.0
     )
     flywheel: Flywheel = optional("flywheel on the driving shaft; left out: none", Flywheel)
     driven_flywheel_kg_mm2: Inertia = optional(
@@ -187,8 +187,10 @@ class Friction(Model):
 
     static: float = optional("coefficient at rest", 0.08, ge=0.0, le=2.0)
     dynamic: float = optional("coefficient in motion", 0.05, ge=0.0, le=2.0)
-    static_speed_mm_s: Positive = optional("speed of sliding at which the one at rest is reached", 1.0)
-    dynamic_speed_mm_s: Positive = optional("speed of sliding from which on the one in motion holds", 10.0)
+    static_speed_mm_s: Positive = optional("sliding speed at which friction reaches the coefficient at rest", 1.0)
+    dynamic_speed_mm_s: Positive = optional(
+        "sliding speed at which friction is down to the coefficient in motion", 10.0
+    )
 
 
 class Motor(Model):
@@ -218,9 +220,7 @@ class Simulation(Model):
         "depth in mm from which on damping is full; left out: 1/1500 of the module"
     )
     friction: Friction = optional("friction between the teeth", Friction)
-    motor: Motor | None = optional(
-        "what drives the level dynamic; left out: operation.speed_rpm, whatever torque it takes"
-    )
+    motor: Motor | None = optional("motor of the level dynamic; left out: operation.speed_rpm, at any torque")
     start: Literal["on_law", "rest"] = optional(
         "on_law: both gears run as the law says, the driving one at operation.speed_rpm; rest: the driven gear stands "
         "still, and so does a motor",

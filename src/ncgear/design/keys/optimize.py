@@ -61,7 +61,7 @@ class Limits(Model):
     ratio_min: float = optional("least transmission ratio", 0.2, ge=0.01, le=1.0)
     ratio_max: float = optional("greatest transmission ratio", 5.0, ge=1.0, le=100.0)
     pressure_angle_deg: float | None = optional(
-        "greatest pressure angle in degrees, that of the rack included; of two stages, of each", gt=0.0, lt=90.0
+        "greatest pressure angle in degrees with the rack's angle; of two stages, of each", gt=0.0, lt=90.0
     )
     stages: Annotated[int, Field(ge=1, le=2)] = optional(
         "2: the ratio is shared over two pairs in series; ratio, curves and pressure angle count for each", 1
@@ -176,7 +176,7 @@ class Optimize(Model):
         "least_acceleration",
     )
     weights: Weights | None = optional("the figures that count alike; only for goal weighted, two or more")
-    limits: Limits = optional("what the law may nowhere exceed", Limits)
+    limits: Limits = optional("limits that the law may nowhere exceed", Limits)
     harmonics_above: Annotated[int, Field(ge=1, le=MOST_ORDER)] = optional(
         "harmonics of the output's cycle over this order count where harmonics are least or limited", 10
     )

@@ -70,7 +70,7 @@ class FollowedOutline(Model):
         "free",
     )
     pressure_angle_deg: float = optional(
-        "greatest pressure angle in degrees, that of the rack included; beyond 60 friction may lock the pair",
+        "greatest pressure angle in degrees with the rack's angle; beyond 60 friction may lock the pair",
         75.0,
         gt=40.0,
         lt=85.0,

@@ -91,7 +91,7 @@ class CurvePoints(Drawn):
     RULES = (f"one of {' '.join(ANGLE_OR_X)}",)
 
     angles_rad: tuple[float, ...] = angle(
-        "angles {unit} by which the gear has turned when its point faces the mate", "phi", of=PointColumn, absent=()
+        "turns of the gear {unit} when each point faces the mate", "phi", of=PointColumn, absent=()
     )
     radius_mm: PointColumn | None = optional("radii in mm, one for each angle")
     x_mm: PointColumn | None = optional("x of points of the drawn curve in mm, with y_mm")
@@ -173,8 +173,8 @@ class DrawnContour(Drawn):
     """A contour of a file: curves that make one closed curve."""
 
     tolerance_mm: float | None = optional(
-        "how far a smooth curve may be from the contour in mm, along its radius: for a contour of many chords, as of a "
-        "traced outline, whose corners no teeth roll over; left out: the contour as it is drawn",
+        "greatest distance in mm of a smooth curve from the contour, along its radius: for a contour of many chords, "
+        "such as a traced outline, as no teeth roll over corners; left out: the contour as it is drawn",
         gt=0.0,
         le=100.0,
     )

@@ -94,7 +94,7 @@ class PairMaterial(Model):
 
     driving: WrittenMaterial = required("material of the driving gear: a name, or a group of keys")
     driven: WrittenMaterial | None = optional(
-        "material of the driven gear: a name, or a group of keys; left out: that of the driving gear"
+        "material of the driven gear: a name, or a group of keys; left out: the driving gear's"
     )
 
     @property
@@ -161,7 +161,7 @@ class StrengthKeys(Model):
     )
     overload: Overload | None = optional("torque of a jam, which the teeth shall bear a few times; left out: none")
     dynamic_factor: Annotated[float, Field(ge=1.0, le=5.0)] | None = optional(
-        "dynamic factor K_V: what the teeth's own vibration adds; left out: computed for every place of the turn by "
+        "dynamic factor K_V for the teeth's own vibration; left out: computed for every place of the turn by "
         "ISO 6336-1, method B, from the inertias of both shafts and the grade of tolerances, 8 without"
     )
     face_load_factor: Annotated[float, Field(ge=1.0, le=5.0)] | None = optional(
@@ -170,17 +170,17 @@ class StrengthKeys(Model):
         "usual for gears not wider than their shafts are stiff"
     )
     reliability: float = optional(
-        "share of gears that shall live so long: 0.99 is that of the figures of ISO 6336", 0.99, ge=0.5, le=0.9999
+        "share of gears that shall reach the life; the figures of ISO 6336 hold for 0.99", 0.99, ge=0.5, le=0.9999
     )
     lubrication: Literal["oil", "grease", "dry"] = optional(
-        "oil, grease or dry; dry steel wears, and its life is that until a tenth of the module is worn off", "oil"
+        "oil, grease or dry; dry steel wears, and its life ends when a tenth of the module is worn off", "oil"
     )
     oil_viscosity_mm2_s: float = optional(
         "viscosity of the oil at 40 \u00b0C in mm2/s; greases: 220", 220.0, ge=1.0, le=2000.0
     )
     oil_viscosity_100_mm2_s: float | None = optional(
-        "viscosity of the oil at 100 \u00b0C in mm2/s; left out: that of a mineral oil with a viscosity "
-        "index of 95, 18.4 for 220 at 40 \u00b0C",
+        "viscosity of the oil at 100 \u00b0C in mm2/s; left out: a mineral oil with a viscosity "
+        "index of 95, so 18.4 for 220 at 40 \u00b0C",
         ge=0.5,
         le=200.0,
     )

@@ -14,7 +14,7 @@ GRADE = "flank tolerance class of ISO 1328-1:2013, 1 (finest) to 11"
 class GearTolerances(Model):
     """Permissible deviations of one gear."""
 
-    grade: int | None = optional(f"{GRADE}; left out: that of both gears", ge=1, le=11)
+    grade: int | None = optional(f"{GRADE}; left out: the grade of both gears", ge=1, le=11)
     single_pitch_mm: Annotated[float, Field(ge=0.0, le=10.0)] | None = optional(
         "own largest deviation in mm of one pitch, either way, in place of the grade's: printed gears are coarser than "
         "any grade"
@@ -31,7 +31,7 @@ class GearTolerances(Model):
         "largest angle in degrees between the bore and the axis of the teeth, in any direction", 0.0, ge=0.0, le=5.0
     )
     index_deg: Annotated[float, Field(ge=0.0, le=10.0)] = optional(
-        "largest angle in degrees, either way, by which the keyway sets the teeth off from the shaft", 0.0
+        "largest angle in degrees, either way, between teeth and shaft that comes from the keyway", 0.0
     )
     wear_mm: Annotated[float, Field(ge=0.0, le=10.0)] = optional(
         "depth in mm to which flanks that push are worn at the end of life, all alike; both sides of the teeth with "
@@ -57,8 +57,8 @@ class AssemblyTolerances(Model):
     center_distance_mm: float = optional(
         "largest deviation in mm of the centre distance, either way", 0.0, ge=0.0, le=10.0
     )
-    driving: GearTolerances = optional("what the driving gear deviates by", GearTolerances)
-    driven: GearTolerances = optional("what the driven gear deviates by", GearTolerances)
+    driving: GearTolerances = optional("deviations of the driving gear", GearTolerances)
+    driven: GearTolerances = optional("deviations of the driven gear", GearTolerances)
     temperature: Temperatures | None = optional(
         "temperatures that gears and housing run at; left out: 20 \u00b0C, as they are made"
     )

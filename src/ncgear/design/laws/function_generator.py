@@ -26,9 +26,9 @@ class FunctionGenerator(LawKeys):
     )
     x_from: float = required("x at phi1 = 0")
     x_to: float = required("x at the other end of the range, greater than x_from")
-    driving_range_deg: RangeDeg = required("what the driving gear turns while x goes from x_from to x_to, in degrees")
+    driving_range_deg: RangeDeg = required("turn of the driving gear in degrees while x goes from x_from to x_to")
     driven_range_deg: RangeDeg = required(
-        "what the driven gear turns meanwhile, in degrees; where y falls, its scale runs backwards"
+        "turn of the driven gear in degrees meanwhile; if y falls, its scale runs backwards"
     )
 
     @property

@@ -68,7 +68,7 @@ class RatioExpression(LawKeys):
     )
 
     range_deg: RangeDeg | None = optional(
-        "for gears that turn to and fro, less than once: what the driving gear turns from end to end, in degrees; left "
+        "for gears that turn to and fro, less than once: turn of the driving gear from end to end, in degrees; left "
         "out: gears that turn on and on"
     )
 

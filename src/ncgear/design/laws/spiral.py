@@ -20,7 +20,7 @@ class Spiral(LawKeys):
     BEGINS = Begins.SHAPE
     NARROWER_RATIO = "bring motion.ratio_start and motion.ratio_end nearer to each other"
     range_deg: RangeDeg = required(
-        "what the driving gear turns from end to end, in degrees; the driven gear's angle follows"
+        "turn of the driving gear from end to end, in degrees; the driven gear's angle follows"
     )
     ratio_start: float = required("transmission ratio i12 = dphi1/dphi2 at phi1 = 0", gt=0.0)
     ratio_end: float = required(

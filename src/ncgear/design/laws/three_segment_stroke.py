@@ -63,7 +63,7 @@ class ReturnOptions(Model):
     """The return of the slider: the form of the ratio over the return stroke and its one free coefficient."""
 
     basis: Literal["ratio", "inverse_ratio"] = optional(
-        "what is a polynomial of phi1 over the return stroke: ratio or inverse_ratio", "ratio"
+        "quantity that is a polynomial of phi1 over the return stroke: ratio or inverse_ratio", "ratio"
     )
     e: Annotated[float | Literal["least_acceleration"], BeforeValidator(_number_or_word)] = optional(
         "free coefficient of the return stroke, the value at phi1 = 0 of the polynomial that is its basis: a number, "

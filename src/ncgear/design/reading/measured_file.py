@@ -75,7 +75,7 @@ def _require_height(third: Sequence[str], points: Array, location: str) -> None:
     numbers = [plain_number(cell) for cell in third]
     heights = np.array([number for number in numbers if number is not None], dtype=float)
     if heights.size == len(numbers) and not np.ptp(heights) <= LEVEL * float(np.ptp(points, axis=0).min()):
-        problem = "three columns without a header, of which the third is no height z: it varies as x and y do"
+        problem = "three columns without a header, and the third is no height z: it varies as x and y do"
         raise WrongInput(f"{problem}; a line such as no,x_mm,y_mm at the top is right", location=location)
 
 

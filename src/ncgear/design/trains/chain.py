@@ -32,10 +32,10 @@ class Chain(TrainKeys):
 
     KIND = "chain"
     RULES = ("at most one of idler_radius ratio",)
-    MEANING = "a row of gears on fixed axes, each of which meshes with the next"
+    MEANING = "a row of gears on fixed axes; each meshes with the next"
 
     lobes: Annotated[Several[Lobe], Field(min_length=2, max_length=MOST_GEARS)] = required(
-        "lobes of every gear, from the driving one on, whole numbers; so many gears there are"
+        "lobes of every gear, from the driving gear on, whole numbers; their count is the number of gears"
     )
     bends_deg: Annotated[Several[Bend], Field(max_length=MOST_GEARS - 2)] = optional(
         "by how many degrees the line of centres turns at each idler, counter-clockwise; left out: a straight row", ()

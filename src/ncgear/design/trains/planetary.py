@@ -136,15 +136,15 @@ class Planetary(TrainKeys):
         "compound",
     )
     bend_deg: Annotated[float, Field(ge=-150.0, le=150.0)] | None = optional(
-        "of a shared idler: angle in degrees by which the line from idler to planet turns off that from sun to idler; "
+        "of a shared idler: angle in degrees from the line from sun to idler to the line from idler to planet; "
         "left out: straight"
     )
     ratio: Annotated[Several[Ratio], Field(min_length=4, max_length=720)] | None = optional(
-        "speed of the carrier against the sun over that of the planet (compound) or of the idler (shared), at evenly "
-        "spaced angles of the latter, from 0 on; a common factor closes the turn"
+        "speed of the carrier against the sun over the speed of the planet (compound) or idler (shared), at evenly "
+        "spaced angles of planet or idler, from 0 on; a common factor closes the turn"
     )
     path: TipPathKeys | None = optional("path of the arm's tip, in place of ratio: arm, carrier and ratio are found")
-    arm_mm: Length | None = optional("length of the arm on each planet in mm; left out: no arm, or that of the path")
+    arm_mm: Length | None = optional("length of the arm on each planet in mm; left out: no arm, or the path's arm")
     arm_deg: Annotated[float, Field(ge=-360.0, le=360.0)] = optional(
         "angle of the arm from the carrier's line where the carrier stands at 0, in degrees", 0.0
     )
@@ -223,7 +223,7 @@ class Planetary(TrainKeys):
         if tangent <= 0.0:
             rack = degrees(self.gears.pressure_angle_rad)
             raise WrongInput(
-                f"{path.pressure_angle_deg:g} deg given, of which the rack has {rack:g}; more than that is right",
+                f"{path.pressure_angle_deg:g} deg given, but the rack alone has {rack:g}; more is right",
                 key="path.pressure_angle_deg",
             )
         apart_mm = self.bar_width_mm + ROOM_MM

@@ -70,8 +70,8 @@ class WishKeys(Model):
 
     hard: bool = optional("true: the law must keep it; false: it has a weight in the goal", True)
     weight: Positive | None = optional(
-        "of a soft wish: 1 percent missed, of the speed, the deceleration or the cycle's driving angle, counts like so "
-        "many percent of what is to be least; left out: 1"
+        "of a soft wish: a miss of 1 percent of the speed, the deceleration or the cycle's driving angle counts like "
+        "this many percent of the goal; left out: 1"
     )
 
     @classmethod

@@ -31,7 +31,7 @@ class ConstantSpeed(WishKeys):
         "how far the speed may be from one value, as a share of it: 0.005 is half a percent", 0.005
     )
     stroke: StrokeName = optional("on the way out (working) or on the way back (return)", "working")
-    speed_mm_s: Positive | None = optional("that one value in mm/s; left out: whatever the law makes of it")
+    speed_mm_s: Positive | None = optional("that one value in mm/s; left out: the law decides")
 
     def _faults(self) -> Faults:
         yield from unkept(self, f"to_{self.PLACE} > from_{self.PLACE}")

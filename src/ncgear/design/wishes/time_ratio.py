@@ -22,9 +22,7 @@ class TimeRatio(WishKeys):
     MEANING = "time of the working stroke over the time of the return; left out: free"
     SEVERAL = False
 
-    at_least: float = required(
-        "the working stroke takes at least so many times the time of the return", ge=0.01, le=100.0
-    )
+    at_least: float = required("least ratio of the working stroke's time to the return's time", ge=0.01, le=100.0)
 
     @classmethod
     def refuse_together(cls, wishes: Wished, on: On) -> None:
