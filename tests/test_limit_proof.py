@@ -25,7 +25,7 @@ from ncgear.optimum.certified.limit import least_acceleration
 from ncgear.optimum.certified.motion import MotionProgramme
 from ncgear.optimum.certified.problem import LimitProblem, motion_programme
 from ncgear.optimum.certified.proof import DATA, ConicProgramme, Linear, Proof, proof_of
-from ncgear.optimum.certified.ranges import KnownRanges, between, curved, everywhere
+from ncgear.optimum.certified.ranges import KnownRanges, between, curved
 from ncgear.optimum.task import Task
 from published import AT_SIXTY, BALER_LINKAGE, OFFSET, PRESS
 
@@ -378,7 +378,7 @@ def outside_between_checkpoints(law: Turning, apart_rad: float, steepness: float
     known = KnownRanges(np.full(on.count, asked.ratio_max**-2), np.full(on.count, inf))
     for place in numbers.tolist():
         known = known.within(place, float(q[place]), float(q[place]))
-    ranges = everywhere(known, between(on, parts, asked))
+    ranges = between(on, parts, asked).everywhere(known)
     cells = np.arange(numbers[-1])
     inner = on.crank_angle_rad[cells, None] + on.step_rad[cells, None] * np.linspace(0.0, 1.0, 60)
     inside = 2.0 * np.log(law.s(inner))

@@ -147,7 +147,7 @@ def least(programme: ConicProgramme, goal: Linear) -> ConicAnswer:
 class Solver:
     """Clarabel: what it has made of a programme is used again where the next one's rows have the same variables."""
 
-    _last: tuple[Proof, Any] | None = None
+    _last: tuple[Any, Any] = None, None
 
     def least(self, proof: Proof, goal: Linear) -> ConicAnswer:
         """The least of a goal, a single expression, from what proves it, and variables near it."""
@@ -175,10 +175,11 @@ class Solver:
         require("clarabel", "optimize", "a certified limit")
         import clarabel
 
-        if not thorough and self._last is not None and self._last[0].alike(proof):
-            solver = self._last[1]
-            solver.update(q=cost, A=proof.matrix.data, b=proof.bounds)
-            return solver.solve()
+        matrix = proof.matrix
+        pattern = thorough, matrix.shape, proof.cones, matrix.indptr.tobytes(), matrix.indices.tobytes()
+        if self._last[0] == pattern:
+            self._last[1].update(q=cost, A=matrix.data, b=proof.bounds)
+            return self._last[1].solve()
         settings = clarabel.DefaultSettings()
         settings.verbose = False
         settings.max_threads = 1
@@ -186,10 +187,8 @@ class Solver:
         flat = proof.bounds.size - 3 * proof.cones
         shapes = [clarabel.NonnegativeConeT(flat), *[clarabel.SecondOrderConeT(3)] * proof.cones]
         nothing = sparse.csc_matrix((cost.size, cost.size))
-        solver = clarabel.DefaultSolver(nothing, cost, proof.matrix, proof.bounds, shapes, settings)
-        if not thorough:
-            self._last = proof, solver
-        return solver.solve()
+        self._last = pattern, clarabel.DefaultSolver(nothing, cost, matrix, proof.bounds, shapes, settings)
+        return self._last[1].solve()
 
 
 def proof_of(programme: ConicProgramme) -> Proof:
@@ -267,12 +266,6 @@ class Proof:
         length = np.hypot(three[:, 1], three[:, 2]) * (1.0 + 4.0 * UNIT)
         z[flat:] = np.column_stack([np.maximum(three[:, 0], length), three[:, 1:]]).ravel()
         return z
-
-    def alike(self, other: Proof) -> bool:
-        """Whether the same numbers of the rows are zero, and as many rows are in cones."""
-        one, two = self.matrix, other.matrix
-        same = (one.shape, self.cones) == (two.shape, other.cones) and np.array_equal(one.indptr, two.indptr)
-        return same and np.array_equal(one.indices, two.indices)
 
     @cached_property
     def let_out(self) -> Array:
