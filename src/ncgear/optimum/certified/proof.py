@@ -15,7 +15,6 @@ more where the numbers of a machine have lost digits.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import fsum, inf, isfinite
@@ -193,35 +192,21 @@ class Solver:
 
 def proof_of(programme: ConicProgramme) -> Proof:
     """What bounds of a programme are proven from: each row b - A v is an expression that must be in its cone."""
-    blocks = [*programme.rows, *_interleaved(programme.cones)]
-    columns, rows, values, before = [], [], [], 0
-    for block in blocks:
-        terms, count = block.columns.shape
-        columns.append(block.columns.ravel())
-        rows.append(np.tile(np.arange(before, before + count), terms))
-        values.append(-block.coefficients.ravel())
+    blocks, places, before = list[Linear](), list[IndexArray](), 0
+    # The three rows of a cone follow each other
+    for together in [*((row,) for row in programme.rows), *programme.cones]:
+        count = len(together) * together[0].constant.size
+        blocks += together
+        places += [np.arange(before + place, before + count, len(together)) for place in range(len(together))]
         before += count
-    shape = before, programme.size
-    matrix = sparse.csc_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
+    columns = np.concatenate([block.columns.ravel() for block in blocks])
+    values = np.concatenate([-block.coefficients.ravel() for block in blocks])
+    rows = np.concatenate([np.tile(at, len(block.columns)) for block, at in zip(blocks, places, strict=True)])
+    matrix, bounds = sparse.csc_matrix((values, (rows, columns)), shape=(before, programme.size)), np.zeros(before)
     matrix.eliminate_zeros()
+    bounds[np.concatenate(places)] = np.concatenate([block.constant for block in blocks])
     cones = sum(first.constant.size for first, _, _ in programme.cones)
-    bounds, low, high = map(np.concatenate, ([block.constant for block in blocks], programme.low, programme.high))
-    return Proof(matrix, bounds, cones, low, high, programme.error)
-
-
-def _interleaved(cones: Sequence[tuple[Linear, Linear, Linear]]) -> list[Linear]:
-    """Rows of cones: the three rows of a cone follow each other."""
-    blocks = []
-    for three in cones:
-        terms, count = max(one.columns.shape[0] for one in three), three[0].constant.size
-        columns = np.zeros((terms, 3 * count), dtype=int)
-        coefficients, constant = np.zeros((terms, 3 * count)), np.zeros(3 * count)
-        for place, one in enumerate(three):
-            own = one.columns.shape[0]
-            columns[:own, place::3], coefficients[:own, place::3] = one.columns, one.coefficients
-            constant[place::3] = one.constant
-        blocks.append(Linear(columns, coefficients, constant))
-    return blocks
+    return Proof(matrix, bounds, cones, np.concatenate(programme.low), np.concatenate(programme.high), programme.error)
 
 
 @dataclass(frozen=True, eq=False)
