@@ -24,8 +24,8 @@ from ncgear.optimum.certified.demands import Demands, Priced, Ranges
 from ncgear.optimum.certified.limit import least_acceleration
 from ncgear.optimum.certified.motion import MotionProgramme
 from ncgear.optimum.certified.problem import LimitProblem, motion_programme
-from ncgear.optimum.certified.proof import DATA, ConicProgramme, Linear, Proof, proof_of
-from ncgear.optimum.certified.ranges import KnownRanges, between, curved, everywhere
+from ncgear.optimum.certified.proof import DATA, ConicProgramme, Linear, Proof, Solver, proof_of
+from ncgear.optimum.certified.ranges import KnownRanges, between, curved
 from ncgear.optimum.task import Task
 from published import AT_SIXTY, BALER_LINKAGE, OFFSET, PRESS
 
@@ -380,12 +380,14 @@ def outside_between_checkpoints(law: Turning, apart_rad: float, steepness: float
     on = cycle(AT_SIXTY, 360)
     q = law.s(on.crank_angle_rad) ** 2
     numbers = np.arange(0, on.count, round(apart_rad / on.step_rad[0]))
+    # Parts of unlike lengths
+    numbers[1:-1:2] += 1
     asked = Demands(0.01, 1.01 / float(np.sqrt(q.min())), steepness, convex=steepness == inf)
     parts = [np.arange(first, last + 1) for first, last in pairwise(numbers.tolist())]
     known = KnownRanges(np.full(on.count, asked.ratio_max**-2), np.full(on.count, inf))
     for place in numbers.tolist():
         known = known.within(place, float(q[place]), float(q[place]))
-    ranges = everywhere(known, between(on, parts, asked))
+    ranges = between(on, parts, asked).everywhere(known)
     cells = np.arange(numbers[-1])
     inner = on.crank_angle_rad[cells, None] + on.step_rad[cells, None] * np.linspace(0.0, 1.0, 60)
     inside = 2.0 * np.log(law.s(inner))
@@ -507,6 +509,22 @@ def answered(made: MotionProgramme) -> Solved:
     found = clarabel.DefaultSolver(nothing, cost, of.matrix, of.bounds, shapes, settings).solve()
     multipliers = np.array(found.z)
     return of, cost, multipliers, of.bound(cost, multipliers), float(found.obj_val)
+
+
+def test_a_solver_that_goes_on_to_other_numbers_and_goals_knows_the_closed_forms() -> None:
+    """The least x with c x >= sqrt(y^2 + 1) and a <= y <= 3, the greatest y, and a programme of other rows between."""
+    solver = Solver()
+    for a, c, more in ((1.0, 2.0, 0), (2.0, 3.0, 0), (2.0, 3.0, 1), (0.5, 0.7, 0), (2.5, 0.7, 0)):
+        made = ConicProgramme()
+        x, y = (made.variable(np.full(1, -9.0), np.full(1, 9.0)) for _ in range(2))
+        made.positive(y - a)
+        made.positive(3.0 - y)
+        if more:
+            made.positive(x + y)
+        made.cone(x * c, y, MotionProgramme.constant(np.ones(1)))
+        of = proof_of(made)
+        for goal, exact in ((x, (a**2 + 1.0) ** 0.5 / c), (-y, -3.0), (x + y, (a**2 + 1.0) ** 0.5 / c + a)):
+            assert exact - 1e-6 < solver.least(of, goal).value <= exact
 
 
 def in_40_digits(of: Proof, cost: Array, multipliers: Array) -> mp.mpf:

@@ -15,7 +15,6 @@ more where the numbers of a machine have lost digits.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import fsum, inf, isfinite
@@ -147,7 +146,7 @@ def least(programme: ConicProgramme, goal: Linear) -> ConicAnswer:
 class Solver:
     """Clarabel: what it has made of a programme is used again where the next one's rows have the same variables."""
 
-    _last: tuple[Proof, Any] | None = None
+    _last: tuple[Any, Any] = None, None
 
     def least(self, proof: Proof, goal: Linear) -> ConicAnswer:
         """The least of a goal, a single expression, from what proves it, and variables near it."""
@@ -175,10 +174,11 @@ class Solver:
         require("clarabel", "optimize", "a certified limit")
         import clarabel
 
-        if not thorough and self._last is not None and self._last[0].alike(proof):
-            solver = self._last[1]
-            solver.update(q=cost, A=proof.matrix.data, b=proof.bounds)
-            return solver.solve()
+        matrix = proof.matrix
+        pattern = thorough, matrix.shape, proof.cones, matrix.indptr.tobytes(), matrix.indices.tobytes()
+        if self._last[0] == pattern:
+            self._last[1].update(q=cost, A=matrix.data, b=proof.bounds)
+            return self._last[1].solve()
         settings = clarabel.DefaultSettings()
         settings.verbose = False
         settings.max_threads = 1
@@ -186,43 +186,27 @@ class Solver:
         flat = proof.bounds.size - 3 * proof.cones
         shapes = [clarabel.NonnegativeConeT(flat), *[clarabel.SecondOrderConeT(3)] * proof.cones]
         nothing = sparse.csc_matrix((cost.size, cost.size))
-        solver = clarabel.DefaultSolver(nothing, cost, proof.matrix, proof.bounds, shapes, settings)
-        if not thorough:
-            self._last = proof, solver
-        return solver.solve()
+        self._last = pattern, clarabel.DefaultSolver(nothing, cost, matrix, proof.bounds, shapes, settings)
+        return self._last[1].solve()
 
 
 def proof_of(programme: ConicProgramme) -> Proof:
     """What bounds of a programme are proven from: each row b - A v is an expression that must be in its cone."""
-    blocks = [*programme.rows, *_interleaved(programme.cones)]
-    columns, rows, values, before = [], [], [], 0
-    for block in blocks:
-        terms, count = block.columns.shape
-        columns.append(block.columns.ravel())
-        rows.append(np.tile(np.arange(before, before + count), terms))
-        values.append(-block.coefficients.ravel())
+    blocks, places, before = list[Linear](), list[IndexArray](), 0
+    # The three rows of a cone follow each other
+    for together in [*((row,) for row in programme.rows), *programme.cones]:
+        count = len(together) * together[0].constant.size
+        blocks += together
+        places += [np.arange(before + place, before + count, len(together)) for place in range(len(together))]
         before += count
-    shape = before, programme.size
-    matrix = sparse.csc_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=shape)
+    columns = np.concatenate([block.columns.ravel() for block in blocks])
+    values = np.concatenate([-block.coefficients.ravel() for block in blocks])
+    rows = np.concatenate([np.tile(at, len(block.columns)) for block, at in zip(blocks, places, strict=True)])
+    matrix, bounds = sparse.csc_matrix((values, (rows, columns)), shape=(before, programme.size)), np.zeros(before)
     matrix.eliminate_zeros()
+    bounds[np.concatenate(places)] = np.concatenate([block.constant for block in blocks])
     cones = sum(first.constant.size for first, _, _ in programme.cones)
-    bounds, low, high = map(np.concatenate, ([block.constant for block in blocks], programme.low, programme.high))
-    return Proof(matrix, bounds, cones, low, high, programme.error)
-
-
-def _interleaved(cones: Sequence[tuple[Linear, Linear, Linear]]) -> list[Linear]:
-    """Rows of cones: the three rows of a cone follow each other."""
-    blocks = []
-    for three in cones:
-        terms, count = max(one.columns.shape[0] for one in three), three[0].constant.size
-        columns = np.zeros((terms, 3 * count), dtype=int)
-        coefficients, constant = np.zeros((terms, 3 * count)), np.zeros(3 * count)
-        for place, one in enumerate(three):
-            own = one.columns.shape[0]
-            columns[:own, place::3], coefficients[:own, place::3] = one.columns, one.coefficients
-            constant[place::3] = one.constant
-        blocks.append(Linear(columns, coefficients, constant))
-    return blocks
+    return Proof(matrix, bounds, cones, np.concatenate(programme.low), np.concatenate(programme.high), programme.error)
 
 
 @dataclass(frozen=True, eq=False)
@@ -267,12 +251,6 @@ class Proof:
         length = np.hypot(three[:, 1], three[:, 2]) * (1.0 + 4.0 * UNIT)
         z[flat:] = np.column_stack([np.maximum(three[:, 0], length), three[:, 1:]]).ravel()
         return z
-
-    def alike(self, other: Proof) -> bool:
-        """Whether the same numbers of the rows are zero, and as many rows are in cones."""
-        one, two = self.matrix, other.matrix
-        same = (one.shape, self.cones) == (two.shape, other.cones) and np.array_equal(one.indptr, two.indptr)
-        return same and np.array_equal(one.indices, two.indices)
 
     @cached_property
     def let_out(self) -> Array:

@@ -121,6 +121,23 @@ class Between:
     angle_rad: Array
     asked: Demands
 
+    def everywhere(self, known: KnownRanges) -> Ranges:
+        """Ranges of q at all places and in all cells between checkpoints, from known ranges."""
+        places, angle, asked = self.places, self.angle_rad, self.asked
+        if asked.convex:
+            low, low_in_cell = _between_lower(known.least[places], angle, asked.ratio_max)
+            high, high_in_cell = _between_upper(known.most[places], angle)
+        else:
+            low, low_in_cell = _leaning(known.least[places], angle, -asked.steepness)
+            high, high_in_cell = _leaning(known.most[places], angle, asked.steepness)
+        least, most, least_in_cell, most_in_cell = (np.full(known.least.size, end) for end in (0.0, inf) * 2)
+        least[places], most[places] = low * (1.0 - ROUNDING), high * (1.0 + ROUNDING)
+        true = np.diff(angle, axis=1) > 0.0
+        cells = places[:, :-1][true]
+        least_in_cell[cells] = low_in_cell[true] * (1.0 - ROUNDING)
+        most_in_cell[cells] = high_in_cell[true] * (1.0 + ROUNDING)
+        return Ranges(least, most, least_in_cell, most_in_cell)
+
 
 def between(on: CrankCycle, parts: Sequence[IndexArray], asked: Demands) -> Between:
     """The places of parts from checkpoint to checkpoint."""
@@ -128,24 +145,6 @@ def between(on: CrankCycle, parts: Sequence[IndexArray], asked: Demands) -> Betw
     places = np.array([np.pad(part, (0, most - part.size), mode="edge") for part in parts])
     steps = np.where(places[:, 1:] != places[:, :-1], on.step_rad[places[:, :-1]], 0.0)
     return Between(places, np.cumsum(np.pad(steps, ((0, 0), (1, 0))), axis=1), asked)
-
-
-def everywhere(known: KnownRanges, between: Between) -> Ranges:
-    """Ranges of q at all places and in all cells between checkpoints, from known ranges."""
-    places, angle, asked = between.places, between.angle_rad, between.asked
-    if asked.convex:
-        low, low_in_cell = _between_lower(known.least[places], angle, asked.ratio_max)
-        high, high_in_cell = _between_upper(known.most[places], angle)
-    else:
-        low, low_in_cell = _leaning(known.least[places], angle, -asked.steepness)
-        high, high_in_cell = _leaning(known.most[places], angle, asked.steepness)
-    least, most, least_in_cell, most_in_cell = (np.full(known.least.size, end) for end in (0.0, inf) * 2)
-    least[places], most[places] = low * (1.0 - ROUNDING), high * (1.0 + ROUNDING)
-    true = np.diff(angle, axis=1) > 0.0
-    cells = places[:, :-1][true]
-    least_in_cell[cells] = low_in_cell[true] * (1.0 - ROUNDING)
-    most_in_cell[cells] = high_in_cell[true] * (1.0 + ROUNDING)
-    return Ranges(least, most, least_in_cell, most_in_cell)
 
 
 def _leaning(known: Array, angle_rad: Array, steepness: float) -> tuple[Array, Array]:

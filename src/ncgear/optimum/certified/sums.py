@@ -191,7 +191,4 @@ def _trials(problem: LimitProblem, prices: Mapping[str, float]) -> Trials:
         # No figure is negative
         return tried(made, total, lambda value: max(value, 0.0) * below)
 
-    def motions(ranges: Ranges | None, figures: FigureRanges, below: float) -> MotionProgramme:
-        return programme(ranges, figures, below)[0]
-
-    return Trials(problem.on, least_value, motions, prices)
+    return Trials(problem.on, least_value, lambda *motions: programme(*motions)[0], prices)

@@ -32,7 +32,7 @@ from ncgear.optimum.certified.cycle import CrankCycle
 from ncgear.optimum.certified.demands import Demands, NearMotion, Ranges
 from ncgear.optimum.certified.motion import MotionProgramme
 from ncgear.optimum.certified.proof import Linear, Proof, Solver, proof_of
-from ncgear.optimum.certified.ranges import Between, KnownRanges, between, everywhere, parts_between
+from ncgear.optimum.certified.ranges import Between, KnownRanges, between, parts_between
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,7 +210,7 @@ class Tree:
         """A box with the range at each checkpoint, and of each figure, narrowed once; None where a range is empty."""
         seen = Seen(self.trials.on.count)
         for name in box.figures if len(box.figures) > 1 else ():
-            made = self.trials.below(self.ranges(box), box.figures, target)
+            made = self.trials.below(self.between.everywhere(box.known), box.figures, target)
             proof, of, (low, high) = proof_of(made.programme), made.figures[name], box.figures[name]
             low = max(low, self.answer(proof, of, made.q, seen))
             high = min(
@@ -223,7 +223,7 @@ class Tree:
             low, high = box.known.least[place], box.known.most[place]
             if high < NARROW * low or not (sides := seen.worth(place, low, high)):
                 continue
-            made = self.trials.below(self.ranges(box), box.figures, target)
+            made = self.trials.below(self.between.everywhere(box.known), box.figures, target)
             proof, of = proof_of(made.programme), made.q[place : place + 1]
             for side in sides:
                 answer = self.answer(proof, of * side, made.q, seen)
@@ -243,7 +243,7 @@ class Tree:
 
     def bounded(self, box: MotionBox, target: float) -> MotionBox | None:
         """A box with all that follows between checkpoints, and its least value; None if that is not below a target."""
-        ranges = self.ranges(box)
+        ranges = self.between.everywhere(box.known)
         known = KnownRanges(np.maximum(box.known.least, ranges.least), np.minimum(box.known.most, ranges.most))
         if known.empty:
             return None
@@ -261,7 +261,7 @@ class Tree:
     def halves(self, box: MotionBox) -> list[MotionBox]:
         """A box cut in two where ln q, or a figure of a sum, is widest; none where ln q is narrow everywhere."""
         known = box.known
-        place = self.checkpoints[np.argmax(self.widths(box))]
+        place = self.checkpoints[int(np.argmax(self.widths(box)))]
         low, high = float(known.least[place]), float(known.most[place])
         if high < NARROW * low:
             return []
@@ -286,16 +286,12 @@ class Tree:
             for name, value in figures.items()
         }
         self.budget.spend(1)
-        found = self.trials.least(self.ranges(MotionBox(known, about, 0.0)), about, WIDENED * motion.value)
+        found = self.trials.least(self.between.everywhere(known), about, WIDENED * motion.value)
         return max(motion.value - found.value, 0.0)
 
     def widths(self, box: MotionBox) -> Array:
         """The widths of ln q at the checkpoints, shape (k,)."""
         return np.asarray(np.log(box.known.most[self.checkpoints] / box.known.least[self.checkpoints]))
-
-    def ranges(self, box: MotionBox) -> Ranges:
-        """Ranges of q everywhere in the stretches."""
-        return everywhere(box.known, self.between)
 
 
 class Seen:
