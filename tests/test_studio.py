@@ -422,9 +422,7 @@ def answered(answers: Answers, text: str, name: str, changes: Mapping[str, Any] 
     return list(begun_answers(answers, text, name, changes))
 
 
-def begun_answers(
-    answers: Answers, text: str, name: str, changes: Mapping[str, Any] | None = None
-) -> Iterator[Answer]:
+def begun_answers(answers: Answers, text: str, name: str, changes: Mapping[str, Any] | None = None) -> Iterator[Answer]:
     """The same one by one: later ones take longer."""
     return iter(guarded(answers, lambda: Followed().drive(text, changes or {}, DESIGNS / f"{name}.yaml")))
 
