@@ -14,7 +14,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import gc
 import sys
-from collections.abc import Iterator
+from collections.abc import Generator, Iterator
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -76,6 +76,14 @@ def pytest_collection_finish() -> None:
     """Leave all that is there before the first test out of what is looked through from now on."""
     gc.freeze()
     gc.enable()
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.TestReport]:
+    """Leave the words by which tests are chosen out of what workers send of each test three times."""
+    report = yield
+    report.keywords = {}
+    return report
 
 
 @pytest.fixture

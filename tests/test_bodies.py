@@ -123,6 +123,7 @@ def test_a_set_screw_over_the_keyway_is_as_long_as_the_wall_there() -> None:
     assert taken == pytest.approx(hole_volume(1.5, 12.0, None, 6.8), rel=2e-3)
 
 
+@pytest.mark.slow
 @at_once("tolerance", [0.05, 0.005])
 @at_once("diameter", [1.0, 9.0])
 def test_the_quadrature_that_judges_a_screw_hole_has_digits_to_spare(tolerance: float, diameter: float) -> None:

@@ -155,6 +155,7 @@ def test_a_level_extreme_is_named_where_it_begins() -> None:
 TEXT = re.compile(r'<text style="[^"]*text-anchor: (\w+);[^"]*" x="([\d.]+)" y="([\d.]+)"[^>]*>([^<]+)<')
 
 
+@pytest.mark.slow
 @at_once(
     ("largest", "size"),
     [(2e-7, CHART), (0.4, OF_REPORT), (8.0, CHART), (1.1e5, CHART), (1.1e5, OF_REPORT), (3e7, CHART), (2e12, CHART)],

@@ -115,8 +115,13 @@ RACK_CUT = [
 
 @pytest.mark.judges("teeth")
 @pytest.mark.tiers(
-    quick=["*DRIVEN-circle of 12"],
-    slow=["Gear.DRIVING-undercut ellipse", "Gear.DRIVING-circle of 18", "Gear.DRIVEN-sine", "Gear.DRIVEN-ellipse"],
+    slow=[
+        "*DRIVEN-circle of 12",
+        "Gear.DRIVING-undercut ellipse",
+        "Gear.DRIVING-circle of 18",
+        "Gear.DRIVEN-sine",
+        "Gear.DRIVEN-ellipse",
+    ],
     rest="long",
 )
 @pytest.mark.parametrize("name", RACK_CUT)

@@ -426,7 +426,7 @@ def one_of(name: str) -> Demand:
     return small() if name == "small" else demand()
 
 
-@pytest.mark.tiers(quick=["small"], rest="slow")
+@pytest.mark.slow
 @every_machine
 def test_means_over_the_cycle_against_simpsons_rule(name: str) -> None:
     """Work of the shaft as of the rigid level; the mean cube of the mesh force by Simpson's rule."""

@@ -196,6 +196,7 @@ def test_no_helix_is_straight_and_twice_the_sections_change_little() -> None:
     assert usual != pytest.approx(one, rel=0.05)
 
 
+@pytest.mark.slow
 def test_forces_of_all_sections_balance_the_torque() -> None:
     """Each force times its base radius; a pair's force is that of its sections."""
     loading, _ = loaded("uniform", 24, helix_of(20.0), 3)

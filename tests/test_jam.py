@@ -73,6 +73,7 @@ def test_many_jams_are_endured_less_and_a_light_one_changes_nothing() -> None:
     assert light.strength.driving.bending.safety_min == without.strength.driving.bending.safety_min
 
 
+@pytest.mark.slow
 def test_the_second_of_two_stages_bears_the_jam_by_both_ratios() -> None:
     law = "law: harmonic_ratio, cosine: [0.1], second_stage: {cosine: [-0.2]}"
     series = text_of(1.0).replace("law: uniform_crank", law)

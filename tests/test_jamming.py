@@ -5,6 +5,7 @@ from __future__ import annotations
 from copy import deepcopy
 from dataclasses import replace
 from functools import cache
+from statistics import NormalDist
 from typing import Any
 
 import numpy as np
@@ -164,11 +165,9 @@ def test_nothing_is_needed_where_nothing_deviates() -> None:
 
 
 def test_what_all_positions_share_is_told_from_the_rest() -> None:
-    from scipy.stats import norm
-
     random = np.random.default_rng(5)
     shared = np.stack([0.03 * (random.random(300) - 0.5), random.random(300), np.zeros(300)])
-    rest = 0.002 * norm.ppf(random.random(300))
+    rest = 0.002 * np.array([NormalDist().inv_cdf(one) for one in random.random(300)])
     found = needed(0.01 - 0.7 * shared[0] + 0.02 * shared[1] + rest, shared)
     assert found.deviation == pytest.approx(0.002, rel=0.1)
     assert found.shared == pytest.approx(0.01 - 0.7 * shared[0] + 0.02 * shared[1], abs=5e-4)

@@ -276,6 +276,7 @@ def of_teeth(angle: Array, ratio: Array, tangent: Array) -> dict[str, Array]:
     return {"tooth_force_n": force, "flank_load_n_mm": force * curved * distance}
 
 
+@pytest.mark.slow
 def test_force_and_flank_load_of_a_law_are_those_of_the_formulas() -> None:
     """ln i12 = c + 0.3 cos phi2 - 0.1 sin 2 phi2 at 7200 angles, with 90 knots; and 8 M2/cos(alpha) of round gears."""
     task, knots = best("least_flank_load").begun.task, np.linspace(0.0, 2.0 * pi, 90, endpoint=False)

@@ -92,7 +92,7 @@ def held(crank: float, rod: float, offset: float, friction: float, against: tupl
     side; a force of it that points the other way is no balance.
     """
     found = []
-    theta = np.linspace(0.0, 2.0 * pi, 20_001)
+    theta = np.linspace(0.0, 2.0 * pi, 5_001)
     across = crank * np.sin(theta) - offset
     # The crank turns clockwise: theta falls
     speed = crank * np.sin(theta) + across / np.sqrt(rod**2 - across**2) * crank * np.cos(theta)
@@ -128,6 +128,8 @@ def rubbing(friction: float, out: float = 10.0, back: float = 10.0, **lengths: f
             "slider_kg": 0,
             "rod": {"mass_kg": 0, "center_mm": 0, "inertia_kg_mm2": 0},
             "crank": {"mass_kg": 0, "center_mm": 0, "inertia_kg_mm2": 0},
+            "driving_gear_kg_mm2": 0,
+            "driven_gear_kg_mm2": 0,
         },
     }
     return Drive(design_of(machine))

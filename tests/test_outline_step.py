@@ -69,6 +69,7 @@ def test_a_step_is_no_longer_than_it_may_be_and_holds_what_is_held() -> None:
     assert held.module_mm == pytest.approx(1.01 * KNOWN.module_mm, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_the_greatest_distance_is_less_where_it_is_asked_for() -> None:
     """About a square, whose corners the mean square follows less than the greatest distance does."""
     outline = outline_of(np.array([[-30.0, -30.0], [30.0, -30.0], [30.0, 30.0], [-30.0, 30.0]]), "")

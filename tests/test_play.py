@@ -157,6 +157,7 @@ def test_driven_gear_turned_too_far_overlaps(name: str, ahead_rad: float) -> Non
     assert 0.2 * 0.01 * radius < forced.overlap_mm.max() < 0.01 * radius
 
 
+@pytest.mark.slow
 @at_once("name", ["uniform", "ellipse", "sine", "baler"])
 def test_centre_distance_too_small_overlaps(name: str) -> None:
     near, free = play(name, 25, apart_mm=-0.1)[0], play(name, 25)[0]

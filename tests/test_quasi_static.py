@@ -103,7 +103,7 @@ def test_pairs_that_get_stiffer_and_softer_on_their_way_take_and_give_no_work(na
     assert given - worked(stiffening, angles) != pytest.approx(taken, rel=1e-5)
 
 
-@pytest.mark.tiers(quick=["uniform-24-300.0"], rest="long")
+@pytest.mark.tiers(slow=["uniform-24-300.0"], rest="long")
 @pytest.mark.parametrize(("name", "teeth", "torque_n_mm"), [("uniform", 24, 300.0), ("sine", 31, 2e4)])
 def test_most_pairs_are_found_between_angles_that_all_see_fewer(name: str, teeth: int, torque_n_mm: float) -> None:
     found = frictionless(meshing(name, teeth))

@@ -261,6 +261,7 @@ def test_the_script_moves_what_is_drawn(name: str) -> None:
             assert (x, y, np.radians(degrees)) == pytest.approx((place["x"], place["y"], place["angle"])), body
 
 
+@pytest.mark.slow
 @in_a_browser
 @at_once("name", ["baler", "pump-1-2", "askew", "both ways"])
 def test_the_script_presses_the_material(name: str) -> None:
@@ -272,6 +273,7 @@ def test_the_script_presses_the_material(name: str) -> None:
         assert float(moved[1]) + float(moved[3]) == pytest.approx(found.chamber.end_mm)
 
 
+@pytest.mark.slow
 @in_a_browser
 def test_the_script_presses_the_material_behind_the_slider() -> None:
     found = scene("both ways")
@@ -288,6 +290,7 @@ def numbers(box: str) -> list[float]:
     return [float(part) for part in box.split()]
 
 
+@pytest.mark.slow
 @in_a_browser
 @every_scene
 def test_views_show_what_they_say(name: str) -> None:
@@ -303,6 +306,7 @@ def test_views_show_what_they_say(name: str) -> None:
             assert (left + width / 2.0, top + height / 2.0) == pytest.approx((point["x"], -point["y"]))
 
 
+@pytest.mark.slow
 @in_a_browser
 def test_zooming_keeps_the_middle_and_is_undone() -> None:
     whole, zoomed = (numbers(in_browser()[f"baler {what}"]) for what in ("reset", "zoomed"))
@@ -311,6 +315,7 @@ def test_zooming_keeps_the_middle_and_is_undone() -> None:
     assert whole == pytest.approx(numbers(dict(in_browser()["baler"][0]["boxes"])["machine"]))
 
 
+@pytest.mark.slow
 @in_a_browser
 def test_wheel_and_keys_zoom_and_what_is_under_the_pointer_stays() -> None:
     told = in_browser()["baler hands"]
@@ -324,6 +329,7 @@ def test_wheel_and_keys_zoom_and_what_is_under_the_pointer_stays() -> None:
     assert undone == whole
 
 
+@pytest.mark.slow
 @in_a_browser
 def test_a_view_that_is_not_there_is_refused() -> None:
     assert in_browser()["baler moon"] == "no view moon; there are machine, gears, mesh"

@@ -78,7 +78,7 @@ def least_width(teeth: int, module_mm: float) -> float:
     return ceil(max(width, 5.0 * module_mm) - 1e-9)
 
 
-@pytest.mark.tiers(quick=["70.0"], rest="slow")
+@pytest.mark.slow
 @pytest.mark.parametrize("space_mm", [inf, 120.0, 70.0])
 def test_the_smallest_of_all_sizes_is_found(pretend: list[int], space_mm: float) -> None:
     """No number of teeth from 20 to 240 and no module of the series give 5 % less volume than the first answer."""

@@ -67,7 +67,7 @@ BORES = [None, Bore(30.0), Bore(30.0, Keyway(8.0, 3.3)), Bore(6.0, Keyway(5.9, 1
 
 
 @pytest.mark.judges("solids")
-@pytest.mark.tiers(quick=["None"], slow=["bore2"], rest="long")
+@pytest.mark.tiers(slow=["None", "bore2"], rest="long")
 @pytest.mark.parametrize("bore", BORES)
 def test_volume_is_that_of_the_closed_form(bore: Bore | None) -> None:
     mesh = extruded(wavy(), 20.0, bore, 1e-4)

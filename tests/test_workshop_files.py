@@ -133,7 +133,7 @@ def cut_area(data: bytes, prefix: str = "") -> Polygon:
 
 
 @pytest.mark.judges("files")
-@pytest.mark.tiers(quick=["ellipse-*"], slow=["internal-1-2-Gear.DRIVING"], rest="long")
+@pytest.mark.tiers(quick=["ellipse-Gear.DRIVING"], slow=["ellipse-*", "internal-1-2-Gear.DRIVING"], rest="long")
 @pytest.mark.parametrize("gear", Gear)
 @pytest.mark.parametrize("name", DESIGNS)
 def test_a_drawing_has_the_exact_outline_to_a_tenth_of_the_chord_tolerance(name: str, gear: Gear) -> None:
