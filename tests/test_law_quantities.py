@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 from math import cos, inf, pi, radians, sin, tan
+from types import SimpleNamespace
 from typing import Any
 
 import mpmath as mp
@@ -16,7 +17,7 @@ from ncgear.mechanisms.resistance import PolynomialResistance
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.optimum.certified.demands import Demands
 from ncgear.optimum.certified.sweeps import Sweeps, SweptLimits
-from ncgear.optimum.makeable import quantities
+from ncgear.optimum.makeable import levels, quantities
 from ncgear.optimum.makeable.places import cell_ends, places
 from ncgear.optimum.makeable.quantities import Place, Slider
 from ncgear.optimum.makeable.reached import over_turn, peaks, running
@@ -27,6 +28,8 @@ from ncgear.ratio.transmission import Lobes
 pytestmark = pytest.mark.judges("optimum")
 
 SPEED, AT = 7.0, 1.1
+
+Fake: Any = SimpleNamespace
 
 # --- quantities of a law ---------------------------------------------------------------------------------------------
 
@@ -249,3 +252,35 @@ def test_two_ellipses_about_foci_are_turned_to_each_other(share: float, fixed_si
     assert pair.scale == pytest.approx(1.0 / size, rel=1e-3)
     # The mate's far end is at 180 + 25 deg of its drawing, and meets the near end at 0.
     assert abs(np.angle(np.exp(1j * (pair.turned_rad - radians(205.0))))) < radians(1.5)
+
+
+@pytest.mark.parametrize("stated", [True, False])
+def test_the_load_of_teeth_is_the_torque_over_lever_and_distance(stated: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With teeth and a module, the distance is that at which the pitch curve has their length."""
+    monkeypatch.setattr(quantities, "driving_torque", lambda at, slider, speed: 3.0 * speed)
+    monkeypatch.setattr(quantities, "inverse_levers", lambda at, angles: (10.0 * angles[0], 100.0 * angles[1]))
+    monkeypatch.setattr(quantities, "relative_curvature", lambda at: 0.25)
+    monkeypatch.setattr(levels, "of_figure", lambda *given: given)
+    teeth, module = (30, 2.0) if stated else (None, None)
+    gears = Fake(
+        center_distance_mm=80.0,
+        teeth=teeth,
+        module_mm=module,
+        rack_angle_rad=0.3,
+        idle_angle_rad=0.4 if stated else None,
+        rolled_mm=lambda lobes: 50.0 * lobes.driving,
+    )
+    task = Fake(gears=gears, cycle_rad=6.0, lobes=Fake(driving=3), speed_rad_s=7.0)
+    scales = Fake(torque_n_mm=11.0)
+    at, torque, back = Fake(ratio=0.5), 3.0 * 7.0 * 0.5, 0.4 if stated else 0.3
+    distance = 30 * pi * 2.0 / (3 * 1.25) if stated else 80.0
+    *_, unit, limit, price, sides = levels._tooth_force(task, scales, None, 0.5)
+    assert (unit, limit, price) == (pytest.approx(11.0 * 6.0 / 150.0), None, 0.5)
+    loads = np.array([torque * 3.0, -torque * 100.0 * back])
+    assert sides(at, Fake(), 1.25) == pytest.approx(loads / distance / unit)
+    *_, unit, limit, price, sides = levels._flank_load(task, scales, None, 0.5)
+    assert (unit, limit, price) == (8.0 * 11.0, None, 0.5)
+    assert sides(at, Fake(), 1.25) == pytest.approx(loads * 0.25 / unit)
+    for load in (levels._tooth_force, levels._flank_load):
+        *_, unit, limit, _, _ = load(task, scales, 40.0, 0.0)
+        assert (unit, limit) == (40.0, 40.0)

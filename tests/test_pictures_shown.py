@@ -25,12 +25,14 @@ from ncgear.drawings.pictures import positions_at
 from ncgear.drawings.plots import canvas
 from ncgear.drawings.plots.assembled_pair import pitch_curves_png, teeth_png
 from ncgear.figures.side_by_side import SideBySide
+from ncgear.files import sweep
 from ncgear.files.balance import campbell, loops
 from ncgear.files.bench import stage_png
 from ncgear.files.measured import _along_flanks, _round_factor, compared_pictures, deviations_png
+from ncgear.files.searched import outline_picture
 from ncgear.files.side_by_side import CHARTS, side_by_side_png
 from ncgear.files.strength import HOLDING_SCALE, ColouredGear, coloured_teeth_png
-from ncgear.files.sweep import Axis, _chosen, pareto, scatter_matrix
+from ncgear.files.sweep import Axis, _chosen, _effects_picture, pareto, scatter_matrix
 from ncgear.files.tolerance import Spread, sources, spreads
 from ncgear.files.workshop.gear_drawing import pitch_points
 from ncgear.metrology.best_fit import BestFit, Pose, on_flanks
@@ -491,3 +493,76 @@ def test_points_of_a_pitch_curve_keep_the_tolerance_and_are_hardly_more_than_tha
         middle = curve.at_length(at).position
         off = np.hypot(*(middle - (points + np.roll(points, -1, axis=0)) / 2.0).T)
         assert 0.7 * tolerance < off.max() <= tolerance
+
+
+@pytest.mark.judges("files")
+def test_what_each_key_does_is_shown_on_one_scale_an_objective(
+    shown: Callable[..., Figure], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A bin without designs is not shown; of an objective, all keys have one scale; every mean is within it."""
+    monkeypatch.setattr(sweep, "rank_correlations", lambda _: np.array([[0.5, -0.25], [0.125, 1.0]]))
+    effects = Made(
+        designs=np.array([[3, 0, 2], [1, 1, 5]]),
+        places=np.array([[1.0, 2.0, 3.0], [10.5, 20.0, 30.0]]),
+        refused_share=np.array([[0.0, 0.5, 0.25], [1.0, 0.125, 0.0]]),
+        means=np.array([[[1.0, 7.0], [np.nan, np.nan], [3.0, 9.0]], [[np.nan, np.nan], [2.0, 5.0], [5.0, 6.0]]]),
+        explained=np.array([[0.31, 0.47], [0.62, np.nan]]),
+    )
+    wanted = Made(objectives=[Made(name="figures.mass_kg"), Made(name="figures.peak_power_w")])
+    overview = Made(effects=effects, space=Made(keys=["teeth", "rod_mm"]), wanted=wanted, count=11)
+    made = shown(_effects_picture, "press", overview)
+    cells = np.array(made.axes, dtype=object).reshape(2, 3)
+    assert [line.get_xdata().tolist() for line in (cell.lines[0] for cell in cells[0])] == [[1.0, 3.0]] * 3
+    ydata = [[cell.lines[0].get_ydata().tolist() for cell in row] for row in cells]
+    assert ydata == [[[1.0, 3.0], [7.0, 9.0], [0.0, 25.0]], [[2.0, 5.0], [5.0, 6.0], [100.0, 12.5, 0.0]]]
+    for column, (low, high) in enumerate([(1.0, 5.0), (5.0, 9.0), (0.0, 100.0)]):
+        bottom, top = cells[0, column].get_ylim()
+        assert cells[1, column].get_ylim() == (bottom, top)
+        assert 0.02 < (low - bottom) / (high - low) < 0.15
+        assert 0.02 < (top - high) / (high - low) < 0.15
+    assert [cell.texts[0].get_text() for cell in cells[:, :2].ravel()] == [
+        "explains 31 %, rank +0.50",
+        "explains 47 %, rank -0.25",
+        "explains 62 %, rank +0.12",
+        "does not vary",
+    ]
+    assert not cells[0, 2].texts
+    assert [bool(cell.get_title(loc="left")) for cell in cells.ravel()] == [True] * 3 + [False] * 3
+    places = [cell.get_position() for cell in cells.ravel()]
+    assert places[0].y0 > places[3].y1
+    assert places[0].x1 < places[1].x0
+    assert "11 designs" in str([text.get_text() for text in made.texts])
+
+
+@pytest.mark.judges("files")
+def test_the_outline_of_a_mate_is_shown_where_the_mate_stands(shown: Callable[..., Figure]) -> None:
+    """Its first point faces the curve's: what the drawing has at an eighth turn is towards the other axis."""
+    square = np.array([[1.0, 1.0], [-1.0, 1.0], [-1.0, -1.0], [1.0, -1.0]])
+    own = Made(at_mm=[3.0, 1.0], toward_mm=[3.5, 1.0], greatest_mm=0.5)
+    away = Made(at_mm=[6.0, 6.0], toward_mm=[5.0, 6.0], greatest_mm=2.0)
+    curve = Made(axis_mm=np.array([3.0, 0.0]), center_distance_mm=10.0, mate_place=Made(turned_rad=pi / 4))
+    follower = Made(scale=2.0, axis_mm=np.array([5.0, 5.0]), outline=Made(corners=square + 5.0), deviation=away)
+    found = Made(
+        deviation=own,
+        curve=curve,
+        mate=follower,
+        outline=Made(corners=square + np.array([3.0, 0.0])),
+        points_mm=square * 2.0 + np.array([3.0, 0.0]),
+        mate_points_mm=square * 3.0,
+    )
+    (axes,) = shown(outline_picture, found, "press").axes
+    drawn, mate = (patch.get_xy()[:4] for patch in axes.patches)
+    assert drawn == pytest.approx(found.outline.corners)
+    # Twice as large, and turned so that the corner (1, 1) is to the left of the mate's axis.
+    diagonal = 2.0 * 2.0**0.5
+    assert mate[:2] == pytest.approx(np.array([[13.0 - diagonal, 0.0], [13.0, -diagonal]]), abs=1e-12)
+    ends = [line.get_xydata() for line in axes.lines]
+    assert ends[0][:4] == pytest.approx(found.points_mm)
+    assert ends[1] == pytest.approx(np.vstack([square, square[:1]]) * 3.0 + [13.0, 0.0])
+    assert ends[2] == pytest.approx(np.array([[3.0, 1.0], [3.5, 1.0]]))
+    assert ends[3] == pytest.approx(np.array([mate[0], (mate[0] + mate[1]) / 2.0]), abs=1e-12)
+    assert ends[4] == pytest.approx(np.array([[3.0, 0.0], [13.0, 0.0]]))
+    assert "2.00 mm" in str([text.get_text() for text in axes.figure.texts])
+    assert "0.50 mm" in str(
+        [text.get_text() for text in shown(outline_picture, Made(**{**vars(found), "mate": None}), "press").texts]
+    )

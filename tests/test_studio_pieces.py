@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
 import re
+from collections.abc import AsyncIterator
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -15,6 +18,7 @@ from at_once import at_once
 from drives import loaded
 from ncgear.errors import NoSuchMechanism
 from ncgear.optimum.makeable.wishes import Goal
+from ncgear.studio import server
 from ncgear.studio.motion_answers import LIVE_POINTS, _thinned
 from ncgear.studio.page import GROUPS, beginnings, start_page
 from ncgear.studio.told import saved
@@ -85,3 +89,48 @@ def test_nothing_is_said_where_no_limit_is_known(monkeypatch: pytest.MonkeyPatch
 
     monkeypatch.setattr("ncgear.project.best_law.BestLaw", Refused)
     assert saved(loaded("pump-1-2").design) is None
+
+
+def test_pages_that_are_closed_are_forgotten_the_oldest_first(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """Those that are open stay, and so do as many others as are remembered."""
+    gone: list[int] = []
+    opened = iter(range(1000))
+
+    def page(path: Path, out: Path, ready: Any) -> Any:
+        number = next(opened)
+        return Fake(number=number, draft=Fake(let_go=lambda: gone.append(number)))
+
+    monkeypatch.setattr(server, "OpenPage", page)
+    monkeypatch.setattr(server, "MOST_REMEMBERED", 5)
+    studio = server.Studio(tmp_path / "design.yaml", tmp_path)
+    studio.open["page 1"] = Fake()
+    for number in range(9):
+        ready = studio.ready
+        assert studio.page_of(f"page {number}") is studio.page_of(f"page {number}")
+        assert studio.ready is not ready
+        assert len(studio.pages) == min(number + 1, 5)
+    assert [*studio.pages] == ["page 1", *(f"page {number}" for number in range(5, 9))]
+    assert gone == [0, 2, 3, 4]
+
+
+def test_a_drawing_that_comes_in_parts_is_dropped_as_a_whole(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    came: list[tuple[str, bytes]] = []
+
+    async def dropped(name: str, content: bytes) -> None:
+        came.append((name, content))
+
+    def answer(page: str, *parts: bytes) -> Any:
+        async def stream() -> AsyncIterator[bytes]:
+            for part in parts:
+                yield part
+
+        request: Any = Fake(query_params={"page": page, "name": "heart.svg"}, stream=stream)
+        return asyncio.run(studio.drop(request))
+
+    monkeypatch.setattr(server, "LARGEST_DRAWING", 8)
+    studio = server.Studio(tmp_path / "design.yaml", tmp_path)
+    studio.open["one"], studio.pages["one"] = Fake(), Fake(dropped=dropped)
+    assert answer("two", b"abc").status_code == 404
+    assert (answer("one", b"abc", b"def", b"gh").status_code, came) == (200, [("heart.svg", b"abcdefgh")])
+    assert answer("one", b"abc", b"def", b"ghi").status_code == 413
+    assert len(came) == 1

@@ -10,6 +10,7 @@ import subprocess
 import sys
 from functools import cache
 from io import BytesIO, StringIO
+from math import pi
 from pathlib import Path
 from xml.etree import ElementTree
 from zipfile import ZipFile
@@ -32,7 +33,7 @@ from later import Later
 from ncgear.contact.written.as_written import Outlines
 from ncgear.drawings.beside import HERE
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING
-from ncgear.files.read_back import exact_outlines, outline_errors_mm, outline_of_dxf
+from ncgear.files.read_back import exact_outlines, outline_errors_mm, outline_of_dxf, outline_of_svg
 from ncgear.files.workshop.drawing import Layer, Use
 from ncgear.files.workshop.formats import USUAL, WRITERS, Format, all_made, begun_workshop_files
 from ncgear.files.workshop.gear_drawing import pitch_points
@@ -675,3 +676,16 @@ def test_keys_of_nodes_turn_them_in_their_places_by_the_law(name: str, mesh: Mes
         assert (times.min, times.max) == ([0.0], [pytest.approx(phi1[-1] / 3.0)])
         keys = Rotation.from_quat(numbers(sampler.output, 4)).as_matrix()
         assert keys == pytest.approx(up @ Rotation.from_rotvec(angle[:, None] * [0.0, 0.0, 1.0]).as_matrix(), abs=1e-6)
+
+
+@pytest.mark.judges("files")
+@pytest.mark.parametrize("sweep", [1, 0])
+def test_arcs_of_an_svg_file_are_read_to_their_side(sweep: int) -> None:
+    """A square whose sides are half a circle and a quarter of one, both outwards or both inwards."""
+    path = f"M0 0L2 0A1 1 0 0 {sweep} 2 2A1.4142135 1.4142135 0 0 {sweep} 0 2L0 0Z"
+    text = f'<svg xmlns="http://www.w3.org/2000/svg"><g id="AXIS"/><g id="OUTLINE"><path d="{path}"/></g></svg>'
+    outline = outline_of_svg(text.encode())
+    bent = pi / 2.0 + (pi / 2.0 - 1.0)
+    assert Polygon(outline).area == pytest.approx(4.0 + (bent if sweep else -bent), rel=1e-5)
+    far = outline[:, 0].max(), outline[:, 1].max()
+    assert far == pytest.approx((3.0, 2.0**0.5 + 1.0) if sweep else (2.0, 2.0), abs=1e-5)

@@ -141,7 +141,8 @@ class Studio:
         """A page by the name that it has chosen; the oldest closed pages are forgotten."""
         assert self.path is not None
         if name not in self.pages:
-            for old in [one for one in self.pages if one not in self.open][: len(self.pages) - MOST_REMEMBERED + 1]:
+            closed = [one for one in self.pages if one not in self.open]
+            for old in closed[: max(len(self.pages) - MOST_REMEMBERED + 1, 0)]:
                 self.pages.pop(old).draft.let_go()
             # The processes of the first page load their modules while the browser starts.
             self.pages[name] = OpenPage(self.path, self.out, self.ready)
