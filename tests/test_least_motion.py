@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache
 from math import atan, degrees, exp, log, pi, tan
 from pathlib import Path
@@ -77,6 +78,12 @@ def test_the_peak_jerk_of_a_uniform_crank_is_that_of_its_formula() -> None:
     jerks = [abs(diff(place, mpf(2.0 * pi * number / 1000), 3)) for number in range(1000)]
     assert found.value == pytest.approx(float(max(jerks)) * TURNING_RAD_S**3, rel=5e-5)
     assert found.value >= float(max(jerks)) * TURNING_RAD_S**3 * (1.0 - 1e-9)
+    # Rounding errors at the dead centres are no jumps, however large the mechanism is.
+    huge = replace(BALER_LINKAGE, crank_mm=1e5 * BALER_LINKAGE.crank_mm, rod_mm=1e5 * BALER_LINKAGE.rod_mm)
+    larger = peak_jerk(Machine(single(uniform_law(Lobes())).whole, huge, SliderLoad(), TURNING_RAD_S))
+    assert found is not None
+    assert larger is not None
+    assert larger.value == pytest.approx(1e5 * found.value, rel=1e-9)
 
 
 @pytest.mark.judges("kinematics")
