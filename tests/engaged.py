@@ -32,6 +32,7 @@ LAWS: dict[str, Callable[[], Transmission]] = {
     "uniform": lambda: uniform_law(Lobes()),
     "uniform 1:2": lambda: uniform_law(Lobes(1, 2)),
     "uniform 3:2": lambda: uniform_law(Lobes(3, 2)),
+    "uniform 2:3": lambda: uniform_law(Lobes(2, 3)),
     "ellipse": lambda: elliptical_law(0.35, 0.0, Lobes()),
     "long ellipse": lambda: elliptical_law(0.7, 0.0, Lobes()),
     "sine": lambda: sine_law(0.08),

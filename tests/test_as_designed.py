@@ -19,7 +19,15 @@ from ncgear.contact.designed.as_designed import AsDesigned, SideContact, as_desi
 from ncgear.contact.designed.curves import side_paths
 from ncgear.contact.designed.flanks import TOUCHING_IN_PITCHES
 from ncgear.contact.pair import refuse_overlap
-from ncgear.contact.placement import REACH_IN_PITCHES, Placement, meetings, placed, placed_at, single_meetings
+from ncgear.contact.placement import (
+    REACH_IN_PITCHES,
+    Placement,
+    _crossings_mm,
+    meetings,
+    placed,
+    placed_at,
+    single_meetings,
+)
 from ncgear.errors import NoSuchMechanism
 from ncgear.teeth.flank import FLANK
 from ncgear.teeth.form import TipRelief, ToothForm
@@ -99,6 +107,17 @@ def test_positions_cover_a_meeting_cycle_evenly(name: str, teeth: int, driven: i
     assert {first for first, _ in met} == set(range(1, teeth + 1))
     assert {second for _, second in met} == set(range(1, driven + 1))
     assert count // lcm(teeth, driven) >= 20
+
+
+def test_mates_cross_the_pitch_point_together_in_every_turn() -> None:
+    """Of 20 and 30 teeth, which all meet within three turns, each pair of flanks once on either side."""
+    pitch, pair = made("uniform 2:3", 20)
+    side, driving, driven, own, other = _crossings_mm(pair, placed(pitch))
+    assert own == pytest.approx(other, abs=1e-9)
+    assert own.min() > -pi * MODULE
+    assert own.max() < 3.0 * pitch.driving.length_mm
+    met = set(zip(side.tolist(), driving.tolist(), driven.tolist(), strict=True))
+    assert len(met) == side.size == 2 * 60
 
 
 # --- exact flanks keep the law -------------------------------------------------------------------------------------
@@ -524,6 +543,11 @@ def test_contact_ratio_does_not_count_flanks_that_a_relief_holds_apart(amount_mm
         assert side.pairs.arcs == pytest.approx(2.0 * half / pitch, abs=0.02)
         assert side.simultaneous.mean() == pytest.approx(2.0 * half / pitch, abs=0.06)
         assert side.reaches.min() > side.pairs.arcs.max() + 0.1
+        touching = side.touching.kept(side.touching.flanks)
+        place = touching.fixed_points(contact.placement)
+        # Flanks touch between the base and the tip circles of both gears.
+        for axis in (0.0, 50.0):
+            assert 25.0 * cos(ALPHA) - 0.01 < np.abs(place - axis).min() <= np.abs(place - axis).max() < 27.0 + 1e-9
     plain = designed("uniform", 25)
     assert all(np.array_equal(side.pairs.arcs, side.reaches) for side in both(plain))
     assert (contact.held_apart, plain.held_apart) == (True, False)

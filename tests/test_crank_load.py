@@ -9,13 +9,14 @@ import numpy as np
 import pytest
 
 from loaded import LINKAGE, MASSES, slider_load
-from ncgear.dynamics.crank_load import INTERVALS, crank_angles_rad, crank_load
+from ncgear.dynamics.crank_load import INTERVALS, CrankLoad, crank_angles_rad, crank_load
 from ncgear.errors import WrongInput
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.forces import CrankPace, RodMasses
 from ncgear.mechanisms.resistance import PolynomialResistance, TableResistance
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.jet import Jet
+from ncgear.numerics.periodic_table import PeriodicTable
 
 WEIGHT = replace(MASSES, gravity_m_s2=(1.3, -9.81))
 RESISTANCE = PolynomialResistance((-40.0, 3.0, 0.02))
@@ -86,3 +87,12 @@ def test_a_shaft_without_inertia_is_refused() -> None:
     with pytest.raises(WrongInput, match="nothing that turns with the crank has inertia") as caught:
         slider_load(masses=RodMasses(slider_kg=5.0))
     assert caught.value.key == "masses"
+
+
+def test_a_motion_stops_at_dead_centres_and_at_both_ends_of_narrow_stretches() -> None:
+    """Also after whole turns, and with small steps within a stretch alone."""
+    table = PeriodicTable(np.array([0.0, 2.0 * pi]), np.array([[1.0, 0.0]])[None])
+    load = CrankLoad(table, (0.0, pi), np.array([[1.0, 1.2, 0.01]]))
+    for turns in (0.0, 4.0 * pi):
+        for at, stop, way in ((0.5, 1.0, np.inf), (1.1, 1.2, 0.01), (1.2, pi, np.inf), (4.0, 2.0 * pi, np.inf)):
+            assert load.next_stop_rad(turns + at) == pytest.approx((turns + stop, way))

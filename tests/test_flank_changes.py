@@ -151,6 +151,19 @@ def test_pairs_count_that_the_hardest_load_presses() -> None:
         assert levers.tolist() == [LEVER_MM]
 
 
+@pytest.mark.parametrize("exponent", [1.0, 1.5])
+def test_many_pairs_press_as_few_do(exponent: float) -> None:
+    """Arrays and plain numbers tell the same moment, with damping, pulls left out and what comes later."""
+    generator, impact = np.random.default_rng(8), Impact(exponent, 30.0, 2e-3)
+    arms = generator.choice([-1.0, 1.0], 40) * generator.uniform(40.0, 60.0, 40)
+    pairs = np.array(
+        [arms, generator.normal(0.0, 1e-4, 40), generator.uniform(3e4, 5e4, 40), generator.normal(size=40)]
+    )
+    for ahead, speed, later in ((0.0, 0.0, 0.0), (1e-5, 0.4, 0.0), (-5e-5, -0.7, 1e-5)):
+        one_by_one = moment_n_mm(impact, pairs.T.tolist(), ahead, speed, later)
+        assert moment_n_mm(impact, pairs, ahead, speed, later) == pytest.approx(one_by_one, rel=1e-12)
+
+
 def test_teeth_without_play_bear_what_is_asked() -> None:
     found, angles = borne_torque(teeth(0.0, DAMPED), load(), saw, SPEED, TURN), np.linspace(0.0, TURN, 5001)
     assert np.abs(found.at(angles) - saw(angles)).max() < 0.05 * saw(angles).max()

@@ -36,8 +36,18 @@ from ncgear.solids.helical.even_tips import ceilings_over, heights_fitted, with_
 from ncgear.solids.helical.helix import Hand, Helix
 from ncgear.solids.helical.mesh import helical_pair
 from ncgear.solids.helical.patches import _interpolated, _sharing_edges
-from ncgear.solids.helical.sections import Sections, pieces_of
-from ncgear.solids.helical.stack import MOST_STEPS, Columns, Stack, StrayLimits, close_stacks, spread_columns, stacked
+from ncgear.solids.helical.sections import Pieces, Sections, pieces_of
+from ncgear.solids.helical.stack import (
+    MOST_STEPS,
+    Columns,
+    Stack,
+    StrayLimits,
+    close_columns,
+    close_stacks,
+    sagittas,
+    spread_columns,
+    stacked,
+)
 from ncgear.solids.mesh.pair import SolidPair
 from ncgear.solids.plan.body import Blank, Bore, Keyway
 from ncgear.solids.plan.room import full_disc, largest_bore_mm
@@ -404,6 +414,24 @@ def test_surfaces_of_round_helical_teeth_are_the_section_turned() -> None:
     assert 0.9 * strayed < found.deviation_mm < 2.0 * strayed
     with pytest.raises(Unanswered, match="where they should meet"):
         _sharing_edges(found.poles_mm[::2], TOLERANCE)
+
+
+def test_columns_are_added_where_an_outline_strays_and_nowhere_else() -> None:
+    """Of a half disc: its side needs none, its arc so many that each cuts off at most what is allowed."""
+    arc = 20.0 * np.exp(1j * np.linspace(0.0, pi, 2001))
+    points = np.column_stack([arc.real, arc.imag])
+    length = np.append(0.0, np.cumsum(np.hypot(*np.diff(points, axis=0).T)))
+    pieces = Pieces(
+        np.vstack([points, points[:1]]),
+        np.append(length, length[-1] + 40.0),
+        np.array([0.0, length[-1], length[-1] + 40.0]),
+    )
+    found = close_columns(Columns(np.array([0, 1]), np.zeros(2)), [pieces, pieces], StrayLimits(0.1, 1e-3))
+    ring = found.rings([pieces])[0]
+    assert sagittas(found, pieces, ring).max() <= 0.1
+    chords = np.count_nonzero(found.piece == 0)
+    assert 20.0 * (1.0 - cos(pi / 2.0 / chords)) <= 0.1 < 20.0 * (1.0 - cos(pi / chords))
+    assert np.count_nonzero(found.piece == 1) == 1
 
 
 def test_columns_are_halved_where_they_are_marked_and_spread_as_wanted() -> None:

@@ -14,6 +14,7 @@ from numpy.polynomial import Polynomial, legendre
 
 from at_once import at_once
 from ncgear.kinematics.check import KinematicCheck, at_speed, kinematic_check
+from ncgear.kinematics.even_speed import _reach
 from ncgear.kinematics.motion import Machine, sample_angles
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.resistance import PolynomialResistance
@@ -367,3 +368,17 @@ def test_a_law_that_begins_a_rounding_error_early_meets_its_force() -> None:
     assert pump.driven_angle(np.zeros(1)).value[0] < 0.0
     of = Machine(pump, CrankSlider(30.0, 120.0), SliderLoad(PolynomialResistance((400.0,))), 1.0)
     assert of.motion(np.zeros(1)).load[0] == 400.0
+
+
+@at_once("count", [1, 2, 5, 16, 37])
+def test_stretches_of_even_speed_reach_as_far_as_a_plain_search_finds(count: int) -> None:
+    """The last sample up to which the fastest is no more than so many times the slowest."""
+    speed = np.random.default_rng(count).uniform(1.0, 1.5, count)
+    last, highest, lowest = _reach(speed, 1.3)
+    for first in range(count):
+        fits = [
+            end for end in range(first, count) if speed[first : end + 1].max() <= 1.3 * speed[first : end + 1].min()
+        ]
+        end = next(one for one in fits if one + 1 not in fits)
+        of = speed[first : end + 1]
+        assert (last[first], highest[first], lowest[first]) == (end, of.max(), of.min())

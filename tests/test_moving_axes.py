@@ -175,3 +175,12 @@ def test_the_same_gears_at_a_fixed_distance_clash() -> None:
 
     (found,) = contacts_of(replace(train, poses_at=poses_at), {part.name: part.outline_mm for part in train.parts})
     assert found.deepest_mm > 1.0
+
+
+@pytest.mark.parametrize(("driving", "driven"), [(1, 1), (2, 3), (4, 2), (3, 6)])
+def test_a_cycle_is_the_least_driving_angle_of_whole_turns_on_both_gears(driving: int, driven: int) -> None:
+    """The driven gear makes as many turns for one of the driving gear as driving lobes over driven ones."""
+    axes = MovingAxes(uniform_law(Lobes(driving, driven)), lambda phi, order: Jet(np.zeros((order + 1, phi.size))))
+    turns = axes.cycle_rad / (2.0 * pi)
+    whole = [one for one in range(1, 20) if one * driving % driven == 0]
+    assert turns == pytest.approx(min(whole), rel=1e-12)

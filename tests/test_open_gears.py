@@ -228,6 +228,16 @@ def test_the_teeth_of_the_range_do_not_depend_on_the_continuation(monkeypatch: p
     assert arcs[0] == pytest.approx(arcs[1], abs=1e-9)
 
 
+def test_a_law_is_levelled_within_a_way_without_a_jump_of_its_curvature() -> None:
+    """From its value, slope, bend and third derivative to none of them, by the polynomial itself."""
+    taylor, width = np.array([0.3, -1.2, 0.7, 2.5]), 0.8
+    found = np.polynomial.Polynomial(continued._levelling(taylor, width))
+    for order, wanted in enumerate((0.3, -1.2, 2.0 * 0.7, 6.0 * 2.5)):
+        assert found.deriv(order)(0.0) / width**order == pytest.approx(wanted)
+        if order:
+            assert found.deriv(order)(1.0) == pytest.approx(0.0, abs=1e-12)
+
+
 # --- teeth
 
 

@@ -13,7 +13,7 @@ from shapely import Polygon
 
 from at_once import at_once
 from engaged import MODULE, TOLERANCE, least_driven_radius, made
-from ncgear.contact.placement import Placement, placed
+from ncgear.contact.placement import Placement, placed, placed_at
 from ncgear.contact.written.as_written import BEYOND, reach_mm
 from ncgear.contact.written.play import WrittenPlay, facing_outlines, outline_play
 from ncgear.contact.written.polar import NO_RUN, polar_outline, radial_runs
@@ -110,6 +110,21 @@ def test_play_of_rough_outlines_is_what_a_plain_search_finds(seed: int) -> None:
     at = placed(pitch)
     found = outline_play(facing_outlines(*rough, at), at, REACH)
     for row in range(seed, at.count, 17):
+        assert (found.up_rad[row], found.down_rad[row]) == pytest.approx(plain_play(*rough, at, row), abs=1e-12)
+
+
+@pytest.mark.parametrize("tolerance", [0.05, 0.4])
+def test_play_of_coarse_outlines_at_a_few_positions_is_what_a_plain_search_finds(tolerance: float) -> None:
+    """Chords longer than vertices are followed, every vertex moved at random."""
+    pitch, pair = made("sine", 12, tolerance, 0.4)
+    noise = np.random.default_rng(1)
+    rough = [
+        gear.outline_mm + noise.uniform(-0.05, 0.05, gear.outline_mm.shape) for gear in (pair.driving, pair.driven)
+    ]
+    even = placed(pitch)
+    at = placed_at(pitch, even, even.rolled_mm[[3, 40, 77, 114, 151, 188]] + 0.3)
+    found = outline_play(facing_outlines(*rough, at), at, REACH)
+    for row in range(at.count):
         assert (found.up_rad[row], found.down_rad[row]) == pytest.approx(plain_play(*rough, at, row), abs=1e-12)
 
 

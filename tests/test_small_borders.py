@@ -23,8 +23,13 @@ from ncgear.kinematics.crank_stretches import CrankStretch
 from ncgear.mechanisms.rack_pinion import TEETH, RackPinion
 from ncgear.mechanisms.scotch_yoke import ScotchYoke
 from ncgear.metrology.round_tool import _free
+from ncgear.numerics.extrema import Extremum
+from ncgear.pitch.shape import Gear
+from ncgear.teeth.sides import refuse_sharp_curve, refuse_sharp_places
+from ncgear.teeth.tool import gouged_mm, least_concave_radius_mm
 from ncgear.tolerances.iso286 import LEAST_MM, standard_tolerance_mm
 from ncgear.wishes.requirements import DecelerationWithin, EvenSpeed, SpeedWithin, TimeWithin
+from pairs import rack
 
 Made: Any = SimpleNamespace
 
@@ -181,3 +186,57 @@ def test_widths_below_the_standard_go_with_the_size() -> None:
     least = standard_tolerance_mm(7, LEAST_MM)
     assert least is not None
     assert standard_tolerance_mm(7, LEAST_MM / 4.0) == pytest.approx(least / 4.0)
+
+
+@pytest.mark.judges("teeth")
+@pytest.mark.parametrize("sharpest", [1.99, -1.99, 2.01, -2.01])
+def test_a_place_sharper_than_a_quarter_of_the_module_is_refused(sharpest: float) -> None:
+    """On a bulge or in a hollow, of the curve alone and of a law's pair, with its radius and angle."""
+    curve = Made(
+        curvature_bounds=(min(sharpest, -0.01), max(sharpest, 0.01)),
+        panels_mm=np.linspace(0.0, 10.0, 21),
+        at_length=lambda sigma: Made(curvature=sharpest * np.exp(-((sigma - 5.0) ** 2))),
+        driving_angle=lambda sigma: sigma / 10.0,
+    )
+    ends = tuple(Extremum(value, 0.5) for value in curve.curvature_bounds)
+    level = (Extremum(0.01, 0.0), Extremum(0.01, 0.0))
+    ranges = {Gear.DRIVING: level, Gear.DRIVEN: ends}
+    round_curve = Made(curvature_bounds=(0.01, 0.01))
+    curves = {Gear.DRIVING: round_curve, Gear.DRIVEN: curve}
+    pair = Made(size=Made(module_mm=2.0), of=curves.__getitem__, curvature_range=ranges)
+    for refuse in (lambda: refuse_sharp_curve(curve, 2.0, "gears.teeth"), lambda: refuse_sharp_places(pair)):
+        if abs(sharpest) < 2.0:
+            refuse()
+        else:
+            with pytest.raises(NoSuchMechanism, match=r"radius of 0\.4975 mm at phi1 = 0\.5 rad"):
+                refuse()
+
+
+@pytest.mark.judges("teeth")
+def test_a_rack_cuts_into_a_round_hollow_by_the_square_of_its_way() -> None:
+    """sin(alpha) w^2 / (2 R) over the way w of the straight edge, in steps of a sixteenth of the module."""
+    basic, radius = rack(), 150.0
+    hollow = Made(
+        length_mm=60.0,
+        bends_below=lambda limit: -1.0 / radius < limit,
+        at_length=lambda sigma: Made(curvature=np.full(sigma.shape, -1.0 / radius)),
+    )
+    sine, cosine = np.sin(basic.pressure_angle_rad), np.cos(basic.pressure_angle_rad)
+    way = (basic.tip_height_mm + basic.flank_depth_mm) / (sine * cosine)
+    step = basic.module_mm / 16.0
+    way = np.ceil(way / step) * step
+    assert gouged_mm(hollow, basic) == pytest.approx(sine * way**2 / (2.0 * radius), rel=1e-3)
+    # A tool as round as the hollow goes in, and one half as flat cuts half as deep.
+    assert gouged_mm(hollow, basic, 1.0 / radius) == 0.0
+    assert gouged_mm(hollow, basic, 0.5 / radius) == pytest.approx(sine * way**2 / (4.0 * radius), rel=1e-3)
+
+
+@pytest.mark.judges("teeth")
+def test_the_least_concave_radius_is_that_of_the_sharper_hollow() -> None:
+    def pair(*least: float) -> Any:
+        ends = {gear: (Extremum(one, 0.0), Extremum(1.0, 0.0)) for gear, one in zip(Gear, least, strict=True)}
+        return Made(curvature_range=ends, center_distance_mm=80.0)
+
+    assert least_concave_radius_mm(pair(-0.1, -0.02)) == pytest.approx(10.0)
+    assert least_concave_radius_mm(pair(0.3, -0.02)) == pytest.approx(50.0)
+    assert least_concave_radius_mm(pair(0.3, 0.1)) is None

@@ -63,7 +63,7 @@ def test_a_path_that_is_known_is_found_from_its_points(
     carrier: float, arm: float, first: float, clockwise: bool
 ) -> None:
     """The lengths are half the sum and half the difference of the greatest and the least distance from the axis."""
-    known = replace(motion(carrier, arm, clockwise=clockwise), start_rad=4.0 * first)
+    known = replace(motion(carrier, arm, clockwise=clockwise), start_rad=1.6)
     w = 2.0 * pi * (np.arange(16) + first) / 16
     path = WishedPath(known.tip(w), np.full(16, 1e-3))
     r = np.abs(path.points - known.axis)

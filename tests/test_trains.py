@@ -307,6 +307,22 @@ def test_a_part_weighs_what_closed_forms_say() -> None:
     assert body.kg_mm2 == pytest.approx((kg * (own + np.abs(at - center) ** 2)).sum(), rel=1e-12)
 
 
+def test_every_arm_goes_where_the_first_one_went_a_third_of_a_turn_before() -> None:
+    """About a sun that stands still all arms are one chain: gears, planets and tips alike."""
+    train = planetary(arms=3, arm_mm=90.0)
+    driving, third = np.array([0.2, 1.9, 5.0]), 2.0 * np.pi / 3.0
+    names = [part.name for part in train.parts]
+    for kind in ("idler", "second_idler", "planet", "arm"):
+        arms = [number for number, name in enumerate(names) if name.rstrip("_123") == kind]
+        assert len(arms) == 3
+        for turns, number in enumerate(arms):
+            now, before = train.poses_at(driving), train.poses_at(driving + turns * third)
+            assert now.x_mm[number] == pytest.approx(before.x_mm[arms[0]], abs=1e-9)
+            assert now.y_mm[number] == pytest.approx(before.y_mm[arms[0]], abs=1e-9)
+            turned = now.angle_rad[number] - before.angle_rad[arms[0]]
+            assert np.exp(1j * turned) == pytest.approx(np.ones(3))
+
+
 STEP_RAD = 2e-3
 
 

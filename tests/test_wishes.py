@@ -183,6 +183,8 @@ def test_speeds_of_an_even_yoke() -> None:
         assert ExtremeSpeed(at_mm=0.6 * RADIUS, stroke=stroke).outcome(uniform()).kept
     constant = ConstantSpeed(from_mm=60.0, to_mm=120.0, tolerance=0.01, speed_mm_s=600.0)
     assert constant.outcome(uniform()).achieved == pytest.approx(max(RADIUS * W / 600.0 - 1.0, 1.0 - speed / 600.0))
+    fast = replace(constant, speed_mm_s=RADIUS * W)
+    assert fast.outcome(uniform()).achieved == pytest.approx(1.0 - speed / (RADIUS * W))
     whatever = replace(constant, speed_mm_s=None).outcome(uniform())
     assert whatever.achieved == pytest.approx((RADIUS * W - speed) / (RADIUS * W + speed))
     assert whatever.speed_mm_s == pytest.approx((RADIUS * W + speed) / 2.0)

@@ -88,7 +88,7 @@ class Resistance(ABC):
         edges = np.concatenate([[0.0], self.zeros_mm(stroke_mm), [stroke_mm]])
         potential = self.work_from_retracted_n_mm(edges, stroke_mm)
         whole = np.concatenate([[0.0], np.cumsum(np.maximum(np.diff(potential), 0.0))])
-        stretch = np.clip(np.searchsorted(edges, displacement_mm, side="right") - 1, 0, edges.size - 2)
+        stretch = np.maximum(np.searchsorted(edges, displacement_mm, side="right") - 1, 0)
         begun = self.work_from_retracted_n_mm(displacement_mm, stroke_mm) - potential[stretch]
         return whole[stretch] + np.maximum(begun, 0.0)
 
