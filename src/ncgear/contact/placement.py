@@ -127,8 +127,7 @@ class Placement:
 
     @property
     def ahead(self) -> float:
-        """Sense, +1 for up, of the driving gear's turn in the driven gear's frame where the driven gear leads the
-        law."""
+        """Sense, +1 for up, in which the driven gear's frame turns the driving gear where the driven gear leads."""
         return -self.mesh.sense
 
     @property

@@ -1,1 +1,1 @@
-"""What the machine feels: forces of its moving masses, of the resistance and of the teeth."""
+"""Forces in the machine: of its moving masses, of the resistance and of the teeth."""

@@ -1,4 +1,4 @@
-"""What a mechanism asks of its crank shaft in any motion: inertia that changes with the angle, the load, weight.
+"""The load of a mechanism on its crank shaft in any motion: inertia that changes with the angle, resistance, weight.
 
 With q the crank's angle and primes by it, the kinetic energy is M(q) q.^2 / 2 with the reduced inertia
 
@@ -10,10 +10,10 @@ chapter 9) is
 
     M(q) q.. + M'(q) q.^2 / 2 + U'(q) = moment of the teeth
 
-The load of the slider depends on the crank's angle alone, which says the stroke and the place in it, as in the check of
-power.  A slider that moves back a little within a stroke is pushed back with the force it had there.  This holds for
-its friction too, which then gives the work back: a slider that stands still, or trembles about its law, meets no force
-that jumps, and over whole turns the work is that of friction.
+The load of the slider depends on the crank's angle alone, which gives the stroke and the place in it, as in the check
+of power.  A slider that moves back a little within a stroke meets the same force there.  This holds for its friction
+too, which then returns its work: a slider at rest, or in small oscillations about its law, meets no jump of force, and
+over whole turns the work is that of friction.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ from ncgear.numerics.zeros import zeros_between
 def reduced_inertia(moving: Sequence[MovingMass], masses: Masses) -> tuple[Array, Array]:
     """M in kg mm^2 and dM/dq in kg mm^2/rad at n crank angles, shape (n,) each.
 
-    ``moving`` are all masses but those that turn with the crank; their places need derivatives of order 2 by its angle.
+    ``moving`` are all masses that do not turn with the crank; their places need derivatives of order 2 by its angle.
     """
     each = [
         one.mass_kg * (_squared(one.center.x) + _squared(one.center.y)) + one.inertia_kg_mm2 * _squared(one.angle)
@@ -72,8 +72,8 @@ class CrankLoad:
     """M in N mm s^2 and U in N mm as one table over the crank's angle; U rises by the work of each turn.
 
     ``dead_centres_rad`` are the crank angles at which the working stroke begins and ends.  ``narrow_rad`` (shape (k,
-    3)) are the start and the end of each stretch in which the load changes within an interval or two, and the
-    least distance of knots there: who follows a motion must not step over it.
+    3)) has the start and the end of each stretch in which the load changes within an interval or two, and the least
+    distance of knots there: a solver of the motion must not step over it.
     """
 
     table: PeriodicTable
@@ -148,29 +148,29 @@ def _knots(low: float, high: float) -> Array:
 
 
 MISSED = 1e-5
-"""Share of the largest moment of the resistance that the table may miss between its knots.  Where a resistance begins
-with a kink, as the shipped baler's does, evenly spaced knots miss less."""
+"""Largest error of the table between its knots, as a share of the largest moment of the resistance.  For a resistance
+that begins with a kink, like the shipped baler's, evenly spaced knots have a smaller error."""
 
 NARROW = 1e-2
-"""Share that evenly spaced knots miss where the resistance is narrow: steps of a solver might miss it too."""
+"""Error of evenly spaced knots, as such a share, from which a resistance is narrow: a solver might step over it."""
 
 CLOSEST_RAD = 1e-9
 """Crank angle below which knots come no closer: rounding errors of the work would show in its slope."""
 
 MOST_KNOTS = 1 << 16
-"""Knots at which refining ends: sixteen times those of a smooth resistance."""
+"""Most knots of the refinement: sixteen times the knots of a smooth resistance."""
 
 LEAST_WAY = 1e-3
 """Least way to go at once in a narrow stretch, as a share of the stretch."""
 
 SHARES = np.array([[0.25], [0.6]])
-"""Places of an interval at which the table is held against the resistance.  They do not lie evenly about its middle,
-where a table that is met at both ends may agree with a curve that it misses."""
+"""Places of an interval at which the table is compared with the resistance.  They are not symmetric about its middle,
+where a table that is exact at both ends may agree with a different curve by chance."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Stroke:
-    """One stroke of a mechanism with the load that its slider has there."""
+    """One stroke of a mechanism with the load of its slider."""
 
     linkage: Mechanism
     load: SliderLoad
@@ -178,7 +178,7 @@ class _Stroke:
 
     @property
     def ends_rad(self) -> tuple[float, float]:
-        """Crank angles of the dead centres at which the stroke begins and ends."""
+        """Crank angles of the dead centres at the beginning and the end of the stroke."""
         working = self.linkage.working_angle_rad
         return (working, 2.0 * pi) if self.returning else (0.0, working)
 
@@ -192,7 +192,7 @@ class _Stroke:
     def knots_rad(self) -> Array:
         """Crank angles of the stroke, closer together where the load changes fast.
 
-        The table is tried where the resistance turns or begins as well, so that no narrow peak is between two knots.
+        The table is also tested where the resistance turns or begins, so that no narrow peak is between two knots.
         """
         corners = self.load.corners_mm(self.linkage.stroke_mm, self.returning)
         turns = crank_angles_rad(self.linkage, corners, self.returning)
@@ -219,7 +219,7 @@ class _Stroke:
         return np.array([_stretch(knots, float(even[run[0]]), float(even[run[-1] + 1])) for run in runs])
 
     def _missed_at(self, knots: Array, tried: Array, share: float) -> IndexArray:
-        """The intervals of tried places at which a table would miss more than a share of the largest moment."""
+        """The intervals of the tested places where the error of a table exceeds a share of the largest moment."""
         work, moment = self.work(knots)
         table = PeriodicTable(knots, cubics(np.diff(knots), (work[:-1], moment[:-1]), (work[1:], moment[1:])))
         exact = self.work(tried)[1]
@@ -234,7 +234,7 @@ def _stretch(knots: Array, low: float, high: float) -> tuple[float, float, float
 
 
 def crank_angles_rad(linkage: Mechanism, places_mm: Array, returning: bool) -> Array:
-    """Crank angles of one stroke at which the slider is at places within its stroke, shape (n,)."""
+    """Crank angles of one stroke for places of the slider within its stroke, shape (n,)."""
     if not places_mm.size:
         return places_mm
     start, end = (linkage.working_angle_rad, 2.0 * pi) if returning else (0.0, linkage.working_angle_rad)

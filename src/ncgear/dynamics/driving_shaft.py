@@ -1,10 +1,10 @@
-"""What the driving shaft of a loaded machine is asked for over a cycle: torque, power, and the energy that it stores.
+"""Demands on the driving shaft of a loaded machine over a cycle: torque, power, and the energy that it stores.
 
 From the driving torque T follow its mean M, its swing about the mean, and the flywheel that keeps the speed even: the
-driving shaft takes in M evenly, and what it stores over the cycle is E(phi1), the integral of M - T.  A flywheel of
-inertia J keeps the coefficient of speed fluctuation C = (largest - smallest speed) / mean speed where
-J C w^2 = E_max - E_min (e.g. R. L. Norton, "Design of Machinery", 5th edition, 2012, section 11.11).  The torque is the
-one at constant speed, so this holds for small C.
+driving shaft receives M evenly and stores the energy E(phi1), the integral of M - T.  A flywheel of inertia J keeps the
+coefficient of speed fluctuation C = (largest - smallest speed) / mean speed where J C w^2 = E_max - E_min (e.g.  R.  L.
+Norton, "Design of Machinery", 5th edition, 2012, section 11.11).  T is the torque at constant speed, so this holds for
+small C.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ NODES = 25
 """Gauss points of a panel: exact for the square of a form of degree 24, the degree of ``numerics.chebyshev``."""
 
 KG_MM2 = 1e3
-"""One N mm s^2 in kg mm^2."""
+"""1 N mm s^2 in kg mm^2."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,7 +108,7 @@ def fluctuation(rigid: RigidMachine) -> Fluctuation:
 
 @dataclass(frozen=True, eq=False)
 class DrivingShaft:
-    """What the driving shaft of a machine is asked for over one cycle at constant speed, with all that the file gives.
+    """Demands on the driving shaft of a machine over one cycle at constant speed, with all loads of the file.
 
     Every command takes torque and power of the driving shaft from here.  Power is torque times speed: positive where
     the motor drives, negative where it brakes.
@@ -134,14 +134,14 @@ class DrivingShaft:
 
     @property
     def braking_power_w(self) -> Extremum:
-        """Largest power that flows back to the motor, as a size; 0 where none does but for rounding."""
+        """Largest power that flows back to the motor, as a positive number; 0 where it is rounding only."""
         least, most = self.torque_range_n_mm
         braking = counted(max(-least.value, 0.0), least.value, most.value)
         return Extremum(float(braking) * self._w_per_n_mm, least.at)
 
     @property
     def mean_power_w(self) -> float:
-        """Mean over the cycle; 0 where only rounding leaves something of a torque that goes to and fro."""
+        """Mean over the cycle; 0 where it is only the rounding error of a torque that changes its sign."""
         least, most = self.torque_range_n_mm
         return float(counted(self.fluctuation.mean_torque_n_mm, least.value, most.value)) * self._w_per_n_mm
 
@@ -152,7 +152,7 @@ class DrivingShaft:
 
     @property
     def energy_swing_j(self) -> float:
-        """What the driving shaft stores and gives back in a cycle where the motor's torque is even."""
+        """Energy that the driving shaft stores and returns in a cycle with an even motor torque."""
         return N_M_PER_N_MM * self.fluctuation.swing_n_mm
 
     @property
@@ -161,7 +161,7 @@ class DrivingShaft:
 
 
 def counted(torque: Array | float, least: Array | float, most: Array | float) -> Array:
-    """A torque, or 0 where it is rounding error only beside the least and the largest torque."""
+    """A torque, or 0 where it is a rounding error of the least and the largest torque."""
     return np.where(np.abs(torque) > IDLE * np.maximum(-least, most), torque, 0.0)
 
 

@@ -6,14 +6,14 @@ pairs that touch,
 
     (J(phi2) x.). = M(phi1, x, x.) - T(phi1),   phi1 = w t
 
-so that the driven side flies freely across the play where T turns round (M = 0), and swings where T jumps and where
-pairs come and go.  This is Lagrange's equation of ``ncgear.dynamics.crank_load`` to the first order of x., without
-what x itself changes of J and of the load.  M is that of ``ncgear.dynamics.meshing`` without friction.  The driving
-shaft's own inertia is left out: a shaft that gives way makes knocks softer.
+so that the driven side flies freely across the play where T reverses (M = 0), and swings where T jumps and where pairs
+come and go.  This is Lagrange's equation of ``ncgear.dynamics.crank_load`` to the first order of x., without the
+changes of J and of the load with x.  M is that of ``ncgear.dynamics.meshing`` without friction.  The driving shaft's
+own inertia is left out: a shaft that yields softens knocks.
 
 The equation is integrated for x and the momentum p = J x. by Verlet's method (Stoermer's rule; e.g. E. Hairer, C.
 Lubich, G. Wanner, Acta Numerica 12 (2003), 399-450): over the whole cycle, or where that takes too many swings, only
-from where the torque turns round or jumps to where the teeth have settled; elsewhere they bear T.
+from a reversal or jump of the torque until the teeth have settled; elsewhere they bear T.
 """
 
 from __future__ import annotations
@@ -31,47 +31,47 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 
 SAMPLES = 4096
-"""Places of a cycle at which the torque is looked at for turns and jumps."""
+"""Places of a cycle at which the torque is tested for reversals and jumps."""
 
 IDLE = 1e-6
 """Share of the largest torque under which it presses no flank."""
 
 JUMP = 0.05
-"""Share of the largest torque that is a jump between two such places, which a smooth torque takes a degree for."""
+"""Change between two such places that is a jump, as a share of the largest torque; a smooth change takes a degree."""
 
 PER_SWING = 24
-"""Steps in a swing of the driven side on two pairs of teeth: its time is missed by (2 pi / 24)^2 / 24, 0.3 %, and four
-pairs are far from the 3.2 steps at which the method fails."""
+"""Steps in a swing of the driven side on two pairs of teeth: the error of its time is (2 pi / 24)^2 / 24, 0.3 %, and
+four pairs are far from the 3.2 steps at which the method fails."""
 
 HELD = 4
-"""Steps for which arms, stiffness, loads and inertia are held at what they are in the middle: a sixth of a swing.  Gaps
-go on closing: those of teeth that come to bear do so by many times the depth to which load presses them."""
+"""Steps for which arms, stiffness, loads and inertia keep their values of the middle: a sixth of a swing.  Gaps keep
+changing: meeting teeth close gaps of many times the depth to which load presses them."""
 
 SWINGS, CHECKED = 96, 4
-"""Swings whose pairs and loads are found at once, and those after which it is seen whether the teeth have settled."""
+"""Swings whose pairs and loads are computed together, and swings between two tests whether the teeth have settled."""
 
 FINER = 1.0, 1.04, 1.08
-"""How many times as fine the steps are with which knocks are followed.  Where they differ from turn to turn, as a ball
-that bounces, so do they with any change of the steps: each is a turn of its own, and the hardest count."""
+"""Factors by which the steps are finer in the runs that follow knocks.  Knocks may differ from turn to turn, like a
+bouncing ball, and then also with the steps: each run stands for another turn, and the hardest knocks count."""
 
 FEW, FEWEST = 4000, 300
-"""Swings in a cycle up to and from which all of it is followed.  With fewer, as beside a flywheel on the driven shaft,
-they are about as slow as teeth pass, which K_V knows as a resonance.  Pairs that come and go swing the driven side, the
-less the slower they pass: by 30 % of the torque with 17 swings to a pitch, by 20 % with 30 (a shaper)."""
+"""Most and fewest swings in a cycle that is followed as a whole.  With fewer, as with a flywheel on the driven shaft,
+swings are about as slow as the passing of teeth, a resonance that K_V covers.  Pairs that come and go swing the driven
+side, less with slower passing: by 30 % of the torque with 17 swings to a pitch, by 20 % with 30 (a shaper)."""
 
 HARDEST = 20.0
-"""Times the largest torque that is asked to which pairs are counted in a knock."""
+"""Largest torque of a knock for which pairs are counted, over the largest demanded torque."""
 
 SETTLED, TOUCHING = 0.03, 0.5
-"""Settled teeth bear what the law asks within this share of the largest torque, smaller swings being those of K_V, and
-within this share of what is asked there, so that they do not part again."""
+"""Largest deviations of settled teeth from the torque of the law: as a share of the largest torque (K_V covers smaller
+swings), and as a share of the torque there, so that they do not part again."""
 
 
 @dataclass(frozen=True)
 class Knock:
     """Flanks that meet after a parting: the driving angle in rad, and their speed along the normal in mm/s.
 
-    Meetings whose speed would press the teeth by less than SETTLED of the largest torque are none.
+    Meetings whose speed would press the teeth by less than SETTLED of the largest torque do not count.
     """
 
     phi1_rad: float
@@ -82,9 +82,9 @@ class Knock:
 class BorneTorque:
     """The torque in N mm that the teeth bear in a cycle, with all its ``knocks``; None where these are not followed.
 
-    ``asked`` is what the law asks at driving angles, shape (n,).  From the first of ``phi1_rad`` (shape (m,), rising
-    over two cycles at most) on the teeth bear ``torque_n_mm`` instead; NaN stands between two stretches of it.  Where
-    a place is followed in two cycles, the later one counts.
+    ``asked`` is the torque of the law at driving angles, shape (n,).  From the first of ``phi1_rad`` (shape (m,),
+    rising over two cycles at most) on the teeth bear ``torque_n_mm`` instead; NaN stands between two stretches of it.
+    Where a place is followed in two cycles, the later cycle counts.
     """
 
     asked: Callable[[Array], Array]
@@ -95,10 +95,10 @@ class BorneTorque:
     others: tuple[BorneTorque, ...] = ()
 
     def at(self, phi1_rad: Array) -> Array:
-        """The torque at driving angles, shape (n,): what is asked, or what is followed where that is more.
+        """The torque at driving angles, shape (n,): the larger of the law's torque and the followed torque.
 
-        The moments at which flying teeth bear less than asked are known less well than how hard they knock.  Of
-        ``others``, which are followed a little differently, the hardest counts at each place.
+        The moments at which flying teeth bear less than the law's torque are known less well than the force of their
+        knocks.  ``others`` are runs with other steps; the largest torque of all runs counts at each place.
         """
         torque = self._own(phi1_rad)
         for other in self.others:
@@ -125,17 +125,17 @@ def borne_torque(
     cycle_rad: float,
     finer: Sequence[float] = FINER,
 ) -> BorneTorque:
-    """The torque that the teeth bear where the law asks for ``asked`` at a constant driving speed.
+    """The torque that the teeth bear where the law demands ``asked`` at a constant driving speed.
 
-    It is ``asked`` itself where this neither turns round nor jumps in a cycle of more than FEW swings.  Where teeth
-    knock it is followed once for each of ``finer``, of which the first tells the knocks and follows the whole cycle.
+    It is ``asked`` itself where this neither reverses nor jumps in a cycle of more than FEW swings.  Where teeth knock,
+    it is followed once for each of ``finer``; the first run gives the knocks and follows the whole cycle.
     """
     phi1 = np.linspace(0.0, cycle_rad, SAMPLES, endpoint=False)
     torque = asked(phi1)
     most = float(np.abs(torque).max())
     driven = _DrivenSide(meshing, load, asked, speed_rad_s, most)
     flank, jump = flanks_of(torque, IDLE * most), np.roll(torque, -1) - torque
-    # With swings of w rad/s the driven side misses T by T'' / w^2, and swings by dT' / w after a kink.
+    # With swings of w rad/s the driven side deviates from T by T'' / w^2, and swings by dT' / w after a kink.
     steps = cycle_rad / SAMPLES / speed_rad_s * driven.swings_rad_s(phi1)
     hurried = np.abs(np.roll(jump, -1) - jump) > SETTLED * most * np.minimum(steps, steps**2)
     rows = np.flatnonzero((flank != np.roll(flank, -1)) | (np.abs(jump) > JUMP * most) | hurried)
@@ -163,7 +163,7 @@ def borne_torque(
 
 
 def flanks_of(torque: Array, idle: float) -> Array:
-    """+1 where pushing flanks bear a torque, -1 where their backs do, shape (n,); idle teeth stay where they were."""
+    """+1 where pushing flanks bear a torque, -1 where their backs do, shape (n,); idle teeth keep their side."""
     pressed = np.flatnonzero(np.abs(torque) > idle)
     if not pressed.size:
         return np.ones_like(torque)
@@ -173,7 +173,7 @@ def flanks_of(torque: Array, idle: float) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Stretch:
-    """What is followed from a turn or a jump on: driving angles and torques, shape (n,), and the knocks."""
+    """The followed motion after a reversal or a jump: driving angles and torques, shape (n,), and the knocks."""
 
     phi1_rad: Array
     torque_n_mm: Array
@@ -181,7 +181,7 @@ class Stretch:
 
 
 def joined(found: list[Stretch], asked: Callable[[Array], Array], cycle_rad: float) -> BorneTorque:
-    """Stretches one after the other; the knocks are those of the last cycle."""
+    """Stretches one after the other, with the knocks of the last cycle."""
     end_rad, phi1, torque = float(found[-1].phi1_rad[-1]), list[Array](), list[Array]()
     for one in found:
         if phi1:
@@ -196,9 +196,9 @@ def joined(found: list[Stretch], asked: Callable[[Array], Array], cycle_rad: flo
 
 @dataclass(frozen=True, eq=False)
 class _DrivenSide:
-    """The driven side on its teeth; ``most_n_mm`` is the largest torque that is asked.
+    """The driven side on its teeth; ``most_n_mm`` is the largest demanded torque.
 
-    Steps are ``finer`` times as fine as PER_SWING tells.
+    There are ``finer`` times PER_SWING steps in a swing.
     """
 
     meshing: Meshing
@@ -220,9 +220,9 @@ class _DrivenSide:
         return starts_rad, width_rad
 
     def followed(self, start_rad: float, flank: float, ends_rad: tuple[float, float]) -> Stretch:
-        """What the teeth bear from a place on, at which those on one flank are settled, until they have settled again.
+        """The torque of the teeth from a place, where they are settled on one flank, until they have settled again.
 
-        They are followed from the first to the second of ``ends_rad`` at least and at most.
+        They are followed at least to the first and at most to the second of ``ends_rad``.
         """
         torque = [self.asked(np.array([start_rad]))]
         settled_at = settled_rad(self.meshing, start_rad, float(torque[0][0]), flank, IDLE * self.most_n_mm)
@@ -256,9 +256,9 @@ class _DrivenSide:
     def _stepped(
         self, state: tuple[float, float], pairs: Sequence[NearPairs], inertia: Array, asked: Array, step_s: float
     ) -> tuple[Array, tuple[float, float], list[tuple[int, float]]]:
-        """The torque that is borne after each of the HELD steps of n rows, shape (n HELD,), and the last state.
+        """The torque after each of the HELD steps of n rows, shape (n HELD,), and the last state.
 
-        A state is the driven angle beyond the law's and its momentum.  Then the row and the speed of flanks that meet.
+        A state is the driven angle beyond the law's and its momentum.  Then the row and the speed of meeting flanks.
         """
         (ahead_rad, momentum), met, every = state, list[tuple[int, float]](), list[float]()
         impact, later_s = self.meshing.impact, [step_s * (step + 1 - HELD / 2) for step in range(HELD)]
@@ -291,7 +291,7 @@ class _DrivenSide:
     def _along(self, phi1_rad: Array) -> tuple[Sequence[NearPairs], Array, Array, Array]:
         """The pairs near contact at driving angles, shape (n,), and their largest lever.
 
-        Then the inertia of the driven side and the torque that is asked, shape (n,) each.
+        Then the inertia of the driven side and the demanded torque, shape (n,) each.
         """
         inertia: Array = self.load.table.at(self.meshing.law.at(phi1_rad)[0])[0][..., 0]
         return *near_pairs(self.meshing, phi1_rad, self.speed_rad_s, self.most_n_mm), inertia, self.asked(phi1_rad)
@@ -302,7 +302,7 @@ NearPairs = list[list[float]] | Array
 array of shape (4, pairs)."""
 
 MANY = 16
-"""Pairs, as helical teeth have in their sections, of which arrays are quicker than plain numbers."""
+"""Number of pairs, as of sections of helical teeth, from which arrays are faster than plain numbers."""
 
 
 def near_pairs(
@@ -310,7 +310,7 @@ def near_pairs(
 ) -> tuple[Sequence[NearPairs], Array]:
     """The pairs at driving angles and speeds of the driving gear, shape (n,), and their largest lever.
 
-    Those count that a torque of HARDEST times the largest one presses together.
+    Pairs count that a torque of HARDEST times the largest torque presses together.
     """
     near = meshing.gaps.at(phi1_rad)
     arm, ahead = near.urge * near.lever_mm, near.urge * near.error_rad
@@ -325,9 +325,9 @@ def near_pairs(
 
 
 def moment_n_mm(impact: Impact, pairs: NearPairs, ahead_rad: float, speed_rad_s: float, later_s: float = 0.0) -> float:
-    """The moment of the pairs that touch on the driven side, this far beyond the law and this much faster.
+    """The moment of touching pairs on the driven side, for its angle and its speed beyond the law's.
 
-    The pairs are known for a time that is so much ``later_s`` now.
+    The pairs are those of a time ``later_s`` ago.
     """
     if isinstance(pairs, np.ndarray):
         arms, errors, _, rates = pairs
@@ -349,7 +349,7 @@ def moment_n_mm(impact: Impact, pairs: NearPairs, ahead_rad: float, speed_rad_s:
 
 
 def settled_rad(meshing: Meshing, phi1_rad: float, torque_n_mm: float, flank: float, idle: float) -> float:
-    """The driven angle beyond the law's of settled teeth that bear a torque on their flank, or next to none."""
+    """The driven angle beyond the law's of settled teeth that bear a torque on their flank, or next to no torque."""
     here = np.array([phi1_rad])
     if torque_n_mm * flank <= idle:
         pushing, back = meshing.gaps.play_rad(here)

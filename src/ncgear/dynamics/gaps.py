@@ -1,12 +1,12 @@
-"""When pairs of teeth touch, as tables over the driving angle.
+"""Tables over the driving angle for the contact of pairs of teeth.
 
 A pair touches at the law's driven angle along its path of contact; where only a corner of its teeth would touch, the
 driven gear has a way to go first.  The slope of the touching angle is not a difference of samples: it follows from the
 speeds of both gears along the common normal.  The contacts of each pair stand in a row along the positions; the row
 reaches into the intervals between its positions and one interval beyond either end.
 
-Each pair has its own stiffness at each place.  It is followed as the gap is, by cubics whose slope is known, so that
-the energy of a pair that gets stiffer or softer on its way is known too.
+Each pair has its own stiffness at each place, tabled like the gap by cubics with known slopes, so that the energy of a
+pair whose stiffness changes on its way is known, too.
 """
 
 from __future__ import annotations
@@ -54,7 +54,7 @@ class Rows(Columns):
         return np.cumsum(np.append(0, np.any(np.diff(whole, axis=0) != 0, axis=1)))
 
     def neighbours(self, step: int, count: int) -> IndexArray:
-        """The row of the same pair ``step`` positions on, of ``count`` in all; -1 where there is none, shape (n,)."""
+        """The row of the same pair ``step`` positions on, of ``count`` in all; -1 without such a row, shape (n,)."""
         key = self.pair * count + self.position
         wanted = self.pair * count + (self.position + step) % count
         found = np.minimum(np.searchsorted(key, wanted), key.size - 1)
@@ -96,7 +96,7 @@ class RowCubics:
 
 
 def row_cubics(rows: Rows, placement: Placement) -> RowCubics:
-    """Cubics over all intervals into which rows reach; beyond its ends a row goes straight on for one interval."""
+    """Cubics over all intervals of rows; beyond its ends a row continues in a straight line for an interval."""
     count = placement.count
     following, preceding = rows.neighbours(1, count), rows.neighbours(-1, count)
     slopes = _slopes(rows, placement, preceding, following)
@@ -136,12 +136,12 @@ def _slopes(rows: Rows, placement: Placement, preceding: IndexArray, following: 
 
 
 def _widths(placement: Placement) -> Array:
-    """Driving angle of each interval, the last one to the end of the table, shape (count,)."""
+    """Driving angle of each interval, the last interval to the end of the table, shape (count,)."""
     return np.diff(_breaks(placement))
 
 
 def _breaks(placement: Placement) -> Array:
-    """Ends of all intervals; gears that turn less than once have one more, beyond their range."""
+    """Ends of all intervals; gears that turn less than once have a further end beyond their range."""
     phi1 = placement.phi1_rad
     end = placement.cycle_rad if placement.toothed is None else phi1[-1] + (phi1[-1] - phi1[-2])
     return np.append(phi1, end)
@@ -150,13 +150,13 @@ def _breaks(placement: Placement) -> Array:
 def reach_rad(rows: Rows, placement: Placement) -> Array:
     """Least driven angle between the end of a row and the first contact of its side there.
 
-    There is one for each interval between positions, shape (count,); inf where no row ends.
+    It has a value for each interval between positions, shape (count,); inf where no row ends.
     """
     count = placement.count
     behind = np.full(count, np.inf)
     after, before = rows.neighbours(1, count) < 0, rows.neighbours(-1, count) < 0
     if placement.toothed is not None:
-        # Where the range ends the pairs do not.
+        # Pairs do not end with the range.
         after, before = after & (rows.position < count - 1), before & (rows.position > 0)
     ends = after | before
     for urge in (1.0, -1.0):
@@ -176,7 +176,7 @@ PER_TOOTH = 80
 positions first touches are met to some millionths of a radian even there (tests/test_gaps.py)."""
 
 WITHIN_IN_MODULES = 0.52
-"""Depth to which teeth are followed into each other: deeper than any law of impact holds."""
+"""Depth to which teeth are followed into each other: deeper than any law of impact is valid."""
 
 
 ERROR, LEVER, STIFFNESS = 0, 1, 4
@@ -188,13 +188,14 @@ ALIKE_RAD = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Near:
-    """Pairs that touch or nearly do, at driving angles of shape s; arrays of shape s + (slots,), or s of one slot each.
+    """Pairs that touch or nearly touch, at driving angles of shape s; arrays of shape s + (slots,), or s of one slot
+    each.
 
     ``urge`` is +1 on pushing flanks, -1 on their backs and 0 in empty slots.  ``error_rad`` is the driven angle beyond
     the law's at which the pair touches, ``lever_mm`` the arm of its normal force about the driven axis, ``stiffness``
-    that of ``PairStiffness``; ``slopes`` are the slopes of these three by the driving angle.  ``driving_mm`` and
-    ``driven_mm`` are the speeds, in mm per rad of each gear's own angle, at which their points pass along the tangent
-    that leads outwards from the driven axis.
+    the stiffness of ``PairStiffness``; ``slopes`` are the slopes of these three by the driving angle.  ``driving_mm``
+    and ``driven_mm`` are the speeds, in mm per rad of each gear's own angle, at which their points pass along the
+    tangent that leads outwards from the driven axis.
     """
 
     urge: Array
@@ -210,11 +211,11 @@ class Near:
 class Gaps:
     """The pairs of a mesh over a whole cycle of meetings.
 
-    ``urge`` has shape (intervals, slots), ``table`` the five quantities of each slot.  ``pair`` tells the driving and
-    the driven tooth of each slot, from 1; 0 where it is empty; shape (intervals, slots, 2).  ``reach_rad`` is how far,
-    in each interval, the driven gear may be pressed beyond the first contact before a pair touches that the tables do
-    not follow; inf where there is no such pair.  ``section`` (slots,) numbers the section of the face width in which a
-    slot's pair is: all pairs of straight teeth are in section 0.
+    ``urge`` has shape (intervals, slots), ``table`` the five quantities of each slot.  ``pair`` has the driving and the
+    driven tooth of each slot, from 1, or 0 where it is empty; shape (intervals, slots, 2).  ``reach_rad`` is the angle,
+    in each interval, by which the driven gear may be pressed beyond the first contact before a pair touches that the
+    tables do not follow; inf where there is no such pair.  ``section`` (slots,) numbers the section of the face width
+    in which a slot's pair is: all pairs of straight teeth are in section 0.
     """
 
     table: PeriodicTable
@@ -225,7 +226,7 @@ class Gaps:
 
     @classmethod
     def beside(cls, parts: Sequence[Gaps]) -> Gaps:
-        """The pairs of several sections, whose positions are the same, side by side in the slots."""
+        """The pairs of several sections with the same positions, side by side in the slots."""
         if len(parts) == 1:
             return parts[0]
         breaks, tables = parts[0].table.breaks, [one.table.coefficients for one in parts]
@@ -248,7 +249,8 @@ class Gaps:
         return np.asarray(np.maximum.reduceat(turning, begins, axis=-1).sum(axis=-1))
 
     def at(self, phi1_rad: Array | float, slot: IndexArray | None = None) -> Near:
-        """The pairs near contact at driving angles in rad, of any shape; with ``slot``, of that shape, one at each."""
+        """The pairs near contact at driving angles in rad, of any shape; with ``slot``, of that shape, one pair at
+        each."""
         value, slope = self.table.at(phi1_rad, slot)
         _, index, _ = self.table.place(phi1_rad)
         error, lever, driving, driven, stiffness = (value[..., number] for number in range(5))
@@ -291,9 +293,9 @@ class Gaps:
         return pushing, back
 
     def too_deep(self, phi1_rad: Array, error_rad: Array) -> tuple[float, float] | None:
-        """Where driven angles beyond the law's press teeth deepest beyond where the tables follow them, and how far.
+        """The place where driven angles beyond the law's press teeth deepest beyond the range of the tables.
 
-        The driving angle and how far the driven gear is pressed, in rad; None where the tables follow everywhere.
+        The driving angle and the angle by which the driven gear is pressed, in rad; None where the tables suffice.
         """
         pushing, back = self.play_rad(phi1_rad)
         pressed = np.maximum(pushing - error_rad, error_rad - back)

@@ -1,4 +1,4 @@
-"""What a motion in time shows: the slider beside its ideal law, forces of the teeth, torque, and loss of contact.
+"""Results of a motion in time: the slider beside its ideal law, forces of the teeth, torque, and loss of contact.
 
 Without backlash the backs carry as soon as pushing flanks part; with backlash the driven gear runs free in between.
 """
@@ -40,11 +40,11 @@ class Slide:
 class History:
     """A motion at n times, shape (n,) each.
 
-    ``slide`` is the slider's motion, ``law`` the one it would have if the driven gear kept the law while the driving
-    gear turns as it does; ``error_rad`` is the driven angle beyond the law's.  ``pushing_n`` and ``back_n`` are the
-    largest normal forces of any one pair on either side of the teeth, ``torque_n_mm`` is the drive's.  ``joints`` are
-    the forces in the mechanism, ``mesh`` is the force of all teeth on the driven gear; the driving shaft's bearings
-    exert the same force.
+    ``slide`` is the slider's motion, ``law`` its motion if the driven gear kept the law at the same angles of the
+    driving gear; ``error_rad`` is the driven angle beyond the law's.  ``pushing_n`` and ``back_n`` are the largest
+    normal forces of a pair on either side of the teeth, ``torque_n_mm`` is the drive's.  ``joints`` are the forces in
+    the mechanism, ``mesh`` is the force of all teeth on the driven gear; the driving shaft's bearings exert the same
+    force.
     """
 
     time_s: Array
@@ -77,7 +77,7 @@ def even_times_s(course: Course, least: int = 0) -> Array:
 
 
 def history(course: Course, rigid: RigidMachine, time_s: Array) -> History:
-    """The motion at times of shape (n,); the course must be one of this machine, which has gears."""
+    """The motion at times of shape (n,) from a course of this machine, which has gears."""
     toothed = course.machine
     assert rigid.place is not None
     states = course.at(time_s)
@@ -107,14 +107,14 @@ def _slide(displacement: Jet, speed_rad_s: Array, acceleration_rad_s2: Array) ->
 
 
 NEAR_RAD = 1e-6
-"""Driven angle within which flanks count as touching: the tables of first touches are right to some millionths of a
-radian (tests/test_gaps.py), and so much play may they show where there is none."""
+"""Driven angle within which flanks count as touching: the error of the tables of first touches is some millionths of a
+radian (tests/test_gaps.py), and may show as play."""
 
 
 def pressed_rad(meshing: Meshing, states: Array) -> Array:
-    """How far the driven gear is pressed beyond the first contact of pushing flanks and of backs, shape (2, n).
+    """Angle by which the driven gear is pressed beyond the first contact of pushing flanks and of backs, shape (2, n).
 
-    Less than 0 where they are apart; states have shape (6, n).
+    It is negative where they are apart; states have shape (6, n).
     """
     pushing, back = meshing.gaps.play_rad(states[0])
     error = states[2] - meshing.law.at(states[0])[0]
@@ -124,7 +124,7 @@ def pressed_rad(meshing: Meshing, states: Array) -> Array:
 def meetings_s(pressed: Callable[[Array], Array], time_s: Array) -> Array:
     """Times, between rising times of shape (n,), at which flanks meet or part.
 
-    ``pressed`` tells how far they are pressed into each other at times, less than 0 where they are apart.
+    ``pressed`` gives the angles by which they are pressed into each other, negative where they are apart.
     The solver's own search for events is not used: it compares the states of steps with the interpolation between them,
     which LSODA does not join to them exactly.
     """
@@ -134,17 +134,17 @@ def meetings_s(pressed: Callable[[Array], Array], time_s: Array) -> Array:
 
 
 def pushing_parted_s(course: Course) -> Array:
-    """Starts and ends of the times at which no pushing flanks touch, shape (k, 2)."""
+    """Starts and ends of the times without contact of pushing flanks, shape (k, 2)."""
     return _parted_s(course, 1)
 
 
 def parted_s(course: Course) -> Array:
-    """Starts and ends of the times at which neither pushing flanks nor backs touch, shape (k, 2)."""
+    """Starts and ends of the times without contact of pushing flanks or backs, shape (k, 2)."""
     return _parted_s(course, 2)
 
 
 def _parted_s(course: Course, sides: int) -> Array:
-    """Starts and ends of the times at which none of the first ``sides`` sides of the teeth touch, shape (k, 2)."""
+    """Starts and ends of the times without contact on the first ``sides`` sides of the teeth, shape (k, 2)."""
 
     def pressed(time_s: Array) -> Array:
         return pressed_rad(course.machine.meshing, course.at(time_s))[:sides]

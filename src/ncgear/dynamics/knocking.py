@@ -1,10 +1,10 @@
-"""The forces in a machine whose teeth knock: in joints, bearings and shafts, by the torque that the teeth bear.
+"""The forces in a machine with knocking teeth: in joints, bearings and shafts, from the torque that the teeth bear.
 
-Where the teeth bear the torque M in place of T, which the law asks, the driven side of the inertia J about its shaft is
-hurried: its acceleration has (M - T) / J beyond the law's.  All that moves with it bears what that asks, as Newton and
-Euler say, so that the forces are those of ``ncgear.dynamics.loaded_machine`` with another acceleration.  J is
-the crank's reduced inertia (``ncgear.dynamics.crank_load``).  What the slider's place and speed miss of the law's
-is not counted, nor what the guide's friction changes by a knock: both are small beside M - T.
+Where the teeth bear the torque M instead of the law's torque T, the acceleration of the driven side, of inertia J about
+its shaft, exceeds the law's by (M - T) / J.  All moving bodies follow it by the equations of Newton and Euler, so that
+the forces are those of ``ncgear.dynamics.loaded_machine`` with another acceleration.  J is the crank's reduced inertia
+(``ncgear.dynamics.crank_load``).  The slider's deviations of place and speed from the law, and the effect of a knock on
+the guide's friction, are left out: both are small against M - T.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ if TYPE_CHECKING:
 
 
 def hurried_loads(rigid: RigidMachine, phi1_rad: Array, beyond_n_mm: Array) -> Loads:
-    """The loads at driving angles in rad where teeth bear a torque beyond what the law asks, M - T, shape (n,) each.
+    """The loads at driving angles in rad where teeth bear a torque M - T beyond the law's, shape (n,) each.
 
-    Where nothing has inertia no torque hurries anything, and the loads are those of the law.
+    Without inertia no torque accelerates anything, and the loads are those of the law.
     """
     machine, masses = rigid.machine, rigid.masses
     angle = Jet.variable(machine.transmission.driven_angle(phi1_rad, 0).value, 2)
@@ -43,7 +43,7 @@ def hurried_loads(rigid: RigidMachine, phi1_rad: Array, beyond_n_mm: Array) -> L
 
 @dataclass(frozen=True, eq=False)
 class KnockingMachine:
-    """A machine at constant driving speed whose teeth bear ``borne`` in place of what the law asks."""
+    """A machine at constant driving speed whose teeth bear ``borne`` instead of the law's torque."""
 
     rigid: RigidMachine
     borne: BorneTorque
@@ -54,7 +54,7 @@ class KnockingMachine:
 
     @property
     def turns_rad(self) -> Array:
-        """Driving angles of a cycle at which a swing of the teeth's torque turns round, shape (n,), rising."""
+        """Driving angles of a cycle at which a swing of the teeth's torque reverses, shape (n,), rising."""
         found = []
         for borne in (self.borne, *self.borne.others):
             torque = borne.torque_n_mm
@@ -64,7 +64,7 @@ class KnockingMachine:
         return np.unique(np.concatenate(found))
 
     def peaks(self, places_rad: Array) -> LoadPeaks:
-        """The largest forces of a cycle, sought between ``places_rad`` (shape (n,)) and where swings turn round."""
+        """The largest forces of a cycle, searched between ``places_rad`` (shape (n,)) and the reversals of swings."""
         linkage = self.rigid.machine.linkage
 
         def sizes(phi1: Array) -> Array:

@@ -1,4 +1,4 @@
-"""The levels of detail of a simulation, by the names a user gives."""
+"""The levels of detail of a simulation, by their names for users."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from enum import StrEnum
 
 
 class Level(StrEnum):
-    """What gives way: nothing, the teeth under a load at rest, or the teeth in a motion of masses in time."""
+    """The elastic parts: none, the teeth under a load at rest, or the teeth in a motion of masses in time."""
 
     RIGID = "rigid"
     QUASI_STATIC = "quasi_static"

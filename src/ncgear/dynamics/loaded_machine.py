@@ -4,12 +4,12 @@ The law gives the crank's angle with its derivatives, the mechanism the forces i
 between the teeth (inverse dynamics); all are closed forms, so peaks are located exactly: at stationary points, and on
 both sides of every joint of the law.
 
-Where the guide rubs, the slider bears mu |N| against its motion besides its load.  N follows from all that the slider
-bears along its line, and is affine in it: with N_0 of a guide without friction and N_1 of a resistance of 1 N,
-|N| = |N_0| / (1 - mu N_1 sign(N_0)) on the way out, with a plus on the way back.  Where that is negative it jams,
-and the machine is refused.
+With friction in the guide, the slider has the force mu |N| against its motion besides its load.  N is an affine
+function of the whole force along the slider's line: with N_0 of a guide without friction and N_1 of a resistance of 1
+N, |N| = |N_0| / (1 - mu N_1 sign(N_0)) on the way out, with a plus on the way back.  Where that is negative the slider
+jams, and the machine is refused.
 
-Of two pairs in series, the shaft between them turns unevenly as well and takes its part of the torque.
+Between two pairs in series, the shaft turns unevenly as well and takes its part of the torque.
 """
 
 from __future__ import annotations
@@ -39,13 +39,13 @@ from ncgear.ratio.transmission import Transmission
 
 @dataclass(frozen=True, eq=False)
 class Loads:
-    """What a motion needs, as jets by the driving angle; forces in N, torques in N mm.
+    """The loads of a motion as jets by the driving angle; forces in N, torques in N mm.
 
-    ``driving_torque`` is asked of the driving shaft, ``driven_torque`` of the driven gear.  ``joints`` are the forces
-    between the bodies of the mechanism, by its names for them and on the body nearer to the slider; ``crank_bearing``
-    acts on the crank shaft, ``guide`` on the slider across its line, the mesh force on the driven gear.  The driving
-    shaft's bearings exert the same force as the mesh.  Without gears (``mesh`` None) the crank's bearing holds the
-    mechanism alone.
+    ``driving_torque`` is the torque on the driving shaft, ``driven_torque`` that on the driven gear.  ``joints`` are
+    the forces between the bodies of the mechanism, by its names for them and on the body nearer to the slider;
+    ``crank_bearing`` acts on the crank shaft, ``guide`` on the slider across its line, the mesh force on the driven
+    gear.  The driving shaft's bearings exert the same force as the mesh.  Without gears (``mesh`` None) the crank's
+    bearing holds the mechanism alone.
     """
 
     driving_torque: Jet
@@ -64,11 +64,11 @@ class Loads:
 
 @dataclass(frozen=True, eq=False)
 class RigidMachine:
-    """A machine at constant driving speed with all that its design gives: the one loaded machine of every command.
+    """A machine at constant driving speed with all that its design gives: all commands use this loaded machine.
 
-    ``place`` is how its gears lie, None without gears.  ``guide_friction`` is the coefficient of friction between the
-    slider and its guide.  ``between`` is the angle of the shaft between two pairs of gears over the driving angle, None
-    of a single pair.  Raises NoSuchMechanism, once loads are asked for, where the slider jams in its guide.
+    ``place`` is the arrangement of its gears, None without gears.  ``guide_friction`` is the coefficient of friction
+    between the slider and its guide.  ``between`` is the angle of the shaft between two pairs of gears over the driving
+    angle, None for a single pair.  Computing loads raises NoSuchMechanism where the slider jams in its guide.
     """
 
     machine: Machine
@@ -80,10 +80,10 @@ class RigidMachine:
     def loads(
         self, phi1: Array, driven_angle: Jet, resistance_n: Jet, returning: Mask, of_law: Jet | None = None
     ) -> Loads:
-        """The loads at driving angles, shape (n,), for a crank angle that is a jet by them.
+        """The loads at driving angles, shape (n,), for a crank angle as a jet by them.
 
-        Loads and resistance have two orders less than the angle; ``returning`` (shape (n,)) says which stroke it is.
-        ``of_law`` is the crank angle by the law, which the gears were made for, where it is another one.
+        Loads and resistance have two orders less than the angle; ``returning`` (shape (n,)) tells the stroke.
+        ``of_law`` is the crank angle of the law that the gears were made for, where it is another angle.
         """
         pace = EvenPace(self.machine.speed_rad_s)
         joints = self._joints(driven_angle, pace, resistance_n, returning)
@@ -101,7 +101,7 @@ class RigidMachine:
     def at(self, phi1: Array, beyond: Array | None = None) -> Loads:
         """The loads at driving angles in rad, shape (n,); right-hand limits at joints of the law.
 
-        ``beyond`` (shape (n,)) is what d2phi2/dphi1^2 has beyond the law's, as where teeth part and knock.
+        ``beyond`` (shape (n,)) is the excess of d2phi2/dphi1^2 over the law's, as where teeth part and knock.
         """
         driven = of_law = self.machine.transmission.driven_angle(phi1, 2)
         if beyond is not None:
@@ -110,7 +110,7 @@ class RigidMachine:
         return self.loads(phi1, driven, self._resistance_n(driven.truncated(0), returning), returning, of_law)
 
     def coming_back(self, phi1: Array) -> Loads:
-        """The loads at driving angles in rad, shape (n,), where gears that turn less than once turn back to them."""
+        """The loads at driving angles in rad, shape (n,), on the way back of gears that turn less than once."""
         driven, returning = self.machine.transmission.driven_angle(phi1, 2), np.ones(phi1.shape, dtype=bool)
         return self.loads(phi1, driven, self._resistance_n(driven.truncated(0), returning), returning)
 
@@ -138,7 +138,7 @@ class RigidMachine:
         return distinct([*breaks, *all_zeros(guide)])
 
     def _joints(self, driven_angle: Jet, pace: EvenPace, resistance_n: Jet, returning: Mask) -> JointForces:
-        """The forces in the joints, with what the guide's friction adds to the resistance."""
+        """The forces in the joints, with the guide's friction added to the resistance."""
         linkage = self.machine.linkage
         smooth = linkage.joint_forces(driven_angle, self.masses, pace, resistance_n)
         if not self.guide_friction:
@@ -152,19 +152,19 @@ class RigidMachine:
     def _rubbing(
         self, smooth: JointForces, driven_angle: Jet, pace: EvenPace, resistance_n: Jet, returning: Mask
     ) -> tuple[Array, Jet, Mask]:
-        """Friction against the way for each N on the guide, what presses on it for each N of load, where it jams."""
+        """Friction against the way for each N on the guide, force on it for each N of load, and whether it jams."""
         linkage = self.machine.linkage
         one = linkage.joint_forces(driven_angle, linkage.MASSES(), pace, resistance_n * 0.0 + 1.0).guide_n
         side, way = np.where(smooth.guide_n.value < 0.0, -1.0, 1.0), np.where(returning, -1.0, 1.0)
         rub = self.guide_friction * way * side
         left = 1.0 - one.value * rub
-        # What presses on nothing does not jam, though it may be held once anything does
+        # A slider that presses on nothing does not jam, though it may be held once something presses
         return rub, one, (left <= 0.0) & ((smooth.guide_n.value != 0.0) | (left == 0.0))
 
     def _jammed(self, pace: EvenPace, driven_angle: Jet, resistance_n: Jet, returning: Mask) -> NoSuchMechanism:
-        """The refusal of a slider that jams: where the guide presses most of all even steps of the cycle.
+        """The refusal of a slider that jams, at the even step of the cycle with the largest force on the guide.
 
-        So every command tells one place, or the one of the given angles where it jams between the steps only.
+        So every command names the same place, or one of the given angles where it jams between the steps only.
         """
         linkage, transmission = self.machine.linkage, self.machine.transmission
         driven = transmission.driven_angle(np.linspace(0.0, transmission.cycle_rad, JAM_STEPS, endpoint=False), 2)
@@ -187,7 +187,7 @@ class RigidMachine:
         )
 
     def _of_shaft_between(self, phi1: Array, pace: EvenPace, order: int) -> Jet | float:
-        """What the shaft between two pairs asks of the driving shaft to turn unevenly, in N mm."""
+        """Torque on the driving shaft for the uneven turning of the shaft between two pairs, in N mm."""
         if self.between is None or not self.masses.between_inertia_kg_mm2:
             return 0.0
         angle = self.between.driven_angle(phi1, order + 2)
@@ -200,7 +200,7 @@ class RigidMachine:
 
 
 JAM_STEPS = 3600
-"""Steps of a cycle at which the worst place of a slider that jams is looked for: tenths of a degree, as it is told."""
+"""Steps of a cycle in the search for the worst place of a jammed slider: tenths of a degree, as in the message."""
 
 IDLE = 1e-9
 """Share of the largest torque below which flanks carry nothing: far above rounding errors, far below any real load."""

@@ -1,11 +1,11 @@
-"""The force between the teeth, from the torque asked of the driven gear.
+"""The force between the teeth, from the torque on the driven gear.
 
 Wherever teeth touch, the normal of the flanks goes through the pitch point, so the force turns the driven gear by its
 part across the line of centres alone: F_across = T2 / r2.  The flanks' normal leans from the pitch curves' tangent by
-the rack's angle alpha (that of the side that touches), the tangent from the normal to the line of centres by mu =
-atan(r1'/r1); the pressure angle is alpha - mu where the driving gear pushes and alpha + mu where the driven gear runs
-ahead and the back flanks hold it (F. L. Litvin, A. Fuentes-Aznar, I. Gonzalez-Perez, K. Hayasaka, "Noncircular Gears",
-Cambridge 2009, chapter 2).
+the rack's angle alpha of the touching side, the tangent from the normal to the line of centres by mu = atan(r1'/r1);
+the pressure angle is alpha - mu where the driving gear pushes and alpha + mu where the driven gear runs ahead and the
+back flanks hold it (F.  L.  Litvin, A.  Fuentes-Aznar, I.  Gonzalez-Perez, K.  Hayasaka, "Noncircular Gears", Cambridge
+2009, chapter 2).
 """
 
 from __future__ import annotations
@@ -24,11 +24,11 @@ from ncgear.pitch.shape import Gear, Mesh
 
 @dataclass(frozen=True)
 class MeshPlace:
-    """How the gears lie: distance of their axes, angle of the rack, kind of mesh.
+    """Arrangement of the gears: distance of their axes, angle of the rack, kind of mesh.
 
     ``driving_axis_rad`` is the direction from the crank's axis to the driving gear's, in the frame of the mechanism,
     counter-clockwise from the slider's line.  ``idle_angle_rad`` is the rack's angle of the flanks that hold the driven
-    gear back, None where it is that of the pushing ones.
+    gear back, None where it equals that of the pushing flanks.
     """
 
     center_distance_mm: float
@@ -53,10 +53,10 @@ class MeshForce:
 
 
 def mesh_force(place: MeshPlace, slope: Jet, torque_n_mm: Jet) -> MeshForce:
-    """The force for a torque asked of the driven gear, in its sense of turning.
+    """The force for a torque on the driven gear, in its sense of turning.
 
-    ``slope`` is dphi2/dphi1 with one derivative more than the torque has.  Where the torque is 0, the pressure angle is
-    the one of the pushing flanks.
+    ``slope`` is dphi2/dphi1 with one derivative more than the torque.  Where the torque is 0, the pressure angle is
+    that of the pushing flanks.
     """
     side = np.where(torque_n_mm.value < 0.0, -1.0, 1.0)
     radius = shape.radius(slope, Gear.DRIVEN, place.mesh).truncated(torque_n_mm.order) * place.center_distance_mm

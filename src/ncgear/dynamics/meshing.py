@@ -1,19 +1,18 @@
-"""Forces of the teeth for any motion of both gears: which pairs touch, how deep, and what that does to either gear.
+"""Forces of the teeth for any motion of both gears: the touching pairs, their depth, and their moments on both gears.
 
-The law of impact is the one that multi-body programs use (MSC, "Adams/Solver" documentation, function IMPACT; after
-K. H. Hunt, F. R. E. Crossley, J. Appl. Mech. 42 (1975), 440-445):
+The law of impact is that of multi-body programs (MSC, "Adams/Solver" documentation, function IMPACT; after K.  H.
+Hunt, F.  R.  E.  Crossley, J.  Appl.  Mech. 42 (1975), 440-445):
 
     F = max(0, k d^n + c(d) d'),   c(d) = c u^2 (3 - 2 u),   u = min(1, d / d_full)
 
-at the depth d > 0, with d' its rate.  The stiffness k is that of the pair at its place and changes with phi1; for teeth
-that give way as elastic bodies the exponent n is 1.  Friction is Coulomb's with a coefficient that depends on the speed
-of sliding.
+at the depth d > 0, with d' its rate.  The stiffness k belongs to the pair at its place and changes with phi1; for
+elastic teeth the exponent n is 1.  Friction is Coulomb's with a coefficient that depends on the speed of sliding.
 
 The depth of a pair is a function of both angles, d = u l(phi1) (law(phi1) + e(phi1) - phi2), with e and the lever l
 from the tables and u = +1 on pushing flanks, -1 on their backs.  Its normal force acts on either gear along the
-gradient of d.  A pair stores V = k d^(n + 1) / (n + 1); where k changes with phi1, the driving gear feels
--k' d^(n + 1) / (n + 1) besides.  So no energy comes from the tables: what the gears lose is what the contact stores and
-what its damping and friction take.
+gradient of d.  A pair stores V = k d^(n + 1) / (n + 1); where k changes with phi1, the driving gear has the further
+moment -k' d^(n + 1) / (n + 1).  So the tables create no energy: the gears lose exactly the energy that the contact
+stores and that its damping and friction take.
 
 The force of all teeth on the driven gear as a vector follows from the speeds at which both gears pass along the
 tangent.  Let t be the unit tangent, z the place of contact, a the way from the driving to the driven axis, and s = -1,
@@ -39,7 +38,7 @@ from ncgear.numerics.units import in_words
 
 
 def ramp(share: Number) -> Number:
-    """From 0 to 1 along a cubic that is level at both ends, for shares from 0 to 1."""
+    """A cubic from 0 to 1 with slope 0 at both ends, for shares from 0 to 1."""
     risen: Number = share * share * (3.0 - 2.0 * share)
     return risen
 
@@ -56,7 +55,7 @@ class Impact:
     full_damping_depth_mm: float
 
     def elastic_n(self, depth_mm: Number, stiffness: Number | float) -> Number:
-        """Force that the depth alone gives; 0 where bodies do not touch."""
+        """Force from the depth alone; 0 where bodies do not touch."""
         pressed: Number = stiffness * at_least(depth_mm, 0.0) ** self.exponent
         return pressed
 
@@ -65,27 +64,27 @@ class Impact:
         return self.damping_n_s_mm * ramp(at_most(at_least(depth_mm / self.full_damping_depth_mm, 0.0), 1.0))
 
     def force_n(self, elastic_n: Number, damped_n: Number) -> Number:
-        """Force that presses the bodies apart, by that of the depth alone and by damping; they never pull."""
+        """Force that presses the bodies apart, from depth and damping; they never pull."""
         return at_least(elastic_n + damped_n, 0.0)
 
     def energy_n_mm(self, depth_mm: Number, stiffness: Number | float) -> Number:
-        """Work that the elastic force gives back; linear in the stiffness, so that its slope gives that of the work."""
+        """Stored energy of the elastic force, linear in the stiffness: the slope of one gives that of the other."""
         return self.elastic_n(depth_mm, stiffness) * at_least(depth_mm, 0.0) / (self.exponent + 1.0)
 
     def loss_n_mm_s(self, elastic_n: Number, damped_n: Number, rate_mm_s: Number) -> Number:
         """Power that damping takes.
 
-        Where bodies part so fast that they no longer press each other, it takes all that the elastic force gives back.
+        Where bodies part so fast that they no longer press each other, it takes all power of the elastic force.
         """
         return (at_least(elastic_n + damped_n, 0.0) - elastic_n) * rate_mm_s
 
 
 @dataclass(frozen=True)
 class Friction:
-    """Coefficients at rest and in motion, and the speeds in mm/s at which each of them is reached.
+    """Static and dynamic coefficients, and the speeds in mm/s at which they are reached.
 
-    The coefficient rises from 0 to the static one at the speed of ``static_mm_s`` and falls to the dynamic one at
-    ``dynamic_mm_s``, both along cubics, as in the multi-body programs.
+    The coefficient rises from 0 to the static value at ``static_mm_s`` and falls to the dynamic value at
+    ``dynamic_mm_s``, both along cubics, as in multi-body programs.
     """
 
     static: float
@@ -114,9 +113,9 @@ class TwoShafts:
 
 
 class PairAt(NamedTuple, Generic[Number]):
-    """Pairs of teeth at a driving angle, or one of them in plain numbers; sides and quantities as in ``Near``.
+    """Pairs of teeth at a driving angle, or a single pair in plain numbers; sides and quantities as in ``Near``.
 
-    ``behind_rad`` is how far the driven gear is behind the pair's contact; ``rate``, ``lever_slope`` and ``stiffening``
+    ``behind_rad`` is the angle from the driven gear to the pair's contact; ``rate``, ``lever_slope`` and ``stiffening``
     are the slopes of this, of the lever and of the stiffness by the driving angle.
     """
 
@@ -133,7 +132,7 @@ class PairAt(NamedTuple, Generic[Number]):
 
 @dataclass(frozen=True, eq=False)
 class ToothForces:
-    """What the pairs near contact bear, arrays of shape s + (slots,).
+    """Forces of the pairs near contact, arrays of shape s + (slots,).
 
     ``depth_mm`` is minus the gap where a pair does not touch; ``normal_n`` is 0 there.  ``driving_n_mm`` and
     ``driven_n_mm`` are the moments on the gears, each in the sense in which its gear turns; ``loss_n_mm_s`` is the
@@ -156,9 +155,9 @@ TOO_WEAK = "gears.face_width_mm"
 
 @dataclass(frozen=True, eq=False)
 class Meshing:
-    """A law, the pairs of teeth that keep it, and how they bear load.
+    """A law, its pairs of teeth, and their law of impact.
 
-    ``stiffness_key`` is the key of the stiffness where one is given; None where it is the teeth's own.
+    ``stiffness_key`` is the key of a given stiffness; None for the teeth's own stiffness.
     """
 
     law: PeriodicTable
@@ -168,9 +167,9 @@ class Meshing:
     stiffness_key: str | None = None
 
     def require_reach(self, phi1_rad: Array, error_rad: Array) -> None:
-        """Refuse driven angles beyond the law's, shape (n,), at which teeth are deeper than the tables follow them.
+        """Refuse driven angles beyond the law's, shape (n,), at which teeth are deeper than the range of the tables.
 
-        Raises NoSuchMechanism for the stiffness that is given, or else for the face width.
+        Raises NoSuchMechanism for the given stiffness, or else for the face width.
         """
         found = self.gaps.too_deep(phi1_rad, error_rad)
         if found is None:
@@ -195,9 +194,9 @@ class Meshing:
         return self._near(near, _column(angle - shafts.phi2_rad) + near.error_rad, ratio, speeds)
 
     def beyond(self, phi1_rad: Array, ahead_rad: Array, side: Array, speed_rad_s: float) -> ToothForces:
-        """Forces of the flanks of one side, +1 or -1, with the driven gear some angle beyond the law's; shape (n,).
+        """Forces of the flanks of one side, +1 or -1, with the driven gear ``ahead_rad`` beyond the law's; shape (n,).
 
-        The driving shaft turns at ``speed_rad_s``, the driven one as the law says.  Depths are known to rounding errors
+        The driving shaft turns at ``speed_rad_s``, the driven shaft by the law.  Depths are known to rounding errors
         of the angles beyond the law's, however far the gears have turned.
         """
         ratio, near = self.law.at(phi1_rad)[1], self.gaps.at(phi1_rad)
@@ -214,7 +213,7 @@ class Meshing:
         return ToothForces(near, *self.borne(pair, *map(_column, speeds_rad_s)))
 
     def borne(self, pair: PairAt[Number], speed1_rad_s: Number, speed2_rad_s: Number) -> tuple[Number, ...]:
-        """The fields of ``ToothForces`` beyond the first: of pairs, or of one pair in plain numbers."""
+        """The fields of ``ToothForces`` after the first, for pairs, or for a single pair in plain numbers."""
         urge, behind, rate, lever, lever_slope, driving, driven, stiffness, stiffening = pair
         arm = urge * lever
         depth = arm * behind
@@ -250,7 +249,7 @@ def force_on_driven(teeth: ToothForces, ratio: Array, place: MeshPlace) -> Vecto
 
 
 def tangent(near: Near, ratio: Array, place: MeshPlace) -> ComplexArray:
-    """Unit tangents at the contacts, outwards from the driven axis, which lies along +x from the driving one."""
+    """Unit tangents at the contacts, outwards from the driven axis, which lies along +x from the driving axis."""
     sense, distance = place.mesh.sense, place.center_distance_mm
     own = ratio[..., None] + near.slopes[0]
     along: ComplexArray = near.lever_mm * (sense * own - 1.0) + 1j * (near.driving_mm - sense * near.driven_mm)

@@ -1,9 +1,9 @@
 """The motion of the toothed machine in time: two shafts that only their teeth join, by a solver for stiff equations.
 
-The driving gear turns at a speed that nothing changes, or a motor with a flywheel turns it.  The state is (phi1, phi1',
-phi2, phi2', work of the drive, losses of the teeth); the last two are integrated along with the motion for the balance
-of energy.  The motion starts on the law under its load, or from rest.  The solver starts anew at each dead centre,
-where the resistance goes on or off, and about each narrow peak of it, which its steps might pass over.
+The driving gear turns at a constant speed, or a motor with a flywheel turns it.  The state is (phi1, phi1', phi2,
+phi2', work of the drive, losses of the teeth); the last two are integrated along with the motion for the balance of
+energy.  The motion starts on the law under its load, or from rest.  The solver restarts at each dead centre, where the
+resistance starts or ends, and at each narrow peak of the resistance, which its steps might pass over.
 """
 
 from __future__ import annotations
@@ -60,12 +60,12 @@ class DriveLine(Protocol):
 
     @property
     def inertia_n_mm_s2(self) -> float:
-        """Inertia of the driving shaft; 0 where nothing changes its speed."""
+        """Inertia of the driving shaft; 0 for a constant speed."""
         ...
 
     @property
     def starting_rad_s(self) -> float:
-        """Speed that the drive has where it is started from rest."""
+        """Speed of the drive at a start from rest."""
         ...
 
     def answer(self, speed_rad_s: Number, moment_n_mm: Number) -> tuple[Number, Number]:
@@ -75,14 +75,14 @@ class DriveLine(Protocol):
 
 @dataclass(frozen=True)
 class EvenDrive:
-    """Turns at one speed, whatever torque that takes."""
+    """A drive with a constant speed at any torque."""
 
     speed_rad_s: float
     inertia_n_mm_s2: float = 0.0
 
     @property
     def starting_rad_s(self) -> float:
-        """Its one speed, from the first moment on."""
+        """Its constant speed, from the first moment on."""
         return self.speed_rad_s
 
     def answer(self, speed_rad_s: Number, moment_n_mm: Number) -> tuple[Number, Number]:
@@ -92,9 +92,9 @@ class EvenDrive:
 
 @dataclass(frozen=True)
 class Motor:
-    """Torque falls in a line from the stall torque at rest to nothing at ``speed_rad_s``, and brakes beyond it.
+    """A motor whose torque falls linearly from the stall torque at rest to 0 at ``speed_rad_s``, and brakes beyond it.
 
-    ``inertia_n_mm_s2`` is that of the whole driving shaft, flywheel and driving gear included.
+    ``inertia_n_mm_s2`` is the inertia of the whole driving shaft, including flywheel and driving gear.
     """
 
     speed_rad_s: float
@@ -124,21 +124,21 @@ class Answer:
 
 @dataclass(frozen=True, eq=False)
 class ToothedMachine:
-    """What turns the driving gear, the teeth, and what the driven gear turns."""
+    """The drive, the teeth, and the load of the driven gear."""
 
     drive: DriveLine
     meshing: Meshing
     load: CrankLoad
 
     def answer(self, states: Array) -> Answer:
-        """What moves and holds the shafts in states of shape (6,) or (6, n)."""
+        """Forces and accelerations of the shafts in states of shape (6,) or (6, n)."""
         teeth = self.meshing.forces(TwoShafts(*states[:4]))
         acceleration1, torque = self.drive.answer(states[1], teeth.driving_n_mm.sum(axis=-1))
         acceleration2 = self.load.acceleration_rad_s2(states[2], states[3], teeth.driven_n_mm.sum(axis=-1))
         return Answer(teeth, torque, acceleration1, acceleration2)
 
     def stored_n_mm(self, states: Array) -> Array:
-        """Kinetic and elastic energy, and what resistance and weights took, shape (n,), in states of shape (6, n)."""
+        """Kinetic and elastic energy plus the work on resistance and weights, shape (n,), in states of shape (6, n)."""
         teeth = self.meshing.forces(TwoShafts(*states[:4]))
         elastic = self.meshing.impact.energy_n_mm(teeth.depth_mm, teeth.near.stiffness).sum(axis=-1)
         driving = 0.5 * self.drive.inertia_n_mm_s2 * states[1] ** 2
@@ -154,7 +154,7 @@ class Start(StrEnum):
 
 
 def law_torque_n_mm(load: CrankLoad, transmission: Transmission, phi1_rad: Array, speed_rad_s: float) -> Array:
-    """Torque in N mm that the driven shaft takes where it keeps the law at a driving speed, shape (n,)."""
+    """Torque in N mm on the driven shaft when it keeps the law at a driving speed, shape (n,)."""
     angle = transmission.driven_angle(phi1_rad, 2)
     return load.torque_n_mm(angle.value, angle.derivative(1) * speed_rad_s, angle.derivative(2) * speed_rad_s**2)
 
@@ -162,9 +162,9 @@ def law_torque_n_mm(load: CrankLoad, transmission: Transmission, phi1_rad: Array
 def started(machine: ToothedMachine, transmission: Transmission, start: Start, speed_rad_s: float) -> Array:
     """The state at phi1 = 0, shape (6,).
 
-    On the law both shafts have its speeds at the driving speed, whatever speed a motor has without load, and the teeth
-    are pressed as deep as the load at that speed asks.  At rest the driven gear stands on pushing flanks, and so does
-    the driving gear if a motor starts it; a drive of one speed has that speed from the start.
+    On the law both shafts have its speeds at the driving speed (not a motor's speed without load), and the load at that
+    speed presses the teeth.  At rest the driven gear stands on pushing flanks; the driving gear stands too if a motor
+    starts it, and a drive of constant speed has that speed from the start.
     """
     here = np.zeros(1)
     if start is Start.REST:
@@ -190,11 +190,11 @@ BETWEEN = 3
 of its rise over the step, and closed in on from there."""
 
 JUDGED = 0.618
-"""Share of each step at which the balance of energy is taken."""
+"""Place in each step, as a share of it, where the balance of energy is tested."""
 
 ON_RAD, MOST_STATES = 0.01, 20_000
-"""Angle by which the driving gear must get on within so many states that the solver looks at.  Machines that turn take
-some 300; one that stands, or trembles between its teeth, takes as many as it is given."""
+"""Least advance of the driving gear within this many states of the solver.  Turning machines take some 300 states for
+it; a machine that stands, or oscillates between its teeth, would take any number."""
 
 SLOWEST = 20.0
 """The drive must get round in this many times the time that it takes without load."""
@@ -217,7 +217,7 @@ class Course:
         states = np.empty((self.states.shape[0], time_s.size))
         for rows in row_blocks(time_s.size):
             states[:, rows] = self.between(time_s[rows]).T
-        # What is between steps meets the state that the motion starts in but for rounding: at rest it would move.
+        # Interpolation meets the first state only up to rounding, so that a machine at rest would seem to move.
         states[:, time_s == self.time_s[0]] = self.states[:, :1]
         return states
 
@@ -235,12 +235,12 @@ class Course:
 
     @property
     def least_balanced_rad(self) -> float:
-        """The driving angle at which the balance of energy is missed by most."""
+        """The driving angle of the largest error of the energy balance."""
         return self._imbalance[1]
 
     @cached_property
     def _imbalance(self) -> tuple[float, float]:
-        """The largest imbalance and its driving angle, from states at which neither the solver nor the peaks look."""
+        """The largest imbalance and its driving angle, from states that neither the solver nor the peaks use."""
         judged = self.at(self.time_s[:-1] + JUDGED * np.diff(self.time_s))
         before = float(self.machine.stored_n_mm(self.states[:, :1])[0])
         gained, work, loss = self.machine.stored_n_mm(judged) - before, judged[4], judged[5]
@@ -251,7 +251,7 @@ class Course:
 
 
 def unheard(_done: float) -> None:
-    """Nobody is told how much is done."""
+    """Report progress to nobody."""
 
 
 def course(
@@ -264,8 +264,8 @@ def course(
 ) -> Course:
     """The motion from a state (shape (6,)) over ``turns`` of the driving gear, by one of scipy's solvers.
 
-    ``on_turns`` is told how many turns are done.  Raises NoSuchMechanism where the drive does not get round or on,
-    teeth are pressed too deep into each other, or energy does not balance, and Unanswered where the solver fails.
+    ``on_turns`` receives the number of finished turns.  Raises NoSuchMechanism where the drive stalls, teeth are
+    pressed too deep into each other, or energy does not balance, and Unanswered where the solver fails.
     """
     start_rad, target = float(state[0]), float(state[0]) + 2.0 * pi * turns
     change = _getting_on(machine, lambda phi1_rad: on_turns(min(turns, (phi1_rad - start_rad) / (2.0 * pi))))
@@ -284,9 +284,9 @@ Change = Callable[[float, Array], Array]
 
 
 def _getting_on(machine: ToothedMachine, on_way: Callable[[float], None]) -> Change:
-    """The change of a machine's states, which is no longer told once its driving gear does not get on.
+    """The rate of a machine's states; it raises once the driving gear does not advance any more.
 
-    ``on_way`` is told the driving angle as it gets on.
+    ``on_way`` receives the driving angle as it advances.
     """
     furthest, looked_at, own = -inf, 0, StateByState(machine.drive, machine.meshing, machine.load)
 
@@ -323,7 +323,7 @@ def _leg(
     ends: tuple[float, float],
     how: tuple[float, str],
 ) -> list[_Step]:
-    """The solver's steps up to the next stop of the load, or to the time or the driving angle at which all ends."""
+    """The solver's steps up to the next stop of the load, or to the final time or driving angle."""
     from scipy import integrate
 
     (limit_s, target_rad), (accuracy, method) = ends, how
@@ -353,7 +353,7 @@ def _leg(
         if ended:
             end_s = _first_s(beyond, between, before_s, end_s)
             state = between(end_s)
-        # The polynomials of steps join but for the solver's error: the end may be that of the step before
+        # The polynomials of steps join up to the solver's error: the end may be that of the step before
         if end_s > before_s:
             inner = between(nodes(np.array([before_s]), np.array([end_s]), DEGREE)[:, 0]).T
             steps.append(_Step(end_s, state, inner))
@@ -374,7 +374,7 @@ def _first_s(
 
 
 def _scales(machine: ToothedMachine) -> Array:
-    """What counts as small in each row of the state: a hundredth of a radian, of the speed, and of a turn's work."""
+    """Scales of small changes in each row of the state: a hundredth of a radian, of the speed, and of a turn's work."""
     speed = machine.drive.speed_rad_s
     moving = float(machine.load.energy_n_mm(np.array(0.0), np.array(speed)))
     work = max(moving, float(machine.load.table.at(2.0 * pi)[0][1]))
@@ -382,7 +382,7 @@ def _scales(machine: ToothedMachine) -> Array:
 
 
 def _joined(machine: ToothedMachine, steps: list[_Step]) -> Course:
-    """A course of steps, the first of which is its start."""
+    """A course of steps; the first step is its start."""
     time_s, states = np.array([step.time_s for step in steps]), np.stack([step.state for step in steps], axis=1)
     inner = np.stack([step.inner for step in steps[1:]], axis=1)
     return Course(machine, time_s, states, PiecewiseChebyshev(time_s, series(inner)))

@@ -1,4 +1,4 @@
-"""Where pairs of teeth touch, on both gears in their own frames: what the stiffness of a pair depends on."""
+"""Contact places of pairs of teeth on both gears in their own frames; the stiffness of a pair depends on them."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from ncgear.teeth.gear import ToothedPair
 
 @dataclass(frozen=True, eq=False)
 class PairPlaces(Columns):
-    """n pairs of teeth, each at the place at which it touches, shape (n,) each.
+    """n pairs of teeth, each at its place of contact, shape (n,) each.
 
     The flanks are numbered as in ``ncgear.teeth.flank``.  Points in mm and unit normals, which lead into the tooth, are
     in the frame of their own gear.  ``flanks`` is false where an edge touches.
@@ -71,7 +71,7 @@ def pair_places(contacts: Contacts, placement: Placement) -> PairPlaces:
 
 
 KNOWN = 1e-4
-"""Share of its variation over the cycle to which an extreme of the stiffness is known at least."""
+"""Largest error of an extreme of the stiffness as a share of its variation over the cycle."""
 
 
 def stiffness_range(pitch: PitchPair, teeth: ToothedPair, designed: AsDesigned, stiffness: PairStiffness) -> Range:

@@ -1,7 +1,7 @@
-"""Peaks of a motion in time: from the solver's own steps and places between them, closed in on by its interpolation.
+"""Peaks of a motion in time: from the solver's steps and places between them, refined on its interpolation.
 
-An impact lasts some milliseconds, of which rows at even times may see nothing; the solver makes its steps shorter
-there.  A resistance may have a narrow peak that no step meets: the places at which it turns are looked at as well.
+An impact lasts some milliseconds and may fall between rows at even times; the solver makes its steps shorter there.  A
+resistance may have a narrow peak that no step meets: the places at which it turns are tested as well.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ from ncgear.numerics.highest import largest_of_each
 
 @dataclass(frozen=True)
 class Peak:
-    """A value, with the time in s and the driving angle in rad at which it is reached."""
+    """A value with its time in s and its driving angle in rad."""
 
     value: float
     time_s: float
@@ -54,7 +54,7 @@ class MotionPeaks:
 
 
 def motion_peaks(course: Course, rigid: RigidMachine, on_share: Callable[[float], None] = unheard) -> MotionPeaks:
-    """The peaks of a course, which must be one of this machine; ``on_share`` is told at which share of it."""
+    """The peaks of a course of this machine; ``on_share`` receives the finished share of it."""
     names = list(_sizes(history(course, rigid, course.time_s[:1])))
     places = np.union1d(course.fine_s, _turns_s(course, rigid.machine))
 
@@ -75,7 +75,7 @@ FORCE = " force"
 
 
 def _sizes(shown: History) -> dict[str, Array]:
-    """What peaks are sought of, shape (n,) each; the least torque with the other sign."""
+    """The quantities whose peaks are searched, shape (n,) each; the least torque with the other sign."""
     return {
         "displacement_error": np.abs(shown.slide.displacement - shown.law.displacement),
         "velocity_error": np.abs(shown.slide.velocity - shown.law.velocity),

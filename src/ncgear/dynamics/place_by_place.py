@@ -1,7 +1,7 @@
-"""The toothed machine at one state after the other, as solvers ask for it: the formulas of arrays, in plain numbers.
+"""The toothed machine at single states, as solvers need it: the formulas of arrays, in plain numbers.
 
-A solver asks for some hundred thousand states, one by one.  Most of the time of a state in arrays is that of making
-them; here the tables' intervals are read once, and only pairs that touch are computed.
+A solver needs some hundred thousand states, one by one.  With arrays most of the time would go into making them; here
+the tables' intervals are read once, and only touching pairs are computed.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class DrivingSide(Protocol):
 
 
 class StateByState:
-    """What changes the states of a machine; it remembers the interval of each table that it was in."""
+    """The rates of a machine's states; it remembers its last interval in each table."""
 
     def __init__(self, drive: DrivingSide, meshing: Meshing, load: CrankLoad) -> None:
         self._drive, self._meshing = drive, meshing

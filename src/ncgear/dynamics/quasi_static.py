@@ -1,9 +1,9 @@
-"""Loaded contact of the teeth: where the driven gear comes to rest under a torque while the driving gear turns slowly.
+"""Loaded contact of the teeth: rest position of the driven gear under a torque while the driving gear turns slowly.
 
 At each position the forces of all pairs, which grow with the depth by the law of impact at rest, balance the torque.
-Their moment grows as the driven gear gives way, so exactly one driven angle balances the torque.
+Their moment grows as the driven gear yields, so exactly one driven angle balances the torque.
 
-Only the flanks that the torque presses can bear: the others open as the driven gear gives way, and without load they
+Only the flanks that the torque presses can bear load: the others open as the driven gear yields, and without load they
 touch at most.  Where there is no backlash, errors of the tables would press them by some 1e-6 mm.
 """
 
@@ -26,26 +26,26 @@ from ncgear.numerics.zeros import zeros_between
 FIRST_STEP_RAD = 1e-7
 CLEAR_RAD = 1e-12
 DOUBLINGS = 24
-"""The search for a driven angle that bears the torque begins clear of the first touch and with this step, and doubles
-it at most so often: up to a radian, farther than any tooth gives way."""
+"""First step of the search for the balancing driven angle, which begins clear of the first touch, and most doublings of
+the step: up to a radian, farther than any tooth yields."""
 
 BALANCED = 1e-6
 """Share of the largest torque that a balance may miss.  A driven angle of some rad is known to 1e-15, so that the depth
 is known to some 1e-8 even for teeth a million times as stiff as steel."""
 
 ROUNDING_RAD = 1e-14
-"""Driven angle to either side of which the torque is met if a smaller share of it is within rounding errors only, as
-where all torques are next to nothing."""
+"""Driven angle to either side within which the torque counts as met where its own tolerance is below rounding, as with
+torques next to 0."""
 
 
 TOUCHING_MM, TOUCHING = 1e-10, 1e-3
-"""Depth up to which a pair only touches: rounding errors of the driven angle, at the teeth of large gears.  It is a
-length, since no teeth are so small: an atom is a thousand times as wide.  Under next to no load it is this share of the
-deepest pair's depth."""
+"""Depth up to which a pair only touches: rounding errors of the driven angle, at the teeth of large gears.  A length is
+enough, since an atom is a thousand times as wide.  Under next to no load it is this share of the deepest pair's
+depth."""
 
 
 def touching_mm(deepest_mm: Array) -> Array:
-    """Depth up to which pairs only touch beside a deepest one, of its shape."""
+    """Depth up to which pairs only touch, for the depth of the deepest pair; of its shape."""
     return np.minimum(TOUCHING_MM, TOUCHING * np.maximum(deepest_mm, 0.0))
 
 
@@ -53,8 +53,8 @@ def touching_mm(deepest_mm: Array) -> Array:
 class LoadedContact:
     """The teeth under load at n positions.
 
-    ``error_rad`` (shape (n,)) is the driven angle beyond the law's; ``forces`` have shape (n, slots), their moments on
-    the driving gear are what the drive has to bring.
+    ``error_rad`` (shape (n,)) is the driven angle beyond the law's; ``forces`` have shape (n, slots), and the drive
+    must supply their moments on the driving gear.
     """
 
     phi1_rad: Array
@@ -80,18 +80,18 @@ class LoadedContact:
 
     @property
     def pairs(self) -> IndexArray:
-        """Number of pairs that bear load at each position, shape (n,)."""
+        """Number of loaded pairs at each position, shape (n,)."""
         depth = np.where(self.forces.near.urge == 0.0, NO_DEPTH_MM, self.forces.depth_mm)
         counted: IndexArray = np.sum(depth > touching_mm(depth.max(axis=-1, keepdims=True)), axis=-1)
         return counted
 
 
 def loaded_contact(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array, speed_rad_s: float) -> LoadedContact:
-    """The teeth at driving angles in rad that bring torques in N mm to the driven shaft, shape (n,) each.
+    """The teeth at driving angles in rad under torques in N mm on the driven shaft, shape (n,) each.
 
-    The speed of the driving shaft tells how the flanks slide, and so which way they rub; 0 means no friction.  Where
+    The speed of the driving shaft gives the flanks' sliding, and so the sense of friction; 0 means no friction.  Where
     the torque is 0 the gears stand on pushing flanks that just touch.  Raises Unanswered where no balance is
-    found, and NoSuchMechanism where teeth would be pressed deeper into each other than the tables follow.
+    found, and NoSuchMechanism where teeth would be pressed deeper into each other than the tables reach.
     """
     resting = replace(meshing, impact=replace(meshing.impact, damping_n_s_mm=0.0))
     ahead = meshing.gaps.play_rad(phi1_rad)[0]
@@ -102,7 +102,7 @@ def loaded_contact(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array, speed_
 
 
 def pressed_side(torque_n_mm: Array) -> Array:
-    """+1 where a torque is borne by pushing flanks, -1 where by their backs, shape (n,)."""
+    """+1 where pushing flanks bear a torque, -1 where their backs do, shape (n,)."""
     return np.where(torque_n_mm >= 0.0, 1.0, -1.0)
 
 
@@ -120,8 +120,8 @@ class LoadedPeaks:
 def loaded_peaks(loaded_at: Callable[[Array], LoadedContact], phi1_rad: Array, pairs: int) -> LoadedPeaks:
     """The peaks between the first and the last of rising driving angles, shape (n,), of the teeth loaded at any angles.
 
-    ``pairs`` is a number of pairs that bear load together at some angle.  Between two angles the loaded teeth are taken
-    to have one top: the angles have to be dense enough for that.  Peaks are told from rounding as far as angles are.
+    ``pairs`` is a number of pairs that are loaded together at some angle.  The angles must be so dense that there is
+    one maximum between two of them.  Peaks are exact up to the rounding of angles.
     """
 
     def sizes(phi1: Array) -> Array:
@@ -142,16 +142,16 @@ def loaded_peaks(loaded_at: Callable[[Array], LoadedContact], phi1_rad: Array, p
 
 
 TOLD = 1e-5
-"""Share of the largest depth to which peaks are told under so little load that angles tell no more."""
+"""Tolerance of peaks, as a share of the largest depth, under loads too small for the resolution of angles."""
 
 NO_DEPTH_MM = -1e3
-"""Depth of a pair that is not there: farther apart than teeth are followed."""
+"""Depth of an absent pair: farther apart than teeth are followed."""
 
 
 def _depth_of_next_mm(forces: ToothForces, pairs: int) -> Array:
-    """Depth of the pair that would bear load after the ``pairs`` deepest ones, shape (n,), negative where it does not.
+    """Depth of the next pair after the ``pairs`` deepest pairs, shape (n,), negative where it bears no load.
 
-    How many pairs bear load jumps; this depth has a top between the jumps, however close they are.
+    The number of loaded pairs jumps; this depth has a maximum between the jumps, however close they are.
     """
     there = np.where(forces.near.urge == 0.0, NO_DEPTH_MM, forces.depth_mm)
     if pairs >= there.shape[-1]:
@@ -161,7 +161,7 @@ def _depth_of_next_mm(forces: ToothForces, pairs: int) -> Array:
 
 
 def _balanced(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array, speed_rad_s: float) -> Array:
-    """Driven angles beyond the law's at which the teeth bear torques other than 0."""
+    """Driven angles beyond the law's at which the teeth balance torques other than 0."""
     side = pressed_side(torque_n_mm)
 
     def missing(ahead: Array) -> Array:
@@ -178,7 +178,7 @@ def _balanced(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array, speed_rad_s
 def _bracket(
     missing: Callable[[Array], Array], meshing: Meshing, phi1_rad: Array, torque_n_mm: Array
 ) -> tuple[Array, Array]:
-    """Driven angles beyond the law's between which the torque is met.
+    """Driven angles beyond the law's that enclose the balance of the torque.
 
     Pushing flanks bear load at driven angles from their first touch backwards, backs from their first touch forwards.
     The first angle is a little before that touch, so that rounding errors of a depth of 0 bear no torque there.

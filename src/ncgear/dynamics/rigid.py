@@ -104,7 +104,7 @@ def _mesh_peak(rigid: RigidMachine, cycle: Sequence[Broken]) -> MeshPeak:
 
 @dataclass(frozen=True, eq=False)
 class Rigid:
-    """A machine, what its driving shaft is asked for, and its peaks; ``machine.at`` gives the curves."""
+    """A machine, the demands on its driving shaft, and its peaks; ``machine.at`` gives the curves."""
 
     machine: RigidMachine
     driving: DrivingShaft
@@ -117,7 +117,7 @@ class Rigid:
 
 
 def rigid_level(driving: DrivingShaft, place: MeshPlace | None) -> Rigid:
-    """The forces in a machine by its driving shaft and how its gears lie, None without gears.
+    """The forces in a machine from its driving shaft and the arrangement of its gears, None without gears.
 
     Raises NoSuchMechanism where its teeth cannot hold the torque.
     """

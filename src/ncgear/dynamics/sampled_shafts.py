@@ -1,7 +1,7 @@
-"""What driving shafts of many laws on one mechanism are asked for, with masses, from samples of the laws.
+"""Demands on the driving shafts of many laws on one mechanism, with masses, from samples of the laws.
 
-Inertia and weights ask of the crank what depends on its angle alone: M, M'/2 and U' of ``dynamics.crank_load``.  They
-are Fourier series, which are tabled as Taylor series about even angles.  With i = dphi1/dphi2, s = 1/i and f = ln i,
+Inertia and weights load the crank by functions of its angle alone: M, M'/2 and U' of ``dynamics.crank_load``.  They are
+Fourier series, tabled as Taylor series about even angles.  With i = dphi1/dphi2, s = 1/i and f = ln i,
 
     driving torque = s (w^2 s^2 (M'/2 - M f') + U') + load times dx/dphi1,   primes by phi2
 """
@@ -22,7 +22,7 @@ from ncgear.numerics.sampled import Functions, Sought, extremes, integrated, int
 from ncgear.numerics.units import N_M_PER_N_MM, N_PER_KG_MM_S2
 
 ANGLES = 1024
-"""Even crank angles whose values make the Fourier series."""
+"""Even crank angles from whose values the Fourier series is made."""
 
 DIED_AWAY = 1e-13
 """Share of the largest coefficient, or value, under which the last eighth of a series, or its last term, must lie."""
@@ -35,13 +35,13 @@ NODES, TERMS = 4096, 7
 class CrankTable:
     """M'/2 and M in N mm s^2, and U' in N mm, as Taylor series, shape (TERMS, 3, NODES).
 
-    They are no numbers where a series has not died away: then nobody is sure of what follows.
+    They are NaN where a series has not died away, since results would be uncertain.
     """
 
     series: Array
 
     def torque_n_mm(self, crank_rad: Array, slope: Array, first: Array, speed_rad_s: Array) -> Array:
-        """What masses and weights ask of the driving shaft, for s and f' at crank angles, shape (..., n)."""
+        """Torque of masses and weights on the driving shaft, for s and f' at crank angles, shape (..., n)."""
         place = np.rint(crank_rad * (NODES / (2.0 * pi)))
         beyond, node = crank_rad - place * (2.0 * pi / NODES), place.astype(np.intp) % NODES
         values = self.series[-1].take(node, axis=1)
@@ -70,8 +70,8 @@ def crank_table(linkage: Mechanism, masses: Masses) -> CrankTable:
 def torque_figures(torque: Functions, turning: Array, there: Mask, speed_rad_s: Array) -> dict[str, Array]:
     """The figures of power of ``kinematics.check`` by their keys, shape (n,) each, from torques in N mm.
 
-    ``turning`` is the driving angle per share of a piece, of the torques' shape; ``there`` (shape (p, n)) says which
-    pieces count.
+    ``turning`` is the driving angle per share of a piece, of the torques' shape; ``there`` (shape (p, n)) marks the
+    pieces that count.
     """
     cycle_rad = integrated(turning)
     mean, square = (integrated(values * turning) / cycle_rad for values in (torque.values, torque.values**2))

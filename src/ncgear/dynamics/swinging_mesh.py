@@ -1,14 +1,14 @@
-"""A mesh that swings at many speeds: a spring that changes from tooth to tooth and along the pitch curves.
+"""A mesh that swings, at many speeds: a spring that changes from tooth to tooth and along the pitch curves.
 
-With x the driven gear's angle beyond the law's, e that angle at rest under the load, K the stiffness of the pairs that
-bear about the driven axis and J the inertia of both shafts there, 1/J = 1/J2 + (dphi2/dphi1)^2 / J1,
+With x the driven gear's angle beyond the law's, e that angle at rest under the load, K the stiffness of the loaded
+pairs about the driven axis and J the inertia of both shafts there, 1/J = 1/J2 + (dphi2/dphi1)^2 / J1,
 
     (J x.). + C x. + K (x - e) = 0,   C = 2 zeta sqrt(J K),   phi1 = w t
 
-so that the teeth bear T - K (x - e) in place of T: a parametric oscillator (Hill's equation), driven by what the loaded
-teeth err from tooth to tooth.  Between two places K, J and e' are held, and the step is exact; the motion that repeats
-with the cycle follows from the map over a cycle, whose multipliers (Floquet) tell whether others die away.  Pairs are
-those that bear at rest: where teeth would part, the swing is told too large.
+so that the teeth bear T - K (x - e) instead of T: a parametric oscillator (Hill's equation), driven by the error of the
+loaded teeth from tooth to tooth.  Between two places K, J and e' are constant, and the step is exact.  The periodic
+motion follows from the map over a cycle, whose multipliers (Floquet) tell whether other motions die away.  The pairs
+are those loaded at rest: where teeth would part, the result exceeds the true swing.
 """
 
 from __future__ import annotations
@@ -38,10 +38,10 @@ class SwingingMesh:
 
 @dataclass(frozen=True, eq=False)
 class Swings:
-    """What a mesh does at s speeds; shape (s,) each.
+    """The swings of a mesh at s speeds; shape (s,) each.
 
     ``load_factor`` is the largest torque of the teeth over the largest at rest, infinite where swings grow without end;
-    ``multiplier`` is by how much a swing grows over a cycle.
+    ``multiplier`` is the factor by which a swing grows over a cycle.
     """
 
     load_factor: Array
@@ -51,7 +51,7 @@ class Swings:
 def swings(mesh: SwingingMesh, speeds_rad_s: Array) -> Swings:
     """The swings of a mesh at driving speeds in rad/s, shape (s,), all above 0."""
     steps = _Steps.of(mesh, speeds_rad_s)
-    # Columns: two unit states without what drives them, and the state of rest with it.
+    # Columns: two unit states without excitation, and the state of rest with excitation.
     states = np.zeros((2, 3, speeds_rad_s.size))
     states[0, 0] = states[1, 1] = 1.0
     driven = np.array([0.0, 0.0, 1.0])[:, None]
@@ -99,7 +99,7 @@ class _Steps:
         slower = swing * np.sqrt(1.0 - mesh.damping_ratio**2)
         fading = np.exp(-decay * time)
         cosine, sine = fading * np.cos(slower * time), fading * np.sin(slower * time) / slower
-        # Of x - e about where damping holds it, r, and its rate v.
+        # For x - e about its rest r under damping, and its rate v.
         a, b = cosine + decay * sine, sine / inertia
         c, d = -inertia * swing**2 * sine, cosine - decay * sine
         behind = -2.0 * decay * rate / swing**2
@@ -108,6 +108,6 @@ class _Steps:
         return cls(turning, resting - np.einsum("ij...,j...->i...", turning, resting))
 
     def after(self, row: int, states: Array, driven: Array) -> Array:
-        """States of shape (2, k, s) a place later; ``driven`` (k, 1) says which of the k are driven."""
+        """States of shape (2, k, s) a place later; ``driven`` (k, 1) marks the driven states of the k."""
         turning, drift = self.turning[:, :, row, None], self.drift[:, row, None] * driven
         return np.asarray(turning[:, 0] * states[0] + turning[:, 1] * states[1] + drift)

@@ -2,13 +2,13 @@
 
 At constant driving speed there are two bodies: the shaft between the pairs, of inertia J1, and the driven side, of J2
 reduced to the crank's shaft.  With x1 and x2 their angles beyond the law's, M1 and M2 the moments of the pairs that
-touch on their driven gears, T1 and T2 what the law asks of these, and i2 the slope of the second pair's law,
+touch on their driven gears, T1 and T2 the law's torques on these, and i2 the slope of the second pair's law,
 
     J1 x1.. = M1(phi1, x1, x1.) - T1 - i2 (M2 - T2)
     (J2 x2.). = M2(theta1, y, y.) - T2,   y = x2 - i2 x1
 
-The teeth of the second pair know only y, the angle of its driven gear beyond what its own driving gear asks.  All is to
-the first order of x, as in ``ncgear.dynamics.flank_changes``, whose method this is: of a single pair J1 is without end.
+The teeth of the second pair depend only on y, the angle of its driven gear beyond the one for its own driving gear.
+All is to the first order of x, by the method of ``ncgear.dynamics.flank_changes``: a single pair has infinite J1.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ from ncgear.numerics.arrays import Array, IndexArray
 
 @dataclass(frozen=True, eq=False)
 class TrainPair:
-    """One of two pairs: its damped teeth, and the torque that the law asks of its driven gear at its own angles."""
+    """A pair of two: its damped teeth, and the law's torque on its driven gear at its own angles."""
 
     meshing: Meshing
     asked: Callable[[Array], Array]
@@ -74,7 +74,7 @@ class _Places:
 
 @dataclass(frozen=True, eq=False)
 class KnockingTrain:
-    """Two pairs, the inertia in N mm s^2 of the shaft between them, and what the crank turns."""
+    """Two pairs, the inertia in N mm s^2 of the shaft between them, and the load of the crank."""
 
     pairs: tuple[TrainPair, TrainPair]
     between: float
@@ -105,7 +105,7 @@ class KnockingTrain:
         return first, second
 
     def _hurried(self, places: _Places, most: Array, cycle_rad: float) -> tuple[IndexArray, Array]:
-        """Rows of places after which a torque turns round or jumps, and the flanks that bear at all, shape (2, n)."""
+        """Rows of places after which a torque reverses or jumps, and the loaded flanks of all rows, shape (2, n)."""
         flanks = np.stack([flanks_of(one, IDLE * top) for one, top in zip(places.asked, most, strict=True)])
         jump = np.roll(places.asked, -1, axis=1) - places.asked
         steps = cycle_rad / SAMPLES / self.speed_rad_s * places.swings_rad_s
@@ -133,7 +133,7 @@ class KnockingTrain:
     def _followed(
         self, start_rad: float, flanks: Array, most: Array, ends_rad: tuple[float, float]
     ) -> tuple[Stretch, Stretch]:
-        """What both pairs bear from a place on, at which they are settled, until they have settled again."""
+        """The torques of both pairs from a place, where they are settled, until they have settled again."""
         here = self._at(np.array([start_rad]))
         settled = [
             settled_rad(one.meshing, float(here.angle_rad[i, 0]), float(here.asked[i, 0]), float(flanks[i]), IDLE * top)
@@ -180,7 +180,7 @@ class KnockingTrain:
         return Stretch(angles, torques[0], knocks[0]), Stretch(between, torques[1], knocks[1])
 
     def _momenta(self, state: tuple[float, float, float, float], along: _Places, part: slice) -> Array:
-        """The momenta with which both bodies swing on the teeth of each pair, shape (2,)."""
+        """The momenta of both bodies swinging on the teeth of each pair, shape (2,)."""
         slope, driven = float(along.slope[part][-1]), float(along.driven[part][-1])
         relative = state[3] / driven - slope * state[2] / self.between
         return np.array([state[2], relative * float(along.own[1, part][-1])])

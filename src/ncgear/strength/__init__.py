@@ -1,1 +1,1 @@
-"""Whether the teeth hold: materials, loads of every tooth, stresses by two methods, safety and life."""
+"""Strength of the teeth: materials, loads of every tooth, stresses by two methods, safety and life."""

@@ -14,7 +14,7 @@ from ncgear.strength.contacts import LoadedContacts
 from ncgear.strength.material import Material
 
 LoadBy = Literal["masses", "resistance", "jam"]
-"""What a load follows from: the machine with its masses, the resistance alone, or a jam and nothing else."""
+"""The cause of a load: the machine with its masses, the resistance alone, or a jam alone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,7 +22,7 @@ class ContactStresses:
     """Stresses of n loaded contacts in MPa, all factors of load included.
 
     ``pressure_mpa`` (shape (n,)) is the pressure between the flanks, NaN at edges.  ``tension_mpa`` and
-    ``compression_mpa`` (shape (2, n)) are those at the roots of the driving and the driven tooth.
+    ``compression_mpa`` (shape (2, n)) are the stresses at the roots of the driving and the driven tooth.
     ``face_load_factor`` (shape (n,)) is K_Hbeta, ``dynamic_factor`` K_V.
     """
 
@@ -33,19 +33,19 @@ class ContactStresses:
     dynamic_factor: Array
 
     def decisive_face_load(self, contacts: LoadedContacts) -> float:
-        """K_Hbeta of the contact that bears most for each mm of width; 1 where none bears load."""
+        """K_Hbeta of the contact with the largest load for each mm of width; 1 without load."""
         load = self.face_load_factor * self.dynamic_factor * contacts.over_width_n
         return float(self.face_load_factor[load.argmax()]) if load.size else 1.0
 
 
 @dataclass(frozen=True, eq=False)
 class ToothLife:
-    """What one kind of damage leaves to the z teeth of a gear; shape (z,) each, from tooth 1 on.
+    """Safety and life of the z teeth of a gear against one kind of damage; shape (z,) each, from tooth 1 on.
 
-    ``stress_mpa`` is the largest stress of each tooth and ``phi1_rad`` the driving angle at which it has it.
-    ``safety`` is the endured stress over the equivalent one: all stresses may grow by this factor until the life asked
-    for is just reached.  ``life_h`` are the hours until failure by Miner's rule, infinite where the stress is endured
-    for ever.  Teeth that bear no load have a stress of 0 and an infinite safety.
+    ``stress_mpa`` is the largest stress of each tooth and ``phi1_rad`` its driving angle.  ``safety`` is the endured
+    stress over the equivalent stress: with all stresses times this factor, the wanted life is just reached.  ``life_h``
+    are the hours until failure by Miner's rule, infinite where the stress is endured for ever.  Teeth without load have
+    a stress of 0 and an infinite safety.
     """
 
     stress_mpa: Array
@@ -86,8 +86,8 @@ class GearStrength:
 class Strength(Shown):
     """Both gears by one method.
 
-    ``load`` says what the load follows from.  ``end_rad`` is the
-    driving angle at which the same teeth meet again, or of gears that turn less than once the end of their range.
+    ``load`` is the cause of the load.  ``end_rad`` is the driving angle at which the same teeth meet again, or the end
+    of the range of gears that turn less than once.
     """
 
     method: Literal["estimate", "elements"]
@@ -100,12 +100,12 @@ class Strength(Shown):
 
     @property
     def peak_pair_n(self) -> float:
-        """Largest normal force on a pair of teeth, in all sections of its width; 0 where none bears load."""
+        """Largest normal force on a pair of teeth over its whole width; 0 without load."""
         return float(self.contacts.of_pairs().force_n.max(initial=0.0))
 
     @property
     def wears(self) -> bool:
-        """Whether flanks wear, which is not judged."""
+        """Whether flanks wear; wear is not judged here."""
         return self.driving.material.wears or self.driven.material.wears
 
     def __repr__(self) -> str:

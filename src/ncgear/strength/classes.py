@@ -48,11 +48,11 @@ Lines = dict[Quality, Line]
 class StrengthClass:
     """One group of materials of ISO 6336-5.
 
-    ``abbreviation`` is that of the standard and ``scale`` the scale of hardness (HBW or HV).  ``contact`` are the lines
-    of the allowable stress number for contact, sigma_Hlim, and ``bending`` those of the nominal stress number for
-    bending, sigma_Flim; the local stress that an unnotched root endures is twice that.  ``contact_life`` and
-    ``bending_life`` are the life factors Z_NT and Y_NT: static, endurance, and 0.85 of it at 1e10 cycles.
-    ``hardened`` tells a hardened surface, which a soft mate gains hardness from.
+    ``abbreviation`` is the standard's and ``scale`` the scale of hardness (HBW or HV).  ``contact`` are the lines of
+    the allowable stress number for contact, sigma_Hlim, and ``bending`` the lines of the nominal stress number for
+    bending, sigma_Flim; the local stress that an unnotched root endures is twice sigma_Flim.  ``contact_life`` and
+    ``bending_life`` are the life factors Z_NT and Y_NT: static, endurance, and 0.85 of it at 1e10 cycles.  ``hardened``
+    marks a hardened surface, which hardens a soft mate.
     """
 
     abbreviation: str
@@ -71,7 +71,7 @@ class StrengthClass:
 
     @property
     def hardnesses(self) -> tuple[float, float]:
-        """The least and the greatest hardness of which the class has figures for contact in its normal quality."""
+        """The least and the greatest hardness with figures for contact in the normal quality of the class."""
         line = self.contact[Quality.MQ]
         return line.softest, line.hardest
 

@@ -1,4 +1,4 @@
-"""What a pair of gears runs under: its size and speed, its life, its oil and surfaces, and the safeties wanted."""
+"""Running conditions of a pair of gears: size and speed, life, oil and surfaces, and the wanted safeties."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from ncgear.strength.material import Family, Material
 class Running:
     """Size and speed of a pair, as the factors of ISO 6336 need them.
 
-    ``teeth`` are those of the driving and the driven gear, ``speed_rad_s`` is the mean speed of the driving gear.
-    ``overlap_ratio`` is how many pitches helical teeth advance over the face width, 0 of straight ones.  Gears that
-    turn less than once have ``around``, the pitches that whole turns of either gear would have at their mean radii, and
-    ``stroke_rad``, by how much the driving gear turns out and back; of others it is a whole turn.
+    ``teeth`` are the numbers of teeth of the driving and the driven gear, ``speed_rad_s`` the mean speed of the driving
+    gear.  ``overlap_ratio`` is the advance of helical teeth over the face width in pitches, 0 of straight teeth.  Gears
+    that turn less than once have ``around``, the pitches of a whole turn of either gear at its mean radius, and
+    ``stroke_rad``, the turn of the driving gear out and back; for other gears that is a whole turn.
     """
 
     module_mm: float
@@ -56,13 +56,13 @@ class Overload:
 
 @dataclass(frozen=True)
 class Conditions:
-    """What a person says of the service.
+    """The service conditions that a person gives.
 
-    ``life_h`` is the life wanted. ``dynamic_factor`` is None where it is estimated. ``reliability`` is the share of
-    gears that live so long. ``overload`` is None where no jam is counted. ``temperature_c`` is that about plastics,
-    ``oil_temperature_c`` that of the oil that parts metal. Roughnesses are mean peak-to-valley ones, Rz. The viscosity
-    at 100 degrees Celsius, the wear coefficient and the safeties wanted are None where they follow from the oil or the
-    material.
+    ``life_h`` is the wanted life.  ``dynamic_factor`` is None where it is estimated.  ``reliability`` is the share of
+    gears that reach that life.  ``overload`` is None where no jam counts.  ``temperature_c`` is the temperature around
+    plastics, ``oil_temperature_c`` that of the oil between metal flanks.  Roughnesses are mean peak-to-valley heights,
+    Rz.  The viscosity at 100 degrees Celsius, the wear coefficient and the wanted safeties are None where they follow
+    from the oil or the material.
     """
 
     life_h: float = 20_000.0
@@ -101,7 +101,7 @@ def hours_of_strokes(strokes: float, stroke_rad: float, speed_rad_s: float) -> f
 
 
 GRADE = 8
-"""Accuracy grade for which factors are estimated where none is given."""
+"""Accuracy grade for factors where the design gives no grade."""
 
 HEIGHT_MODULES = 2.25
 

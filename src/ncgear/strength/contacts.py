@@ -16,8 +16,8 @@ class FlankPlaces(Columns):
     """n places on the flanks of one gear, in the gear's own frame; shape (n,) each.
 
     ``flank`` numbers the flanks from 0, two for each tooth, as in ``ncgear.teeth.flank``; ``point`` is the place as
-    x + i y in mm, ``inwards`` the unit normal of the flank there that leads into the tooth.  ``section`` numbers the
-    sections of the face width in which they are; None where the teeth are the same over the width.
+    x + i y in mm, ``inwards`` the unit normal of the flank there that leads into the tooth.  ``section`` numbers their
+    sections of the face width; None where the teeth are the same over the width.
     """
 
     flank: IndexArray
@@ -33,14 +33,14 @@ class FlankPlaces(Columns):
 
 @dataclass(frozen=True, eq=False)
 class LoadedContacts(Columns):
-    """n contacts that bear load, in the order of positions; shape (n,) each.
+    """n loaded contacts, in the order of positions; shape (n,) each.
 
     ``position`` numbers the positions of the cycle and ``phi1_rad`` is the driving angle there.  ``side`` is PUSHING or
     BACK.  ``force_n`` is the normal force that the pair bears, in the plane across the axes.  ``relative_curvature``
     is the sum of both flanks' curvatures in 1/mm, infinite where an edge touches; ``flanks`` is false there.
     ``rolling_mm_s`` (shape (n, 2)) are the speeds at which the contact moves along the driving and the driven flank.
-    ``stiffness_n_mm`` is that of the pair.  Helical teeth bear in ``section`` of the face width, which has ``share`` of
-    it, and force and stiffness are the pair's there; those of straight teeth are all in section 0, with a share of 1.
+    ``stiffness_n_mm`` is the stiffness of the pair.  ``section`` numbers the sections of the face width, ``share`` is
+    the section's part of it; force and stiffness are the pair's in that section.  Straight teeth have section 0 alone.
     """
 
     position: IndexArray
@@ -68,7 +68,7 @@ class LoadedContacts(Columns):
 
     @property
     def over_width_n(self) -> Array:
-        """The force of a pair that bears as much for each mm over the whole face width, shape (n,)."""
+        """The force of a pair with this load for each mm over the whole face width, shape (n,)."""
         return self.force_n / self.share
 
     @property

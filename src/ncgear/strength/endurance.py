@@ -1,11 +1,11 @@
-"""From the table of materials to what a gear endures: all factors that belong to the material and its surface.
+"""From the table of materials to the endured stresses of a gear: all factors of the material and its surface.
 
 Flanks of steel and iron endure sigma_Hlim Z_NT Z_L Z_v Z_R Z_W Z_X (ISO 6336-2), roots the local stress
-sigma_FE Y_NT Y_RrelT Y_X (ISO 6336-3) with sigma_FE = 2 sigma_Flim, since Y_ST = 2.  Y_deltarelT is 1: roots of usual
-notches are those of the test gears, whose own factor is 1; blunt ones have down to 0.95, sharp ones up to 1.05.  For
-few cycles only the life factors count, as the standard has it.  What differs along the flanks is taken at one place:
-the speed of Z_v is the mean one along the pitch curves, the radius of Z_R that of circular gears of the same teeth;
-together they change the result by some per cent.  All factors are from secondary sources.
+sigma_FE Y_NT Y_RrelT Y_X (ISO 6336-3) with sigma_FE = 2 sigma_Flim, since Y_ST = 2.  Y_deltarelT is 1, as for the test
+gears, whose roots have usual notches; blunt notches have down to 0.95, sharp notches up to 1.05.  For few cycles only
+the life factors count, as in the standard.  Quantities that vary along the flanks have one value: the speed of Z_v is
+the mean along the pitch curves, the radius of Z_R that of circular gears of the same teeth; together they change the
+result by some per cent.  All factors are from secondary sources.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ def materials_of(
     running: Running,
     temperatures: tuple[ToothTemperature, ToothTemperature],
 ) -> tuple[Material, Material]:
-    """What the driving and the driven gear endure, each in the company of the other.
+    """The stresses that the driving and the driven gear endure, each with the other as its mate.
 
     ``temperatures`` (of ``ncgear.strength.plastics.temperatures_of``) matter for plastics only.
     """
@@ -93,14 +93,14 @@ def _source(choice: Choice) -> str:
 
 
 def _curve(points: Sequence[LifePoint], limit_mpa: float, factor: float) -> EnduredStress:
-    """A limit by life factors; beyond the first point, the static one, also by the factors of the surface."""
+    """A limit times the life factors; beyond the first point, the static one, also times the factor of the surface."""
     stress = [limit_mpa * point.factor * (factor if place else 1.0) for place, point in enumerate(points)]
-    # A smooth surface or a soft one that is rolled hard may endure more in the long run than the next point tells.
+    # A smooth or rolled surface may raise a later point above an earlier one; endured stress never rises.
     return EnduredStress(np.array([point.cycles for point in points]), np.minimum.accumulate(stress))
 
 
 def limit_contact_mpa(choice: Choice) -> float:
-    """The stress sigma_Hlim in MPa that flanks of metal endure, a person's own or the table's.
+    """The stress sigma_Hlim in MPa that metal flanks endure, from the person or from the table.
 
     Raises WrongInput for a plastic, whose stress follows from temperature and cycles.
     """
@@ -136,10 +136,10 @@ def _ferrous(
 
 
 def film_factor(choice: Choice, mate: Choice, conditions: Conditions, running: Running) -> float:
-    """Z_L Z_v Z_R: by how much oil, speed and roughness raise or lower what steel and iron endure; 1 of all others.
+    """Z_L Z_v Z_R: the factor of oil, speed and roughness on the endured stress of steel and iron; 1 for others.
 
-    It is all that pitting knows of the film, and ends at a least value where a film is gone: at no speed Z_v is still
-    0.85 to 0.93.
+    Pitting depends on the film by this factor alone, which stays above 0 without a film: at no speed Z_v is still 0.85
+    to 0.93.
     """
     if not isinstance(choice.entry, Ferrous) or isinstance(mate.entry, Plastic) or conditions.lubrication == "dry":
         return 1.0
@@ -163,7 +163,7 @@ PLASTIC_CYCLES = 1e3, 1e10, 71
 
 
 def _plastic(choice: Choice, entry: Plastic, warm: ToothTemperature) -> tuple[EnduredStress | None, EnduredStress]:
-    """Above the highest temperature there are no figures: it is taken to endure next to nothing.  Own limits stay."""
+    """Above the highest temperature, without figures, a plastic endures next to nothing.  Own limits stay."""
     cycles = np.geomspace(*PLASTIC_CYCLES)
     root_c, flank_c = (max(one, COLDEST_C) for one in (warm.root_c, warm.flank_c))
     nothing = np.full_like(cycles, LEAST_MPA)
@@ -182,10 +182,10 @@ RELIABILITY_FACTORS = 0.7, 0.85, 1.0, 1.25, 1.5
 
 
 def reliability_factor(share: float) -> float:
-    """What endured stresses are divided by so that a share of all gears survives: 1 at 0.99.
+    """The divisor of endured stresses with which a share of all gears survives: 1 at 0.99.
 
-    Y_Z is 0.7 at 0.5, 0.85 at 0.9, 1.25 at 0.999 and 1.5 at 0.9999 (table of AGMA 2101, secondary source), between them
-    a line over the logarithm of the share that fails.
+    Y_Z is 0.7 at 0.5, 0.85 at 0.9, 1.25 at 0.999 and 1.5 at 0.9999 (table of AGMA 2101, secondary source), and linear
+    between them over the logarithm of the failing share.
     """
     return float(np.interp(-log(1.0 - share), [-log(1.0 - known) for known in SHARES], RELIABILITY_FACTORS))
 
@@ -197,11 +197,11 @@ def reduced_radius_mm(running: Running) -> float:
 
 
 SMOOTH_UM = 6.0
-"""Roughness Rz up to which a hard flank hardens a soft one by rolling."""
+"""Roughness Rz up to which a hard flank hardens a soft flank by rolling."""
 
 
 def hardening_factor(entry: Entry, mate: Entry, conditions: Conditions) -> float:
-    """Z_W: flanks that are not hardened gain from a smooth hardened mate, 1.2 - (HB - 130) / 1700."""
+    """Z_W: the gain of soft flanks from a smooth hardened mate, 1.2 - (HB - 130) / 1700."""
     if not (isinstance(entry, Ferrous) and isinstance(mate, Ferrous) and mate.group.hardened):
         return 1.0
     if entry.group.hardened or entry.group is GREY or conditions.flank_roughness_um > SMOOTH_UM:
@@ -213,11 +213,11 @@ SLOW_M_S, FAST_M_S = 5.0, 10.0
 
 
 def running_in(choice: Choice, running: Running, askew_mm: float) -> float:
-    """y_beta in mm: by how much flanks of a material that lie askew wear straight while they run in.
+    """y_beta in mm: the part of a misalignment of flanks that running in wears off.
 
-    320 / sigma_Hlim of F_beta of structural, tempered and nodular cast steel and iron, 0.55 of grey iron, 0.15 of
-    hardened surfaces; at most 6 um of these, and above 5 m/s as much as 80 um askew, above 10 m/s 40 um (ISO 6336-1,
-    secondary source).  Of bronze and plastics nothing is known: 0.
+    It is 320 / sigma_Hlim times F_beta for structural, tempered and nodular cast steel and iron, 0.55 F_beta for grey
+    iron, 0.15 F_beta, at most 6 um, for hardened surfaces; the others have above 5 m/s at most the value at F_beta = 80
+    um, above 10 m/s that at 40 um (ISO 6336-1, secondary source).  It is unknown, and 0, for bronze and plastics.
     """
     entry, speed = choice.entry, running.pitch_speed_m_s
     if not isinstance(entry, Ferrous):
@@ -230,7 +230,7 @@ def running_in(choice: Choice, running: Running, askew_mm: float) -> float:
 
 
 def contact_size_factor(group: StrengthClass, module_mm: float) -> float:
-    """Z_X of flanks, 1 up to module 10, or 7.5 where nitrided."""
+    """Z_X of flanks: 1 up to module 10, or up to 7.5 for nitrided flanks."""
     match group.abbreviation:
         case "Eh" | "IF":
             return min(1.0, max(0.9, 1.05 - 0.005 * module_mm))
@@ -250,7 +250,7 @@ def root_size_factor(group: StrengthClass, module_mm: float) -> float:
 
 
 def root_roughness_factor(group: StrengthClass, roughness_um: float) -> float:
-    """Y_RrelT of roots for Rz from 1 to 40 um, beyond as at these: 1 at 10 um, where the test gears are."""
+    """Y_RrelT of roots for Rz from 1 to 40 um, constant beyond: 1 at 10 um, the roughness of the test gears."""
     peaks = min(max(roughness_um, 1.0), 40.0) + 1.0
     match group.abbreviation:
         case "St":

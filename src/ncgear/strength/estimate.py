@@ -1,8 +1,8 @@
 """The local estimate: every tooth as a beam of its own exact outline, with the section and the notch of ISO 6336.
 
-Each tooth has a frame of its own: y along its middle line towards the tip, x across, away from the middle on the side
-that is looked at.  The middle line goes through the middle between both flanks' crossings of the pitch curve and
-halves the angle between the flanks there.
+Each tooth has its own frame: y along its middle line towards the tip, x across, away from the middle on the analysed
+side.  The middle line goes through the middle between both flanks' crossings of the pitch curve and halves the angle
+between the flanks there.
 
 **Root stress** (ISO 6336-3, method B, at any place of load; from secondary sources).  The section goes through the
 points of both fillets at which the tangent leans by 30 degrees from the middle line.  With the chord s between them,
@@ -11,17 +11,17 @@ of a load of 1 is 6 c / s^2 times h Y_S.  The notch factor is Y_S = (1.2 + 0.13 
 q = s / (2 r), r the fillet's radius of curvature at its tangent point.  The standard counts bending alone for tension;
 for compression the load's part d along the tooth adds d / s times 1.2 q^(1 / (1.21 + 2.3 / L)).  Where the pitch curve
 is concave, and on rings, the tangent leans by 60 degrees, as in the standard for internal gears.  Where a fillet begins
-with a greater lean, or ends with a lesser one, its end counts.  The standard gives Y_S for q from 1 to 8 and loads at
-the outer point of single contact; beyond that the formula is carried on, but q counts as 1 at least.
+with a greater lean, or ends with a smaller lean, its end counts.  The standard gives Y_S for q from 1 to 8 and loads at
+the outer point of single contact; beyond that the formula continues, but q counts as 1 at least.
 
 **Compliance**.  The energy of bending, shear and compression of the beam between the contact and the height at which
-the first fillet passes into its root land, of the half-plane below it, and of what is pressed in at the contact:
-C. Weber, K. Banaschek, "Formaenderung und Profilruecknahme bei gerad- und schraegverzahnten Raedern", Schriftenreihe
+the first fillet passes into its root land, of the half-plane below it, and of the indentation at the contact: C.
+Weber, K.  Banaschek, "Formaenderung und Profilruecknahme bei gerad- und schraegverzahnten Raedern", Schriftenreihe
 Antriebstechnik 11, Vieweg 1953 (from secondary sources), in plane strain.  The body that carries the teeth is a
 half-plane: neither its twist nor its bore count, and neighbouring teeth that bear load do not feel each other.
 
-**Helical teeth** are beams in the section across the tooth.  There a load of 1 for each mm of face width is one of 1
-across for each mm of tooth, and for each mm of width there are 1 / cos(beta) mm of tooth that give way.
+**Helical teeth** are beams in the section across the tooth.  There a load of 1 for each mm of face width is a load of 1
+across for each mm of tooth, and each mm of width has 1 / cos(beta) mm of tooth that yields.
 
 ISO 6336 covers circular gears only.  On other gears all this is a local estimate.
 """
@@ -60,19 +60,19 @@ NODES, WEIGHTS = np.polynomial.legendre.leggauss(16)
 """Gauss points along the beam; twice as many change compliances by 2e-4 or less."""
 
 LEAST_REACH = 1e-3
-"""Least half-width of a contact, in depths to the tooth's middle, so that an edge gives way by a finite way."""
+"""Least half-width of a contact, in depths to the tooth's middle, so that an edge yields by a finite way."""
 
 LEAST_ACROSS = 0.1
-"""Least part of a load across its tooth by which arms and depths are divided.  Only edges touch with normals that lead
-along the tooth (beyond 84 degrees here); so their loads neither bend the tooth nor meet its middle line far away."""
+"""Least part of a load across its tooth that divides arms and depths.  Only edges touch with normals along the tooth
+(beyond 84 degrees here); with this limit their loads neither bend the tooth nor meet its middle line far away."""
 
 
 @dataclass(frozen=True, eq=False)
 class ToothFrames:
-    """The frames of z teeth: where the middle lines cross the pitch curve, and their directions to the tips; (z,).
+    """The frames of z teeth: crossings of the middle lines and the pitch curve, and directions to the tips; (z,).
 
-    Helical teeth are looked at in the section across them, where all that is across the middle line is ``slender``
-    times, the cosine of the helix angle, as wide as in the section across the axis.
+    Helical teeth are analysed in the section across them.  There all widths across the middle line are ``slender`` (the
+    cosine of the helix angle) times the widths in the section across the axis.
     """
 
     origin: ComplexArray
@@ -103,7 +103,7 @@ class ToothFrames:
 class RootSections:
     """The critical sections of z teeth.
 
-    ``tangent_point`` (2 z,) are the points at which the fillets lean as ISO 6336-3 asks, ``radius_mm`` (2 z,) the
+    ``tangent_point`` (2 z,) are the points of the fillets with the lean of ISO 6336-3, ``radius_mm`` (2 z,) the
     fillets' radii of curvature there, ``chord_mm`` (z,) the distances between both points of a tooth and ``middle``
     (z,) the points halfway.
     """
@@ -120,7 +120,7 @@ class RootSections:
 
 @dataclass(frozen=True, eq=False)
 class Halves:
-    """Both halves of all teeth: how far each side is from the middle line, by the height.
+    """Both halves of all teeth: the distance of each side from the middle line over the height.
 
     ``key`` and ``aside_mm`` (shape (m,)) are the points of all sides, one side after the other and each from the root
     up; the key is the height plus the flank's number times ``apart_mm``.  ``low_mm`` and ``high_mm`` (2 z,) are the
@@ -141,7 +141,7 @@ class Halves:
 
 @dataclass(frozen=True, eq=False)
 class Compliance:
-    """How far flanks give way in mm for 1 N per mm of face width, by where they do so; shape (n,) each."""
+    """Ways in mm by which flanks yield for 1 N per mm of face width, by their causes; shape (n,) each."""
 
     tooth: Array
     foundation: Array
@@ -183,11 +183,11 @@ class Estimate:
         return "estimate"
 
     def compliance(self, places: FlankPlaces, reach_mm: Array) -> Array:
-        """How far flanks give way along the load, shape (n,), see ``ToothMethod``."""
+        """Way by which flanks yield along the load, shape (n,), see ``ToothMethod``."""
         return self.compliance_parts(places, reach_mm).total
 
     def compliance_parts(self, places: FlankPlaces, reach_mm: Array) -> Compliance:
-        """As ``compliance``, by where flanks give way.
+        """As ``compliance``, divided by causes.
 
         Beam of sections w(y) of width 1, e(y) their middles: integral of M^2 / (E' w^3 / 12) + 1.2 c^2 / (G w)
         + d^2 / (E' w), c across and d along the middle line, E' = E / (1 - nu^2).  Foundation: (1 / E') (c^2 (18 / pi
@@ -201,7 +201,7 @@ class Estimate:
         shear = self.material.youngs_modulus_mpa / (2.0 * (1.0 + poisson))
         foot = self.halves.low_mm.reshape(-1, 2).max(axis=1)[load.tooth]
         length = np.maximum(load.height_mm - foot, 0.0)
-        # A row for each node: from one load to the next a height changes little, so its place in the table is near.
+        # A row for each node: heights of neighbouring loads differ little, so their places in the table are near.
         height = foot + length * (NODES[:, None] + 1.0) / 2.0
         near, far = (self.halves.at(flank, height) for flank in (places.flank, places.flank ^ 1))
         width, off = near + far, (near - far) / 2.0
@@ -211,7 +211,7 @@ class Estimate:
         tooth = length / 2.0 * (WEIGHTS @ energy)
 
         root, other = (self.halves.at(flank, foot) for flank in (places.flank, places.flank ^ 1))
-        # The moment about the foot's middle is what the load's part across has by its arm u.
+        # The moment about the foot's middle is the load's part across times its arm u.
         turning = load.across * length - load.down * (load.aside_mm - (root - other) / 2.0)
         slender = turning / (root + other)
         foundation = 18.0 / pi * slender**2 + 2.0 * (1.0 - 2.0 * poisson) / (1.0 - poisson) * slender * load.across
@@ -225,7 +225,7 @@ class Estimate:
         return Compliance(tooth / wide, foundation / (modulus * wide), 2.0 / (pi * modulus * wide) * pressed)
 
     def root_stress(self, places: FlankPlaces) -> RootStress:
-        """Tension at the loaded flank's root, compression at the other one's, shape (n,) each; see the module."""
+        """Tension at the loaded flank's root, compression at the other root, shape (n,) each; see the module."""
         load = self._loads(places)
         chord, middle = self.sections.chord_mm[load.tooth], self.sections.middle[load.tooth]
         up = load.height_mm - self.frames.height(load.tooth, middle)
@@ -257,9 +257,9 @@ class Estimate:
 
 
 def estimate_of(gear: ToothedGear, material: Material, helix_rad: float = 0.0) -> Estimate:
-    """The estimate for the teeth of one gear, or of a section of a gear whose teeth have a helix angle.
+    """The estimate for the teeth of one gear, or of a section of a helical gear.
 
-    Raises NoSuchMechanism, naming the flank, where one has no fillet.
+    Raises NoSuchMechanism for a flank without a fillet, and names the flank.
     """
     flanks, sides = gear.flanks, gear.sides
     frames = _frames(flanks, cos(helix_rad))
@@ -320,13 +320,13 @@ def _halves(frames: ToothFrames, flank: IndexArray, point: ComplexArray, count: 
 def _sections(
     flanks: Flanks, frames: ToothFrames, flank: IndexArray, sigma: Array, point: ComplexArray, lean: Array
 ) -> RootSections:
-    """The critical sections from samples of the fillets, one flank after the other and each from the tip inwards."""
+    """The critical sections from samples of the fillets, flank after flank, each from the tip inwards."""
     every = np.arange(flanks.count)
     concave = flanks.crossings.curvature.reshape(-1, 2).sum(axis=1) < 0.0
     wanted = np.where(np.repeat(concave, 2), LEAN_CONCAVE_RAD, LEAN_RAD)
     first = np.searchsorted(flank, every)
     last = np.searchsorted(flank, every, side="right") - 1
-    # The last crossing of the wanted lean; at the beginning or at the end of the fillet where there is none.
+    # The last crossing of the wanted lean; the beginning or the end of the fillet where there is no crossing.
     passing = np.flatnonzero((lean[:-1] < wanted[flank[:-1]]) & (lean[1:] >= wanted[flank[1:]]) & (np.diff(flank) == 0))
     before = np.where(lean[first] >= wanted, first, last)
     before[flank[passing]] = passing

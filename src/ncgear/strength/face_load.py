@@ -1,31 +1,31 @@
-"""The load along the face width: how shafts that bend and twist, bearings that give way and flanks askew spread it.
+"""The load along the face width, as bending and twisting shafts, yielding bearings and misaligned flanks spread it.
 
 At a position of the gears the pairs that touch are one row of springs along the width, c N/mm for each mm of width and
 mm of way.  Both gears follow their shafts, so the gap between the flanks at a place z along the width is
 
     g(z) = g_0(z) + integral of A(z, s) w(s) ds,   w(z) = c max(0, x - g(z)),   integral of w(z) dz = F
 
-with w the load for each mm of width, x how far the gears approach along the normal, g_0 the gap that is there without
-the mesh force (flanks askew, crowning, end relief, the shaft as the crank's force bends it) and A(z, s) how far both
-gears give way at z under a force of 1 N at s.  Flanks only press, so w is never below 0.  The face load factor is
-K_Hbeta = max(w) b / F.  That is the way of ISO 6336-1:2019, annex E (secondary sources), with these choices:
+with w the load for each mm of width, x the approach of the gears along the normal, g_0 the gap without the mesh force
+(flanks askew, crowning, end relief, the shaft bent by the crank's force) and A(z, s) the way by which both gears yield
+at z under a force of 1 N at s.  Flanks only press, so w is never below 0.  The face load factor is K_Hbeta = max(w) b /
+F.  That is the method of ISO 6336-1:2019, annex E (secondary sources), with these choices:
 
 - A shaft is a beam of one diameter on two springs, by Timoshenko: A is the sum over the shaft of M_z M_s / (E I) +
   10/9 Q_z Q_s / (G S), M and Q the bending moment and the transverse force of a force of 1 N at z and at s, S the area
-  of the section, and of R_z R_s / k over its bearings, R being what they bear (theorem of Castigliano).  The gear's
-  body does not stiffen it: ISO 6336-1 expects that of no body on a key.
+  of the section, and of R_z R_s / k over its bearings, R being their reactions (theorem of Castigliano).  The gear's
+  body does not stiffen it: ISO 6336-1 expects no stiffening from a body on a key.
 - The teeth stand on the body, a cylinder up to their roots.  It leans as its shaft does in the mean of the width, and
   bends with it by E I / (E I + E_body I_body), since both resist bending together: the teeth of a wheel stay straight,
   those of a pinion follow its shaft.  The mean line of a form y(z) is P y, the least squares of y; loads reach the
-  shaft by P's transpose, so that no energy is made.
+  shaft by P's transpose, so that energy is kept.
 - The body twists as a cylinder of the arm of the mesh force, against the end at which the torque comes in or leaves:
-  by 2 / (pi G r^2) times the length that passes on both forces, r being the arm.
-- Teeth beside each other do not support each other, so that the peaks are on the safe side.
+  by 2 / (pi G r^2) times the length that carries both forces, r being the arm.
+- Neighbouring teeth do not support each other, so that the peaks are on the safe side.
 
-**Solution.**  Between M + 1 places the load that a spring would have, u = c (x - g), is taken as linear.  Where it
-presses follows from its zeros, and its forces on the places are those of the hat functions over that part, so that
-linear gaps are met exactly.  With the part known, u and x are the solution of linear equations; it is computed anew
-until it stays (Newton's method, since the forces have a continuous slope).  Equilibrium and all w are checked.
+**Solution.**  Between M + 1 places the load of the spring, u = c (x - g), is taken as linear.  Its zeros bound the
+pressing part, and its forces on the places are integrals with the hat functions over that part, so that linear gaps are
+met exactly.  With the part known, u and x are the solution of linear equations; the part is computed anew until it
+stays (Newton's method, since the forces have a continuous slope).  Equilibrium and all w are checked.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ from ncgear.numerics.arrays import Array, Columns
 from ncgear.numerics.highest import golden_section
 
 ASSUMED = 1.3
-"""K_Hbeta where nothing is known of the shafts: usual for gears not wider than their shafts are stiff."""
+"""K_Hbeta where nothing is known of the shafts: usual for gears whose width suits the stiffness of their shafts."""
 
 PARTS = 16
 """Parts of the width.  With 64, factors of baler-drivetrain change by 0.05 %, and by 1 % with a crowning of 20 um."""
@@ -54,7 +54,7 @@ SHEARED = 10.0 / 9.0
 """Factor of the transverse force's energy, of a round section."""
 
 GAUSS = (1.0 - 1.0 / 3.0**0.5) / 2.0, (1.0 + 1.0 / 3.0**0.5) / 2.0
-"""Gauss points of a part of a shaft: products of two moments are parabolas, for which they are exact."""
+"""Gauss points of a part of a shaft: exact for products of two moments, which are parabolas."""
 
 
 @dataclass(frozen=True)
@@ -79,18 +79,18 @@ class Shaft:
 
     @property
     def bent_teeth(self) -> float:
-        """How much of the shaft's bending the teeth follow: 1 where the body is no thicker than its shaft."""
+        """Share of the shaft's bending that the teeth follow: 1 where the body is no thicker than its shaft."""
         thicker = max((self.body_mm / self.diameter_mm) ** 4 - 1.0, 0.0)
         return 1.0 / (1.0 + self.body_mpa / STEEL_MPA * thicker)
 
     def reactions(self, at_mm: Array) -> Array:
-        """What both bearings bear of 1 N at places, shape (2, n)."""
+        """Reactions of both bearings to 1 N at places, shape (2, n)."""
         first, second = (one.at_mm for one in self.supports)
         on_second = (at_mm - first) / (second - first)
         return np.stack([1.0 - on_second, on_second])
 
     def compliance(self, at_mm: Array, loaded_mm: Array) -> Array:
-        """How far the shaft gives way at n places in mm, across itself, under 1 N at each of k places; shape (n, k)."""
+        """Deflection of the shaft in mm at n places under 1 N at each of k places; shape (n, k)."""
         forces = np.concatenate([at_mm, loaded_mm])
         borne = self.reactions(forces)
         ends = np.unique(np.concatenate([forces, [one.at_mm for one in self.supports]]))
@@ -142,7 +142,7 @@ class LeadForm:
 
 @dataclass(frozen=True, eq=False)
 class FaceLoads(Columns):
-    """What presses flanks together at n positions, shape (n,) each.
+    """The forces that press flanks together at n positions, shape (n,) each.
 
     ``force_n`` is the normal force of all pairs together and ``stiffness_n_mm2`` their stiffness for each mm of width.
     ``crank_n`` is the part of the crank's force on the driven shaft in the direction of the mesh force on that shaft.
@@ -158,7 +158,7 @@ class FaceLoads(Columns):
 def places_mm(width_mm: float, lead: LeadForm) -> Array:
     """The places along the width at which gaps are given, shape (PARTS + 1,), from its middle.
 
-    They are equally distant, but for those next to where an end relief begins, which stand right there.
+    They are equally distant, but the places nearest to the beginnings of an end relief stand exactly there.
     """
     places = np.linspace(-width_mm / 2.0, width_mm / 2.0, PARTS + 1)
     begins = width_mm / 2.0 - lead.relief_length_mm
@@ -170,9 +170,9 @@ def places_mm(width_mm: float, lead: LeadForm) -> Array:
 
 @dataclass(frozen=True)
 class FaceModel:
-    """A pair on its shafts: ``shafts`` of the driving and the driven gear, and where the crank is on the latter.
+    """A pair on its shafts: ``shafts`` of the driving and the driven gear, and the crank's place on the latter.
 
-    ``askew_mm`` is by how much the flanks lie askew over the width, in either sense.
+    ``askew_mm`` is the misalignment of the flanks over the width, in either sense.
     """
 
     shafts: tuple[Shaft, Shaft]
@@ -182,7 +182,7 @@ class FaceModel:
     lead: LeadForm
 
     def factors(self, loads: FaceLoads) -> Array:
-        """K_Hbeta at n positions, shape (n,), by the worse sense of flanks askew; 1 where nothing presses.
+        """K_Hbeta at n positions, shape (n,), for the worse sense of misalignment; 1 without force.
 
         Raises as ``largest_line_load`` does.
         """
@@ -208,9 +208,9 @@ class FaceModel:
         return found
 
     def _twist(self, at_mm: Array, arms_mm: Array) -> Array:
-        """How far teeth give way along the normal as their bodies twist, shape (n, places, places).
+        """Way by which teeth yield along the normal as their bodies twist, shape (n, places, places).
 
-        The crank takes the torque off the driven gear on its own side; on the driving gear it comes in from the other.
+        The torque leaves the driven gear on the crank's side, and enters the driving gear from the other side.
         """
         side = 1.0 if self.crank_at_mm >= 0.0 else -1.0
         twist = np.zeros((len(arms_mm), at_mm.size, at_mm.size))
@@ -221,14 +221,14 @@ class FaceModel:
 
 
 RESOLVED_MM = 2.5e-4
-"""To which the best crowning is found: a quarter of what workshops measure."""
+"""Tolerance of the best crowning in mm: a quarter of the accuracy of workshops."""
 
 
 def best_crowning_mm(model: FaceModel, loads: FaceLoads, most_n: Array) -> float:
-    """The crowning with which the largest load for each mm of width is the least, 0 where straight flanks are best.
+    """The crowning for the least largest load for each mm of width; 0 where straight flanks are best.
 
-    ``most_n`` (shape (n,)) is what the most loaded pair bears at the positions of ``loads``; other positions are not
-    asked for.  The largest load falls with the crowning and rises again, since too much leaves the middle of the width
+    ``most_n`` (shape (n,)) is the force on the most loaded pair at the positions of ``loads``; other positions do not
+    count.  The largest load falls with the crowning and rises again, since too much leaves the middle of the width
     alone; a golden section finds the least.  Raises as ``largest_line_load`` does.
     """
 
@@ -258,10 +258,10 @@ STEPS = 40
 HALVED = 12
 
 STAYS = 1e-5
-"""Change of the pressing part, in shares of a part of the width, at which it stays: a force changes with its square."""
+"""Change of the pressing part, in parts of the width, that counts as none: a force changes with its square."""
 
 BALANCED = 1e-8
-"""Share of the mean load by which forces and gaps may miss their equations; rounding errors are 1e-11 of it."""
+"""Largest error of the equations of forces and gaps, as a share of the mean load; rounding errors are 1e-11 of it."""
 
 
 def largest_line_load(at_mm: Array, gap_mm: Array, compliance: Array, stiffness: Array, force_n: Array) -> Array:
@@ -269,7 +269,7 @@ def largest_line_load(at_mm: Array, gap_mm: Array, compliance: Array, stiffness:
 
     ``gap_mm`` (shape (n, m) or (m,)) is g_0 at the places ``at_mm`` (m,) from one end of the width to the other,
     ``compliance`` (n, m, m) or (m, m) is A in mm/N, ``stiffness`` (n,) is c in N/mm2 and ``force_n`` (n,) is above 0.
-    Raises NoSuchMechanism where equations are not met.
+    Raises NoSuchMechanism where the equations cannot be met.
     """
     count, places = force_n.size, compliance.shape[-1]
     gap = np.broadcast_to(gap_mm, (count, places))
@@ -310,7 +310,7 @@ def largest_line_load(at_mm: Array, gap_mm: Array, compliance: Array, stiffness:
 
 
 def _pressing(load: Array) -> Array:
-    """Begin and end of what presses of each part, in shares of it, shape (n, m - 1, 2); loads are (n, m)."""
+    """Begin and end of the pressing stretch of each part, as shares of it, shape (n, m - 1, 2); loads are (n, m)."""
     first, second = load[:, :-1], load[:, 1:]
     differ = np.where(first == second, 1.0, first - second)
     zero = np.clip(first / differ, 0.0, 1.0)
@@ -320,7 +320,7 @@ def _pressing(load: Array) -> Array:
 
 
 def _hats(active: Array, part_mm: Array) -> Array:
-    """The integrals of products of hat functions over what presses, shape (n, m, m), tridiagonal."""
+    """The integrals of products of hat functions over the pressing stretches, shape (n, m, m), tridiagonal."""
     places = active.shape[1] + 1
     begin, end = active[..., 0], active[..., 1]
     powers = [part_mm * (end**k - begin**k) / k for k in (1, 2, 3)]

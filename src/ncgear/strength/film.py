@@ -1,9 +1,9 @@
-"""The oil between loaded flanks: how warm they run, how thick its film is beside their roughness, when they scuff.
+"""The oil between loaded flanks: their temperature, the film against their roughness, and scuffing.
 
-Flash temperature, friction and scuffing follow ISO/TS 6336-20 (Blok's equation), the film ISO/TS 6336-22, whose form
-is Dowson's and Higginson's; both from secondary sources.  Each formula takes the values of its own place of contact:
-where the standards have one coefficient of friction for all places, that at the pitch point, each place has its own
-here.  They hold for metal flanks with oil enough; teeth that turn slowly throw little of it on.
+Flash temperature, friction and scuffing follow ISO/TS 6336-20 (Blok's equation), the film ISO/TS 6336-22 (the form of
+Dowson and Higginson); both from secondary sources.  Each formula takes the values of its place of contact: the
+standards take the coefficient of friction at the pitch point for all places, but here each place has its own.  The
+formulas hold for metal flanks with enough oil; slow teeth throw little oil on.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ def roughness_um(conditions: Conditions) -> float:
 
 
 MOST_FRICTION = 0.2
-"""Of steel that oil hardly parts: the formula, of test gears, would grow without end where flanks draw in no oil."""
+"""Most friction, of steel that oil hardly parts: the formula of test gears has no limit where flanks draw in no oil."""
 
 
 def friction(pressed: Pressed, oil: Oil, conditions: Conditions) -> Array:
@@ -121,11 +121,11 @@ THERMAL = {
 
 
 def flash_k(pressed: Pressed, coefficient: Array, materials: tuple[Material, Material]) -> Array:
-    """How far the flanks are heated within the contact, in K at n places, shape (n,): Blok's equation.
+    """Heating of the flanks within the contact, in K at n places, shape (n,): Blok's equation.
 
     1.11 mu w |v1 - v2| / (sqrt(2 b) (B1 sqrt(v1) + B2 sqrt(v2))) in SI units with the thermal contact coefficients
-    B = sqrt(conductivity density heat) and Hertz's half-width b.  It holds where heat has no time to spread along the
-    flanks; slower contacts are heated less.
+    B = sqrt(conductivity density heat) and Hertz's half-width b.  It holds for contacts so fast that no heat spreads
+    along the flanks; slower contacts are heated less.
     """
     first, second = (sqrt(np.prod(THERMAL[one.family]) * one.density_kg_m3) for one in materials)
     roots = np.sqrt(np.abs(pressed.rolling_m_s))
@@ -136,19 +136,19 @@ def flash_k(pressed: Pressed, coefficient: Array, materials: tuple[Material, Mat
 
 
 BULK_SHARE = {"oil": 0.47, "grease": 0.47 * 1.2}
-"""Share of the mean flash temperature by which teeth are warmer than their oil: dip lubrication, and grease, which
-takes away less, as oil that is sprayed on."""
+"""Rise of the teeth over their oil as a share of the mean flash temperature: dip lubrication, and grease, which takes
+away less heat, like sprayed oil."""
 
 
 HOTTEST_C = 300.0
-"""Temperature up to which heat thins the oil by the formulas: beyond, oil burns, and they lose their sense."""
+"""Highest temperature at which the formulas thin the oil: beyond it oil burns, and they have no meaning."""
 
 
 def film_um(pressed: Pressed, flash: Array, bulk_c: float, oil: Oil, materials: tuple[Material, Material]) -> Array:
     """The thickness of the film at n places, in um, shape (n,).
 
     1600 rho G^0.6 U^0.7 W^-0.13 S^0.22 with rho in mm, G = alpha E_r, U = eta v_sum / (2 E_r rho), W = 2 pi (p / E_r)^2
-    and the share S = alpha eta of the contact's temperature over that of the teeth's, by which sliding thins the oil.
+    and S the ratio of alpha eta at the contact's temperature to that at the teeth's: sliding thins the oil.
     """
     modulus_pa, bulk_c = 2e6 * contact_modulus_mpa(materials), min(bulk_c, HOTTEST_C)
     radius_mm = 1.0 / pressed.curvature_per_mm

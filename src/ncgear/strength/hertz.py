@@ -1,4 +1,4 @@
-"""Two flanks pressed together: the pressure between them and how wide they touch.
+"""Two flanks pressed together: the pressure between them and the width of contact.
 
 Hertz's closed form for cylinders with parallel axes in plane strain (K. L. Johnson, "Contact Mechanics", Cambridge
 1985, section 4.2).  It holds where the width of contact is small beside the radii of curvature and beside the tooth.
@@ -23,7 +23,7 @@ def hertz_pressure_mpa(
     """The largest pressure p = sqrt(w k E* / pi); shapes broadcast.
 
     ``force_n_per_mm`` is the normal force w for each mm of face width, 0 or more, ``relative_curvature_per_mm`` the sum
-    k of both curvatures, above 0.  Where an edge touches, k and so the pressure are infinite.
+    k of both curvatures, above 0.  At an edge, k and so the pressure are infinite.
     """
     squared = force_n_per_mm * relative_curvature_per_mm * contact_modulus_mpa(materials) / np.pi
     return np.asarray(np.sqrt(squared))

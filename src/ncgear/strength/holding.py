@@ -1,10 +1,10 @@
-"""Whether a pair holds: the weakest tooth of each gear for each kind of damage, and what size of teeth would do.
+"""Whether a pair holds: the weakest tooth of each gear for each kind of damage, and the size of teeth that would hold.
 
-Sizes follow from how stresses scale while the load at the crank stays the same.  With the number of teeth the normal
-force goes as 1/m, m being the module; the root stress as F/(b m), b being the face width, and the pressure between
+Sizes follow from the scaling of stresses with the load at the crank and the number of teeth constant.  Then the normal
+force F goes as 1/m, m being the module; the root stress as F/(b m), b being the face width; and the pressure between
 flanks as the root of F/(b rho), rho being the radius of relative curvature, which goes as m.  So the safety against
-breakage goes as b m^2, that against pitting as m sqrt(b).  Forces of the gears' own masses, load factors that depend
-on the size, and sharing of loads between pairs are left out: what comes out is a guess to be computed.
+breakage goes as b m^2, the safety against pitting as m sqrt(b).  Forces of the gears' own masses, load factors that
+depend on the size, and sharing of loads between pairs are left out: the result is a guess that must be checked.
 """
 
 from __future__ import annotations
@@ -19,8 +19,8 @@ from ncgear.pitch.shape import Gear
 from ncgear.strength.answer import Strength, ToothLife
 
 NOTHING_MPA = 1e-9
-"""Force over face width and module under which teeth of any size bear nothing but rounding errors: no material endures
-less than a thousand million times as much."""
+"""Force over face width and module that counts as rounding, and so as no load: every material endures a thousand
+million times as much, or more."""
 
 
 class Damage(StrEnum):
@@ -31,7 +31,7 @@ class Damage(StrEnum):
 
     @property
     def words(self) -> str:
-        """What happens to the tooth."""
+        """The name of the damage."""
         return "breakage" if self is Damage.BENDING else "pitting"
 
 
@@ -43,7 +43,7 @@ class WantedSafety:
     contact: float
 
     def of(self, damage: Damage) -> float:
-        """The one against a kind of damage."""
+        """The safety against a kind of damage."""
         return self.bending if damage is Damage.BENDING else self.contact
 
 
@@ -52,9 +52,9 @@ class Weakest:
     """The weakest tooth of a gear for one kind of damage, and all teeth under the wanted safety.
 
     ``tooth`` counts from 1.  ``stress_mpa`` is the tooth's largest stress, at the driving angle ``phi1_rad``;
-    ``endured_mpa`` is what that stress might be for the life asked for, all other stresses growing alike.  ``life_h``
-    is infinite where the stress is endured for ever.  ``too_weak`` numbers the teeth under the safety ``wanted``, the
-    weakest first.
+    ``endured_mpa`` is the value of that stress, with all stresses scaled alike, that just gives the wanted life.
+    ``life_h`` is infinite where the stress is endured for ever.  ``too_weak`` numbers the teeth under the safety
+    ``wanted``, the weakest first.
     """
 
     gear: Gear
@@ -69,7 +69,7 @@ class Weakest:
 
     @property
     def holds(self) -> bool:
-        """Whether the safety is the wanted one or more."""
+        """Whether the safety is at least the wanted safety."""
         return self.safety >= self.wanted
 
     @property
@@ -79,12 +79,12 @@ class Weakest:
 
     @property
     def share(self) -> float:
-        """The safety as a share of the wanted one; under 1 the tooth does not hold."""
+        """The safety over the wanted safety; under 1 the tooth does not hold."""
         return self.safety / self.wanted
 
 
 def lives_of(strength: Strength, gear: Gear) -> dict[Damage, ToothLife]:
-    """What each kind of damage leaves to a gear's teeth; kinds without figures of the material are not there."""
+    """Safety and life of a gear's teeth by kind of damage, without kinds for which the material has no figures."""
     found = strength.of(gear)
     lives = {Damage.BENDING: found.bending}
     return lives if found.contact is None else {**lives, Damage.CONTACT: found.contact}
@@ -108,17 +108,17 @@ def _weakest(life: ToothLife, gear: Gear, damage: Damage, wanted: float) -> Weak
 
 
 def worst(found: Sequence[Weakest]) -> Weakest:
-    """The one whose safety is the least share of the wanted one."""
+    """The tooth with the least safety over its wanted safety."""
     return min(found, key=lambda one: one.share)
 
 
 def face_width_factor(found: Sequence[Weakest]) -> float:
-    """The factor of the face width with which all would just be safe enough; under 1 where less would do."""
+    """The factor on the face width with which all teeth would just be safe enough; under 1 where less suffices."""
     factor: float = max(float(1.0 / one.share) ** (1.0 if one.damage is Damage.BENDING else 2.0) for one in found)
     return factor
 
 
 def module_factor(found: Sequence[Weakest]) -> float:
-    """The factor of the module, with as many teeth of the same width, with which all would just be safe enough."""
+    """The factor on the module, for the same number and width of teeth, with which all would just be safe enough."""
     factor: float = max(float(1.0 / one.share) ** (0.5 if one.damage is Damage.BENDING else 1.0) for one in found)
     return factor

@@ -1,4 +1,4 @@
-"""Formulas of ISO 6336 for circular involute gear pairs, as far as the strength of other gears needs them.
+"""The formulas of ISO 6336 for circular involute gear pairs that the strength of other gears needs.
 
 They give the factors of lubricant, speed and roughness, and the root and the stiffness of an equivalent circular pair.
 They take plain numbers or arrays whose shapes broadcast; angles are in rad, lengths in mm, stresses in MPa.  Pairs are
@@ -6,7 +6,7 @@ external.
 
 Sources: ISO 6336-1, -2 and -3 (2006 and 2019) from secondary sources: the public repositories gfsReboucas/Drivetrain
 (part 2, and the figures of ISO/TR 6336-30) and hanslhansl/din3990 (DIN 3990-11, whose form factor is that of part 3).
-Each function names the part its formula belongs to.
+Each function names the part of its formula.
 """
 
 from __future__ import annotations
@@ -57,7 +57,7 @@ def roughness_factor(limit_mpa: Real, mean_peak_um: Real, reduced_radius_mm: Rea
 
 @dataclass(frozen=True)
 class RackTip:
-    """The tip of the rack that cuts a gear, in modules: h_fP, rho_fP and what a protuberance leaves for grinding, s_pr.
+    """The tip of the rack that cuts a gear, in modules: h_fP, rho_fP and the stock s_pr of a protuberance for grinding.
 
     ISO 53 (secondary sources): A 1.25, 0.38; B 1.25, 0.30; C 1.25, 0.25; D 1.40, 0.39.
     """
@@ -104,10 +104,10 @@ def root_section(teeth: Real, shift: Real, rack: RackTip, pressure_angle_rad: fl
 
 @dataclass(frozen=True)
 class RootFactors:
-    """Y_F (``form``) and Y_S (``notch``) of ISO 6336-3, and what they follow from.
+    """Y_F (``form``) and Y_S (``notch``) of ISO 6336-3, and the values that they follow from.
 
-    ``arm`` is h_F in modules, from the section to where the load's line crosses the tooth's middle, ``angle_rad`` the
-    load's angle alpha_F there, and ``sharpness`` q_s = s_F / (2 rho_F).
+    ``arm`` is h_F in modules, from the section to the crossing of the load's line and the tooth's middle, ``angle_rad``
+    the load's angle alpha_F there, and ``sharpness`` q_s = s_F / (2 rho_F).
     """
 
     form: Real
@@ -122,8 +122,8 @@ def root_factors(
 ) -> RootFactors:
     """Y_F and Y_S for a load at a circle of the (virtual) spur gear, given by its diameter in modules.
 
-    The circle is that of the outer point of single contact in method B, the tip circle
-    in method C.  Shapes broadcast.
+    In method B the circle goes through the outer point of single contact, in method C it is the tip circle.  Shapes
+    broadcast.
     """
     at = np.arccos(teeth * np.cos(pressure_angle_rad) / load_diameter)
     half = (pi / 2.0 + 2.0 * shift * tan(pressure_angle_rad)) / teeth + involute(pressure_angle_rad) - involute(at)
@@ -142,7 +142,7 @@ def notch_factor(slenderness: Real, sharpness: Real) -> Real:
 def single_stiffness_theoretical(teeth: Real, shift: Real) -> Real:
     """c'_th of ISO 6336-1 in N/(mm um), from the (virtual) teeth and shifts of both gears, shape (2,) each.
 
-    The polynomial for q' holds for steel, x_1 >= x_2 and shifts from -0.5 to 2 in sum.
+    The polynomial for q' holds for steel, x_1 >= x_2 and a sum of shifts from -0.5 to 2.
     """
     (z1, z2), (x1, x2) = teeth, shift
     q = 0.04723 + 0.15551 / z1 + 0.25791 / z2 - 0.00635 * x1 - 0.11654 * x1 / z1 - 0.00193 * x2 - 0.24188 * x2 / z2
@@ -150,17 +150,17 @@ def single_stiffness_theoretical(teeth: Real, shift: Real) -> Real:
 
 
 THICK_RIM, THIN_RIM = (1.2, 0.5), (3.5, 1.75)
-"""Walls under the roots from which on a rim weakens no root, and down to which its factor is known: those of external
-teeth in tooth heights, those of a ring in modules."""
+"""The walls under the roots above which a rim weakens no root, and the thinnest walls with a known factor: of external
+teeth in tooth heights, of a ring in modules."""
 
 THINNEST_WEB = 0.2
 """Share of the face width under which the stiffness of a web is not known."""
 
 
 def rim_factor(wall_mm: Real, height_mm: float, module_mm: float, *, internal: bool) -> Real:
-    """Y_B, by how much a thin rim raises root stress; infinite where the rim is thinner than what is known.
+    """Y_B, the factor of a thin rim on root stress; infinite for rims thinner than the thinnest known.
 
-    ISO 6336-3:2006, 9: 1.6 ln(2.242 h / s) of external teeth, 1.15 ln(8.324 m / s) of a ring (values from secondary
+    ISO 6336-3:2006, 9: 1.6 ln(2.242 h / s) for external teeth, 1.15 ln(8.324 m / s) for a ring (values from secondary
     sources).  Walls of any shape.
     """
     thick, thin = THIN_RIM if internal else THICK_RIM
@@ -171,5 +171,5 @@ def rim_factor(wall_mm: Real, height_mm: float, module_mm: float, *, internal: b
 
 
 def thinnest_rim_mm(height_mm: float, module_mm: float, *, internal: bool) -> float:
-    """The thinnest wall for which Y_B is known."""
+    """The thinnest wall with a known Y_B."""
     return THIN_RIM[1] * module_mm if internal else THICK_RIM[1] * height_mm

@@ -1,9 +1,9 @@
 """From loaded contacts to the answer: stresses with the factors of load, and safety and life of every tooth by Miner.
 
-Each meeting of a tooth with a mate is one load cycle with the largest stress on its path: for pitting the largest
-pressure on the flank while its pair bears the most (``rated_for_pitting``), for breakage the largest tension at the
-root of that flank.  The damage of a cycle is one over the number of cycles that its stress is endured, and a tooth is
-broken or pitted when the damages sum to 1 (Miner's rule as in ISO 6336-6: stresses that are endured for ever do no
+Each meeting of a tooth with a mate is a load cycle with the largest stress on its path: for pitting the largest
+pressure on the flank while its pair has the largest load (``rated_for_pitting``), for breakage the largest tension at
+the root of that flank.  The damage of a cycle is 1 over the number of cycles for which its stress is endured, and a
+tooth breaks or pits when the damages sum to 1 (Miner's rule as in ISO 6336-6: stresses that are endured for ever do no
 damage).
 """
 
@@ -37,9 +37,9 @@ def stresses_of(
 ) -> ContactStresses:
     """The stresses of all contacts, with the factors K_A, K_V and K_Hbeta or K_Fbeta.
 
-    ``methods`` and ``materials`` are those of the driving and the driven gear.  Shares of load between pairs of teeth
-    are those of ``contacts``, so that K_Halpha is 1; ``face_load_factor`` is K_Hbeta of each, and ``dynamic_factor``
-    K_V, shape (n,).
+    ``methods`` and ``materials`` belong to the driving and the driven gear.  ``contacts`` already share the load
+    between pairs of teeth, so that K_Halpha is 1; ``face_load_factor`` is K_Hbeta of each contact, and
+    ``dynamic_factor`` K_V, shape (n,).
     """
     shaken = shaken_n_mm(contacts, conditions, running, dynamic_factor)
     roots = face_load_factor_of_roots(running, face_load_factor)
@@ -73,8 +73,8 @@ def strength_of(
 ) -> Strength:
     """Safety and life of every tooth of both gears.
 
-    ``contacts`` are those of a whole cycle of meetings, in which the driving gear turns by ``cycle_rad``, several turns
-    where teeth meet others in each.
+    ``contacts`` cover a whole cycle of meetings, in which the driving gear turns by ``cycle_rad``: several turns where
+    teeth meet other mates in each turn.
     """
     hours = cycle_rad / running.speed_rad_s / 3600.0
     driving, driven = (
@@ -137,13 +137,13 @@ def _worse(first: _Life, second: _Life, lives: bool) -> _Life:
 
 
 def rated_for_pitting(contacts: LoadedContacts) -> Mask:
-    """The contacts whose pressure counts, shape (n,): those of flanks that bear the most of the load at their position.
+    """Whether the pressure of each contact counts, shape (n,): that of the most loaded flanks of their position.
 
     ISO 6336-2 compares the pressure at the pitch point, or where a pair begins to bear the load alone, with stresses
     that test gears endured at these places.  Where teeth begin and cease to touch, flanks near their base circles have
     small radii and high pressures over little width, in test gears as well, and are not compared; there another pair
-    bears more.  Flanks that meet without ever bearing the most count wherever they touch.  Each section of helical
-    teeth is looked at by itself.
+    has a larger load.  Flanks that never have the largest load of their position count wherever they touch.  Each
+    section of helical teeth is judged separately.
     """
     sections = int(contacts.section.max(initial=0)) + 1
     place = contacts.position * sections + contacts.section
@@ -157,21 +157,20 @@ def rated_for_pitting(contacts: LoadedContacts) -> Mask:
 
 
 BOTH_WAYS = 0.7
-"""Share of the endured stress that is left where the load of a tooth turns about: ISO 6336-3, annex (secondary
-source)."""
+"""Share of the endured stress that remains where the load of a tooth reverses: ISO 6336-3, annex (secondary source)."""
 
 COMPRESSION_OVER_TENSION = 1.2
-"""Stress ratio -R of such a tooth at equal loads both ways, by the same annex."""
+"""Stress ratio -R of such a tooth at equal loads both ways, from the same annex."""
 
 MEAN_STRESS = (1.0 / BOTH_WAYS - 1.0) / COMPRESSION_OVER_TENSION
-"""How much of the compression counts as tension: so that compression of 1.2 times the tension leaves 0.7."""
+"""Share of the compression that counts as tension: with it a compression of 1.2 times the tension leaves 0.7."""
 
 
 def alternating_mpa(tension: Array, compression: Array, flank: IndexArray, teeth: int) -> Array:
-    """The tension that alone would do the damage, for each contact: with what the other flank's load presses its root.
+    """The pulsating tension with the same damage as each contact's tension and the root's compression.
 
-    A pulsating stress and one that turns about do the same damage at a ratio of 0.7 (ISO 6336-3, annex); in between, a
-    line.  Where the other flank is never loaded, the tension itself.
+    The other flank's load presses the root; where it is never loaded, this is the tension itself.  A pulsating stress
+    and a reversing stress of 0.7 of it do the same damage (ISO 6336-3, annex); linear in between.
     """
     pressed = np.zeros(2 * teeth)
     np.maximum.at(pressed, flank ^ 1, compression)
@@ -197,8 +196,8 @@ def meetings_of(
 ) -> Meetings:
     """The meetings of one gear's flanks; stresses have the shape of ``contacts``.
 
-    Two contacts of a pair of flanks belong to one meeting where less than half a turn of the driving gear is between
-    them, over the end of the cycle as well: teeth meet again after a turn at the soonest.
+    Two contacts of a pair of flanks belong to the same meeting where less than half a turn of the driving gear is
+    between them, over the end of the cycle as well: teeth meet again after a turn or more.
     """
     own = contacts.on(gear).flank
     order = np.lexsort((contacts.phi1_rad, contacts.driven_flank, contacts.driving_flank))
@@ -226,18 +225,18 @@ HALVINGS = 60
 
 
 def tooth_life(meetings: Meetings, endured: EnduredStress, teeth: int, life_h: float, cycle_h: float) -> ToothLife:
-    """Safety and life of the z teeth of a gear, of each the worse of its two sides.
+    """Safety and life of the z teeth of a gear, on the worse side of each tooth.
 
     The safety is the largest factor on all stresses at which the damage of the wanted life is at most 1.  Damage grows
-    with the factor, from none where all stresses are endured for ever to no end where one is above the static stress;
-    between them the factor is found by halving.
+    with the factor, from 0 where all stresses are endured for ever to infinity where a stress is above the static
+    stress; bisection finds the factor between.
     """
     flank, counted = meetings.flank, meetings.counted_mpa
     top = np.zeros(2 * teeth)
     np.maximum.at(top, flank, counted)
 
     def damage(factor: Array) -> Array:
-        """Of one cycle of meetings, for each flank with its own factor on the stresses."""
+        """Damage of one cycle of meetings, for each flank with its own factor on the stresses."""
         each = 1.0 / endured.cycles_to_failure(counted * factor[flank])
         return np.asarray(np.bincount(flank, weights=each, minlength=2 * teeth), dtype=float)
 

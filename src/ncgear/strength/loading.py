@@ -1,8 +1,8 @@
 """The load of every tooth at every place of its flanks, over a whole cycle of meetings.
 
-At each position of the cycle the pairs of teeth share the torque of the driven gear as the linear springs that they
-are: the driven gear gives way until their forces balance it.  There is no friction and no motion in time.  Where a pair
-begins or ceases to bear load, the others' forces change within a small part of a pitch; there positions are closer.
+At each position of the cycle the pairs of teeth share the torque of the driven gear as linear springs: the driven gear
+yields until their forces balance the torque.  There is no friction and no motion in time.  Where a pair begins or
+ceases to bear load, the other forces change within a small part of a pitch; there positions are closer.
 """
 
 from __future__ import annotations
@@ -33,41 +33,41 @@ PER_TOOTH = 20
 """Even positions in a tooth pitch: a pair with a contact ratio of 1.5 bears load in thirty of them."""
 
 SOLVED_PER_TOOTH = 80
-"""Positions in a tooth pitch at which the pairs' shares are solved for, to find the largest force of each pair."""
+"""Positions in a tooth pitch at which the pairs' shares are computed, to find the largest force of each pair."""
 
 JUMP = 0.01
-"""Share of the largest force by which that of the most loaded pair changes from one position to the next where it is
-looked for between them too, as it is wherever other pairs begin to bear load."""
+"""Change of the force of the most loaded pair from one position to the next, as a share of the largest force, above
+which it is searched between them, too; it is also searched wherever other pairs begin to bear load."""
 
 BETWEEN = 8
-"""Parts into which such a step is cut.  Where a tooth bears all load for a moment only, as with contact ratios next to
-2 or 3, its largest force is then met to 1 % (tests/test_loading.py); even positions alone may miss a quarter of it."""
+"""Parts of such a step.  Where a tooth bears all load for a moment only, as with contact ratios near 2 or 3, the error
+of its largest force is then 1 % (tests/test_loading.py); with even positions alone it may be a quarter."""
 
 KNOWN = 1e-4
-"""Share of its variation over the cycle to which an extreme of the error and the largest force of all are known."""
+"""Largest error of the extremes of transmission error and force, as a share of their variation over the cycle."""
 
 ROUNDING_RAD = 1e-15
-"""Steps of the driven angle at which it is found."""
+"""Tolerance of the driven angle in rad: rounding."""
 
 ROUNDED = 1e-12
-"""Share of the largest torque up to which a torque is a rounding error of none."""
+"""Share of the largest torque up to which a torque counts as 0: rounding errors."""
 
 IDLE = 1e-9
-"""Share of the largest force below which a pair bears nothing."""
+"""Share of the largest force below which a pair counts as unloaded."""
 
 
 @dataclass(frozen=True, eq=False)
 class Loading:
     """The teeth under load over a cycle in which every tooth meets all its mates.
 
-    ``contacts`` are those at n positions: even ones and, between them, those at which a pair bears its largest force,
-    the largest of all among them.  ``phi1_rad``, ``torque_n_mm`` (asked of the driven gear) and ``error_rad`` (its
-    angle beyond the law's) have shape (n,); ``even`` tells the even positions.  ``transmission_error_rad`` is the peak
-    to peak variation of the error.  ``contact_ratio`` is the mean number of pairs that bear load, where there is load.
-    ``cycle_rad`` is by how much the driving gear turns in the cycle. ``borne`` is the torque with the knocks of a turn
-    of the driven gear; None where nothing is known of them. Where a motion is followed, ``still`` is the loading by
-    what the law asks alone; ``jammed`` is that of a jam, if there is one. Rolled lengths, ``rolled_mm`` of the
-    positions (shape (n,)), go over ``cycle_mm``; ``between`` gives the contacts at any, shape (m,).
+    ``contacts`` are at n positions: even positions and, between them, the positions of the pairs' largest forces.
+    ``phi1_rad``, ``torque_n_mm`` (demanded of the driven gear) and ``error_rad`` (its angle beyond the law's) have
+    shape (n,); ``even`` marks the even positions.  ``transmission_error_rad`` is the peak to peak variation of the
+    error.  ``contact_ratio`` is the mean number of pairs that bear load, where there is load.  ``cycle_rad`` is the
+    turn of the driving gear in the cycle.  ``borne`` is the torque with the knocks of a turn of the driven gear; None
+    where nothing is known of them.  Where a motion is followed, ``still`` is the loading by the torque of the law
+    alone; ``jammed`` is the loading of a jam, if there is one.  Rolled lengths, ``rolled_mm`` of the positions (shape
+    (n,)), go over ``cycle_mm``; ``between`` gives the contacts at any, shape (m,).
 
     Gears that turn less than once are not ``closed``: their cycle goes out and, where they bear load then, back.
     """
@@ -96,7 +96,7 @@ class Loading:
 
 @dataclass(frozen=True, eq=False)
 class AskedTorque:
-    """The torque asked of the driven gear, at the positions of a cycle at which pairs' shares are solved for.
+    """The torque demanded of the driven gear, at the positions of a cycle at which pairs' shares are computed.
 
     ``torque_n_mm`` (shape (n,)) is of either sign; ``at`` gives it at driving angles, shape (any,).
     """
@@ -107,7 +107,7 @@ class AskedTorque:
 
     @classmethod
     def of(cls, pitch: PitchPair, at: Callable[[Array], Array]) -> AskedTorque:
-        """The torque that a function gives at driving angles."""
+        """The torque of a function ``at`` of driving angles."""
         placement = placed(pitch, SOLVED_PER_TOOTH)
         torque = at(placement.phi1_rad)
         nothing = ROUNDED * np.abs(torque).max()
@@ -115,11 +115,11 @@ class AskedTorque:
 
     @property
     def sides(self) -> tuple[int, ...]:
-        """The sides of the teeth that it presses: pushing flanks alone where it is nowhere below zero."""
+        """The sides of the teeth that it presses: pushing flanks alone where it is never negative."""
         return (PUSHING,) if self.torque_n_mm.min() >= 0.0 else BOTH_SIDES
 
     def between(self, phi1_rad: Array) -> Array:
-        """The torque between positions, shape (n,); on sides that no position presses it counts as none."""
+        """The torque between positions, shape (n,); 0 where it would press a side that no position presses."""
         torque = self.at(phi1_rad)
         return torque if BACK in self.sides else np.maximum(torque, 0.0)
 
@@ -136,7 +136,7 @@ def loading_of(
     """The loads of teeth in ``meshing``, whose table of gaps tells where pairs touch in ``sections``.
 
     It follows the sides of the teeth that the torque presses.  At driving angles (shape (n,)) ``speed_rad_s`` gives the
-    speed of the driving gear; ``borne`` tells of the knocks that the torque counts.  ``per_tooth`` is a divisor of
+    speed of the driving gear; ``borne`` has the knocks that the torque counts.  ``per_tooth`` is a divisor of
     SOLVED_PER_TOOTH.  Raises as ``shared`` does.
     """
     solved = asked.placement
@@ -149,7 +149,7 @@ def loading_of(
         jumps |= np.roll(bearing, -1) != bearing
     if solved.toothed is not None:
         jumps[-1] = False
-    # Where forces never change, as without a torque, one step is looked at all the same.
+    # Where forces never change, as without a torque, one step is still searched.
     jumps[0] |= not jumps.any()
     inside = solved.rolled_mm[jumps][:, None] + solved.step_mm * np.arange(1, BETWEEN) / BETWEEN
     every, torque, found = _added(meshing, pitch, asked, (solved, asked.torque_n_mm, first), inside.ravel())
@@ -241,8 +241,8 @@ def shared(meshing: Meshing, phi1_rad: Array, torque_n_mm: Array) -> Shared:
     """The pairs of ``meshing`` as linear springs under torques on the driven gear at driving angles, shape (n,) each.
 
     With stiffness k, lever l and touching angle e of each pair, sum(k l^2 max(0, e - x)) = T on pushing flanks, and so
-    on backs with the other sign.  The left side falls with x and is convex, so Newton's method from where the first
-    pair alone would bear the torque meets the zero from one side, in as many steps as pairs come to bear load.  Raises
+    on backs with the other sign.  The left side falls with x and is convex, so Newton's method, which starts where the
+    first pair alone would bear the torque, reaches the zero from one side, in as many steps as pairs are added.  Raises
     NoSuchMechanism where teeth would be pressed deeper into each other than the tables follow.
     """
     gaps, every = meshing.gaps, np.arange(phi1_rad.size)
@@ -270,7 +270,7 @@ Solved = tuple[Placement, Array, Shared]
 
 
 def _added(meshing: Meshing, pitch: PitchPair, asked: AskedTorque, known: Solved, rolled_mm: Array) -> Solved:
-    """What is known, and then the same at further positions, of which there may be none."""
+    """The known solution, extended by further positions, if any."""
     if not rolled_mm.size:
         return known
     placement, torque, found = known
@@ -283,9 +283,9 @@ def _added(meshing: Meshing, pitch: PitchPair, asked: AskedTorque, known: Solved
 def _extreme_places_mm(
     meshing: Meshing, pitch: PitchPair, asked: AskedTorque, known: Placement, found: Shared
 ) -> Array:
-    """Rolled lengths of the largest and the least error and of the largest force of a pair, where they are not known.
+    """Rolled lengths of the largest and the least error and of the largest force of a pair, if not known already.
 
-    ``found`` is what is known at positions, in any order.
+    ``found`` is the solution at positions, in any order.
     """
 
     def sizes(one: Shared) -> Array:
@@ -303,13 +303,13 @@ def _extreme_places_mm(
 
 
 def _bearing(meshing: Meshing, placement: Placement, loaded: Mask) -> IndexArray:
-    """A number for the set of pairs that bear load at each position, shape (n,); ``loaded`` has shape (n, slots)."""
+    """A number for the set of loaded pairs at each position, shape (n,); ``loaded`` has shape (n, slots)."""
     pair = meshing.gaps.pair[meshing.gaps.table.place(placement.phi1_rad)[1]]
     return np.asarray(np.sum((pair[..., 0] * (placement.driven_teeth + 1) + pair[..., 1]) * loaded, axis=-1))
 
 
 def _peaks(rolled_mm: Array, force_n: Array) -> IndexArray:
-    """The positions at which the largest force of a pair is at a peak, as in each swing after a knock."""
+    """The positions at which the force of the most loaded pair has a peak, as in each swing after a knock."""
     order = np.argsort(rolled_mm)
     sorted_n = force_n[order]
     rising = sorted_n > np.roll(sorted_n, 1)
@@ -317,9 +317,9 @@ def _peaks(rolled_mm: Array, force_n: Array) -> IndexArray:
 
 
 def _largest_of_pairs(meshing: Meshing, phi1_rad: Array, slot: IndexArray, force_n: Array) -> IndexArray:
-    """The row of the largest force of each pair of flanks in each section, where it meets once in the cycle.
+    """The row of the largest force of each pair of flanks in each section; each pair meets once in the cycle.
 
-    Pairs are those in slots of the table at driving angles; shape (n,) each.
+    A pair is given by its slot of the table and its driving angle; shape (n,) each.
     """
     gaps, interval = meshing.gaps, meshing.gaps.table.place(phi1_rad)[1]
     driving, driven = gaps.pair[interval, slot].T
@@ -334,7 +334,7 @@ def _contacts(
     numbers: tuple[IndexArray, Array, Array],
     speed_rad_s: Callable[[Array], Array],
 ) -> LoadedContacts:
-    """The pairs that bear load; ``numbers`` are the numbers of their positions, the driving angles and the forces."""
+    """The loaded pairs, from their ``numbers`` of positions, driving angles and forces."""
     driving, driven = touching.places(Gear.DRIVING), touching.places(Gear.DRIVEN)
     position, phi1, force = numbers
     relative, flanks, rolling = np.empty_like(force), np.empty(force.size, dtype=bool), np.empty((force.size, 2))
@@ -345,7 +345,7 @@ def _contacts(
         pair = section.teeth
         fits = Fit.of(pair.driving, driving.kept(rows)), Fit.of(pair.driven, driven.kept(rows))
         curvature = fits[0].curvature + fits[1].curvature
-        # At a joint of the law curvatures jump, and each flank's may be that of another side: no pressure is known.
+        # At a joint of the law curvatures jump, and both flanks' may belong to different sides: no pressure is known.
         flanks[rows] = fits[0].on_flank & fits[1].on_flank & (curvature > 0.0)
         relative[rows] = np.where(flanks[rows], curvature * across[touching.side[rows]], np.inf)
         rolling[rows] = touching.kept(rows).rolling_mm(fits, flanks[rows])
@@ -370,16 +370,16 @@ def _contacts(
 
 
 FITTING = 1e-3
-"""How far a place may be from its flank, in modules, and its normal from the flank's, in rad, for the flank itself to
-touch: loaded teeth turn by as much, and tables miss less between their positions."""
+"""Largest distance of a place from its flank, in modules, and of its normal from the flank's, in rad, with which the
+flank itself touches: loaded teeth turn by as much, and errors of tables between their positions are less."""
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """How n places lie on the flanks of one gear, shape (n,) each.
+    """The fit of n places to the flanks of one gear, shape (n,) each.
 
-    ``curvature`` is that of the flank at its point nearest to each place; ``off_mm`` and ``tilt`` are the distance from
-    that point and the sine of the angle between both normals.
+    ``curvature`` is the flank's at its point nearest to each place; ``off_mm`` and ``tilt`` are the distance from that
+    point and the sine of the angle between both normals.
     """
 
     gear: ToothedGear
@@ -397,19 +397,19 @@ class Fit:
 
     @property
     def on_flank(self) -> Mask:
-        """Whether the flank itself touches at each place, and no edge."""
+        """Whether the flank touches at each place, and not an edge."""
         near: Mask = (self.off_mm <= FITTING * self.gear.flanks.rack.module_mm) & (self.tilt <= FITTING)
         return near
 
 
 @dataclass(frozen=True, eq=False)
 class _Touching(Columns):
-    """n pairs that bear load, in the fixed frame; each where it begins to touch, shape (n,) each.
+    """n loaded pairs in the fixed frame, each at the angle where it begins to touch, shape (n,) each.
 
     Let t be the unit tangent, w the way from the driven axis to the place of contact and s the sense of the mesh.  Then
     conj(t) w is the lever and, as its imaginary part, -s times the speed of the driven gear's point along t.
     ``sliding_mm`` is the speed of the driving gear's point against the driven one's along t, in mm per rad of phi1,
-    and ``speed`` is dphi2/dphi1 while the pair touches; ``stiffness_n_mm`` is that of the pair.
+    and ``speed`` is dphi2/dphi1 while the pair touches; ``stiffness_n_mm`` is the pair's.
     """
 
     placement: Placement
@@ -462,11 +462,11 @@ class _Touching(Columns):
         return FlankPlaces(flank, (self.point - self.placement.center_distance_mm) * back, into_driven * back)
 
     def rolling_mm(self, fits: tuple[Fit, Fit], flanks: Mask) -> Array:
-        """How fast the contact moves along the driving and the driven flank, in mm per rad of phi1, shape (n, 2).
+        """Speed of the contact along the driving and the driven flank, in mm per rad of phi1, shape (n, 2).
 
         Both speeds v are counted along the tangent, and their difference is the sliding.  Where flanks touch they keep
         one tangent: it turns with each gear and with the contact along the curvature k of its flank.  Counted towards i
-        t, k is u s times that of the driven flank and -u s times that of the driving one, with u the urge, so that
+        t, k is u s times the driven flank's curvature and -u s times the driving flank's, with u the urge, so that
 
             1 - u s k1 v1 = s i21 + u s k2 v2,   v2 = v1 + sliding
 
@@ -476,7 +476,7 @@ class _Touching(Columns):
         turn = self.urge * self.placement.mesh.sense
         swing = 1.0 - self.placement.mesh.sense * self.speed - turn * other.curvature * self.sliding_mm
         total = np.where(flanks, turn * (own.curvature + other.curvature), 1.0)
-        # Where an edge touches a fillet, its own gear is the one on whose flank it still is.
+        # Where an edge touches a fillet, it belongs to the gear whose flank still has the place.
         apart = np.maximum(own.off_mm, other.off_mm) > FITTING * own.gear.flanks.rack.module_mm
         own_edge = np.where(apart, own.off_mm < other.off_mm, own.tilt > other.tilt)
         first = np.where(flanks, swing / total, np.where(own_edge, 0.0, -self.sliding_mm))

@@ -1,4 +1,4 @@
-"""What a material bears: elastic constants, and the stresses that it endures for a number of load cycles."""
+"""A material: elastic constants, and the stresses that it endures for a number of load cycles."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class EnduredStress:
         return np.asarray(np.exp(log))
 
     def cycles_to_failure(self, stress_mpa: Array) -> Array:
-        """The number of cycles that stresses of 0 MPa or more are endured, any shape.
+        """The number of cycles for which stresses of 0 MPa or more are endured, any shape.
 
         It is 0 above the first stress, and infinite up to the last one.
         """
@@ -50,10 +50,10 @@ class EnduredStress:
 class Material:
     """A material of one gear at the temperature it runs at.
 
-    ``contact`` and ``bending`` are the stresses in MPa that flanks and roots endure, for the reliability asked for and
-    with all factors of the method that belong to the material and its surface; ``contact`` is None where no figures are
-    known.  ``source`` says where the figures come from.  ``too_hot_c`` is the temperature in degrees Celsius of teeth
-    that run hotter than the figures reach, and then endure next to nothing; None of all others.
+    ``contact`` and ``bending`` are the stresses in MPa that flanks and roots endure, for the wanted reliability and
+    with all the method's factors of the material and its surface; ``contact`` is None where no figures are known.
+    ``source`` names the source of the figures.  ``too_hot_c`` is the temperature in degrees Celsius of teeth that run
+    hotter than the figures reach, and then endure next to nothing; None for all other teeth.
     """
 
     name: str
@@ -68,5 +68,5 @@ class Material:
 
     @property
     def wears(self) -> bool:
-        """Whether it is dry metal on metal, which wears: of all other metals the stress that flanks endure is known."""
+        """Whether flanks wear as dry metal on metal: the endured stress of flanks is known for all other metals."""
         return self.contact is None and self.family is not Family.PLASTIC

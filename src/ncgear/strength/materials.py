@@ -1,7 +1,7 @@
 """The table of materials by name: strength class, hardness, elastic constants and density, each with its source.
 
-This module is plain Python, since the keys of design files read it.  ``ncgear.strength.endurance`` makes of a row of
-this table what a gear endures.
+This module is plain Python, since the keys of design files read it.  ``ncgear.strength.endurance`` computes from a row
+of this table the stresses that a gear endures.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ from ncgear.strength.classes import (
 class Elastic:
     """Young's modulus in MPa, Poisson's ratio and density in kg/m3 at 20 degrees C, linear expansion per K from there.
 
-    Expansions are rounded ones: of steel by EN 1993-1-1 and EN 10088-1, of iron by EN 1561 and EN 1563, of bronzes and
-    plastics by the data sheets of their makers, which differ by a tenth or more.
+    Expansions are rounded: of steel from EN 1993-1-1 and EN 10088-1, of iron from EN 1561 and EN 1563, of bronzes and
+    plastics from the data sheets of their makers, which differ by a tenth or more.
     """
 
     youngs_modulus_mpa: float
@@ -77,9 +77,9 @@ class Bronze:
 class Plastic:
     """A plastic whose strength falls with temperature and cycles.
 
-    ``root`` names a formula of ``ncgear.strength.plastics``; ``pits`` tells whether that for flanks holds, since of
-    some materials no figures are known.  ``hottest_c`` is the highest temperature at which the figures hold.
-    ``friction`` is the coefficient on steel when dry.
+    ``root`` names a formula of ``ncgear.strength.plastics``; ``pits`` tells whether its formula for flanks holds, since
+    some materials have no figures.  ``hottest_c`` is the highest temperature at which the figures hold.  ``friction``
+    is the coefficient on steel when dry.
     """
 
     name: str
@@ -136,17 +136,17 @@ TABLE: dict[str, Entry] = {entry.name: entry for entry in ROWS}
 """All materials by name."""
 
 ASSUMED = "42CrMo4"
-"""Taken where a design names no material: the steel that gears of machines are most often cut from without hardening
-the flanks.  Whatever follows from it says that it is assumed."""
+"""Material where a design names none: the most usual steel of gears without hardened flanks.  All results that depend
+on it say that it is assumed."""
 
 
 @dataclass(frozen=True)
 class Choice:
     """The material of one gear: a row of the table, and a person's own values in place of the row's.
 
-    ``contact_limit_mpa`` and ``bending_limit_mpa`` are the stresses of endurance sigma_Hlim and sigma_FE, the second
-    of which is the local stress at the root, twice sigma_Flim; for plastics they hold at every temperature and number
-    of cycles.  ``assumed`` is true where the design names none.
+    ``contact_limit_mpa`` and ``bending_limit_mpa`` are the stresses of endurance sigma_Hlim and sigma_FE; sigma_FE is
+    the local stress at the root, twice sigma_Flim.  For plastics they hold at every temperature and number of cycles.
+    ``assumed`` is true where the design names none.
     """
 
     entry: Entry
@@ -161,5 +161,5 @@ class Choice:
 
 
 def assumed_choice() -> Choice:
-    """What is taken where a design names no material."""
+    """The material where a design names none."""
     return Choice(TABLE[ASSUMED], assumed=True)

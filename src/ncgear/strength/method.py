@@ -1,4 +1,4 @@
-"""What a method of strength knows of the teeth of one gear: how they give way, and what the root feels."""
+"""The contract of a method of strength for the teeth of one gear: their compliance, and the stress of their roots."""
 
 from __future__ import annotations
 
@@ -29,10 +29,10 @@ class ToothMethod(Protocol):
         """The method's word: estimate or elements."""
 
     def compliance(self, places: FlankPlaces, reach_mm: Array) -> Array:
-        """How far flanks give way along the load at n places, in mm for 1 N per mm of face width, shape (n,).
+        """Way by which flanks yield along the load at n places, in mm for 1 N per mm of face width, shape (n,).
 
-        Bending, shear, the tooth's foundation, and what the tooth is pressed in between the contact and its middle
-        count; ``reach_mm`` (shape (n,)) is the half-width of the contact, from which Hertz's part follows.
+        Bending, shear, the tooth's foundation, and the indentation between the contact and the tooth's middle count;
+        ``reach_mm`` (shape (n,)) is the half-width of the contact for Hertz's part.
         """
 
     def root_stress(self, places: FlankPlaces) -> RootStress:

@@ -1,4 +1,4 @@
-"""What teeth of plastic endure at a temperature, and how warm they run: VDI 2736-2, from secondary sources.
+"""Stresses that plastic teeth endure, and their running temperature: VDI 2736-2, from secondary sources.
 
 The stresses of polyacetal and polyamide are the guideline's formulas as public calculation programs have them; the
 guideline gives them for injection-moulded teeth with damage of one gear in ten.  The temperatures follow Hachmann and
@@ -16,17 +16,17 @@ from ncgear.strength.contacts import LoadedContacts
 from ncgear.strength.materials import Choice, Plastic
 
 COLDEST_C = 20.0
-"""Below, the stresses of the guideline are those at this temperature: strength that cold adds is not counted."""
+"""Below this temperature, the stresses of the guideline stay constant: the strength that cold adds does not count."""
 
 FEWEST_CYCLES = 1e5
-"""The formulas hold from here to 1e8 or so.  Fewer cycles are given the same stress, which is near yielding; more
-follow the formulas, whose slope is known no better."""
+"""Number of cycles from which the formulas hold, to about 1e8.  Fewer cycles have the same stress, which is near
+yielding; more cycles follow the formulas, since no better slope is known."""
 
 LEAST_MPA = 0.1
-"""What is left where a formula falls to nothing, hot and after long: as good as none."""
+"""Least endured stress, next to 0: hot and after many cycles a formula falls below it."""
 
 NOTCH_OF_TEST_GEARS = 2.0
-"""Y_St: nominal stresses of the guideline times this are local ones."""
+"""Y_St: the guideline's nominal stresses times this are local stresses."""
 
 
 def flank_limit_mpa(temperature_c: float, cycles: Array) -> Array:
@@ -64,7 +64,7 @@ PRINTS = {
     "PLA-print": (60.0, (1e3, 1e6, 1e8), (25.0, 10.0, 6.0)),
     "PETG-print": (80.0, (1e3, 1e6, 1e8), (20.0, 8.0, 5.0)),
 }
-"""Where prints soften, in degrees Celsius, and the stress in MPa at their roots for numbers of cycles.
+"""Softening temperature of prints in degrees Celsius, and the stress in MPa at their roots for numbers of cycles.
 
 A cautious guess without a source: half, a fifth and an eighth of the strength of printed bars in tension, about 50 and
 40 MPa across the layers' plane, for a thousand, a million and more cycles."""
@@ -72,7 +72,7 @@ A cautious guess without a source: half, a fifth and an eighth of the strength o
 
 @dataclass(frozen=True)
 class ToothTemperature:
-    """How warm the teeth of one gear run, in degrees Celsius; ``too_hot`` where the material's figures end below."""
+    """Running temperature of a gear's teeth in degrees Celsius; ``too_hot`` above the range of the figures."""
 
     root_c: float
     flank_c: float
@@ -88,10 +88,10 @@ CREEP_C = 23.0
 
 
 def creep_factor(root: str, hours: float) -> float | None:
-    """How many times as far a plastic gives way under a load that rests on it for so long; None where not known.
+    """Factor by which a plastic yields further under a load that rests on it for ``hours``; None where not known.
 
-    The creep modulus is taken to fall as a power of time, 1 and 1000 hours being known; ISO 899 tests no longer than
-    that as a rule, so that more is an extrapolation.
+    The creep modulus falls as a power of time through its values at 1 and 1000 hours; tests by ISO 899 usually end
+    there, so that longer times are an extrapolation.
     """
     if root not in CREEP_MPA:
         return None
@@ -109,7 +109,7 @@ OTHER_FRICTION = 0.4
 
 
 def friction(choices: tuple[Choice, Choice], lubrication: str) -> float:
-    """The coefficient of friction of a pair of which one gear at least is of plastic."""
+    """The coefficient of friction of a pair with at least one plastic gear."""
     if lubrication in LUBRICATED_FRICTION:
         return LUBRICATED_FRICTION[lubrication]
     plastics = [choice.entry for choice in choices if isinstance(choice.entry, Plastic)]
@@ -127,11 +127,11 @@ def lost_w(contacts: LoadedContacts, positions: int, coefficient: float) -> floa
 def temperatures_of(
     choices: tuple[Choice, Choice], conditions: Conditions, running: Running, loss_w: float = 0.0
 ) -> tuple[ToothTemperature, ToothTemperature]:
-    """How warm the teeth of both gears run.
+    """Running temperatures of the teeth of both gears.
 
     T = T_0 + P k / (b z (v m)^0.75), with the power lost P in W, width b and module m in mm, speed v in m/s: open gears
-    that run without a pause.  Oil takes the heat away, so that oiled teeth, and those of two metal gears, have the
-    temperature about them.
+    that run without a pause.  Oil takes the heat away, so that oiled teeth, and teeth of two metal gears, have the
+    temperature of their surroundings.
     """
     plastics = [isinstance(choice.entry, Plastic) for choice in choices]
     warms = any(plastics) and conditions.lubrication != "oil" and loss_w > 0.0

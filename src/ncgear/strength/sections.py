@@ -1,13 +1,13 @@
-"""Helical teeth as straight teeth in sections of the face width, which bear beside each other.
+"""Helical teeth as straight teeth in sections of the face width, which share the load.
 
-The teeth of a section are straight teeth of their own form.  Each pair in it is a spring beside the pairs in all other
-sections, since the driven gear turns as one body.
+The teeth of a section are straight teeth of their own form.  Each pair in it is a spring parallel to the pairs in all
+other sections, since the driven gear turns as one body.
 
-- **Sharing**.  All sections are conjugate at the same angles.  So the lines of contact follow by themselves, and with
-  them Z_epsilon and f_epsilon of ISO 6336.
-- **Pressure**.  Pairs touch along straight lines in the plane of action, which lean by the base helix angle beta_b,
-  tan(beta_b) = tan(beta) cos(alpha).  For each mm of a line the normal force is that of the section for each mm of
-  width, and the curvature across the line is cos(beta_b) times that in the section across the axis.
+- **Sharing**.  All sections are conjugate at the same angles.  The lines of contact follow from that, and with them
+Z_epsilon and f_epsilon of ISO 6336. - **Pressure**.  Pairs touch along straight lines in the plane of action, which
+lean by the base helix angle beta_b,
+  tan(beta_b) = tan(beta) cos(alpha).  For each mm of a line the normal force is the section's for each mm of width, and
+  the curvature across the line is cos(beta_b) times the curvature in the section across the axis.
 - **Roots** bend in the section across the tooth, where it is more slender by cos(beta) (``ncgear.strength.estimate``).
 
 Neighbouring sections do not support each other, for which ISO 6336-3 has Y_beta.  On circular gears of 10 to 30 degrees
@@ -51,24 +51,24 @@ class FaceSections:
 
     @classmethod
     def straight(cls, teeth: ToothedPair) -> FaceSections:
-        """The one section of straight teeth."""
+        """The single section of straight teeth."""
         return cls((FaceSection(teeth),))
 
     def across_lines(self, pressure_angle_rad: float) -> float:
-        """Curvature across lines of contact over the one across the axis: the cosine of the base helix angle."""
+        """Curvature across lines of contact over the curvature across the axis: the cosine of the base helix angle."""
         return cos(atan(tan(self.helix_rad) * cos(pressure_angle_rad)))
 
 
 def count_of(advance_mm: float, pitch_mm: float) -> int:
-    """How many sections of one width stand for teeth that advance so far."""
+    """Number of sections of equal width for teeth with this advance."""
     return max(FEWEST, ceil(PER_PITCH * advance_mm / pitch_mm))
 
 
 @dataclass(frozen=True, eq=False)
 class InSections:
-    """The teeth of one gear by a method for each section (a ``ToothMethod``); of places that know their section.
+    """The teeth of one gear with a method for each section (a ``ToothMethod``), for places with known sections.
 
-    ``rim_factor`` is Y_B of each tooth, shape (z,): by how much a thin wall under it raises the stress at its root.
+    ``rim_factor`` is Y_B of each tooth, shape (z,): the factor of a thin wall under it on the stress at its root.
     """
 
     each: tuple[ToothMethod, ...]
@@ -80,7 +80,7 @@ class InSections:
         return self.each[0].name
 
     def compliance(self, places: FlankPlaces, reach_mm: Array) -> Array:
-        """How far flanks give way along the load, shape (n,), see ``ToothMethod``."""
+        """Way by which flanks yield along the load, shape (n,), see ``ToothMethod``."""
         found = np.empty_like(reach_mm)
         for method, rows in self._rows(places):
             found[rows] = method.compliance(places.kept(rows), reach_mm[rows])

@@ -1,8 +1,8 @@
-"""How stiff pairs of teeth are: both teeth give way, and so do the flanks where they touch.
+"""Stiffness of pairs of teeth: both teeth yield, and so do the flanks where they touch.
 
-A pair is as stiff as its face width over the sum of what both teeth give way for 1 N per mm of face width.  Flanks are
-flattened over the half-width of Hertz's contact of cylinders.  What they give way grows a little slower than the load:
-teeth of steel are about a tenth softer at a tenth of the load.  The stiffness is taken at one load, the largest of the
+The stiffness of a pair is its face width over the sum of the compliances of both teeth for 1 N per mm of face width.
+Flanks are flattened over the half-width of Hertz's contact of cylinders.  Their yielding grows a little slower than the
+load: teeth of steel are about a tenth softer at a tenth of the load.  The stiffness is taken at the largest load of the
 cycle, so that a pair is a linear spring.
 """
 
@@ -22,20 +22,20 @@ from ncgear.strength.method import RootStress, ToothMethod
 from ncgear.teeth.gear import ToothedGear, ToothedPair
 
 NEWTON_STEPS = 12
-"""Most steps to the height of a place on its flank; three do but where the curvature of what rolls jumps.  A height
-that is missed shows, since the place is then beside its flank."""
+"""Most steps to the height of a place on its flank; three suffice unless the curvature of the rolled curve jumps.  A
+wrong height shows, since the place is then beside its flank."""
 
 MET_IN_MODULES = 1e-10
 
 SOFTER, STIFFER = 0.7, 1.3
-"""The band in which the stiffness of real teeth lies about the computed one.  ISO 6336-1 takes a fifth off the computed
-stiffness of solid gears to meet what was measured (C_M = 0.8, from a secondary source); webs, shafts and the load at
-which Hertz's part is taken count for as much as another tenth.  The other way, finite elements are up to a sixth
-stiffer than the estimate (docs/method.md); the band is as wide there as on the soft side."""
+"""The band of the stiffness of real teeth over the computed stiffness.  ISO 6336-1 takes a fifth off the computed
+stiffness of solid gears to meet measurements (C_M = 0.8, from a secondary source); webs, shafts and the load for
+Hertz's part may take another tenth.  The other way, finite elements are up to a sixth stiffer than the estimate
+(docs/method.md); the band is as wide there as on the soft side."""
 
 SHARPEST_IN_MODULES = 0.02
-"""Least radius at which a contact is flattened: a flank that begins on its base circle, and any edge, has worn as round
-as that after a few turns."""
+"""Least radius of a flattened contact: a flank that begins on its base circle, and any edge, wears to this radius
+within a few turns."""
 
 FLATTEST_IN_MODULES = 100.0
 """Greatest radius, of flanks that nearly fit each other; the half-width goes with its root only."""
@@ -51,11 +51,11 @@ class NearestOnFlanks:
 
 
 def nearest_on_flanks(gear: ToothedGear, places: FlankPlaces) -> NearestOnFlanks:
-    """The points of what is left of flanks that are nearest to places."""
+    """The points of the remaining flanks that are nearest to places."""
     flanks, number = gear.flanks, places.flank
     top, bottom = (limit[number] for limit in gear.sides.flank_range())
     origin, slope = (part[number] for part in flanks.at_pitch_line)
-    # The flank's length is a h + b h^2 / 2 where the curvature of what rolls does not change.
+    # The flank's length is a h + b h^2 / 2 where the curvature of the rolled curve is constant.
     length, first = along(slope, places.point - origin) / np.abs(slope), np.abs(slope)
     turning = flanks.crossings.curvature[number]
     slant = flanks.slant.of(number)
@@ -76,7 +76,7 @@ def nearest_on_flanks(gear: ToothedGear, places: FlankPlaces) -> NearestOnFlanks
 
 
 def on_flanks(gear: ToothedGear, places: FlankPlaces) -> tuple[FlankPlaces, Array]:
-    """The places of the flanks nearest to given ones, with the flanks' own normals, and the flanks' curvatures there.
+    """The places on flanks nearest to given places, with the flanks' own normals, and the flanks' curvatures there.
 
     An edge is at the end of its flank, and a place on a fillet at the flank's other end.  Shape (n,) each.
     """
@@ -91,8 +91,8 @@ def on_flanks(gear: ToothedGear, places: FlankPlaces) -> tuple[FlankPlaces, Arra
 class LinearTeeth:
     """The stiffness of each pair of teeth in N/mm, as a function of the places at which they touch.
 
-    ``methods`` and ``materials`` are those of the driving and of the driven gear; ``line_load_n_mm`` is the load per mm
-    of face width for which Hertz's part is taken.
+    ``methods`` and ``materials`` belong to the driving and the driven gear; ``line_load_n_mm`` is the load per mm of
+    face width for Hertz's part.
     """
 
     teeth: ToothedPair
@@ -104,7 +104,7 @@ class LinearTeeth:
     def __call__(self, places: PairPlaces) -> Array:
         """Stiffness in N/mm, shape (n,); raises Unanswered where a method gives none.
 
-        Edges count as the ends of their flanks, so that the stiffness goes on where contact goes over to an edge.
+        Edges count as the ends of their flanks, so that the stiffness is continuous where contact passes to an edge.
         """
         parts = [self._of_few(places.kept(rows)) for rows in row_blocks(places.driving_flank.size)]
         return np.concatenate([np.empty(0), *parts])
@@ -132,8 +132,8 @@ class LinearTeeth:
 
 
 ISO_N_MM_UM = 14.0
-"""The stiffness of a pair of steel teeth of ISO 6336-1 for solid gears with the standard rack, in N/(mm um), where no
-more is known (from a secondary source)."""
+"""The stiffness of a pair of steel teeth in N/(mm um) where no more is known: ISO 6336-1 for solid gears with the
+standard rack (from a secondary source)."""
 
 STEEL_MPA = 206e3
 
@@ -146,7 +146,7 @@ class EvenTeeth:
     name: str = "even"
 
     def compliance(self, places: FlankPlaces, reach_mm: Array) -> Array:
-        """How far flanks give way in mm for 1 N per mm, shape (n,)."""
+        """Way in mm by which flanks yield for 1 N per mm, shape (n,)."""
         return np.full(reach_mm.shape, 0.5 / (1e3 * ISO_N_MM_UM * self.youngs_modulus_mpa / STEEL_MPA))
 
     def root_stress(self, places: FlankPlaces) -> RootStress:

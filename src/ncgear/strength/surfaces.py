@@ -1,7 +1,7 @@
-"""The state of the flanks over a cycle and the wanted life: least film, greatest heat, and what wears off.
+"""The state of the flanks over a cycle and the wanted life: least film, greatest heat, and wear.
 
 Extremes are searched between the positions of the loads too (``ncgear.numerics.highest``): a film is thinnest, and
-sliding fastest, where a pair begins or ceases to touch.  Where an edge touches there is no film, and nothing is told.
+sliding fastest, where a pair begins or ceases to touch.  Edges have no film, and are left out.
 """
 
 from __future__ import annotations
@@ -40,11 +40,11 @@ from ncgear.strength.plastics import ToothTemperature, creep_factor
 from ncgear.strength.wear import LIMIT_MODULES, coefficient_mm3_n_m, depth_mm, share_unparted
 
 LEAST_SCUFFING = 1.0
-"""Safety under which flanks scuff: the formula's temperature is that at which test gears did.  ISO/TS 6336-20 calls the
-risk high below 1, moderate up to 2."""
+"""Safety under which flanks scuff: test gears scuffed at the formula's temperature.  ISO/TS 6336-20 calls the risk high
+below 1, moderate up to 2."""
 
 KNOWN = 1e-3
-"""Share of itself to which an extreme is known: its formulas are known to a tenth at best."""
+"""Relative tolerance of an extreme: its formulas are known to a tenth at best."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +66,7 @@ class Film:
     """The oil between metal flanks.
 
     ``thickness`` is the least specific film thickness lambda, in mean roughnesses Ra of ``roughness_um``; ``oil_c`` and
-    ``bulk_c`` are the temperatures of the oil and of the teeth in it, ``flash_k`` tells how much hotter a contact gets.
+    ``bulk_c`` are the temperatures of the oil and of the teeth in it, ``flash_k`` is the rise of a contact over them.
     """
 
     thickness: Place
@@ -77,7 +77,7 @@ class Film:
 
     @property
     def regime(self) -> Regime:
-        """How flanks are parted where the film is thinnest."""
+        """The lubrication of flanks where the film is thinnest."""
         return Regime.of(self.thickness.value)
 
     @property
@@ -88,11 +88,11 @@ class Film:
 
 @dataclass(frozen=True)
 class Wear:
-    """What the wanted life takes off the flanks, in mm along their normal.
+    """Wear of the flanks over the wanted life, in mm along their normal.
 
-    ``depth_mm`` has the deepest places of the driving and the driven gear.  ``play_mm`` is the most by which the play
-    along the normal grows: the sum of both flanks at the worst place, of pushing flanks and of backs.  ``limit_mm`` is
-    worn off after ``life_h``, which is infinite where nothing wears.
+    ``depth_mm`` has the deepest places of the driving and the driven gear.  ``play_mm`` is the largest growth of the
+    play along the normal: the sum of both flanks at the worst place, of pushing flanks and of backs.  ``limit_mm`` is
+    reached after ``life_h``, which is infinite without wear.
     """
 
     coefficients_mm3_n_m: tuple[float, float]
@@ -113,16 +113,16 @@ class Wear:
 
     @property
     def holds(self) -> bool:
-        """Whether the wanted life leaves more than the limit."""
+        """Whether the wear of the wanted life stays within the limit."""
         return self.deepest_mm <= self.limit_mm
 
 
 @dataclass(frozen=True)
 class Creep:
-    """How far a pair with plastic teeth gives way under its largest load, in mm: at once, and after the wanted life.
+    """Way in mm by which a pair with plastic teeth yields under its largest load: at once, and after the wanted life.
 
-    Each tooth is under load for ``loaded_h`` in that life, which is taken to be without a pause, and the whole way is
-    taken to be that of plastic: both on the safe side.
+    Each tooth is under load for ``loaded_h`` in that life, counted without a pause, and the whole way counts as
+    plastic: both on the safe side.
     """
 
     at_once_mm: float
@@ -134,10 +134,10 @@ class Creep:
 class Surfaces:
     """The state of a pair's flanks.
 
-    ``film`` is None of dry and of plastic flanks, and where only a jam presses them; ``scuffing_c`` (the temperature at
-    which the oil fails) of bronze too.  ``pitting_factor`` is Z_L Z_v Z_R of the driving and the driven gear.  ``warm``
-    are the temperatures of both gears' teeth, None of metal; ``creep`` is None where it is not known.  Where nothing
-    but a jam presses the flanks they are not ``judged``: they are pressed a few times only.
+    ``film`` is None for dry and for plastic flanks, and where only a jam presses them; ``scuffing_c`` (the temperature
+    at which the oil fails) is None for bronze, too.  ``pitting_factor`` is Z_L Z_v Z_R of the driving and the driven
+    gear.  ``warm`` are the temperatures of both gears' teeth, None for metal; ``creep`` is None where it is not known.
+    Flanks that only a jam presses are not ``judged``: it presses them a few times only.
     """
 
     film: Film | None
@@ -158,7 +158,7 @@ class Surfaces:
 
     @property
     def share(self) -> float:
-        """The least share of what is wanted that flanks have, of their safety against scuffing and of their life."""
+        """The smaller of safety against scuffing and life of the flanks, each over its wanted value."""
         scuffing = self.scuffing_safety
         lasting = self.wear.limit_mm / self.wear.deepest_mm if self.wear.deepest_mm > 0.0 else inf
         return lasting if scuffing is None else min(lasting, scuffing / LEAST_SCUFFING)
@@ -166,7 +166,7 @@ class Surfaces:
 
 @dataclass(frozen=True, eq=False)
 class _Pair:
-    """What all places of contact of a pair have in common.
+    """The common values of all places of contact of a pair.
 
     ``uneven`` gives K_Hbeta of all contacts of some positions, ``shaken`` their K_V; ``bulk_c`` is the temperature of
     the teeth.
@@ -189,13 +189,13 @@ class _Pair:
         return kept, shaken[contacts.flanks], Pressed(load, kept.relative_curvature, kept.rolling_mm_s / 1000.0)
 
     def flash(self, pressed: Pressed, oil: Oil) -> Array:
-        """How much hotter than the teeth each contact is, in K."""
+        """The rise of each contact over the temperature of the teeth, in K."""
         return flash_k(pressed, friction(pressed, oil, self.conditions), self.materials)
 
     def quantities(self, side: IndexArray, shaken: Array, pressed: Pressed) -> Array:
-        """What is searched for the largest of, at n contacts of flanks of a side, shape (6, n).
+        """The quantities whose largest values are searched, at n contacts of flanks of a side, shape (6, n).
 
-        Roughness over film, heat in K, depths in mm that both flanks lose in the wanted life, and the sum of these on
+        Roughness over film, heat in K, depths of wear in mm of both flanks over the wanted life, and their sum on
         pushing flanks and on backs.  Wear follows the mean load, which vibration does not change.
         """
         thin = flash = np.zeros(pressed.line_n_mm.size)
@@ -205,7 +205,7 @@ class _Pair:
             film = film_um(pressed, flash, self.bulk_c, self.oil, self.materials)
             thickness = np.maximum(film / roughness_um(self.conditions), LEAST_FILM)
             thin, unparted = 1.0 / thickness, share_unparted(thickness)
-        # Each meeting counts as the worst, which it is where teeth always meet the same mates.
+        # Each meeting counts as the worst meeting: exact where teeth always meet the same mates.
         met = self.running.meetings(self.conditions.life_h)
         depth = met[:, None] * depth_mm(pressed, unparted / shaken, self.coefficients_mm3_n_m)
         play = depth.sum(axis=0)
@@ -226,7 +226,7 @@ def surfaces_of(
     uneven: Callable[[LoadedContacts], Array],
     shaken: Callable[[LoadedContacts], Array],
 ) -> Surfaces:
-    """The state of the flanks under their loads, with all factors of load that the pressure has.
+    """The state of the flanks under their loads, with all factors of load of the pressure.
 
     ``uneven`` gives K_Hbeta and ``shaken`` K_V of contacts, shape (n,), from all contacts of their positions.
     """
@@ -262,7 +262,7 @@ def surfaces_of(
 
 
 def _creep(loading: Loading, choices: tuple[Choice, Choice], conditions: Conditions, running: Running) -> Creep | None:
-    """The creep of a pair of which one gear at least is of plastic, under what the law asks of it."""
+    """The creep of a pair with at least one plastic gear, under the loads of its law."""
     contacts, even = (loading.still or loading).contacts, (loading.still or loading).even
     if not contacts.force_n.size:
         return None
@@ -277,7 +277,7 @@ def _creep(loading: Loading, choices: tuple[Choice, Choice], conditions: Conditi
 
 
 def _bulk_c(pair: _Pair, oil: Oil, loading: Loading) -> float:
-    """The temperature of the teeth: that of the oil, and a share of the mean flash temperature over the cycle."""
+    """The temperature of the teeth: the oil's, plus a share of the mean flash temperature over the cycle."""
     touching, _, pressed = pair.touching(loading.contacts)
     flash = pair.flash(pressed, oil)[loading.even[touching.position]]
     share = BULK_SHARE[pair.conditions.lubrication]
@@ -309,7 +309,7 @@ def _largest(pair: _Pair, loading: Loading) -> list[Place]:
 
 
 def _place(touching: LoadedContacts, values: Array) -> Place:
-    """The largest of the values at contacts; none where only edges touch."""
+    """The place of the largest value at contacts; no place where only edges touch."""
     if not values.size or values.max() < 0.0:
         return Place(0.0, 0.0, 1, 1)
     row = int(values.argmax())

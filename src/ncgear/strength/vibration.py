@@ -1,7 +1,7 @@
-"""What the vibration of a mesh adds to the load of its teeth: K_V of ISO 6336-1, method B, at every place of the turn.
+"""The load that vibration of a mesh adds to its teeth: K_V of ISO 6336-1, method B, at every place of the turn.
 
-Both gears are masses at the ends of a spring, the pairs of teeth that bear.  Its frequency and that at which teeth pass
-make the resonance ratio
+Both gears are masses at the ends of a spring, the loaded pairs of teeth.  The frequency of passing teeth over the
+natural frequency is the resonance ratio
 
     N = w_passing / sqrt(c_gamma b / m_red),   1 / m_red = r1^2 / J1 + r2^2 / J2
 
@@ -15,12 +15,12 @@ strength/iso6336.py, and two more that agree), with the load w = F_t K_A / b for
     N from 1.5      Cv5 Bp + Cv6 Bf + Cv7, linear between 1.15 and 1.5
     Bp = c' f_pb / w,   Bf = c' f_falpha / w,   c' = c_gamma / (0.75 e + 0.25)
 
-where the factors Cv follow from the total contact ratio, e and the overlap ratio of helical teeth, the deviations f are
-without what running in takes off, and B_k is 1, as of grades from 6 on without tip relief for the load.  K_V is 1 at
-least, here: teeth that pass a resonance in every turn never settle above it.
+where the factors Cv follow from the total contact ratio, e plus the overlap ratio of helical teeth, the deviations f
+are those after running in, and B_k is 1, as for grades from 6 on without tip relief for the load.  Here K_V is at least
+1: teeth that pass a resonance in every turn never settle above it.
 
-Where the motion of the driven side is followed (``ncgear.dynamics.flank_changes``), the loads swing by the stiffness
-already, and K_V is 1 and what the deviations add: K_V less K_V without deviations.
+Where the motion of the driven side is followed (``ncgear.dynamics.flank_changes``), the loads already swing with the
+stiffness, and K_V is 1 plus the part of the deviations: K_V minus K_V without deviations.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ RESONANCE = 0.85, 1.15
 """The resonance ratios between which a mesh resonates."""
 
 BEYOND = 1.5
-"""The resonance ratio from which on the mesh runs above its resonance."""
+"""The resonance ratio from which the mesh runs above its resonance."""
 
 LIGHT_N_MM = 100.0
 """Load per mm of width under which resonance begins at a smaller ratio."""
@@ -58,7 +58,7 @@ def dynamic_factor(
     """K_V of method B at places of resonance ratio N, all of one shape, at least 1.
 
     ``line_n_mm`` is F_t K_A / b, above 0, ``mesh_n_mm2`` the mean stiffness c_gamma of the mesh, ``contact_ratio`` its
-    contact ratio in sections across the axes, and ``deviations_mm`` are those of base pitch and profile form.
+    contact ratio in sections across the axes, and ``deviations_mm`` are the deviations of base pitch and profile form.
     """
     across = np.maximum(contact_ratio, 1.0)
     e = across + overlap_ratio
@@ -85,10 +85,10 @@ def dynamic_factor(
 
 @dataclass(frozen=True, eq=False)
 class MeshStiffness:
-    """How stiff a mesh is at n driving angles, rising over ``cycle_rad``, as a mean over a tooth pitch; shape (n,).
+    """Stiffness of a mesh at n driving angles, rising over ``cycle_rad``, as a mean over a tooth pitch; shape (n,).
 
-    ``stiffness_n_mm`` is that of all pairs that bear load, and ``contact_ratio`` their number, each pair of helical
-    teeth with its share of the width.  Gears that turn less than once have no cycle.
+    ``stiffness_n_mm`` is the stiffness of all loaded pairs, and ``contact_ratio`` their number; a pair of helical teeth
+    counts with its share of the width.  Gears that turn less than once have no cycle.
     """
 
     phi1_rad: Array
@@ -100,9 +100,9 @@ class MeshStiffness:
     def of(
         cls, phi1_rad: Array, stiffness_n_mm: Array, pairs: Array, cycle_rad: float | None, per_pitch: int
     ) -> MeshStiffness | None:
-        """The means over a pitch of what is known at even places, so many in a pitch; None where no pair bears.
+        """Means over a pitch from values at even places, ``per_pitch`` in a pitch; None where no pair is loaded.
 
-        Of gears that turn less than once, places of the way out and of the way back count together.
+        For gears that turn less than once, places of the way out and of the way back count together.
         """
         rows = np.flatnonzero(pairs > 0)
         if not rows.size:
@@ -127,10 +127,10 @@ class MeshStiffness:
 
 @dataclass(frozen=True, eq=False)
 class Vibration:
-    """What the vibration of a pair depends on besides its loads.
+    """The values besides its loads on which the vibration of a pair depends.
 
     At driving angles, shape (n,), ``reduced_kg`` gives the reduced mass along the normal, and ``passing_rad_s`` the
-    angular frequency at which teeth pass.  ``deviations_mm`` are those of base pitch and profile form, run in.
+    angular frequency at which teeth pass.  ``deviations_mm`` are those of base pitch and profile form after running in.
     """
 
     reduced_kg: Callable[[Array], Array]
@@ -153,10 +153,10 @@ class Vibration:
         conditions: Conditions,
         followed: bool = False,
     ) -> Array:
-        """K_V at driving angles where all pairs together bear a normal force, shape (n,) each.
+        """K_V at driving angles for a normal force of all pairs together, shape (n,) each.
 
-        It is that of ``conditions`` where they give one.  Forces of a motion that is ``followed`` swing by the
-        stiffness already: what deviations add is left.
+        It is taken from ``conditions`` where they give it.  Forces of a motion that is ``followed`` already swing with
+        the stiffness: only the part of the deviations is added.
         """
         if conditions.dynamic_factor is not None or mesh is None:
             return np.full(force_n.shape, conditions.dynamic_factor or 1.0)
@@ -179,10 +179,10 @@ class Vibration:
     def of_contacts(
         self, contacts: LoadedContacts, mesh: MeshStiffness | None, conditions: Conditions, followed: bool = False
     ) -> Array:
-        """K_V of contacts that bear load, shape (n,), from all contacts of their positions, as ``factors``.
+        """K_V of loaded contacts, shape (n,), from all contacts of their positions, as ``factors``.
 
-        What vibration adds presses all sections of helical teeth, also where next to no load rests on a few of them;
-        a given K_V multiplies each load.
+        The load of vibration presses all sections of helical teeth, also those with next to no load; a given K_V
+        multiplies each load.
         """
         if not contacts.force_n.size or conditions.dynamic_factor is not None or mesh is None:
             return np.full(contacts.force_n.shape, conditions.dynamic_factor or 1.0)

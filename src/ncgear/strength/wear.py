@@ -1,14 +1,14 @@
-"""Slow wear of flanks: how deep sliding under load takes material off, by Archard's equation.
+"""Slow wear of flanks: the depth of material that sliding under load takes off, by Archard's equation.
 
 A place of a flank is pressed while the contact passes over it.  With the load w for each mm of width, the speed v of
 sliding and the speed u at which the contact moves along the flank, the integral of pressure times sliding over that
-time is w v / u, whatever the pressure's course is, so that a meeting takes off
+time is w v / u for any course of the pressure, so that a meeting takes off
 
     depth = k w v / u
 
 (A. Flodin, S. Andersson, Wear 207, 1997).  Coefficients k are known to the power of ten at best: they follow from
-secondary sources and are rounded.  Worn flanks bear less where they are worn most, which is left out: what is told is
-that of new flanks, the most that there is.
+secondary sources and are rounded.  Worn flanks have less load where they are worn most.  This is left out: the result
+holds for new flanks, which wear most.
 """
 
 from __future__ import annotations
@@ -22,20 +22,20 @@ from ncgear.strength.film import Pressed
 from ncgear.strength.materials import Bronze, Choice, Entry, Ferrous, Plastic
 
 Coefficients = dict[str, float]
-"""Wear coefficients in mm3 for each N and m of sliding, by lubrication; those with oil or grease where no film parts
-the flanks."""
+"""Wear coefficients in mm3 for each N and m of sliding, by lubrication; with oil or grease for flanks without a film
+between them."""
 
 HARDENED: Coefficients = {"oil": 1e-9, "grease": 1e-9, "dry": 1.5e-5}
 """Hardened steel on metal: ground gears in transmission fluid 9.65e-10 (P. Bajpai, A. Kahraman, N. E. Anderson, Journal
 of Tribology 126, 2004); dry tool steel on itself, K = 1.3e-4 over a hardness of 8.5 GPa (J. F. Archard, 1953)."""
 
 SOFT: Coefficients = {"oil": 1e-8, "grease": 1e-8, "dry": 2e-4}
-"""Steel and iron that are not hardened: with oil ten times that of hardened steel, which is a guess between it and the
-5e-7 of Flodin and Andersson; dry by Rabinowicz's K / 3 = 5e-4 of clean like metals, over 2.5 GPa."""
+"""Steel and iron without hardening: with oil ten times the value of hardened steel, a guess between it and the 5e-7 of
+Flodin and Andersson; dry Rabinowicz's K / 3 = 5e-4 of clean like metals, over 2.5 GPa."""
 
 BRONZE: Coefficients = {"oil": 1e-7, "grease": 1e-7, "dry": 2e-4}
-"""Bronze on steel: a guess with oil, ten times that of soft steel; dry K / 3 = 1.7e-4 of metals that mix in part, over
-1 GPa (Rabinowicz)."""
+"""Bronze on steel: with oil a guess, ten times the value of soft steel; dry K / 3 = 1.7e-4 of partly compatible metals,
+over 1 GPa (Rabinowicz)."""
 
 ON_PLASTIC = 0.0
 """Metal on plastic, which takes off next to nothing."""
@@ -83,12 +83,12 @@ def share_unparted(thickness: Array) -> Array:
 
 
 MOST_SLIDING = 10.0
-"""Most times the way of the contact that a flank is slid over.  Where the contact turns round on an undercut flank the
-formula grows without end; there wear spreads over the width of the contact."""
+"""Largest ratio of sliding to the way of the contact along a flank.  Where the contact reverses on an undercut flank
+the formula has no limit; there wear spreads over the width of the contact."""
 
 
 def depth_mm(pressed: Pressed, unparted: Array, coefficients_mm3_n_m: tuple[float, float]) -> Array:
-    """What a meeting takes off both flanks at n places, shape (2, n), with the share that a film leaves, shape (n,)."""
+    """Depth that a meeting takes off both flanks at n places, (2, n); ``unparted`` (n,) is the share without film."""
     sliding, rolling = pressed.sliding_m_s, np.abs(pressed.rolling_m_s).T
     slid = np.divide(sliding, rolling, out=np.full_like(rolling, np.inf), where=rolling > 0.0)
     slid = np.minimum(np.where(sliding > 0.0, slid, 0.0), MOST_SLIDING)
@@ -96,5 +96,5 @@ def depth_mm(pressed: Pressed, unparted: Array, coefficients_mm3_n_m: tuple[floa
 
 
 LIMIT_MODULES = 0.1
-"""Depth in modules that flanks may lose: a tooth is then 6 % thinner at the pitch line, and its root bears 14 % more
-stress, if it were worn so deep down to there.  VDI 2736 allows as much of plastics, and up to twice."""
+"""Depth in modules that flanks may lose: a tooth is then 6 % thinner at the pitch line, and a root worn so deep would
+have 14 % more stress.  VDI 2736 allows this for plastics, and up to twice as much."""

@@ -1,19 +1,19 @@
-"""Strength without teeth: where they would touch while the pitch curves roll, and what each would bear there.
+"""Strength without teeth: places where teeth would touch while the pitch curves roll, and their loads there.
 
 A rack's flank that crosses the pitch line at c touches at s = (sigma - c) cos(alpha) along the line of action when the
 curves have rolled to sigma, and the flank that it leaves has sin(alpha) / k + s as its radius of curvature there, k
-being the pitch curve's (``ncgear.teeth.flank``).  So the places of all pairs are known without a tooth, and their ends
-where the tips of circular gears of these curvatures are.  Pairs share the load as springs: each as stiff as c' of ISO
-6336-1 in its middle, softer towards its ends as the cosine of J. I. Pedrero, M. Pleguezuelos, M. Artes, J. A. Antona
-(Mech. Mach. Theory 45, 2010), and beyond its ends by the gap there, since teeth that bend touch early.  Roots have Y_F
-and Y_S of ISO 6336-3 for 2 / (k m) teeth, k being the mean over the tooth, loaded where they touch.
+being the pitch curve's (``ncgear.teeth.flank``).  So the places of all pairs are known without a tooth; they end where
+the tips of circular gears of these curvatures are.  Pairs share the load as springs: each as stiff as c' of ISO 6336-1
+in its middle, softer towards its ends as the cosine of J.  I.  Pedrero, M.  Pleguezuelos, M.  Artes, J.  A.  Antona
+(Mech.  Mach.  Theory 45, 2010), and beyond its ends by the gap there, since teeth that bend touch early.  Roots have
+Y_F and Y_S of ISO 6336-3 for 2 / (k m) teeth, k being the mean over the tooth, loaded where they touch.
 
-Helical teeth are looked at in sections of the face width (``ncgear.strength.sections``), which cross the pitch line one
-after the other and bear beside each other.  Roots are those of the virtual spur gear of ISO 6336-3, the stiffness that
-of its teeth times the cosine of the helix angle, and lines of contact lean by the base helix angle.
+Helical teeth are divided into sections of the face width (``ncgear.strength.sections``), which cross the pitch line one
+after the other and share the load.  Roots are those of the virtual spur gear of ISO 6336-3, the stiffness is that of
+its teeth times the cosine of the helix angle, and lines of contact lean by the base helix angle.
 
-What is left out: shortened tips, undercut flanks, fillets of other tools than a rack, and what differs between both
-sides of a tooth.  It is there to tell in milliseconds, and was compared with the teeth themselves (docs/method.md).
+It leaves out shortened tips, undercut flanks, fillets of other tools than a rack, and differences between both sides of
+a tooth.  It takes milliseconds, and was compared with the strength of real teeth (docs/method.md).
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ from ncgear.teeth.form import TipRelief
 
 PER_TOOTH = 32
 """Positions in a tooth pitch, a multiple of four: flanks cross the pitch curve a quarter of it beside their teeth.
-With four times as many, safeties change by 5 % at most, where one tooth bears all for a moment, and mostly by 1 %."""
+With four times as many, safeties mostly change by 1 %, and by at most 5 % where one tooth bears all for a moment."""
 
 PITCHES = np.arange(-3, 5)
 """Crossings beside a position, in pitches: teeth as high as three modules touch over four pitches."""
@@ -51,26 +51,26 @@ STEEL_MPA = 206_000.0
 """Young's modulus for which ISO 6336-1 gives c'."""
 
 LEAST_SINE = 0.02
-"""Least rho k of a flank, where sin(alpha) is 0.34 as a rule: beside its base circle a flank is followed no further."""
+"""Least rho k of a flank (usually sin(alpha) = 0.34): a flank is not followed closer to its base circle."""
 
 MOST_LEAP = 0.12
-"""Most change of a pitch curve's curvature within a pitch, in 1/modules, with which one curvature stands for a tooth:
-up to 0.11 safeties were 0.86 to 1.1 of those with teeth, from 0.19 on 0.8 to 1.9."""
+"""Largest change of a pitch curve's curvature within a pitch, in 1/modules, for which one curvature stands for a tooth:
+up to 0.11 safeties were 0.86 to 1.1 of the safeties with teeth, from 0.19 on 0.8 to 1.9."""
 
 MOST_WAY = 0.12
-"""Most of a module that loaded teeth may give way: then edges touch farther off than their second order tells."""
+"""Largest way in modules by which loaded teeth may yield: beyond it the second order places edges wrongly."""
 
 PUSHING_AND_BACK = 1.0, -1.0
 """``RolledLoad.urge`` of the pushing flanks and of their backs."""
 
 LOADED = 0.02
-"""Share of the largest force under which a position tells nothing of the teeth."""
+"""Share of the largest force under which a position is left out."""
 
 ROUNDED = 1e-12
-"""Share of the way that teeth give way up to which a step is a rounding error."""
+"""Step that counts as rounding, as a share of the way by which teeth yield."""
 
 SOFTEST_RAD = 1.3
-"""Angle at which the cosine of the stiffness ends, where a quarter is left; usual pairs end at 1.2 or less."""
+"""Angle at which the cosine of the stiffness ends, at about a quarter; usual pairs end at 1.2 or less."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,8 +78,8 @@ class RolledLoad:
     """The load of a pair at n positions that are PER_TOOTH to a pitch, from a tooth on the pitch point on; shape (n,).
 
     ``force_n`` is the normal force of all pairs together and ``urge`` +1 where pushing flanks bear it, -1 where their
-    backs do.  ``curvature`` (shape (2, n)) is that of the driving and the driven pitch curve in 1/mm, positive where
-    the material is convex, and ``turning_rad_s`` how fast the gears turn against each other.  ``closed`` tells that the
+    backs do.  ``curvature`` (shape (2, n)) belongs to the driving and the driven pitch curve in 1/mm, positive where
+    the material is convex; ``turning_rad_s`` is the speed of the gears against each other.  ``closed`` tells that the
     last position leads to the first.
     """
 
@@ -108,10 +108,10 @@ AtAngles = Callable[[Array], Array]
 
 @dataclass(frozen=True)
 class ToothPlan:
-    """How teeth would be cut: rack and both gears' shifts in modules, angles of both sides, relief in mm.
+    """The plan of the teeth: rack and both gears' shifts in modules, angles of both sides, relief in mm.
 
-    ``rims`` are Y_B of both gears by driving angles in rad, shape (n,).  ``advance_mm`` is how far helical teeth
-    advance along the pitch line over the face width (of herringbone teeth: over half of it).
+    ``rims`` are Y_B of both gears by driving angles in rad, shape (n,).  ``advance_mm`` is the advance of helical teeth
+    along the pitch line over the face width (of herringbone teeth: over half of it).
     """
 
     rack: RackTip
@@ -138,14 +138,14 @@ class ToothPlan:
 
 @dataclass(frozen=True, eq=False)
 class SharedLoad:
-    """What each of p pairs on one side of the teeth bears at each of its n positions.
+    """The load of each of p pairs on one side of the teeth at each of n positions.
 
-    Of teeth in ``sections`` those in each of them count, one section after the other.
+    With ``sections``, the pairs of one section follow those of the section before.
     ``load`` holds those n positions, and ``angle_rad`` is the rack's angle on that side.  ``line_n_mm`` (p, n) is the
-    normal force for each mm of width and ``way_mm`` (n,) how far the teeth give way along it; ``place_mm`` (p, n) is
-    where they touch along the line of action, from the pitch point towards the driving gear's tip;
-    ``relative_curvature`` (p, n) is that of both flanks, and ``root_teeth`` (2, p, n) are the teeth of the circular
-    gears that have such roots.
+    normal force for each mm of width and ``way_mm`` (n,) the way by which the teeth yield along it; ``place_mm`` (p, n)
+    is the place of contact along the line of action, from the pitch point towards the driving gear's tip;
+    ``relative_curvature`` (p, n) is that of both flanks, and ``root_teeth`` (2, p, n) are the numbers of teeth of the
+    circular gears with such roots.
     """
 
     load: RolledLoad
@@ -159,19 +159,19 @@ class SharedLoad:
 
     @property
     def stiffness_n_mm2(self) -> Array:
-        """The load of all pairs over how far it makes them give way, for each mm of width, shape (n,)."""
+        """The load of all pairs over their way of yielding, for each mm of width, shape (n,)."""
         return np.asarray(self.line_n_mm.sum(axis=0) / self.sections / self.way_mm)
 
     @property
     def bearing(self) -> Array:
-        """How many pairs bear load, in the mean of the sections, shape (n,)."""
+        """Number of loaded pairs, as a mean over the sections, shape (n,)."""
         return np.asarray(np.sum(self.line_n_mm > 0.0, axis=0) / self.sections)
 
 
 def shared_loads(
     load: RolledLoad, plan: ToothPlan, running: Running, materials: tuple[Material, Material]
 ) -> list[SharedLoad]:
-    """How pairs share the load, on each side of the teeth that bears any."""
+    """The loads of pairs, on each loaded side of the teeth."""
     return [
         _shared(load, rows, (angle, urge), plan, running, materials)
         for angle, urge in zip(plan.angles_rad, PUSHING_AND_BACK, strict=True)
@@ -230,7 +230,7 @@ def _teeth(curvature: Array, module_mm: float) -> Array:
 
 
 def _reach_mm(own: Array, mate: Array, height_mm: float, sine: float) -> Array:
-    """How far from the pitch point a tip of a circular gear touches: to where the mate's involute begins at most.
+    """Distance from the pitch point to the contact of a circular gear's tip, at most to the mate's involute.
 
     (1/k + s sin(alpha))^2 + (s cos(alpha))^2 = (1/k + h)^2, solved for s without dividing by the curvature k.
     """
@@ -240,7 +240,7 @@ def _reach_mm(own: Array, mate: Array, height_mm: float, sine: float) -> Array:
 
 
 def _relieved_mm(height_mm: Array, relief: TipRelief | None) -> Array:
-    """What tip relief takes off, along the normal, at heights over the rack's pitch line of the tooth that has it."""
+    """The depth of tip relief along the normal at heights over the rack's pitch line of the relieved tooth."""
     if relief is None:
         return np.zeros_like(height_mm)
     over = np.maximum(height_mm - relief.start_mm, 0.0) / (relief.full_mm - relief.start_mm)
@@ -248,9 +248,9 @@ def _relieved_mm(height_mm: Array, relief: TipRelief | None) -> Array:
 
 
 def _borne(line_n_mm: Array, stiffness: Array, gap_mm: Array) -> tuple[Array, Array]:
-    """How far p pairs give way under loads, shape (n,), and the share of each, (p, n): sum(c max(0, x - gap)) = w.
+    """The way x by which p pairs yield under loads w, shape (n,), and their shares, (p, n): sum(c max(0, x - gap)) = w.
 
-    Convex in x, so that Newton's method from where one pair alone would bear it comes down to the zero.
+    The sum is convex in x, so that Newton's method descends to the zero from where one pair alone would bear the load.
     """
     at = np.min(gap_mm + line_n_mm / stiffness, axis=0)
     for _ in gap_mm:
@@ -272,7 +272,7 @@ def slid_w(sides: list[SharedLoad], positions: int, face_width_mm: float, coeffi
 
 @dataclass(frozen=True)
 class RoughSafety:
-    """The least safety of a gear against a kind of damage, roughly, and where it is."""
+    """The rough least safety of a gear against a kind of damage, and its place."""
 
     gear: Gear
     damage: Damage
@@ -347,7 +347,7 @@ def _factors_of_roots(running: Running, conditions: Conditions, uneven: Array) -
 def _root_stress(one: SharedLoad, gear: Gear, plan: ToothPlan, running: Running) -> Array:
     """The largest root stress of a gear at each position, shape (n,), without factors of load.
 
-    Below the pitch point a load is taken as there, where it bends a tooth more.
+    A load below the pitch point counts as at the pitch point, where it bends a tooth more.
     """
     place, angle = list(Gear).index(gear), one.angle_rad
     teeth, slender = one.root_teeth[place], cos(plan.helix_rad)
@@ -363,7 +363,7 @@ def _root_stress(one: SharedLoad, gear: Gear, plan: ToothPlan, running: Running)
 
 
 def _pressure(one: SharedLoad, materials: tuple[Material, Material]) -> Array:
-    """Hertz's pressure of the pairs that bear the most in their sections at each position, the largest, shape (n,).
+    """The largest Hertz's pressure at each position of the most loaded pairs of the sections, shape (n,).
 
     It is without factors of load.
     """

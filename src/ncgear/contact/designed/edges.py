@@ -169,8 +169,7 @@ def edge_contacts(found: Sequence[EdgeHits], first_rad: Array, within_mm: Array 
 def first_edge_contacts(
     found: Sequence[EdgeHits], flanks: Contacts, first_rad: Array, within_mm: Array | float
 ) -> Contacts:
-    """As ``edge_contacts``, but the first corner of each pair of teeth, side and position, with contacts of
-    ``flanks``."""
+    """As ``edge_contacts``: the first corner of each pair of teeth, side and position, and the contacts ``flanks``."""
     near = _hits_within(found, first_rad, within_mm)
     placement = found[0].curves.placement
     error = [SURELY * hits.stray_mm / np.maximum(hits.lever_mm, TINY) for hits in near]

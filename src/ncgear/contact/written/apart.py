@@ -159,8 +159,7 @@ class Facing:
         return polar_outline(self.chords.start)
 
     def meeting_rad(self, center_distance_mm: float) -> float:
-        """Half the angle about the driving axis, centred towards the driven axis, within which driven vertices are
-        met."""
+        """Half the angle about the driving axis, centred towards the driven axis, that holds all met vertices."""
         own, other = (float(np.abs(outline).max()) for outline in (self.driving, self.driven))
         # A vertex stays on its circle about the driven axis, so it meets a chord that reaches into the outermost
         # circle.

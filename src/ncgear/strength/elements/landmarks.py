@@ -1,4 +1,4 @@
-"""Where the sides of teeth begin and end along a gear's exact outline, as lengths that meshes are stationed by.
+"""Begin and end of the sides of teeth along a gear's exact outline, as lengths at which meshes place their nodes.
 
 The outline is one closed way: root land, back side upwards, tip land, front side downwards, the next root land.  On a
 driving gear and round a ring's hole it runs clockwise, on other gears against the clock; nothing here depends on that.
@@ -17,14 +17,14 @@ from ncgear.teeth.outline import whole_curves
 from ncgear.teeth.stretch import Stretch, joined
 
 FINE = 33
-"""Points on each curve by which its length is told; lengths only space stations, which lie on the exact curves."""
+"""Points on each curve for computing its length; lengths only space the nodes, which lie on the exact curves."""
 
 TURNS = 64
-"""Places on each half of a space at which the direction of the outline is told, to find the corners of teeth."""
+"""Places on each half of a space where the direction of the outline is computed, to find the corners of teeth."""
 
 CORNER = 0.45
-"""Part of the turning from the middle of the root land to the flank's foot after which a tooth has its corner: below
-the place of the largest stress, where the outline still rises so little that three elements share the corner well."""
+"""Place of a tooth's corner, as a part of the outline's turning from the middle of the root land to the flank's foot:
+below the largest stress, where the outline still rises so little that three elements share the corner well."""
 
 ROOT_LAND = 3
 """The number of root lands among the curves of ``whole_curves``."""
@@ -34,8 +34,8 @@ ROOT_LAND = 3
 class Way:
     """The outline's curves one after the other as one closed way.
 
-    ``length_mm`` (rising from 0) are the lengths of the way at k places, and ``index`` (shape (k,)) the curves there,
-    counted from 0, with the share of the curve behind the point.
+    ``length_mm`` (rising from 0) are the lengths of the way at k places, and ``index`` (shape (k,)) the numbers of the
+    curves there, from 0, plus the share of the curve behind the point.
     """
 
     curves: Stretch
@@ -105,8 +105,8 @@ def outline_of(gear: ToothedGear) -> Outline:
 
     axis = way.at(tip)[0].mean(axis=1) - way.at(valley)[0].mean(axis=1)
     axis = axis / np.abs(axis)
-    # The direction upwards along each side, against the tooth's axis; from the land on it turns towards that, and where
-    # the tool undercuts the flank beyond and back again.
+    # The direction upwards along each side against the tooth's axis.  From the land on it turns towards the axis; where
+    # the tool undercuts the flank, it turns beyond the axis and back.
     share = (np.arange(TURNS) + 0.5) / TURNS
     places = valley[:, :, None] + (foot - valley)[:, :, None] * share
     upwards = way.at(places)[1] * np.array([1.0, -1.0])[:, None]

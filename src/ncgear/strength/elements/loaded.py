@@ -1,4 +1,4 @@
-"""All teeth of a gear under a load at many places of each flank, and what is read from how they move."""
+"""All teeth of a gear under a load at many places of each flank, and the stresses and ways that follow."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ class LoadedTeeth:
     def root_stress_mpa(self, clear_mm: float) -> tuple[Array, Array]:
         """Largest tension at the loaded side and compression at the other side of the root, shape (z, 2, p) each.
 
-        0 where there is none.  What is within ``clear_mm`` of the load does not count: its own spot is no root.
+        0 where there is none.  Places within ``clear_mm`` of the load do not count, since the load's spot is no root.
         """
         topology = self.topology
         roots = topology.sides[:, : topology.root_nodes]
@@ -52,14 +52,14 @@ class LoadedTeeth:
         return _highest(near, np.where(beyond > clear_mm, own, 0.0)), _highest(away, -other)
 
     def middle_mm(self) -> tuple[Array, Array]:
-        """How deep the tooth's middle lies under the loaded places along the load, and how far the load moves it.
+        """Depth of the tooth's middle under the loaded places along the load, and the way by which the load moves it.
 
         In mm, shape (z, 2, p) each.
         """
         middle = self.topology.middle
         line = self.nodes_mm[:, None, None, middle]
         aside = across(self.inwards[..., None], line - self.point_mm[..., None])
-        # From the tip down, the first step that crosses the load's line; the last one if none does.
+        # From the tip down, the first step that crosses the load's line; the last step if none does.
         crosses = np.signbit(aside[..., :-1]) != np.signbit(aside[..., 1:])
         crosses[..., -1] = True
         step = np.argmax(crosses, axis=-1)
@@ -75,7 +75,7 @@ Values = TypeVar("Values", Array, ComplexArray)
 
 
 def _ends(values: Values, step: IndexArray) -> tuple[Values, Values]:
-    """Values at both ends of one step of each row, from values of shape (..., k) and steps of shape (...)."""
+    """Values at both ends of a step of each row, from values of shape (..., k) and steps of shape (...)."""
     first, last = (np.take_along_axis(values, step[..., None] + end, axis=-1)[..., 0] for end in (0, 1))
     return first, last
 
@@ -94,13 +94,13 @@ def _highest(place: Array, stress: Array) -> Array:
 
 
 WITHIN = 1e-6
-"""Share of a flank by which directions are taken within its ends, which are corners."""
+"""Distance from a flank's ends, as a share of it, at which directions are taken, since the ends are corners."""
 
 
 def loaded_teeth(
     gear: ToothedGear, outline: Outline, material: Material, size: MeshSize, positions: int, depth_mm: float
 ) -> LoadedTeeth:
-    """All teeth of a gear, loaded at so many places of each flank, evenly spaced from its foot to its tip.
+    """All teeth of a gear, loaded at a number of places of each flank, evenly spaced from its foot to its tip.
 
     Raises NoSuchMechanism, naming the tooth, where the mesh of a tooth folds.
     """
@@ -127,7 +127,7 @@ def loaded_teeth(
 
 
 def refuse_folded(gear: ToothedGear, topology: Topology, nodes: ComplexArray) -> None:
-    """Raise NoSuchMechanism, naming the first tooth with elements that are turned inside out."""
+    """Raise NoSuchMechanism for the first tooth with elements turned inside out, and name the tooth."""
     area = inner_gradients(topology, nodes).area_mm2
     sense = np.sign(area.sum(axis=(1, 2)))
     folded = np.flatnonzero(~np.all(area * sense[:, None, None] > 0.0, axis=(1, 2)))

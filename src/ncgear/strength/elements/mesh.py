@@ -1,11 +1,11 @@
 """Meshes of quadrilaterals for all teeth of a gear, mapped onto the exact outline without a mesher.
 
-All teeth have the same mesh but for the places of its nodes, so that all are assembled at once.  A tooth consists of
-two grids.  The upper one joins the two sides from their corners, half-way through the fillets, up to the tip.  The
-lower one is a strip of body, two pitches to either side of the tooth's middle.  Of the neighbouring teeth it has
-stumps, up to their own corners; beyond their middles its outline goes on along the circle through the three stumps.
-Its columns run from the outline to another circle below the roots, towards the common centre, and its middle columns
-carry the upper grid.  The strip is held at its bottom and at both of its ends.
+The meshes of all teeth differ only in the places of their nodes, so that all are assembled at once.  A tooth consists
+of two grids.  The upper one joins the two sides from their corners, half-way through the fillets, up to the tip.  The
+lower one is a strip of body, two pitches to either side of the tooth's middle.  It has stumps of the neighbouring
+teeth, up to their corners; beyond their middles its outline follows the circle through the three stumps.  Its columns
+run from the outline to another circle below the roots, towards the common centre, and its middle columns carry the
+upper grid.  The strip is held at its bottom and at both of its ends.
 """
 
 from __future__ import annotations
@@ -28,11 +28,11 @@ Values = TypeVar("Values", Array, ComplexArray)
 class MeshSize:
     """Numbers of elements, and their order: 1 for straight elements of four nodes, 2 for curved ones of nine.
 
-    The least mesh of use stands here; ``times`` makes finer ones.
+    The defaults are the coarsest useful mesh; ``times`` makes finer meshes.
 
-    ``across`` (even) counts those from side to side of the tooth, ``flank`` those along each flank, ``fillet`` those
-    from each flank's foot to the corner, ``valley`` those on to the middle of the root land, ``beyond`` those from
-    there to the neighbour's corner, again to its middle, and again over one pitch more, and ``deep`` those from the
+    ``across`` (even) counts elements from side to side of the tooth, ``flank`` along each flank, ``fillet`` from each
+    flank's foot to the corner, and ``valley`` from there to the middle of the root land.  ``beyond`` counts three
+    times: from there to the neighbour's corner, on to its middle, and over one pitch more.  ``deep`` counts from the
     roots to the held bottom.
     """
 
@@ -52,13 +52,13 @@ class MeshSize:
 
 @dataclass(frozen=True, eq=False)
 class Topology:
-    """What the meshes of all teeth have in common.
+    """The common part of the meshes of all teeth.
 
     ``cells`` (shape (e, (order + 1)^2)) numbers the nodes of each element, row by row of its own small grid; ``own``
-    numbers the elements between the middles of both spaces beside the tooth.  ``held`` marks the nodes that cannot
-    move.  ``sides`` (shape (2, k)) numbers the nodes along the back and the front side, from the middle of the root
-    land to the tip, the first ``root_nodes`` of them up to the foot, and ``middle`` those from the tip's middle down to
-    the bottom.
+    numbers the elements between the middles of both spaces beside the tooth.  ``held`` marks the fixed nodes.
+    ``sides`` (shape (2, k)) numbers the nodes along the back and the front side, from the middle of the root land to
+    the tip; the first ``root_nodes`` of them reach the foot.  ``middle`` numbers the nodes from the tip's middle down
+    to the bottom.
     """
 
     order: int
@@ -101,8 +101,8 @@ def cells_of(grid: IndexArray, order: int) -> IndexArray:
 
 
 SAG = 0.03
-"""How far the line between both corners of a tooth sags, in lengths of its own.  Straight lines would fold elements of
-the baler's undercut teeth, and with more sag the mesh disturbs the stress beside the corners more."""
+"""Sag of the line between both corners of a tooth, as a share of its length.  A straight line would fold elements of
+the baler's undercut teeth; more sag would disturb the stress beside the corners more."""
 
 LEAST_BOTTOM = 0.35
 """Least radius of the held circle, as a share of the radius at the roots; else columns of sharp gears would meet."""
@@ -112,8 +112,8 @@ STRAIGHT = 1e-6
 
 
 NEAR_CORNERS, NEAR_ROOTS, NEAR_SIDES = 1.5, 2.2, 1.6
-"""Powers by which elements are denser at the corners along valleys, at the roots downwards, and at sides across:
-the elements that meet in a corner are then about as large as one another."""
+"""Powers that make elements denser at the corners along valleys, at the roots downwards, and at sides across: then the
+elements that meet in a corner have about the same size."""
 
 
 def nodes_of(outline: Outline, size: MeshSize, module_mm: float, depth_mm: float) -> ComplexArray:
@@ -172,7 +172,7 @@ def _upper(outline: Outline, size: MeshSize, floor: ComplexArray, u: Array) -> C
 def _to_center(stump: ComplexArray, axis: ComplexArray, module_mm: float) -> ComplexArray:
     """From the stump of each tooth to the centre of the circle through it and both of its neighbours', shape (z,)."""
     before, behind = np.roll(stump, 1) - stump, np.roll(stump, -1) - stump
-    # The circle's curvature as a vector towards its centre c, that is 1 / conj(c).
+    # The circle's curvature as a vector towards its centre c: 1 / conj(c).
     bent = 2j * np.imag(before * np.conj(behind)) / (np.conj(before * behind) * (before - behind))
     bent = np.where(np.abs(bent) * module_mm < STRAIGHT, -axis * STRAIGHT / module_mm, bent)
     return np.asarray(1.0 / np.conj(bent))
@@ -184,6 +184,6 @@ def _between(first: Values, last: Values, share: Array) -> Values:
 
 
 def _stations(count: int, order: int, power: float = 1.0) -> Array:
-    """Shares of a way at which the nodes of so many elements stand, from 0 to 1; denser at the start by a power."""
+    """Places of the nodes of ``count`` elements along a way, from 0 to 1; denser at the start by a power."""
     ends = np.linspace(0.0, 1.0, count + 1) ** power
     return np.interp(np.arange(count * order + 1) / order, np.arange(count + 1), ends)

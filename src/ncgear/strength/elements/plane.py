@@ -1,6 +1,6 @@
 """Plane strain in meshes of one topology: stiffness, displacements under many loads, stresses.
 
-All meshes are assembled at once, since they differ only in where their nodes are; each is factorised once.  Shape
+All meshes are assembled at once, since they differ only in the places of their nodes; each is factorised once.  Shape
 functions and quadrature are scikit-fem's.  Displacements are complex, x + i y.
 """
 
@@ -53,7 +53,7 @@ def gradients_at(topology: Topology, nodes: ComplexArray, places: Array, weight:
 
 
 def inner_gradients(topology: Topology, nodes: ComplexArray) -> Gradients:
-    """Gradients where stiffness is integrated."""
+    """Gradients at the points of integration of the stiffness."""
     return gradients_at(topology, nodes, *get_quadrature(RefQuad, 2 * topology.order + 1))
 
 
@@ -81,7 +81,7 @@ def element_stiffness(gradients: Gradients, material: Material) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Pattern:
-    """Where elements' entries go in the matrix of the free unknowns: sorted entries, and the first of each sum."""
+    """Places of elements' entries in the matrix of the free unknowns: sorted entries, and the first of each sum."""
 
     free: IndexArray
     entry: IndexArray
@@ -91,7 +91,7 @@ class Pattern:
 
 
 def pattern_of(topology: Topology) -> Pattern:
-    """The pattern of the free unknowns (x and y of each node that is not held)."""
+    """The pattern of the free unknowns (x and y of each free node)."""
     free = np.flatnonzero(~np.repeat(topology.held, 2))
     number = np.full(2 * topology.held.size, -1)
     number[free] = np.arange(free.size)
@@ -106,8 +106,8 @@ def pattern_of(topology: Topology) -> Pattern:
 
 
 AT_ONCE = 4
-"""Loads that are solved for together.  For larger groups linear algebra libraries share products of very small matrices
-among their threads, which takes up to ten times as long; one by one takes up to three times as long."""
+"""Loads that are solved together.  For larger groups linear algebra libraries share products of very small matrices
+among their threads, which takes up to ten times as long; single loads take up to three times as long."""
 
 RESIDUAL = 1e-8
 """Part of a load that may be left unbalanced at any node; rounding leaves 1e-12."""
@@ -118,8 +118,8 @@ def displacements(
 ) -> ComplexArray:
     """Displacements of all nodes in mm under forces of N per mm of width, shape (z, loads, nodes).
 
-    ``nodes`` has shape (z, nodes).  ``at`` (shape (loads, nodes)) says how each load is spread over the nodes, the same
-    in all meshes; ``force`` has shape (z, loads).
+    ``nodes`` has shape (z, nodes).  ``at`` (shape (loads, nodes)) spreads each load over the nodes, alike in all
+    meshes; ``force`` has shape (z, loads).
     """
     stiffness = element_stiffness(inner_gradients(topology, nodes), material).reshape(len(nodes), -1)
     pattern = pattern_of(topology)
@@ -151,9 +151,9 @@ def edge_values(order: int, places: Array) -> tuple[Array, Array]:
 def edge_stress(order: int, nodes: ComplexArray, moved: ComplexArray, material: Material) -> tuple[Array, Array]:
     """Stresses along free edges in MPa, shape (..., k), and their places from the first node in mm.
 
-    ``nodes`` and ``moved`` have shape (..., nodes along the way) and broadcast.  Where nothing presses on an edge, the
-    stress along it is E / (1 - nu^2) times the strain along it, which is taken where it is most exact: at the Gauss
-    points of each element's edge.
+    ``nodes`` and ``moved`` have shape (..., nodes along the way) and broadcast.  On an unloaded edge, the stress along
+    it is E / (1 - nu^2) times the strain along it, which is most exact at the Gauss points of each element's edge, and
+    is taken there.
     """
     gauss = (1.0 + np.polynomial.legendre.leggauss(order)[0]) / 2.0
     _, slopes = edge_values(order, gauss)

@@ -1,15 +1,15 @@
 """The teeth of one gear by plane finite elements: tables over the places where each flank is loaded.
 
 Each tooth is loaded at ``POSITIONS`` places of each flank with 1 N per mm of face width along the flank's normal, from
-the foot to the edge of the tip.  Between these places what is asked for is interpolated by the height along the tooth.
+the foot to the edge of the tip.  Between these places all results are interpolated by the height along the tooth.
 
-Plane strain: a face is several modules wide, and so do Hertz's pressure and Weber's deflections in ISO 6336.  Root
-stresses hardly depend on that.  The compliance in plane stress is greater by 1 / (1 - nu^2), a tenth for steel.
+Plane strain holds since a face is several modules wide, as in ISO 6336 for Hertz's pressure and Weber's deflections.
+Root stresses hardly depend on that.  The compliance in plane stress is greater by 1 / (1 - nu^2), a tenth for steel.
 
 The load on elements is a force at a point, under which displacements grow without end as meshes get finer.  So the
-compliance is taken in C. Weber's way ("The deformations of loaded gears and the effect on their load-carrying
-capacity", 1949): from the elements the displacement of the tooth's middle where the load's line crosses it, and from
-there to the contact, over a depth h, the closed form of a half-plane under Hertz's pressure of half-width b:
+compliance follows C.  Weber ("The deformations of loaded gears and the effect on their load-carrying capacity", 1949):
+from the elements the displacement of the tooth's middle where the load's line crosses it, and from there to the
+contact, over a depth h, the closed form of a half-plane under Hertz's pressure of half-width b:
 
     2 (1 - nu^2) / (pi E) (ln(2 h / b) - nu / (2 (1 - nu)))
 
@@ -44,13 +44,13 @@ the single stiffness of circular gears is ISO 6336-1's; displacements of a plane
 With twice the depth the middles of teeth move 2 to 9 % more, and largest root stresses change by 2.6 % at most."""
 
 CLEAR = 0.25
-"""Distance in modules from the load within which no root stress is read: a few elements, beyond which the mesh does not
-tell a force at a point from a spread one."""
+"""Distance in modules from the load within which no root stress is read: a few elements; beyond them a force at a point
+and a spread force give the same stress."""
 
 SIZE = MeshSize().times(3)
-"""The mesh that is used.  Beside meshes with five by five elements for each of the least (baler, ellipse, ring) the
-largest root stress of each tooth is within 0.7 %, that at any place within 1.7 %, and the way of the middle within
-0.4 %."""
+"""The mesh in use.  Compared with meshes of five by five elements for each element of the coarsest mesh (baler,
+ellipse, ring), the largest root stress of each tooth is within 0.7 %, the root stress at any place within 1.7 %, and
+the way of the middle within 0.4 %."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +59,7 @@ class Elements:
 
     ``height_mm`` (shape (2 z, POSITIONS), rising) are the heights of the loaded places of each flank over ``base_mm``
     along the tooth's ``axis``, shape (z,) each.  The tables of the same shape are for 1 N per mm of face width: the
-    root stresses, the depth of the tooth's middle along the load, and how far it moves.
+    root stresses, the depth of the tooth's middle along the load, and the way that it moves.
     """
 
     teeth: LoadedTeeth
@@ -82,7 +82,7 @@ class Elements:
         return RootStress(*(_mixed(t, places.flank, step, share) for t in (self.tension_mpa, self.compression_mpa)))
 
     def compliance(self, places: FlankPlaces, reach_mm: Array) -> Array:
-        """How far flanks give way along the load, in mm for 1 N per mm of face width; see ``ToothMethod``.
+        """Way in mm by which flanks yield along the load, for 1 N per mm of face width; see ``ToothMethod``.
 
         ``reach_mm`` is above 0.
         """
@@ -91,7 +91,7 @@ class Elements:
         return moved + pressed_in_mm(self.teeth.material, depth, reach_mm)
 
     def painted(self, places: FlankPlaces, load_n_mm: Array) -> Painted:
-        """Von Mises' stress of n teeth, each loaded at one of n places with so many N per mm of face width.
+        """Von Mises' stress of n teeth, each loaded at one of n places with ``load_n_mm`` N per mm of face width.
 
         Pictures of a whole gear load every tooth at its worst place; each tooth counts as loaded alone.  Beside the
         load values depend on the mesh: scales of colour should end at the largest stress of the roots.
@@ -133,10 +133,10 @@ def elements_of(
 
 
 def pressed_in_mm(material: Material, depth_mm: Array, reach_mm: Array) -> Array:
-    """How far a contact of half-width ``reach_mm`` comes nearer to what lies ``depth_mm`` under it.
+    """Way by which a contact of half-width ``reach_mm`` approaches the material ``depth_mm`` under it.
 
-    In mm for 1 N per mm of face width.  For depths of three half-widths or more, within 1 %; 0 where the contact is so
-    wide that the closed form is negative.
+    In mm for 1 N per mm of face width.  The error is within 1 % for depths of three half-widths or more; the result is
+    0 where the contact is so wide that the closed form is negative.
     """
     poisson = material.poisson
     over = np.log(2.0 * depth_mm / reach_mm) - poisson / (2.0 * (1.0 - poisson))
