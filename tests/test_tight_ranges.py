@@ -5,8 +5,10 @@ That no law leaves them is judged in ``test_limit_proof.py``.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from itertools import pairwise
 from math import cos, inf, pi
+from typing import Any
 
 import numpy as np
 import pytest
@@ -19,16 +21,16 @@ from ncgear.optimum.certified.cycle import CrankCycle, cycle
 from ncgear.optimum.certified.demands import Demands
 from ncgear.optimum.certified.ranges import (
     KnownRanges,
-    PlacesInRow,
     _between_lower,
     _between_upper,
     _greatest_ratio,
     _leaning,
     _spare,
     along,
+    between,
     curved,
-    everywhere,
     halves,
+    parts_between,
     rows_of_places,
 )
 from ncgear.optimum.task import Task
@@ -36,6 +38,11 @@ from ncgear.optimum.task import Task
 pytestmark = pytest.mark.judges("optimum")
 
 ANGLE = np.array([0.0, 0.02, 0.05, 0.06, 0.1])
+
+
+def alone(bound: Callable[..., Any], values: np.ndarray, angle: np.ndarray, *limits: float) -> list[np.ndarray]:
+    """What a bound tells of one part, whose values and angles have shape (n,)."""
+    return [found[0] for found in bound(values[np.newaxis], angle[np.newaxis], *limits)]
 
 
 def known(ends: np.ndarray, between: float) -> np.ndarray:
@@ -46,14 +53,14 @@ def known(ends: np.ndarray, between: float) -> np.ndarray:
 def test_between_two_places_a_driven_curve_may_be_straight() -> None:
     """1 + s = A cos(phi - phi0): a straight pitch curve, 1/r2 = (1 + s)/a, and no more."""
     s = 2.1 * np.cos(ANGLE - 0.07) - 1.0
-    at, in_cell = _between_upper(known(s**2, inf), ANGLE)
+    at, in_cell = alone(_between_upper, known(s**2, inf), ANGLE)
     assert at == pytest.approx(s**2, rel=1e-12)
     # In a cell no more than the height of a sine over its larger end.
     most = [(2.1 * np.cos(np.linspace(a, b, 99) - 0.07) - 1.0).max() for a, b in pairwise(ANGLE)]
     assert (np.sqrt(in_cell) >= np.array(most) - 1e-12).all()
     assert np.sqrt(in_cell) == pytest.approx(np.maximum(s[1:], s[:-1]), abs=2.2 * 0.04**2 / 8.0 + 1e-12)
-    assert _between_upper(known(np.full(5, inf), 1.0), ANGLE)[1].tolist() == [inf] * 4
-    narrow = _between_upper(known(s**2, 0.5), ANGLE)[0]
+    assert alone(_between_upper, known(np.full(5, inf), 1.0), ANGLE)[1].tolist() == [inf] * 4
+    narrow = alone(_between_upper, known(s**2, 0.5), ANGLE)[0]
     assert narrow[1:-1] == pytest.approx(0.5)
 
 
@@ -61,7 +68,9 @@ def test_between_two_places_a_driven_curve_may_be_straight() -> None:
 def test_between_two_places_a_curve_may_lean_as_far_as_its_tangent(sign: float) -> None:
     """Up from both ends for the greatest q, down for the least: 1 + s goes by exp(t d)."""
     ends, steep = np.array([1.3, 1.25]), 0.8
-    at, in_cell = _leaning(known(np.repeat(ends - 1.0, [2, 3]) ** 2, inf if sign > 0.0 else 0.0), ANGLE, sign * steep)
+    at, in_cell = alone(
+        _leaning, known(np.repeat(ends - 1.0, [2, 3]) ** 2, inf if sign > 0.0 else 0.0), ANGLE, sign * steep
+    )
     if sign > 0.0:
         wanted = np.minimum(ends[0] * np.exp(steep * ANGLE), ends[1] * np.exp(steep * (0.1 - ANGLE)))
         assert at == pytest.approx((wanted - 1.0) ** 2, rel=1e-12)
@@ -78,25 +87,29 @@ def test_between_two_places_a_curve_may_lean_as_far_as_its_tangent(sign: float) 
 def test_between_two_near_places_a_driving_curve_bends_by_its_greatest_ratio(ratio: float) -> None:
     """ln q bends up by 2 i + 2 i^2, i the greatest ratio of the stretch, which near places hardly change."""
     short = ANGLE / 4.0
-    at, in_cell = _between_lower(known(np.full(5, ratio**-2), 1e-9), short, 50.0)
+    at, in_cell = alone(_between_lower, known(np.full(5, ratio**-2), 1e-9), short, 50.0)
     bend = 2.0 * ratio + 2.0 * ratio**2
     assert np.log(at * ratio**2) == pytest.approx(-bend * short * (0.025 - short) / 2.0, rel=0.01)
     inner = np.minimum(at[1:], at[:-1]) * np.exp(-bend * np.diff(short) ** 2 / 8.0)
     assert in_cell == pytest.approx(inner, rel=1e-5)
     # No less than the ratios let be, and no less than is known.
-    assert _between_lower(known(np.full(5, ratio**-2), 1e-9), 10.0 * ANGLE, ratio)[0] == pytest.approx(ratio**-2)
-    assert _between_lower(known(np.full(5, ratio**-2), 0.999 * ratio**-2), ANGLE, 50.0)[0][1:-1] == pytest.approx(
-        0.999 * ratio**-2
-    )
+    assert alone(_between_lower, known(np.full(5, ratio**-2), 1e-9), 10.0 * ANGLE, ratio)[0] == pytest.approx(ratio**-2)
+    least = 0.999 * ratio**-2
+    at, _ = alone(_between_lower, known(np.full(5, ratio**-2), least), ANGLE, 50.0)
+    assert at[1:-1] == pytest.approx(least)
 
 
 @at_once(("at_ends", "length"), [(1.0, 0.2), (2.0, 0.3), (0.5, 0.6)])
 def test_the_greatest_ratio_of_a_stretch_is_a_fixed_point(at_ends: float, length: float) -> None:
+
+    def greatest(most: float) -> float:
+        return float(_greatest_ratio(np.array([at_ends]), np.array([length]), most)[0])
+
     wanted = brentq(lambda i: (1.0 + at_ends) / cos(i * length / 2.0) - 1.0 - i, at_ends, 1.6 * at_ends + 0.3)
-    assert _greatest_ratio(at_ends, length, 1.4 * wanted) == pytest.approx(wanted, rel=3e-6)
+    assert greatest(1.4 * wanted) == pytest.approx(wanted, rel=3e-6)
     # Where ratios may be so great that the bound never falls below them, it is the greatest of all.
-    assert _greatest_ratio(at_ends, length, 3.0 / length + 9.0) == pytest.approx(3.0 / length + 9.0)
-    assert _greatest_ratio(at_ends, length, 1.0001 * at_ends) == 1.0001 * at_ends
+    assert greatest(3.0 / length + 9.0) == pytest.approx(3.0 / length + 9.0)
+    assert greatest(1.0001 * at_ends) == 1.0001 * at_ends
 
 
 def test_three_places_in_a_row_meet_their_bounds_along_the_solutions() -> None:
@@ -172,8 +185,9 @@ def test_checkpoints_stand_where_a_range_has_left_the_chord(convex: bool) -> Non
     """By (2 i + 2 i^2) L^2/8 = 0.02, or by t (1 + 1/s) L = 0.6, at the ratio of the motion; even for an even motion."""
     on = even(720)
     asked = Demands(0.2, 5.0, steepness=0.7, convex=convex)
-    stretch = PlacesInRow(np.arange(on.count // 2), np.full(on.count // 2, 1.0 / 1.5**2), asked)
-    found = stretch.checkpoints(on)
+    parts = parts_between(on, np.arange(on.count // 2), np.full(on.count // 2, 1.0 / 1.5**2), asked)
+    assert [part[-1] for part in parts[:-1]] == [part[0] for part in parts[1:]]
+    found = [parts[0][0], *(part[-1] for part in parts)]
     apart = np.sqrt(8.0 * 0.02 / (2.0 * 1.5 + 2.0 * 1.5**2)) if convex else 0.6 / (0.7 * 2.5)
     count = round(on.crank_angle_rad[on.count // 2 - 1] / apart)
     assert (found[0], found[-1], len(found)) == (0, on.count // 2 - 1, count + 1)
@@ -183,7 +197,7 @@ def test_checkpoints_stand_where_a_range_has_left_the_chord(convex: bool) -> Non
     for place in found:
         known_ranges = known_ranges.within(place, 0.4, 0.5)
     assert not known_ranges.empty
-    ranges = everywhere(on, known_ranges, [stretch], [found])
+    ranges = between(on, parts, asked).everywhere(known_ranges)
     assert ranges.least[found] == pytest.approx(0.4, rel=3e-9)
     assert ranges.most[found] == pytest.approx(0.5, rel=3e-9)
     assert (ranges.least[found] < 0.4).all()

@@ -493,10 +493,11 @@ def test_an_exact_dwell_is_refused_with_the_nearest(run: Run) -> None:
 def test_a_check_says_what_is_achieved_and_what_is_missed(run: Run) -> None:
     got, out, err = check(run, "time_ratio: {at_least: 1.5}, dwell: [{at: extended, within_mm: 50, for_deg: 41}]")
     assert (got, err) == (0, "")
-    assert "constant within 0.5 % over 96.8 mm, 12.7 % of the stroke; time ratio 1; dwell within 0.5 mm for" in out
+    assert "  constant speed  within 0.5 % over 96.8 mm, 12.7 % of the stroke\n  time ratio      1\n" in out
+    assert "  dwell           within 0.5 mm for 4.98 deg extended, 7.56 deg retracted\n" in out
     assert "  missed: time ratio of working stroke and return: 1, at least 1.5 wished, missed by 0.5\n" in out
     assert "  kept: dwell within 50 mm of the extended end: 50.45 deg, at least 41 deg wished\n" in out
-    assert "warning: the motion misses 1 of 2 wishes: wishes.time_ratio (by 0.5)" in out
+    assert "  1 of 2 wishes missed: wishes.time_ratio by 0.5\n" in out
 
 
 def test_the_press_feeder_on_an_even_crank() -> None:

@@ -160,10 +160,13 @@ def _leaning(known: Array, angle_rad: Array, steepness: float) -> tuple[Array, A
 
 def _between_upper(known: Array, angle_rad: Array) -> tuple[Array, Array]:
     """Greatest q at places from known places, and in the cells: 1 + s lies below the sine curve through both ends."""
-    length, s = angle_rad[:, -1:], np.sqrt(known)
-    at = ((1.0 + s[:, :1]) * np.sin(length - angle_rad) + (1.0 + s[:, -1:]) * np.sin(angle_rad)) / np.sin(length)
-    at = np.minimum(at, 1.0 + s)
+    length, most = angle_rad[:, -1:], 1.0 + np.sqrt(known)
+    bounded = np.isfinite(most[:, :1] + most[:, -1:])
+    first, last = (np.where(bounded, end, 0.0) for end in (most[:, :1], most[:, -1:]))
+    sine = (first * np.sin(length - angle_rad) + last * np.sin(angle_rad)) / np.sin(length)
+    at = np.where(bounded, np.minimum(sine, most), most)
     in_cell = np.maximum(at[:, :-1], at[:, 1:]) / np.cos(np.diff(angle_rad, axis=1) / 2.0)
+    in_cell = np.where(bounded, in_cell, inf)
     return (at - 1.0) ** 2, (in_cell - 1.0) ** 2
 
 
