@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
-from math import degrees, exp, hypot, log, radians
+from math import degrees, exp, hypot, log, pi, radians
 from typing import Any
 
 import numpy as np
@@ -197,6 +197,18 @@ def test_curves_go_on_to_whole_turns_and_whole_pitches(name: str) -> None:
         assert sides[0] == pytest.approx(sides[1], rel=1e-9, abs=1e-9)
     pitches = pitch(name).arc.period * 110.0 / (np.pi * pitch(name).size.module_mm)
     assert pitches == pytest.approx(toothed.around, abs=1e-9)
+
+
+def test_the_continuation_brings_the_driven_gear_round() -> None:
+    """By Gauss-Legendre sums of dphi2/dphi1 over all pieces: whole turns, to rounding."""
+    unit, weights = np.polynomial.legendre.leggauss(120)
+    for name in ("spiral", "log"):
+        whole, turned = pitch(name).transmission, 0.0
+        assert isinstance(whole.lobes, WholeTurns)
+        for piece in whole.pieces:
+            half = (piece.end_rad - piece.start_rad) / 2.0
+            turned += half * float(weights @ piece.slope(piece.start_rad + half * (1.0 + unit), 0).value)
+        assert turned == pytest.approx(2.0 * pi * round(turned / (2.0 * pi)), abs=1e-12)
 
 
 @pytest.mark.slow
