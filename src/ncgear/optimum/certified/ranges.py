@@ -175,7 +175,8 @@ def _between_lower(known: Array, angle_rad: Array, ratio_max: float) -> tuple[Ar
     length, log = angle_rad[:, -1:], np.log(known)
     ratio = _greatest_ratio(1.0 / np.sqrt(np.minimum(known[:, :1], known[:, -1:])), length, ratio_max)
     bend = 2.0 * ratio + 2.0 * ratio**2
-    chord = log[:, :1] + (log[:, -1:] - log[:, :1]) * (angle_rad / length)
+    rise = (log[:, -1:] - log[:, :1]) / length
+    chord = np.where(angle_rad < length, rise * angle_rad + log[:, :1], log[:, -1:])
     at = np.maximum(chord - bend * angle_rad * (length - angle_rad) / 2.0, -2.0 * np.log(ratio))
     at = np.maximum(at, log)
     in_cell = np.minimum(at[:, :-1], at[:, 1:]) - bend * np.diff(angle_rad, axis=1) ** 2 / 8.0
