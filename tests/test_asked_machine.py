@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from math import pi
 from pathlib import Path
+from typing import Any
 
 import pytest
 
 from at_once import at_once
 from commands import Run
+from ncgear.cli import new
 from ncgear.design.asked_machine import QUESTIONS, asked_text, fault_of_answer, likely_answers
 from ncgear.design.template import MachineName, machine_template
 from ncgear.project.drive import Drive
@@ -122,3 +125,40 @@ def test_options_with_design(run: Run) -> None:
     status, _, err = run("new", "b", "--design", "--teeth", "30")
     assert (status, err) == (2, "--teeth: given with --design, which finds it; leave it out\n")
     assert run("new", "b", "--design", "--shape", "heart")[0] == 2
+
+
+# --- questions of ``ncgear new`` --------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def answered(monkeypatch: pytest.MonkeyPatch) -> Callable[..., tuple[Any, int]]:
+    """What a question makes of answers, and how many of them it did not take."""
+
+    def of(ask: Callable[..., Any], answers: Sequence[str], *given: Any) -> tuple[Any, int]:
+        left, told = [*answers], list[str]()
+        monkeypatch.setattr(new.typer, "prompt", lambda *_, **likely: left.pop(0) or likely["default"])
+        monkeypatch.setattr(new.typer, "echo", lambda text, **_: told.append(text))
+        found = ask(*given)
+        assert not left
+        return found, sum(not text[2:].lstrip()[:1].isdigit() for text in told)
+
+    return of
+
+
+@pytest.mark.judges("cli")
+def test_wishes_are_asked_for_until_there_are_none(answered: Callable[..., tuple[Any, int]]) -> None:
+    """A wrong one is asked for again; what is likely is that there are no more."""
+    one, other = "time_ratio: {at_least: 1.5}", "dwell: {at: extended, for_deg: 20, within_mm: 1}"
+    assert answered(new._asked_wishes, ["none"]) == ([], 0)
+    assert answered(new._asked_wishes, [""]) == ([], 0)
+    assert answered(new._asked_wishes, [one, ""]) == ([one], 0)
+    assert answered(new._asked_wishes, ["nothing: 1", one, "time_ratio: 3: 4", other, "none"]) == ([one, other], 2)
+
+
+@pytest.mark.judges("cli")
+def test_names_and_choices_are_asked_for_again_where_they_are_wrong(answered: Callable[..., tuple[Any, int]]) -> None:
+    machines = [*MachineName]
+    assert answered(new._asked_name, ["my press/2", "press-2"]) == ("press-2", 1)
+    assert answered(new._asked_machine, [""]) == (machines[0], 0)
+    assert answered(new._asked_machine, ["0", f"{len(machines) + 1}", f"{len(machines)}"])[0] is machines[-1]
+    assert answered(new._asked_machine, ["nothing", machines[1].value])[0] is machines[1]

@@ -12,9 +12,10 @@ import pytest
 from at_once import at_once
 from drives import drive
 from ncgear.errors import NoSuchMechanism, WrongInput
-from ncgear.figures.advice import drivetrain_advice
+from ncgear.figures.advice import drivetrain_advice, given_advice, strength_advice
 from ncgear.figures.balance.turning import _gear
 from ncgear.figures.best_law import felt, flywheel_figures, limits_not_reached
+from ncgear.figures.explained import _meaning
 from ncgear.figures.flanks import hours_words, surfaces_rows, vibration_of_rating
 from ncgear.figures.mended import _fewer_words
 from ncgear.figures.outline_fit import _deviation
@@ -305,3 +306,46 @@ def test_meshes_and_room_of_a_train_are_judged_by_the_worst() -> None:
     assert (
         judged_contacts(train, [contact(0.0, 0.0, "a")], [])[1].said == "no parts at one height come near to each other"
     )
+
+
+@at_once(("root", "flank"), [((1.5, 0.9), (1.0, 1.2)), ((1.4, 0.9), (1.2, 0.2)), ((3.0, 0.3), (1.0, 0.9))])
+def test_rough_sizes_are_enough_by_how_stresses_scale(root: tuple[float, float], flank: tuple[float, float]) -> None:
+    """Root stress goes as 1/(b m^2), the stress of flanks as 1/(m sqrt(b)): the weakest just has its safety."""
+    damages = (Damage.BENDING, next(one for one in Damage if one is not Damage.BENDING))
+    weak = [Made(damage=of, wanted=one[0], safety=one[1]) for of, one in zip(damages, (root, flank), strict=True)]
+    came: list[tuple[float, float]] = []
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(strength_advice, "_sizes", lambda _, wider, larger: came.append((wider, larger)) or [])
+        strength_advice._rough_remedies(None, Made(weak=weak, unjudged=""))  # type: ignore[arg-type]
+    ((wider, larger),) = came
+    for width, module in ((wider, 1.0), (1.0, larger)):
+        factors = width * module**2, module * width**0.5
+        safeties = [one.safety * factor / one.wanted for one, factor in zip(weak, factors, strict=True)]
+        assert min(safeties) == pytest.approx(strength_advice.SAFE_SIDE)
+
+
+def test_an_angle_is_meant_without_its_unit() -> None:
+    """Both its spellings have one meaning; a length has one spelling, whose unit is told."""
+    angles: Any = [
+        Made(name=name, is_law_name=False, meaning="Phase, in rad, of a gear") for name in ("a_deg", "a_rad")
+    ]
+    assert _meaning([], angles) == "Phase, of a gear"
+    assert _meaning([], angles[:1]) == "Phase, in rad, of a gear"
+    keys: Any = [Made(path="motion", meaning="How it moves."), Made(path="gears", meaning="The gears.")]
+    law: Any = [Made(name="law", path="motion.law", is_law_name=True, meaning="Its name.")]
+    assert _meaning(keys, law) == "How it moves."
+
+
+@at_once(("undercut", "clear", "told"), [("allow", (1, 1), 1), ("allow", (1, 0), 0), ("avoid", (1, 1), 0)])
+def test_allowed_undercut_is_idle_where_no_tooth_of_any_pair_has_any(
+    undercut: str, clear: tuple[int, ...], told: int
+) -> None:
+    one: Any = Made(design=Made(gears=1), gears=Made(undercut=undercut), by_stage=clear)
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(given_advice, "without_effect", lambda _: iter(()))
+        patched.setattr(given_advice, "_is_clear_of_undercut", bool)
+        found = [*given_advice.with_teeth(one)]
+        before = [*given_advice.before_teeth(one)]
+    assert len(found) == told
+    assert len(before) == (undercut == "allow")
+    assert all("gears.undercut" in str(advice) for advice in found)

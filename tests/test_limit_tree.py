@@ -4,21 +4,25 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import inf
+from math import cos, inf
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from at_once import at_once
 from kept_laws import FILES, KeptLaw, kept
 from ncgear.design.reading.design_file import load
 from ncgear.mechanisms.forces import RodMasses
 from ncgear.numerics.arrays import Array
+from ncgear.optimum.certified import sums
 from ncgear.optimum.certified.cycle import CrankCycle, cycle
 from ncgear.optimum.certified.demands import Demands
 from ncgear.optimum.certified.limit import Motion
 from ncgear.optimum.certified.sums import PLACES_RAISED, raised
-from ncgear.optimum.certified.tree import Budget, Effort, MotionBox, Tree
+from ncgear.optimum.certified.tree import Budget, Effort, MotionBox, Tree, proven
 from ncgear.optimum.makeable.demanded import MOST_PROGRAMMES, demands_of
 from ncgear.optimum.task import figures
 from ncgear.project.best_law import BestLaw
@@ -221,3 +225,72 @@ def test_ranges_that_leave_a_half_out_prove_too_much(monkeypatch: pytest.MonkeyP
     monkeypatch.setattr(Tree, "halves", wrong)
     share, _ = about(law, {"power_w": 1.0}, 1.3, 1500)
     assert share > 1.01
+
+
+class OnALine(Tree):
+    """A tree whose motions are numbers; a box is an interval, its value the least that a slope leaves possible."""
+
+    def bounded(self, box: MotionBox, target: float) -> MotionBox | None:
+        low, high = box.figures["x"]
+        value = max(box.value, wavy((low + high) / 2.0) - STEEPEST * (high - low) / 2.0)
+        return replace(box, value=value) if value < target else None
+
+    def narrowed(self, box: MotionBox, target: float, worth: float = 0.0) -> MotionBox | None:
+        self.budget.spend(1)
+        return self.bounded(box, target)
+
+    def halves(self, box: MotionBox) -> Any:
+        low, high = box.figures["x"]
+        middle = (low + high) / 2.0
+        return [replace(box, figures={"x": part}) for part in ((low, middle), (middle, high)) if high - low > 1e-4]
+
+
+STEEPEST = 9.5
+
+
+def wavy(x: float) -> float:
+    """Two valleys of nearly the same depth."""
+    return 3.0 + cos(9.0 * x) + 0.5 * x
+
+
+LEAST = min(wavy(x) for x in np.linspace(0.0, 1.5, 200001))
+
+
+@at_once(("most", "above"), [(0, 1.0), (3, 1.0), (10, 1.0), (300, 1.0), (300, 1.02), (300, 1.3), (3000, 1.0)])
+def test_a_least_value_is_proven_as_far_as_the_programmes_go(most: int, above: float) -> None:
+    """Never above what a number has, and close below where there are enough programmes, whatever law was found."""
+    budget = Budget(most)
+    tree = OnALine(SimpleNamespace(on=SimpleNamespace(count=7)), [], [], budget)  # type: ignore[arg-type]
+    whole: Any = MotionBox(None, {"x": (0.0, 1.5)}, 0.4)  # type: ignore[arg-type]
+    value, effort = proven(tree, whole, above * LEAST, 0.0)
+    assert 0.4 <= value <= LEAST
+    assert (effort.programmes, effort.ended) == (budget.used, budget.used < most)
+    assert effort.programmes <= most + 1
+    if most >= 300:
+        assert value > 0.98 * LEAST
+    if most == 3000:
+        assert value > 0.998 * LEAST
+        assert effort.ended
+
+
+@at_once(("without", "asked"), [(8.0, 0), (7.0, 0), (5.0, 1)])
+def test_a_law_is_the_limit_at_once_only_where_no_motion_has_less(without: float, asked: int) -> None:
+    on = SimpleNamespace(crank_angle_rad=np.array([0.0, 1.0]), count=2)
+    trials = SimpleNamespace(least=lambda *_: SimpleNamespace(value=without))
+    tree = SimpleNamespace(lacking=lambda *_: 0.0)
+    came: list[Any] = []
+
+    def looked(*given: Any) -> tuple[float, Effort]:
+        came.append(given)
+        return 6.0, Effort(9, 9, 2, True)
+
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(sums, "problem_of", lambda *_: SimpleNamespace(on=on))
+        patched.setattr(sums, "_trials", lambda *_: trials)
+        patched.setattr(sums, "halves", lambda _: [])
+        patched.setattr(sums, "whole_tree", lambda *_: (tree, None))
+        patched.setattr(sums, "proven", looked)
+        motion: Any = SimpleNamespace(crank_angle_rad=on.crank_angle_rad, turning=np.array([2.0, 3.0]))
+        nothing: Any = None
+        value, _ = sums._raised_on(9, nothing, nothing, {"a": 2.0, "b": 0.5}, {"a": 3.0, "b": 2.0}, motion, Budget(5))
+    assert (value, len(came)) == ((6.0 if asked else 7.0), asked)

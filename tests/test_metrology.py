@@ -6,6 +6,7 @@ from functools import cache
 from itertools import pairwise
 from math import atan, cos, pi, radians, sin, tan
 from pathlib import Path
+from typing import Any
 
 import mpmath
 import numpy as np
@@ -15,6 +16,7 @@ import shapely
 from at_once import at_once
 from engaged import MODULE, TOLERANCE, made
 from ncgear.design.reading.design_file import load
+from ncgear.metrology import best_fit
 from ncgear.metrology.pins import (
     NEAR,
     SHARES,
@@ -370,3 +372,23 @@ def test_a_stretch_of_even_chords_has_one_in_its_middle(
     follow = np.ones(len(even) - 1, dtype=bool)
     follow[list(apart_after)] = False
     assert _middles(np.array([letter == "x" for letter in even]), follow).tolist() == middles
+
+
+@at_once("best", [0.0, 0.4, -3.1, 2.0])
+def test_the_nearest_angle_is_found_between_two_that_were_tried(best: float) -> None:
+    """Not farther than half a step of the second round, which goes one step of the first to both sides."""
+    count = 40
+    step = 2.0 * pi / count
+    at = best + 0.45 * step
+
+    def nearness(outline: object, points: object, probe_mm: float, pose: best_fit.Pose) -> float:
+        return abs(sin((pose.angle_rad - at) / 2.0))
+
+    tried = [best + step * number for number in range(-(count // 2), count // 2)]
+    with pytest.MonkeyPatch.context() as patched:
+        patched.setattr(best_fit, "_nearness_mm", nearness)
+        poses = [best_fit.Pose(angle, 0j) for angle in tried]
+        patched.setattr(best_fit, "_begun", lambda *_: [(nearness(None, None, 0.0, pose), pose) for pose in poses])
+        nothing: Any = None
+        found = best_fit.nearness_mm(nothing, np.zeros(9, dtype=complex), 0.0)
+    assert found <= sin(step / (2.0 * best_fit.BEGUN_PER_TOOTH) / 2.0) * (1.0 + 1e-9)

@@ -18,6 +18,7 @@ from ncgear.dynamics.motion_in_time import EvenDrive, Motor
 from ncgear.errors import WrongInput
 from ncgear.numerics.extrema import Extremum
 from ncgear.optimum.outline.rolled import Basis, Rolled
+from ncgear.pitch.shape import Gear
 from ncgear.project import drivetrain, finest_chords, strengthening
 from ncgear.project.alternatives import _least_addendum
 from ncgear.project.best_law import BestLaw
@@ -161,13 +162,20 @@ def test_the_weakest_material_that_holds_is_found(weakest: int, monkeypatch: pyt
 
 def test_a_ring_stands_for_its_teeth_between_its_rim_and_its_pitch_curve() -> None:
     """Round, of 60 teeth of module 2: pi/2 (R^4 - 60^4) times width and density, R the rim's."""
-    ring = "mesh: internal, lobes: {driven: 2}, teeth: 30, module_mm: 2, face_width_mm: 10"
-    head = "name: ring\noperation: {speed_rpm: 9}\nmotion: {law: uniform_crank}\n"
-    one = drive_of_text(f"{head}gears: {{{ring}}}\n")
-    found = disc_kg_mm2(one.gears, one.pitch.driven, 2.0, 7850.0)
-    outer = 60.0 + rim_mm_of(one.gears, 2.0)
+    around = np.linspace(0.0, 2.0 * pi, 4000, endpoint=False)
+
+    def curve(gear: Gear, radius_mm: float) -> Any:
+        points = radius_mm * np.column_stack([np.cos(around), np.sin(around)])
+        return Made(gear=gear, is_ring=gear is Gear.DRIVEN, drawn=lambda count: Made(position=points))
+
+    gears = drive_of_text(
+        "name: ring\noperation: {speed_rpm: 9}\nmotion: {law: uniform_crank}\n"
+        "gears: {mesh: internal, lobes: {driven: 2}, teeth: 30, module_mm: 2, face_width_mm: 10}\n"
+    ).gears
+    found = disc_kg_mm2(gears, curve(Gear.DRIVEN, 60.0), 2.0, 7850.0)
+    outer = 60.0 + rim_mm_of(gears, 2.0)
     assert found == pytest.approx(7850e-9 * 10.0 * pi / 2.0 * (outer**4 - 60.0**4), rel=1e-4)
-    disc = disc_kg_mm2(one.gears, one.pitch.driving, 2.0, 7850.0)
+    disc = disc_kg_mm2(gears, curve(Gear.DRIVING, 30.0), 2.0, 7850.0)
     assert disc == pytest.approx(7850e-9 * 10.0 * pi / 2.0 * 30.0**4, rel=1e-4)
 
 

@@ -14,12 +14,13 @@ from math import hypot, pi
 import numpy as np
 import pytest
 import shapely
+import shapely.affinity
 from shapely import LineString, Point, Polygon
 
 from at_once import at_once
 from drives import drive
 from ncgear.files.workshop.drawing import Circle
-from ncgear.files.workshop.sheets.board import SLACK_MM, Board
+from ncgear.files.workshop.sheets.board import SLACK_MM, Board, _widened
 from ncgear.files.workshop.sheets.body import View
 from ncgear.files.workshop.sheets.frame import Columns, PaperTable, evenly, fitted
 from ncgear.files.workshop.sheets.gear_view import point_at_circle
@@ -448,3 +449,10 @@ def test_as_much_of_a_text_as_has_room_is_left(width_mm: float) -> None:
     cut = fitted(words, width_mm)
     assert text_width_mm(cut) <= width_mm
     assert cut == words or text_width_mm(f"{words[: len(cut) - 2]}...") > width_mm
+
+
+@at_once("turned_deg", [0.0, 33.0, 90.0, 200.0])
+def test_a_box_is_widened_to_all_sides_alike(turned_deg: float) -> None:
+    box = shapely.affinity.rotate(shapely.box(3.0, 4.0, 20.0, 7.0), turned_deg)
+    found = Polygon(_widened(np.array(box.exterior.coords[:4])))
+    assert found.symmetric_difference(box.buffer(SLACK_MM, join_style="mitre")).area < 1e-9

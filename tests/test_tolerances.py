@@ -91,6 +91,30 @@ def test_grades_are_those_of_iso_1328() -> None:
     assert [rounded_um(float(one)) for one in figures] == [9.0, 29.0, 12.0]
 
 
+@pytest.mark.judges("tolerances")
+def test_grades_of_large_gears_are_those_of_the_formulas() -> None:
+    """By hand, class 5, 900 mm and module 40: 0.9 + 16 + 5; 1.8 + 16.5 + 28 + 12; 16 + 0.9 + 4; 22 + 5 micrometres."""
+    found = flank_tolerances(5, np.array(900.0), 40.0)
+    each = found.single_pitch_mm, found.cumulative_pitch_mm, found.profile_slope_mm, found.profile_form_mm
+    assert [1e3 * float(one) for one in each] == pytest.approx([21.9, 58.3, 20.9, 27.0], rel=1e-12)
+    assert 1e3 * float(found.total_profile_mm) == pytest.approx(sqrt(20.9**2 + 27.0**2), rel=1e-12)
+
+
+@at_once("expansions", [(12e-6, 80e-6, 23e-6), (80e-6, 12e-6, 23e-6), (12e-6, 11e-6, 60e-6)])
+def test_flanks_are_displaced_by_no_more_than_is_told(expansions: tuple[float, float, float]) -> None:
+    """Radii that grow with their gears at both temperatures, a centre distance that grows with its housing."""
+    none = np.zeros(8)
+    limits = Limits(0.04, (0.01, 0.02), (0, 0), (0, 0), none, none, (-10.0, 90.0), 15.0, expansions, (0, 0))
+    driving, driven, housing = expansions
+    told = limits.displaced_mm(100.0) - 0.07
+    for share in (0.2, 0.5, 0.8):
+        for warm in (-30.0, 70.0):
+            for warmer in (0.0, 15.0):
+                radii = 100.0 * (share * driving + (1.0 - share) * driven) * (warm + warmer)
+                assert abs(radii - 100.0 * housing * warm) <= told
+    assert told <= 100.0 * max(expansions) * 85.0 * (1.0 + 1e-12)
+
+
 @at_once(("value_um", "told"), [(4.94, 4.9), (4.96, 5.0), (7.3, 7.5), (10.4, 10.0), (28.8, 29.0)])
 def test_grades_are_rounded_as_on_drawings(value_um: float, told: float) -> None:
     assert rounded_um(1e-3 * value_um) == told
