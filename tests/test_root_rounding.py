@@ -133,7 +133,7 @@ def test_a_pointed_rack_is_told_a_dedendum_that_fits_with_its_root_radius(
 
 
 def test_a_rounding_begins_no_higher_than_the_mid_line() -> None:
-    """Of a shallow tooth it is as large as the depth allows beside the flatter flank; of a deep one as the flat does."""
+    """On a shallow tooth the depth beside the flatter flank decides, on a deep one the flat of the tip."""
     flatter, steeper = radians(15.0), radians(25.0)
     for angles in ((flatter, steeper), (steeper, flatter)):
         assert largest_root_radius(angles, 0.2, np.pi / 4.0) == pytest.approx(0.2 / (1.0 - np.sin(flatter)))
