@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import atan, cos, pi, radians, sin, sqrt, tan
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -12,7 +14,7 @@ import pytest
 from engaged import MODULE, TOLERANCE, designed, made, outlines
 from ncgear.contact.designed.as_designed import as_designed, touch_at
 from ncgear.contact.designed.extremes import CLOSELY, KNOWN, ContactExtremes, contact_extremes
-from ncgear.contact.pair import pair_contact, refuse_overlap, sound_extremes
+from ncgear.contact.pair import PairContact, pair_contact, refuse_overlap, sound_extremes
 from ncgear.contact.placement import Placement, placed, placed_at
 from ncgear.contact.written.as_written import reach_mm
 from ncgear.contact.written.extremes import KNOWN as KNOWN_OF_WRITTEN
@@ -80,6 +82,38 @@ def test_ranges_of_a_circular_pair_are_the_closed_forms() -> None:
     reach = sqrt((radius + MODULE) ** 2 - base**2) - radius * sin(alpha)
     assert (1.0 - KNOWN) * 2.0 * SPEED * reach <= found.sliding_mm_s.value <= 1.03 * 2.0 * SPEED * reach
     assert found.overlap_mm.value == 0.0
+
+
+def test_a_driven_gear_ahead_overlaps_by_its_way_at_the_base_radius(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Turned on by an angle, the backs of round gears lie in each other by it times the base radius."""
+    ahead = 1e-3
+    pitch, pair = made("uniform", 18)
+
+    def turned(*place: Any) -> Placement:
+        at = placed_at(*place)
+        return replace(at, phi2_rad=at.phi2_rad + ahead)
+
+    monkeypatch.setattr("ncgear.contact.designed.extremes.placed_at", turned)
+    even = placed(pitch)
+    contact = as_designed(pair, replace(even, phi2_rad=even.phi2_rad + ahead))
+    found = contact_extremes(pair, pitch, contact, evenly)
+    assert found.overlap_mm.value == pytest.approx(ahead * 18.0 * cos(radians(20.0)), rel=1e-6)
+    assert found.pushing_error_rad.low.value == pytest.approx(-ahead, abs=1e-9)
+    both: Any = SimpleNamespace(
+        extremes=[SimpleNamespace(overlap_mm=found.overlap_mm), SimpleNamespace(overlap_mm=Extremum(0.0, 0.0))]
+    )
+    assert PairContact.penetration_mm.fget(both) == found.overlap_mm.value  # type: ignore[attr-defined]
+
+
+def test_teeth_at_the_pitch_point_are_those_whose_middles_are_nearest() -> None:
+    """Driving teeth stand at whole pitches, driven ones half a pitch on."""
+    pitch, _ = made("uniform", 18)
+    even = placed(pitch)
+    for position in (3, 6, 9, 14, 29, 351):
+        pitches = even.rolled_mm[position] / even.pitch_mm
+        driving = int(np.argmin(np.abs(np.arange(19) - pitches))) % 18 + 1
+        driven = int(np.argmin(np.abs(np.arange(-1, 18) + 0.5 - pitches)) - 1) % 18 + 1
+        assert even.teeth_at(position) == (driving, driven)
 
 
 def places_looked_at(backlash_mm: float, monkeypatch: pytest.MonkeyPatch) -> tuple[int, ContactExtremes]:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import cache
 from itertools import pairwise
 from math import acos, asin, cos, degrees, pi, radians, sin, sqrt
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -263,11 +264,17 @@ def test_loss_factor_of_circular_gears_is_ohlendorfs(teeth: int) -> None:
 
 def test_a_bound_of_the_loss_factor_without_teeth() -> None:
     """Of circular gears (1 + q)^2 / q of the greatest distance over a cos(alpha), or (1 - q)^2 / q inside a ring."""
-    for ratio, mesh, wedge in ((2.0, Mesh.EXTERNAL, 4.5), (0.5, Mesh.EXTERNAL, 4.5), (2.0, Mesh.INTERNAL, 0.5)):
-        lobes = Lobes(1, 2) if ratio == 2.0 else Lobes(2, 1)
-        pitch = sized_pair(uniform_law(lobes), 20, 2.0, None, mesh)
-        wanted = 3.0 * wedge / (pitch.center_distance_mm * cos(radians(20.0)))
+    for lobes in (Lobes(1, 2), Lobes(2, 1)):
+        pitch = sized_pair(uniform_law(lobes), 20, 2.0, None)
+        wanted = 3.0 * 4.5 / (pitch.center_distance_mm * cos(radians(20.0)))
         assert most_mesh_loss_factor(pitch, 3.0, radians(20.0)) == pytest.approx(wanted, rel=1e-9)
+    ring: Any = SimpleNamespace(
+        mesh=Mesh.INTERNAL,
+        center_distance_mm=20.0,
+        transmission=uniform_law(Lobes(1, 2)),
+        largest_pressure_angle_deg=degrees,
+    )
+    assert most_mesh_loss_factor(ring, 3.0, radians(20.0)) == pytest.approx(3.0 * 0.5 / (20.0 * cos(radians(20.0))))
 
 
 @pytest.mark.slow

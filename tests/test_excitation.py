@@ -108,6 +108,8 @@ def test_an_even_crank_has_two_strong_harmonics() -> None:
     found = {one.kind: one.amplitude / scale for one in of_slider("slider", even(), 7)}
     assert list(found) == [f"harmonic {k}" for k in (1, 2, 4, 6)]
     assert found["harmonic 1"] == pytest.approx(1.0, rel=1e-12)
+    turns_hz = even().speed_rad_s / (2.0 * pi)
+    assert [one.frequency_hz / turns_hz for one in of_slider("slider", even(), 7)] == pytest.approx([1, 2, 4, 6])
     assert found["harmonic 2"] == pytest.approx(LINKAGE.crank_mm / LINKAGE.rod_mm, rel=0.1)
 
 

@@ -355,11 +355,12 @@ def test_what_seems_to_stray_is_the_bend_across_the_outline(turned: float) -> No
     assert Stack(heights, columns, rings).seems_to_stray_mm() == pytest.approx([0.25, 0.25], rel=1e-12)
 
 
-def test_ceilings_rise_from_the_lower_side_of_each_jump() -> None:
-    """Tips are 1 mm high, and 0.6 mm along a stretch: from its ends on the ceiling rises by half, both ways round."""
+@pytest.mark.parametrize("lower", [0.6, 0.99])
+def test_ceilings_rise_from_the_lower_side_of_each_jump(lower: float) -> None:
+    """Tips are 1 mm high, and less along a stretch: from its ends on the ceiling rises by half, both ways round."""
     length, step, count = 60.0, 0.25, 240
     at = np.arange(count) * step
-    high = np.where((at > 20.1) & (at < 30.1), 0.6, 1.0)
+    high = np.where((at > 20.1) & (at < 30.1), lower, 1.0)
     fits = []
     for start in range(4):
         tips: Any = SimpleNamespace(
@@ -377,9 +378,11 @@ def test_ceilings_rise_from_the_lower_side_of_each_jump() -> None:
             assert places == pytest.approx(at)
             ends = np.array([20.0, 20.25, 30.0, 30.25])
             apart = np.abs(places[:, None] - ends)
-            wanted = np.minimum(0.6 + 0.5 * np.minimum(apart, length - apart).min(axis=1), 10.0)
+            wanted = np.minimum(lower + 0.5 * np.minimum(apart, length - apart).min(axis=1), 10.0)
             assert heights == pytest.approx(wanted)
-        assert ceiling.over(np.array([25.0, 21.0, 80.125, 35.0])) == pytest.approx([2.975, 0.975, 0.6, 2.975])
+        assert ceiling.over(np.array([25.0, 21.0, 80.125, 35.0])) == pytest.approx(
+            lower + np.array([2.375, 0.375, 0.0, 2.375])
+        )
 
 
 def test_a_bump_of_a_section_strays_after_the_column_before_it() -> None:

@@ -232,8 +232,15 @@ def test_no_machine_is_under_the_least_cost(monkeypatch: pytest.MonkeyPatch) -> 
 
     monkeypatch.setattr(limits, "swept_power", lambda sweeps, parts, most: np.full(parts.shape[1], 15.0))
     monkeypatch.setattr(limits, "least_power", lambda task, asked: Bound(16.0, 0, None))
-    monkeypatch.setattr(limits, "least_flank_load", lambda sweeps, power, flywheel, most, share=0.0: 0.8 * most)
+    powers = list[Any]()
+
+    def least(sweeps: Any, power: Any, flywheel: Any, most: Any, share: float = 0.0) -> Any:
+        powers.append(power)
+        return 0.8 * most
+
+    monkeypatch.setattr(limits, "least_flank_load", least)
     found = of.found()
+    assert powers[0] == pytest.approx([one.figures.peak_power_w for one in some], rel=1e-5)
     assert (found.power_w, found.power_gap) == (16.0, pytest.approx(0.25))
     assert [one.flank_load_gap for one in found.each] == pytest.approx([0.25, 0.25], rel=1e-5)
     assert found.cost is not None

@@ -15,6 +15,7 @@ from ncgear.errors import WrongInput
 from ncgear.pitch.shape import Gear
 from ncgear.teeth.flank import Flanks
 from ncgear.teeth.form import BasicRack, ToothForm
+from ncgear.teeth.root_radius import largest_root_radius
 from ncgear.teeth.spaces import LEAST_FLAT
 from ncgear.teeth.tool import PinionCircle, RackLine, Tool, rounding_of, rounding_rates
 from pairs import baler_law, pitch_pair, rack
@@ -129,3 +130,14 @@ def test_a_pointed_rack_is_told_a_dedendum_that_fits_with_its_root_radius(
         rack_of(most, radius)
         with pytest.raises(WrongInput):
             rack_of(most * 1.01, radius)
+
+
+def test_a_rounding_begins_no_higher_than_the_mid_line() -> None:
+    """On a shallow tooth the depth beside the flatter flank decides, on a deep one the flat of the tip."""
+    flatter, steeper = radians(15.0), radians(25.0)
+    for angles in ((flatter, steeper), (steeper, flatter)):
+        assert largest_root_radius(angles, 0.2, np.pi / 4.0) == pytest.approx(0.2 / (1.0 - np.sin(flatter)))
+    # ISO 53: both roundings meet in the middle of the tip.
+    angle = radians(20.0)
+    iso = (np.pi / 4.0 - 1.25 * np.tan(angle)) / ((1.0 - np.sin(angle)) / np.cos(angle))
+    assert largest_root_radius((angle, angle), 1.25, np.pi / 4.0) == pytest.approx(iso)

@@ -14,7 +14,7 @@ from ncgear.contact.written.as_written import require_reached
 from ncgear.design.keys.pitch_shapes import RationalCurve
 from ncgear.drawings.charts.teeth_charts import backlash, transmission_error
 from ncgear.drawings.scene.standing import SUPPORT, supports_mm
-from ncgear.dynamics.history import PER_TURN, even_times_s
+from ncgear.dynamics.history import PER_TURN, _slide, even_times_s
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.advice.given_advice import BEYOND_ALL, _is_empty
 from ncgear.figures.advice.strength_advice import THINNEST_WEB, _thin_body
@@ -24,6 +24,7 @@ from ncgear.mechanisms.rack_pinion import TEETH, RackPinion
 from ncgear.mechanisms.scotch_yoke import ScotchYoke
 from ncgear.metrology.round_tool import _free
 from ncgear.numerics.extrema import Extremum
+from ncgear.numerics.jet import Jet
 from ncgear.pitch.shape import Gear
 from ncgear.teeth.sides import refuse_sharp_curve, refuse_sharp_places
 from ncgear.teeth.tool import gouged_mm, least_concave_radius_mm
@@ -240,3 +241,13 @@ def test_the_least_concave_radius_is_that_of_the_sharper_hollow() -> None:
     assert least_concave_radius_mm(pair(-0.1, -0.02)) == pytest.approx(10.0)
     assert least_concave_radius_mm(pair(0.3, -0.02)) == pytest.approx(50.0)
     assert least_concave_radius_mm(pair(0.3, 0.1)) is None
+
+
+@pytest.mark.judges("dynamics")
+def test_a_slider_moves_by_the_chain_rule() -> None:
+    """Of the cube of an angle: 3 a^2 w, and 6 a w^2 + 3 a^2 times the angle's acceleration."""
+    angle, speed, faster = np.array([0.5, 2.0]), np.array([3.0, 0.25]), np.array([-1.0, 4.0])
+    found = _slide(Jet(np.stack([angle**3, 3.0 * angle**2, 3.0 * angle])), speed, faster)
+    assert found.displacement == pytest.approx(angle**3)
+    assert found.velocity == pytest.approx(3.0 * angle**2 * speed)
+    assert found.acceleration == pytest.approx(6.0 * angle * speed**2 + 3.0 * angle**2 * faster)

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from errno import ENOSPC
 from itertools import product
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -26,10 +27,11 @@ from ncgear.files import sweep_run
 from ncgear.files.parts import Parts, alone_in, table_bytes
 from ncgear.files.sweep_run import Order, Swept, screening_of, swept
 from ncgear.numerics.arrays import Array
+from ncgear.numerics.sampled import Functions
 from ncgear.screening import designs as designs_module
 from ncgear.screening.designs import Block, Designs, joined
-from ncgear.screening.overview import no_overview, rank_correlations
-from ncgear.screening.rows import figure_names
+from ncgear.screening.overview import _bins, no_overview, rank_correlations
+from ncgear.screening.rows import _closes, figure_names
 from ncgear.screening.wanted import Constraint, Objective, Wanted, best_rows, constraint_of, non_dominated, objective_of
 
 # --- which designs there are
@@ -404,3 +406,31 @@ def test_parts_become_larger_with_the_sweep_alone() -> None:
     rows = [sweep_run.rows_of_part(count, sweep_run.ROWS) for count in (1, 10**6, 10**7, 10**9)]
     assert rows == [4096, 4096, 16384, 16384]
     assert sweep_run.rows_of_part(10**5, sweep_run.ROWS_DEEPER) == 128
+
+
+def test_each_of_a_few_values_has_a_bin_of_its_own() -> None:
+    """Whatever their order; a range is parted evenly, with places in the middles."""
+    edges, places = _bins(Listed("k", (40.0, 10.0, 20.0)))
+    bins = np.searchsorted(edges, [10.0, 14.9, 15.1, 20.0, 29.0, 31.0, 40.0], side="right") - 1
+    assert bins.tolist() == [0, 0, 1, 1, 1, 2, 2]
+    assert places[:3].tolist() == [10.0, 20.0, 40.0]
+    assert np.isnan(places[3:]).all()
+
+
+def test_rows_without_objectives_are_spread_evenly() -> None:
+    assert best_rows(np.zeros((11, 0)), 3).tolist() == [0, 5, 10]
+    assert best_rows(np.zeros((4, 0)), 9).tolist() == [0, 1, 2, 3]
+
+
+def test_a_law_closes_that_turns_once_and_stands_still_nowhere() -> None:
+    """Of four laws the first; the others nearly stand on one piece, turn by too little, or stand throughout."""
+    count = 24
+    there, ratio = np.ones((2, 4), dtype=bool), np.ones((2, count, 4))
+    ratio[1, :, 1] = 1e-12
+    turning = np.full((2, count, 4), np.pi)
+    turning[0, :, 2] *= 0.99
+    ratio[:, :, 3] = 0.0
+    samples: Any = SimpleNamespace(there=there, turning=turning)
+    assert _closes(samples, Functions(ratio)).tolist() == [True, False, False, False]
+    there[1, 1] = False
+    assert _closes(samples, Functions(ratio))[1]

@@ -24,8 +24,9 @@ from ncgear.teeth.flank import flanks_of, mating_flanks
 from ncgear.teeth.form import Backlash, BasicRack, Cutter, CutterKind, TipLimits, TipRelief, ToothForm
 from ncgear.teeth.fouling import STEPS, paths_near_concave
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
-from ncgear.teeth.regular import regular_depth, regular_height
-from ncgear.teeth.tips import Limit, Tips, _crossing_below_cusp, _land, even_heights, tip_crossing
+from ncgear.teeth.outline import ChordTolerance, outline_points
+from ncgear.teeth.regular import CLEAR_OF_CUSPS, regular_depth, regular_height
+from ncgear.teeth.tips import Bounds, Limit, Tips, _crossing_below_cusp, _land, even_heights, fitted_tips, tip_crossing
 from ncgear.teeth.tool import RackLine
 from oracles import meshing
 from oracles.rack_cut import involute
@@ -242,6 +243,39 @@ def test_heights_of_lands_by_newtons_method_are_those_in_brackets(backlash_mm: f
         assert found[met] == pytest.approx(bracketed[met], abs=1e-9)
         wider = tips._newton_lands(edges, back, 1.01 * least)[0]
         assert np.all(wider[met] < found[met] - 1e-3)
+
+
+@pytest.mark.parametrize(
+    ("contact", "regular", "undercut", "limit"),
+    [
+        (9.0, 1.0, False, Limit.CUSP),
+        (1.0, 9.0, False, Limit.FILLET),
+        (1.0, 9.0, True, Limit.UNDERCUT),
+        (9.0, 9.0, False, Limit.FULL),
+    ],
+)
+def test_a_tip_says_what_limits_it(contact: float, regular: float, undercut: bool, limit: Limit) -> None:
+    """The cusp of its own flank, or what its mate lets it touch; its contact then ends there."""
+    flanks = flanks_of(sized_pair(uniform_law(Lobes()), 25, MODULE, None).driving, rack(), 25, RackLine(), 0.0)
+    every, nothing = np.ones(50), np.zeros(50, dtype=bool)
+    found = fitted_tips(flanks, Bounds(contact * every, 9.0 * every, regular * every, nothing | undercut), nothing, 0.0)
+    assert (found.limit == limit).all()
+    ends = {Limit.CUSP: CLEAR_OF_CUSPS * regular, Limit.FULL: float(tip_crossing(flanks)[0][0])}.get(limit, contact)
+    assert found.height_mm == pytest.approx(ends * every, rel=1e-6)
+
+
+def test_only_the_part_of_a_flank_that_works_has_fine_chords() -> None:
+    """Ten times finer ones take about three times as many points there, and no more below."""
+    gear = toothed_pair(sized_pair(uniform_law(Lobes()), 25, MODULE, None), ToothForm(rack()), 0.05).driving
+    depth = float(gear.tips.met_depth_mm.max())
+    works = 25.0**2 - 2.0 * 25.0 * depth + (depth / sin(radians(20.0))) ** 2
+    counts = []
+    for tolerance in (1e-2, 1e-3):
+        radius = np.hypot(*outline_points(gear.tips, gear.sides, ChordTolerance(tolerance, 1e-2)).T)
+        flank = (radius > works**0.5 + 1e-6) & (radius < 27.0 - 1e-6)
+        counts.append((np.count_nonzero(flank), np.count_nonzero(radius < works**0.5 - 1e-6)))
+    assert counts[1][0] > 2.5 * counts[0][0]
+    assert counts[1][1] == counts[0][1]
 
 
 def test_play_makes_lands_of_a_round_gear_narrower_by_its_way_on_the_tip_circle() -> None:
