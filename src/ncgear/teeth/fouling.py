@@ -135,8 +135,7 @@ def _parted_mm(own: Flanks, mate: Flanks, met: Array, rolled: Array) -> Array:
 
 
 def freed(own: Tips, mate: Tips, paths: TipPaths) -> Tips:
-    """The gear with tips that foul no tooth of the mate on concave stretches; raises NoSuchMechanism if none
-    remains."""
+    """The gear with tips that foul no tooth of the mate on concave stretches; raises NoSuchMechanism without one."""
     height = mate.height_mm[:, None] * np.linspace(ASIDE, 1.0, FLANK_POINTS)
     with_play = own.flanks.is_turned or mate.flanks.is_turned
     teeth = [_teeth(stand, height) for stand in _stands(mate.flanks)[: 1 + with_play]]
