@@ -10,7 +10,7 @@ factors of its derivative, v' ~ (1 - t)(rho - t)(cos chi + sin chi t), t = phi1/
 regular where theta1 comes near theta2 and v1 near v2.  ``brake`` is -a1 (theta4 - theta3)/v2.
 
 All Sobol points of their box are computed together.  From each of the best points that lie apart, sequential quadratic
-programming (D.  Kraft, DFVLR-FB 88-28, 1988) descends to a local optimum, with all samples of acceleration and power as
+programming (D. Kraft, DFVLR-FB 88-28, 1988) descends to a local optimum, with all samples of acceleration and power as
 constraints and the peak as a separate variable; then it descends from random neighbours of the best.  The result
 becomes a law as a design file would make it, and is judged by its exact peaks.  With masses, exact peaks and samples of
 the power come from the same loaded machine (``ncgear.dynamics.loaded_machine``).  Where exact peaks exceed the cap

@@ -2,7 +2,7 @@
 
 For given lengths the usual search finds a law, from the law of the nearest tried lengths.  Each length is first tried
 alone at the ends of its range, then the best of these together (all corners where no law was found).  Then COBYQA (T.
-M.  Ragonneau, Z.  Zhang) follows the goal by quadratic models within the ranges; it needs no derivatives.
+M. Ragonneau, Z. Zhang) follows the goal by quadratic models within the ranges; it needs no derivatives.
 """
 
 from __future__ import annotations

@@ -161,8 +161,8 @@ def rounded_to(values: Array, digits: int) -> Array:
 def non_dominated(costs: Array) -> IndexArray:
     """The rows of ``costs``, shape (n, m), that no other row dominates, in rising order; the first of equal rows.
 
-    Rows in rising order are halved repeatedly: no row of the second half dominates a row of the first (H.  T.  Kung, F.
-    Luccio and F.  P.  Preparata, "On finding the maxima of a set of vectors", Journal of the ACM 22, 1975).
+    Rows in rising order are halved repeatedly: no row of the second half dominates a row of the first (H. T. Kung, F.
+    Luccio and F. P. Preparata, "On finding the maxima of a set of vectors", Journal of the ACM 22, 1975).
     """
     order = np.lexsort((np.arange(len(costs)), *costs.T[::-1]))
     found: IndexArray = np.sort(_front(costs, order)) if order.size else order

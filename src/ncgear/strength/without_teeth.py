@@ -4,7 +4,7 @@ A rack's flank that crosses the pitch line at c touches at s = (sigma - c) cos(a
 curves have rolled to sigma, and the flank that it leaves has sin(alpha) / k + s as its radius of curvature there, k
 being the pitch curve's (``ncgear.teeth.flank``).  So the places of all pairs are known without a tooth; they end where
 the tips of circular gears of these curvatures are.  Pairs share the load as springs: each as stiff as c' of ISO 6336-1
-in its middle, softer towards its ends as the cosine of J.  I.  Pedrero, M.  Pleguezuelos, M.  Artes, J.  A.  Antona
+in its middle, softer towards its ends as the cosine of J. I. Pedrero, M. Pleguezuelos, M. Artes, J. A. Antona
 (Mech.  Mach.  Theory 45, 2010), and beyond its ends by the gap there, since teeth that bend touch early.  Roots have
 Y_F and Y_S of ISO 6336-3 for 2 / (k m) teeth, k being the mean over the tooth, loaded where they touch.
 

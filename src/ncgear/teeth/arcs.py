@@ -4,7 +4,7 @@ Drawings for cutters have these: all programs read arcs, and few arcs follow a f
 
 Each stretch of a curve is followed by two arcs that touch each other, and that begin and end on the curve in its own
 direction (a biarc).  Of all such pairs, the pair with equally long tangents at its ends is taken.  Its distance from
-the curve is the change of the curvature along it, times the square of its length, over some hundreds.  Source: K.  M.
+the curve is the change of the curvature along it, times the square of its length, over some hundreds.  Source: K. M.
 Bolton, "Biarc curves", Computer-Aided Design 7 (1975) 89-92.
 """
 

@@ -81,7 +81,7 @@ class Knots:
         """Coefficients of a spline along a rough function that joins values at rising angles of one turn by lines.
 
         Each coefficient is a mean from the knot before to the knot after, so that the spline is nowhere rougher than
-        the function (I.  J.  Schoenberg's variation diminishing splines).
+        the function (I. J. Schoenberg's variation diminishing splines).
         """
         own = self.angle_rad
         before, after = np.roll(own, 1), np.roll(own, -1)
