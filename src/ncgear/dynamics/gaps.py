@@ -239,7 +239,7 @@ class Gaps:
 
     @property
     def sections(self) -> int:
-        """How many sections there are."""
+        """Number of sections."""
         return int(self.section[-1]) + 1
 
     def of_sections(self, turning: Array) -> Array:

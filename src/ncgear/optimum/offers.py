@@ -1,4 +1,4 @@
-"""The refusals of wishes and limits that no law keeps together, with values that could be asked for instead."""
+"""Refusals of wishes and limits that no law keeps together, with possible values instead."""
 
 from __future__ import annotations
 

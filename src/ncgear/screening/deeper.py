@@ -58,7 +58,7 @@ def stages_up_to(stage: str) -> tuple[str, ...]:
 
 
 def deeper_names(pairs: int, stage: str) -> tuple[str, ...]:
-    """The names of all figures up to a stage for designs with a number of pairs of gears.
+    """The names of all figures up to a stage for designs with ``pairs`` pairs of gears.
 
     Each of two pairs has its own figures, such as ``stage_1.teeth.driving``.
     """

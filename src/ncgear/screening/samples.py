@@ -138,7 +138,7 @@ class Fineness:
         return self.approach != WHOLE or self.returned != THIRDS
 
     def samples(self, kind: BatchKind) -> int:
-        """How many samples a law has."""
+        """Number of samples of a law."""
         if not kind.has_return:
             return 2 * HARMONIC_PIECES * self.count
         approach, returned = (

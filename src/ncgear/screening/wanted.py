@@ -150,7 +150,7 @@ def _known(name: str, names: Sequence[str], option: str) -> str:
 
 
 def rounded_to(values: Array, digits: int) -> Array:
-    """Values to so many significant digits; NaN and zero stay."""
+    """Values rounded to ``digits`` significant digits; NaN and zero stay."""
     with np.errstate(divide="ignore", invalid="ignore"):
         size = np.floor(np.log10(np.abs(values)))
     factor = 10.0 ** (digits - 1 - np.where(np.isfinite(size), size, 0.0))

@@ -49,10 +49,10 @@ ROUNDING_MM = 1e-9
 class Play:
     """The play of a pair.
 
-    The driven gear's idle flanks stand turned by ``driven_rad``.  Where teeth have no deviation of their thickness, the
-    gear can be turned by this angle at every position.  ``least_normal_mm`` and ``largest_normal_mm`` are the play
-    along the idle flanks' normal, ``at`` driving angles in rad.  The driving gear's idle flanks are set back by
-    ``setback_mm`` along the pitch curve, and the idle flanks of both gears stand out by ``thicker_mm``.
+    The driven gear's idle flanks are turned by ``driven_rad``.  Without a deviation of the teeth's thickness, the gear
+    can turn by this angle at every position.  ``least_normal_mm`` and ``largest_normal_mm`` are the play along the idle
+    flanks' normal, ``at`` driving angles in rad.  The driving gear's idle flanks are set back by ``setback_mm`` along
+    the pitch curve, and the idle flanks of both gears stand out by ``thicker_mm``.
     """
 
     driven_rad: float

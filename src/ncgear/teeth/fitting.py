@@ -231,6 +231,6 @@ def least_overlap(tips: PairTips) -> float:
 
 
 def least_contact_ratio(tips: PairTips) -> float:
-    """How many pairs of teeth are in mesh at least: the overlap in pitches."""
+    """Least number of pairs of teeth in mesh: the overlap in pitches."""
     rack = tips[0].flanks.rack
     return least_overlap(tips) / (float(rack.slants[0].height_per_rolled) * rack.pitch_mm)

@@ -372,8 +372,8 @@ def flanks_of(
 
     Tooth 1 stands at the arc length ``start_mm``, less whole turns, so that every tooth keeps its number.  From there
     its back and its front flank are ``half_widths_mm`` away, by default a quarter of a pitch.  The driven gear's idle
-    flanks, which are its back flanks, stand turned by ``idle_turn_rad``.  With ``shifts`` each tooth and each space has
-    a profile shift of its own besides the rack's.
+    flanks, which are its back flanks, are turned by ``idle_turn_rad``.  With ``shifts`` each tooth and each space has a
+    profile shift of its own besides the rack's.
     """
     centers = remainder(start_mm, curve.length_mm) + np.arange(teeth) * (curve.length_mm / teeth)
     side = np.tile([-1.0, 1.0], teeth)

@@ -10,7 +10,7 @@ Let phi2 be the crank's angle, s = dphi2/dphi1, q = s^2, primes by phi2.  The va
   where ranges of q are known, a chord limits it from above.
 
 The relations are known from the time-optimal control of a path (Verscheure et al., "Time-optimal path tracking for
-robots: a convex optimization approach", IEEE Trans.  Automat.  Contr. 54 (2009), who use q as well).
+robots: a convex optimization approach", IEEE Trans. Automat. Contr. 54 (2009), who use q as well).
 
 ``curve_rows`` adds the shape of the pitch curves, ``time_rows`` the times of cells; ``problem.motion_programme`` puts a
 programme together.

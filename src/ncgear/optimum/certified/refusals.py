@@ -227,7 +227,7 @@ def _without(problem: LimitProblem, wish: WishDemand) -> LimitProblem:
 
 
 def _other_wishes(problem: LimitProblem) -> list[Offer]:
-    """For each wish without which there may be a law, the nearest that could be asked for, with its key."""
+    """For each wish whose removal may allow a law, the nearest possible wish, with its key."""
     free = ((wish, _without(problem, wish)) for wish in problem.asked.in_order)
     return [said for wish, without in free if without.is_open for said in _nearest_wish(without, wish)]
 

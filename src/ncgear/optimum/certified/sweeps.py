@@ -88,7 +88,7 @@ class SweptLimits:
 
 
 def known_functions(task: Task, asked: Demands, cells: int) -> Known:
-    """The known functions of a machine in about so many cells."""
+    """The known functions of a machine in about ``cells`` cells."""
     stretches = [one.stretch for one in asked.requirements(TimeWithin)]
     ends = cell_ends(task, np.linspace(0.0, 2.0 * pi, cells, endpoint=False), stretches)
     places = ends[:-1, None] + np.diff(ends)[:, None] * NODES

@@ -86,7 +86,7 @@ class Effort:
 
 @dataclasses.dataclass
 class Budget:
-    """How many programmes may be solved, and how many were; ``tell`` is called with both numbers.
+    """Numbers of allowed and of solved programmes; ``tell`` is called with both.
 
     They are counted, and no time is taken, so that the same limit comes out on every computer.
     """

@@ -108,7 +108,7 @@ class Knots:
 
 
 def even_knots(count: int) -> Knots:
-    """So many knots at even steps."""
+    """A number of knots at even steps."""
     return Knots(even_steps(count))
 
 

@@ -38,7 +38,7 @@ NEAREST = 0.12
 """Usual least radius of the mate as a share of the centre distance."""
 
 WINDOW_PITCHES = 1.0
-"""Over how many pitches to either side a concave stretch is taken in the mean, with weights that fall to the ends."""
+"""Pitches to either side of the mean over a concave stretch, with weights that fall to the ends."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -65,7 +65,7 @@ class Deviation:
 
 
 def deviation(outline: Outline, curve: Rolled, count: int = MEASURED) -> Deviation:
-    """The deviation of a curve from an outline, by so many points of each."""
+    """The deviation of a curve from an outline, by ``count`` points of each."""
     return _apart(outline, curve.points()[0], count)
 
 
@@ -116,7 +116,7 @@ def _place(point: Array) -> tuple[float, float]:
 
 
 def coefficients_for(teeth: int) -> int:
-    """Coefficients of a curve for so many teeth."""
+    """Number of coefficients of a curve for ``teeth`` teeth."""
     return min(max(FEWEST_COEFFICIENTS, teeth), MOST_COEFFICIENTS)
 
 
@@ -238,7 +238,7 @@ def _smoothed(outline: Outline, axis_mm: Array) -> Array | None:
 
 
 def _resampled(radius: Array, count: int) -> Array:
-    """Radii at so many even angles, by the harmonics of a smooth curve."""
+    """Radii at ``count`` even angles, from the harmonics of a smooth curve."""
     found: Array = np.fft.irfft(np.fft.rfft(radius)[: HARMONICS + 1], count) * (count / len(radius))
     return found
 

@@ -63,7 +63,7 @@ class Outline:
         return float(ConvexHull(self.corners).area)
 
     def even(self, count: int) -> Array:
-        """Points in the middle of so many parts of equal arc length, shape (count, 2)."""
+        """Points in the middle of ``count`` parts of equal arc length, shape (count, 2)."""
         return self._at(((np.arange(count) + 0.5) / count) * self._lengths[-1])
 
     def _at(self, length_mm: Array) -> Array:

@@ -140,7 +140,7 @@ class _Rows:
         return np.concatenate(self.bounds)
 
     def matrix(self, size: int) -> sparse.csc_matrix:
-        """All rows of so many unknowns."""
+        """All rows, for ``size`` unknowns."""
         values, rows, columns = (np.concatenate(part) for part in zip(*self.parts, strict=True))
         return sparse.csc_matrix((values, (rows, columns)), shape=(self.count, size))
 
