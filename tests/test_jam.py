@@ -218,9 +218,11 @@ def test_what_a_jam_dents_is_told() -> None:
     assert not any("in a jam bearing a of the driving" in one for one in said)
     weak = AROUND.replace("4000", "1000").replace("steel: C45", "steel: S355").replace("length_mm: 10", "length_mm: 3")
     said = [one.line for one in around(drive_of_text(text_of(1.0, weak))) if isinstance(one, Advice)]
-    dented = next(one for one in said if one.startswith("in a jam bearing a of the driving shaft bears 1352 N"))
+    dented = next(
+        one for one in said if one.startswith("in a jam the load of bearing a of the driving shaft is 1352 N")
+    )
     assert "drivetrain.driving_shaft.bearing_a.static_rating_n: 1353 or over" in dented
-    assert any(one.startswith("in a jam the key of the driving shaft bears 1271 MPa") for one in said)
+    assert any(one.startswith("in a jam the pressure on the key of the driving shaft is 1271 MPa") for one in said)
     without = [one.brief for one in around(drive_of_text(text_of(None, weak))) if isinstance(one, Advice)]
     assert not any("jam" in one for one in without)
 

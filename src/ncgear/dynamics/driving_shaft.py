@@ -2,7 +2,7 @@
 
 From the driving torque T follow its mean M, its swing about the mean, and the flywheel that keeps the speed even: the
 driving shaft receives M evenly and stores the energy E(phi1), the integral of M - T.  A flywheel of inertia J keeps the
-coefficient of speed fluctuation C = (largest - smallest speed) / mean speed where J C w^2 = E_max - E_min (e.g.  R.  L.
+coefficient of speed fluctuation C = (largest - smallest speed) / mean speed where J C w^2 = E_max - E_min (e.g. R. L.
 Norton, "Design of Machinery", 5th edition, 2012, section 11.11).  T is the torque at constant speed, so this holds for
 small C.
 """

@@ -188,8 +188,7 @@ ALIKE_RAD = 1e-9
 
 @dataclass(frozen=True, eq=False)
 class Near:
-    """Pairs that touch or nearly touch, at driving angles of shape s; arrays of shape s + (slots,), or s of one slot
-    each.
+    """Pairs that touch or nearly touch, at driving angles of shape s; arrays of shape s + (slots,), or s by slot.
 
     ``urge`` is +1 on pushing flanks, -1 on their backs and 0 in empty slots.  ``error_rad`` is the driven angle beyond
     the law's at which the pair touches, ``lever_mm`` the arm of its normal force about the driven axis, ``stiffness``
@@ -240,7 +239,7 @@ class Gaps:
 
     @property
     def sections(self) -> int:
-        """How many sections there are."""
+        """Number of sections."""
         return int(self.section[-1]) + 1
 
     def of_sections(self, turning: Array) -> Array:
@@ -249,8 +248,7 @@ class Gaps:
         return np.asarray(np.maximum.reduceat(turning, begins, axis=-1).sum(axis=-1))
 
     def at(self, phi1_rad: Array | float, slot: IndexArray | None = None) -> Near:
-        """The pairs near contact at driving angles in rad, of any shape; with ``slot``, of that shape, one pair at
-        each."""
+        """The pairs near contact at driving angles in rad, of any shape; with ``slot`` of that shape, those pairs."""
         value, slope = self.table.at(phi1_rad, slot)
         _, index, _ = self.table.place(phi1_rad)
         error, lever, driving, driven, stiffness = (value[..., number] for number in range(5))

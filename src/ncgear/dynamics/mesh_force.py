@@ -4,7 +4,7 @@ Wherever teeth touch, the normal of the flanks goes through the pitch point, so 
 part across the line of centres alone: F_across = T2 / r2.  The flanks' normal leans from the pitch curves' tangent by
 the rack's angle alpha of the touching side, the tangent from the normal to the line of centres by mu = atan(r1'/r1);
 the pressure angle is alpha - mu where the driving gear pushes and alpha + mu where the driven gear runs ahead and the
-back flanks hold it (F.  L.  Litvin, A.  Fuentes-Aznar, I.  Gonzalez-Perez, K.  Hayasaka, "Noncircular Gears", Cambridge
+back flanks hold it (F. L. Litvin, A. Fuentes-Aznar, I. Gonzalez-Perez, K. Hayasaka, "Noncircular Gears", Cambridge
 2009, chapter 2).
 """
 

@@ -1,7 +1,7 @@
 """Forces of the teeth for any motion of both gears: the touching pairs, their depth, and their moments on both gears.
 
-The law of impact is that of multi-body programs (MSC, "Adams/Solver" documentation, function IMPACT; after K.  H.
-Hunt, F.  R.  E.  Crossley, J.  Appl.  Mech. 42 (1975), 440-445):
+The law of impact is that of multi-body programs (MSC, "Adams/Solver" documentation, function IMPACT; after K. H.
+Hunt, F. R. E. Crossley, J. Appl. Mech. 42 (1975), 440-445):
 
     F = max(0, k d^n + c(d) d'),   c(d) = c u^2 (3 - 2 u),   u = min(1, d / d_full)
 

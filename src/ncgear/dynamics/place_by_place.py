@@ -65,7 +65,7 @@ class StateByState:
         return driving, driven, loss
 
     def _pairs(self) -> list[tuple[float, list[list[float]]]]:
-        """The side and the cubics of each pair of the interval that was asked for last."""
+        """The side and the cubics of each pair of the last requested interval."""
         if self._interval != self._gaps.index:
             self._interval = self._gaps.index
             urges = self._meshing.gaps.urge[self._interval].tolist()

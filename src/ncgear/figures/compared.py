@@ -198,7 +198,7 @@ def compared_answer(pair: ComparedPair, name: str, fit: Fit, then: str) -> Answe
         Row("transmission error", (_errors(pair),)),
     )
     return Answer(
-        f"{name}: measured gears against the exact ones, best fit by {fit.value}",
+        f"{name}: measured gears against the exact gears, best fit by {fit.value}",
         rows,
         (*_jams(pair), *(fault for one in pair.gears for fault in (*_missing(one), *_alone(one)))),
         "Deviations are positive where there is metal in excess; back and front flanks are told apart",

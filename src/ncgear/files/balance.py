@@ -120,7 +120,7 @@ def _name_natural(axes: Axes, natural_hz: Sequence[float]) -> None:
 
 
 def spread(heights: Array, gap: float) -> Array:
-    """Rising heights (shape (n,)) moved apart so that each is at least a gap above the one before it.
+    """Rising heights (shape (n,)) moved apart so that each is at least a gap above the height before it.
 
     A height that is far enough from its neighbours stays where it is.
     """

@@ -29,12 +29,12 @@ from ncgear.project.compared import ComparedGear, ComparedPair
 WIDTH_IN, HEIGHT_IN = 8.6, 10.6
 
 ENLARGED_IN_MODULES = 1.0
-"""The worst deviation is drawn about so many modules long."""
+"""Drawn length of the worst deviation in modules, about."""
 
 EXCESS_SCALE = LinearSegmentedColormap.from_list("excess", EXCESS)
 
 MANY_TEETH = 40
-"""From so many teeth on only every fifth has its number."""
+"""Number of teeth from which only every fifth tooth has its number."""
 
 BELOW_IN_MODULES = 3.2
 """Distance of a tooth's number from its tip, into the gear."""

@@ -116,7 +116,7 @@ def written_outlines(files: Mapping[str, bytes], bodies: SolidPair, *, helical: 
 
 
 def _outline_of_body(data: bytes, plan: BodyPlan, helical: bool) -> Array:
-    """The tooth outline of a written solid, moved outwards by the clearance by which the solid was made smaller."""
+    """The tooth outline of a written solid, moved outwards by the clearance that was taken off the solid."""
     height = FOOT * plan.face_width_mm if helical else (plan.chamfer_mm + plan.face_width_mm) / 2.0
     outline = outline_of_stl(data, height, hole=plan.is_ring)
     if plan.clearance_mm == 0.0:
@@ -194,7 +194,7 @@ def flattened(points_mm: Array, bulges: Array) -> Array:
 
 
 def as_chords(points_mm: Array, bulges: Array, least: Array) -> Array:
-    """A closed chain of lines and arcs (see ``ArcOutline``) as chords, of each of them at least so many, shape (n,)."""
+    """A closed chain of lines and arcs (see ``ArcOutline``) as chords, ``least`` (n,) or more for each."""
     start, count = as_complex(points_mm), np.maximum(np.ceil(least), 1).astype(int)
     chord, turn = np.roll(start, -1) - start, 4.0 * np.arctan(bulges)
     row, number = counted_up(np.zeros(count.size, dtype=int), count)

@@ -1,1 +1,1 @@
-"""What is possible: certified limits, best laws of families, makeable laws."""
+"""Best laws: certified limits, best laws of families, makeable laws."""

@@ -1,7 +1,7 @@
 """The best law of the published three-segment family: least peak acceleration under a power cap, or conversely.
 
-Seven numbers describe a law.  A stroke matters as a function of the driving angle only: speeds scale, so the law speed
-is redundant, and v1, v2 and a1 are per radian.  What is left are six numbers, the shape,
+Seven numbers describe a law.  Only the stroke as a function of the driving angle matters: speeds scale, so the law
+speed is redundant, and v1, v2 and a1 are per radian.  Six numbers remain, the shape,
 
     theta4 / period,  theta3 / theta4,  theta2 / theta3,  theta1 / theta2,  chi,  brake
 
@@ -9,10 +9,10 @@ and the skewness of the return.  The approach's velocity, a quartic with v' = 0 
 factors of its derivative, v' ~ (1 - t)(rho - t)(cos chi + sin chi t), t = phi1/theta2, rho = theta1/theta2, which stays
 regular where theta1 comes near theta2 and v1 near v2.  ``brake`` is -a1 (theta4 - theta3)/v2.
 
-All Sobol points of their box are looked at together.  From each of the best points that lie apart, sequential quadratic
-programming (D. Kraft, DFVLR-FB 88-28, 1988) goes down to a local optimum, with all samples of acceleration and power as
-constraints and the peak as a variable of its own; then it does so from random neighbours of the best.  The result is
-made into a law as a design file would make it and judged by its exact peaks.  With masses, exact peaks and samples of
+All Sobol points of their box are computed together.  From each of the best points that lie apart, sequential quadratic
+programming (D. Kraft, DFVLR-FB 88-28, 1988) descends to a local optimum, with all samples of acceleration and power as
+constraints and the peak as a separate variable; then it descends from random neighbours of the best.  The result
+becomes a law as a design file would make it, and is judged by its exact peaks.  With masses, exact peaks and samples of
 the power come from the same loaded machine (``ncgear.dynamics.loaded_machine``).  Where exact peaks exceed the cap
 between samples, the cap is tightened by the excess.  The same seed gives the same law.  A local method proves no
 optimum; the certified limits do.
@@ -67,7 +67,7 @@ CLOSED = 1e-6
 
 
 class Peak(Enum):
-    """What is to be least, or capped."""
+    """The peak that is minimized, or capped."""
 
     ACCELERATION = "peak acceleration"
     POWER = "peak power"
@@ -89,13 +89,13 @@ class Family:
 
 @dataclass(frozen=True, eq=False)
 class SampledLaws:
-    """Accelerations in mm/s^2 and powers in W (0 where they flow back), (n, points); infinite without a law."""
+    """Accelerations in mm/s^2 and powers in W (0 where power flows back), (n, points); infinite without a law."""
 
     acceleration: Array
     power: Array
 
     def of(self, peak: Peak) -> Array:
-        """The samples of which ``peak`` is the largest magnitude."""
+        """The samples whose largest magnitude is ``peak``."""
         return self.acceleration if peak is Peak.ACCELERATION else self.power
 
 
@@ -158,7 +158,7 @@ def strokes_at(family: Family, points: Array) -> tuple[WorkingStrokes[Array], Ar
 
 
 def request_at(family: Family, point: Array) -> StrokeRequest:
-    """The stroke of one point of the unit box as the solver of strokes takes it, v2 left to be found."""
+    """The stroke of one point of the unit box for the solver of strokes, which finds v2."""
     strokes, _ = strokes_at(family, point[None])
     one = {name: float(values[0]) for name, values in vars(strokes).items() if values.ndim == 1}
     omega = family.task.speed_rad_s
@@ -178,7 +178,7 @@ SOBOL_POWER = 12
 """2^12 points of the box are looked at."""
 
 AT_ONCE = 512
-"""Points that are sampled at once: with masses this takes half the time that all of them at once take."""
+"""Points that are sampled together: with masses this takes half the time of all points together."""
 
 APART = 0.2
 """Distance, in the unit box, of a start from the other starts."""
@@ -187,7 +187,7 @@ PENALTY = 20.0
 """Price of a relative excess over the cap, in peaks, while starts are chosen."""
 
 HOPS, HOP = 1, 0.1
-"""Neighbours of the best that are tried, for each start, and their standard deviation in the unit box."""
+"""Neighbours of the best point that are tried for each start, and their standard deviation in the unit box."""
 
 ALMOST = 1e-3
 """Relative excess over the cap that does not count while local optima are ranked: constraints hold to rounding."""
@@ -200,7 +200,7 @@ WITHIN = 1e-6
 """Relative excess of the exact peak over the cap that counts as none."""
 
 IMPOSSIBLE = 1e6
-"""What stands for a sample that is not finite, in units of the objective and of the cap."""
+"""Replacement for a sample that is not finite, in units of the objective and of the cap."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -220,7 +220,7 @@ class FamilyOptimum:
 
 
 def best_of_family(family: Family, least: Peak, cap: float = inf, *, seed: int = 1, starts: int = 32) -> FamilyOptimum:
-    """The law of the family with the least peak of a kind; the other kind's peak is ``cap`` at most (W or mm/s^2).
+    """The law of the family with the least peak of a kind; the other kind's peak is at most ``cap`` (W or mm/s^2).
 
     Raises NoSuchMechanism where no law of the family is found under the cap, with the least that was found.
     """
@@ -282,7 +282,7 @@ def _starts(family: Family, least: Peak, cap: float, random: np.random.Generator
 
 
 class _Descent:
-    """The constraints of one descent, with their derivatives, at the last point asked for."""
+    """The constraints of one descent, with their derivatives, at the last requested point."""
 
     def __init__(self, family: Family, least: Peak, cap: float, start: Array) -> None:
         self._family, self._least, self._cap = family, least, cap
@@ -310,7 +310,7 @@ class _Descent:
 
     def _rows(self, points: Array) -> Array:
         found = sampled_laws(self._family, points)
-        with np.errstate(invalid="ignore"):  # infinite over infinite, where there is neither law nor cap
+        with np.errstate(invalid="ignore"):  # infinite over infinite, without law and cap
             peak, other = found.of(self._least) / self._scale, found.of(_capped(self._least)) / self._cap
         self._is_peak = np.repeat([1.0, 0.0], [2 * peak.shape[1], 2 * other.shape[1]])
         rows = np.hstack([-peak, peak, 1.0 - other, 1.0 + other])
@@ -351,7 +351,7 @@ def _under_cap(family: Family, least: Peak, cap: float, point: Array) -> FamilyO
 
 
 def _made(family: Family, point: Array) -> list[FamilyOptimum]:
-    """The laws of a point of the unit box as a design file makes them, with their exact peaks; none where it cannot.
+    """The laws of a point of the unit box as a design file makes them, with their exact peaks; empty where it cannot.
 
     The first has the return of least acceleration; where the return takes power, the second has the point's own.
     """

@@ -1,9 +1,9 @@
 """A flywheel on the driven shaft as an unknown: the best law with each size of it, and the best size.
 
-The flywheel's moment of inertia adds to that of the crank, so with each size the search for a law is as without.  Two
+The flywheel's moment of inertia adds to the crank's, so the search for a law with each size is the usual search.  Two
 optima can lie side by side, one for small flywheels and one for large flywheels.  Laws are therefore followed from the
-least flywheel up and from the greatest down, each from its neighbour's law and from the law at the end where this
-began, and the best law of each size counts.
+least flywheel up and from the greatest down, each from its neighbour's law and from the law at the first size, and the
+best law of each size counts.
 """
 
 from __future__ import annotations
@@ -38,16 +38,16 @@ KNOTS = 60
 """Knots of the laws of the search, a third of a second each: 180 knots gain about as much with every flywheel."""
 
 CLOSER = 6
-"""Sizes that are tried beside the best size, and again towards the smallest size that is as good."""
+"""Sizes that are tried beside the best size, and again towards the smallest size with about the same goal."""
 
 DIGITS = 4
 """Digits of a size between others, which a workshop can read."""
 
 AS_GOOD = 2e-4
-"""Share of the greatest goal of all sizes by which a law may miss the best: of such flywheels the smallest is taken."""
+"""Largest distance from the best goal, over the greatest goal of all sizes: the smallest such flywheel is taken."""
 
 TURN_PLACES = 360
-"""Places of the crank by which the mean inertia is taken; it only says what is small."""
+"""Places of the crank for the mean inertia, which only sets a scale."""
 
 LEAST_SHARE = 1e-3
 """Least inertia of the crank, as a share of the greatest flywheel, that counts in the choice of sizes."""
@@ -62,7 +62,7 @@ class FlywheelLaw:
 
     @property
     def goal(self) -> float:
-        """What is to be least, as the law has it; it grows with the goal of the file."""
+        """The goal in the law's units; it grows with the goal of the file."""
         return self.law.goal
 
 
@@ -74,13 +74,13 @@ def mean_inertia_kg_mm2(task: Task) -> float:
 
 
 def with_flywheel(task: Task, flywheel_kg_mm2: float) -> Task:
-    """The machine with a flywheel on its driven shaft beside all that it has."""
+    """The machine with an additional flywheel on its driven shaft."""
     moving = task.moving
     return replace(task, masses=replace(moving, crank_inertia_kg_mm2=moving.crank_inertia_kg_mm2 + flywheel_kg_mm2))
 
 
 class FlywheelSearch:
-    """The laws found so far, by the flywheel; ``task`` is the machine without it, ``wishes`` what its laws must keep.
+    """The laws found so far, by the flywheel; ``task`` is the machine without it, with the ``wishes`` for its laws.
 
     ``tell`` is called with the number of laws searched for so far.
     """
@@ -91,7 +91,7 @@ class FlywheelSearch:
         self._tell, self._searched = tell, 0
 
     def of_sizes(self, least_kg_mm2: float, most_kg_mm2: float, count: int = SIZES) -> list[FlywheelLaw]:
-        """The best laws by size, in even ratios of the whole inertia; raises NoSuchMechanism where there is none."""
+        """The best laws by size, in even ratios of the whole inertia; raises NoSuchMechanism without any law."""
         own = max(mean_inertia_kg_mm2(self.task), LEAST_SHARE * most_kg_mm2)
         sizes = (np.geomspace(own + least_kg_mm2, own + most_kg_mm2, count) - own).tolist()
         sizes[0], sizes[-1] = least_kg_mm2, most_kg_mm2
@@ -146,7 +146,7 @@ class FlywheelSearch:
         return self.found[size_kg_mm2].goal if size_kg_mm2 in self.found else inf
 
     def _tried(self, size_kg_mm2: float, start: Motion | None) -> Motion | None:
-        """The motion of the law found from a start, which is kept if it is the best of its size; None without a law."""
+        """The motion of the law found from a start, or None; the law is kept if it is the best of its size."""
         from ncgear.optimum.makeable.law import kept_law
 
         if start is None:
@@ -162,7 +162,7 @@ class FlywheelSearch:
         return law.motion
 
     def _begun(self, size_kg_mm2: float) -> Motion | None:
-        """Where the first search starts; None where certainly no law keeps the limits with this flywheel."""
+        """The start of the first search; None where certainly no law keeps the limits with this flywheel."""
         try:
             return start_motion(with_flywheel(self.task, size_kg_mm2), self.wishes)
         except NoSuchMechanism:
@@ -170,12 +170,11 @@ class FlywheelSearch:
 
 
 def least_with_any(task: Task, wishes: Wishes) -> float:
-    """A value of the goal that no law has less of with any flywheel on the driven shaft, in the goal's unit.
+    """A lower bound of the goal for all laws with any flywheel on the driven shaft, in the goal's unit.
 
     The work of a cycle does not depend on the flywheel, so no peak power is under the mean power, no r.m.s. torque
-    under the mean torque, and limits in closed form hold for all.  The motion does not know the flywheel where nothing
-    of the loads is limited, so limits of acceleration and speed without such limits hold for all, too.  Of all other
-    figures only zero is known.
+    under the mean torque, and limits in closed form hold for all.  Where no load is limited, the motion does not depend
+    on the flywheel, so limits of acceleration and speed hold for all, too.  The bound of all other figures is zero.
     """
     prices = wishes.prices
     free = replace(demands_of(task, wishes), power_w=inf, braking_w=inf, fluctuation_n_mm=inf, torque_n_mm=inf)
@@ -190,7 +189,7 @@ def least_with_any(task: Task, wishes: Wishes) -> float:
 
 
 OF_TEETH = ("tooth_force_n", "flank_load_n_mm", "center_distance_mm")
-"""Figures of the gears whose limits do not depend on the motion, but for the work of a cycle."""
+"""Figures of the gears whose limits depend on the motion only by the work of a cycle."""
 
 
 def least_by_work(task: Task, wishes: Wishes) -> float:

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from ncgear.optimum.family import FamilyOptimum
 
 BEYOND = 1.02
-"""The frontier runs from just over the least power to just over the power at which acceleration gains nothing more."""
+"""Factor of the frontier's ends over the least power, and over the power from which acceleration gains nothing."""
 
 WITHIN_REACH = 1.1
 """The first cap of the limit's curve, over the least power: towards that power, accelerations grow without bound."""
@@ -71,7 +71,7 @@ def caps_w(task: Task, wishes: Wishes, count: int) -> list[float]:
 def limit_points(task: Task, wishes: Wishes, most_w: float) -> list[tuple[float, float]]:
     """The certified limit alone: caps on the power in W up to ``most_w``, and least accelerations in mm/s2.
 
-    None where nothing resists, and where the limit does not know the power.  The driving curve is left free, so these
+    Empty without resistance, and where the limit does not include the power.  The driving curve is left free, so these
     limits are a little lower than the limit at a law's own power.
     """
     if not knows_loads(task, wishes):

@@ -1,9 +1,8 @@
 """Lengths of the mechanism as unknowns: the best law with each, and the best lengths.
 
-With given lengths the search for a law is as always, from the law of the nearest lengths that were tried.  Lengths are
-tried at the ends of their ranges first, each by itself, then the best of these together (all corners where no law was
-found), and then by COBYQA (T. M. Ragonneau, Z. Zhang), which follows the goal by quadratic models within the ranges and
-needs no derivatives of it.
+For given lengths the usual search finds a law, from the law of the nearest tried lengths.  Each length is first tried
+alone at the ends of its range, then the best of these together (all corners where no law was found).  Then COBYQA (T.
+M. Ragonneau, Z. Zhang) follows the goal by quadratic models within the ranges; it needs no derivatives.
 """
 
 from __future__ import annotations
@@ -32,7 +31,7 @@ Values = tuple[float, ...]
 """A value of every unknown."""
 
 FIRST_STEP, LAST_STEP = 0.25, 0.01
-"""Shares of the ranges by which COBYQA begins to stray, and at which it ends."""
+"""First and last radius of COBYQA's trust region, as shares of the ranges."""
 
 MOST_TRIED = 15
 """Machines that COBYQA tries at most, for each unknown."""
@@ -48,7 +47,7 @@ class Unknown(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class Tried:
-    """The best law of few knots found with some values of the unknowns, and what it costs in the goal's unit."""
+    """The best law of few knots found with some values of the unknowns, and its cost in the goal's unit."""
 
     values: Values
     law: MakeableLaw
@@ -73,7 +72,7 @@ class LengthSearch:
         self._width = np.array([one.most - one.least for one in unknowns])
 
     def best(self, start: Motion | None = None) -> Tried:
-        """The best law of all that were tried; the values as given where no other law is better.
+        """The best of all tried laws; the law with the given values where no other law is better.
 
         ``start`` is a motion with the values as given.  Raises NoSuchMechanism where no law is found.
         """
@@ -104,7 +103,7 @@ class LengthSearch:
         return cheapest if first is None or cheapest.cost < (1.0 - AS_GOOD) * first.cost else first
 
     def _best_alone(self, given: Values, number: int) -> float:
-        """The best of an unknown's value as given and both ends of its range, where all others are as given."""
+        """The best of an unknown's given value and both ends of its range, with the given values of all others."""
         one = self.unknowns[number]
         tried = [
             self._tried((*given[:number], value, *given[number + 1 :]))
@@ -135,7 +134,7 @@ class LengthSearch:
         return tuple(made)
 
     def _cost(self, values: Values) -> float:
-        """What the best law costs; as much as the worst law found where there is none, since a model needs a number."""
+        """The cost of the best law; without a law the cost of the worst law found, since a model needs a number."""
         tried = self._tried(values)
         return max(one.cost for one in self._laws) if tried is None else tried.cost
 
@@ -174,11 +173,11 @@ class LengthSearch:
 
 
 def least_with_any_lengths(task: Task, wishes: Wishes, least_stroke_mm: float | None) -> float:
-    """A value of the goal that no law has less of with any mechanism, in the goal's unit.
+    """A lower bound of the goal for all laws with any lengths of the mechanism, in the goal's unit.
 
-    With a stroke that is held the work of a cycle is known, which bounds mean power, tooth force and flank load;
-    ``least_stroke_mm`` is None then, and else the least of all strokes in mm or rad.  Whatever moves the output, its
-    peaks of speed, acceleration and jerk have a least value.  Of all other figures only zero is known.
+    With a fixed stroke the work of a cycle is known, which bounds mean power, tooth force and flank load;
+    ``least_stroke_mm`` is None then, and else the least of all strokes in mm or rad.  For any mechanism, peaks of
+    speed, acceleration and jerk of the output have a least value.  The bound of all other figures is zero.
     """
     prices, held = vars(wishes.prices), least_stroke_mm is None
     stroke_mm = task.linkage.stroke_mm if least_stroke_mm is None else least_stroke_mm

@@ -1,4 +1,4 @@
-"""What a machine with all its masses feels at places of the crank, for any motion of the crank.
+"""The loads of a machine with all its masses at places of the crank, for any motion of the crank.
 
 Let phi2 be the crank's angle, s = dphi2/dphi1, q = s^2, primes by phi2 and w the driving shaft's constant speed.  The
 crank turns with the speed w s, and its acceleration is w^2 s s' = w^2 q'/2.  The acceleration of every point of a
@@ -7,9 +7,9 @@ Euler's equations (``ncgear.mechanisms.forces``):
 
     force = static + w^2 (by_q q + by_rate q'/2)
 
-The static part holds resistance and weights.  The three columns follow from the mechanism's own equations, which are
-solved at rest, at unit speed and at unit acceleration of the crank.  So every size or bound of such a force is convex
-in q.  The kinetic energy of all that moves with the crank is J(phi2) w^2 q / 2, and the crank's torque is
+The static part holds resistance and weights.  The three columns follow from the mechanism's own equations, solved at
+rest, at unit speed and at unit acceleration of the crank.  So every size or bound of such a force is convex in q.  The
+kinetic energy of all that moves with the crank is J(phi2) w^2 q / 2, and the crank's torque is
 
     M2 = static + w^2 (J' q + J q') / 2
 
@@ -64,11 +64,11 @@ class Affine:
 class MachineLoads:
     """The loads of a machine at n crank angles.
 
-    ``torque_n_mm`` is asked of the driven gear in the sense of the crank's turning.  ``bearing_n`` is the force that
-    the crank's bearings and the teeth together exert on the crank; where the teeth are left out, the force of the
-    bearings alone.  ``joints_n`` are the forces between the bodies by the mechanism's names, ``guide_n`` presses on the
-    slider across its line.  ``shaking_n`` is the force of the moving masses on the frame, without weights and
-    resistance.  ``inertia_kg_mm2`` is J, with all that turns with the crank, and ``inertia_slope_kg_mm2`` is dJ/dphi2.
+    ``torque_n_mm`` is the torque on the driven gear in the sense of the crank's turning.  ``bearing_n`` is the force
+    that the crank's bearings and the teeth together exert on the crank; without teeth, the force of the bearings alone.
+    ``joints_n`` are the forces between the bodies by the mechanism's names, ``guide_n`` presses on the slider across
+    its line.  ``shaking_n`` is the force of the moving masses on the frame, without weights and resistance.
+    ``inertia_kg_mm2`` is J, with all that turns with the crank, and ``inertia_slope_kg_mm2`` is dJ/dphi2.
     """
 
     crank_angle_rad: Array
@@ -82,14 +82,14 @@ class MachineLoads:
 
 
 REST, UNIT_SPEED, UNIT_ACCELERATION = (0.0, 0.0), (1.0, 0.0), (0.0, 1.0)
-"""Speed in rad/s and acceleration in rad/s^2 of the crank from which the three columns follow."""
+"""Speeds in rad/s and accelerations in rad/s^2 of the crank for the three columns."""
 
 
 def machine_loads(mechanism: Mechanism, masses: Masses, crank_angle_rad: Array, resistance_n: Array) -> MachineLoads:
     """The loads at crank angles in rad, where a resistance in N acts on the slider along -x; shape (n,) each.
 
-    ``masses`` are of the mechanism's class ``MASSES``.  At a dead centre, where the resistance jumps, the caller's
-    resistance says which side is meant.
+    ``masses`` are of the mechanism's class ``MASSES``.  At a dead centre, where the resistance jumps, the given
+    resistance decides the side.
     """
     angle = Jet.variable(crank_angle_rad, 2)
     weightless = replace(masses, gravity_m_s2=(0.0, 0.0))
@@ -124,7 +124,7 @@ def _joint(name: str) -> Callable[[JointForces], Vector]:
 
 
 def _column(term: Term, count: int) -> Array:
-    """Values of shape (count,), or (count, 2) of a vector, also where a mechanism gives a plain number."""
+    """Values of shape (count,), or (count, 2) for a vector, even where a mechanism gives a plain number."""
     if isinstance(term, Vector):
         return np.stack([np.broadcast_to(one, count) for one in (term.x, term.y)], axis=-1)
     return np.array(np.broadcast_to(term, count), dtype=float)

@@ -1,4 +1,4 @@
-"""The refusals of wishes and limits that no law keeps together, with values that could be asked for instead."""
+"""Refusals of wishes and limits that no law keeps together, with possible values instead."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.wishes.wish import Offer
 
 Told = Callable[[str, Sequence[Offer]], str]
-"""Makes one text from the words of a refusal and the offers."""
+"""A function from the words of a refusal and the offers to one text."""
 
 
 class Refused(NoSuchMechanism):
     """The refusal of wishes and limits that no law keeps together, with offers.
 
-    ``told`` makes one sentence from ``said`` and the offers.  With ``each``, every offer alone is enough; without it,
-    all offers are needed together.  ``found`` is true where laws were found with the offers.
+    ``told`` makes a sentence from ``said`` and the offers.  With ``each``, every offer alone is enough; without it, all
+    offers are needed together.  ``found`` is true where laws were found with the offers.
     """
 
     def __init__(self, said: str, offers: Sequence[Offer], key: str, told: Told, *, each: bool, found: bool) -> None:
@@ -23,7 +23,7 @@ class Refused(NoSuchMechanism):
         self.said, self.offers, self.told, self.each, self.found = said, tuple(offers), told, each, found
 
     def among(self, allowed: Callable[[Sequence[Offer]], bool]) -> Refused:
-        """The same refusal with the offers that are allowed; with none where all are needed and not allowed."""
+        """The same refusal with the allowed offers; without offers where all are needed but not all are allowed."""
         alone = [one for one in self.offers if allowed([one])] if self.each else self.offers
         offers = alone if self.each or allowed(self.offers) else ()
         return Refused(self.said, offers, self.key, self.told, each=self.each, found=self.found)

@@ -1,7 +1,7 @@
-"""What a mechanism has to do, the limits that it must keep, and the figures of a law for it.
+"""The task of a mechanism, its limits, and the figures of a law for it.
 
-What a machine with all its masses feels is taken from the loaded machine (``ncgear.dynamics.loaded_machine``) at
-constant driving speed, so peaks are exact.  Motor power is the driving shaft's torque times its speed: positive where
+The loads of a machine with all its masses come from the loaded machine (``ncgear.dynamics.loaded_machine``) at constant
+driving speed, so peaks are exact.  Motor power is the driving shaft's torque times its speed: positive where
 the motor drives, negative where it brakes.
 """
 
@@ -51,7 +51,7 @@ class GearSize:
         """The greatest length that a pair of this size rolls across the line of centres in one cycle.
 
         The pitch curves' own length bounds it where teeth and module are given.  With a centre distance a the driven
-        gear's radius a i/(1 + i) is concave in i, so its mean over the crank's turn is at most that at the mean ratio.
+        gear's radius a i/(1 + i) is concave in i, so its mean over the crank's turn is at most its value at the mean i.
         """
         if self.teeth is not None and self.module_mm is not None:
             return self.teeth * pi * self.module_mm / lobes.driving
@@ -61,7 +61,7 @@ class GearSize:
 
 
 FLUCTUATION = 0.05
-"""Coefficient of speed fluctuation where none is wanted; the default of the key in a design file."""
+"""Coefficient of speed fluctuation without a wish; the default of the key in a design file."""
 
 
 @dataclass(frozen=True)
@@ -70,9 +70,9 @@ class Task:
 
     ``masses`` are the moving masses, of the mechanism's class ``MASSES``; with None only the resistance acts.
     ``gears`` is the size of the pair, which the force between teeth needs; None where it is not known.
-    ``speed_fluctuation`` is the coefficient, largest less smallest speed over the mean, for which a flywheel on the
+    ``speed_fluctuation`` is the coefficient, largest minus smallest speed over the mean, for which a flywheel on the
     driving shaft is computed.  ``guide_friction`` is the coefficient of friction of the slider in its guide, which
-    figures count.  ``harmonics_above`` is the order above which harmonics count; None where none is asked about.
+    figures count.  ``harmonics_above`` is the order above which harmonics count; None where no harmonics count.
 
     Raises WrongInput for a speed that is not positive and for a driven gear of several lobes.
     """
@@ -95,7 +95,7 @@ class Task:
 
     @property
     def moving(self) -> Masses:
-        """The masses that move; all zero where there are none."""
+        """The moving masses; all zero where there are none."""
         return self.linkage.MASSES() if self.masses is None else self.masses
 
     def loaded(self, machine: Machine, between: Transmission | None = None) -> RigidMachine:
@@ -128,7 +128,7 @@ LOAD_LIMITS = (
     "flank_load_n_mm",
     "torque_harmonics_n_m",
 )
-"""What the machine feels besides its peak power, by its names in ``Limits``, in ``Figures`` and in design files."""
+"""Loads of the machine besides its peak power, by their names in ``Limits``, in ``Figures`` and in design files."""
 
 
 @dataclass(frozen=True)
@@ -187,7 +187,7 @@ class Limits:
 
 
 TEETH = 100
-"""Teeth per lobe of the pair whose curves are measured; the figures are ratios, so any size does."""
+"""Teeth per lobe of the pair for measuring curves; the figures are ratios, so any size is right."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -224,9 +224,9 @@ class Figures:
 
 
 def by_limit(found: Figures, pressure_angle_deg: float) -> dict[str, float | None]:
-    """Figures by the keys of their limits in a design file: those of the motion in both units of an output.
+    """Figures by the keys of their limits in a design file; figures of the motion in both units of an output.
 
-    The pressure angle, which counts the rack's own, is that of the pair that is told of.
+    The pressure angle includes the rack's own and belongs to the described pair.
     """
     moved = ("peak_speed", ""), ("peak_acceleration", "2"), ("peak_jerk", "3"), ("acceleration_harmonics", "2")
     alike = "peak_power_w", "ratio_max", "center_distance_mm", *LOAD_LIMITS
@@ -265,7 +265,7 @@ class Prices:
 
     @property
     def of_loads(self) -> bool:
-        """Whether any figure of ``ncgear.optimum.task`` but the peak power has a price."""
+        """Whether any figure of ``ncgear.optimum.task`` except the peak power has a price."""
         return any(getattr(self, name, 0.0) for name in LOAD_LIMITS)
 
     def of(self, found: Figures) -> float:
@@ -337,7 +337,7 @@ def felt(rigid: RigidMachine, speed_fluctuation: float) -> dict[str, Any]:
     The braking power is the largest power that flows back to the motor, 0 where none does.  The r.m.s. torque is over
     the driving angle.  The flywheel is the inertia on the driving shaft, its gear included, that keeps the coefficient
     of speed fluctuation where the motor's torque is even: the motor then delivers the mean power alone.  The bearing
-    force is that on the crank's bearings, the teeth's apart, the shaking force that of the moving masses on the frame.
+    force acts on the crank's bearings, without the teeth's; the shaking force is that of moving masses on the frame.
     """
     shaft, cycle = DrivingShaft(rigid), broken_cycle(rigid)
     free = replace(rigid.machine, load=SliderLoad())
@@ -348,7 +348,7 @@ def felt(rigid: RigidMachine, speed_fluctuation: float) -> dict[str, Any]:
         "rms_torque_n_m": shaft.rms_torque_n_m,
         "flywheel_kg_mm2": shaft.fluctuation.flywheel_kg_mm2(speed_fluctuation),
         "bearing_force_n": largest_over(rigid, cycle, lambda loads: loads.crank_bearing).value,
-        # What the frame feels without weights and resistance: the reactions of bearings and guide
+        # The frame's load without weights and resistance: the reactions of bearings and guide
         "shaking_force_n": largest_over(
             inert, broken_cycle(inert), lambda loads: Vector(loads.crank_bearing.x, loads.crank_bearing.y + loads.guide)
         ).value,
@@ -358,7 +358,7 @@ def felt(rigid: RigidMachine, speed_fluctuation: float) -> dict[str, Any]:
 def tooth_force_n(rigid: RigidMachine) -> float:
     """Largest force between the teeth along the flanks' normal; infinite where flanks carry at 90 degrees or more.
 
-    All of it counts as carried at the pitch point, where the force of one pair of teeth or of several has the same arm.
+    All of it counts at the pitch point, where the force of one pair of teeth or of several has the same arm.
     """
     cycle = broken_cycle(rigid)
     least, most = (end.value for end in range_over(rigid, cycle, lambda loads: loads.mesh_force.size_n))

@@ -48,7 +48,7 @@ def task_of(design: Design, gears: TrainInertia) -> task.Task:
     require_whole_turns(design, "the search for a best law")
     linkage, given, limits = mechanism_of(design.linkage), design.masses, (design.optimize or Optimize()).limits
     if not linkage.RETURNS:
-        problem = f"{linkage.NAME} moves nothing to and fro, and the best law is sought for strokes only"
+        problem = f"{linkage.NAME} moves nothing to and fro, and the search for a best law takes strokes only"
         raise WrongInput(f"{problem}; a mechanism with dead centres is right", key="linkage")
     _refuse_guide_friction(design)
     return task.Task(

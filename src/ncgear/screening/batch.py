@@ -1,6 +1,6 @@
-"""Designs of one kind that are computed together: a few written out, and columns of numbers by which the others differ.
+"""Designs of a kind that are computed together: a few written designs, and columns of numbers that differ from them.
 
-No model is made for a row that differs from a written design only in numbers that a batch reads as columns.
+A row that differs from a written design only in columns of a batch needs no model.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ from ncgear.ratio.transmission import Lobes
 STROKE, HARMONIC = "three_segment_stroke", "harmonic_ratio"
 
 COLUMNS = {"linkage", "operation.speed_rpm", "gears.teeth", "gears.module_mm", "gears.center_distance_mm"}
-"""Keys, or groups of them, whose numbers a batch of any law reads as columns."""
+"""Keys, or groups of keys, whose numbers a batch of any law reads as columns."""
 
 LAW_COLUMNS = {
     STROKE: {
@@ -51,12 +51,12 @@ LAW_COLUMNS = {
     },
     HARMONIC: {"motion.cosine", "motion.sine"},
 }
-"""Those that a batch of a law reads besides."""
+"""Further columns of a batch by its law."""
 
 
 @dataclass(frozen=True)
 class BatchKind:
-    """What the designs of one batch share; ``linkage`` is the model of its mechanism's keys."""
+    """The common properties of the designs of a batch; ``linkage`` is the model of its mechanism's keys."""
 
     linkage: type[Model]
     law: tuple[Hashable, ...]
@@ -76,7 +76,7 @@ class BatchKind:
 
 
 def kind_of(design: Design) -> BatchKind | None:
-    """The batch that a design belongs to; None where it must be computed by itself."""
+    """The kind of batch of a design; None where the design must be computed alone."""
     law, entry = _law(design), entry_of(design.linkage)
     # Batches know outputs that slide and return.
     if law is None or entry.turns or not entry.load().RETURNS:
@@ -110,10 +110,10 @@ def _law(design: Design) -> tuple[Hashable, ...] | None:
 
 @dataclass(frozen=True, eq=False)
 class Batch:
-    """n designs of one kind, which all give the same keys.
+    """n designs of a kind, which all give the same keys.
 
-    ``follows`` (shape (n,)) numbers the ``written`` design that each follows; ``columns`` (shape (n,) each) are the
-    numbers at keys of the file that take the place of its own.
+    ``follows`` (shape (n,)) numbers the ``written`` design of each row; ``columns`` (shape (n,) each) are the numbers
+    at keys of the file that replace the numbers of that design.
     """
 
     kind: BatchKind
@@ -152,7 +152,7 @@ class Batch:
         return found
 
     def series(self, name: str) -> Array:
-        """A list of numbers of the motion as rows, shape (n, longest of them), zeros where it is shorter."""
+        """A list of numbers of the motion as rows, shape (n, longest list), padded with zeros."""
         lists = [getattr(design.motion, name) for design in self.written]
         rows = np.zeros((len(lists), max(map(len, lists))))
         for row, values in zip(rows, lists, strict=True):
@@ -183,7 +183,7 @@ class Batch:
 
     @property
     def output(self) -> Output:
-        """What the mechanisms move."""
+        """The output of the mechanisms."""
         return self._mechanism_class.OUTPUT
 
     @cached_property
@@ -192,7 +192,7 @@ class Batch:
 
     @cached_property
     def mechanisms(self) -> Mechanisms[Array]:
-        """The mechanisms; those whose crank cannot turn fully are not refused."""
+        """The mechanisms; a crank that cannot turn fully is not refused here."""
         with np.errstate(all="ignore"):
             return self._mechanism_class.many(**self._lengths)
 
@@ -201,12 +201,12 @@ class Batch:
 
     @cached_property
     def crank(self) -> CrankTable | None:
-        """What masses ask of the cranks, which are all of one mechanism; None without masses."""
+        """The load of masses on the cranks, which all belong to one mechanism; None without masses."""
         return None if self.kind.masses is None else crank_table(self._mechanism(0), self.kind.masses)
 
     @cached_property
     def kinks_mm(self) -> Array:
-        """Displacements at which the force sets in or ends, where masses add to it, shape (k,)."""
+        """Displacements at which the force begins or ends, where masses add to it, shape (k,)."""
         if self.kind.masses is None or self.kind.resistance.keep_negative:
             return np.empty(0)
         return self.kind.resistance.zeros_mm(self._mechanism(0).stroke_mm)
@@ -233,7 +233,7 @@ class Batch:
         return refusals(~self.mechanisms.turns_fully, self._mechanism)
 
     def refused_strokes(self) -> dict[int, DesignError]:
-        """Why strokes in the file are not those of mechanisms that turn, by the rows."""
+        """The refusals of strokes in the file that no turning mechanism has, by the rows."""
         given = self.given("motion.stroke_mm")
         if given is None:
             return {}
@@ -259,7 +259,7 @@ def refusals(doubtful: Mask, require: Callable[[int], object]) -> dict[int, Desi
 
 
 def _value(design: Design, key: str) -> Any:
-    """The value at a dotted key of a design; None where it is left out."""
+    """The value at a dotted key of a design; None for a missing key."""
     value: Any = design
     for part in key.split("."):
         value = value[int(part)] if isinstance(value, tuple) else getattr(value, part, getattr(value, f"{part}_", None))

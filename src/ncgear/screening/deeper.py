@@ -1,6 +1,6 @@
-"""The later stages of a sweep: teeth, contact and strength of one design after the other, each by its drive.
+"""The later stages of a sweep: teeth, contact and strength of single designs, each by its drive.
 
-Nothing is made that no figure needs: no solids, no written outlines, no motion in time.
+Only the parts for figures are made: no solids, no written outlines, no motion in time.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ STAGES: dict[str, dict[str, Callable[[Drive], float]]] = {
         **_strength_of(Gear.DRIVEN),
     },
 }
-"""The later stages in their order: the names of their figures, as in summary.json, and what computes each."""
+"""The later stages in their order: the names of their figures, as in summary.json, and the functions for them."""
 
 
 def stages_up_to(stage: str) -> tuple[str, ...]:
@@ -58,9 +58,9 @@ def stages_up_to(stage: str) -> tuple[str, ...]:
 
 
 def deeper_names(pairs: int, stage: str) -> tuple[str, ...]:
-    """The names of all figures of designs with so many pairs of gears up to a stage.
+    """The names of all figures up to a stage for designs with ``pairs`` pairs of gears.
 
-    Of two pairs each has its own, such as ``stage_1.teeth.driving``.
+    Each of two pairs has its own figures, such as ``stage_1.teeth.driving``.
     """
     return tuple(
         f"{_of_pair(number, pairs)}{name}"
@@ -75,7 +75,7 @@ def _of_pair(number: int, pairs: int) -> str:
 
 
 def require_stage(design: Design, stage: str) -> None:
-    """Raise WrongInput where no design of a file could get to a stage."""
+    """Raise WrongInput where no design of a file can reach a stage."""
     if design.gears is None:
         raise WrongInput(f"missing; without gears there is no stage {stage}, and --stage check is right", key="gears")
     if stage == "strength" and not design.loads_teeth:
@@ -83,9 +83,9 @@ def require_stage(design: Design, stage: str) -> None:
 
 
 def deepened(data: dict[str, Any], pairs: int, stage: str, designs: Designs) -> Designs:
-    """The same designs with the figures of the stages up to this one, as far as each of them gets.
+    """The same designs with the figures of the stages up to ``stage`` that each design reaches.
 
-    ``data`` is the file's content, of a machine with so many pairs of gears.
+    ``data`` is the file's content, of a machine with ``pairs`` pairs of gears.
     """
     rows: list[dict[str, float]] = []
     verdicts: list[str] = []
@@ -101,7 +101,7 @@ def deepened(data: dict[str, Any], pairs: int, stage: str, designs: Designs) -> 
 
 
 def _followed(design: Design | WrongInput, stage: str) -> tuple[dict[str, float], str]:
-    """The figures of one design up to where it is refused, and its verdict."""
+    """The figures of a design up to its refusal, and its verdict."""
     found: dict[str, float] = {}
     try:
         if isinstance(design, WrongInput):

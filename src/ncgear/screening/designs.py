@@ -1,7 +1,7 @@
-"""Many designs of a sweep: what varies, and their figures, or which condition they fail, as one by one.
+"""Many designs of a sweep: their varied values, and their figures or failed conditions, as of single designs.
 
-Numbers are checked against the limits of the models as arrays, and designs of one kind are computed together.  A design
-of which no batch is sure, or whose kind knows no batch, is computed by itself.
+Numbers are checked against the limits of the models as arrays, and designs of a kind are computed together.  A design
+is computed alone where no batch is sure of it, or its kind has no batch.
 """
 
 from __future__ import annotations
@@ -39,8 +39,8 @@ FINENESSES = (
     Fineness(257),
     Fineness(513),
 )
-"""The next one is tried where the one before does not resolve a law: few points on pieces that are short where strokes
-bend most, which is enough for four in five designs at the border, and harmonics begin with even pieces."""
+"""Tried in order until a law is resolved: first few points, on pieces that are short where strokes bend most, which is
+enough for four in five designs at the border; harmonics begin with even pieces."""
 
 TOGETHER = 1 << 16
 """Samples computed at once: with fewer, Python's share of each step counts (benchmarks/screening.md); with more, a
@@ -49,11 +49,11 @@ process takes more memory, 16 MB for twice as many, and gains a twentieth at mos
 
 @dataclass(frozen=True, eq=False)
 class Block:
-    """What was found about n designs.
+    """The results of n designs.
 
     ``figures`` has an array of shape (n,) for each key, NaN where the design is refused or has no such figure; ``made``
-    (shape (n,)) says which can be made.  ``verdicts`` has a word for each: ``made``, or the key at fault and what is
-    wrong, as the design by itself is refused.
+    (shape (n,)) marks makeable designs.  ``verdicts`` has a text for each: ``made``, or the key and the fault, as in
+    the refusal of the single design.
     """
 
     figures: dict[str, Array]
@@ -84,9 +84,9 @@ def screened_block(data: dict[str, Any], keys: Sequence[str], values: Array) -> 
 def _batches(
     data: dict[str, Any], written: Design, keys: Sequence[str], values: Array
 ) -> Iterator[tuple[Batch, IndexArray]]:
-    """Designs that a file may hold, in batches with their rows; rows that are in none are left to be computed singly.
+    """Designs that a file may hold, in batches with their rows; rows outside all batches must be computed alone.
 
-    Rows that differ only in keys that a batch reads share one written design.
+    Rows that differ only in columns of a batch share a written design.
     """
     kind = kind_of(written)
     read = [number for number, key in enumerate(keys) if kind is not None and kind.reads(key)]
@@ -110,7 +110,7 @@ def _batches(
 
 
 def _alike(values: Array, rows: IndexArray) -> list[IndexArray]:
-    """Those of some rows whose values (shape (n, keys)) are the same, together."""
+    """Groups of rows with equal values (shape (n, keys))."""
     if not values.shape[1] or not rows.size:
         return [rows] if rows.size else []
     group = equal_rows(values[rows])[1]
@@ -131,7 +131,7 @@ class _Table:
         self.verdicts[row] = str(error)
 
     def make(self, rows: IndexArray, figures: dict[str, Array]) -> None:
-        """Put down figures, shape (m,) each, of designs that are made."""
+        """Store figures, shape (m,) each, of makeable designs."""
         self.made[rows] = True
         for row in rows.tolist():
             self.verdicts[row] = MADE
@@ -151,9 +151,9 @@ class _Table:
 def computed_together(
     batch: Batch, rows: IndexArray, table: _Table, finenesses: Sequence[Fineness] = FINENESSES
 ) -> None:
-    """Put down what a batch is sure of, by the rows' numbers (shape (n,)).
+    """Store the sure results of a batch, by the rows' numbers (shape (n,)).
 
-    ``finenesses`` are tried one after the other, each on all designs that those before do not resolve.
+    ``finenesses`` are tried one after the other, each on all designs that the earlier ones do not resolve.
     """
     refused = refused_at_once(batch)
     for place, error in refused.items():
@@ -167,7 +167,7 @@ def computed_together(
         try:
             found = found_of(batch, laws, places, fineness, TOGETHER)
         except DesignError:
-            # A resistance that is no smooth function: each design is refused by itself.
+            # A resistance that is no smooth function: each design is refused alone.
             return
         table.make(rows[found.made], found.figures)
         for place, error in found.refused.items():
@@ -182,7 +182,7 @@ Names = np.ndarray[Any, np.dtype[np.object_]]
 class Designs:
     """n designs of a sweep, shape (n,) each: their numbers, the values by key, the figures by name, the verdicts.
 
-    Figures of a design that is refused before they are known are NaN.
+    Unknown figures of a refused design are NaN.
     """
 
     numbers: IndexArray
@@ -211,7 +211,7 @@ class Designs:
 
 
 def joined(parts: Sequence[Designs]) -> Designs:
-    """The rows of one or more tables that have the same columns, one after the other."""
+    """The rows of one or more tables with the same columns, one after the other."""
     first = parts[0]
     return Designs(
         np.concatenate([part.numbers for part in parts]),
@@ -223,9 +223,9 @@ def joined(parts: Sequence[Designs]) -> Designs:
 
 @dataclass(frozen=True)
 class Screening:
-    """What is screened: the plain values of a file, the space, and the names of the figures.
+    """A screening: the plain values of a file, the space, and the names of the figures.
 
-    ``rows`` designs that follow each other are a part, which is computed, written and gone on from as a whole.
+    ``rows`` successive designs are a part, which is computed, written and continued from as a whole.
     """
 
     data: dict[str, Any]
@@ -245,7 +245,7 @@ class Screening:
 
 
 def screened_part(screening: Screening, part: int, values: Array) -> Designs:
-    """The designs of one part, whose keys have these values; who samples them loads scipy's statistics, 68 MB."""
+    """The designs of a part with these values of keys; sampling them, which loads 68 MB, is left to the caller."""
     space, first, count = screening.space, part * screening.rows, len(values)
     found = screened_block(screening.data, space.keys, values)
     none = np.full(count, np.nan)
@@ -258,7 +258,7 @@ def screened_part(screening: Screening, part: int, values: Array) -> Designs:
 
 
 def as_in_file(data: dict[str, Any], verdict: str) -> str:
-    """A verdict whose key has the spelling of the file: the key of an angle ends in the unit that is given there."""
+    """A verdict with the key as in the file: the key of an angle ends in the file's unit."""
     key, colon, problem = verdict.partition(": ")
     if not colon or _has(data, key):
         return verdict
@@ -277,4 +277,4 @@ def _has(data: Any, key: str) -> bool:
 
 
 Counted = Callable[[int, int], None]
-"""What hears how many designs are done, and how many there are."""
+"""A function that receives the number of finished designs and the number of all designs."""

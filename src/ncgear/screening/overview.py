@@ -1,4 +1,4 @@
-"""What a sweep shows as a whole, gathered part by part: counts, refusals, the best, the Pareto set, what matters.
+"""The overview of a sweep, gathered part by part: counts, refusals, best designs, Pareto set, effects of keys.
 
 Its size grows with the Pareto set alone, not with the number of designs.  The order in which parts are computed does
 not matter, since they are gathered in the order of their numbers.
@@ -21,16 +21,16 @@ from ncgear.screening.designs import Designs, joined
 from ncgear.screening.wanted import DIGITS, Wanted, non_dominated, rounded_to
 
 BEST = 5
-"""Designs that are kept of each objective."""
+"""Number of best designs that are kept for each objective."""
 
 ALIKE = 5
-"""Digits, as many as are shown, to which designs have to differ in an objective before the next one counts."""
+"""Digits of an objective, as many as are shown; the next objective decides between designs with the same digits."""
 
 DRAWN = 4000
-"""Designs that are kept for pictures and rank correlations, drawn by lot."""
+"""Number of randomly drawn designs that are kept for pictures and rank correlations."""
 
 BINS = 10
-"""Equal parts of a key's range whose designs are told together, unless the key has fewer values."""
+"""Number of equal parts of a key's range, unless the key has fewer values."""
 
 
 @dataclass(frozen=True)
@@ -44,11 +44,11 @@ class Refusal:
 
 @dataclass(frozen=True, eq=False)
 class Effects:
-    """Designs by the values of each key: shape (keys, bins) each, and (keys, bins, objectives) of the sums.
+    """Designs by the values of each key: shape (keys, bins) each, and (keys, bins, objectives) for the sums.
 
     ``edges`` has shape (keys, bins + 1), and ``places`` the middles, or the values themselves where a key has few; bins
-    that a key does not need stay empty.  ``sums`` and ``squares`` are those of the objectives less ``origin``, over the
-    designs that are kept.
+    that a key does not need stay empty.  ``sums`` and ``squares`` are of the objectives minus ``origin``, over the kept
+    designs.
     """
 
     edges: Array
@@ -62,14 +62,14 @@ class Effects:
 
     @property
     def refused_share(self) -> Array:
-        """The share of designs that cannot be made, shape (keys, bins); NaN where no design is."""
+        """The share of designs that cannot be made, shape (keys, bins); NaN for bins without designs."""
         with np.errstate(invalid="ignore"):
             share: Array = 1.0 - self.made / self.designs
         return share
 
     @property
     def means(self) -> Array:
-        """The mean of each objective over the designs that are kept, shape (keys, bins, objectives)."""
+        """The mean of each objective over the kept designs, shape (keys, bins, objectives)."""
         assert self.origin is not None
         with np.errstate(invalid="ignore"):
             means: Array = self.origin + self.sums / self.kept[..., None]
@@ -79,9 +79,9 @@ class Effects:
     def explained(self) -> Array:
         """The share of the variance of each objective that each key explains alone, shape (keys, objectives).
 
-        It is the correlation ratio: the variance of the means in the bins over the whole variance, less what bins
-        without any effect would show by chance, ``(bins - 1) / (n - 1)``.  With keys that are sampled independently it
-        estimates Sobol's index of first order.  NaN where an objective does not vary.
+        It is the correlation ratio: the variance of the means in the bins over the whole variance, minus its
+        expectation for keys without effect, ``(bins - 1) / (n - 1)``.  For independently sampled keys it estimates
+        Sobol's index of first order.  NaN where an objective does not vary.
         """
         count = self.kept.sum(axis=1)[:, None]
         with np.errstate(invalid="ignore", divide="ignore"):
@@ -98,10 +98,10 @@ class Effects:
 
 @dataclass(frozen=True, eq=False)
 class Overview:
-    """What is known of the parts so far; ``best`` has the best designs of each objective.
+    """The results of the parts so far; ``best`` has the best designs of each objective.
 
-    ``fronts`` are Pareto sets of parts that follow each other, each more than twice as large as the next one, so that
-    large sets are seldom joined.  ``drawn`` are designs by lot among those kept, and ``lots`` their lots, shape (n,).
+    ``fronts`` are Pareto sets of successive parts, each more than twice as large as the next, so that large sets are
+    seldom joined.  ``drawn`` are randomly drawn kept designs, and ``lots`` their random numbers, shape (n,).
     """
 
     space: Space
@@ -137,7 +137,7 @@ class Overview:
         return tuple(fronts)
 
     def with_part(self, part: Designs) -> Overview:
-        """The same with the designs of one more part."""
+        """The same with the designs of a further part."""
         made, keeps = part.made, self.wanted.kept(part)
         found = replace(
             self,
@@ -211,7 +211,7 @@ def _effects(effects: Effects, wanted: Wanted, part: Designs, keeps: Mask) -> Ef
 
 
 def _best(designs: Designs, wanted: Wanted, place: int) -> Designs:
-    """The best designs by one objective; of those that show the same digits the others decide."""
+    """The best designs by one objective; the others decide between designs with the same shown digits."""
     costs = wanted.costs(designs)
     alike = rounded_to(costs[:, place], ALIKE)
     others = [costs[:, other] for other in range(costs.shape[1]) if other != place]

@@ -1,4 +1,4 @@
-"""The figures of designs: of many from their sampled laws, and of one by the computation of a check and a build.
+"""The figures of designs: of many designs from sampled laws, and of a single design as in a check and a build.
 
 They are the peaks of the motion, the range of the ratio and the pitch curves of external pairs; both ways give the same
 keys.
@@ -32,11 +32,11 @@ from ncgear.screening.batch import Batch, refusals
 from ncgear.screening.samples import Fineness, Laws, Sampled, Samples
 
 RESOLVED = 1e-12
-"""Last coefficients, relative to a quantity's largest value, up to which a law counts as resolved: its least value, a
-hundredth of that where the ratio varies by 1:100, still has ten digits (tests/test_screening.py)."""
+"""Largest last coefficients of a resolved law, relative to a quantity's largest value: its least value, a hundredth of
+the largest where the ratio varies by 1:100, still has ten digits (tests/test_screening.py)."""
 
 SEEN = 2
-"""Fewest samples of a law on a panel of the force; peaks between two samples make panels that are narrower still."""
+"""Fewest samples of a law on a panel of the force; peaks between two samples make even narrower panels."""
 
 ROUNDED_RAD = 1e-9
 """Driving angle that messages round to zero."""
@@ -46,8 +46,8 @@ ROUNDED_RAD = 1e-9
 class Curves:
     """The ratios and the shape of the pitch curves of n laws at their samples, shape (p, m, n) each.
 
-    ``tangent`` is that of the angle between the curves and the normal to the centre line, ``rates`` the curves' length
-    per share of a piece over the centre distance, ``driving`` and ``driven`` their curvatures times it.
+    ``tangent`` belongs to the angle between the curves and the normal to the centre line, ``rates`` is the curves'
+    length per share of a piece over the centre distance, ``driving`` and ``driven`` are their curvatures times it.
     """
 
     ratio: Functions
@@ -60,8 +60,8 @@ class Curves:
 def curves_of(samples: Samples) -> Curves:
     """The curves of laws: the equations of ``optimum.makeable.quantities`` with their common parts computed once.
 
-    With r = 1 + i and t = f'/r, (r^2 + f'^2)^(1/2) is r (1 + t^2)^(1/2), and the root of the driven curve is that of
-    the driving one times s:  the curvatures are (1 + t^2)^(-3/2) times (r + s f'') and s (r + f'^2 - f'').
+    With r = 1 + i and t = f'/r, (r^2 + f'^2)^(1/2) is r (1 + t^2)^(1/2), and the root of the driven curve is the
+    driving curve's times s: the curvatures are (1 + t^2)^(-3/2) times (r + s f'') and s (r + f'^2 - f'').
     """
     across = 1.0 + samples.ratio
     steep = samples.first / across
@@ -83,11 +83,11 @@ def curves_of(samples: Samples) -> Curves:
 
 
 BOTH = 1.0, -1.0
-"""Signs of a value of which the magnitude is asked."""
+"""Signs for the magnitude of a value."""
 
 
 def _died_away(quantities: Iterable[Functions], there: Mask) -> Mask:
-    """Of which laws the last coefficients of all quantities have died away on the pieces that are there."""
+    """Whether the last coefficients of all quantities of each law have died away on the existing pieces."""
     resolved = np.ones(there.shape[1], dtype=bool)
     for functions in quantities:
         counted = there[: len(functions.values)]
@@ -106,11 +106,11 @@ def _closes(samples: Samples, ratio: Functions) -> Mask:
 
 
 def single_figures(design: Design) -> dict[str, float]:
-    """Every figure of a design; raises WrongInput or NoSuchMechanism where it cannot be made."""
+    """All figures of a design; raises WrongInput or NoSuchMechanism where it cannot be made."""
     drive = Drive(design)
     low, high = drive.transmission.ratio_range
-    # With two stages each pair has its own curves, and only a build tells them apart.  Whether teeth can roll on the
-    # curves is asked before the peaks of the motion, which take longest.
+    # With two stages each pair has its own curves, and only a build distinguishes them.  Whether teeth can roll on the
+    # curves is tested before the peaks of the motion, which take longest.
     pitch = _pitch(drive) if _has_pitch(design) else {}
     return {
         "drive.law_speed_rpm": drive.law_speed_rpm,
@@ -128,7 +128,7 @@ WITH_MASSES = tuple(f"check.{key}" for key in OF_MASSES if not key.endswith("_at
 
 
 NO_NUMBERS = ("mesh", "concave", "_at_rad")
-"""What is in the keys of what pitch curves have beside numbers that every pair has."""
+"""Parts of the keys of pitch curves' values that are not numbers of every pair."""
 
 CURVES = tuple(key for key in PITCH if not any(word in key for word in NO_NUMBERS))
 """Keys of the numbers of a pair of pitch curves."""
@@ -144,7 +144,7 @@ def _pitch(drive: Drive) -> dict[str, float]:
 
 
 def figure_names(design: Design) -> tuple[str, ...]:
-    """The keys of the figures of a design and of those that differ from it in numbers, in their order."""
+    """The keys of the figures of a design, and of designs with other numbers, in their order."""
     mechanism = entry_of(design.linkage).load()
     output = mechanism.OUTPUT
     stroke = (f"closure.stroke_residual_{output.place.ending}",) if mechanism.RETURNS else ()
@@ -166,7 +166,7 @@ def figure_names(design: Design) -> tuple[str, ...]:
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """What a batch is sure of: rows of the designs that are made and their figures, shape (m,) each, and refusals."""
+    """The sure results of a batch: rows of the makeable designs and their figures, shape (m,) each, and refusals."""
 
     made: IndexArray
     figures: dict[str, Array]
@@ -174,14 +174,14 @@ class Found:
 
 
 def found_of(batch: Batch, laws: Laws, rows: IndexArray, fineness: Fineness, together: int) -> Found:
-    """The figures and refusals of those of some designs that a batch is sure of when sampled so finely.
+    """The figures and refusals of the rows of which a batch, sampled at a fineness, is sure.
 
-    ``together`` samples are computed at once.  Whether teeth can roll on the pitch curves is asked before the motion,
-    as for a design by itself: curves that are known are enough to refuse it.
+    ``together`` samples are computed at once.  Whether teeth can roll on the pitch curves is tested before the motion,
+    as for a single design: known curves are enough to refuse it.
     """
     count = max(1, together // fineness.samples(batch.kind))
     steeper_deg, speed_rad_s = _steeper_deg(batch), batch.column("operation.speed_rpm") * RAD_S_PER_RPM
-    # Designs that cannot be made give numbers that are not finite, and the batch is not sure of these.
+    # Designs that cannot be made give infinity or NaN, and the batch is not sure of these.
     with np.errstate(all="ignore"):
         parts = [
             _measured(laws.sampled(block, fineness), batch, steeper_deg[block], speed_rad_s[block])
@@ -273,9 +273,9 @@ def _measured(found: Sampled, batch: Batch, steeper_deg: Array, speed_rad_s: Arr
 
 
 def _rolling(batch: Batch, measured: dict[str, Array]) -> tuple[Mask, dict[int, DesignError]]:
-    """Whose teeth fill the pitch curves and can push, and why others cannot, by their rows.
+    """Whether the teeth of each design fill the pitch curves and can push, and refusals by their rows.
 
-    Those that do not and are not refused are left to a single computation.
+    Designs that do not and are not refused are left to single computations.
     """
     _, fits = _distance(batch, measured["length"])
     racks = [design.gears.rack for design in batch.written if design.gears is not None]
@@ -303,7 +303,7 @@ def _figures(batch: Batch, measured: dict[str, Array]) -> dict[str, Array]:
 
 
 def _force_is_seen(resistance: Resistance, displacement_mm: Array, stroke_mm: Array, known: Mask) -> Mask:
-    """Whether every panel of the force's curve holds two samples of the law, so that none hides a peak."""
+    """Whether every panel of the force's curve has two samples of the law, so that no panel hides a peak."""
     if not known.any() or not (panels := resistance.panels_mm(float(stroke_mm[known].max()))).size:
         return known
     laws = displacement_mm.reshape(-1, stroke_mm.size).T
@@ -353,7 +353,7 @@ def _pitch_figures(batch: Batch, measured: dict[str, Array]) -> dict[str, Array]
 
 
 def _distance(batch: Batch, length: Array) -> tuple[Array, Mask]:
-    """Centre distances in mm of pitch curves of a length at unit distance, and whose teeth fill them.
+    """Centre distances in mm of pitch curves of a length at unit distance, and whether teeth fill them.
 
     The formulas are those of ``pitch.pair.solved_size``, which refuses one pair.
     """

@@ -1,9 +1,9 @@
-"""Designs of one kind as sampled laws: ratio and motion of the slider at Chebyshev points of pieces of the cycle.
+"""Designs of a kind as sampled laws: ratio and motion of the slider at Chebyshev points of pieces of the cycle.
 
 Designs of a kind are computed together.  Three-segment strokes are cut at their joints and their returns into equal
 pieces of the driving angle; the equations are those of ``ratio/laws/three_segment.py``, which makes one law.  Harmonic
 laws are cut by the driven angle, in which everything is smooth and the dead centres are known; the equations are those
-of ``ratio/laws/harmonic.py``.  A design of which a batch cannot be sure is not ``sound`` and is computed by itself.
+of ``ratio/laws/harmonic.py``.  A design of which a batch is not sure is not ``sound``, and is computed alone.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ from ncgear.ratio.working_stroke import StrokeRequests, WorkingStrokes, closed_s
 from ncgear.screening.batch import Batch, BatchKind, refusals
 
 WHOLE = 0.0, 1.0
-"""Ends of the one piece of an approach."""
+"""Ends of the single piece of an approach."""
 
 THIRDS = 0.0, 1.0 / 3.0, 2.0 / 3.0, 1.0
 """Ends of the pieces of a return: where its ratio is small, a polynomial's inverse varies fast."""
@@ -51,7 +51,7 @@ WORKING_QUARTERINGS = 5
 """Quarterings of approach and braking towards where the slider hardly moves."""
 
 GUESSES = 65
-"""Even places of the approach among which the first guess is of where it moves least."""
+"""Even places of the approach for the first guess of its slowest place."""
 
 SLOWEST_STEPS = 4
 """Newton's steps from there."""
@@ -60,10 +60,10 @@ HARMONIC_PIECES = 4
 """Equal pieces of the working stroke, and of the return."""
 
 OTHER = 6
-"""How many more points of a piece judge whether a stroke closes."""
+"""Additional points of a piece for the test whether a stroke closes."""
 
 EVEN_PLACES, OFF = 16, 0.618
-"""Even places around a turn for each point of a piece, all of them this share of a step off, that judge whether a
+"""Even places around a turn for each point of a piece, and their offset as a share of a step, for the test whether a
 harmonic law closes."""
 
 
@@ -71,10 +71,9 @@ harmonic law closes."""
 class Samples:
     """n laws over one cycle of the slider, cut into p pieces of m points each; arrays have shape (p, m, n).
 
-    With the laws along the last axis numpy works along whole rows, and takes a fifth of the time for sums and extremes
-    along a piece.  ``ratio`` is i12, ``slope`` its inverse, ``first`` and ``second`` are the derivatives of ln i12 by
-    the driven angle.  ``turning`` is the driven angle per share of the piece, ``there`` (shape (p, n)) where a piece
-    has any length.
+    With the laws along the last axis numpy works along whole rows: sums and extremes along a piece take a fifth of the
+    time.  ``ratio`` is i12, ``slope`` its inverse, ``first`` and ``second`` are the derivatives of ln i12 by the driven
+    angle.  ``turning`` is the driven angle per share of the piece, ``there`` (shape (p, n)) marks pieces with a length.
     """
 
     ratio: Array
@@ -87,11 +86,11 @@ class Samples:
 
 @dataclass(frozen=True, eq=False)
 class Sampled:
-    """Samples of n laws and what is known of them besides, shape (n,) each where nothing else is said.
+    """Samples of n laws and their further values, shape (n,) each unless given otherwise.
 
     Driven angles, and the slider's velocities in mm/rad and accelerations in mm/rad^2 of the driving angle, have the
     shape of the samples, displacements in mm that of the first w pieces, which make the working stroke.
-    ``closing_error_rad`` is by how much a cycle misses its angle, from other points than the samples.
+    ``closing_error_rad`` is the error of a cycle's angle, from other points than the samples.
     """
 
     samples: Samples
@@ -123,9 +122,9 @@ def refused_at_once(batch: Batch) -> dict[int, DesignError]:
 
 @dataclass(frozen=True)
 class Fineness:
-    """How finely laws are sampled: points of a piece, and the shares at which a stroke's approach and return are cut.
+    """Fineness of samples: points of a piece, and the shares at which a stroke's approach and return are cut.
 
-    None cuts towards the place where the ratio is extreme: there the driven gear's speed may have a peak that fixed
+    Shares of None cut towards the place of the extreme ratio: there the driven gear's speed may have a peak that fixed
     pieces do not resolve.
     """
 
@@ -135,11 +134,11 @@ class Fineness:
 
     @property
     def for_strokes(self) -> bool:
-        """Whether it differs from one of as many points by its cuts of three-segment strokes alone."""
+        """Whether only its cuts of three-segment strokes distinguish it from a fineness with as many points."""
         return self.approach != WHOLE or self.returned != THIRDS
 
     def samples(self, kind: BatchKind) -> int:
-        """How many samples a law has."""
+        """Number of samples of a law."""
         if not kind.has_return:
             return 2 * HARMONIC_PIECES * self.count
         approach, returned = (
@@ -150,7 +149,7 @@ class Fineness:
 
 
 class Laws(ABC):
-    """The laws of a batch: what is the same for all blocks and finenesses of samples is computed once."""
+    """The laws of a batch, which computes values for all blocks and finenesses of samples once."""
 
     @abstractmethod
     def sampled(self, rows: IndexArray, fineness: Fineness) -> Sampled:
@@ -175,7 +174,7 @@ class _Strokes(Laws):
 
     @cached_property
     def requests(self) -> StrokeRequests[Array]:
-        """What the files ask for."""
+        """The requests of the files."""
         batch = self.batch
         return StrokeRequests(
             theta1_rad=batch.angle_rad("theta1"),
@@ -236,8 +235,8 @@ def _stroke_laws(
         turning=slope * widths[:, None],
         there=widths > 0.0,
     )
-    # The working stroke turns by what the angle differs at its ends; other points than those of the samples tell what
-    # the return turns by.
+    # The working stroke turns by the difference of the angle at its ends; other points than the samples give the turn
+    # of the return.
     (judged,) = _returned(returns, replace(points, count=count + OTHER), 0)
     closing = turned_rad + integrated(back_rad[:, None] / judged) - 2.0 * pi
     turned = integration(count) @ samples.turning[working:]
@@ -267,7 +266,7 @@ def _returned(returns: Returns | PeakedReturns, points: ReturnGrid, order: int) 
 def _working_strokes(
     strokes: WorkingStrokes[Array], linkage: Mechanisms[Array], fineness: Fineness, kinks_mm: Array
 ) -> tuple[list[Array], list[Array], Array]:
-    """The driven angle and three derivatives by the driving one, the slider's displacement and two of its derivatives.
+    """The driven angle and three derivatives by the driving angle, the slider's displacement and two derivatives.
 
     Each has shape (p, m, n).  Besides the driving angles of the ends of the pieces of each segment (shape (p + 1, n)),
     and the driven angle of the stroke, shape (n,).
@@ -286,7 +285,7 @@ def _working_strokes(
 def _segments(strokes: WorkingStrokes[Array], fineness: Fineness) -> list[Array]:
     """The driving angles of the ends of pieces of approach, pressing and braking, shape (p + 1, n) each.
 
-    They are cut as asked for, or towards where v/phi1 is least and towards theta4.  There the ratio may be nearly
+    They are cut at the given shares, or towards the least v/phi1 and towards theta4.  There the ratio may be nearly
     singular, as the slider nearly stops, or starts or ends with hardly any acceleration.
     """
     theta2, theta3, theta4 = strokes.theta2_rad, strokes.theta3_rad, strokes.theta4_rad
@@ -302,7 +301,7 @@ def _segments(strokes: WorkingStrokes[Array], fineness: Fineness) -> list[Array]
 
 
 def _broken(strokes: WorkingStrokes[Array], way: Callable[..., Advance], ends: Array, kinks_mm: Array) -> Array:
-    """Ends of pieces with those at which the output of any stroke passes a place, which are none of the others."""
+    """Ends of pieces, extended by the angles at which the output of any stroke passes a place, if no end is there."""
     low, high = ends[0], ends[-1]
     least, most = (way(strokes, one, 0)[0].value for one in (low, high))
     at = [np.clip(kink, least, most) for kink in kinks_mm if np.any((least < kink) & (kink < most))]
@@ -329,7 +328,7 @@ def _slowest(strokes: WorkingStrokes[Array]) -> Array:
 
 
 def _moved(linkage: Mechanisms[Array], driven_rad: Array, slope: Array, first: Array) -> tuple[Array, Array, Array]:
-    """The slider's displacement, velocity and acceleration at driven angles where the ratio is known, (p, m, n) each.
+    """The slider's displacement, velocity and acceleration at driven angles with known ratios, (p, m, n) each.
 
     v = x' s and a = s^2 (x'' - x' f'), primes by the driven angle.
     """
@@ -360,7 +359,7 @@ class _Harmonics(Laws):
         """Samples by the driven angle."""
         cosine, sine = (one[:, rows] for one in self._series)
         linkage, lobes, count = chosen(self.batch.mechanisms, rows), self.batch.kind.lobes, fineness.count
-        # The mechanisms all have the first one's working angle, as crank-sliders without offset do.
+        # All mechanisms have the working angle of the first, like crank-sliders without offset.
         working = float(linkage.working_angle_rad[0])
         ways = ((0.0, working), (working, 2.0 * pi))
         out, back = (np.linspace(*ends, HARMONIC_PIECES + 1) for ends in ways)

@@ -1,8 +1,8 @@
-"""What is wanted of the designs of a sweep: constraints that they keep, and objectives; which designs are best.
+"""Constraints and objectives for the designs of a sweep, and the best designs by them.
 
-A design dominates another if it is no worse in any objective and better in one.  The Pareto set are the designs that
-none dominates.  Objectives count to ``DIGITS`` digits: figures of the same size differ by rounding, and a design that
-is better by rounding alone is no other choice.
+A design dominates another if it is no worse in any objective and better in one.  The Pareto set has the designs that
+no design dominates.  Objectives count to ``DIGITS`` digits: equal figures differ by rounding, and a design that is
+better by rounding alone is no other choice.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.screening.designs import Designs
 
 DIGITS = 9
-"""Digits to which objectives differ; rounding errors of a screening change the thirteenth (benchmarks/screening.md)."""
+"""Digits of objectives that count; rounding errors of a screening change the thirteenth (benchmarks/screening.md)."""
 
 KEEP, OBJECTIVE = "--keep-if", "--objective"
 
@@ -31,7 +31,7 @@ MOST_OBJECTIVES = 4
 """Objectives beyond which nearly every design is in the Pareto set."""
 
 FEW = 64
-"""Designs that are compared each with each, before they are halved no more."""
+"""Number of designs up to which all pairs are compared, without further halving."""
 
 COMPARISONS: dict[str, Callable[[Array, float], Any]] = {
     "<=": operator.le,
@@ -54,7 +54,7 @@ class Constraint:
     number: float
 
     def kept(self, designs: Designs) -> Mask:
-        """Which designs keep it; none whose figure is not known."""
+        """Whether each design keeps it; false for an unknown figure."""
         values = designs.column(self.name)
         kept: Mask = COMPARISONS[self.comparison](values, self.number) & ~np.isnan(values)
         return kept
@@ -62,13 +62,13 @@ class Constraint:
 
 @dataclass(frozen=True)
 class Objective:
-    """A figure that is to be least, or greatest."""
+    """A figure that is minimized or maximized."""
 
     name: str
     greatest: bool = False
 
     def cost(self, designs: Designs) -> Array:
-        """What is to be least, shape (n,), to ``DIGITS`` digits."""
+        """The minimized value, shape (n,), to ``DIGITS`` digits."""
         return rounded_to(designs.column(self.name), DIGITS) * (-1.0 if self.greatest else 1.0)
 
 
@@ -87,12 +87,12 @@ class Wanted:
         return kept
 
     def costs(self, designs: Designs) -> Array:
-        """What is to be least, shape (n, objectives)."""
+        """The minimized values, shape (n, objectives)."""
         costs = [one.cost(designs) for one in self.objectives]
         return np.array(costs).reshape(len(costs), len(designs.numbers)).T
 
     def of(self, names: Iterable[str]) -> Wanted:
-        """Those that can be judged where only these columns are known."""
+        """The constraints and objectives on these columns alone."""
         known = set(names)
         return Wanted(
             tuple(one for one in self.constraints if one.name in known),
@@ -111,9 +111,9 @@ def constraint_of(text: str, names: Sequence[str]) -> Constraint:
 
 
 def objective_of(text: str, names: Sequence[str]) -> Objective:
-    """A figure's name, which is to be least; greatest with ``max:`` or a minus before it.
+    """An objective from a figure's name: minimized, or maximized with ``max:`` or a minus before it.
 
-    Raises WrongInput for a name that is not known.
+    Raises WrongInput for an unknown name.
     """
     for start, greatest in (("max:", True), ("min:", False), ("-", True), ("", False)):
         if text.startswith(start):
@@ -136,7 +136,7 @@ def objectives_of(texts: Sequence[str], names: Sequence[str]) -> tuple[Objective
 
 
 def _known(name: str, names: Sequence[str], option: str) -> str:
-    """A name of a column, which may be the last part of one alone."""
+    """The name of a column from its name or the last part of it."""
     full = [one for one in names if one == name or one.endswith(f".{name}")]
     if name in full:
         return name
@@ -150,7 +150,7 @@ def _known(name: str, names: Sequence[str], option: str) -> str:
 
 
 def rounded_to(values: Array, digits: int) -> Array:
-    """Values to so many significant digits; NaN and zero stay."""
+    """Values rounded to ``digits`` significant digits; NaN and zero stay."""
     with np.errstate(divide="ignore", invalid="ignore"):
         size = np.floor(np.log10(np.abs(values)))
     factor = 10.0 ** (digits - 1 - np.where(np.isfinite(size), size, 0.0))
@@ -161,8 +161,8 @@ def rounded_to(values: Array, digits: int) -> Array:
 def non_dominated(costs: Array) -> IndexArray:
     """The rows of ``costs``, shape (n, m), that no other row dominates, in rising order; the first of equal rows.
 
-    Rows in rising order are halved again and again: none of the first half is dominated by the second one (H. T. Kung,
-    F. Luccio and F. P. Preparata, "On finding the maxima of a set of vectors", Journal of the ACM 22, 1975).
+    Rows in rising order are halved repeatedly: no row of the second half dominates a row of the first (H. T. Kung, F.
+    Luccio and F. P. Preparata, "On finding the maxima of a set of vectors", Journal of the ACM 22, 1975).
     """
     order = np.lexsort((np.arange(len(costs)), *costs.T[::-1]))
     found: IndexArray = np.sort(_front(costs, order)) if order.size else order
@@ -170,7 +170,7 @@ def non_dominated(costs: Array) -> IndexArray:
 
 
 def _front(costs: Array, rising: IndexArray) -> IndexArray:
-    """Those of some rows, whose costs rise from the first objective on, that none of them dominates."""
+    """The rows of ``rising``, whose costs rise from the first objective on, that no row of them dominates."""
     if costs.shape[1] < 2:
         return rising[:1]
     if costs.shape[1] == 2:
@@ -205,8 +205,8 @@ def best_rows(costs: Array, count: int) -> IndexArray:
     """At most ``count`` rows of ``costs``, shape (n, m), the best first.
 
     With several objectives the rank comes first: rank 0 is the Pareto set, rank 1 that of the others, and so on.  Rows
-    of a rank are in the order of the first objective, then of the next ones, then of the rows.  Without objectives the
-    rows are spread evenly.
+    of a rank are in the order of the first objective, then of the next objectives, then of the rows.  Without
+    objectives the rows are spread evenly.
     """
     if not costs.shape[1]:
         return np.unique(np.linspace(0, len(costs) - 1, min(count, len(costs))).astype(np.intp))

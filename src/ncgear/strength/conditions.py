@@ -41,14 +41,14 @@ class Running:
         return self.module_mm * self.whole[0] / 2.0 * self.speed_rad_s / 1000.0
 
     def meetings(self, life_h: float) -> Array:
-        """How often a flank of the driving and of the driven gear meets a mate in so many hours, shape (2,)."""
+        """Number of meetings of a flank of the driving and of the driven gear with a mate in ``life_h``, shape (2,)."""
         strokes = life_h * 3600.0 * self.speed_rad_s / self.stroke_rad
         return strokes * np.array([1.0, 1.0 if self.around else self.teeth[0] / self.teeth[1]])
 
 
 @dataclass(frozen=True)
 class Overload:
-    """A jam: the torque in N mm at the driving shaft of the machine, and how many times it comes in the wanted life."""
+    """A jam: the torque in N mm at the driving shaft of the machine, and the number of jams in the wanted life."""
 
     driving_n_mm: float
     times: float

@@ -16,7 +16,7 @@ the outer point of single contact; beyond that the formula continues, but q coun
 
 **Compliance**.  The energy of bending, shear and compression of the beam between the contact and the height at which
 the first fillet passes into its root land, of the half-plane below it, and of the indentation at the contact: C.
-Weber, K.  Banaschek, "Formaenderung und Profilruecknahme bei gerad- und schraegverzahnten Raedern", Schriftenreihe
+Weber, K. Banaschek, "Formaenderung und Profilruecknahme bei gerad- und schraegverzahnten Raedern", Schriftenreihe
 Antriebstechnik 11, Vieweg 1953 (from secondary sources), in plane strain.  The body that carries the teeth is a
 half-plane: neither its twist nor its bore count, and neighbouring teeth that bear load do not feel each other.
 

@@ -120,7 +120,7 @@ def friction(choices: tuple[Choice, Choice], lubrication: str) -> float:
 
 
 def lost_w(contacts: LoadedContacts, positions: int, coefficient: float) -> float:
-    """The mean power in W that friction takes over a cycle with so many evenly spread positions."""
+    """The mean power in W that friction takes over a cycle with ``positions`` evenly spread positions."""
     return float(np.sum(coefficient * contacts.force_n * contacts.sliding_mm_s)) / positions / 1000.0
 
 

@@ -150,7 +150,7 @@ class Surfaces:
 
     @property
     def scuffing_safety(self) -> float | None:
-        """How many times hotter over its oil a contact may get until it scuffs: (T_S - T_oil) / (T - T_oil)."""
+        """Safety against scuffing, the ratio of rises over the oil's temperature: (T_S - T_oil) / (T - T_oil)."""
         if self.film is None or self.scuffing_c is None:
             return None
         heated = self.film.hottest_c - self.film.oil_c

@@ -168,7 +168,7 @@ class Vibration:
     def factors_at_speeds(
         self, phi1_rad: Array, force_n: Array, mesh: MeshStiffness, application_factor: float, faster: Array
     ) -> Array:
-        """K_V, shape (s, n), under the same forces at so many times the speed, shape (s,)."""
+        """K_V, shape (s, n), under the same forces at multiples of the speed, shape (s,)."""
         stiffness, ratio = mesh.at(phi1_rad)
         width = self.running.face_width_mm
         line = np.abs(force_n) * (application_factor * cos(self.rack_angle_rad) / width)

@@ -4,8 +4,8 @@ A rack's flank that crosses the pitch line at c touches at s = (sigma - c) cos(a
 curves have rolled to sigma, and the flank that it leaves has sin(alpha) / k + s as its radius of curvature there, k
 being the pitch curve's (``ncgear.teeth.flank``).  So the places of all pairs are known without a tooth; they end where
 the tips of circular gears of these curvatures are.  Pairs share the load as springs: each as stiff as c' of ISO 6336-1
-in its middle, softer towards its ends as the cosine of J.  I.  Pedrero, M.  Pleguezuelos, M.  Artes, J.  A.  Antona
-(Mech.  Mach.  Theory 45, 2010), and beyond its ends by the gap there, since teeth that bend touch early.  Roots have
+in its middle, softer towards its ends as the cosine of J. I. Pedrero, M. Pleguezuelos, M. Artes, J. A. Antona
+(Mech. Mach. Theory 45, 2010), and beyond its ends by the gap there, since teeth that bend touch early.  Roots have
 Y_F and Y_S of ISO 6336-3 for 2 / (k m) teeth, k being the mean over the tooth, loaded where they touch.
 
 Helical teeth are divided into sections of the face width (``ncgear.strength.sections``), which cross the pitch line one
@@ -124,7 +124,7 @@ class ToothPlan:
     advance_mm: float = 0.0
 
     def sections(self, pitch_mm: float) -> int:
-        """How many sections stand for the face width."""
+        """Number of sections of the face width."""
         return max(ceil(PER_PITCH * self.advance_mm / pitch_mm), FEWEST_SECTIONS) if self.helix_rad else 1
 
     def lean(self, angle_rad: float) -> float:
@@ -263,7 +263,7 @@ def _borne(line_n_mm: Array, stiffness: Array, gap_mm: Array) -> tuple[Array, Ar
 
 
 def slid_w(sides: list[SharedLoad], positions: int, face_width_mm: float, coefficient: float) -> float:
-    """The mean power in W that friction takes over a cycle of so many positions: places slide as fast as they turn."""
+    """The mean power in W that friction takes over a cycle of ``positions``; sliding follows from the turning."""
     rubbed = sum(
         float(np.sum(one.line_n_mm * np.abs(one.place_mm) * one.load.turning_rad_s)) / one.sections for one in sides
     )

@@ -1,10 +1,10 @@
-"""The closed outline of a gear as lines and arcs of circles that go over into each other without corners.
+"""The closed outline of a gear as lines and arcs of circles that join without corners.
 
-Drawings for cutters hold these: all programs read arcs, and few arcs follow a flank more closely than many chords.
+Drawings for cutters have these: all programs read arcs, and few arcs follow a flank more closely than many chords.
 
 Each stretch of a curve is followed by two arcs that touch each other, and that begin and end on the curve in its own
-direction (a biarc).  Of all such pairs, the pair with equally long tangents at its ends is taken.  It strays from the
-curve by the change of the curvature along it, times the square of its length, over some hundreds.  Source: K. M.
+direction (a biarc).  Of all such pairs, the pair with equally long tangents at its ends is taken.  Its distance from
+the curve is the change of the curvature along it, times the square of its length, over some hundreds.  Source: K. M.
 Bolton, "Biarc curves", Computer-Aided Design 7 (1975) 89-92.
 """
 
@@ -22,7 +22,7 @@ from ncgear.teeth.outline import exact_curves
 from ncgear.teeth.stretch import Stretch
 
 SEEN = 0.9
-"""Share of the tolerance that arcs may stray where they are looked at: between they stray by a few per cent more."""
+"""Share of the tolerance that arcs may stray at the probes: between them they stray by a few per cent more."""
 
 PROBES = np.linspace(0.0, 1.0, 9)[1:-1]
 """Shares of a biarc's way at which it is compared with its curve; its error has a few waves along the way."""
@@ -32,9 +32,8 @@ PROBES = np.linspace(0.0, 1.0, 9)[1:-1]
 class ArcOutline:
     """A closed, counter-clockwise chain of lines and arcs in mm through points (n, 2), first point not repeated.
 
-    ``bulges`` (n,) tells how it goes on from each point: 0 a line, else an arc, by the tangent of a quarter of the
-    angle that it turns by, positive counter-clockwise.  ``deviation_mm`` is the largest distance found from the exact
-    curves.
+    ``bulges`` (n,) describe the piece after each point: 0 for a line, else the tangent of a quarter of the arc's angle,
+    positive counter-clockwise.  ``deviation_mm`` is the largest distance found from the exact curves.
     """
 
     points_mm: Array
@@ -52,7 +51,7 @@ def arc_outline(gear: ToothedGear, tolerance_mm: float) -> ArcOutline:
     )
     order = np.argsort(keys, kind="stable")
     points, bulges = points[order], bulges[order]
-    # A row ends where the next begins: its last point is left out, but for the gaps of equivalent gears.
+    # A row ends where the next begins: its last point is left out, except at gaps of equivalent gears.
     real = np.abs(np.roll(points, -1) - points) > SHORTEST_IN_MODULES * module
     points, bulges = points[real], bulges[real]
     if float(np.sum(across(points, np.roll(points, -1)))) < 0.0:
@@ -97,7 +96,7 @@ def _flat(stretch: Stretch, rows: IndexArray, point: ComplexArray, bulge: Array,
 
 
 def _biarcs(stretch: Stretch, rows: IndexArray, spans: int, straight: float) -> tuple[ComplexArray, Array, Array]:
-    """Points and bulges of arcs (r, 2 spans + 1) along rows, lines where they are flat, and how far rows stray (r,)."""
+    """Points and bulges of arcs (r, 2 spans + 1) along rows, lines where they are flat, and distances of rows (r,)."""
     share = np.linspace(0.0, 1.0, spans + 1)
     point = as_complex(stretch.at(rows[:, None], share)[0])
     # At a joint of the pitch curve itself the slope may belong to the joint's other side.

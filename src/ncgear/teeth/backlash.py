@@ -5,19 +5,19 @@ The pushing flanks touch at the law's driven angle phi2(phi1), the idle flanks a
 are conjugate too, for any curves.  Between these two angles the gears are free, since a tooth that is turned off its
 loaded flank stays within the tooth without play.
 
-How much of delta is taken off the driving gear's teeth is a choice: its idle flanks are set back by t along the pitch
+The share of delta that the driving gear's teeth lose is a choice: its idle flanks are set back by t along the pitch
 curve, and the driven gear's are set forward by t before they are turned.  Flanks that cross the rolling curves at equal
-arc lengths are conjugate, so that changes nothing of the play.
+arc lengths are conjugate, so this does not change the play.
 
 The common normal of idle flanks goes through the pitch point, so its arm about the driven axis is
 
     L = r2 cos(alpha + theta),  tan(theta) = r1' / r1,
 
-wherever on the line of action they touch; alpha is the rack's pressure angle of idle flanks, r1 and r2 are the pitch
-radii and the prime is a derivative by the driving angle.  Along the normal the play is L delta.
+at any contact on the line of action; alpha is the rack's pressure angle of idle flanks, r1 and r2 are the pitch radii
+and the prime is a derivative by the driving angle.  Along the normal the play is L delta.
 
 A deviation of the tooth thickness moves idle flanks too, so that pushing flanks keep the law: by e along the pitch
-curve, on both gears, which takes 2 e cos(alpha) off the play along the normal, wherever the gears stand.
+curve, on both gears, which takes 2 e cos(alpha) off the play along the normal at every position.
 """
 
 from __future__ import annotations
@@ -37,22 +37,22 @@ from ncgear.pitch.shape import Gear
 from ncgear.teeth.form import Backlash, BasicRack
 
 MOST_THINNED = 0.8
-"""Share of half a pitch that play may take off a tooth at the pitch curve.  Less than a fifth of its thickness would be
-left, and none at its tip."""
+"""Largest share of half a pitch that play may take off a tooth at the pitch curve.  With more, less than a fifth of its
+thickness would remain, and nothing at its tip."""
 
 
 ROUNDING_MM = 1e-9
-"""What rounding may leave of a thickness."""
+"""Rounding error of a thickness."""
 
 
 @dataclass(frozen=True)
 class Play:
     """The play of a pair.
 
-    The driven gear's idle flanks stand turned by ``driven_rad``.  Where teeth have no deviation of their thickness, the
-    gear can be turned by this angle at every position.  ``least_normal_mm`` and ``largest_normal_mm`` are the play
-    along the idle flanks' normal, ``at`` driving angles in rad.  The driving gear's idle flanks are set back by
-    ``setback_mm`` along the pitch curve, and the idle flanks of both gears stand out by ``thicker_mm``.
+    The driven gear's idle flanks are turned by ``driven_rad``.  Without a deviation of the teeth's thickness, the gear
+    can turn by this angle at every position.  ``least_normal_mm`` and ``largest_normal_mm`` are the play along the idle
+    flanks' normal, ``at`` driving angles in rad.  The driving gear's idle flanks are set back by ``setback_mm`` along
+    the pitch curve, and the idle flanks of both gears stand out by ``thicker_mm``.
     """
 
     driven_rad: float
@@ -67,7 +67,7 @@ NO_PLAY = Play(0.0, Extremum(0.0, 0.0), Extremum(0.0, 0.0), 0.0)
 
 @lru_cache(maxsize=1)
 def play_of(pitch: PitchPair, rack: BasicRack, asked: Backlash) -> Play:
-    """The play asked for on pitch curves, kept for all sections; raises WrongInput where it leaves no teeth."""
+    """The wanted play on pitch curves, the same for all sections; raises WrongInput where it leaves no teeth."""
     lower, upper = asked.thickness_mm
     if not (asked.least_normal_mm or asked.driven_rad or lower or upper):
         return NO_PLAY
@@ -97,7 +97,7 @@ def play_of(pitch: PitchPair, rack: BasicRack, asked: Backlash) -> Play:
 
 
 def require_teeth(asked: Backlash, thinner_mm: float, rack: BasicRack) -> float:
-    """By how much in mm teeth may be thinner; raises WrongInput where the play that is asked for takes more."""
+    """Largest loss of the teeth's thickness in mm; raises WrongInput where the wanted play takes more."""
     allowed = MOST_THINNED * rack.pitch_mm / 2.0
     if thinner_mm >= allowed:
         given, key, unit = asked.least_normal_mm, "gears.backlash_mm", "mm"

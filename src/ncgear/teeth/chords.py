@@ -1,6 +1,6 @@
-"""Chords along many curves at once: as few as a tolerance allows, and none that strays from its curve by more.
+"""Chords along many curves at once: as few as possible, each within a tolerance of its curve.
 
-A chord of length d along which the curve turns by t misses the curve by d t / 8, so a curve needs the integral of
+Where the curve turns by t along a chord of length d, their distance is d t / 8, so a curve needs the integral of
 sqrt(ds dt / (8 tolerance)) chords.  They are placed at even shares of that integral, checked, and halved where they
 stray too far.
 """
@@ -23,20 +23,20 @@ PROBES = 33
 """Points per curve between which its turning is measured to place the chords."""
 
 SHARES = np.linspace(0.0, 1.0, PROBES)
-"""Shares of the way along the curve at which these points are."""
+"""Places of these points as shares of the way along the curve."""
 
 PLACED = 0.95
-"""Share of the tolerance for which chords are placed: between probes the turning is known to a few per cent only."""
+"""Share of the tolerance for placing chords: between probes the turning is known only to a few per cent."""
 
 GENTLE_RAD = 1.0
 """Turning of a curve below which a single chord may be enough."""
 
 SURELY_ONE = 1.0 - 1e-6
-"""Most chords, as a bound tells them, of a curve that is not probed: probes add less than the rest to their count."""
+"""Bound of the number of chords up to which a curve is not probed: probes would add less than the rest to the count."""
 
 MOST_CHORDS, MOST_OF_ONE = 30_000, 25
-"""Chords of all curves of a kind together, and of each where there are very many: 3 GB of all that follows, and many
-minutes of a build, which takes four times as long with twice as many.
+"""Most chords of all curves of a kind together, and of each where there are very many curves: they need 3 GB in later
+steps, and many minutes of a build, which takes four times as long with twice as many.
 
 Teeth of a usual module take some twenty points each; their number grows with the root of module over tolerance."""
 
@@ -68,7 +68,7 @@ class _Chords(Columns):
 
     @cached_property
     def off(self) -> Array:
-        """How far to the left of the chords' middles their curves are."""
+        """Distances of the curves to the left of the chords' middles."""
         return along(self.across, self.middle - self.start)
 
     @cached_property
@@ -78,7 +78,7 @@ class _Chords(Columns):
 
     @cached_property
     def strayed(self) -> Array:
-        """How far curves stray at most from chords: a cubic over the chord strays by sqrt(d^2 + d'^2 / 8) or less."""
+        """Largest distances of curves from chords: a cubic over the chord strays by sqrt(d^2 + d'^2 / 8) or less."""
         return np.sqrt(self.off**2 + self.tilt**2 / 8.0)
 
     @cached_property
@@ -126,7 +126,7 @@ def _chords(stretch: Stretch, row: IndexArray, share: Array) -> _Chords:
 
 
 def _near(stretch: Stretch, chords: _Chords, allowed: Array, tolerance: Array) -> _Chords:
-    """The chords, halved until none strays too far: a given chord by its ``allowed``, a half by its row's tolerance."""
+    """The chords, halved until all are near: a given chord to its ``allowed``, a half to its row's tolerance."""
     for _ in range(HALVINGS):
         cut = np.nonzero(chords.strayed > allowed)[0]
         if not cut.size:
@@ -149,21 +149,21 @@ def sampled(stretch: Stretch, tolerance: Array) -> tuple[Array, Array]:
 
 
 END_CHORD = 4.0
-"""Sagittas by which the inner end of the first or the last chord stands off its curve, so that the chord is tangent to
-the curve where it ends on it."""
+"""Distance of the inner end of the first or the last chord from its curve, in sagittas, so that the chord is tangent to
+the curve at its other end."""
 
 
 HOLLOW = 0.8
-"""Share of the tolerance for which chords of curves that may be hollow are placed.  Where such a curve begins to bulge,
-a chord strays by its sagitta and by the offset of its ends."""
+"""Share of the tolerance for placing chords of curves that may be hollow.  Where such a curve begins to bulge, a chord
+strays by its sagitta and by the offset of its ends."""
 
 
 def sampled_within(stretch: Stretch, tolerance: Array, material: float) -> tuple[Array, Array]:
-    """As ``sampled``, with chords that stray into the material only, which lies to the left (+1) or to the right (-1).
+    """As ``sampled``, with chords that stray only into the material, to the left (+1) or to the right (-1).
 
     Where a curve is hollow the points stand off it by the sagitta of the chords beside them, so that chords touch it in
     their middles.  The ends of the curves are on the curves: a first or last chord is tangent to the curve there, and
-    so short that its other end stands off by the tolerance at most.
+    so short that its other end is off the curve by at most the tolerance.
     """
     hollow = HOLLOW * tolerance
     chords = _placed(stretch, hollow)
@@ -173,7 +173,7 @@ def sampled_within(stretch: Stretch, tolerance: Array, material: float) -> tuple
         out, within = _both_sides(chords, material)
         raised = out * np.where(first | last, END_CHORD, 1.0)
         off = np.where(first, 0.0, np.maximum(np.roll(raised, 1), raised))
-        # How far a chord strays in its middle from a curve that bulges between two points that stand off it.
+        # Distance of a chord's middle from a curve that bulges between two points off the curve.
         bulging = within + (off + np.where(last, 0.0, np.roll(off, -1))) / 2.0
         cut = np.nonzero((first & last & (out > 0.0)) | (raised > most) | ((within > 0.0) & (bulging > most)))[0]
         if not cut.size:
@@ -185,7 +185,7 @@ def sampled_within(stretch: Stretch, tolerance: Array, material: float) -> tuple
 
 
 def _both_sides(chords: _Chords, material: float) -> tuple[Array, Array]:
-    """How far chords stand out of the material and how far they cut into it, at most; shape (m,) each."""
+    """Largest distances of chords outside the material and inside it; shape (m,) each."""
     off = material * chords.off
     both = np.where(np.abs(chords.tilt) > 2.0 * np.abs(off), chords.strayed, 0.0)
     return np.maximum(off, both), np.maximum(-off, both)
@@ -194,8 +194,8 @@ def _both_sides(chords: _Chords, material: float) -> tuple[Array, Array]:
 def straddled(stretch: Stretch, tolerance: Array) -> tuple[Array, Array]:
     """As ``sampled``, with chords that stray to both sides of the curves, by at most the tolerance, and so are longer.
 
-    Points stand off the curves by half of the chords' sagitta, but for ends of curves and places where a curve
-    bends the other way.
+    Points are off the curves by half of the chords' sagitta, except at ends of curves and where a curve bends the other
+    way.
     """
     chords = _placed(stretch, 2.0 * tolerance)
     most = tolerance[chords.row]
@@ -212,7 +212,7 @@ def straddled(stretch: Stretch, tolerance: Array) -> tuple[Array, Array]:
 
 
 def _standing_off(chords: _Chords, sagitta: Array, most: Array) -> Array:
-    """How far to the left of its curve each chord's beginning is put: half the smaller sagitta, or ``most``."""
+    """Offset to the left of its curve of each chord's beginning: half the smaller sagitta, or ``most``."""
     before = np.roll(sagitta, 1)
     inner = ~chords.is_first & (before * sagitta > 0.0)
     off = np.minimum(np.minimum(np.abs(before), np.abs(sagitta)) / 2.0, most)
@@ -262,10 +262,10 @@ def _left(direction: ComplexArray) -> ComplexArray:
 
 
 def _most_needed(stretch: Stretch, tolerance: Array) -> Array:
-    """Most chords that rows can need, shape (n,), infinite where the bound of a row's turning t tells nothing.
+    """Most chords that rows can need, shape (n,), infinite where the bound of a row's turning t is too large.
 
-    Such a curve is no longer than the line between its ends over cos(t / 2); the integral of sqrt(ds dt) is no greater
-    than the root of its length times t.
+    Such a curve is at most as long as the line between its ends over cos(t / 2); the integral of sqrt(ds dt) is at most
+    the root of its length times t.
     """
     most, turned = np.full(tolerance.size, np.inf), stretch.most_turning * np.abs(stretch.rolled[1] - stretch.rolled[0])
     gentle = np.nonzero(turned < GENTLE_RAD)[0]

@@ -1,6 +1,6 @@
 """The closed outline of a gear as few smooth curves: lines, arcs of circles, and cubic B-splines.
 
-Programs for solids make one face of each curve, so that a flank stays one flank, where a polygon would give a facet for
+Programs for solids make a face of each curve, so that a flank stays a single face; a polygon would give a facet for
 every chord.
 
 Each spline passes through exact points of its curve, with as few spans as a tolerance allows.  The curve is
@@ -64,34 +64,34 @@ Curve = Line | Arc | Spline
 
 @dataclass(frozen=True, eq=False)
 class Contour:
-    """Curves in order round a gear, each from the end of the last, and how far they are from the exact curves."""
+    """Curves in order round a gear, each from the end of the last, and their largest distance from the exact curves."""
 
     curves: tuple[Curve, ...]
     deviation_mm: float
 
 
 CURVES_SHARE = 0.1
-"""Share of the chord tolerance by which curves in files may differ from the exact curves.
+"""Largest distance of curves in files from the exact curves, as a share of the chord tolerance.
 
 The working flanks of an outline have a share of at least 0.15.  So faces and arcs are closer than outlines of chords,
-and gears made from them miss the law by no more."""
+and gears made from them have no larger error of the law."""
 
 SAME_IN_MODULES = 3e-8
-"""A curve this near to a line or a circle becomes a line or an arc.  It is about the distance at which programs for
-solids merge two points of teeth of module 3."""
+"""A curve this near to a line or a circle becomes a line or an arc: about the distance at which programs for solids
+merge two points of teeth of module 3."""
 
 SHORTEST_IN_MODULES = 100.0 * SAME_IN_MODULES
-"""Curves shorter than this are left out, and the curve before ends where the curve after begins: a face so narrow would
-consist of its own tolerances."""
+"""Curves shorter than this are left out, and the curve before ends where the curve after begins: so narrow a face would
+be smaller than its tolerances."""
 
 LOOKED_AT = np.linspace(0.0, 1.0, 9)
 """Shares of a curve at which it is compared with a line or a circle; it bends too little to wave between them."""
 
 
 def contour_of(gear: ToothedGear, tolerance_mm: float, flank_tolerance_mm: float | None = None) -> Contour:
-    """A gear's outline as curves within ``tolerance_mm`` of the exact ones, flanks within their own tolerance if given.
+    """A gear's outline as curves within ``tolerance_mm`` of the exact curves; flanks may have their own tolerance.
 
-    Raises Unanswered where a curve cannot be followed so, or does not begin where the last ends.
+    Raises Unanswered where this is not possible for a curve, or a curve does not begin where the last ends.
     """
     flanks, *others = exact_curves(gear.tips, gear.sides)
     module = gear.flanks.rack.module_mm
@@ -144,7 +144,7 @@ def _perhaps_plain(points: ComplexArray, within_mm: float) -> Mask:
 
 
 def _bridged(curves: list[Curve], module: float) -> list[Curve]:
-    """The curves with a line in each gap, as equivalent gears have beside lands, which belong to other circles."""
+    """The curves with a line in each gap: equivalent gears have gaps beside lands, which belong to other circles."""
     closed: list[Curve] = []
     for one, after in zip(curves, [*curves[1:], curves[0]], strict=True):
         closed.append(one)
@@ -164,7 +164,7 @@ def _ending(curve: Curve, end: Array, module: float) -> Curve:
 
 
 DEGREE = 3
-"""It is twice continuously differentiable, and every program for solids works with it."""
+"""Degree of the splines: twice continuously differentiable, and known to every program for solids."""
 
 SPANS = tuple(count for power in range(1, 10) for count in (2**power, 3 * 2 ** (power - 1)))
 """Numbers of spans that are tried in turn, up to 768; a curve that takes more is not smooth."""
@@ -182,7 +182,7 @@ class Splines:
     """Splines of the same number of spans for some rows of a stretch.
 
     ``knots`` (n + 7,), n being the spans, from 0 to 1, clamped; ``poles_mm`` (r, n + 3, 2) for the rows ``row`` (r,);
-    ``deviation_mm`` (r,) is how far points of spline and curve at the same parameter were found apart at most.
+    ``deviation_mm`` (r,) is the largest distance found between spline and curve at the same parameter.
     """
 
     row: IndexArray
@@ -219,7 +219,7 @@ def _interpolated(stretch: Stretch, rows: IndexArray, spans: int) -> Splines:
 
 
 def line_or_arc(points_mm: Array, within_mm: float) -> tuple[Line | Arc, float] | None:
-    """The line or arc from the first to the last of points (n, 2), and how far the others are; None over a distance."""
+    """The line or arc from the first to the last of points (n, 2), and its distance from the others, or None."""
     start, middle, end = points_mm[0], points_mm[len(points_mm) // 2], points_mm[-1]
     for curve in (Line(start, end), Arc(start, middle, end)):
         if (off := float(distances_mm(curve, points_mm).max())) <= within_mm:
@@ -238,7 +238,7 @@ def distances_mm(curve: Line | Arc, points_mm: Array) -> Array:
 
 
 def _circle(arc: Arc) -> tuple[Array, float]:
-    """Centre and radius of an arc's circle; a point infinitely far away where its points are in line."""
+    """Centre and radius of an arc's circle; a point infinitely far away for points in line."""
     rows = np.array([arc.middle - arc.start, arc.end - arc.start])
     if np.linalg.det(rows) == 0.0:
         return np.full(2, np.inf), 0.0
@@ -249,8 +249,8 @@ def _circle(arc: Arc) -> tuple[Array, float]:
 def ring_of_arcs(ring_mm: Array, within_mm: float) -> list[Line | Arc]:
     """A closed polygon (n, 2) as lines and arcs, each as long as it stays within a distance of all its corners.
 
-    They stay within twice that distance of the middles of its sides and so, taken as parabolas, within 17/8 of it
-    everywhere.  None takes more than a third of the corners, so that none turns by half a circle or more.
+    They stay within twice that distance of the middles of its sides and so, if these are parabolas, within 17/8 of it
+    everywhere.  Each takes at most a third of the corners, so that it turns by less than half a circle.
     """
     closed, found, first = np.vstack([ring_mm, ring_mm[:1]]), [], 0
     longest = max(1, len(ring_mm) // 3)

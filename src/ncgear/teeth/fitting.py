@@ -1,8 +1,8 @@
 """Spaces and tips of two gears fitted to each other, since each gear's tips need the other's spaces.
 
 A rack or a pinion cutter sets the depth of the spaces; tips are then as high as the mate's spaces allow.  Where the
-gears cut each other, tips are as high as regular flanks allow and do not foul the mate's on concave stretches; spaces
-are then as deep as the mate's tips reach.
+gears cut each other, tips are as high as regular flanks allow without fouling the mate's tips on concave stretches;
+spaces are then as deep as the mate's tips reach.
 """
 
 from __future__ import annotations
@@ -25,15 +25,15 @@ from ncgear.teeth.tips import Bounds, Limit, Tips, bounded, fitted_tips, held_be
 from ncgear.teeth.tool import PinionCircle
 
 FAR = 2.0
-"""Where no tool sets the depth, regular flanks are sought down to this many dedenda: deeper than any tip reaches."""
+"""Where no tool sets the depth, regular flanks are searched down to this many dedenda: deeper than any tip reaches."""
 
 BLUNT = 0.03
-"""Least land, in modules, of teeth that are tools as well: they may lose a quarter of it to the land's slope and still
-leave the least flat."""
+"""Least land, in modules, of teeth that are also tools: they may lose a quarter of it to the land's slope and still
+keep the least flat."""
 
 TURNS = 8
-"""Turns of shortening one gear's tips after the other's.  After these turns tips count as fouling at any height; three
-turns are usually enough."""
+"""Most rounds of shortening one gear's tips after the other's.  After them tips count as fouling at any height; three
+rounds are usually enough."""
 
 PairTips = tuple[Tips, Tips]
 """The driving and the driven gear's tips."""
@@ -42,7 +42,7 @@ PairTips = tuple[Tips, Tips]
 def fitted_pair(driving: Flanks, driven: Flanks, limits: TipLimits) -> PairTips:
     """Both gears with the heights and depths that their meeting allows, from flanks at full height and depth.
 
-    Raises NoSuchMechanism, naming gear and tooth, where no tip or no space is left.
+    Raises NoSuchMechanism, naming gear and tooth, where no tip or no space remains.
     """
     pairs = mating_flanks(driving.count // 2, driven.count // 2)
     clearance = driving.rack.dedendum_mm - driving.rack.addendum_mm
@@ -108,7 +108,7 @@ def _below_ceilings(tips: PairTips, limits: TipLimits) -> PairTips:
 
 
 Spaces = tuple[Array, Mask]
-"""Depths to which the spaces beside flanks may be cut, and which flanks are undercut at full depth."""
+"""Allowed depths of the spaces beside flanks, and whether flanks are undercut at full depth."""
 
 
 def _fitted_to_mates(
@@ -116,7 +116,7 @@ def _fitted_to_mates(
 ) -> PairTips:
     """Tips as high as regular flanks allow, then spaces as deep as the mates' tips reach.
 
-    Of the ways to shorten tips that foul each other the one that leaves most contact is kept.
+    Of the ways to shorten fouling tips, the way that leaves most contact is taken.
     """
     regular = (_regular_spaces(gears[0], limits.avoid_undercut), _regular_spaces(gears[1], limits.avoid_undercut))
     bounds = _bounds(gears[0], regular[1], mates[0]), _bounds(gears[1], regular[0], mates[1])
@@ -153,7 +153,7 @@ def _fitted_to_mates(
 
 
 def _regular_spaces(gear: Flanks, avoid_undercut: bool) -> Spaces:
-    """Depths to which spaces may be cut, and which flanks are undercut at the rack's full depth."""
+    """Allowed depths of spaces, and whether flanks are undercut at the rack's full depth."""
     far = FAR * gear.rack.dedendum_mm
     regular = regular_depth(gear, far)
     allowed = np.where(regular < far, CLEAR_OF_CUSPS * regular, far)
@@ -161,7 +161,7 @@ def _regular_spaces(gear: Flanks, avoid_undercut: bool) -> Spaces:
 
 
 def _bounds(own: Flanks, mate: Spaces, mates: Mates) -> Bounds:
-    """What regular flanks of the mate allow, however high the tips are."""
+    """The bounds from regular flanks of the mate, for tips of any height."""
     allowed, undercut = mate
     contact = _least(own.count, mates, allowed)
     blamed = _least(own.count, mates, np.where(undercut, 0.0, 1.0)) < 1.0
@@ -175,7 +175,7 @@ def _regular_tips(
     limits: TipLimits,
     known: Sequence[Tips | None] = (None, None),
 ) -> PairTips:
-    """Tips that meet regular flanks only; of a gear whose tips are known, these."""
+    """Tips that meet regular flanks only; for a gear with known tips, these."""
     first, second = (
         tips or fitted_tips(own, allowed, marked, max(limits.least_land_mm, BLUNT * own.rack.module_mm))
         for own, allowed, marked, tips in zip(gears, bounds, undercut, known, strict=True)
@@ -195,7 +195,7 @@ def _raised(own: Flanks, mate: Tips, mates: Mates) -> Flanks:
 
 
 def _freed(tips: PairTips, paths: tuple[TipPaths, TipPaths] | None, first: int) -> PairTips:
-    """Tips that do not foul each other, gear ``first`` shortened first; the same if none fouls, or NoSuchMechanism."""
+    """Tips that do not foul each other, gear ``first`` shortened first; unchanged if none fouls, or NoSuchMechanism."""
     if paths is None:
         return tips
     both, unchanged = list(tips), 0
@@ -231,6 +231,6 @@ def least_overlap(tips: PairTips) -> float:
 
 
 def least_contact_ratio(tips: PairTips) -> float:
-    """How many pairs of teeth are in mesh at least: the overlap in pitches."""
+    """Least number of pairs of teeth in mesh: the overlap in pitches."""
     rack = tips[0].flanks.rack
     return least_overlap(tips) / (float(rack.slants[0].height_per_rolled) * rack.pitch_mm)

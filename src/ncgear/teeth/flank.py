@@ -6,9 +6,9 @@ side s, +1 for the flank that faces growing arc length.
 
 Flank: the rack's straight side touches where its normal goes through the pitch point, at height h above the tangent: X
 = P + h (s cot(alpha) T + N), sigma = c - s h / (sin(alpha) cos(alpha)).  Its speed along itself by sigma is sin(alpha)
-+ h k / sin(alpha), k being the pitch curve's curvature.  Where that vanishes, that is where sin^2(alpha) + h k = 0, the
-flank has a cusp and ends: below the pitch curve on convex stretches, where the tool cuts the part beyond away
-(undercut), above it on concave stretches.
++ h k / sin(alpha), k being the pitch curve's curvature.  Where that vanishes (sin^2(alpha) + h k = 0), the flank has a
+cusp and ends: below the pitch curve on convex stretches, where the tool cuts the part beyond away (undercut), above it
+on concave stretches.
 
 Fillet: the envelope of the rounded tip of a tool (tool.py) whose rolling curve has the curvature k_t.  The rounding's
 centre rests in the tool.  With u T + v N from P to it, the point that touches lies on the line from P through the
@@ -24,8 +24,8 @@ where the flank crosses the pitch curve.  Exact where the curvature is constant;
 curvature's change over the distance rolled.  J. Wang, C. Wang and L. Miao call it the conversion tooth profile method
 and used it for their baler.
 
-A flank, with its fillet and all it rolls on, may stand turned about the gear's axis: so idle flanks make room for play
-(backlash.py).  Heights, arc lengths and regularity do not know of that.
+A flank, with its fillet and its rolling curve, may be turned about the gear's axis: so idle flanks make room for play
+(backlash.py).  Heights, arc lengths and regularity do not depend on that.
 """
 
 from __future__ import annotations
@@ -52,12 +52,12 @@ FLANK, FILLET = 0, 1
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
-    """Where the bottoms of spaces turn over from how a front flank stands to how the back flank behind it stands.
+    """The change of the bottoms of spaces from the turn of a front flank to the turn of the back flank behind it.
 
-    A place in a space is told by the arc length of its land, which goes on along both fillets: a fillet of a flank that
-    ends at ``end_mm`` is at end - pace (sigma - end), at the speed of the land; shape (2 z,) each.  The bottom after
-    each tooth turns over about the place ``at_mm``, where it is deepest, within ``reach_mm`` to either side, shape (z,)
-    each.
+    A place in a space is given by the arc length of its land, continued along both fillets: the fillet of a flank that
+    ends at ``end_mm`` is at end - pace (sigma - end), at the speed of the land; shape (2 z,) each.  The turn of the
+    bottom after each tooth changes about the place ``at_mm``, where it is deepest, within ``reach_mm`` to either side,
+    shape (z,) each.
     """
 
     end_mm: Array
@@ -74,11 +74,11 @@ class Flanks:
     crosses the pitch curve; ``side`` is -1 for back and +1 for front flanks.  ``tip_height_mm`` is the distance of the
     tip land from the pitch curve; ``flank_depth_mm`` is the depth below the rack's pitch line at which the flank passes
     into its fillet.  The fillet is left by ``tool``, with a tip rounded by ``root_radius_mm``.  ``turn_rad`` is the
-    angle by which a flank stands turned about the gear's axis, counter-clockwise; fillets stand like their flanks, but
-    turn over to the other side of the space where ``sweep`` says so.  ``full_tip_mm`` and ``full_root_mm`` are the
-    height of the tip and the depth of the space beside each flank that the rack asks for, profile shift included.  With
-    ``equivalent`` flanks roll on the circle of curvature at their crossing instead of on the pitch curve.  Of a gear
-    that turns less than once, only the first ``made`` teeth are made.
+    turn of a flank about the gear's axis, counter-clockwise; fillets turn like their flanks, but change to the turn of
+    the other side of the space where ``sweep`` says so.  ``full_tip_mm`` and ``full_root_mm`` are the rack's height of
+    the tip and depth of the space beside each flank, profile shift included.  With ``equivalent`` flanks roll on the
+    circle of curvature at their crossing instead of on the pitch curve.  A gear that turns less than once has only the
+    first ``made`` teeth.
     """
 
     curve: ClosedPitchCurve
@@ -103,7 +103,7 @@ class Flanks:
 
     @property
     def teeth(self) -> int:
-        """Number of teeth that are made."""
+        """Number of existing teeth."""
         return self.count // 2 if self.made is None else self.made
 
     @property
@@ -139,7 +139,7 @@ class Flanks:
 
     @cached_property
     def is_turned(self) -> bool:
-        """Whether any flank stands turned."""
+        """Whether any flank is turned."""
         return bool(np.any(self.turn_rad))
 
     @property
@@ -149,16 +149,16 @@ class Flanks:
 
     @property
     def pulling(self) -> Flanks:
-        """The flanks in the position in which the idle flanks touch, which are then at the law's angle."""
+        """The flanks in the position where the idle flanks touch; these are then at the law's angle."""
         return replace(self, turn_rad=self.turn_rad - self.turn_rad[0]) if self.is_turned else self
 
     def with_tips(self, height_mm: Array) -> Flanks:
-        """The flanks with tips of other heights; themselves where none differs."""
+        """The flanks with tips of other heights; the same flanks where no height differs."""
         return replace(self, tip_height_mm=height_mm) if np.any(height_mm != self.tip_height_mm) else self
 
     @property
     def lift_mm(self) -> Array:
-        """How far the play moves the pitch curve in or out where a flank crosses it, shape (2 z,); 0 without play."""
+        """Way by which the play moves the pitch curve in or out at each flank's crossing, shape (2 z,); 0 without."""
         at = self.crossings
         return np.abs(np.ptp(self.turn_rad) * cross(at.position, at.normal))
 
@@ -169,7 +169,7 @@ class Flanks:
 
     @cached_property
     def crossings(self) -> CurvePoints:
-        """Where all flanks cross the pitch curve, unturned, shape (2 z,)."""
+        """Crossings of all flanks with the pitch curve, unturned, shape (2 z,)."""
         return self.curve.at_length(self.crossing_mm)
 
     @cached_property
@@ -179,7 +179,7 @@ class Flanks:
         return as_complex(point), as_complex(slope)
 
     def at_rolled(self, flank: IndexArray, sigma_mm: Array) -> CurvePoints:
-        """Points of what given flanks roll on, the pitch curve or each one's circle, unturned; shapes broadcast."""
+        """Points of given flanks' rolling curves (the pitch curve or their circles), unturned; shapes broadcast."""
         if self.equivalent:
             return on_circles(self.crossings.kept(flank), sigma_mm - self.crossing_mm[flank])
         return self.curve.at_length(sigma_mm)
@@ -209,7 +209,7 @@ class Flanks:
         return as_points(point - taken * outwards), as_points(slope * inwards - taken_slope * outwards)
 
     def _relieved(self, height_mm: Array) -> tuple[Array, Array]:
-        """What the tip relief takes off along the normal at given heights, and its derivative by the height."""
+        """Depth of the tip relief along the normal at given heights, and its derivative by the height."""
         relief = self.rack.relief
         assert relief is not None
         length = relief.full_mm - relief.start_mm
@@ -255,7 +255,7 @@ class Flanks:
         return _fillet_regularity(at.curvature + tool.curvature, v, distance, self.root_radius_mm[flank])
 
     def _arm(self, flank: IndexArray, tool: CurvePoints) -> tuple[Array, Array, Array]:
-        """u, v and D of the roundings' centres from where the tool rolls."""
+        """u, v and D of the roundings' centres from the tool's rolling points."""
         arm = as_complex(self.rounding.center_mm)[flank] - as_complex(tool.position)
         u, v = along(as_complex(tool.tangent), arm), -along(as_complex(tool.normal), arm)
         return u, v, np.sqrt(u * u + v * v)
@@ -306,7 +306,7 @@ class Flanks:
     def bottom(
         self, tooth: IndexArray, place_mm: Array, pace: Array | float, curve: tuple[Array, Array]
     ) -> tuple[Array, Array]:
-        """Bottoms of spaces (``curve``) and derivatives, turned as ``sweep`` says, at places after numbered teeth.
+        """Bottoms of spaces (``curve``) and derivatives, turned by ``sweep``, at places after numbered teeth.
 
         The places grow by ``pace``, teeth count from 0; shapes broadcast.
         """
@@ -365,8 +365,8 @@ def flanks_of(
 
     Tooth 1 stands at the arc length ``start_mm``, less whole turns, so that every tooth keeps its number.  From there
     its back and its front flank are ``half_widths_mm`` away, by default a quarter of a pitch.  The driven gear's idle
-    flanks, which are its back flanks, stand turned by ``idle_turn_rad``.  With ``shifts`` each tooth and each space has
-    a profile shift of its own besides the rack's.
+    flanks, which are its back flanks, are turned by ``idle_turn_rad``.  With ``shifts`` each tooth and each space has a
+    profile shift of its own besides the rack's.
     """
     centers = remainder(start_mm, curve.length_mm) + np.arange(teeth) * (curve.length_mm / teeth)
     side = np.tile([-1.0, 1.0], teeth)
@@ -398,8 +398,8 @@ def flanks_of(
 def mating_flanks(driving_teeth: int, driven_teeth: int) -> tuple[IndexArray, IndexArray]:
     """Numbers of the driving and of the driven flank of every pair that ever meets, shape (2 lcm,) each.
 
-    A driving tooth's front flank crosses a quarter pitch after its middle, where the back flank of the driven tooth
-    half a pitch on stands; its back flank meets the front flank of the driven tooth half a pitch before.
+    A driving tooth's front flank crosses a quarter pitch after its middle, and meets there the back flank of the driven
+    tooth half a pitch later; its back flank meets the front flank of the driven tooth half a pitch before.
     """
     meeting = np.arange(lcm(driving_teeth, driven_teeth))
     own, ahead, behind = meeting % driving_teeth, meeting % driven_teeth, (meeting - 1) % driven_teeth
@@ -407,7 +407,7 @@ def mating_flanks(driving_teeth: int, driven_teeth: int) -> tuple[IndexArray, In
 
 
 def made_mates(driving: Flanks, driven: Flanks) -> tuple[IndexArray, IndexArray]:
-    """``mating_flanks`` of two gears, of which both are made."""
+    """``mating_flanks`` of two gears, for flanks that exist on both."""
     one, other = mating_flanks(driving.count // 2, driven.count // 2)
     both = driving.is_made[one] & driven.is_made[other]
     return one[both], other[both]

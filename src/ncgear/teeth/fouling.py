@@ -3,7 +3,7 @@
 On concave stretches teeth enter their spaces from above, as in a ring.  The edge of a tip is followed in the mate's
 frame; where its path crosses a tooth of the mate above the pitch curve, the edge is too high, and is lowered until its
 path just passes.  With play this is done at both ends of the play: where the pushing flanks touch and where the idle
-flanks touch.  Edges that play has turned are also checked against the bottoms of the mate's spaces: they reach places
+flanks touch.  Edges turned by the play are also checked against the bottoms of the mate's spaces: they reach places
 that no tip reaches without play.
 
 The tip of a pinion cutter may cut teeth in the same way on its way out of a space.  There nothing can be lowered: the
@@ -32,11 +32,11 @@ Mates = tuple[IndexArray, IndexArray]
 """Numbers of a gear's own flanks and of the mate's flanks that they meet."""
 
 CLEAR = 1.5
-"""Points that met count as clear when they are this many times the height of both tips apart; that covers tips that are
-raised against undercut."""
+"""Distance, in heights of both tips together, at which points that met count as clear; it covers tips that are raised
+against undercut."""
 
 PLACES = 4
-"""Steps per pitch in which the rolled length is found after which tips are clear; a finer step hardly matters."""
+"""Steps per pitch in the search for the rolled length after which tips are clear; a finer step hardly matters."""
 
 NEIGHBOURS, SPACES_BESIDE = 3, 1
 """Teeth on either side of the mating tooth, and spaces beside its space, that a tip's edge may run into on its way."""
@@ -45,13 +45,13 @@ STEPS, FLANK_POINTS = 32, 33
 """Points of a tip's path per pitch, and of a flank: chords stray by less than a five-thousandth of a module."""
 
 ASIDE = 0.02
-"""Share of a flank's height, next to the pitch curve, that is left out: there flanks touch as they should."""
+"""Share of a flank's height, next to the pitch curve, that is not tested: there flanks touch as they should."""
 
 HALVINGS = 14
-"""Halvings of the interval in which a tip's height is sought: to a 16 000th of it."""
+"""Bisections in the search for a tip's height: to a 16 000th of the first interval."""
 
 FREE = 0.995
-"""Share of the greatest free height that is used, for the chords' sake."""
+"""Used share of the greatest free height; the rest is for the error of chords."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +82,7 @@ class TipPaths:
 
 
 Fouling = Callable[[Flanks, Array, TipPaths], Mask]
-"""From flanks, heights of their tips and the paths to look at to which tips run into the mate; shape (2 z,)."""
+"""A function from flanks, heights of tips and tested paths to whether tips run into the mate; shape (2 z,)."""
 
 
 def paths_near_concave(gears: tuple[Flanks, Flanks], mates: tuple[Mates, Mates]) -> tuple[TipPaths, TipPaths]:
@@ -123,7 +123,7 @@ def _reach_mm(own: Flanks, mate: Flanks) -> float:
 
 
 def _parted_mm(own: Flanks, mate: Flanks, met: Array, rolled: Array) -> Array:
-    """How far points of both pitch curves that met at arc lengths are apart after rolling on; shape (met, rolled)."""
+    """Distance, after further rolling, of points of both pitch curves that met at arc lengths; shape (met, rolled)."""
     sigma, apart = met[:, None] + rolled, []
     for flanks in (own, mate):
         at, here = flanks.curve.at_length(sigma), as_complex(flanks.curve.at_length(met).position)
@@ -132,7 +132,7 @@ def _parted_mm(own: Flanks, mate: Flanks, met: Array, rolled: Array) -> Array:
 
 
 def freed(own: Tips, mate: Tips, paths: TipPaths) -> Tips:
-    """The gear with tips that foul the mate's on no concave stretch; raises NoSuchMechanism where none is left."""
+    """The gear with tips that foul no tooth of the mate on concave stretches; raises NoSuchMechanism without one."""
     height = mate.height_mm[:, None] * np.linspace(ASIDE, 1.0, FLANK_POINTS)
     with_play = own.flanks.is_turned or mate.flanks.is_turned
     teeth = [_teeth(stand, height) for stand in _stands(mate.flanks)[: 1 + with_play]]
@@ -140,7 +140,7 @@ def freed(own: Tips, mate: Tips, paths: TipPaths) -> Tips:
 
 
 def freed_of_bottoms(own: Tips, mate: Flanks, paths: TipPaths) -> Tips:
-    """The gear with tips that play turns into no bottom of the mate's; raises NoSuchMechanism where none is left."""
+    """The gear with tips that play turns into no bottom of the mate; raises NoSuchMechanism if none remains."""
     if not own.flanks.is_turned:
         return own
     spaces = [_spaces(stand) for stand in _stands(mate)]
@@ -165,7 +165,7 @@ def _stands(flanks: Flanks) -> tuple[Flanks, Flanks]:
 
 
 def _lowered(own: Tips, paths: TipPaths, fouling: Fouling, hit: Mask) -> Flanks:
-    """The flanks, with the tips that ``hit`` at the greatest heights at which they do not; heights by halving."""
+    """The flanks, with the tips that ``hit`` lowered to the greatest heights without fouling, by bisection."""
     full = own.flanks.tip_height_mm
     low, high, chosen, top = np.zeros_like(full), full.copy(), np.nonzero(hit)[0], own.height_mm.copy()
     for _ in range(HALVINGS):
@@ -199,7 +199,7 @@ def _in_bottoms(flanks: Flanks, top: Array, paths: TipPaths, spaces: list[Array]
 def _edges_in(
     stand: Flanks, top: Array, paths: TipPaths, outlines: Array, number: IndexArray, beside: int
 ) -> IndexArray:
-    """Flanks whose tip edges, at heights ``top``, run into the outline of their path's number or beside it."""
+    """Whether tip edges, at heights ``top``, run into the outline with their path's number or into its neighbours."""
     path = paths.in_mate(stand.flank(paths.own, top[paths.own])[0])
     return paths.own[_running_into(path, outlines, number, beside)]
 
@@ -239,17 +239,17 @@ CUTTER_STEPS = 12
 """Points per pitch of a cutter tip's path."""
 
 TANGENT = 0.15
-"""Pitches after the end of the flank in which the cutter's tip is not looked at: at first it is still tangent."""
+"""Pitches after the end of the flank in which the cutter's tip is not tested: there it is still tangent."""
 
 BEYOND = 1.2
-"""How far the cutter's tip is followed, as a share of its way out of the space in the sharpest hollow."""
+"""Way over which the cutter's tip is followed, as a share of its way out of the space in the sharpest hollow."""
 
 CUTTER_NEIGHBOURS = 2
 """Teeth on either side of a space whose tips the cutter may cut on its way."""
 
 
 def refuse_fouling_cutter(tips: Tips) -> None:
-    """Refuse a pinion cutter whose tip cuts teeth on its way out; raises NoSuchMechanism with the first flank."""
+    """Refuse a pinion cutter whose tip cuts teeth on its way out; raises NoSuchMechanism for the first flank."""
     cut = np.nonzero(_cut_on_way_out(tips))[0]
     if cut.size:
         raise NoSuchMechanism(
@@ -260,7 +260,7 @@ def refuse_fouling_cutter(tips: Tips) -> None:
 
 
 def _cut_on_way_out(tips: Tips) -> Mask:
-    """Beside which flanks the tip of a pinion cutter cuts teeth on its way out of the space; shape (2 z,)."""
+    """Whether the tip of a pinion cutter, beside each flank, cuts teeth on its way out of the space; shape (2 z,)."""
     flanks, every = tips.flanks.unturned, np.arange(tips.flanks.count)
     pitch, length = flanks.rack.pitch_mm, _way_out_mm(tips)
     start = flanks.rolled_mm(every, -flanks.flank_depth_mm)

@@ -1,8 +1,8 @@
 """Toothed gears: from the pitch curves and the form of the teeth to both gears' outlines.
 
-This is the way in to the room.  A tool is chosen, flanks stand along both pitch curves with the profile shifts that are
-given or chosen against undercut, spaces and tips are fitted to each other, and the remaining sides of the teeth make
-the outlines.
+This is the entrance to the room.  It chooses a tool, places flanks along both pitch curves with profile shifts that are
+given or chosen against undercut, fits spaces and tips to each other, and makes the outlines from the remaining sides of
+the teeth.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ LEAST_COSINE = 0.1
 
 
 NEXT = 1.0 + 1e-4
-"""Least factor from a tolerance that is tried to the next."""
+"""Least factor between a tried tolerance and the next."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,7 +71,7 @@ class ToothedGear(Shown):
         return self._numbers(self.tips.undercut)
 
     def shortened(self, reason: Limit) -> list[int]:
-        """Numbers of the teeth, from 1, with a tip that is limited by a given reason."""
+        """Numbers of the teeth, from 1, whose tips have this limit."""
         return self._numbers(self.tips.limit == reason)
 
     def _numbers(self, marked: Mask) -> list[int]:
@@ -105,8 +105,8 @@ def toothed_pair(
 ) -> ToothedPair:
     """Exact teeth on both pitch curves, with outlines sampled to ``tolerance_mm``.
 
-    ``flank_tolerance_mm`` is the tolerance of the working flanks.  By default it is so fine that the driven gear misses
-    the law by at most three tolerances divided by the driven pitch radius.  With ``straddling`` chords stray to both
+    ``flank_tolerance_mm`` is the tolerance of the working flanks.  By default it is so fine that the driven gear's
+    error is at most three tolerances divided by the driven pitch radius.  With ``straddling`` chords stray to both
     sides of the flanks (see ``ChordTolerance``).  With ``advance_mm`` all teeth stand farther along both pitch curves,
     as in a section of helical gears.  Raises NoSuchMechanism, naming gear and tooth, where no tooth can stand.
     """
@@ -121,7 +121,7 @@ def toothed_pair(
 
 
 def finest_tolerance_mm(pitch: PitchPair, form: ToothForm, from_mm: float) -> tuple[float, int]:
-    """The finest tolerance from a given one for which ``toothed_pair`` makes points, and a gear's most points."""
+    """The finest tolerance from ``from_mm`` on for which ``toothed_pair`` makes points, and a gear's most points."""
     tolerance_mm = from_mm
     while True:
         try:
@@ -138,9 +138,9 @@ def pair_tips(pitch: PitchPair, form: ToothForm, advance_mm: float) -> tuple[Cut
     play, size = play_of(pitch, form.rack, form.backlash), pitch.size
     racks = shifted_racks(pitch, form)
     kind, tools = chosen_tools(pitch, form)
-    # Flanks that meet cross at equal arc lengths: where both gears are shifted outwards, their teeth stay so much
-    # thinner.  Arc length runs against the driving gear's turning: it pushes with its back flanks, onto the driven
-    # front ones; its front flanks are idle, and the driven back flanks.
+    # Flanks that meet cross at equal arc lengths, so the difference of both shifts makes teeth thicker, but their sum
+    # does not.  Arc length runs against the driving gear's turning: its back flanks push onto the driven front flanks;
+    # its front flanks and the driven back flanks are idle.
     quarter = form.rack.pitch_mm / 4.0
     pushing, idle = ((racks[0].shift_mm - racks[1].shift_mm) / 2.0 * tan(angle) for angle in form.rack.angles_rad)
     turn = -pitch.mesh.sense * play.driven_rad
@@ -186,7 +186,7 @@ def toothed_gear(tips: Tips, chords: ChordTolerance) -> ToothedGear:
 
 
 ROUNDING = 1e-9
-"""Share by which chosen shifts stay clear of the limit, at which rounding would decide whether flanks are undercut."""
+"""Distance of chosen shifts from the limit, as a share of it: at the limit rounding would decide about undercut."""
 
 
 def shifted_racks(pitch: PitchPair, form: ToothForm) -> tuple[BasicRack, BasicRack]:
@@ -204,7 +204,7 @@ def shift_against_undercut(pitch: PitchPair, rack: BasicRack) -> float:
     Where k is a gear's largest curvature, its flank of depth f - x is regular while (f - x) k < sin^2(alpha).  That
     bounds the shift from below and from above; of unequal flanks, the flank with the closer bound counts.  A gear that
     is nowhere convex, as most rings are, sets no bound.  Between both bounds the shift nearest to zero is taken; where
-    the bounds leave nothing between them, their mean.
+    nothing lies between them, their mean.
     """
     sharpest = [pitch.curvature_range[gear][1].value for gear in Gear]
     bounds = []
@@ -219,7 +219,7 @@ def shift_against_undercut(pitch: PitchPair, rack: BasicRack) -> float:
 
 
 def teeth_free_of_undercut(pitch: PitchPair, driving: BasicRack, driven: BasicRack) -> int:
-    """Number of driving teeth, or of pitches in the range, from which on no tooth can be undercut wherever it stands.
+    """Number of driving teeth, or of pitches in the range, from which no tooth can be undercut at any place.
 
     A flank is regular where k h_F < sin^2(alpha); the curvature per module falls as teeth are added at a fixed
     shape.

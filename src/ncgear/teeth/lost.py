@@ -1,7 +1,7 @@
-"""How much undercut and shortened tips take away, and how much contact that costs.
+"""The heights that undercut and shortened tips take away, and the contact that this costs.
 
 A flank that loses the height d loses d / (sin(alpha) cos(alpha)) of rolled length.  Its contact is shorter by this
-length, if its mate would have touched it there.
+length if its mate would have touched it there.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ from ncgear.teeth.tips import tip_crossing
 from ncgear.teeth.tool import RackLine
 
 ROUNDING_IN_MODULES = 1e-9
-"""Height that is none, and difference of heights that are alike: rounding errors of the flanks."""
+"""Height that counts as 0, and difference of heights that count as equal: rounding errors of the flanks."""
 
 
 @dataclass(frozen=True)
 class Loss:
-    """What is lost at most, of some flanks of a gear.
+    """The largest loss of some flanks of a gear.
 
-    ``amount_mm`` is the largest amount, ``tooth`` the number of its tooth, from 1, and ``contact_pitches`` the most
-    that any of these flanks loses of its contact; infinite where the flank at full height has a cusp.
+    ``amount_mm`` is the largest amount, ``tooth`` the number of its tooth, from 1, and ``contact_pitches`` the largest
+    loss of contact of these flanks; infinite where the flank at full height has a cusp.
     """
 
     amount_mm: float
@@ -37,7 +37,7 @@ class Loss:
 
 
 def shortening(gear: ToothedGear, chosen: Mask) -> Loss:
-    """How far tips of the ``chosen`` flanks (shape (2 z,), one or more) are below the rack's full height."""
+    """Distance of the tips of the ``chosen`` flanks (shape (2 z,), one or more) below the rack's full height."""
     flanks, which = gear.flanks, np.nonzero(chosen)[0]
     full = np.maximum(flanks.tip_height_mm, flanks.full_tip_mm)
     amount = (full - flanks.tip_height_mm)[which]
@@ -47,11 +47,11 @@ def shortening(gear: ToothedGear, chosen: Mask) -> Loss:
 
 
 def undercutting(gear: ToothedGear) -> Loss:
-    """How much a tool of full depth undercuts the gear's undercut flanks (at least one flank).
+    """Undercut of the gear's undercut flanks (at least one flank) by a tool of full depth.
 
-    Where spaces are cut to the full depth all the same, a flank ends where the notch crosses it: the amount is the
-    height that it loses.  Elsewhere it is how far the full depth goes below the cusp at which the flank ends, hF - r
-    sin^2(alpha) on a pitch circle; such flanks lose no contact, since the mate's tips are shortened.
+    Where spaces are still cut to the full depth, a flank ends at the crossing of the notch: the amount is its lost
+    height.  Elsewhere it is the distance of the full depth below the cusp at the flank's end, hF - r sin^2(alpha) on a
+    pitch circle; such flanks lose no contact, since the mate's tips are shortened.
     """
     flanks, which = gear.flanks, np.nonzero(gear.tips.undercut)[0]
     radius = np.full(flanks.count, flanks.rack.root_radius_mm)
@@ -66,7 +66,7 @@ def undercutting(gear: ToothedGear) -> Loss:
 def _largest(flanks: Flanks, which: IndexArray, amount: Array, lost_mm: Array) -> Loss:
     """The loss of the chosen flanks from their amounts and from the heights of contact that they lose."""
     rack = flanks.rack
-    # Of teeth that are alike the first is named.
+    # The first of equal teeth is named.
     worst = int(np.argmax(amount >= amount.max() - ROUNDING_IN_MODULES * rack.module_mm))
     pitches = float((lost_mm / flanks.slant.of(which).height_per_rolled).max()) / rack.pitch_mm
     return Loss(float(amount[worst]), int(flanks.tooth[which[worst]]), pitches)

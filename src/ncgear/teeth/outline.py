@@ -1,6 +1,6 @@
 """The closed outline of a gear, sampled from its exact curves to a chord tolerance.
 
-The last check is whether the outline is a simple polygon: it sees faults that no single tooth's side can show.
+The last check is whether the outline is a simple polygon: it finds faults that no single tooth's side can show.
 """
 
 from __future__ import annotations
@@ -30,10 +30,10 @@ from ncgear.teeth.toothed_arc import kept_teeth
 
 @dataclass(frozen=True)
 class ChordTolerance:
-    """How far chords may stray from the exact curve: on the working flanks, and on fillets and lands.
+    """Largest distance of chords from the exact curve: on the working flanks, and on fillets and lands.
 
-    With ``straddling`` the chords of flanks stray to both sides.  That takes fewer of them by the square root of 2, but
-    touching flanks then overlap as much as they gape.
+    With ``straddling`` the chords of flanks stray to both sides.  Their number is then less by the square root of 2,
+    but touching flanks overlap as much as they gape.
     """
 
     flanks_mm: float
@@ -42,7 +42,7 @@ class ChordTolerance:
 
 
 Toleranced = tuple[Stretch, float]
-"""Curves and how far their chords may stray."""
+"""Curves and the tolerance of their chords."""
 
 
 def outline_points(tips: Tips, sides: Sides, chords: ChordTolerance) -> Array:
@@ -81,10 +81,9 @@ def _together(flanks: Flanks, curves: list[Toleranced]) -> tuple[Stretch, Array]
 
 
 def _near_fillets(tips: Tips, tolerance_mm: float) -> Mask:
-    """Beside which flanks the mate's tips come so near that the fillet's chords must stay in the material.
+    """Whether the mate's tips come so near beside each flank that the fillet's chords must stay in the material.
 
-    A tip leaves along the flank, with a radius of a module or less beside the flank's; a tenth of a module is
-    enough.
+    A tip leaves along the flank, with a radius of a module or less against the flank's; a tenth of a module is enough.
     """
     flanks = tips.flanks
     if _is_hollow(flanks):
@@ -156,7 +155,7 @@ def _tip_lands(flanks: Flanks, sides: Sides) -> Stretch:
     back = np.arange(0, flanks.count, 2)
     start, end = sides.tip_mm[back], sides.tip_mm[back + 1]
     low = flanks.tip_height_mm[back]
-    # A tooth that is pointed has a land of one point.
+    # A pointed tooth has a land of a single point.
     width = np.where(end > start, end - start, np.inf)
     rise, rate = (flanks.tip_height_mm[back + 1] - low) / width, 1.0 / width
 
@@ -180,9 +179,9 @@ def _root_lands(flanks: Flanks, sides: Sides) -> Stretch:
 
 
 def _lands(curve: Curve, sides: Sides, owner: IndexArray, rolled: Array, parallel: Mask) -> Stretch:
-    """Lands that follow the last runs of their owners, which are every other flank; some turn as the pitch curve does.
+    """Lands that follow the last runs of their owners, every other flank; those ``parallel`` to the curve turn with it.
 
-    ``rolled`` (shape (2, z)) are the arc lengths at which they begin and end.
+    ``rolled`` (shape (2, z)) are the arc lengths of their beginnings and ends.
     """
     rank = np.asarray(4.0 * (np.searchsorted(sides.owner, owner, side="right") - 1) + 1.0, dtype=float)
     turning = np.where(parallel, _most_turning(sides.roots.flanks), np.inf)
@@ -201,7 +200,7 @@ def simple_polygon(outline_mm: Array, key: str) -> Polygon:
 
 
 def _place(polygon: Polygon) -> str:
-    """The place at which a polygon is invalid, if GEOS tells it: its reason reads ``Self-intersection[x y]``."""
+    """The place at which a polygon is invalid, if GEOS gives it: its reason is ``Self-intersection[x y]``."""
     numbers = re.findall(r"-?\d[\d.e+-]*", shapely.is_valid_reason(polygon))
     if len(numbers) < 2:
         return ""

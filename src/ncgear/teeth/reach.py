@@ -1,7 +1,7 @@
-"""How far the teeth of a gear reach from its axis, and how near to it their spaces come.
+"""Farthest reach of a gear's teeth from its axis, and nearest reach of their spaces.
 
 A land follows the pitch curve, so that it slopes: its middle is neither its farthest nor its nearest place.  A curve
-p(t) of the outline is farthest and nearest at its ends and where p . p' vanishes, which is looked for on every curve.
+p(t) of the outline is farthest and nearest at its ends and at zeros of p . p', which are searched on every curve.
 """
 
 from __future__ import annotations
@@ -22,12 +22,12 @@ PROBES = np.linspace(0.0, 1.0, 9)
 
 
 def tip_radii_mm(gear: ToothedGear) -> Array:
-    """How far each tooth reaches from the axis, in a ring towards it, shape (z,)."""
+    """Greatest radius of each tooth from the axis, in a ring the least, shape (z,)."""
     return _of_teeth(gear, (FLANK_CURVE, TIP_LAND), outwards=not gear.flanks.curve.is_ring)
 
 
 def root_radii_mm(gear: ToothedGear) -> Array:
-    """How near to the axis the space after each tooth comes, in a ring how far from it, shape (z,)."""
+    """Least radius of the space after each tooth, in a ring the greatest, shape (z,)."""
     return _of_teeth(gear, (FILLET_CURVE, ROOT_LAND), outwards=gear.flanks.curve.is_ring)
 
 

@@ -1,6 +1,6 @@
-"""How far flanks and fillets are regular: where cusps end them, and where they fold.
+"""The regular parts of flanks and fillets: cusps at their ends, and folds.
 
-Bounds of the curvature prove most of them regular; of the others the exact place is sought.
+Bounds of the curvature prove most of them regular; for the others the exact place is searched.
 """
 
 from __future__ import annotations
@@ -16,15 +16,15 @@ from ncgear.teeth.flank import Flanks
 from ncgear.teeth.tool import RackLine
 
 CLEAR_OF_CUSPS = 0.99
-"""Share of the height up to a cusp that is used.  At the cusp the flank's radius of curvature is zero; a hundredth of
-the height before it, the radius is a tenth of the radius at the pitch curve."""
+"""Used share of the height up to a cusp.  At the cusp the flank's radius of curvature is zero; a hundredth of the
+height before it, the radius is a tenth of the radius at the pitch curve."""
 
 CLEAR = 1e-9
 """A zero that lies before a fillet's end by less than this share of its rolled length is at the end: rounding."""
 
 AT_END = 1e-12
-"""A joint that is nearer to the end of a range than this share of it counts as the end: between them there are no
-numbers left to tell its sides apart."""
+"""A joint nearer to the end of a range than this share of it counts as the end: no numbers lie between them to separate
+the joint's sides."""
 
 
 def regular_height(flanks: Flanks, limit_mm: float | Array, which: IndexArray | None = None) -> Array:
@@ -36,9 +36,9 @@ def regular_height(flanks: Flanks, limit_mm: float | Array, which: IndexArray | 
 
 
 def regular_depth(flanks: Flanks, limit_mm: float | Array) -> Array:
-    """Depth below the pitch line, at most ``limit_mm`` (also of shape (2 z,)), up to which flanks are; shape (2 z,).
+    """Depth below the pitch line, at most ``limit_mm`` (also of shape (2 z,)), of regular flanks; shape (2 z,).
 
-    A tool cuts away what is deeper (undercut).  Raises NoSuchMechanism as ``regular_height`` does.
+    A tool cuts deeper parts away (undercut).  Raises NoSuchMechanism as ``regular_height`` does.
     """
     return _reach(flanks, limit_mm, -1.0, None)
 
@@ -83,12 +83,12 @@ def _never_folds(flanks: Flanks) -> bool:
 
 
 def _joints(flanks: Flanks) -> Array:
-    """Arc lengths at which the rolling curve's curvature or the slope of the curvature may jump."""
+    """Arc lengths of possible jumps of the rolling curve's curvature or of its slope."""
     return np.empty(0) if flanks.equivalent else flanks.curve.panels_around_mm
 
 
 def _cuts(ends: Array, joints: Array) -> list[Array]:
-    """Zero, each of n ends, and the row of ``joints`` (shape (n, m)) between, in order; a joint at an end is none."""
+    """Zero, each of n ends, and the row of ``joints`` (shape (n, m)) between, in order, without joints at an end."""
     apart, cuts = AT_END * ends[:, None], list(np.column_stack([np.zeros(ends.size), ends]))
     inside = (joints > apart) & (joints < ends[:, None] - apart)
     for row in np.nonzero(inside.any(axis=1))[0]:

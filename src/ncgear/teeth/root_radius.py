@@ -5,10 +5,10 @@ from __future__ import annotations
 from math import cos, floor, sin, tan
 
 PER_MODULE = 100
-"""Root radii that are chosen are whole hundredths of the module, like the radii of ISO 53."""
+"""Steps of chosen root radii in a module: whole hundredths, like the radii of ISO 53."""
 
 ROUNDING = 1e-9
-"""Share by which a chosen radius stays clear of the greatest radius, where rounding would decide whether it fits."""
+"""Distance of a chosen radius from the greatest radius, as a share: at the greatest, rounding would decide its fit."""
 
 
 def largest_root_radius(angles_rad: tuple[float, float], dedendum: float, half_width: float) -> float:
@@ -26,7 +26,7 @@ def largest_root_radius(angles_rad: tuple[float, float], dedendum: float, half_w
 
 
 def deepest_rounded(angles_rad: tuple[float, float], radius: float, half_width: float) -> float:
-    """The greatest dedendum at which roundings of a radius fit, lengths as above; 0 where none is deep enough."""
+    """The greatest dedendum with room for roundings of a radius, lengths as above; 0 where there is none."""
     one, other = angles_rad
     slope, length = (tan(one) + tan(other)) / 2.0, (1.0 / cos(one) + 1.0 / cos(other)) / 2.0
     deepest = (half_width - radius * (length - slope)) / slope * (1.0 - ROUNDING)

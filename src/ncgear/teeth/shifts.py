@@ -1,4 +1,4 @@
-"""A profile shift for each tooth: where flanks, tips and roots of both gears then stand.
+"""A profile shift for each tooth, and the places of flanks, tips and roots of both gears that follow.
 
 Both gears are made by one imaginary rack between them, whose flanks cross its pitch line where the teeth's flanks cross
 the pitch curves.  A driving tooth with the shift x has both flanks moved outwards by x: along the pitch line each moves
@@ -39,7 +39,7 @@ class ToothShifts:
     """The shifts of one gear's z teeth and spaces in mm, positive outwards.
 
     ``tooth_mm`` (shape (z,)) raises tips, ``space_mm`` (shape (z,)) raises the bottom of the space after each tooth,
-    and ``outwards_mm`` (shape (2 z,)) is how far each flank stands farther from its tooth's middle along the pitch
+    and ``outwards_mm`` (shape (2 z,)) is the additional distance of each flank from its tooth's middle along the pitch
     curve.
     """
 
@@ -72,8 +72,8 @@ def tooth_shifts(
     """The shifts of the driving and the driven gear, from the shifts of the driving teeth from tooth 1 on.
 
     ``angles_rad`` are the pressure angles of pushing and of idle flanks, ``teeth`` the numbers of both gears' teeth.
-    Shifts of fewer teeth are repeated round the gear.  Raises WrongInput where that does not go up, where teeth that
-    meet the same spaces have different shifts, or where too little is left of a tooth.
+    Shifts of fewer teeth are repeated round the gear.  Raises WrongInput where their number does not divide the teeth,
+    where teeth that meet the same spaces have different shifts, or where too little of a tooth remains.
     """
     driving, driven = teeth
     common = gcd(driving, driven)
@@ -105,7 +105,7 @@ def tooth_shifts(
 
 
 def refuse_open() -> NoReturn:
-    """Refuse shifts of gears that turn less than once, whose teeth are not counted round the gear."""
+    """Refuse shifts for gears that turn less than once, since their teeth are not counted round the gear."""
     raise WrongInput(
         "given, but gears that turn less than once have no shifts for each tooth; driving and driven are right", key=KEY
     )

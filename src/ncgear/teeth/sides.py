@@ -1,9 +1,9 @@
 """The sides of all teeth as runs of exact curves, from the tip land down to the root land.
 
 A regular flank starts on the tip land and passes into its fillet tangentially.  Where the tool undercuts the flank, or
-its fillet folds, the curves cross themselves, and the side is trimmed to the material that the tool leaves: wherever
-the whole path from tip land to root land crosses itself, the loop between is cut away.  Crossings are found on chords
-and refined on the exact curves.  A side is finished when no remaining part of it folds; else it is followed on finer
+its fillet folds, the curves cross themselves, and the side is trimmed to the material that the tool leaves: at each
+self-crossing of the whole path from tip land to root land, the loop is cut away.  Crossings are found on chords and
+refined on the exact curves.  A side is finished when no remaining part of it folds; else it is followed on finer
 chords.
 """
 
@@ -36,8 +36,8 @@ class Sides:
 
     A run is the part of a curve of flank ``owner`` and of ``kind`` FLANK or FILLET between the parameters ``start`` and
     ``end``, shape (runs,) each.  A flank's parameter is the height over the rack's pitch line in mm, a fillet's is the
-    arc length in mm.  ``tip_mm`` (shape (2 z,)) is the arc length of the tip land's end at each flank; ``roots`` tells
-    where the fillets end.
+    arc length in mm.  ``tip_mm`` (shape (2 z,)) is the arc length of the tip land's end at each flank; ``roots`` has
+    the ends of the fillets.
     """
 
     owner: IndexArray
@@ -57,7 +57,7 @@ class Sides:
 
 
 def swept(tips: Tips, sides: Sides) -> tuple[Tips, Sides]:
-    """Tips and sides of a gear whose spaces leave room for the mate's tips over the whole play; the same without."""
+    """Tips and sides of a gear with room in its spaces for the mate's tips over the whole play, if any."""
     if not tips.flanks.is_turned:
         return tips, sides
     last = np.searchsorted(sides.owner, np.arange(tips.flanks.count), side="right") - 1
@@ -126,7 +126,7 @@ def _too_sharp(which: str, sharpest: Extremum, least_mm: float, remedy: str, key
 
 
 PROBES = 17
-"""Places on each land at which it might fold; along a land, a sixth of a pitch, the curvature changes little."""
+"""Places on each land tested for folds; along a land, a sixth of a pitch, the curvature changes little."""
 
 
 def refuse_folded_lands(flanks: Flanks, sides: Sides) -> None:
@@ -188,7 +188,7 @@ KINDS = 2
 """Number of curves of a whole side: FLANK and FILLET, in this order."""
 
 FINE = 257
-"""Points per curve at which folds are looked for."""
+"""Points per curve tested for folds."""
 
 FLAT = 1e-9
 """Regularity, a pure number of order 1, that counts as zero."""
@@ -197,13 +197,13 @@ ROUNDS = (49, 145, 433)
 """Points per curve in the rounds: the first does for nearly all sides, the others for loops smaller than its chords."""
 
 Loop = tuple[float, float]
-"""Indices along a path at which a loop is entered and left."""
+"""Indices along a path of a loop's beginning and end."""
 
 
 def trimmed_sides(flanks: Flanks, sides: Sides, irregular: Mask) -> Sides:
     """The sides; sides of ``irregular`` flanks are replaced by their trimmed paths.
 
-    Raises NoSuchMechanism, naming the tooth, where nothing is left of a side or it cannot be untangled.
+    Raises NoSuchMechanism, naming the tooth, where nothing of a side remains or its loops cannot be resolved.
     """
     todo, tops = np.nonzero(irregular)[0], sides.flank_range()[0]
     for count in ROUNDS:
@@ -225,7 +225,7 @@ def trimmed_sides(flanks: Flanks, sides: Sides, irregular: Mask) -> Sides:
 
 @dataclass(frozen=True, eq=False)
 class _Trimmed:
-    """The runs of curves that are left of paths, shape (runs,), and which paths still fold."""
+    """The remaining runs of curves of paths, shape (runs,), and the numbers of paths that still fold."""
 
     row: IndexArray
     kind: IndexArray
@@ -286,7 +286,7 @@ class _Paths:
     def reaches(
         self, row: IndexArray, kind1: IndexArray, first: Array, kind2: IndexArray, second: Array
     ) -> tuple[Array, Array]:
-        """How far in parameters crossings may be from those of chords: 1.5 of the longer chords, for sagittas."""
+        """Largest distance in parameters of crossings from those of chords: 1.5 of the longer chords, for sagittas."""
         spacing1, length1 = self._chord(row, kind1, first)
         spacing2, length2 = self._chord(row, kind2, second)
         longer = 1.5 * np.maximum(length1, length2)
@@ -301,7 +301,7 @@ class _Paths:
         return step, np.maximum(length, 1e-12 * self.flanks.rack.module_mm)
 
     def folds(self, row: IndexArray, kind: IndexArray, start: Array, end: Array) -> Mask:
-        """Whether stretches of the curves, all of shape (r,), still fold anywhere inside."""
+        """Whether stretches of the curves, shape (r,), still fold anywhere inside."""
         share = (1.0 - np.cos(np.pi * np.linspace(0.01, 0.99, FINE // 4))) / 2.0
         parameter = start[:, None] + (end - start)[:, None] * share
         folds = np.zeros(row.size, dtype=bool)
@@ -322,7 +322,7 @@ def _paths(flanks: Flanks, owner: IndexArray, top_mm: Array, root_mm: Array, cou
 
 
 def _spread(flanks: Flanks, owner: IndexArray, start: Array, end: Array, kind: int, count: int) -> Array:
-    """Parameters from start to end, (n, count), dense near the flank, where loops are small, and about folds."""
+    """Parameters from start to end, (n, count), dense at folds and near the flank, where loops are small."""
     even = np.linspace(0.0, 1.0, count)
     share = even**3 if kind == FILLET else even
     spread = start[:, None] + (end - start)[:, None] * share
@@ -380,7 +380,7 @@ def _runs(paths: _Paths, row: int, loops: list[Loop]) -> list[tuple[int, int, fl
 def _loops(paths: _Paths) -> list[list[Loop]]:
     """Exact indices of each path's loops, in order and not overlapping."""
     row, first, second = chord_crossings(paths.points, paths.points)
-    # Neighbouring chords meet in the point they share, also across the joint of two curves, where it stands twice.
+    # Neighbouring chords meet in their common point, also across the joint of two curves, which has it twice.
     apart = (np.floor(second) > np.floor(first) + 1) & (second - first > 1.0 + 1e-9)
     row, first, second = row[apart], first[apart], second[apart]
     enter, leave, there = _exact_loops(paths, row, first, second)
@@ -404,7 +404,7 @@ def _exact_loops(paths: _Paths, row: IndexArray, first: Array, second: Array) ->
         start2,
         AGREEMENT * flanks.rack.module_mm,
     )
-    # On one curve the two places must stay apart: it meets itself at every single point.
+    # On a single curve the two places must stay apart: it meets itself at every point.
     apart = np.where(kind1 == kind2, 0.45 * np.abs(start1 - start2), np.inf)
     reach1, reach2 = (np.minimum(reach, apart) for reach in paths.reaches(row, kind1, first, kind2, second))
     met &= (np.abs(at1 - start1) <= reach1) & (np.abs(at2 - start2) <= reach2)

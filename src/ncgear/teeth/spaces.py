@@ -1,8 +1,8 @@
-"""The spaces between teeth: how deep they are, how they are rounded, and the land at their bottom.
+"""The spaces between teeth: their depth, their rounding, and the land at their bottom.
 
 A space is as deep as the tool goes, or shallower where the tool would undercut the flanks.  The flank ends at a depth
 f, where the tool's rounded tip begins.  A rack or a pinion cutter has a depth of its own; the mating gear as a tool is
-rounded where its own flanks end, so that it reaches as deep as its tips need.
+rounded at the ends of its own flanks, so that it reaches as deep as its tips need.
 
 The straight edge between the two roundings of a tool's tip leaves the root land at the bottom of a space.  The edge
 runs along t, with the normal n towards the gear, one radius beyond the roundings' centres Q.  It touches at the foot of
@@ -135,8 +135,8 @@ def _sides_of_spaces(flanks: Flanks) -> tuple[IndexArray, IndexArray, Array]:
 def _largest_fitting(flats: ByRadius, most_mm: Array, least_mm: float, within_mm: float) -> Array:
     """Largest radii, at most ``most_mm`` (shape (n,)), that leave flats of ``least_mm`` between two roundings.
 
-    The flats are at most twice ``within_mm`` longer.  ``flats`` tells them at radii for tooth numbers; where a tip is
-    too pointed for its radius they are NaN.  NaN where not even sharp corners leave one.
+    The flats are at most twice ``within_mm`` longer.  ``flats`` gives them at radii for tooth numbers, NaN where a tip
+    is too pointed for its radius.  The result is NaN where not even sharp corners leave a flat.
     """
     radii, every = most_mm.copy(), np.arange(most_mm.size)
     most = flats(radii, every)[0] - least_mm
@@ -171,7 +171,7 @@ def _pointed(flanks: Flanks, flank: int) -> NoSuchMechanism:
 
 
 def no_root(flanks: Flanks, flank: int, problem: str) -> NoSuchMechanism:
-    """The error for a space that cannot be cut, named by a flank beside it."""
+    """The error for a space that cannot be cut, with the name of a flank beside it."""
     return NoSuchMechanism(
         f"the space beside {flank_name(flanks, flank)} cannot be cut: {problem}; more teeth of a smaller module are "
         "needed",
@@ -187,12 +187,12 @@ LEAST_COSINE = 0.2
 
 
 FOOT_IN_MODULES = 1e-9
-"""Distance along the pitch curve at which a foot counts as found; the height is off by the square of it."""
+"""Error along the pitch curve at which a foot counts as found; the height's error is its square."""
 
 
 @dataclass(frozen=True, eq=False)
 class Roots:
-    """The edges that leave root lands, in the tool's frame, and where lands begin and end.
+    """The edges that leave root lands, in the tool's frame, and the beginnings and ends of lands.
 
     ``center_mm`` (shape (z, 2)) is the centre of the rounding beside each tooth's front flank, ``normal`` (shape
     (z, 2)) the edge's normal, and ``end_mm`` (shape (2 z,)) the arc length at which each fillet passes into its land.
@@ -209,11 +209,11 @@ class Roots:
         return replace(self, flanks=self.flanks.unturned)
 
     def lands(self) -> tuple[Array, Array]:
-        """Arc lengths at which the land after each tooth begins and ends, shape (z,) each."""
+        """Arc lengths of the beginning and the end of the land after each tooth, shape (z,) each."""
         return self.end_mm[1::2], np.append(self.end_mm[2::2], self.end_mm[0] + self.flanks.curve.length_mm)
 
     def feet(self) -> tuple[Array, Array]:
-        """Arc lengths over which both ends of the lands stand without play, and heights, (z, 2); NaN for none."""
+        """Arc lengths of both ends of the lands without play, and their heights, (z, 2); NaN for none."""
         ends, tooth = np.stack(self.lands(), axis=1), np.arange(len(self.center_mm))
         points = as_complex(self.unturned.land(tooth[:, None], ends)[0]).ravel()
         within = FOOT_IN_MODULES * self.flanks.rack.module_mm
@@ -252,7 +252,7 @@ class Roots:
 
 
 def roots_of(flanks: Flanks) -> Roots:
-    """The root lands of all spaces; raises NoSuchMechanism, naming the tooth, where a space has none."""
+    """The root lands of all spaces; raises NoSuchMechanism for a space without a land, and names the tooth."""
     front, back, turn = _sides_of_spaces(flanks)
     first = flanks.rounding.center_mm[front]
     # Beyond the seam the tool has turned on: its next tooth stands elsewhere in its own frame.
@@ -276,15 +276,15 @@ def roots_of(flanks: Flanks) -> Roots:
 
 
 PLACES = 33
-"""Places on each fillet and land at which the depth of a space is compared; they differ smoothly."""
+"""Places on each fillet and land for comparing the depth of a space, which varies smoothly."""
 
 AS_DEEP = 0.02
-"""Depth in modules by which places of a space count less and less as the deepest: the bottom then turns over in the
-middle of a land of even depth, and does not jump from section to section of helical teeth."""
+"""Difference of depth in modules over which the weight of places as the deepest fades: so the turn of the bottom
+changes in the middle of a land of even depth, and does not jump from section to section of helical teeth."""
 
 
 def sweep_of(roots: Roots, start_mm: Array) -> Sweep:
-    """Where the bottoms of spaces turn over, so that the mate's tips stay free over the whole play.
+    """The places where the turn of spaces' bottoms changes, so that the mate's tips stay free over the whole play.
 
     Over the play the tool sweeps each space, and its deepest point, nearest to the axis or in a ring farthest from it,
     runs along an arc about the axis.  ``start_mm`` (shape (2 z,)) are the arc lengths at which fillets begin.
@@ -319,7 +319,7 @@ def _widths(places: Array) -> Array:
 
 
 def _feet(flanks: Flanks, flank: IndexArray, center: Array, edge: Array, start: Array) -> Array:
-    """Arc lengths where perpendiculars from the pitch point to the edge meet centres, (n,); or NoSuchMechanism."""
+    """Arc lengths at which perpendiculars from the pitch point to the edge meet centres, (n,); or NoSuchMechanism."""
     sigma, agreement = start, AGREEMENT * flanks.rack.module_mm
     for _ in range(STEPS):
         tool = flanks.tool.at_length(sigma)

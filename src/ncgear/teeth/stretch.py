@@ -12,22 +12,22 @@ from ncgear.numerics.arrays import Array, IndexArray, Mask, counted_up
 from ncgear.numerics.plane import as_complex, as_points
 
 Curve = Callable[[IndexArray, Array], tuple[Array, Array]]
-"""From owners and parameters, whose shapes broadcast, to points and derivatives by the parameter, shape (..., 2)."""
+"""From owners and parameters (shapes broadcast) to points and derivatives by the parameter, shape (..., 2)."""
 
 BY_ROW = ("owner", "start", "end", "rolled", "rank", "span", "most_turning", "kind")
-"""The fields of stretches, in order, whose last axis counts rows."""
+"""The fields of stretches with rows along the last axis, in order."""
 
 
 @dataclass(frozen=True, eq=False)
 class Stretch:
-    """One curve of every flank or land, n in all, between two parameters each.
+    """A curve of every flank or land, n in all, between two parameters each.
 
     ``curve`` maps owners and parameters to points and derivatives.  ``owner`` numbers the flanks, ``start`` and ``end``
     are the parameters, shape (n,) each.  ``rolled`` (shape (2, n)) holds the arc lengths at which both ends touch;
     between them arc length is linear in the parameter.  ``rank`` orders the rows along the outline, and ``span`` is the
-    part of the way to the next rank that a row takes, shape (n,) each.  ``most_turning`` (shape (n,)) bounds how fast a
-    row turns to either side, in rad per mm of arc length; it is infinite where no bound is known.  ``kind`` (shape
-    (n,)) numbers the curves that have been joined into this stretch.
+    part of the way to the next rank that a row takes, shape (n,) each.  ``most_turning`` (shape (n,)) bounds the
+    turning of a row to either side, in rad per mm of arc length, infinite where unknown.  ``kind`` (shape (n,)) numbers
+    the curves that were joined into this stretch.
     """
 
     curve: Curve
@@ -70,7 +70,7 @@ def parted(stretch: Stretch, cut: Array) -> Stretch:
 
 
 def joined(stretches: Sequence[Stretch]) -> Stretch:
-    """The rows of several stretches as a single curve, whose owners are the rows' numbers, in order."""
+    """The rows of several stretches as a single curve, with the rows' numbers as owners, in order."""
     counts = [stretch.owner.size for stretch in stretches]
     first = np.cumsum([0, *counts])
 
@@ -93,7 +93,7 @@ def _of(curve: Curve, parts: Sequence[Stretch]) -> Stretch:
 
 
 def split(stretch: Stretch, joints: Array) -> Stretch:
-    """The stretch, cut where it rolls over a joint, since a curve's turning must not be averaged across a jump."""
+    """The stretch, cut at joints, since a curve's turning must not be averaged across a jump."""
     low, high = stretch.rolled.min(axis=0), stretch.rolled.max(axis=0)
     first, last = np.searchsorted(joints, low, side="right"), np.searchsorted(joints, high, side="left")
     counts = np.maximum(last - first, 0)

@@ -1,8 +1,8 @@
-"""How high tips can be, tooth by tooth, so that the remaining flanks are exact, free and not pointed.
+"""The greatest heights of tips, tooth by tooth, for exact, free and not pointed flanks.
 
-A tip is shortened where its flank would end in a cusp (on a concave stretch), where it would reach deeper into the
-mate's space than the mate's flank is regular (it would undercut the mate) or than the space is cut (it would foul the
-fillet: secondary interference), and where its land would be narrower than asked for.
+A tip is shortened where its flank would end in a cusp (on a concave stretch), where it would reach below the regular
+part of the mate's flank (it would undercut the mate) or below the depth of the mate's space (it would foul the fillet:
+secondary interference), and where its land would be narrower than wanted.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ HALFWAY = 0.5
 
 PROBES = 17
 """Points on the way to a crossing at which the flank must be regular, where bounds of the curvature do not prove it;
-fitted tips are held against the exact cusp."""
+fitted tips are compared with the exact cusp."""
 
 FAR, FARTHEST = 3.0, 8.0
 """Flanks are followed up to the first number of tip heights; flanks of low tips step by step up to the second number,
@@ -37,17 +37,17 @@ but no farther than flanks of full tips.  On a circle they lean so much that the
 curvature changes on the way they may need more."""
 
 LOWEST = 0.05
-"""Share of a pointed tip's height at which the search for the height of the least land begins."""
+"""Start of the search for the height of the least land, as a share of a pointed tip's height."""
 
 ROUNDING = 1e-14
-"""Share of a height that is more than rounding errors of its products."""
+"""Share of a height just above the rounding errors of its products."""
 
 MOST_SLOPE = 0.25
 """Largest rise from edge to edge of a tip, in widths of its level land: beyond it the higher edge would be sharp."""
 
 
 class Limit(IntEnum):
-    """What limits the height of a tooth's tip; of two that apply, the greater number counts."""
+    """The limit of the height of a tooth's tip; where two apply, the greater number counts."""
 
     FULL = 0
     SLOPE = 1
@@ -61,7 +61,7 @@ class Limit(IntEnum):
 
 @dataclass(frozen=True, eq=False)
 class Bounds:
-    """What the mate allows each flank, shape (2 z,).
+    """The bounds of each flank by its mate, shape (2 z,).
 
     ``contact_mm`` is the greatest height of contact over the pitch line, ``tip_mm`` the height of the tip land, and
     ``regular_mm`` the height up to which the flank itself is regular, if it is less than the contact's; ``undercut``
@@ -76,11 +76,11 @@ class Bounds:
 
 @dataclass(frozen=True, eq=False)
 class Tips:
-    """Where the tips of all flanks end, and why; shape (2 z,).
+    """The ends of the tips of all flanks, and their limits; shape (2 z,).
 
     ``height_mm`` is the contact's height over the pitch line at the end of the flank, ``at_mm`` the arc length under
     the tip's edge, and ``limit`` the ``Limit`` of the tip's height.  ``undercut`` marks flanks that a tool of full
-    depth undercuts.  ``met_depth_mm`` is how far below the pitch line the mates' tips touch each flank.
+    depth undercuts.  ``met_depth_mm`` is the depth below the pitch line to which the mates' tips touch each flank.
     """
 
     flanks: Flanks
@@ -93,7 +93,7 @@ class Tips:
 
 @dataclass(frozen=True, eq=False)
 class _Edges:
-    """Tip lands of all flanks, and where the flanks reach them as ``tip_crossing`` tells; shape (2 z,)."""
+    """Tip lands of all flanks, and the places where flanks reach them, from ``tip_crossing``; shape (2 z,)."""
 
     flanks: Flanks
     top_mm: Array
@@ -101,7 +101,7 @@ class _Edges:
     met: Mask
 
     def moved(self, height_mm: Array) -> _Edges:
-        """The edges of tips of other heights; only edges that differ are sought."""
+        """The edges of tips of other heights; only changed edges are computed."""
         moved = np.nonzero(height_mm != self.flanks.tip_height_mm)[0]
         if not moved.size:
             return self
@@ -116,14 +116,14 @@ class _Edges:
 
 
 def bounded(own: Flanks, contact_mm: Array, tip_mm: Array, undercut: Mask) -> Bounds:
-    """The bounds of flanks of which it is found out how far they are regular."""
-    # A little higher, lest rounding make a flank that is regular all the way end in a cusp.
+    """The bounds of flanks, with their regular heights, which are computed here."""
+    # A little higher, so that rounding does not end a fully regular flank in a cusp.
     limit = np.maximum(contact_mm, 0.0) * (1.0 + ROUNDING) / CLEAR_OF_CUSPS
     return Bounds(contact_mm, tip_mm, regular_height(own, limit), undercut)
 
 
 def fitted_tips(flanks: Flanks, bounds: Bounds, undercut: Mask, least_land_mm: float) -> Tips:
-    """Tips at the greatest heights that all bounds allow; raises NoSuchMechanism with the tooth that has none."""
+    """Tips at the greatest heights that all bounds allow; raises NoSuchMechanism for a tooth without a tip."""
     height = np.minimum(flanks.tip_height_mm, bounds.tip_mm)
     reason = np.where(bounds.undercut, Limit.UNDERCUT, Limit.FILLET)
     limit = np.where(height < flanks.tip_height_mm, reason, Limit.FULL)
@@ -150,7 +150,7 @@ def fitted_tips(flanks: Flanks, bounds: Bounds, undercut: Mask, least_land_mm: f
 
 
 def held_below(tips: Tips, ceiling_mm: Array) -> Tips:
-    """The tips, lowered to a ceiling, (2 z,), within their bounds; raises NoSuchMechanism where no tip is left."""
+    """The tips, lowered to a ceiling, (2 z,), within their bounds; raises NoSuchMechanism where no tip remains."""
     full = tips.flanks.tip_height_mm
     height = even_heights(tips.flanks, np.minimum(full, ceiling_mm))
     edges = _Edges(tips.flanks, tips.height_mm, tips.at_mm, np.ones(full.size, dtype=bool)).moved(height)
@@ -170,11 +170,11 @@ def even_heights(flanks: Flanks, height: Array) -> Array:
 
 
 CLEARANCE_SHARE = 0.5
-"""Share of the rack's clearance that tips may take where they stand higher at an end of the play."""
+"""Share of the rack's clearance that tips may take where they are higher at an end of the play."""
 
 
 def _within_play(edges: _Edges) -> Array:
-    """Tip heights, lowered where an edge stands higher over the pitch curve at the other end of the play."""
+    """Tip heights, lowered where an edge is higher over the pitch curve at the other end of the play."""
     flanks, height = edges.flanks, edges.flanks.tip_height_mm
     if not flanks.is_turned:
         return height
@@ -202,13 +202,13 @@ def _lowered(edges: _Edges, allowed: Array) -> Array:
 
 
 def _foot(flanks: Flanks, flank: IndexArray, height: Array) -> tuple[Array, Array]:
-    """Arc length of the pitch curve's point nearest to where flanks touch at heights, and its distance; shapes (n,)."""
+    """Arc length of the pitch curve's point nearest to the contact of flanks at heights, and its distance; (n,)."""
     start = flanks.rolled_mm(flank, height) + flanks.side[flank] * height / flanks.slant.of(flank).tangent
     return nearest(flanks.curve, flanks.unturned.flank(flank, height)[0], start, AGREEMENT * flanks.rack.module_mm)
 
 
 def tip_crossing(flanks: Flanks, chosen: IndexArray | None = None) -> tuple[Array, Array, Mask]:
-    """Heights at which (chosen) flanks reach their tip lands, arc lengths there, and if before cusps; (n,)."""
+    """Heights at which (chosen) flanks reach their tip lands, arc lengths there, and whether before cusps; (n,)."""
     which, flanks = np.arange(flanks.count) if chosen is None else chosen, flanks.unturned
     height, sigma, met = _newton_crossing(flanks, which)
     lost = np.nonzero(~met)[0]
@@ -218,7 +218,7 @@ def tip_crossing(flanks: Flanks, chosen: IndexArray | None = None) -> tuple[Arra
 
 
 def _newton_crossing(flanks: Flanks, which: IndexArray) -> tuple[Array, Array, Mask]:
-    """Crossings by Newton's method.  Where it leads far away or beyond a cusp they do not count as met."""
+    """Crossings by Newton's method; far away or beyond a cusp they do not count as met."""
     tip = flanks.tip_height_mm[which]
     height, sigma, met = refined_crossings(
         lambda h: flanks.flank(which, h),
@@ -241,18 +241,18 @@ def _before_cusps(flanks: Flanks, which: IndexArray, height: Array, sigma: Array
 
 
 def _crossing_on_circle(flanks: Flanks, which: IndexArray) -> tuple[Array, Array]:
-    """About where flanks reach their tip lands: heights, and arc lengths of the tip lands.
+    """Approximate crossings of flanks and their tip lands: heights, and arc lengths of the tip lands.
 
-    It is where they do on circles with the curvature k that the pitch curve has on the way there.  A circle's flank of
-    height h is 1 + h k radii up from the centre and h k cot(alpha) along, its tip land 1 + k tip radii off.  On a
-    concave stretch a flank comes to the same height again beyond its cusp: it is the lesser height that is sought.
+    They are the crossings on circles with the pitch curve's curvature k on the way.  A circle's flank of height h is
+    1 + h k radii up from the centre and h k cot(alpha) along, its tip land 1 + k tip radii off.  On a concave stretch a
+    flank reaches the same height again beyond its cusp: the lower crossing is the right one.
     """
     slant, tip = flanks.slant.of(which), flanks.tip_height_mm[which]
     curvature = flanks.curve.at_length(flanks.rolled_mm(which, HALFWAY * tip)).curvature
     twice = tip * (2.0 + curvature * tip)
     height = twice / (1.0 + np.sqrt(np.maximum(1.0 + twice * curvature / slant.sine**2, 0.0)))
     along = height / slant.tangent / np.maximum(1.0 + height * curvature, LEAST_SHARE)
-    # An arc is x / (1 + x^2 / 3) of its radius, nearly, where its tangent is x.
+    # An arc with the tangent x is nearly x / (1 + x^2 / 3) of its radius.
     along /= 1.0 + (along * curvature) ** 2 / 3.0
     return height, flanks.rolled_mm(which, height) + flanks.side[which] * along
 
@@ -266,13 +266,13 @@ def _crossing_below_cusp(flanks: Flanks, which: IndexArray) -> tuple[Array, Arra
 
     def excess(height: Array, row: IndexArray) -> Array:
         distance = _foot(flanks, which[row], height)[1] - tip[row]
-        # Where no foot is found the search ends, and the flank does not count as met.
+        # Without a foot the search ends, and the flank does not count as met.
         lost[row] |= np.isnan(distance)
         return np.nan_to_num(distance)
 
     rows, height = np.nonzero(tip > 0.0)[0], np.full(which.size, np.nan)
     distance = _foot(flanks, np.repeat(which[rows], PROBES - 1), way[rows, 1:].ravel())[1].reshape(-1, PROBES - 1)
-    # Where no foot is found on the way, the flank does not count as met.
+    # Without a foot on the way, the flank does not count as met.
     step = np.argmax(~(distance < tip[rows, None]), axis=1)
     met = distance[np.arange(rows.size), step] >= tip[rows]
     rows, step = rows[met], step[met]
@@ -284,7 +284,7 @@ def _crossing_below_cusp(flanks: Flanks, which: IndexArray) -> tuple[Array, Arra
 
 
 def _with_lands(edges: _Edges, least: float) -> tuple[_Edges, Mask]:
-    """The edges of tips, lowered where their land is narrower than ``least``, and the numbers of the lowered tips."""
+    """The edges of tips, lowered where their land is narrower than ``least``, and whether each tip was lowered."""
     flanks, height = edges.flanks, edges.flanks.tip_height_mm
     width = _width(flanks, np.arange(flanks.count), flanks.offset(edges.at_mm, height), edges.at_mm, edges.met)
     narrow = ~(width >= least)
@@ -310,14 +310,14 @@ STEPS = 12
 
 @np.errstate(all="ignore")
 def _newton_lands(edges: _Edges, back: IndexArray, least: float) -> tuple[Array, tuple[Array, Array], Mask]:
-    """As ``_height_of_land``, by Newton's method: heights, where their edges are, and which of them it finds.
+    """As ``_height_of_land``, by Newton's method: heights, places of their edges, and whether each was found.
 
     They have shape (n,); the edges, which are heights of contact and arc lengths, have shape (2 n,).
 
-    A tip's height and where both flanks reach its land are sought together.  An edge that is as high as the tip moves
-    by N for each mm of that height, N being the pitch curve's normal; an edge that is lower moves only along the land.
-    What play adds to a land's width hardly changes, and is left out of the slope.  Where no step leads on, numbers go
-    astray, and the height is not found.
+    A tip's height and the crossings of both flanks with its land are unknowns together.  An edge as high as the tip
+    moves by N for each mm of that height, N being the pitch curve's normal; a lower edge moves only along the land.
+    The part of the play in a land's width hardly changes, and is left out of the slope.  Where no step succeeds,
+    numbers diverge, and the height is not found.
     """
     flanks, both = edges.flanks, np.column_stack([back, back + 1]).ravel()
     own, plain, agreement = flanks.tip_height_mm[both], flanks.unturned, AGREEMENT * flanks.rack.module_mm
@@ -355,8 +355,8 @@ def _newton_lands(edges: _Edges, back: IndexArray, least: float) -> tuple[Array,
 def _height_of_land(flanks: Flanks, back: IndexArray, least: float, known: Array) -> Array:
     """Greatest tip heights at which lands behind flanks ``back`` have the width ``least``; ``known`` at full height.
 
-    Where an edge is hardly met, rounding may tell another width next time: the height is then that from which it is
-    met.
+    Where an edge is hardly met, rounding may give another width next time: then the height is the least at which the
+    edge is met.
     """
 
     def excess(height: Array) -> Array:
@@ -381,7 +381,7 @@ def _land(flanks: Flanks, back: IndexArray) -> Array:
 
 
 def _width(flanks: Flanks, both: IndexArray, land: tuple[Array, Array], at: Array, met: Mask) -> Array:
-    """Width of tip lands in mm along the chord, negative where the flanks have crossed below it.
+    """Width of tip lands in mm along the chord, negative where the flanks cross below the land.
 
     ``both`` are the back and the front flank of each of n lands in order, ``at`` the arc lengths where they reach the
     land, if they have ``met`` it, shape (2 n,), and ``land`` the points there and the land's derivatives.  Play moves

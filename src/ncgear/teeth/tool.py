@@ -6,8 +6,8 @@ tool; its rounded tip leaves the fillet.
 
 In the tool's frame, with the pitch point at sigma: the flank touches at depth f below the pitch curves' tangent when
 sigma = c + s f / (sin(alpha) cos(alpha)); one radius along the flank's normal from there is the rounding's centre
-Q = P_t + u T_t - v N_t,  u = s cos(alpha) (rho - f / sin(alpha)),  v = rho sin(alpha) - f.  It stands right under the
-pitch point where Q is nearest to the tool's curve, and reaches one radius deeper than Q there.
+Q = P_t + u T_t - v N_t,  u = s cos(alpha) (rho - f / sin(alpha)),  v = rho sin(alpha) - f.  It is right under the pitch
+point where Q is nearest to the tool's curve, and reaches one radius deeper than Q there.
 """
 
 from __future__ import annotations
@@ -92,16 +92,16 @@ class PinionCircle:
 
 
 Tool = RackLine | PinionCircle | ClosedPitchCurve
-"""What may leave a gear's fillets; a pitch curve stands for the mating gear."""
+"""The tool that leaves a gear's fillets; a pitch curve stands for the mating gear."""
 
 
 @dataclass(frozen=True, eq=False)
 class Rounding:
     """Roundings of the tool's tip, a rounding for each of n flanks.
 
-    ``lowest_mm`` (shape (n,)) is the arc length at which the rounding stands right under the pitch point, ``depth_mm``
-    (shape (n,)) is how far below the pitch curve it reaches there, and ``center_mm`` (shape (n, 2)) is its centre in
-    the tool's frame.  NaN where the tool's tooth is so pointed that it has no such rounding.
+    ``lowest_mm`` (shape (n,)) is the arc length at which the rounding is right under the pitch point, ``depth_mm``
+    (shape (n,)) its depth below the pitch curve there, and ``center_mm`` (shape (n, 2)) its centre in the tool's frame.
+    NaN where the tool's tooth is too pointed for such a rounding.
     """
 
     lowest_mm: Array
@@ -140,10 +140,10 @@ def rounding_rates(
     radius_mm: Array,
     rounding: Rounding,
 ) -> tuple[Array, Array]:
-    """How fast ``lowest_mm`` and ``depth_mm`` of roundings grow with their radius, shape (n,) each.
+    """Slopes of ``lowest_mm`` and ``depth_mm`` of roundings by their radius, shape (n,) each.
 
-    ``depth`` has the depths at which flanks end and how fast these grow with the radius; all else is as
-    ``rounding_of`` has it.  A tool's tangent turns by its curvature k: dT = -k N, dN = k T for each mm of arc length.
+    ``depth`` has the depths of the flanks' ends and their slopes by the radius; all else is as in ``rounding_of``.  A
+    tool's tangent turns by its curvature k: dT = -k N, dN = k T for each mm of arc length.
     """
     flank_depth, deeper = depth
     sigma = crossing_mm + side * flank_depth / slant.height_per_rolled
@@ -172,9 +172,9 @@ MOST_TEETH = 40
 def chosen_tools(pitch: PitchPair, form: ToothForm) -> tuple[CutterKind, tuple[Tool, Tool]]:
     """The kind of tool, and the tools that cut the driving and the driven gear.
 
-    Where no kind is asked for it is a rack for convex curves, else the mating gear, since no rack goes into a concave
-    stretch.  Raises NoSuchMechanism for a rack whose straight edge would cut more than HARMLESS modules into the hollow
-    flanks of a concave stretch, and for a pinion cutter that is as much too large for it.
+    By default the tool is a rack for convex curves, else the mating gear, since no rack fits into a concave stretch.
+    Raises NoSuchMechanism for a rack whose straight edge would cut more than HARMLESS modules into the hollow flanks of
+    a concave stretch, and for a pinion cutter so large that it does the same.
     """
     kind = form.cutter.kind
     if kind is CutterKind.AUTO:
@@ -211,15 +211,15 @@ def most_teeth(pitch: PitchPair, rack: BasicRack) -> int:
 
 
 HARMLESS = 1e-3
-"""Depth in modules to which a tool may cut into hollow flanks: a micrometre at module 1, where the finest usual
-tolerances of a profile's form are twice as much."""
+"""Depth in modules to which a tool may cut into hollow flanks: a micrometre at module 1, half the finest usual
+tolerances of a profile's form."""
 
 PER_MODULE = 16
 """Points of a pitch curve per module at which that depth is computed; its curvature is smooth over a module."""
 
 
 def gouged_mm(curve: ClosedPitchCurve, rack: BasicRack, curvature: float = 0.0) -> float:
-    """How deep a tool of a curvature in 1/mm (a rack's is 0) cuts into the flanks of a curve's concave stretches.
+    """Depth to which a tool of a curvature in 1/mm (0 for a rack) cuts into the flanks of a curve's concave stretches.
 
     While the tool rolls from x to y it turns against the gear by the integral of K = k + curvature, and the place where
     its edge touches moves along the flank by about sin(alpha) for each mm.  So the edge that touches at x is below the
@@ -247,7 +247,7 @@ def _summed(values: Array) -> Array:
 
 
 def _refuse_gouging(pitch: PitchPair, rack: BasicRack, curvature: float, cutter: str, remedy: str, key: str) -> None:
-    """Refuse a cutter that is flatter than a concave stretch, and so cuts too deep into the hollow flanks there."""
+    """Refuse a cutter that is flatter than a concave stretch and so cuts too deep into its hollow flanks."""
     for gear in Gear:
         depth = gouged_mm(pitch.of(gear), rack, curvature)
         if not depth <= HARMLESS * rack.module_mm:

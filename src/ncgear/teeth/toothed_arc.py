@@ -1,8 +1,8 @@
-"""The teeth that are made of gears that turn less than once, and how the body goes on behind the last of them.
+"""The existing teeth of gears that turn less than once, and the body behind the last tooth.
 
-Teeth are made on the continued curves (ncgear.pitch.continued), and the range keeps all teeth that any of its flanks
-can touch (ncgear.pitch.pair.ToothedArc): flanks of usual height touch over one pitch at most to either side of the
-pitch point, and stand a quarter of a pitch from the middle of their tooth.  Beside the first and the last tooth stands
+Teeth are made on the continued curves (ncgear.pitch.continued), and the range keeps all teeth whose flanks can touch
+(ncgear.pitch.pair.ToothedArc): flanks of usual height touch over at most a pitch to either side of the pitch point, and
+are a quarter of a pitch from the middle of their tooth.  Beside the first and the last tooth stands
 the root land of the continued gear.  From there a wall leads towards the axis, and a round heel closes the outline.
 Its radius is the radius of the lower end, or the radius to which the root land would fall within another pitch: there
 the mate's last teeth pass by with the clearance of the roots.
@@ -75,7 +75,7 @@ def _heel(flanks: Flanks, after: Stretch, before: Stretch) -> Stretch:
         inwards = 1.0 if side == 0 else -1.0
         center = outward[side] * np.exp(1j * way * inwards * used[side]) * (radius + rho)
         turned = pi / 2.0 - used[side]
-        # From the wall's foot, where it is across the wall, to the heel, where it is towards the axis.
+        # From the wall's foot, with a direction across the wall, to the heel, with a direction towards the axis.
         along = turned * (share if side == 0 else 1.0 - share)
         arm = -outward[side] * 1j * way * inwards * np.exp(-1j * way * inwards * along) * rho
         speed = -1j * way * inwards * turned * (1.0 if side == 0 else -1.0)
@@ -108,7 +108,7 @@ def _heel(flanks: Flanks, after: Stretch, before: Stretch) -> Stretch:
 
     ones = np.ones(rows.size)
     rank = float(after.rank[0]) + 1.0 + rows
-    # It rolls over nothing; arc lengths beyond the turns beside the first turn have no joint of the pitch curve.
+    # It rolls over no curve; arc lengths beyond the turns beside the first turn have no joint of the pitch curve.
     rolled = 4.0 * flanks.curve.length_mm + np.array([rows, rows + 1.0])
     return Stretch(curve, rows, 0.0 * ones, ones, rolled, rank, ones, np.inf * ones, np.zeros_like(rows))
 
@@ -140,7 +140,7 @@ def _covered_rad(flanks: Flanks, after: Stretch, before: Stretch) -> float:
     phi1 = curve.driving_angle(np.array([first, last]))
     own = phi1 if curve.gear is Gear.DRIVING else curve.transmission.driven_angle(phi1).value
     turned = float(own[1] - own[0])
-    # The lands' ends stand beside the pitch curve: their own directions say the rest.
+    # The lands' ends are beside the pitch curve: their own directions give the rest.
     only = np.zeros(1, dtype=int)
     end, start = (complex(*land.at(only, np.array([share]))[0][0]) for land, share in ((after, 1.0), (before, 0.0)))
     seen = float(np.angle(end / start)) * (-1.0 if curve.gear is Gear.DRIVING else 1.0)

@@ -82,11 +82,11 @@ def require_offered(design: Design) -> Choices:
     if gears is None:
         raise WrongInput("missing; give the keys that are not searched: bores, backlash, a first size", key="gears")
     if gears.mesh == "internal":
-        raise WrongInput("internal given; whole machines are sought with external pairs only", key="gears.mesh")
+        raise WrongInput("internal given; the search for whole machines takes external pairs only", key="gears.mesh")
     if design.stages > 1 or (design.optimize or Optimize()).limits.stages > 1:
-        raise WrongInput("two pairs in series; whole machines are sought with one pair", key="optimize.limits.stages")
+        raise WrongInput("two pairs; the search for whole machines takes one pair", key="optimize.limits.stages")
     if gears.helix is not None:
-        raise WrongInput("given; whole machines are sought with straight teeth, leave it out", key="gears.helix")
+        raise WrongInput("given; the search for whole machines takes straight teeth, leave it out", key="gears.helix")
     if not design.loads_teeth:
         raise WrongInput("missing; the load of the teeth needs it, or masses", key="resistance")
     refuse_guide_friction(design, "the power that is capped")

@@ -57,7 +57,7 @@ class SideTouch:
 
     @property
     def overlap_mm(self) -> Array:
-        """Depth by which the teeth run into each other at the law's driven angle, 0 where they do not, shape (n,)."""
+        """Depth of the teeth's overlap at the law's driven angle, 0 without overlap, shape (n,)."""
         return np.where(self.first.lead_rad > ALIKE_RAD, self.ahead_mm, 0.0)
 
 
@@ -139,7 +139,7 @@ class AsDesigned(PairTouch, Shown):
 
     @property
     def overlap_mm(self) -> Array:
-        """Depth by which the teeth run into each other at the law's driven angle, 0 where they do not, shape (n,)."""
+        """Depth of the teeth's overlap at the law's driven angle, 0 without overlap, shape (n,)."""
         return np.maximum(self.pushing.overlap_mm, self.back.overlap_mm)
 
     @property

@@ -3,9 +3,9 @@
 Tip and root lands are about parallel to the rolling pitch curves, so they share their normal over the pitch point.
 There the corners of a tip are nearest to fillets; farther on they come into contact with flanks.
 
-The ends of the teeth's sides tell where the lands end at each flank, how wide they are and how far they are from the
-pitch curve.  So all this holds for tips of any height and roots of any depth.  A sloping land changes its height evenly
-from end to end, so that a tip is nearest to a root at an end of their common part.
+The ends of the teeth's sides give the end of the land at each flank, its width and its distance from the pitch curve.
+So all this holds for tips of any height and roots of any depth.  A sloping land changes its height evenly from end to
+end, so that a tip is nearest to a root at an end of their common part.
 """
 
 from __future__ import annotations

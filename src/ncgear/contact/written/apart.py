@@ -150,7 +150,7 @@ class Facing:
 
     @cached_property
     def chords(self) -> Chords:
-        """The chords of the driving outline, long ones in pieces."""
+        """The chords of the driving outline, with long chords in pieces."""
         return chords_of(self.driving, LONGEST * self.grain_mm)
 
     @cached_property

@@ -179,7 +179,7 @@ def _places(points_mm: Array, module_mm: float) -> list[list[float]]:
 
 
 def _more(size: float) -> int:
-    """How many more decimals a size under 1 has than a size of 1 or more."""
+    """Number of decimals that a size under 1 has more than a size of 1 or more."""
     return max(0, ceil(-log10(size)))
 
 

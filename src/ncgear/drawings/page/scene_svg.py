@@ -28,7 +28,7 @@ from ncgear.drawings.scene.standing import (
 from ncgear.numerics.arrays import Array
 
 PLACES_PER_TOLERANCE = 5.0
-"""The tolerance is at least so many steps of the grid: rounding moves a point by a seventh of the tolerance at most."""
+"""Least tolerance in steps of the grid: rounding moves a point by at most a seventh of the tolerance."""
 
 
 def grid_mm(tolerance_mm: float) -> float:

@@ -124,7 +124,7 @@ def _advice(what: str, helps: str = "", kind: Kind = Kind.DRIVETRAIN) -> Advice:
 
 
 def _of_crank(drive: Drive) -> Iterator[Advice]:
-    """A crank whose middle lies within the gear beside which it turns, so that its bearings bear other forces."""
+    """A crank whose middle lies within the gear beside which it turns, so that the forces on its bearings differ."""
     around, half = drive.design.drivetrain, drive.gears.face_width_mm / 2.0
     given = around.driven_shaft if around else None
     if given and given.bearing_a and drive.linkage.HAS_CRANK and abs(given.crank_at_mm) < half:
@@ -159,7 +159,7 @@ def _of_bearings(name: str, found: ShaftResult, hours: float) -> Iterator[Advice
             )
         if one.within_iso_281 is False:
             yield _advice(
-                f"{which} bears more than half its dynamic load rating, up to which ISO 281 holds",
+                f"the load of {which} is more than half its dynamic load rating, the limit of ISO 281",
                 _at_least(f"{key}.dynamic_rating_n", one.equivalent_n / MOST_OF_RATING),
             )
         yield from _dented(name, letter, one.largest_n.value, one.static_safety)
@@ -168,17 +168,17 @@ def _of_bearings(name: str, found: ShaftResult, hours: float) -> Iterator[Advice
 def _dented(name: str, letter: str, most_n: float, safety: float | None, when: str = "") -> Iterator[Advice]:
     """A bearing whose largest force is over its static rating."""
     if safety is not None and safety < 1.0:
-        bears = f"bears {fixed(most_n, 0)} N, more than its static load rating: it would be dented"
+        load = f"{fixed(most_n, 0)} N, more than its static load rating: it would be dented"
         helps = _at_least(f"drivetrain.{name}_shaft.bearing_{letter}.static_rating_n", most_n)
-        yield _advice(f"{when}bearing {letter} of the {name} shaft {bears}", helps)
+        yield _advice(f"{when}the load of bearing {letter} of the {name} shaft is {load}", helps)
 
 
 def _crushed(name: str, key: KeySafety | None, when: str = "") -> Iterator[Advice]:
-    """A key whose sides bear more than is allowed."""
+    """A key with more pressure on its sides than is allowed."""
     if key is not None and key.safety < 1.0:
-        bears, allowed = (fixed(pressure, 0) for pressure in (key.pressure_mpa, key.pressure_mpa * key.safety))
+        most, allowed = (fixed(pressure, 0) for pressure in (key.pressure_mpa, key.pressure_mpa * key.safety))
         longer = _at_least(f"drivetrain.{name}_shaft.key.length_mm", key.key.length_mm / key.safety)
-        what = f"{when}the key of the {name} shaft bears {bears} MPa, and {allowed} MPa are allowed"
+        what = f"{when}the pressure on the key of the {name} shaft is {most} MPa, and {allowed} MPa are allowed"
         yield _advice(what, f"{longer}, or a thicker shaft")
 
 

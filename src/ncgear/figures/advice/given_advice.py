@@ -105,7 +105,7 @@ def _idle_sections(drive: Drive) -> Iterator[Idle]:
         found = [([*given, *toleranced], "without gears", "give gears")]
     elif not design.loads_teeth:
         helps = "give resistance" if design.motion.is_open else "give resistance or masses"
-        found = [(given, "without resistance and masses, so that no tooth bears a load", helps)]
+        found = [(given, "without resistance and masses, so that no tooth has a load", helps)]
     else:
         simulated = [name for name in given if name == "simulation"]
         why = {

@@ -124,7 +124,7 @@ def pressure_angle(drive: Drive) -> Advice | None:
         Kind.PRESSURE_ANGLE,
         f"the pressure angle reaches {to_digits(angle, 3)} deg at phi1 = {placed(at)} deg",
         f"only {fixed(100.0 * cos(radians(angle)), 0)} % of the force between the teeth turns the driven gear there; "
-        "the rest bears on the shafts, and friction may lock the pair",
+        "the rest loads the shafts, and friction may lock the pair",
         _less_steep(drive, angle),
         brief=f"pressure angle up to {to_digits(angle, 3)} deg (at phi1 = {placed(at)} deg): friction may lock",
     )

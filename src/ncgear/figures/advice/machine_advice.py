@@ -33,7 +33,7 @@ quiet and light machines: between these angles friction costs power, but does no
 """
 
 FARTHEST = log(4.0)
-"""Logarithm of the factor up to which another length is sought."""
+"""Logarithm of the largest factor in the search for another length."""
 
 HALVINGS = 20
 """Steps of that search; they leave a millionth of a length, and told are three digits."""
@@ -62,7 +62,7 @@ def transmission_angle(drive: Drive) -> Advice | None:
         locks = f"started there, the slider jams in its guide at a friction of {friction:g}"
     else:
         meaning = (
-            f"only {share} % of the force on the {output} moves it there; the rest bears on what guides it, and "
+            f"only {share} % of the force on the {output} moves it there; the rest loads its guide, and "
             "friction may lock the linkage"
         )
         locks = "friction may lock"

@@ -142,7 +142,7 @@ def _not_judged(drive: Drive, found: RoughStrength) -> NotJudged | None:
     return NotJudged(found.needs_teeth) if found.needs_teeth else None
 
 
-TOGETHER = Remedy("make teeth larger and gears wider together, or let them bear less")
+TOGETHER = Remedy("make teeth larger and gears wider together, or reduce their load")
 """What is said where neither size alone would do, and no search tells both."""
 
 SAFE_SIDE = 1.1
@@ -317,7 +317,7 @@ def _resonance(drive: Drive, told: ToldVibration | None) -> Iterator[Advice]:
     where = stretches_words(told)
     yield Advice(
         Kind.VIBRATION,
-        f"the mesh resonates ({BAND}) {where} at {speed}: K_V is {to_digits(told.factor, 2)} where teeth bear most",
+        f"the mesh resonates ({BAND}) {where} at {speed}: K_V is {to_digits(told.factor, 2)} at the largest load",
         "teeth part and hammer, and gears howl; K_V is least sure there, and is for gears that stay in the resonance",
         (
             Remedy(

@@ -254,7 +254,7 @@ def thrust(drive: Drive) -> Advice | None:
         f"driving gear towards {towards} z and the driven one towards {away} z",
         "the bearings of both shafts must take it",
         (Remedy("herringbone teeth cancel it", (Change("gears.helix.kind", "herringbone"),)),),
-        brief=f"an axial thrust of {to_digits(helix.thrust_share, 3)} of the tangential force bears on both shafts",
+        brief=f"an axial thrust of {to_digits(helix.thrust_share, 3)} of the tangential force loads both shafts",
     )
 
 

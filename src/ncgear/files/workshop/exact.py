@@ -26,7 +26,7 @@ LEAST_MODULE_MM = 0.01
 """Least module of teeth with exact faces: the kernel and CAD programs take points within 1e-7 mm as one point."""
 
 ExactSolid = tuple[TopoDS_Shape, float]
-"""A gear's solid in its own frame, and the largest distance found between its tooth faces and the exact ones."""
+"""A gear's solid in its own frame, and the largest distance found between its tooth faces and the exact faces."""
 
 
 def exact_solids(drive: Drive) -> dict[Gear, ExactSolid]:

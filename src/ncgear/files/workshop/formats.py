@@ -30,7 +30,7 @@ class Format(StrEnum):
 
 
 USUAL = (Format.DXF, Format.SVG, Format.THREEMF, Format.GLB, Format.DRAWING)
-"""The kinds that a build writes if no others are asked for: all that need no optional library."""
+"""The kinds of files that a build writes by default: all kinds without an optional library."""
 
 
 @dataclass(frozen=True)
@@ -142,7 +142,7 @@ def written_and_measured(kind: Format, shown: Any, exact_mm: ExactOutlines | Non
 
 
 def _function(name: str) -> Callable[..., Any]:
-    # Loads what begins processes.
+    # This import loads the library that starts processes.
     from ncgear.drawings.beside import function_of
 
     return function_of(f"{PACKAGE}.{name}")

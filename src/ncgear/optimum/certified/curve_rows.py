@@ -1,15 +1,15 @@
-"""What the shape of the pitch curves asks of neighbouring places, as rows of the conic programme of motions.
+"""Relations of neighbouring places from the shape of the pitch curves, as rows of the conic programme of motions.
 
 - The driven curve, 1/r2 = (1 + s)/a, is convex where 1 + s + s'' >= 0.  So 1 + s lies at or below the sine curve
   through two places.  For three places in a row that is exact: s0 <= alpha + beta s- + gamma s+.  Squared, it bounds q0
   by a concave function of q- and q+.  In a cell, the curve through its ends bounds the mean of 1/s from below.
 - The tangent, |s'| <= t (1 + s), lets 1 + s grow by at most exp(t h) in a cell of h rad.
-- The driving curve, 1/r1 = (1 + 1/s)/a, is convex where y'' <= 2 exp(-y) + 2 exp(-y/2), with y = ln q.  Where q is
-  known to lie within a range, the right side lies below its chord a - c y: so y lies at or above the solution of y'' +
-  c y = a through two places (the maximum principle), which for three places in a row is linear.  The variables y lie
+- The driving curve, 1/r1 = (1 + 1/s)/a, is convex where y'' <= 2 exp(-y) + 2 exp(-y/2), with y = ln q.  For q within a
+known range, the right side lies below its chord a - c y: so y lies at or above the solution of y'' + c y = a through
+two places (the maximum principle), which is linear for three places in a row.  The variables y lie
   below the tangents of ln q and above its chord over the range.
 
-These relations are ours.
+These relations were derived for ncgear.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ def limit_lean(of: MotionProgramme) -> None:
 
 
 def leaning(of: MotionProgramme) -> IndexArray:
-    """Cells in which the tangent holds 1 + s back more than the ratios do."""
+    """Cells in which the tangent limits 1 + s more than the ratios do."""
     widest = log((1.0 + 1.0 / of.asked.ratio_min) / (1.0 + 1.0 / of.asked.ratio_max))
     return np.nonzero(of.asked.steepness * of.after_h < widest)[0]
 

@@ -1,7 +1,7 @@
-"""One cycle of the machine at places of the crank, and what lies between them: the grid of the certified limit.
+"""One cycle of the machine at places of the crank, with the cells between them: the grid of the certified limit.
 
-The places are not samples of a smooth function.  Every relation of the limit between the values at the places holds
-for any motion, whatever it does between them, so a grid that is too coarse gives a lower limit, never a wrong one.
+The places are not samples of a smooth function.  Every relation of the limit between the values at the places holds for
+any motion between them, so a grid that is too coarse gives a lower limit, never a wrong limit.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ NEAREST = 0.15
 """Least distance of two places, in steps of the even grid: relations of nearer places lose digits, gain nothing."""
 
 SAME = 1e-9
-"""Crank angle in rad by which the ends of a stretch may miss the places that were made for them."""
+"""Largest distance in rad between the ends of a stretch and the places that were made for them."""
 
 GAUSS = 12
 """Gauss-Legendre points in a part of a cell for its length and the work of weights: exact to rounding, both being
@@ -34,13 +34,13 @@ smooth there."""
 
 @dataclass(frozen=True, eq=False)
 class CrankCycle:
-    """n places of one turn of the crank, the first at the retracted dead centre, and the n cells that follow them.
+    """n places of one turn of the crank, the first at the retracted dead centre, and the n cells after them.
 
     Of shape (n,), at the places: the crank's angle; ``slope`` and ``bend``, the magnitudes of the displacement's
     derivatives by it; ``force_n``, the load, which takes no power at the dead centres; ``inertia_kg_mm2``, J of
     all masses, zero without masses.  Of shape (n,), of the cells: ``step_rad``, ``length_mm`` along the slider's way,
     and ``work_n_mm`` against resistance and weights.  ``extended`` is the number of the extended dead centre.
-    ``error`` is the relative error that these numbers may have.
+    ``error`` is the largest relative error of these numbers.
     """
 
     crank_angle_rad: Array
@@ -71,7 +71,7 @@ class CrankCycle:
 
 
 def cycle(task: Task, places: int = PLACES, at_rad: Sequence[float] = ()) -> CrankCycle:
-    """The cycle of a task at about so many even places, and at crank angles that matter, such as ends of stretches."""
+    """The cycle of a task at about ``places`` even places, and at important crank angles, such as ends of stretches."""
     angles = _angles(task, places, at_rad)
     linkage = task.linkage
     working = linkage.working_angle_rad
@@ -121,7 +121,7 @@ def _angles(task: Task, places: int, at_rad: Sequence[float]) -> Array:
 
 
 def _turns_of_load(task: Task) -> list[float]:
-    """Crank angles at which the load turns, the largest forces first: these count where several are close."""
+    """Crank angles at which the load turns, the largest forces first: of close angles the first counts."""
     found: list[tuple[float, float]] = []
     for returning in (False, True):
         turns = task.load.turns_mm(task.linkage.stroke_mm, returning)
@@ -151,7 +151,7 @@ def _work_of_weights(task: Task, angles: Array, step: Array) -> Array:
 
 
 def _over_cells(task: Task, angles: Array, step: Array, integrand: Callable[[Array], Array]) -> Array:
-    """Integrals over the cells, shape (n,), of a function of crank angles that is smooth but for sharp corners."""
+    """Integrals over the cells, shape (n,), of a function of crank angles that is smooth except for sharp corners."""
     starts = np.union1d(angles, _cuts(task, float(np.max(step))))
     width = np.diff(np.append(starts, 2.0 * pi))
     unit, weight = np.polynomial.legendre.leggauss(GAUSS)
@@ -161,7 +161,7 @@ def _over_cells(task: Task, angles: Array, step: Array, integrand: Callable[[Arr
 
 
 def _cuts(task: Task, step_rad: float) -> Array:
-    """Crank angles (k,) that cut cells about narrow corners, each twice as far from its corner as the one before."""
+    """Crank angles (k,) that cut cells about narrow corners, at distances that double with each angle."""
     cuts = [np.empty(0)]
     for angle, width in task.linkage.corners:
         if width < step_rad:

@@ -18,11 +18,11 @@ KINDS = (TimeWithin, EvenSpeed, SpeedWithin, DecelerationWithin)
 
 @dataclass(frozen=True)
 class WishDemand:
-    """The requirement of a wish on every motion; a time has its upper bound alone, the rest of the turn the lower.
+    """The requirement of a wish on every motion; a time has only an upper bound, the rest of the turn the lower.
 
-    ``key`` is the key of the wish in the design file; a stretch may go on over the end of the turn.  ``shown`` tells in
-    words of the wish the value to ask for instead, from the value that ``eased`` takes.  Where a stretch must be short
-    so that the rest of the turn, a dwell, can be long, ``instead`` tells the value that is kept at the greatest ratio.
+    ``key`` is the key of the wish in the design file; a stretch may go on over the end of the turn.  ``shown`` gives
+    the value to ask for instead, in words of the wish, from the value that ``eased`` takes.  Where a stretch must be
+    short so that the rest of the turn, a dwell, can be long, ``instead`` gives the value kept at the greatest ratio.
     """
 
     key: str
@@ -48,7 +48,7 @@ Asked = TypeVar("Asked", TimeWithin, EvenSpeed, SpeedWithin, DecelerationWithin)
 
 @dataclass(frozen=True)
 class Demands:
-    """Limits; an infinite limit is none.
+    """Limits; infinity means no limit.
 
     ``steepness`` bounds |s'|/(1 + s) with s = dphi2/dphi1, the prime by phi2: the tangent of the pitch curves against
     their common perpendicular, without the rack's own angle, which messages add.  ``convex`` asks both pitch curves to
@@ -81,7 +81,7 @@ class Demands:
 
     @property
     def in_order(self) -> list[WishDemand]:
-        """What wishes require, kind by kind."""
+        """The requirements of wishes, kind by kind."""
         return sorted(self.wishes, key=lambda one: KINDS.index(type(one.asked)))
 
     def requirements(self, kind: type[Asked]) -> list[Asked]:
@@ -102,7 +102,7 @@ PEAKS = {
 
 @dataclass(frozen=True)
 class Priced:
-    """A figure in a weighted sum, by its name in ``Demands``: the range that it is looked for in."""
+    """A figure in a weighted sum, by its name in ``Demands``, with the range of the search."""
 
     name: str
     least: float
@@ -113,7 +113,7 @@ class Priced:
 class Ranges:
     """Ranges of q = s^2 that all wanted motions keep: at the places and everywhere in the cells, shape (n,) each.
 
-    Where nothing is known, the least is zero and the most infinite.
+    The range is zero to infinity where nothing is known.
     """
 
     least: Array

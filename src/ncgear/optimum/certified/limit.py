@@ -1,7 +1,7 @@
 """The certified limit: the least acceleration, power and other figures that any law can have.
 
-A conic programme finds it (``motion``), and its multipliers prove it (``proof``).  The motion that comes near it keeps
-all limits at the places of the grid, and is where the search for a law starts.
+A conic programme finds it (``motion``), and its multipliers prove it (``proof``).  The motion near it keeps all limits
+at the places of the grid, and the search for a law starts there.
 """
 
 from __future__ import annotations
@@ -30,24 +30,24 @@ PLACES_ROUGH = 960
 """Places where pitch curves need not be convex: the relations between places are then of first order only."""
 
 PLACES_CURVED = 240
-"""Places where they must be; more are added where the driving curve matters."""
+"""Places where pitch curves must be convex; more are added where the driving curve matters."""
 
 FINE_RAD = radians(0.5)
 """Step of the places where the driving curve matters."""
 
 CLOSE = 1.002
-"""A motion this close to the limit without the driving curve leaves nothing to gain that is worth the time."""
+"""Ratio of a motion to the limit without the driving curve up to which a further search is not worth its time."""
 
 BISECTED = 1e-4
-"""Relative width to which limits are narrowed that no programme gives at once."""
+"""Relative width to which limits are narrowed that no single programme gives."""
 
 EASED = (1.0, 1.001, 1.01, 1.1)
-"""Factors of limits that are just kept, one after the other: at the limit itself a solver may find no motion."""
+"""Factors on limits that can just be kept, tried in order: at the limit itself a solver may find no motion."""
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """s = dphi2/dphi1 at crank angles in rad from 0 on, shape (n,) each: between them it is not told."""
+    """s = dphi2/dphi1 at crank angles in rad from 0 on, shape (n,) each, and unknown between them."""
 
     crank_angle_rad: Array
     turning: Array
@@ -55,10 +55,10 @@ class Motion:
 
 @dataclass(frozen=True, eq=False)
 class Bound:
-    """A least value: no law has less.  ``motion`` keeps the limits at ``places`` places, and comes near the value.
+    """A least value: no law has less.  ``motion`` keeps the limits at ``places`` places, and is near the value.
 
     ``reach`` is about the value of a motion that keeps all relations: no proof raises the limit beyond it.  It is
-    infinite where it is not known.  ``effort`` is the work that raised the value towards a law; None where it was not
+    infinite where unknown.  ``effort`` is the work that raised the value towards a law; None where it was not
     raised.
     """
 
@@ -81,10 +81,10 @@ def problem_of(task: Task, asked: Demands, places: int | None = None) -> LimitPr
 
 
 def least_acceleration(task: Task, asked: Demands, places: int | None = None, *, proven: bool = True) -> Bound:
-    """Least peak of the slider's acceleration in mm/s^2; a demand on acceleration itself is not looked at.
+    """Least peak of the slider's acceleration in mm/s^2; a demand on acceleration itself is ignored.
 
-    Where not ``proven``, only the motion is wanted: the value knows the driven curve and not the driving curve.  Raises
-    NoSuchMechanism where no acceleration is enough, with the limits that bind and their nearest values.
+    Without ``proven``, only the motion is wanted: the value includes the driven curve and not the driving curve.
+    Raises NoSuchMechanism where no acceleration is enough, with the limits that bind and their nearest values.
     """
     problem = problem_of(task, replace(asked, acceleration_mm_s2=inf), places)
 
@@ -92,7 +92,7 @@ def least_acceleration(task: Task, asked: Demands, places: int | None = None, *,
         made = of.programme(curve, with_peak=True)
         found = tried(made, made.acceleration, lambda value: value * made.acceleration_unit_mm_s2)
         if found.value == inf and curve is None and of.is_open:
-            # Not under the greatest peak that is looked at, but there may be motions beyond
+            # Not under the greatest peak of the search, but there may be motions beyond
             free = of.programme()
             value = MOST_ACCELERATION * made.acceleration_unit_mm_s2
             return replace(tried(free, free.angle, lambda value: value), value=value)
@@ -104,7 +104,7 @@ def least_acceleration(task: Task, asked: Demands, places: int | None = None, *,
 def least_acceleration_roughly(problem: LimitProblem) -> float:
     """The least peak of acceleration in mm/s^2 as ``least_acceleration`` gives it, with the driving curve left free.
 
-    It is certain, a few percent lower at most on balers, and takes a tenth of the time.
+    It is certain, at most a few percent lower on balers, and takes a tenth of the time.
     """
     problem = problem.under(acceleration_mm_s2=inf)
     made = problem.programme(with_peak=True)
@@ -115,14 +115,14 @@ def least_acceleration_roughly(problem: LimitProblem) -> float:
 
 
 def least_mean_power_w(task: Task) -> float:
-    """The mean power over a cycle in W, less what rounding may add: no peak power is under it."""
+    """The mean power over a cycle in W minus possible rounding: no peak power is under it."""
     return task.work_n_mm / 1000.0 / task.cycle_s * (1.0 - ROUNDING)
 
 
 def least_power(task: Task, asked: Demands, places: int | None = None, *, proven: bool = True) -> Bound:
-    """Least peak power of the motor in W; a demand on it is not looked at.
+    """Least peak power of the motor in W; a demand on it is ignored.
 
-    Where not ``proven``, the driving curve is left free.
+    Without ``proven``, the driving curve is left free.
     With masses the limit is a relaxation, see ``motion``.  Raises NoSuchMechanism as ``least_acceleration`` does.
     """
     mean_w = least_mean_power_w(task)
@@ -175,7 +175,7 @@ def _with_curves(problem: LimitProblem, least_value: LeastValue, name: str, *, p
     """The least value of a goal, a demand by its name, with the driving curve convex where both curves must be."""
     problem, trials, without = _solved(problem, least_value, name)
     if not problem.asked.convex:
-        # Where a longer time eases nothing, the motion keeps all relations
+        # Where a longer time eases no row, the motion keeps all relations
         reach = inf if needs_times(problem.task, problem.asked) else without.value
         return Bound(without.value, problem.on.count, motion_of(problem.on, without.q), reach)
     found = motion_along(trials, without)
@@ -189,7 +189,7 @@ def _with_curves(problem: LimitProblem, least_value: LeastValue, name: str, *, p
     if proven and found.value > CLOSE * value:
         parts = rows_of_places(cells_that_matter(problem.on, without.q, found.q), problem.on.count)
         value = bisected(trials, parts, without.value, found, problem.asked)
-    # The motion knows no upper bounds of times, and where no motion was found along the curve it knows nothing of that
+    # The motion ignores upper bounds of times, and ignores the curve where no motion along it was found
     known = found is not without and not needs_times(problem.task, problem.asked)
     return Bound(value, problem.on.count, motion_of(problem.on, found.q), found.value if known else inf)
 

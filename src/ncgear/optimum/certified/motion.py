@@ -6,11 +6,11 @@ Let phi2 be the crank's angle, s = dphi2/dphi1, q = s^2, primes by phi2.  The va
 - Acceleration w^2 (x'' q + x' q'/2) is the slope of half the squared speed along the slider's way: from place to place
   it changes by at most the peak times the way, and falls by at most a wished deceleration times it.
 - Power F w x' s of a resistance bounds q at each place, and the work of a cell takes its time at full power.  With
-  masses, work and change of kinetic energy of a cell take their time.  The time is a variable that is no less than the
-  true time; where q is known to lie within ranges, a chord limits it from above.
+  masses, work and change of kinetic energy of a cell take their time.  The time is a variable not below the true time;
+  where ranges of q are known, a chord limits it from above.
 
 The relations are known from the time-optimal control of a path (Verscheure et al., "Time-optimal path tracking for
-robots: a convex optimization approach", IEEE Trans.  Automat.  Contr. 54 (2009), who use q as well).
+robots: a convex optimization approach", IEEE Trans. Automat. Contr. 54 (2009), who use q as well).
 
 ``curve_rows`` adds the shape of the pitch curves, ``time_rows`` the times of cells; ``problem.motion_programme`` puts a
 programme together.
@@ -35,7 +35,7 @@ ROUNDING = 1e-12
 """Relative error that ranges of variables made from other ranges may have, with much to spare."""
 
 MOST_ACCELERATION = 1e4
-"""Largest peak acceleration that is looked at, in units of crank w^2; an even crank has 1 or 2."""
+"""Largest peak acceleration of the search, in units of crank w^2; an even crank has 1 or 2."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ class MotionProgramme:
 
     ``q`` (s^2), ``turning`` (s) and ``time`` (mean of 1/s in each cell) have one expression for each place.
     ``acceleration`` is in units of crank w^2, ``power_squared`` in units of ``power_unit_w`` squared, ``angle`` is the
-    driving angle that the motion takes, over the driving angle of the cycle.  Each is one expression.
+    driving angle of the motion over that of the cycle.  Each is a single expression.
     """
 
     def __init__(
@@ -97,7 +97,7 @@ class MotionProgramme:
         self.energy = self.q * (on.slope_mm_rad**2 / (2.0 * self.crank**2))
         self.length = on.length_mm / self.crank
         self.angle = (self.time * (self.after_h / task.cycle_rad)).total()
-        # Greatest decelerations that are wished in the cells, over crank w^2
+        # Greatest wished decelerations in the cells, over crank w^2
         self.falls = np.full(count, inf)
         self.priced: dict[str, LimitedFigure] = {}
         for one in priced:
@@ -114,7 +114,7 @@ class MotionProgramme:
         return {name: one.value for name, one in self.priced.items()}
 
     def _cap_by_power(self) -> None:
-        """Ranges of q and of times that a given peak power leaves where no mass takes part."""
+        """Ranges of q and of times under a given peak power, without masses."""
         most = self.asked.power_w
         self.pressing = self.on.force_n * self.on.slope_mm_rad * self.speed / 1000.0
         if self.task.masses is not None or isinf(most):
@@ -162,12 +162,12 @@ class MotionProgramme:
             cells = on.cells_within(*limit.stretch)
             self.falls[cells] = np.minimum(self.falls[cells], most)
             self.programme.positive(self._slope()[cells] + most)
-            # The dead centres at which any of these cells ends
+            # The dead centres at the ends of these cells
             dead = np.intersect1d(self.next[cells], [0, on.extended])
             self.programme.positive(most - self.q[dead] * (on.bend_mm_rad2[dead] / self.crank))
 
     def limit_power(self, powers_w: tuple[float, float]) -> None:
-        """The peak power where it is not limited and no mass takes part: its square bounds q at each place."""
+        """The peak power, if not limited and without masses: its square bounds q at each place."""
         top = float(np.max(self.pressing, initial=0.0))
         self.power_unit_w = top if top > 0.0 else 1.0
         if self.task.masses is not None or not isinf(self.asked.power_w) or top <= 0.0:
@@ -259,7 +259,7 @@ class MotionProgramme:
             self.programme.positive(share * time + self.time * at - time * at - taken)
 
     def _slower(self) -> Linear:
-        """What s is no less than at the places: its chord in q over the range."""
+        """A lower bound of s at the places: its chord in q over the range."""
         slow, fast = np.sqrt(self.lowest), np.sqrt(np.maximum(self.highest, self.lowest))
         return (self.q - self.lowest) * (1.0 / (slow + fast)) + slow
 

@@ -1,4 +1,4 @@
-"""A task under demands on one grid: the programmes of its motions, and whether any motion keeps the demands."""
+"""A task under demands on a grid: the programmes of its motions, and whether any motion keeps the demands."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ def motion_programme(
     powers_w: tuple[float, float] = (0.0, inf),
     priced: Sequence[Priced] = (),
 ) -> MotionProgramme:
-    """The programme of all motions that keep the demands, and more that only keep these relations.
+    """The programme of all motions that keep the demands, and of further motions that only keep these relations.
 
-    ``curve`` brings the driving curve in.  Ranges give its relation for all motions within them.  Near a motion, the
+    ``curve`` adds the driving curve.  Ranges give its relation for all motions within them.  Near a motion, the
     relation is q'' <= 2 + 2 sqrt(q) + q'^2/q with q'^2/q bounded from below by its tangent.  A motion that keeps this
     relation has a convex driving curve, but some motions with a convex driving curve do not keep it.  This programme
-    finds motions and proves nothing.  Where not ``closed``, the cycle may take any driving angle.  ``powers_w`` is the
-    range of peak powers that is looked at where the peak power is not limited.  The peak of acceleration is a variable
+    finds motions and proves nothing.  Without ``closed``, the cycle may take any driving angle.  ``powers_w`` is the
+    range of the search for peak powers where the peak power is not limited.  The peak of acceleration is a variable
     ``with_peak``, up to ``MOST_ACCELERATION``, or where it is limited.  Figures that are ``priced`` are variables
     within their ranges, and demands.
     """
@@ -78,7 +78,7 @@ class LimitProblem:
 
     @cached_property
     def closing(self) -> float:
-        """Least driving angle of a motion that keeps all other demands, over the cycle's; infinite where none does."""
+        """Least driving angle of motions that keep all other demands, over the cycle's; infinite without any."""
         made = self.programme(closed=False)
         return least(made.programme, made.angle).value
 
@@ -93,7 +93,7 @@ class LimitProblem:
         return self.excess <= 0.0
 
     def least_peak(self, name: str) -> float:
-        """The least value of a demand, by its name in ``Demands``; zero or less where no single programme gives it."""
+        """The least value of a demand, by its name in ``Demands``; at most zero where no single programme gives it."""
         free = self.under(**{name: inf})
         made = free.programme(with_peak=True)
         if name == "acceleration_mm_s2":

@@ -3,14 +3,14 @@
     least c'v   where   b - A v  is in K   and   low <= v <= high
 
 K is a product of half lines and of second-order cones of three numbers, x0 >= sqrt(x1^2 + x2^2).  Clarabel, an
-interior-point method, solves it.  Its word is not the certificate.  For any z in the dual cone (K itself) and any
+interior-point method, solves it.  Its answer is not the certificate.  For any z in the dual cone (K itself) and any
 allowed v, z'(b - A v) >= 0, and so with r = c + A'z
 
     c'v >= -b'z + r'v >= -b'z + sum of min(r low, r high)
 
-The multipliers z that the solver gives are moved into the cone, and this sum is computed with all its rounding errors
-charged against it.  Errors of the numbers in A and b are charged too: every row is let out by ``DATA`` of its terms, or
-more where the numbers of a machine have lost digits.
+The solver's multipliers z are moved into the cone, and this sum is computed and lowered by all its rounding errors.
+Errors of the numbers in A and b count, too: every row is relaxed by ``DATA`` of its terms, or more where the numbers of
+a machine have lost digits.
 """
 
 from __future__ import annotations
@@ -29,8 +29,8 @@ from ncgear.numerics.arrays import Array, IndexArray
 UNIT = float(np.finfo(float).eps)
 
 DATA = 1e-11
-"""Relative error that numbers of the rows may have: they come from a few operations on displacements and sines, whose
-cancellation leaves 1e-13 at worst where places are as near as ``cycle.NEAREST`` allows.  About a corner of the
+"""Largest relative error of numbers of the rows: they come from a few operations on displacements and sines, whose
+cancellation leaves 1e-13 at worst where places are as near as ``cycle.NEAREST`` allows.  At a corner of the
 displacement of width w it leaves a quarter of 2e-16/w^2 at worst: ``Cycle.error`` is never less."""
 
 
@@ -79,7 +79,7 @@ class Linear:
         )
 
     def repeated(self, count: int) -> Linear:
-        """One expression, ``count`` times."""
+        """An expression, ``count`` times."""
         return Linear(
             np.repeat(self.columns, count, axis=1),
             np.repeat(self.coefficients, count, axis=1),
@@ -89,9 +89,9 @@ class Linear:
 
 @dataclass
 class ConicProgramme:
-    """A programme as it is put together: variables with their ranges, then rows that must not be negative.
+    """A programme under construction: variables with their ranges, then rows that must not be negative.
 
-    ``error`` is the relative error that the numbers of its rows may have.
+    ``error`` is the largest relative error of the numbers of its rows.
     """
 
     error: float = DATA
@@ -129,7 +129,7 @@ class ConicProgramme:
 
 @dataclass(frozen=True, eq=False)
 class ConicAnswer:
-    """``value`` is certain: nothing allowed has less; infinite where nothing is allowed at all.
+    """``value`` is a certain lower bound over all allowed variables; infinite where none are allowed.
 
     ``near`` holds the solver's variables, shape (n,), close to the best; None where it found none.
     """
@@ -211,7 +211,7 @@ def proof_of(programme: ConicProgramme) -> Proof:
 
 @dataclass(frozen=True, eq=False)
 class Proof:
-    """What a bound is proven from: the rows A and b, the number of cones among them (the last rows), the ranges.
+    """The data for the proof of a bound: the rows A and b, the number of cones among them (the last rows), the ranges.
 
     ``error`` is the relative error of the numbers in A and b.
     """
@@ -226,7 +226,7 @@ class Proof:
     def bound(self, cost: Array, multipliers: Array) -> float:
         """A value certainly at or below the least of cost'v over all allowed v, from any multipliers, shape (rows,).
 
-        Minus infinity where numbers are not finite: they prove nothing.
+        It is minus infinity where numbers are not finite: they prove nothing.
         """
         z = self.in_cone(multipliers)
         rows = -self.bounds - self.let_out
@@ -254,7 +254,7 @@ class Proof:
 
     @cached_property
     def let_out(self) -> Array:
-        """By how much every row is let out for errors of its numbers; of three rows in a cone, the first by all."""
+        """Relaxation of every row for errors of its numbers; in a cone of three rows, the first row has the sum."""
         largest = np.maximum(np.abs(self.low), np.abs(self.high))
         each = self.error * (abs(self.matrix) @ largest + np.abs(self.bounds))
         flat = each.size - 3 * self.cones

@@ -1,8 +1,8 @@
-"""Ranges of q = s^2 that all motions below a target keep; with them two relations that are not convex enter the limit.
+"""Ranges of q = s^2 that all motions below a target keep; with them two non-convex relations enter the limit.
 
-They are the convexity of the driving curve and, with masses, the time of each cell (see ``motion``).  At checkpoints
-the least and the greatest q of all motions whose goal is below the target are found.  Between two of them the driven
-curve bounds q from above, the driving curve from below: with i = 1/s = i12 and y = ln q, both are convex where
+They are the convexity of the driving curve and, with masses, the time of each cell (see ``motion``).  Programmes find
+the least and the greatest q at checkpoints of all motions whose goal is below the target.  Between two of them the
+driven curve bounds q from above, the driving curve from below: with i = 1/s = i12 and y = ln q, both are convex where
 
     1 + s + s'' >= 0     and     y'' <= 2 i + 2 i^2
 
@@ -26,10 +26,10 @@ from ncgear.optimum.certified.cycle import CrankCycle
 from ncgear.optimum.certified.demands import Demands, Ranges
 
 LOWER = 0.02
-"""By how much ln q may lie lower between two checkpoints than the chord through them."""
+"""Largest distance of ln q between two checkpoints below the chord through them."""
 
 LEANING = 0.6
-"""By how much ln q may lie beside that chord where only the pressure angle bounds it."""
+"""Largest distance of ln q from that chord where only the pressure angle bounds it."""
 
 ROUNDING = 1e-9
 """Relative error that a range between checkpoints may have by rounding, with much to spare."""
@@ -68,7 +68,7 @@ class KnownRanges:
     most: Array
 
     def within(self, place: int, least: float, most: float) -> KnownRanges:
-        """The ranges with a range at one place, unless a narrower range is known."""
+        """The ranges with a range at a place, unless a narrower range is known."""
         low, high = self.least.copy(), self.most.copy()
         low[place] = max(low[place], least)
         high[place] = min(high[place], most)
@@ -76,18 +76,18 @@ class KnownRanges:
 
     @property
     def empty(self) -> bool:
-        """Whether there is no q at all at some place."""
+        """Whether some place has no possible q."""
         return bool(np.any(self.least > self.most))
 
 
 def cells_that_matter(on: CrankCycle, without: Array, motion: Array) -> IndexArray:
-    """The cells beside places where the driving curve is bent inwards without the relation, or flat with it."""
+    """The cells beside places where the driving curve is concave without the relation, or flat with it."""
     matter = (_spare(on, without) < 0.0) | (_spare(on, motion) < FLAT)
     return np.nonzero(matter | np.roll(matter, -1))[0]
 
 
 FLAT = 0.02
-"""What is left of convexity, over the size of its terms, below which the driving curve counts as flat."""
+"""Convexity, over the size of its terms, below which the driving curve counts as flat."""
 
 
 def _spare(on: CrankCycle, q: Array) -> Array:
@@ -213,9 +213,9 @@ def _greatest_ratio(at_ends: Array, length_rad: Array, most: float) -> Array:
 def curved(low: Array, high: Array, before: Array, after: Array) -> tuple[Array, Array, Array, IndexArray]:
     """y0 >= first y- + second y+ + rest where y'' <= 2 exp(-y) + 2 exp(-y/2) and y lies between ``low`` and ``high``.
 
-    The lengths of the cells on both sides, shape (k,); the last tells for which places it holds.  The right side lies
-    below its chord, a - c y.  The solutions of y'' + c y = a are a/c and waves of sqrt(c) per rad; the maximum
-    principle holds while the places are less than half a wave apart.
+    ``before`` and ``after`` are the lengths of the cells on both sides, shape (k,); the last result has the places for
+    which the relation holds.  The right side lies below its chord, a - c y.  The solutions of y'' + c y = a are a/c and
+    waves of sqrt(c) per rad; the maximum principle holds while the places are less than half a wave apart.
     """
     wide = np.maximum(high - low, 1e-12)
     c = -(2.0 * np.exp(-low) * np.expm1(-wide) + 2.0 * np.exp(-low / 2.0) * np.expm1(-wide / 2.0)) / wide
@@ -230,8 +230,8 @@ def curved(low: Array, high: Array, before: Array, after: Array) -> tuple[Array,
 def along(rate: Array, about: Array, before: Array, after: Array) -> tuple[Array, Array, Array]:
     """q0 >= first q- + second q+ + rest where q'' <= 2 + 2 sqrt(q) + 2 rate q' - rate^2 q, shape (k,).
 
-    The root of q lies below its tangent at ``about``, a value near q0; where that would lose digits, it is taken
-    elsewhere.  With c = rate^2 - 1/sqrt(tangent) and k^2 = rate^2 - c the solutions are exp(rate t) times sinh of k t.
+    The root of q lies below its tangent at ``about``, a value near q0, or at another value where that would lose
+    digits.  With c = rate^2 - 1/sqrt(tangent) and k^2 = rate^2 - c the solutions are exp(rate t) times sinh of k t.
     """
     tangent = _tangent(rate**2, about)
     c, d = rate**2 - 1.0 / np.sqrt(tangent), 2.0 + np.sqrt(tangent)
@@ -248,7 +248,7 @@ LEAST_C = 0.3
 
 
 def _tangent(product: Array, about: Array) -> Array:
-    """The value of q whose tangent is used: the given value, or the nearest value with a c that is not too small."""
+    """The value of q for the tangent: the given value, or the nearest value whose c is not too small."""
     c = product - 1.0 / np.sqrt(about)
     lifted = np.where(c >= 0.0, product - LEAST_C, product + LEAST_C)
     lifted = np.where(lifted > 0.0, lifted, product + LEAST_C)

@@ -1,7 +1,7 @@
-"""Where no law keeps the limits: which of the limits binds, and its nearest value at which a law may keep them all.
+"""Refusals where no law keeps the limits: the binding limit, and its nearest value at which a law may keep them all.
 
-As a limit is eased, the least driving angle in which the others can be kept never grows: the nearest value is where it
-comes down to that which the cycle has.
+As a limit is eased, the least driving angle for keeping the others never grows: at the nearest value it falls to the
+driving angle of the cycle.
 """
 
 from __future__ import annotations
@@ -22,22 +22,22 @@ from ncgear.wishes.requirements import EvenSpeed, TimeWithin
 from ncgear.wishes.wish import Offer
 
 FINE = 1e-5
-"""Relative width of the interval to which a nearest value is narrowed: it is shown with five digits."""
+"""Relative width of the final interval of a nearest value, which is shown with five digits."""
 
 DOUBLINGS = 60.0
 """Doublings of a guess beyond which nothing is looked for."""
 
 BEYOND = 10.0
-"""What counts as the excess of a value with which no time at all would be enough."""
+"""The excess of a value for which no time would be enough."""
 
 
 def turning_point(
     excess: Callable[[float], float], guess: float, fine: float = FINE, step: float = log(2.0)
 ) -> tuple[float, float] | None:
-    """A value with an excess and a higher value without, at most ``fine`` apart; the excess never grows.
+    """A value with an excess and a higher value without, at most ``fine`` apart; the excess never grows with the value.
 
-    It may be infinite.  The guess, which must be positive, should be right to a share of ``step``.  The first value is
-    0 where there is no excess down to 2^-60 of the guess.  None where there is some up to 2^60 times the guess.
+    The excess may be infinite.  The guess must be positive and should be right to a share of ``step``.  The first value
+    is 0 where there is no excess down to 2^-60 of the guess.  None where there is one up to 2^60 times the guess.
     """
     from scipy.optimize import brentq
 
@@ -67,7 +67,7 @@ def turning_point(
             continue
         near = brentq(at, low, high, xtol=fine / 8.0)
         for side in (-fine / 3.0, fine / 3.0):
-            # Beside the interval rounding may decide, and all that lies there is known.
+            # Beside the interval rounding may decide, and the values there are known.
             at(min(max(near + side, low), high))
         low, high = ends()
     return guess * exp(low), guess * exp(high)
@@ -76,8 +76,7 @@ def turning_point(
 NOT_CONVEX = Offer("pitch curves that are not convex", (("optimize.limits.convex", False),))
 
 LEAST_ROOM = 1e-9
-"""Share of the mean ratio by which a limit must differ from it: a mean that is written with ten digits differs by less.
-
+"""Least difference of a limit from the mean ratio, as a share of it: a mean written with ten digits differs by less.
 The bounds themselves hold down to 1e-12; below that, rounding decides whether there is a law."""
 
 
@@ -150,9 +149,9 @@ def too_little(task: Task, name: str, value: float, enough: float) -> Refused:
 
 
 def refusal(problem: LimitProblem) -> Refused:
-    """The error that says why no law keeps the demands: the peaks that bind, then curves and wishes.
+    """The error with the reason why no law keeps the demands: the binding peaks, then curves and wishes.
 
-    A peak that is too low with any values of the others is told with its nearest value; else each peak that binds.
+    It names a peak that is too low for any values of the others, with its nearest value; else each binding peak.
     """
     asked, task = problem.asked, problem.task
     given = {name: getattr(asked, name) for name in PEAKS if getattr(asked, name) < inf}
@@ -173,7 +172,7 @@ def refusal(problem: LimitProblem) -> Refused:
 
 
 def _offers(problem: LimitProblem, names: Sequence[str]) -> list[Offer]:
-    """What would do instead of peaks that are too low: each of them higher, or something else."""
+    """Offers instead of peaks that are too low: each of them higher, or other changes."""
     least = [(name, value) for name in names if (value := _least(problem, name)) < inf]
     enough = [
         _enough(problem.task, name, value, "" if place else "at least ") for place, (name, value) in enumerate(least)
@@ -191,12 +190,12 @@ def _enough(task: Task, name: str, value: float, before: str) -> Offer:
 
 
 EDGE = 1e-4
-"""Share by which the value of a peak that is named lies over the least: there no programme has an inside, and the
-solver may find no motion.  With a third of it, it does on the baler."""
+"""Share by which a named value of a peak exceeds the least value, at which a programme has no interior and the solver
+may find no motion.  On the baler a third of it is enough."""
 
 
 def _least(problem: LimitProblem, name: str) -> float:
-    """Least value of a demand that is not certainly too low; infinite where there is none."""
+    """Least value of a demand that is not certainly too low; infinite where all values are."""
     value = problem.least_peak(name)
     if value > 0.0:
         return value
@@ -205,7 +204,7 @@ def _least(problem: LimitProblem, name: str) -> float:
 
 
 def _of_curves_and_wishes(problem: LimitProblem) -> Refused:
-    """The refusal where no peak is enough; a wish that cannot be kept alone is told before wishes together."""
+    """The refusal where no peak is enough; a wish that cannot be kept alone comes before wishes together."""
     wishes, bare = problem.asked.in_order, problem.under(wishes=())
     for wish in wishes:
         alone = bare.under(wishes=(wish,))
@@ -228,13 +227,13 @@ def _without(problem: LimitProblem, wish: WishDemand) -> LimitProblem:
 
 
 def _other_wishes(problem: LimitProblem) -> list[Offer]:
-    """For each wish without which there may be a law, the nearest that could be asked for, with its key."""
+    """For each wish whose removal may allow a law, the nearest possible wish, with its key."""
     free = ((wish, _without(problem, wish)) for wish in problem.asked.in_order)
     return [said for wish, without in free if without.is_open for said in _nearest_wish(without, wish)]
 
 
 def _nearest_wish(free: LimitProblem, wish: WishDemand) -> list[Offer]:
-    """The nearest wish that can be kept, in words, with all that ``free`` asks for; none where there is none."""
+    """The nearest wish that can be kept with all demands of ``free``, in words; empty where there is none."""
 
     def nearest(guess: float) -> float:
         return 1.0 + _eased(free, lambda more: {"wishes": (*free.asked.wishes, wish.eased(1.0 + more))}, guess)
@@ -250,7 +249,7 @@ def _nearest_wish(free: LimitProblem, wish: WishDemand) -> list[Offer]:
 
 
 def _eased(problem: LimitProblem, demands: Callable[[float], dict[str, Any]], guess: float) -> float:
-    """The least value with which demands that follow can be kept, to a share of EASED; infinite where none is."""
+    """The least value whose demands can be kept, to a share of EASED; infinite where there is none."""
 
     def turned(on: LimitProblem, guess: float, step: float) -> tuple[float, float] | None:
         return turning_point(lambda value: on.under(**demands(value)).excess, guess, EASED, step)
@@ -263,17 +262,17 @@ def _eased(problem: LimitProblem, demands: Callable[[float], dict[str, Any]], gu
 
 
 EASED = 1e-3
-"""Relative width of the interval to which the nearest of a wish or of the pressure angle is narrowed."""
+"""Relative width of the final interval of the nearest value of a wish or of the pressure angle."""
 
 FEW_PLACES = 200
-"""Places on which an interval is looked for first."""
+"""Places of the first search for an interval."""
 
 LEAST_EASE = 0.01
-"""Where the search for a spread or a range of speeds begins, as a share of the speed."""
+"""Start of the search for a spread or a range of speeds, as a share of the speed."""
 
 
 def _other_curves(problem: LimitProblem) -> list[Offer]:
-    """What of the curves would do instead: the least pressure angle, or curves that are not convex."""
+    """Offers of other curves: the least pressure angle, or curves that are not convex."""
     asked, said = problem.asked, list[Offer]()
     if asked.steepness < inf:
         rack = asked.rack_angle_rad

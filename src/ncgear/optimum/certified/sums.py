@@ -33,10 +33,10 @@ from ncgear.optimum.certified.tree import Budget, Effort, FigureRanges, Solved, 
 from ncgear.optimum.task import Task
 
 PLACES_RAISED = 120
-"""Places where ranges are looked for all around the turn; twice as many where these let the limit come no nearer."""
+"""Places for ranges all around the turn; twice as many where these bring the limit no nearer."""
 
 CLOSE_ENOUGH = 0.99
-"""Share of the law from which more places are of no use."""
+"""Share of the law from which more places are useless."""
 
 EARLY = 1.0 / 3.0
 """Share of the programmes that the first grid may use, so that enough of them are left for the finer grid."""
@@ -49,7 +49,7 @@ MOST_SPLITS = 60
 
 @dataclass(frozen=True)
 class PeakWeights:
-    """What 1 mm/s^2 of peak acceleration and 1 W of peak power cost; both positive."""
+    """Costs of 1 mm/s^2 of peak acceleration and of 1 W of peak power; both positive."""
 
     per_mm_s2: float
     per_w: float
@@ -58,9 +58,9 @@ class PeakWeights:
 def least_weighted_sum(
     task: Task, asked: Demands, weights: PeakWeights, places: int | None = None, tolerance: float = TOLERANCE
 ) -> Bound:
-    """Least weighted sum of both peaks; demands on the two peaks themselves are not looked at.
+    """Least weighted sum of both peaks; demands on the two peaks themselves are ignored.
 
-    The programme knows the square of the power P.  Between P1 and P2 the chord, (P^2 + P1 P2)/(P1 + P2), is at most P.
+    The programme has the square of the power P.  Between P1 and P2 the chord, (P^2 + P1 P2)/(P1 + P2), is at most P.
     Intervals of powers are split, the interval with the lowest sum first, until it is within ``tolerance`` of the best
     sum found.  The driving curve is left free.  Raises NoSuchMechanism as ``least_acceleration`` does.
     """
@@ -83,7 +83,7 @@ def least_weighted_sum(
         goal = weights.per_mm_s2 * made.acceleration_unit_mm_s2 * made.acceleration
         goal = goal + (weights.per_w * unit**2 / span) * made.power_squared + weights.per_w * low * high / span
         answer = least(made.programme, goal)
-        # Beyond the greatest peak that is looked at, and where the solver is rough, the sum of both alone is certain
+        # Beyond the greatest peak of the search, and where the solver is rough, only the sum of both alone is certain
         beyond = weights.per_mm_s2 * MOST_ACCELERATION * made.acceleration_unit_mm_s2 + weights.per_w * low
         heappush(queue, (max(min(answer.value, beyond), alone), low, high))
         if answer.near is not None and answer.value < inf:
@@ -106,7 +106,7 @@ def least_weighted_sum(
 
 
 def _sum_with_masses(problem: LimitProblem, weights: PeakWeights, tolerance: float) -> Bound:
-    """The least sum by intervals of powers at each of whose ends the least acceleration is known."""
+    """The least sum by intervals of powers with known least accelerations at their ends."""
     task, asked = problem.task, problem.asked
     low = least_of(task, asked, "power_w").value
 

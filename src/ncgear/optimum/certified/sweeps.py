@@ -3,16 +3,16 @@
 Let phi be the crank's angle, s = dphi/dphi1, q = s^2, primes by phi, and w the driving shaft's speed.  At a place and a
 value of q every limit of the pressure angle, acceleration, power, braking power and flank load is a range of q', since
 the crank's torque M = M0 + w^2 (c q + J q'/2) is linear in q and q'.  So every motion that keeps them lies below the
-greatest periodic curve whose slopes stay in these ranges (comparison of scalar differential inequalities).  A cycle
-takes no less time than along that curve.  Where this is more than its time, no motion keeps all limits.
+greatest periodic curve with slopes in these ranges (comparison of scalar differential inequalities).  A cycle takes at
+least the time along that curve.  Where that exceeds its time, no motion keeps all limits.
 
 The curve is followed from cell to cell as a barrier: its slope is the greatest possible one at both ends of a cell,
-linear between them, and a little more.  What it is more is twice the distance of the greatest slope in the middle of
-the cell from that line: the greatest slope is the least of smooth functions of known quantities, and where two of them
-meet it is concave.  The jumps of a load are ends of cells.
+linear between them, and a little more.  The addition is twice the distance of the greatest slope in the middle of the
+cell from that line: the greatest slope is the least of smooth functions of known quantities, and concave where two of
+them meet.  The jumps of a load are ends of cells.
 
 Both pitch curves may have dents here, and jerk, curvature and other forces are free; so the limit holds for more laws
-than those that are sought.  The flywheel may have any size of a range.
+than the search has.  The flywheel may have any size of a range.
 """
 
 from __future__ import annotations
@@ -33,25 +33,25 @@ CELLS = 480
 """Cells of a turn: twice as many raise the limit of a baler by a few thousandths."""
 
 NODES = np.array([1e-7, 0.5, 1.0 - 1e-7])
-"""Places in a cell where known functions are taken, as shares of it: its ends from inside, where loads may jump."""
+"""Places in a cell where known functions are evaluated, as shares of it: its ends from inside, as loads may jump."""
 
 TURNS = 4
 """Sweeps around the turn each way at most; fewer give a lower limit."""
 
 SETTLED = 1e-7
-"""Change of the curve by another sweep under which it stays as it is."""
+"""Change of the curve by a sweep under which it counts as settled."""
 
 LEVELS, ROUNDS = 13, 3
-"""Levels of a figure that are tried at once, and rounds of levels, each between two neighbours of the round before."""
+"""Levels of a figure that are tried together, and rounds of levels, each between two neighbours of the round before."""
 
 LOWERED, STEPS_DOWN = 0.998, 20
-"""Ratio by which the curve is lowered where no slope is possible, and how often at a place of a sweep."""
+"""Ratio by which the curve is lowered where no slope is possible, and most such steps at a place of a sweep."""
 
 ROUNDING = 1e-7
 """Share of the time of a cycle, and of levels, that rounding errors may make."""
 
 STANDING = 1e-7
-"""Share of the stroke under which the way for an angle of the crank is that of a dead centre."""
+"""Way for an angle of the crank, as a share of the stroke, under which the place counts as a dead centre."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,9 +72,9 @@ class Known:
 
 @dataclass(frozen=True, eq=False)
 class SweptLimits:
-    """Limits of k problems that are swept at once, shape (k,) each; infinite where free.
+    """Limits of k problems that are swept together, shape (k,) each; infinite where free.
 
-    ``flywheel_kg_mm2`` has the least and the greatest inertia that may be added to the crank's, shape (2, k).
+    ``flywheel_kg_mm2`` has the least and the greatest inertia added to the crank's, shape (2, k).
     """
 
     flank_load_n_mm: Array
@@ -88,7 +88,7 @@ class SweptLimits:
 
 
 def known_functions(task: Task, asked: Demands, cells: int) -> Known:
-    """The known functions of a machine in about so many cells."""
+    """The known functions of a machine in about ``cells`` cells."""
     stretches = [one.stretch for one in asked.requirements(TimeWithin)]
     ends = cell_ends(task, np.linspace(0.0, 2.0 * pi, cells, endpoint=False), stretches)
     places = ends[:-1, None] + np.diff(ends)[:, None] * NODES
@@ -190,7 +190,7 @@ class Sweeps:
         return np.where(bounded, end, inf), np.where(bounded, line, sign * inf)
 
     def slopes(self, limits: SweptLimits, at: tuple[int, int], q: Array) -> tuple[Array, Array]:
-        """The least and the greatest q' that all limits allow at a place of a cell, (k,); crossed where none is."""
+        """The least and the greatest q' that all limits allow at a place of a cell, (k,); crossed without any."""
         asked, speed, known = self.asked, self.task.speed_rad_s, self.known
         s = np.sqrt(q)
         most = 2.0 * asked.steepness * (q + s) if asked.steepness < inf else np.full(q.shape, inf)
@@ -202,7 +202,7 @@ class Sweeps:
                 ends = 2.0 * (peak - bend * q) / first, 2.0 * (-peak - bend * q) / first
                 least, most = np.maximum(least, np.minimum(*ends)), np.minimum(most, np.maximum(*ends))
         torque = known.static[at] + speed**2 * known.by_q[at] * q
-        # Of the flywheel's range each bound takes what bounds least
+        # Each bound takes the size of the flywheel's range that bounds least
         half = speed**2 * (known.by_rate[at] + 1e-3 * limits.flywheel_kg_mm2) / 2.0
         massless = half[1] <= 0.0
         spare = 1000.0 * limits.power_w / (speed * s) - torque
@@ -221,7 +221,7 @@ class Sweeps:
         return least, most
 
     def _of_flanks(self, load: Array, torque: Array, half: Array, s: Array, angle: float) -> tuple[Array, Array]:
-        """The bounds of q' by the flank load H of flanks that a positive torque presses; infinite where none is.
+        """The bounds of q' by the flank load H of flanks that a positive torque presses; infinite without a bound.
 
         M (1 + s)^3 <= H (s cos(alpha) + q' sin(alpha)/(2 (1 + s))), with M = ``torque`` + ``half`` q'.
         """
@@ -243,7 +243,7 @@ class Sweeps:
         return np.asarray(np.where(driven & (not moving), most, inf))
 
     def _has_time(self, limits: SweptLimits, curve: Array, lines: Array) -> Array:
-        """Whether the time of the cycle, and of stretches that wishes name, is enough below a curve, shape (k,)."""
+        """Whether the time of the cycle, and of stretches of wishes, is enough below a curve, shape (k,)."""
         shortest = self._shortest(curve, lines, self._without_masses(limits))
         room = 1.0 + ROUNDING
         kept = (shortest.sum(axis=0) <= self.task.cycle_rad * room) & np.all(curve >= self._floor / room, axis=0)
@@ -266,16 +266,16 @@ class Sweeps:
 
 
 def _over(value: Array, divisor: Array) -> Array:
-    """The greatest of a value over positive divisors of a range, (2, k): by the least where the value is positive."""
+    """The greatest quotient of a value and positive divisors of a range, (2, k): the least if it is positive."""
     return np.asarray(np.where(value >= 0.0, value / divisor[0], value / divisor[1]))
 
 
 def least_flank_load(
     sweeps: Sweeps, power_w: Array, flywheel_kg_mm2: Array, most_n_mm: Array, share: float = 0.3
 ) -> Array:
-    """For k caps of the power and ranges of the flywheel a flank load in N mm that no law is under, shape (k,).
+    """A lower bound of the flank load in N mm for k caps of the power and ranges of the flywheel, shape (k,).
 
-    It is sought between a ``share`` of ``most_n_mm`` and all of it; zero where none of that range is certain.
+    It is searched between a ``share`` of ``most_n_mm`` and all of it; zero where none of that range is certain.
     """
 
     def made(levels: Array, problem: IndexArray) -> SweptLimits:
@@ -294,7 +294,7 @@ def least_power(sweeps: Sweeps, flywheel_kg_mm2: Array, most_w: Array, share: fl
 
 
 def _bisected(sweeps: Sweeps, made: Callable[[Array, IndexArray], SweptLimits], low: Array, high: Array) -> Array:
-    """The greatest level that is certainly impossible of each problem; zero where none of those tried is."""
+    """The greatest certainly impossible level of each problem; zero where no tried level is."""
     low, high, certain = low.copy(), high.copy(), np.zeros(low.size)
     problems = np.repeat(np.arange(low.size), LEVELS)
     for _ in range(ROUNDS):

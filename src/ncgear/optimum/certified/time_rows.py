@@ -74,10 +74,10 @@ def least_times(of: MotionProgramme) -> None:
 
 
 def _keep_under_roofs(of: MotionProgramme) -> None:
-    """A cell's mean of half the squared speed is under the roof that accelerations leave, which limits its time.
+    """Limit a cell's mean of half the squared speed by the roof of its accelerations, which limits its time.
 
-    Over a way of length 1 from a to b it rises by A at most and falls by D at most, so it is at most the lower of a
-    + A u and b + D (1 - u) at u.  The mean of that is b + D/2 - (b - a + D)^2/(2 (A + D)).
+    Over a way of length 1 from a to b it rises by at most A and falls by at most D, so at u it is at most the lower of
+    a + A u and b + D (1 - u).  The mean of that is b + D/2 - (b - a + D)^2/(2 (A + D)).
     """
     cells = np.nonzero(np.isfinite(of.falls) | of.has_peak)[0]
     if not cells.size:

@@ -1,15 +1,15 @@
-"""Branch and bound: no motion has less than a target where every part of the motions below it is shown to be empty.
+"""Branch and bound: no motion is below a target if every part of the motions below it is proven empty.
 
 A part is a box: ranges of q at the checkpoints (``ranges``), and of the figures that a sum counts.  The programmes of
 its motions give the least and the greatest q at each checkpoint, which narrow the box; narrower ranges allow narrower
 rows, which narrow it again.  A box is finished where it allows no motion, or where its least value is not below the
-target.  Any other box is narrowed as long as that pays, and then cut in two where it is widest.  Every bound of a box
-is proven by multipliers (``proof``), and each cut leaves every motion in one of both halves.
+target.  Another box is narrowed as long as that pays, and then cut in two where it is widest.  Every bound of a box is
+proven by multipliers (``proof``), and each cut leaves every motion in one of both halves.
 
 If some boxes are not finished after a share of the allowed programmes, the target is lowered.  Facts about motions
-below a target also hold for motions below a lower target, so the search goes on with the boxes that are left.  Where
-all boxes are finished, and programmes are left, a target between is tried.  In the end no motion has less than the
-highest target that was met, or than the least value of any box that is left.
+below a target also hold for motions below a lower target, so the search continues with the remaining boxes.  Where all
+boxes are finished, and programmes remain, a target between is tried.  In the end no motion is below the highest proven
+target, or below the least value of any remaining box.
 
 This is spatial branch and bound (A. H. Land and A. G. Doig, Econometrica 28 (1960); H. S. Ryoo and N. V. Sahinidis,
 J. Glob. Optim. 8 (1996)) with the tightening of bounds by optimization and its filter (A. M. Gleixner et al., "Three
@@ -37,7 +37,7 @@ from ncgear.optimum.certified.ranges import Between, KnownRanges, between, parts
 
 @dataclass(frozen=True, eq=False)
 class TriedMotion:
-    """A certain least value of a programme, and q at the places of a motion near it; None where none was found."""
+    """A certain least value of a programme, and q at the places of a motion near it; None without a motion."""
 
     value: float
     q: Array | None
@@ -57,7 +57,7 @@ FigureRanges = Mapping[str, tuple[float, float]]
 
 @dataclass(frozen=True, eq=False)
 class Trials:
-    """The questions to the programmes of one cycle.
+    """The programmes of a cycle as functions.
 
     ``least`` gives the least value of the goal with ranges of q, or near a motion (see ``problem.motion_programme``),
     in ranges of figures; ``below`` gives the programme of all motions in them whose goal is below a value.  ``prices``
@@ -72,9 +72,9 @@ class Trials:
 
 @dataclass(frozen=True)
 class Effort:
-    """What the proof of a limit took: programmes solved, and parts into which the motions were divided.
+    """The effort for the proof of a limit: solved programmes, and parts into which the motions were divided.
 
-    ``places`` is the number of places of its grid; ``ended`` says whether the limit is as near to the law as this grid
+    ``places`` is the number of places of its grid; ``ended`` tells whether the limit is as near to the law as this grid
     allows.
     """
 
@@ -86,7 +86,7 @@ class Effort:
 
 @dataclasses.dataclass
 class Budget:
-    """How many programmes may be solved, and how many were; ``tell`` is called with both numbers.
+    """Numbers of allowed and of solved programmes; ``tell`` is called with both.
 
     They are counted, and no time is taken, so that the same limit comes out on every computer.
     """
@@ -97,7 +97,7 @@ class Budget:
     parts: int = 1
 
     def spend(self, programmes: int) -> None:
-        """Count programmes that are to be solved."""
+        """Count programmes that will be solved."""
         self.used += programmes
         self.tell(min(self.used, self.most), self.most)
 
@@ -106,45 +106,45 @@ STEPS = 3
 """Steps along the tangent: the motion found keeps the driving curve convex, and three steps find all of it but 1e-6."""
 
 ENOUGH = 0.001
-"""What the limit may lack of the motion's value: the law itself lacks about as much."""
+"""Largest distance of the limit from the motion's value, as a share of it: the law itself is about as far from it."""
 
 WIDENED = 1.03
-"""Factor to each side of the law's own q: motions in these ranges tell how much the grid itself misses."""
+"""Factor to each side of the law's own q: motions in these ranges show the error of the grid."""
 
 OVER_GRID = 0.3
-"""How much more than that a target lacks, as a share: nearer to it the boxes about the law do not end."""
+"""Distance of a target from the law beyond the grid's error, as a share of it: nearer, boxes at the law do not end."""
 
 EASIER = 1.3
-"""Factor by which the next target is farther from the law, where the boxes left have come far."""
+"""Factor by which the next target is farther from the law, where the remaining boxes have come far."""
 
 FAR = 0.5
 """Share of the way to a target that the least value of any box left has come to count as far; else the next target is
 halfway back to that value."""
 
 TOO_NEAR = 1e-3
-"""Share of a value by which the next target must be over it."""
+"""Least distance of the next target over a value, as a share of the value."""
 
 PHASE = 0.5
 """Share of the programmes left that a target may take."""
 
 NARROW = 1.1
-"""In a range of q that is this narrow the relations miss almost nothing."""
+"""Ratio of the ends of a range of q in which the relations are almost exact."""
 
 WORTH = 0.85
 """A box is narrowed again while a round leaves less than this share of its widths."""
 
 WORTH_ALONE = 0.93
-"""The same where boxes are not divided."""
+"""The same for boxes that are not divided."""
 
 OF_FIGURE = 4.0
 """A figure of a sum is divided where its width, as a share of its greatest value, is over the widest of ln q by this
 factor: the time of a cell goes with the root of q, and the planes of both touch only at the ends."""
 
 LEAST_FIGURE = 1e-3
-"""Share of the target under which nothing is told of a figure's greatest value: rows are scaled by it."""
+"""Least greatest value of a figure as a share of the target, since rows are scaled by it."""
 
 LEAST_GAIN = 0.1
-"""Share of its width by which one side of a range must be able to move, for a programme to be solved for it."""
+"""Least possible move of one side of a range, as a share of its width, for which a programme is solved."""
 
 
 def motion_along(trials: Trials, found: Solved) -> Solved:
@@ -160,7 +160,7 @@ def motion_along(trials: Trials, found: Solved) -> Solved:
 
 @dataclass(frozen=True, eq=False)
 class MotionBox:
-    """Motions in ranges of q and of figures; ``value`` is certain: none below the target has less."""
+    """Motions in ranges of q and of figures; ``value`` is a certain lower bound of those below the target."""
 
     known: KnownRanges
     figures: FigureRanges
@@ -169,7 +169,7 @@ class MotionBox:
 
 @dataclass(frozen=True, eq=False)
 class Tree:
-    """The stretches in which ranges of q are looked for; it narrows and divides boxes of these ranges."""
+    """The stretches of the ranges of q; it narrows and divides boxes of these ranges."""
 
     trials: Trials
     checkpoints: Sequence[int]
@@ -178,7 +178,7 @@ class Tree:
     solver: Solver
 
     def emptied(self, boxes: Sequence[MotionBox], target: float, until: int) -> list[MotionBox]:
-        """The boxes that are left of others when motions below a target are looked for in them."""
+        """The boxes that remain in the search for motions below a target."""
         left, stuck = list(boxes), []
         while left and self.budget.used < until:
             box = self.narrowed(left.pop(), target)
@@ -190,12 +190,12 @@ class Tree:
                 break
             self.budget.parts += 1
             tried = [self.bounded(half, target) for half in halves]
-            # The half with the higher value comes first, so that few boxes are left beside the hardest
+            # The half with the higher value comes first, so that few boxes remain beside the hardest
             left += sorted((half for half in tried if half is not None), key=lambda half: half.value)
         return [*left, *stuck]
 
     def narrowed(self, box: MotionBox, target: float, worth: float = WORTH) -> MotionBox | None:
-        """A box narrowed in rounds to motions below a target; None where it holds none of them."""
+        """A box narrowed in rounds to motions below a target; None where it has none."""
         while True:
             before = self.widths(box).sum()
             after = self.round(box, target)
@@ -234,7 +234,7 @@ class Tree:
         return box
 
     def answer(self, proof: Proof, goal: Linear, q: Linear, seen: Seen) -> float:
-        """The certain least value of a goal, from what proves it; q of the motion near it is seen."""
+        """The certain least value of a goal in a programme; ``seen`` receives q of the motion near it."""
         self.budget.spend(1)
         answer = self.solver.least(proof, goal)
         if answer.near is not None:
@@ -242,7 +242,7 @@ class Tree:
         return answer.value
 
     def bounded(self, box: MotionBox, target: float) -> MotionBox | None:
-        """A box with all that follows between checkpoints, and its least value; None if that is not below a target."""
+        """A box with the bounds between checkpoints, and its least value; None if that is not below a target."""
         ranges = self.between.everywhere(box.known)
         known = KnownRanges(np.maximum(box.known.least, ranges.least), np.minimum(box.known.most, ranges.most))
         if known.empty:
@@ -278,7 +278,7 @@ class Tree:
         return [replace(box, known=known.within(place, *part)) for part in ((0.0, middle), (middle, inf))]
 
     def lacking(self, motion: Solved, figures: Mapping[str, float]) -> float:
-        """By how much the programme's least value near a motion is under the motion's own: the grid lacks it."""
+        """Distance of the programme's least value near a motion below the motion's own value: the error of the grid."""
         known = KnownRanges(motion.q / WIDENED, motion.q * WIDENED)
         room = (WIDENED - 1.0) * motion.value
         about = {
@@ -315,7 +315,7 @@ class Seen:
 
 
 def bisected(trials: Trials, parts: Sequence[IndexArray], without: float, motion: Solved, asked: Demands) -> float:
-    """A certain least value with ranges of q in parts of the turn, places in a row each, from one box.
+    """A certain least value with ranges of q in parts of the turn (places in a row each), from a single box.
 
     ``without`` is the limit without ranges, ``motion`` keeps all relations.  The target is halved towards the limit.
     """
@@ -330,9 +330,9 @@ def bisected(trials: Trials, parts: Sequence[IndexArray], without: float, motion
 
 
 def proven(tree: Tree, whole: MotionBox, law: float, lacking: float) -> tuple[float, Effort]:
-    """A certain least value from divided boxes, and the effort; the grid misses ``lacking`` of the law's value."""
+    """A certain least value from divided boxes, and the effort; ``lacking`` is the error of the grid at the law."""
     budget, without = tree.budget, whole.value
-    # One box alone first: it may be narrow enough for the highest target
+    # First a single box: it may be narrow enough for the highest target
     target = (1.0 - ENOUGH) * law
     boxes, failed = tree.emptied([whole], target, budget.used + 1), target
     value = min((box.value for box in boxes), default=target)
@@ -340,7 +340,7 @@ def proven(tree: Tree, whole: MotionBox, law: float, lacking: float) -> tuple[fl
     while value < nearest and budget.used < budget.most and target > value * (1.0 + TOO_NEAR):
         left = tree.emptied(boxes, target, budget.used + ceil(PHASE * (budget.most - budget.used)))
         if not left:
-            # What is left of a higher target holds for all below it
+            # Boxes that remain of a higher target hold for all lower targets
             value, target = target, (target + failed) / 2.0
             continue
         boxes, failed = left, target

@@ -1,4 +1,4 @@
-"""The functions that an interior-point method needs, put together from a small function of a single place.
+"""The functions that an interior-point method needs, assembled from a small function of a single place.
 
 A ratio at a place depends on four coefficients of its spline, and every row is a sum of terms local to places.  The
 terms at one place, with their first and second derivatives by casadi, therefore give all sparse matrices: the entries
@@ -29,8 +29,8 @@ class LocalTerms:
     """Terms at one place, and all entries of their first and second derivatives that are not always zero.
 
     ``values`` and ``slopes`` are casadi functions of the variables at a place and of the slider there.  The variables
-    are of the ratios (3 per pair), then of the whole law as far as terms depend on them.  ``bends`` also takes weights
-    of the terms, and derives their weighted sum twice.  ``of_slopes`` names the entries by term and variable,
+    are those of the ratios (3 per pair), then those of the whole law on which terms depend.  ``bends`` also takes
+    weights of the terms, and derives their weighted sum twice.  ``of_slopes`` names the entries by term and variable,
     ``of_bends`` by two variables, shape (2, entries).  ``counts`` are the numbers of every level's terms.
     """
 
@@ -94,7 +94,7 @@ class _Symbols(WholeLaw):
 
 
 def _entries(matrix: Any) -> Any:
-    """Entries of a sparse matrix that are not always zero, as a column."""
+    """Entries of a sparse matrix that can differ from zero, as a column."""
     return matrix[matrix.sparsity()].nz[:]
 
 

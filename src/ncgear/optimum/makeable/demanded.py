@@ -33,16 +33,16 @@ DEMANDS = {figure: name for name, (figure, _) in PEAKS.items()}
 """All figures that the limit knows, and their names among its demands."""
 
 OF_LOADS = {figure: DEMANDS[figure] for figure in LOAD_LIMITS if figure in DEMANDS}
-"""Those of a machine's loads."""
+"""The demands on a machine's loads."""
 
 
 def knows_loads(task: Task, wishes: Wishes) -> bool:
-    """Whether the limit knows power and torque: not with a shaft of inertia between two pairs, which moves freely."""
+    """Whether the limit covers power and torque: not with a shaft of inertia between two pairs, which moves freely."""
     return wishes.two_stages is None or not task.moving.between_inertia_kg_mm2
 
 
 def demands_of(task: Task, wishes: Wishes, case: Case = NO_CASE) -> Demands:
-    """The demands of hard wishes and limits on the laws of a case, as far as the certified limit knows them.
+    """The demands of hard wishes and limits on the laws of a case that the certified limit covers.
 
     Raises NoSuchMechanism for a limit of the driven gear's speed that is not over its mean.
     """
@@ -88,7 +88,7 @@ def _every_law(task: Task, wishes: Wishes) -> Case:
 
 
 def _of_laws(task: Task, wish: Wish, every: Case, case: Case) -> Sequence[Requirement]:
-    """What a wish asks of the laws of a case; over driving angles the bound where they all are within the range."""
+    """Requirements of a wish on the laws of a case; over driving angles, the bound where all are in the range."""
     if not isinstance(wish, DrivingWish) or wish.driving is None:
         return wish.requirements(task.linkage, task.cycle_rad)
     return case[wish.key].requirements(wish) if wish.key in case else every[wish.key].bound(wish)
@@ -125,7 +125,7 @@ def _demands(task: Task, wish: Wish, asked: Requirement, ratio_max: float) -> It
 
 
 def certified_limit(task: Task, wishes: Wishes) -> Bound | None:
-    """The limit of a goal in its unit, if one is known; raises NoSuchMechanism where certainly no law is left."""
+    """The limit of a goal in its unit, if known; raises NoSuchMechanism where certainly no law remains."""
     return _limit(task, wishes, demands_of(task, wishes))
 
 
@@ -148,7 +148,7 @@ def _limit(task: Task, wishes: Wishes, asked: Demands) -> Bound | None:
         return None
     if len(found) == 1:
         return found[0]
-    # No law has less of any figure than alone, and so none has a lower sum
+    # No law has less of any figure than its own limit, and so none has a lower sum
     return replace(found[0], value=sum(bound.value for bound in found), reach=inf)
 
 
@@ -158,7 +158,7 @@ def _known_prices(task: Task, wishes: Wishes) -> dict[str, float]:
 
 
 OF_WAY = {"peak_speed_mm_s": (2.0, 1), "peak_acceleration_mm_s2": (16.0, 2), "peak_jerk_mm_s3": (96.0, 3)}
-"""Least peaks of any motion to and fro, whatever makes it: a number times stroke over a power of the cycle time.
+"""Least peaks of any motion to and fro by any mechanism: a number times stroke over a power of the cycle time.
 
 A periodic motion whose n-th derivative is at most m swings by at most 2 K m/w^n with w = 2 pi/T and K = pi/2, pi^2/8
 and pi^3/24 (J. Favard, 1937)."""
@@ -213,10 +213,9 @@ def bound_of_stroke(name: str, price: float, task: Task, asked: Demands) -> Boun
 
 
 def _least_tangent(task: Task, asked: Demands, price: float) -> Bound | None:
-    """The limit of the pitch curves' angle times its price: the least steepness with which no other demand is missed.
+    """The limit of the pitch curves' angle times its price: the least steepness that keeps all other demands.
 
-    None where the programme knows no angle that is too small: it has no upper bounds of times, as a time ratio
-    needs.
+    None where the programme excludes no angle: it lacks the upper bounds of times that a time ratio needs.
     """
     _refuse_together(task, asked)
     found = least_of(task, asked, "steepness", guess=1.0)
@@ -227,10 +226,10 @@ CLOSE = 1.01
 """A law this close to its limit is left there: laws of 180 knots lack up to a hundredth themselves."""
 
 MOST_CASES = 60
-"""Cases of driving ranges at most: each takes half a second, or two where curves must be convex."""
+"""Most cases of driving ranges: each takes half a second, or two seconds where curves must be convex."""
 
 MOST_PROGRAMMES = 2400
-"""Programmes that are solved at most to raise a limit towards a law: less than a minute on one processor."""
+"""Most programmes for raising a limit towards a law: less than a minute on one processor."""
 
 
 def raised_limit(
@@ -244,7 +243,7 @@ def raised_limit(
     """The limit of a goal, raised towards the figures of a law from the law's motion, where it is not close to them.
 
     Cases of driving ranges raise it, and ranges of q all around the turn where both curves must be convex or the
-    pressure angle is limited. ``tell`` takes the numbers of cases, or of programmes, solved and at most to be
+    pressure angle is limited. ``tell`` receives the number of solved cases or programmes, and the most that will be
     solved.
     """
     asked = demands_of(task, wishes)
@@ -264,7 +263,7 @@ def raised_limit(
 def _by_cases(task: Task, wishes: Wishes, known: float, law: float, tell: Callable[[int, int], None]) -> float:
     """The least limit of all cases of driving ranges, halved where it is least until it is close to a law.
 
-    ``known`` is the limit of all laws. The value is never over the law's, which is in one of the cases.
+    ``known`` is the limit of all laws. The value never exceeds the law's, since the law is in one of the cases.
     """
     every = _every_law(task, wishes)
     left: list[tuple[float, int, Case]] = [(known, 0, every)] if every else []
@@ -281,7 +280,7 @@ def _by_cases(task: Task, wishes: Wishes, known: float, law: float, tell: Callab
 
 
 def _limit_in(task: Task, wishes: Wishes, case: Case) -> float:
-    """The limit of the laws of a case: infinite where certainly none is in it, minus infinity where it is not known."""
+    """The limit of the laws of a case: infinite where it certainly has no law, minus infinity where unknown."""
     try:
         bound = _limit(task, wishes, demands_of(task, wishes, case))
     except Unanswered:
@@ -303,14 +302,14 @@ def _alone(task: Task, asked: Demands, name: str, price: float) -> Bound:
 
 
 def _refuse_together(task: Task, asked: Demands) -> None:
-    """Refuse limits that cannot be kept together where no goal's least value shows it; raises NoSuchMechanism."""
+    """Refuse limits that cannot be kept together if no goal's least value shows it; raises NoSuchMechanism."""
     problem = problem_of(task, asked)
     if not problem.is_open:
         raise refusal(problem)
 
 
 def start_motion(task: Task, wishes: Wishes, bound: Bound | None = None) -> Motion:
-    """Where the search for a law starts: the motion of the certified limit, or of the limit of acceleration.
+    """The start of the search for a law: the motion of the certified limit, or of the limit of acceleration.
 
     Soft wishes over driving angles count as hard here where some motion may keep them: from the crank angles of the
     best law without these wishes, the search does not find the crank angles of the law that keeps them.  Raises
@@ -338,7 +337,7 @@ NOT_COVERED = {
 
 
 def not_covered(task: Task, wishes: Wishes) -> list[str]:
-    """What restricts the law, in words, and the certified limit does not know."""
+    """Words for the restrictions of the law that the certified limit does not cover."""
     found = [said for name, said in NOT_COVERED.items() if getattr(wishes, name) is not None]
     limits = wishes.limits
     loads = {"bearing_force_n": "bearing force", "shaking_force_n": "shaking force", "tooth_force_n": "tooth force"}

@@ -1,10 +1,10 @@
-"""Gentle stretches over driving angles: the crank angles over which a search holds them, moved until no law is better.
+"""Gentle stretches over driving angles: the search holds them over crank angles, moved until no law is better.
 
-Which crank angles a law passes in a range of driving angles is known when the law is.  A search therefore holds the
-bound over given crank angles and asks that the law begins them no later, and ends them no earlier, than the range; such
-a law keeps the wish.  A first law gives the crank angles.  Then each end is moved by itself, as long as the law found
-over them is better.  The certified limit holds the bound where every law is within the range, or tells the laws apart
-by the crank angles at which they begin and end it.
+The crank angles of a range of driving angles are known only with the law.  A search therefore holds the bound over
+given crank angles and demands that the law begins them no later, and ends them no earlier, than the range; such a law
+keeps the wish.  A first law gives the crank angles.  Then each end is moved alone, as long as the law found over them
+is better.  The certified limit holds the bound where every law is within the range, or divides the laws into cases by
+the crank angles at which they begin and end it.
 """
 
 from __future__ import annotations
@@ -26,17 +26,17 @@ STEPS = (0.1, 0.03)
 """Crank angles in rad by which ends are moved, in turn: the second step leaves a degree."""
 
 MOST_MOVES = 4
-"""Moves of one end by a step at most; a search takes a second or so."""
+"""Most moves of one end by a step; a search takes about a second."""
 
 BETTER = 1e-4
-"""Share of the goal by which a law must be better for crank angles to be moved."""
+"""Least gain of a law that moves crank angles, as a share of the goal."""
 
 LEAST = 1e-3
 """Crank angle in rad that a stretch keeps, from end to end and to the dead centre that it begins or ends at."""
 
 
 class FoundLaw(Protocol):
-    """What a search finds."""
+    """The result of a search."""
 
     @property
     def motion(self) -> Motion:
@@ -47,7 +47,7 @@ class FoundLaw(Protocol):
 
     @property
     def goal(self) -> float:
-        """What is to be least."""
+        """The value that is minimized."""
 
 
 Found = TypeVar("Found", bound=FoundLaw)
@@ -61,23 +61,23 @@ class Passed(NamedTuple):
 
     @property
     def width(self) -> float:
-        """How far the laws differ, in rad of the crank, at the end where they differ more."""
+        """Difference between the laws in rad of the crank, at the end with the larger difference."""
         return max(most - least for least, most in self)
 
     def halves(self) -> list[Passed]:
-        """Two cases; each law of this case is in one of them."""
+        """Two cases that together have all laws of this case."""
         number = max((0, 1), key=lambda number: self[number][1] - self[number][0])
         least, most = self[number]
         middle = (least + most) / 2.0
         return [Passed(*(*self[:number], part, *self[number + 1 :])) for part in ((least, middle), (middle, most))]
 
     def bound(self, wish: DrivingWish) -> list[Requirement]:
-        """The bound over the crank angles that all these laws pass within the range; none where there are none."""
+        """The bound over the crank angles that all these laws pass within the range; empty where there are none."""
         sure = CrankStretch(self.start[1], self.end[0])
         return [wish.bound(sure)] if sure.start_rad < sure.end_rad else []
 
     def requirements(self, wish: DrivingWish) -> list[Requirement]:
-        """What all these laws keep that keep the wish."""
+        """Requirements that all these laws keep if they keep the wish."""
         assert wish.driving is not None
         ends = zip(self, wish.driving[:2], strict=True)
         times = [(*passed_no_later(least, at), *passed_no_earlier(most, at)) for (least, most), at in ends]
@@ -97,7 +97,7 @@ def passed_by_all(driving: DrivingRange, cycle_rad: float, ratio_min: float, rat
 
 
 def ranges(wishes: Wishes) -> list[int]:
-    """Numbers of the wishes of the motion that are over driving angles."""
+    """Numbers of the motion's wishes over driving angles."""
     return [
         number
         for number, wish in enumerate(wishes.motion)

@@ -1,7 +1,7 @@
-"""A makeable law: the best spline of ln i12 under all limits, or which limits are in each other's way.
+"""A makeable law: the best spline of ln i12 under all limits, or the limits that exclude each other.
 
-Where no law keeps all limits, the law that comes nearest tells which of them press; for each of these, the nearest
-value is found with which all others can be kept.
+Where no law keeps all limits, the nearest law shows which of them press; for each of these, a search finds the nearest
+value with which all others can be kept.
 """
 
 from __future__ import annotations
@@ -30,13 +30,13 @@ from ncgear.ratio.transmission import Lobes, Train, single
 from ncgear.wishes.wish import Offer
 
 NO_EXCESS = 1e-6
-"""Excess over caps that counts as none: far under the excess between the places of the programme."""
+"""Excess over caps that counts as none: far below the excess between the places of the programme."""
 
 PRESSING = 1e-4
-"""Share in keeping up the excess below which a cap counts as having none."""
+"""Share of a cap in the excess below which the cap counts as not pressing."""
 
 DEARER = 10.0
-"""How many times more an excess over the other caps costs than it gains: it is left only where no law is without."""
+"""Ratio of the cost of an excess over the other caps to its gain: an excess remains only where every law has one."""
 
 CHEAP = 0.1
 """Share of the excess below which a higher price may remove the rest."""
@@ -52,7 +52,7 @@ CLEAR = 1e-2
 """Excess of a law of few knots that more knots do not do away with: they take a hundredth of it or so."""
 
 FEW_KNOTS = (90, 45)
-"""Most knots of laws that are looked for where certainly none keeps all limits; the second where the first fails."""
+"""Most knots of laws in the search where certainly no law keeps all limits; the second number where the first fails."""
 
 EVEN = Motion(np.array([0.0, pi]), np.ones(2))
 """A crank that turns evenly."""
@@ -64,7 +64,7 @@ BETWEEN = "a law was found that keeps all limits at the places of the search, an
 
 @dataclass(frozen=True, eq=False)
 class MakeableLaw:
-    """Ratios i12 at driven angles in rad, shape (knots,) both, and the levels that the spline through them reaches.
+    """Ratios i12 at driven angles in rad, shape (knots,) both, and the levels of the spline through them.
 
     With two stages, ``second`` holds the second stage's ratios at the same angles.
     """
@@ -88,7 +88,7 @@ class MakeableLaw:
 
     @property
     def goal(self) -> float:
-        """What was to be least, in units of the levels."""
+        """The minimized value, in units of the levels."""
         return float(sum(level.weight * value for level, value in zip(self.levels, self.reached, strict=True)))
 
     def cost(self, first: float) -> float:
@@ -99,10 +99,10 @@ class MakeableLaw:
 def makeable_law(task: Task, wishes: Wishes, start: Motion) -> MakeableLaw:
     """The best law found from a motion.
 
-    It is a local optimum, found from an even crank where none is from the motion, with every limit kept between the
-    programme's places too.  Two stages start with half of ln i12 each, and end so that the larger of their pressure
-    angles is least.  Raises NoSuchMechanism with the limits that cannot be kept together, and for each the nearest
-    value with which the others can be kept.
+    It is a local optimum that keeps every limit also between the programme's places; where the motion leads to no law,
+    the search starts from an even crank.  Two stages start with half of ln i12 each, and end so that the larger of
+    their pressure angles is least.  Raises NoSuchMechanism with the limits that cannot be kept together, and for each
+    limit the nearest value with which the others can be kept.
     """
     if not ranges(wishes):
         return _held_law(task, wishes, start)
@@ -124,19 +124,19 @@ def _held_law(task: Task, wishes: Wishes, start: Motion) -> MakeableLaw:
 
 
 def nearest_law(task: Task, wishes: Wishes) -> MakeableLaw:
-    """The law nearest to keeping all limits, where no law keeps them; raises NoSuchMechanism where none is found."""
+    """The law nearest to keeping all limits, where no law keeps them; raises NoSuchMechanism without a law."""
     search = searched(task, wishes)
     near = _nearest(search, search.begun(EVEN)).coefficients
     return law_of(search, Kept(search.rounded(near), search.reached(near)))
 
 
 def law_from(task: Task, wishes: Wishes, start: Motion, number: int) -> MakeableLaw | None:
-    """The best law from another start than a motion, told by a number (``LawSearch.elsewhere``); None where none is."""
+    """The best law from another start with a number (``LawSearch.elsewhere``); None without a law."""
     return kept_law(task, held_as(wishes, start, task.cycle_rad), start, number)
 
 
 def kept_law(task: Task, wishes: Wishes, start: Motion, number: int | None = None) -> MakeableLaw | None:
-    """The best law found from a motion, or from another start with a number; None where none is."""
+    """The best law found from a motion, or from another start with a number; None without a law."""
     search = searched(task, wishes)
     begun = search.begun(start)
     found = kept(search, begun if number is None else search.elsewhere(begun, number))
@@ -144,7 +144,7 @@ def kept_law(task: Task, wishes: Wishes, start: Motion, number: int | None = Non
 
 
 def _weighed(search: LawSearch, law: MakeableLaw) -> MakeableLaw:
-    """The law found from another law, with soft wishes that count in shares of the other law's goal."""
+    """The law found from another law, with the costs of soft wishes in shares of the other law's goal."""
     if not any(level.share_of_goal for level in law.levels):
         return law
     ratio = [law.ratio] if law.second is None else [law.ratio, law.second]
@@ -154,7 +154,7 @@ def _weighed(search: LawSearch, law: MakeableLaw) -> MakeableLaw:
 
 
 def _kept_at_last(search: LawSearch, start: Array) -> MakeableLaw:
-    """The law found from the law that comes nearest to all limits; raises NoSuchMechanism where no law keeps them."""
+    """The law found from the nearest law to all limits; raises NoSuchMechanism where no law keeps them."""
     near = _nearest(search, start)
     if near.excess > NO_EXCESS:
         raise _cannot_be(search, near)
@@ -172,8 +172,8 @@ def _nearest(search: LawSearch, start: Array) -> Solution:
 def _kept_between(search: LawSearch, near: Array) -> MakeableLaw:
     """A law that keeps all limits between the places too, from coefficients that keep them at the places.
 
-    Raises NoSuchMechanism with the least value of each limit with which a law keeps all others everywhere; where
-    none was found, with the values that the coefficients reach of the limits that they overstep.
+    Raises NoSuchMechanism with the least value of each limit with which a law keeps all others everywhere; without such
+    laws, with the values that the coefficients reach of the limits that they exceed.
     """
     levels, reached = search.programme.levels, search.reached(near)
     limited = dict.fromkeys(level.wish for level in levels if level.limit is not None and level.wish != CONVEX)
@@ -254,13 +254,13 @@ def _eased(search: LawSearch, near: Solution) -> Iterator[tuple[str, Solution]]:
 
 
 Eased = Callable[[float], list[Offer]]
-"""Offers that are eased by the argument more than a law needs that was found, a share of their levels."""
+"""Offers eased more than the found law needs; the argument is the addition as a share of their levels."""
 
 
 def found_instead(task: Task, wishes: Wishes, over: float = NO_EXCESS) -> list[Eased]:
     """Limits and wishes, each eased alone to a value with which a law of few knots keeps all others everywhere.
 
-    Empty where no law was found, and where a law oversteps all limits by no more than ``over``.
+    Empty where no law was found, and where a law exceeds all limits by no more than ``over``.
     """
     found = (list(_found_instead(search, over)) for search in _few_knots(task, wishes))
     return next(filter(None, found), [])
@@ -291,9 +291,9 @@ def _eased_by(search: LawSearch, wishes: Sequence[str], reached: Array) -> Eased
 def _freed_together(
     search: LawSearch, near: Solution, may_give: Callable[[Level], bool]
 ) -> tuple[list[str], Solution | None]:
-    """Wishes that give way, the most pressing first, without which a law keeps all others at the places, and that law.
+    """Wishes to drop, the most pressing first, so that a law keeps all others at the places, and that law.
 
-    Each is kept again where the others are enough.  The law is None where no law was found.
+    A wish is kept again where the others are enough.  The law is None where no law was found.
     """
     freed: list[str] = []
     found: Solution | None = near
@@ -314,7 +314,7 @@ def _freed_together(
 
 
 def found_together(task: Task, wishes: Wishes, *, limits_alone: bool) -> Eased | None:
-    """Limits (and wishes, unless ``limits_alone``) that, eased together, leave a law that keeps all others."""
+    """Limits (and wishes, unless ``limits_alone``) to ease together, so that a law keeps all others."""
     found = (_found_together(search, limits_alone) for search in _few_knots(task, wishes))
     return next((one for one in found if one is not None), None)
 
@@ -331,7 +331,7 @@ def _found_together(search: LawSearch, limits_alone: bool) -> Eased | None:
 
 
 def keeps_all(task: Task, wishes: Wishes) -> bool:
-    """Whether a law is found, from an even crank, that keeps all limits and wishes everywhere."""
+    """Whether the search from an even crank finds a law that keeps all limits and wishes everywhere."""
     return _from_even(searched(task, wishes)) is not None
 
 
@@ -345,9 +345,9 @@ def _from_even(search: LawSearch) -> Kept | None:
 
 
 def _without(search: LawSearch, wishes: Sequence[str], price: float, near: Solution) -> Solution | None:
-    """The law with these wishes' levels as low as they go; an excess over all other caps costs the price.
+    """The law with the least levels of these wishes; an excess over all other caps costs the price.
 
-    Where the method does not settle it goes on from all variables of the nearest law; a small excess is priced higher.
+    Where the method does not settle, it continues from all variables of the nearest law; a small excess costs more.
     """
     free = _freed(search, wishes)
     nearest = free.programme.nearest
@@ -362,7 +362,7 @@ def _shares(search: LawSearch, near: Solution) -> Iterator[tuple[Level, float]]:
 
 
 def _easing(search: LawSearch, wish: str, reached: Array) -> Iterator[Offer]:
-    """The value that a law has reached; none where no file may ask for so wide a limit."""
+    """The value that a law has reached; nothing where a file may not ask for so wide a limit."""
     levels = zip(reached, search.programme.levels, strict=True)
     value, level = max(((value, level) for value, level in levels if level.wish == wish), key=lambda one: one[0])
     if value < level.widest:

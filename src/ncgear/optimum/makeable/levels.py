@@ -1,7 +1,7 @@
-"""A level: a number that bounds something around the turn.  A limit holds it down; a goal makes it as low as it goes.
+"""A level: a number that bounds a figure around the turn.  A limit caps it; a goal minimizes it.
 
-A level bounds a figure of terms at a place of the crank (``quantities.py``).  Its kind tells which: the largest value
-of the terms, their spread, their integral over the driving angle, or the swing of such an integral.
+A level bounds a figure of terms at places of the crank (``quantities.py``).  Its kind names the figure: the largest
+value of the terms, their spread, their integral over the driving angle, or the swing of such an integral.
 """
 
 from __future__ import annotations
@@ -33,10 +33,10 @@ Sides = Callable[[Place, Slider, Term], tuple[Term, ...]]
 
 
 class LevelKind(Enum):
-    """What a level bounds, from its terms at the places of its stretch; integrals are over the driving angle in rad.
+    """The figure of a level, from its terms at the places of its stretch; integrals are over the driving angle in rad.
 
-    So the integral of the term 1.0 is the driving angle that a stretch takes, and a term's integral over the cycle's
-    driving angle is its mean over time.
+    So the integral of the term 1.0 is the driving angle of a stretch, and a term's integral over the cycle, divided by
+    the cycle's driving angle, is its mean over time.
     """
 
     PEAK = "peak"
@@ -49,7 +49,7 @@ class LevelKind(Enum):
     """Every term's integral over the stretch, less ``target``: at most the level.  Negative terms bound it below."""
 
     DEVIATION = "deviation"
-    """How far every term's integral over the stretch is from ``target``, to either side."""
+    """Distance of every term's integral over the stretch from ``target``, to either side."""
 
     RMS = "rms"
     """The root of the mean square over the driving angle of every term less its harmonics up to ``order``."""
@@ -63,12 +63,12 @@ TURN = CrankStretch(0.0, 2.0 * pi)
 
 @dataclass(frozen=True)
 class Level:
-    """One level: the ``wish`` that it comes from, its ``limit`` (None: none) and its ``weight`` in the goal.
+    """A level: the ``wish`` behind it, its ``limit`` (None: no limit) and its ``weight`` in the goal.
 
-    Terms and limit are in units in which they are of the order of 1; ``shown`` tells the limit that the user would need
+    Terms and limit are in units in which they are of the order of 1; ``shown`` gives the limit that the user would need
     for a level that exceeds it.  ``of_pairs`` is true for a level of every pair of gears, false for a level of the
-    whole machine.  Beyond ``widest`` no limit can be asked for.  Integrals and swings are levels of the whole machine,
-    since the integral of a pair's term would be over the driving angle of the whole train, too.
+    whole machine.  ``widest`` is the largest limit that a file may ask for.  Integrals and swings are levels of the
+    whole machine, since the integral of a pair's term would be over the driving angle of the whole train, too.
 
     ``group`` is the group of keys that the wish belongs to, with its dot.  Below ``floor`` a level costs no less.
     ``share_of_goal`` is the cost of a unit in shares of the least goal without such levels: soft wishes count like
@@ -104,7 +104,7 @@ class Level:
 
     @property
     def cap(self) -> float:
-        """The limit; infinite where there is none."""
+        """The limit; infinite without a limit."""
         return inf if self.limit is None else self.limit
 
     def terms(self, ratios: Sequence[Place], slider: Slider, lengths: Sequence[Term]) -> tuple[Term, ...]:
@@ -143,7 +143,7 @@ LEAST_N_MM, LEAST_N = 1.0, 1e-3
 """Least units of torque and force, for a machine that feels next to nothing."""
 
 ROUND = 1e-4
-"""Force, in its unit, by which the size of a force is rounded where it is zero; it adds 5e-9 to a peak of 1 unit."""
+"""Force, in its unit, that smooths the size of a force at zero; it adds 5e-9 to a peak of 1 unit."""
 
 
 @dataclass(frozen=True)
@@ -156,7 +156,7 @@ class MachineScales:
 
 
 def machine_scales(task: Task, slider: Slider) -> MachineScales:
-    """What a crank that turns evenly feels; the columns of ``slider`` are at places around the turn, (n,) each."""
+    """Scales from the loads of an even crank; the columns of ``slider`` are at places around the turn, (n,) each."""
     even, turning_rad_s = Place(0.0, 1.0, 1.0, 0.0, 0.0), task.speed_rad_s * 2.0 * pi / task.cycle_rad
 
     def largest(term: Term) -> float:
@@ -232,7 +232,7 @@ def _tooth_force(task: Task, units: MachineScales, limit: float | None, price: f
 
 
 ROUND_GEARS = 8.0
-"""(1 + s)^3/s of round gears of one size."""
+"""(1 + s)^3/s of equal round gears."""
 
 
 def _flank_load(task: Task, units: MachineScales, limit: float | None, price: float) -> Iterator[Level]:

@@ -39,7 +39,7 @@ def of_motion_wishes(task: Task, wishes: Sequence[Wish]) -> Iterator[Level]:
                 case DecelerationWithin():
                     yield _deceleration(task, wish, asked)
                 case TimeWithin():
-                    # Those of a driving range only say where it is, so that a soft wish counts by its bound alone
+                    # The times of a driving range only place it, so that a soft wish counts by its bound alone
                     yield from _times(
                         task, replace(wish, weight=None) if isinstance(wish, DrivingWish) else wish, asked
                     )

@@ -1,4 +1,4 @@
-"""Places of the crank at which laws are held to their levels or judged, in cells inside which everything is smooth.
+"""Places of the crank at which levels of laws are limited or judged, in cells with smooth functions.
 
 Cells end at the knots of the spline, at both dead centres, where a load turns or is sharp, and where stretches
 of levels begin and end.  Each cell has places at both its ends and evenly between them; neighbours share the place
@@ -31,11 +31,11 @@ APART = 1e-7
 the square of the angle at a dead centre."""
 
 INSIDE = 1e-9
-"""Share of a cell by which the places at dead centres are moved into it to read the forces on their side."""
+"""Share of a cell by which places at dead centres are moved into it to read the forces of its side."""
 
 STANDING = 1e-9
-"""Share of the stroke to which |x'| is rounded in its logarithm where the slider stands; a millionth of the stroke
-away from there it makes a share of 1e-6."""
+"""Share of the stroke that smooths ln |x'| where the slider stands; where |x'| is a millionth of the stroke, the error
+of |x'| is below 1e-6 of it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,7 +63,7 @@ class Places:
         return np.nonzero((middle - stretch.start_rad) % A_TURN < stretch.end_rad - stretch.start_rad)[0]
 
     def within(self, stretch: CrankStretch) -> IndexArray:
-        """Numbers of the places in a stretch; where it has no length, of all places at its angle."""
+        """Numbers of the places in a stretch; without length, numbers of all places at its angle."""
         if stretch.end_rad > stretch.start_rad:
             return np.unique(self.number[self.cells(stretch)])
         apart = np.abs((self.angle_rad - stretch.start_rad + pi) % A_TURN - pi)
@@ -93,7 +93,7 @@ def places(task: Task, ends_rad: Array, steps: int) -> Places:
     cells, width = ends_rad.size - 1, np.diff(ends_rad)
     share = np.arange(steps + 1.0) / steps
     working = int(np.argmin(np.abs(ends_rad - task.linkage.working_angle_rad)))
-    # The extended dead centre is a place of the cell before it and another place of the cell behind it
+    # The extended dead centre is a place of the cell before it and another place of the cell after it
     number = np.arange(cells)[:, None] * steps + np.arange(steps + 1)
     number[working:] += 1
     angle = np.empty(number[-1, -1] + 1)
@@ -124,7 +124,7 @@ def slider_at(task: Task, crank_angle_rad: Array) -> Slider:
 
 
 def _load_columns(task: Task, crank_angle_rad: Array, resistance_n: Array) -> list[Array]:
-    """The columns of loads of ``Slider`` in their order, shape (m,) each; zero where no masses are known."""
+    """The columns of loads of ``Slider`` in their order, shape (m,) each; zero without masses."""
     if task.masses is None:
         return [np.zeros(crank_angle_rad.size)] * (len(Slider._fields) - 6)
     felt = machine_loads(task.linkage, task.masses, crank_angle_rad, resistance_n)

@@ -29,14 +29,14 @@ STOPPED = "User_Requested_Stop"
 """The solver's status after Ctrl-C."""
 
 AHEAD = 0.1
-"""How far levels begin above the levels of the start: an interior-point method begins inside."""
+"""First distance of levels above the levels of the start: an interior-point method begins inside."""
 
 
 @dataclass(frozen=True, eq=False)
 class Solution:
-    """A local optimum: coefficients of every spline, shape (pairs n,); all variables and multipliers, to go on from.
+    """A local optimum: coefficients of every spline, shape (pairs n,); all variables and multipliers, to continue from.
 
-    ``excess`` is the amount by which all caps are overstepped; ``levels`` has the value of every level at the
+    ``excess`` is the amount by which the levels exceed all caps; ``levels`` has the value of every level at the
     programme's places, ``pressing`` each cap's multiplier, shape (levels,).
     """
 
@@ -72,7 +72,7 @@ class LawProgramme:
         kept_back: Array | float = 0.0,
         missed: Array | float = 0.0,
     ) -> Solution | None:
-        """A local optimum under caps on the levels (infinite: none), from a start; None where none is found.
+        """A local optimum under caps on the levels (infinite: no cap), from a start; None where none is found.
 
         Caps and weights have shape (levels,), starts that are coefficients (pairs n,).  Every row at or below zero is
         ``kept_back`` from zero, shape (rows.bounded,).  ``missed`` is the excess of the places' driving angle and
@@ -81,7 +81,7 @@ class LawProgramme:
         return self._solved(caps, np.append(weights, 0.0), start, 0.0, kept_back, missed)
 
     def nearest(self, caps: Array, weights: Array, price: float, start: Array | Solution) -> Solution | None:
-        """A law, which always exists, that oversteps all caps by one excess of a price: none where caps can be kept."""
+        """A law, which always exists, that exceeds all caps by one priced excess: 0 where caps can be kept."""
         return self._solved(caps, np.append(weights, price), start, np.inf, 0.0, 0.0)
 
     def coefficient_bounds(self, size: int) -> tuple[Array, Array]:
@@ -109,7 +109,7 @@ class LawProgramme:
 
         lowest[:size], highest[:size] = self.coefficient_bounds(size)
         least, greatest = self._row_bounds(caps, most, kept_back, missed)
-        # The solver warns of an interrupt; its status says it.
+        # The solver warns of an interrupt; its status tells the same.
         with redirect_stderr(StringIO()):
             answer = solver(p=prices, lbx=lowest, ubx=highest, lbg=least, ubg=greatest, **given)
         ended = solver.stats()["return_status"]
@@ -131,7 +131,7 @@ class LawProgramme:
     def _row_bounds(
         self, caps: Array, most: float, kept_back: Array | float, missed: Array | float
     ) -> tuple[Array, Array]:
-        """Bounds of all rows; a deviation that must be zero is one equation."""
+        """Bounds of all rows; a deviation that must be zero is an equation."""
         least, greatest = np.zeros(self.rows.count), np.zeros(self.rows.count)
         least[self.rows.equations :] = -np.inf
         greatest[self.rows.equations :] -= kept_back
@@ -187,7 +187,7 @@ MOST_STEPS = 500
 """Most steps; thirty to sixty are the rule."""
 
 MOST_RESTORING = 10
-"""Most steps in a row that only try to keep the limits; where they do not get there, ``LawProgramme.nearest`` does."""
+"""Most steps in a row that only restore the limits; where they fail, ``LawProgramme.nearest`` succeeds."""
 
 QUIET: dict[str, Any] = {
     "print_time": False,

@@ -38,9 +38,9 @@ class Slider(NamedTuple):
     The force counts towards the retracted end, so that force times velocity is power on both strokes.  The rest are
     columns of ``ncgear.optimum.loads``, each load as its parts at rest, by q and by q'/2: the torque asked of the
     driven gear in N mm, and the forces in N on the crank's bearings and on the frame, along and across the slider's
-    line.  They are zero where no masses are known.  ``log_first`` is ln |x'|, finite at dead centres too.
-    ``between`` is the moment of inertia in N mm s^2 of a shaft between two pairs, times m' m'' of its angle m where a
-    law is known, primes by the driving angle.
+    line.  They are zero without masses.  ``log_first`` is ln |x'|, finite at dead centres too.  ``between`` is the
+    moment of inertia in N mm s^2 of a shaft between two pairs, times m' m'' of its angle m where a law is known, primes
+    by the driving angle.
     """
 
     first: Term

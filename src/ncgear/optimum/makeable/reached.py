@@ -1,7 +1,7 @@
-"""The levels that a spline of ln i12 reaches around a turn: the judge of the optimiser, in plain arrays.
+"""The levels of a spline of ln i12 around a turn: the judge of the optimiser, in plain arrays.
 
-The judge's places have the programme's cells, in more steps.  A parabola through three places tells the values between
-them; it misses a peak by the third power of the step.
+The judge's places have the programme's cells, in more steps.  A parabola through three places gives the values between
+them; its error of a peak goes with the third power of the step.
 """
 
 from __future__ import annotations
@@ -21,13 +21,13 @@ from ncgear.optimum.makeable.rows import RowBlock, WholeLaw, closing_terms, leve
 from ncgear.optimum.makeable.spline import SplineRows
 
 INTEGRALS = {LevelKind.INTEGRAL, LevelKind.DEVIATION, LevelKind.RMS}
-"""Kinds that are one integral over a stretch."""
+"""Kinds with a single integral over a stretch."""
 
 SMALLEST = 1e-6
-"""Least root mean square, in its unit: it is told as this where nothing is left."""
+"""Least root mean square, in its unit: smaller values count as this."""
 
 CLOSE_RAD = 1e-7
-"""Deviation that counts as none: a law's rounded ratios close an angle to a thousandth of this."""
+"""Deviation that counts as none: a law's rounded ratios close an angle to a thousandth of it."""
 
 
 def ratios(at: Places, rows: SplineRows, coefficients: Array, cycles_rad: Sequence[float]) -> tuple[Place, ...]:
@@ -49,7 +49,7 @@ def over_turn(at: Places, values: Array) -> float:
 
 
 def lengths(at: Places, law: Sequence[Place]) -> list[float]:
-    """Length that every pair rolls in one cycle over its centre distance."""
+    """Rolled length of every pair in one cycle over its centre distance."""
     return [over_turn(at, rate) for rate in length_rates(law)]
 
 
@@ -63,7 +63,7 @@ class JudgedLaw:
 
     @cached_property
     def lengths(self) -> list[float]:
-        """Length that every pair rolls in one cycle over its centre distance."""
+        """Rolled length of every pair in one cycle over its centre distance."""
         return lengths(self.at, self.law)
 
     @property
@@ -123,7 +123,7 @@ class JudgedLaw:
         return float(np.sum(term[cells] * self.at.weight[cells])) - level.target
 
     def missed(self, coarse: Places) -> Array:
-        """What the coarse places have too much of every pair's driving angle and rolled length, shape (2 pairs,)."""
+        """Excess of the coarse places in every pair's driving angle and rolled length, shape (2 pairs,)."""
         each = [term[self.at.number] for term in closing_terms(self.law)]
         found = [np.sum(self._coarsely(coarse, term) * coarse.weight) - np.sum(term * self.at.weight) for term in each]
         return np.reshape(found, (2, -1)).T.ravel()
@@ -134,9 +134,9 @@ class JudgedLaw:
         return term[:, :: (term.shape[1] - 1) // (coarse.number.shape[1] - 1)]
 
     def beyond(self, blocks: Sequence[RowBlock], coarse: Places) -> Array:
-        """By how much every row's term is further out around its place than at it, shape (rows at or below zero,).
+        """Rise of every row's term around its place over the value at the place, shape (rows at or below zero,).
 
-        "Around" is half a step of the coarse places; an integral rises by the part that the coarse places miss.
+        "Around" is half a step of the coarse places; an integral rises by the error of the coarse places.
         """
         flat = [(level, term) for level, terms in zip(self.levels, self.terms, strict=True) for term in terms]
         return np.concatenate([self._beyond(block, *flat[block.term], coarse) for block in blocks])
@@ -155,7 +155,7 @@ class JudgedLaw:
 
 
 class _Values(WholeLaw):
-    """Variables of the whole law by their values for one law."""
+    """Values of the variables of the whole law."""
 
     def __init__(self, judged: JudgedLaw) -> None:
         self._judged, self.unknowns = judged, list[float]()
@@ -202,7 +202,7 @@ def running(at: Places, term: Array) -> Array:
 
 
 def _rise(values: Array, number: IndexArray, count: int) -> Array:
-    """By how much values in cells (n, p + 1) rise around ``count`` places, numbered by (n, q + 1); 0 without a cell."""
+    """Rise of values in cells (n, p + 1) around ``count`` places, numbered by (n, q + 1); 0 without a cell."""
     steps, coarse = values.shape[1] - 1, number.shape[1] - 1
     nearest = np.floor((np.arange(steps) + 0.5) * coarse / steps + 0.5).astype(int)
     there, around = np.zeros(count), np.full(count, -np.inf)

@@ -1,7 +1,7 @@
 """The rows of the programme: levels of every kind as sums of local terms and linear parts, zero or at most zero.
 
-Terms are local to a place.  Beside them stand variables of the whole: lengths of the pairs and means of swings, which
-terms depend on, and levels, the excess, bases of spreads and running integrals, which they do not.
+Terms are local to a place.  Besides there are variables of the whole law.  Terms depend on some of them, the lengths of
+the pairs and means of swings, and not on others: levels, the excess, bases of spreads and running integrals.
 """
 
 from __future__ import annotations
@@ -31,14 +31,14 @@ TWO_SIDED = SPANNING | {LevelKind.DEVIATION}
 
 
 UNHEARD = 1e-2
-"""Share of the whole root mean square that high harmonics count beside themselves: of many laws without any this picks
-the law with the least whole."""
+"""Weight of the whole root mean square in the level of high harmonics: it picks the law with the least whole among laws
+without high harmonics."""
 
 
 class WholeLaw(ABC):
     """Variables of the whole law on which terms depend: symbols of the programme, or the values that a judge computes.
 
-    ``angle_rad`` is the driving angle at a place, which is asked for where harmonics are.
+    ``angle_rad`` is the driving angle at a place, which harmonics need.
     """
 
     angle_rad: Term
@@ -49,7 +49,7 @@ class WholeLaw(ABC):
 
     @abstractmethod
     def fitted(self, term: Term, waves: Sequence[Term]) -> Sequence[Term]:
-        """How much of every wave is in a term, so that the mean square of the rest is least."""
+        """The part of every wave in a term that leaves the least mean square of the rest."""
 
     @abstractmethod
     def size_of(self, square: Term, cycle_rad: float) -> Term:
@@ -123,9 +123,9 @@ class RowBlock:
 
 @dataclass(frozen=True)
 class WholeColumns:
-    """Where variables that terms depend on, levels and the excess are among the variables of the whole.
+    """Columns of the whole law's variables: of variables in terms, of levels and of the excess.
 
-    Lengths are first.  ``sizes`` are those of root mean squares.
+    Lengths are first.  ``sizes`` are the columns of root mean squares.
     """
 
     first_unknown: int
@@ -234,7 +234,7 @@ def _hold(rows: ProgrammeRows, level: Level, block: RowBlock) -> None:
 
 
 def _running(rows: ProgrammeRows, term: int) -> IndexArray:
-    """Columns of a term's running integral at all ends of cells but the first and the last, where it is zero."""
+    """Columns of a term's running integral at all ends of cells except the first and the last, where it is zero."""
     cells = rows.at.number.shape[0]
     column, row = rows.new_wholes(cells - 1), rows.new(cells)
     rows.put_term(row[:, None], rows.at.number, term, rows.at.weight)

@@ -1,8 +1,8 @@
-"""The search for a law under levels: where it starts, and how limits come to be kept everywhere.
+"""The search for a law under levels: its start, and the way to keep limits everywhere.
 
-The programme of ``programme.py`` keeps limits at its own places.  It is solved again until places at least eight times
-as dense find all limits kept.  Each time a term is kept back by its rise between the places, and integrals over a turn
-are corrected by the finer places.
+The programme of ``programme.py`` keeps limits at its own places.  It is solved again until all limits hold at places at
+least eight times as dense.  Each time the bound of a term is lowered by the term's rise between the places, and
+integrals over a turn are corrected by the finer places.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ STEPS = 2
 """Steps of the programme's places in a cell: both ends and the middle."""
 
 STRAYING = 0.3
-"""Standard deviation of the first random harmonic of ln i12 by which other starts differ from the usual start; the n-th
+"""Standard deviation of the first random harmonic of ln i12 that makes other starts from the usual start; the n-th
 harmonic has an n-th of it.  Ratios then begin up to three times as large or as small."""
 
 STRAYING_WAVES = (1.0, 2.0, 3.0)
@@ -43,33 +43,33 @@ FINEST = 256
 """Most steps of the judge's places in a cell, for narrow peaks of the force."""
 
 ROOM = 1e-7
-"""How far laws stay below their caps, in units of the levels: more than the error of the judge's parabolas."""
+"""Distance of laws below their caps, in units of the levels: more than the error of the judge's parabolas."""
 
 ROUNDS = 6
-"""Most rounds in which the programme is solved again; three are the rule."""
+"""Most rounds in which the programme is solved again; usually there are three."""
 
 PATIENCE = 2
 """Rounds that only keep terms back at the places, before caps are lowered too: each leaves a tenth of the excess over
 the caps, or less."""
 
 MARGIN = 1e-6
-"""How much more terms are kept back, in their units, for their rise between the places of the finer grid."""
+"""Further lowering of the bounds of terms, in their units, for their rise between the places of the finer grid."""
 
 TOLD = 1e-4
-"""Share of a soft wish by which it may be missed more than the places say: four digits are told."""
+"""Largest shortfall of a soft wish beyond the value at the places, as a share of the wish: four digits are shown."""
 
 RISEN = 5e-3
-"""Share of a goal by which it may rise between the places: forces and accelerations rise by a hundredth of this, a jerk
-beside a dead centre by a fifteenth of itself."""
+"""Largest rise of a goal between the places, as a share of it: forces and accelerations rise by a hundredth of this, a
+jerk beside a dead centre by a fifteenth of itself."""
 
 DECIMALS = 10
 """Decimals of the ratios at the knots, so that the judged law is the law in the design file."""
 
 ROUNDED_KNOTS = 180
-"""Knots up to which they do: rounding dents a curve by the square of the number of knots."""
+"""Most knots for which these decimals suffice: rounding dents a curve by the square of the number of knots."""
 
 EVEN_CELLS = 120
-"""Cells in which the greatest power of a uniform crank is looked for: it is a unit only."""
+"""Cells for the greatest power of a uniform crank, which is only a unit."""
 
 LEAST_POWER_W = 1.0
 """Least unit of power, for a machine that nothing resists."""
@@ -93,7 +93,7 @@ class LawSearch:
         return np.concatenate([knots.smoothed(motion.crank_angle_rad, logarithm) / (1 + pair) for pair in range(pairs)])
 
     def elsewhere(self, begun: Array, number: int) -> Array:
-        """Another start than ``begun``, with random harmonics in each pair's ln i12; ``number`` seeds them."""
+        """Another start from ``begun``, with random harmonics in each pair's ln i12; ``number`` seeds them."""
         pairs, random = len(self.programme.cycles_rad), np.random.default_rng(number)
         angle = np.linspace(0.0, 2.0 * pi, begun.size // pairs, endpoint=False)
         waves = np.array([shape(wave * angle) / wave for wave in STRAYING_WAVES for shape in (np.cos, np.sin)])
@@ -113,7 +113,7 @@ class LawSearch:
         return np.round(values, DECIMALS + more)
 
     def nearest(self, start: Array) -> Solution | None:
-        """The law that comes nearest to keeping all limits, from coefficients; None where none is found."""
+        """The law nearest to keeping all limits, from coefficients; None where none is found."""
         return self.programme.nearest(self.caps, np.zeros(self.caps.size), 1.0, start)
 
     def reached(self, coefficients: Array) -> Array:
@@ -162,7 +162,7 @@ def goal_weights(wanted: Sequence[Level], goal: float) -> Array:
 
 
 def cost(wanted: Sequence[Level], weights: Array, reached: Array) -> float:
-    """What reached levels cost together, shape (levels,) each; below its least a level costs no less."""
+    """The cost of reached levels together, shape (levels,) each; below its floor a level costs no less."""
     return float(weights @ np.maximum(reached, [level.least for level in wanted]))
 
 
@@ -179,9 +179,9 @@ def scales(task: Task) -> Scales:
 def kept(search: LawSearch, start: Array | Solution) -> Kept | None:
     """The best law from a start, solved again until all limits hold on the finer grid; None where they never hold.
 
-    Every term is kept back at each place by its rise beside the place; in the last rounds the rest is taken off the
-    caps. A law that misses a soft wish by more than its places say, or whose goal rises between them, is solved
-    again, too; the law that costs least is taken.
+    The bound of every term is lowered at each place by the term's rise beside the place; in the last rounds the rest is
+    taken off the caps.  A law whose soft wish falls short, or whose goal rises, between the places is solved again,
+    too; the law with the least cost is taken.
     """
     programme = search.programme
     blocks, coarse, levels = programme.rows.blocks, programme.rows.at, programme.levels
@@ -206,7 +206,7 @@ def kept(search: LawSearch, start: Array | Solution) -> Kept | None:
         kept_back = np.where(exact, beyond, np.maximum(kept_back, beyond + MARGIN))
         if tried >= PATIENCE:
             caps = caps - over
-        # Where the next solution is too far away to be reached onwards, solve afresh from the coefficients
+        # Where the next solution is too far away to continue, solve afresh from the coefficients
         missed = judged.missed(coarse)
         onwards = programme.solved(caps, search.weights, found, kept_back, missed)
         found = onwards or programme.solved(caps, search.weights, found.coefficients, kept_back, missed)

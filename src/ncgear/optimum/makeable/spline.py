@@ -1,8 +1,8 @@
-"""Periodic cubic splines over one turn of the crank: their matrices, and a spline that smooths a rough motion.
+"""Periodic cubic splines over one turn of the crank: their matrices, and a smoothing spline for a rough motion.
 
-A spline with n knots has n coefficients; the k-th belongs to the B-spline that is centred on the k-th knot.  At any
-angle four of them count, so that all matrices are sparse.  B-splines and their derivatives follow the recursion of C.
-de Boor, "A Practical Guide to Splines" (1978), chapters IX and X.
+A spline with n knots has n coefficients; the k-th belongs to the B-spline centred on the k-th knot.  At any angle four
+of them count, so that all matrices are sparse.  B-splines and their derivatives follow the recursion of C. de Boor, "A
+Practical Guide to Splines" (1978), chapters IX and X.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class SplineRows:
 
 @dataclass(frozen=True, eq=False)
 class Knots:
-    """Angles in rad at which the pieces of a spline meet, shape (n,): rising from 0, under a turn, five or more."""
+    """Angles in rad of the joints of a spline's pieces, shape (n,): rising from 0, below a turn, five or more."""
 
     angle_rad: Array
 
@@ -80,8 +80,8 @@ class Knots:
     def smoothed(self, angle_rad: Array, values: Array) -> Array:
         """Coefficients of a spline along a rough function that joins values at rising angles of one turn by lines.
 
-        Each coefficient is a mean around its knot, over as far as the neighbouring knots, so that the spline is nowhere
-        rougher than the function (I. J. Schoenberg's variation diminishing splines).
+        Each coefficient is a mean from the knot before to the knot after, so that the spline is nowhere rougher than
+        the function (I. J. Schoenberg's variation diminishing splines).
         """
         own = self.angle_rad
         before, after = np.roll(own, 1), np.roll(own, -1)
@@ -108,7 +108,7 @@ class Knots:
 
 
 def even_knots(count: int) -> Knots:
-    """So many knots at even steps."""
+    """A number of knots at even steps."""
     return Knots(even_steps(count))
 
 

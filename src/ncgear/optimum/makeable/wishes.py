@@ -21,7 +21,7 @@ from ncgear.wishes.wish import Offer, Wish
 
 
 class Goal(Enum):
-    """What is to be least."""
+    """The value that is minimized."""
 
     ACCELERATION = "least_acceleration"
     POWER = "least_power"
@@ -58,11 +58,11 @@ ALONE = {
     Goal.TORQUE_HARMONICS: Prices(torque_harmonics_n_m=1.0),
     Goal.CENTER_DISTANCE: Prices(center_distance_mm=1.0),
 }
-"""The figure that is least under each goal, without the weighted goal."""
+"""The minimized figure of each goal, without the weighted goal."""
 
 
 class CurvatureWish(Enum):
-    """What the curvature of pitch curves is limited for: a radius in mm, or a number of teeth without undercut."""
+    """The reason for a limit of the pitch curves' curvature: a radius in mm, or a number of teeth without undercut."""
 
     LEAST_RADIUS = "least_radius_mm"
     UNDERCUT = "free_of_undercut"
@@ -70,7 +70,7 @@ class CurvatureWish(Enum):
 
 @dataclass(frozen=True)
 class TwoStages:
-    """The ratio shared over two pairs in series; ``pressure_angle_rad`` bounds the tangent angle of each, None: free.
+    """The ratio divided over two pairs in series; ``pressure_angle_rad`` bounds the tangent angle of each, None: free.
 
     It replaces the limit of that name in ``Limits``, since no certified bound follows from it.
     """
@@ -117,22 +117,22 @@ class Wishes:
 
 
 CONVEX = "convex"
-"""The wish that is kept or not: how deep a dent is means nothing to a user."""
+"""A wish that is either kept or not: the depth of a dent means nothing to a user."""
 
 STEEPEST = tan(radians(60.0))
-"""Limit of the tangent of each pair where two stages have no pressure angle given: with its rack such a pair has 80
-degrees and almost locks.  Without a limit the method strays into ratios that only cancel each other."""
+"""Limit of the tangent of each pair of two stages without a given pressure angle: with its rack such a pair has 80
+degrees and almost locks.  Without a limit the method drifts into ratios that only cancel each other."""
 
 EASE = 0.3
-"""Cost of a tangent of 1, in units of the goal, where two stages have no pressure angle given.  On the baler 2 % of
-acceleration buy nine degrees; at a tenth the method takes five times as long, and at times finds nothing."""
+"""Cost of a tangent of 1, in units of the goal, for two stages without a given pressure angle.  On the baler 2 % of
+acceleration gain nine degrees; with a tenth of the cost the method takes five times as long, and sometimes fails."""
 
 EVENLY = 1e-3
 """The same cost with a given pressure angle: it picks the way with the least angle, at almost no cost."""
 
 
 NEXT_TO_LOCKED = radians(89.0)
-"""Limit of the pressure angle where the force between teeth counts and no angle is limited: at 90 degrees no force
+"""Limit of the pressure angle if the force between teeth counts and the design limits no angle: at 90 degrees no force
 would turn the driven gear, and beyond it the force changes its sign."""
 
 
@@ -140,7 +140,7 @@ would turn the driven gear, and beyond it the force changes its sign."""
 class Scales:
     """A task, and units of acceleration (mm/s2) and power (W) of the order of its machine's.
 
-    ``loads`` has the units of forces with masses; None where no masses are known.
+    ``loads`` has the units of forces with masses; None without masses.
     """
 
     task: Task
@@ -150,7 +150,7 @@ class Scales:
 
 
 def levels(wishes: Wishes, scales: Scales) -> list[Level]:
-    """The levels of all wishes that say anything."""
+    """The levels of all wishes that restrict or cost anything."""
     peaks = list(_of_peaks(wishes, scales))
     if wishes.two_stages is not None:
         # Weights with the sum 1, since costs of pressure angles are in units of the goal
@@ -207,7 +207,7 @@ def _of_peaks(wishes: Wishes, scales: Scales) -> Iterator[Level]:
     if size is not None and size.teeth is not None and size.module_mm is not None:
         around = size.teeth * pi * size.module_mm / task.lobes.driving
         distance = most or around / pi
-        # The length of the curves over that for one mm, the same at every place
+        # The length of the curves over the length for 1 mm, the same at every place
         yield from of_figure(
             "center_distance_mm",
             "a centre distance of {} mm",

@@ -1,1 +1,1 @@
-"""The pitch curve nearest to an outline whose pair of gears can be made."""
+"""The pitch curve nearest to an outline that gives a makeable pair of gears."""

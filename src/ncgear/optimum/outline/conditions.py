@@ -1,14 +1,14 @@
-"""What a pitch curve and its mate must keep so that teeth of their module roll on them, with slopes by the curve.
+"""Conditions on a pitch curve and its mate for teeth of their module, with slopes by the curve.
 
 A concave stretch and the convex stretch that rolls in it are, for some pitches, a ring and its pinion.  Their numbers
 of teeth are 2 / (m |k|) and 2 / (m k') with the curvatures k and k' of both; where these differ by too few teeth, tips
-run into each other as those of a ring and too large a pinion do, though each flank by itself would be regular.
-With e = m (k + k') the concave curve may have m |k| up to
+collide like those of a ring with too large a pinion, though each flank alone would be regular.  With e = m (k + k') the
+concave curve may have m |k| up to
 
     g(e) = (sqrt(e^2 + 8 e / N) - e) / 2,
 
-at which the numbers differ by N.  A tip needs a pitch or so to run into another one, so the condition is held in the
-mean over a pitch to either side.
+at which the numbers differ by N.  A tip needs about a pitch to collide with another tip, so the condition applies to
+the mean over a pitch to either side.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.optimum.outline.rolled import Rolled, scaled
 
 APART_TEETH = 4.5
-"""By how many teeth a ring and its pinion differ at least where conditions begin."""
+"""Least difference of the numbers of teeth of a ring and its pinion."""
 
 HOLLOW, ROUND = 0.3, 0.45
 """Greatest curvature times module of concave and of convex places: beyond, no flank is regular, no tip has a land."""
@@ -38,12 +38,12 @@ NEAREST = 0.12
 """Usual least radius of the mate as a share of the centre distance."""
 
 WINDOW_PITCHES = 1.0
-"""Over how many pitches to either side a concave stretch is taken in the mean, with weights that fall to the ends."""
+"""Pitches to either side of the mean over a concave stretch, with weights that fall to the ends."""
 
 
 @dataclass(frozen=True, eq=False)
 class Limits:
-    """How much of the usual limits of curvature each place may use, ``share``, of shape (m,) or the same everywhere.
+    """Limits of each place: ``share`` is the usable part of the usual limits of curvature, shape (m,) or a number.
 
     ``steepest_rad`` is the greatest angle between the pitch curve and the common perpendicular of the radii,
     ``nearest`` the least radius of the mate as a share of the centre distance.
@@ -61,7 +61,7 @@ class Limits:
 
 
 class Kind(StrEnum):
-    """What a condition is about, of the given gear (own) or of its mate."""
+    """The subject of a condition, on the given gear (own) or on its mate."""
 
     HOLLOW_OWN = "hollow_own"
     HOLLOW_MATE = "hollow_mate"
@@ -126,7 +126,7 @@ def conditions(curve: Rolled, limits: Limits) -> Iterator[Condition]:
 
 
 def _alone(rows: sparse.csr_array, none: Array) -> tuple[sparse.csr_array, Array, Array]:
-    """Slopes of what changes neither with the centre distance nor with the module."""
+    """Slopes of conditions that depend on neither centre distance nor module."""
     return rows, none, none
 
 
@@ -138,10 +138,10 @@ def _mean_over_window(curve: Rolled) -> sparse.csr_array:
 
 
 def excess(curve: Rolled, limits: Limits) -> float:
-    """By how much the conditions are missed at most, and the mate's closing; below 0 where none is."""
+    """The largest violation of the conditions and of the mate's closing; below 0 where all hold."""
     worst = max(float(np.max(one.value)) for one in conditions(curve, limits))
     return max(worst, abs(float(np.mean(curve.turned)) - 1.0) - ROUNDING)
 
 
 ROUNDING = 1e-9
-"""Error of the mate's closing that is rounding."""
+"""Error of the mate's closing that counts as rounding."""

@@ -18,20 +18,20 @@ from ncgear.optimum.outline.programme import Wanted, missed, step
 from ncgear.optimum.outline.rolled import Basis, MatePlace, Rolled, closing_distance_mm
 
 FEWEST_COEFFICIENTS, MOST_COEFFICIENTS = 48, 250
-"""Coefficients of a curve with few teeth, and with many; between them it has one for each tooth."""
+"""Coefficients of a curve with few teeth, and with many; between them there is a coefficient for each tooth."""
 
 HEATS, HEATS_OF_TWO = ((8, 2), (3, 4), (1, 20)), ((8, 6), (3, 8), (1, 20))
-"""How many of the best curves go on, from so many starts at first, and with how many programmes each; the turn of two
-outlines to each other is told later than an axis alone."""
+"""Rounds: numbers of curves that enter each, best first, and programmes for each curve.  Two outlines need more rounds,
+since their turn against each other shows later than an axis alone."""
 
 AXES_OF_TWO = 4
-"""Axes of each outline that are tried with each other where both gears follow one."""
+"""Axes of each outline that are tried with each other where both gears follow an outline."""
 
 MORE_ROUNDS = 8
 """Most programmes from a curve that kept other limits."""
 
 HARMONICS, TAPER, RAYS = 24, 5.0, 720
-"""Harmonics of the first curve and the harmonic at which they are tapered to exp(-1/2), of so many rays."""
+"""Harmonics of the first curve, the harmonic at which they are tapered to exp(-1/2), and rays for computing them."""
 
 SHRINKS = 20
 """Steps in which the first curve is shrunk towards a circle until it keeps all conditions."""
@@ -40,21 +40,21 @@ FIRST_STEP, LEAST_STEP = 0.08, 2e-4
 """Greatest step of the first programme, and a step after which nothing changes, as shares of the outline's size."""
 
 MISSED = 4.0
-"""What missing a condition by 1 counts against distances, in sizes of the outline."""
+"""Cost of violating a condition by 1, against distances in sizes of the outline."""
 
 KEPT = 2e-3
-"""By how much a condition may be missed at last: less than the limits are known to by far."""
+"""Largest final violation of a condition: far below the accuracy of the limits."""
 
 MEASURED, ROUGHLY = 6000, 1000
-"""Points of outline and curve at which distances are measured, by arc length, at last and on the way."""
+"""Points of outline and curve, even by arc length, for distances of the final and of intermediate curves."""
 
 
 @dataclass(frozen=True, eq=False)
 class Deviation:
-    """How far outline and curve are apart: the distance from points of either to the other one, even by arc length.
+    """Distances of outline and curve: from points of each, even by arc length, to the other.
 
     ``root_mean_square_mm`` is over both; ``greatest_mm`` is at ``at_mm``, a place of the outline or, where
-    ``of_outline`` is false, of the curve; ``toward_mm`` is the place of the other one that is nearest.
+    ``of_outline`` is false, of the curve; ``toward_mm`` is the nearest place of the other.
     """
 
     root_mean_square_mm: float
@@ -65,7 +65,7 @@ class Deviation:
 
 
 def deviation(outline: Outline, curve: Rolled, count: int = MEASURED) -> Deviation:
-    """The deviation of a curve from an outline, by so many points of each."""
+    """The deviation of a curve from an outline, by ``count`` points of each."""
     return _apart(outline, curve.points()[0], count)
 
 
@@ -94,7 +94,7 @@ def _apart(outline: Outline, points_mm: Array, count: int) -> Deviation:
 
 
 def away_mm(outline: Outline, curve: Rolled, wanted: Wanted, count: int = MEASURED) -> float:
-    """What is to be least, of both gears by their shares where the mate has an outline."""
+    """The minimized distance, of both gears by their shares where the mate has an outline."""
     mate, place = wanted.mate, curve.mate_place
     followed = [(outline, curve.points()[0], 1.0, 1.0)]
     if mate is not None and place is not None:
@@ -116,7 +116,7 @@ def _place(point: Array) -> tuple[float, float]:
 
 
 def coefficients_for(teeth: int) -> int:
-    """Coefficients of a curve for so many teeth."""
+    """Number of coefficients of a curve for ``teeth`` teeth."""
     return min(max(FEWEST_COEFFICIENTS, teeth), MOST_COEFFICIENTS)
 
 
@@ -128,10 +128,10 @@ def nearest_curve(
     axis_mm: Array | None = None,
     start: Rolled | None = None,
 ) -> Rolled:
-    """The nearest curve for so many teeth, from a curve for the same number of teeth or from the start.
+    """The nearest curve for a number of teeth, from a curve with that number or from the start.
 
-    Without an axis it is sought from several places.  Raises NoSuchMechanism where no curve keeps the conditions, and
-    WrongInput where the solver is not installed.
+    Without an axis the search starts at several places.  Raises NoSuchMechanism where no curve keeps the conditions,
+    and WrongInput where the solver is not installed.
     """
     require("clarabel", "optimize", "ncgear fit")
     if start is not None:
@@ -168,7 +168,7 @@ TOO_MUCH = {
 
 
 def _most_missed(curve: Rolled, limits: Limits) -> str:
-    """Which condition is missed by most, and where in the drawing, in words."""
+    """Words for the most violated condition and its place in the drawing."""
     worst = max(conditions(curve, limits), key=lambda one: float(one.value.max()))
     points, _ = curve.points()
     x, y = points[int(worst.value.argmax()) * len(points) // worst.value.size]
@@ -176,13 +176,13 @@ def _most_missed(curve: Rolled, limits: Limits) -> str:
 
 
 def _cost(outline: Outline, curve: Rolled, limits: Limits, wanted: Wanted) -> float:
-    """The deviation in mm, and what missed conditions count."""
+    """The deviation in mm, plus the cost of violated conditions."""
     distance = away_mm(outline, curve, wanted, ROUGHLY)
     return distance + MISSED * outline.size_mm / 64.0 * max(missed(curve, limits, wanted), 0.0)
 
 
 def _better(outline: Outline, curve: Rolled, limits: Limits, wanted: Wanted, rounds: int, first: float) -> Rolled:
-    """The curve after some programmes; steps are smaller after one that brought nothing."""
+    """The curve after some programmes; a step without gain makes the next steps smaller."""
     most = first * outline.size_mm
     cost = _cost(outline, curve, limits, wanted)
     for _ in range(rounds):
@@ -203,7 +203,7 @@ def _better(outline: Outline, curve: Rolled, limits: Limits, wanted: Wanted, rou
 def _begun(
     outline: Outline, basis: Basis, axis_mm: Array | None, wanted: Wanted, limits: Limits, teeth: int
 ) -> list[Rolled | None]:
-    """The curves from which the search begins; None for an axis from which a ray meets no outline."""
+    """The first curves of the search; None for an axis with a ray that meets no outline."""
     mate, count = wanted.mate, HEATS[0][0]
 
     def seen(outline: Outline, axis_mm: Array | None, count: int) -> list[tuple[Array, Array]]:
@@ -238,13 +238,13 @@ def _smoothed(outline: Outline, axis_mm: Array) -> Array | None:
 
 
 def _resampled(radius: Array, count: int) -> Array:
-    """Radii at so many even angles, by the harmonics of a smooth curve."""
+    """Radii at ``count`` even angles, from the harmonics of a smooth curve."""
     found: Array = np.fft.irfft(np.fft.rfft(radius)[: HARMONICS + 1], count) * (count / len(radius))
     return found
 
 
 def _shrunk(curve: Rolled, limits: Limits) -> Rolled | None:
-    """A curve, shrunk towards a circle until it keeps the conditions; None where it does not go round its axis."""
+    """A curve, shrunk towards a circle until it keeps the conditions; None where it does not enclose its axis."""
     given, found = curve.coefficients, None
     mean = float(np.mean(given))
     for share in np.linspace(1.0, 0.0, SHRINKS + 1):

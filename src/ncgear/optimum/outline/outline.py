@@ -1,4 +1,4 @@
-"""A closed outline in the plane: its points by arc length, what a ray from an axis meets, and distances to it."""
+"""A closed outline in the plane: its points by arc length, its meetings with rays from an axis, and distances to it."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
 
 FINE = 6000
-"""Chords into which an outline is cut at least, so that the nearest vertex tells the nearest chord."""
+"""Least number of chords of an outline, so that the nearest vertex gives the nearest chord."""
 
 CROSSES = "Self-intersection"
 """The first word of GEOS for a ring that crosses itself."""
 
 SAME = 1e-9
-"""Share of an outline's length by which two places on it may differ and still are one."""
+"""Largest distance of two places that count as one, as a share of an outline's length."""
 
 FEWEST_POINTS = 3
 
@@ -59,11 +59,11 @@ class Outline:
 
     @property
     def hull_length_mm(self) -> float:
-        """Length of the convex hull, about that of a pitch curve: clefts and limbs are lost."""
+        """Length of the convex hull, about that of a pitch curve: clefts and limbs do not count."""
         return float(ConvexHull(self.corners).area)
 
     def even(self, count: int) -> Array:
-        """Points in the middle of so many parts of equal arc length, shape (count, 2)."""
+        """Points in the middle of ``count`` parts of equal arc length, shape (count, 2)."""
         return self._at(((np.arange(count) + 0.5) / count) * self._lengths[-1])
 
     def _at(self, length_mm: Array) -> Array:
@@ -81,7 +81,7 @@ class Outline:
         """The corners with points between them."""
         between = np.linspace(0.0, self._lengths[-1], FINE, endpoint=False)
         places = np.unique(np.concatenate([between, self._lengths[:-1]]))
-        # Places that differ by rounding errors are one: no chord is without length.
+        # Places that differ by rounding errors count as one, so that every chord has a length.
         return self._at(places[np.diff(places, prepend=-np.inf) > SAME * self._lengths[-1]])
 
     @cached_property
@@ -97,7 +97,7 @@ class Outline:
         return np.where(nearer[:, None], found[1], found[0]), np.where(nearer, away[1], away[0])
 
     def farthest_hits(self, axis_mm: Array, count: int) -> Array:
-        """Distance from the axis to the farthest hit of each of so many even rays in mm; -inf where a ray has none."""
+        """Distance in mm from the axis to the farthest hit of each of ``count`` even rays; -inf without a hit."""
         before = self.corners - axis_mm
         after, angle = np.roll(before, -1, axis=0), tau * np.arange(count) / count
         found = np.full(count, -np.inf)
@@ -140,7 +140,7 @@ def outline_of(points_mm: Array, key: str) -> Outline:
     area = _area(points) if len(points) >= FEWEST_POINTS else 0.0
     if not abs(area) > 1e-6 * size**2:
         raise WrongInput("the outline encloses no area; a closed contour is needed", key=key)
-    # One that only touches itself has one inside all the same.
+    # An outline that only touches itself still has a single inside.
     if (why := is_valid_reason(Polygon(points))).startswith(CROSSES):
         place = why.removeprefix(CROSSES).strip("[]").replace(" ", ", ")
         raise WrongInput(f"the outline crosses itself at ({place}) mm; one that does not is right", key=key)
@@ -170,9 +170,9 @@ from the centroid as a share of the size."""
 
 
 def axes_to_try(outline: Outline, count: int) -> list[Array]:
-    """Where the search for an axis begins: the centroid, if it is inside, and places spread over the inside.
+    """First axes of the search: the centroid, if it is inside, and places spread over the inside.
 
-    Each further place is the place of a grid, deep inside and near the centroid, which is farthest from those before.
+    Each further place is the place of a grid, deep inside and near the centroid, that is farthest from those before.
     """
     low, high = outline.corners.min(axis=0), outline.corners.max(axis=0)
     step = (np.arange(GRID) + 0.5) / GRID

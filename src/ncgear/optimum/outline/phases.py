@@ -1,7 +1,7 @@
-"""How two outlines are turned to each other before the search for a pair that follows both.
+"""The turn of two outlines against each other before the search for a pair that follows both.
 
-Each outline by itself asks for a ratio of the gears at every angle, as if its mate were free.  Where the logarithms of
-both are most alike, turned against each other, the search begins, with a ratio between them.
+Each outline alone gives a ratio of the gears at every angle, as if its mate were free.  The search begins at the turn
+where the logarithms of both ratios are most alike, with a ratio between them.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from ncgear.optimum.outline.rolled import closing_distance_mm
 
 @dataclass(frozen=True, eq=False)
 class Phased:
-    """A start: which radii of either gear, the radius between them, how far the mate is turned, and its scale.
+    """A start: the numbers of the radii of both gears, the radius between them, the turn of the mate, and its scale.
 
     ``radius_mm`` has shape (n,), at even angles of the curve.
     """
@@ -39,7 +39,7 @@ def best_phases(own: list[Array], mate: list[Array], share: float, fixed_size: b
     for i, one in enumerate(asked):
         for j, (other, _) in enumerate(answers):
             alike = np.fft.irfft(np.fft.rfft(one) * np.conj(np.fft.rfft(other)), len(one))
-            # Of all turns only those count that are better than their neighbours.
+            # Only turns that are better than their neighbours count.
             tops = np.flatnonzero((alike > np.roll(alike, 1)) & (alike >= np.roll(alike, -1)))
             apart = float(one @ one + other @ other) - 2.0 * alike[tops]
             found += [(float(cost), i, j, int(turn)) for cost, turn in zip(apart, tops, strict=True)]

@@ -25,10 +25,10 @@ POINTS = 600
 """Points of the outline and of the curve whose distances count."""
 
 SLACK_WEIGHT = 100.0
-"""What missing a condition by 1 costs, in squares of the outline's size: far more than any distance gains."""
+"""Cost of violating a condition by 1, in squares of the outline's size: far more than any distance gains."""
 
 SMOOTHING = 1e-7
-"""Weight of a step's own size, which keeps coefficients that no point tells of where they are."""
+"""Weight of a step's size: it keeps coefficients in place that affect no point."""
 
 TOUCHING = 1e-3
 """Share of the size within which points touch: there the curve's normal is the way to the outline."""
@@ -36,7 +36,7 @@ TOUCHING = 1e-3
 
 WIDTHS = {"axis": 2, "distance": 1, "module": 1, "slack": 1, "greatest": 1}
 MATE_WIDTHS = {"mate_axis": 2, "mate_turn": 1, "mate_scale": 1}
-"""The unknowns after the coefficients of the radius, with their numbers, and those of a mate that has an outline."""
+"""The unknowns of a mate with an outline, with their numbers, after the unknowns of the curve."""
 
 
 EQUATIONS = 2
@@ -45,7 +45,7 @@ EQUATIONS = 2
 
 @dataclass(frozen=True, eq=False)
 class MateWanted:
-    """The outline that the mate follows, the share that its distances have in all (0 to 1), its axis where it is held,
+    """The outline that the mate follows, the share of its distances in the total (0 to 1), its axis where it is fixed,
     and whether its drawing keeps its size."""
 
     outline: Outline
@@ -56,8 +56,8 @@ class MateWanted:
 
 @dataclass(frozen=True, eq=False)
 class Wanted:
-    """What is sought: ``greatest`` the least greatest distance instead of the least mean square, with the axis held
-    where it is or free, the module in mm where it is given, and an outline of the mate."""
+    """The aim: the least mean square, or with ``greatest`` the least greatest distance; a fixed or a free axis; the
+    module in mm where it is given; and an outline of the mate."""
 
     greatest: bool = False
     fixed_axis: bool = False
@@ -66,7 +66,7 @@ class Wanted:
 
 
 def missed(curve: Rolled, limits: Limits, wanted: Wanted) -> float:
-    """By how much conditions, the mate's closing and the wanted module are missed at most; below 0 where none is."""
+    """The largest violation of conditions, of the mate's closing and of the wanted module; below 0 where all hold."""
     off = abs(curve.module_mm / wanted.module_mm - 1.0) if wanted.module_mm else 0.0
     return max(excess(curve, limits), off - ROUNDING)
 
@@ -99,9 +99,9 @@ def mate_distances(outline: Outline, curve: Rolled) -> tuple[dict[str, Array], A
 
 
 def _feet(outline: Outline, points: Array, normals: Array) -> tuple[IndexArray, Array, Array]:
-    """Points of a curve by their index, the ways along which they are to move, and where to, at an outline.
+    """Points of a curve by their index, the directions of their moves, and their targets at an outline.
 
-    First the nearest to even points of the outline, then even ones of the curve: 2 * POINTS.
+    First the nearest points to even points of the outline, then even points of the curve: 2 * POINTS.
     """
     given = outline.even(POINTS)
     _, foot = cKDTree(points).query(given)
@@ -114,7 +114,7 @@ def _feet(outline: Outline, points: Array, normals: Array) -> tuple[IndexArray, 
 
 
 class _Rows:
-    """Rows of the programme, each at most a bound, as they come; columns begin where ``begins`` says."""
+    """Rows of the programme in the order of their addition, each at most a bound; ``begins`` has the first columns."""
 
     def __init__(self, begins: Mapping[str, int]) -> None:
         self.begins, self.count = begins, 0
@@ -140,13 +140,13 @@ class _Rows:
         return np.concatenate(self.bounds)
 
     def matrix(self, size: int) -> sparse.csc_matrix:
-        """All rows of so many unknowns."""
+        """All rows, for ``size`` unknowns."""
         values, rows, columns = (np.concatenate(part) for part in zip(*self.parts, strict=True))
         return sparse.csc_matrix((values, (rows, columns)), shape=(self.count, size))
 
 
 def step(outline: Outline, curve: Rolled, limits: Limits, wanted: Wanted, most_mm: float) -> Rolled:
-    """The curve that the programme finds, each radius and the axis moved by no more than ``most_mm``.
+    """The curve that the programme finds; each radius and the axis move by at most ``most_mm``.
 
     Raises NoSuchMechanism where the solver finds none.
     """
@@ -175,7 +175,7 @@ def step(outline: Outline, curve: Rolled, limits: Limits, wanted: Wanted, most_m
     b0 = curve.basis.places[0]
     places = b0.shape[0]
     r, distance = curve.radius[0], curve.center_distance_mm
-    # What is linear in the step: its value at the curve so far moves to the other side.
+    # Functions linear in the step: their value at the curve so far moves to the other side.
     so_far = curve.coefficients
     closing = ((distance / (distance - r) ** 2) @ b0)[None, :] / places
     by_distance = -np.mean(r / (distance - r) ** 2)

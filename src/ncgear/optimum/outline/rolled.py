@@ -1,4 +1,4 @@
-"""A pitch curve by a spline of its radius, its mate, and how their figures change with the spline.
+"""A pitch curve by a spline of its radius, its mate, and the slopes of their figures by the spline.
 
 With r(phi) the radius, a the centre distance and w = r^2 + r'^2, the curvatures k1 and k2 of both curves, positive
 where they are convex, are
@@ -25,7 +25,7 @@ DEGREE = 5
 """Degree of the spline: curvature and its change are continuous."""
 
 PER_COEFFICIENT, FINER = 3, 8
-"""Places for each coefficient at which conditions are held, and how many points there are for each such place."""
+"""Places for each coefficient at which conditions apply, and points for each such place."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +36,7 @@ class Basis:
 
     @cached_property
     def phi_rad(self) -> Array:
-        """The points' polar angles; every ``FINER``-th is a place at which conditions are held."""
+        """The points' polar angles; conditions apply at every ``FINER``-th."""
         total = self.count * PER_COEFFICIENT * FINER
         angles: Array = tau * np.arange(total) / total
         return angles
@@ -47,7 +47,7 @@ class Basis:
         knots = step * np.arange(-degree, self.count + degree + 1)
         rows = sparse.csr_array(BSpline.design_matrix(np.mod(phi_rad, tau), knots, degree))
         columns = np.arange(self.count + degree)
-        # Of a uniform spline the derivative is one of a degree less, whose coefficients are differences.
+        # The derivative of a uniform spline is a spline of a degree less, with differences as coefficients.
         shape = columns.size, self.count
         differences = sum(
             (-1.0) ** (order - k)
@@ -64,7 +64,7 @@ class Basis:
 
     @cached_property
     def places(self) -> tuple[sparse.csr_array, sparse.csr_array, sparse.csr_array]:
-        """The basis and two derivatives where conditions are held."""
+        """The basis and two derivatives at the places of conditions."""
         return self.fine[0][::FINER], self.fine[1][::FINER], self.at(self.phi_rad[::FINER], 2)
 
     def through(self, values: Array) -> Array:
@@ -76,8 +76,8 @@ class Basis:
 
 @dataclass(frozen=True, eq=False)
 class MatePlace:
-    """Where the mate stands in a drawing of its own: its axis (shape (2,)) in mm of the pair, by how much the mate is
-    turned, and how many mm of the pair are a mm of the drawing."""
+    """The place of the mate in its own drawing: its axis (shape (2,)) in mm of the pair, the turn of the mate, and the
+    number of mm of the pair for a mm of the drawing."""
 
     axis_mm: Array
     turned_rad: float
@@ -88,8 +88,8 @@ class MatePlace:
 class Rolled:
     """A curve with its mate: coefficients of the radius in mm (shape (n,)), axis (shape (2,)), centre distance, teeth.
 
-    Arrays are over the places at which conditions are held, shape (m,), Jacobians have shape (m, n).  ``mate_place`` is
-    known where the mate follows an outline, too.
+    Arrays are over the places of conditions, shape (m,), Jacobians have shape (m, n).  ``mate_place`` is known where
+    the mate follows an outline, too.
     """
 
     basis: Basis
@@ -129,7 +129,7 @@ class Rolled:
 
     @cached_property
     def curvature(self) -> tuple[Array, Array]:
-        """Of the curve and of its mate in 1/mm, positive where convex."""
+        """Curvatures of the curve and of its mate in 1/mm, positive where convex."""
         r, r1, r2 = self.radius
         own = (r * r + 2.0 * r1 * r1 - r * r2) / self.speed_mm**3
         return own, self.together - own
@@ -270,7 +270,7 @@ def rays(phi_rad: Array) -> tuple[Array, Array]:
 
 
 def closing_distance_mm(radius_mm: Array) -> float:
-    """The centre distance at which the mate of radii at even angles closes, by halving; twice the mean at least."""
+    """The centre distance at which the mate of radii at even angles closes, by bisection; at least twice the mean."""
     low, high = max(float(np.mean(radius_mm)) * 2.0, float(np.max(radius_mm))), 2.0 * float(np.max(radius_mm))
     for _ in range(60):
         middle = (low + high) / 2.0

@@ -26,7 +26,7 @@ Values = TypeVar("Values", Array, ComplexArray)
 
 @dataclass(frozen=True)
 class MeshSize:
-    """Numbers of elements, and their order: 1 for straight elements of four nodes, 2 for curved ones of nine.
+    """Numbers of elements, and their order: 1 for straight elements of four nodes, 2 for curved elements of nine.
 
     The defaults are the coarsest useful mesh; ``times`` makes finer meshes.
 
@@ -45,7 +45,7 @@ class MeshSize:
     deep: int = 3
 
     def times(self, finer: int) -> MeshSize:
-        """The mesh with each element cut in so many by so many."""
+        """The mesh with each element cut into ``finer`` by ``finer`` elements."""
         counts = {name: finer * getattr(self, name) for name in self.__dict__ if name != "order"}
         return replace(self, **counts)
 

@@ -7,7 +7,7 @@ Plane strain holds since a face is several modules wide, as in ISO 6336 for Hert
 Root stresses hardly depend on that.  The compliance in plane stress is greater by 1 / (1 - nu^2), a tenth for steel.
 
 The load on elements is a force at a point, under which displacements grow without end as meshes get finer.  So the
-compliance follows C.  Weber ("The deformations of loaded gears and the effect on their load-carrying capacity", 1949):
+compliance follows C. Weber ("The deformations of loaded gears and the effect on their load-carrying capacity", 1949):
 from the elements the displacement of the tooth's middle where the load's line crosses it, and from there to the
 contact, over a depth h, the closed form of a half-plane under Hertz's pressure of half-width b:
 
