@@ -21,6 +21,7 @@ from ncgear.optimum.certified import sums
 from ncgear.optimum.certified.cycle import CrankCycle, cycle
 from ncgear.optimum.certified.demands import Demands
 from ncgear.optimum.certified.limit import Motion
+from ncgear.optimum.certified.proof import Solver
 from ncgear.optimum.certified.sums import PLACES_RAISED, raised
 from ncgear.optimum.certified.tree import Budget, Effort, MotionBox, Tree, proven
 from ncgear.optimum.makeable.demanded import MOST_PROGRAMMES, demands_of
@@ -260,7 +261,7 @@ LEAST = min(wavy(x) for x in np.linspace(0.0, 1.5, 200001))
 def test_a_least_value_is_proven_as_far_as_the_programmes_go(most: int, above: float) -> None:
     """Never above what a number has, and close below where there are enough programmes, whatever law was found."""
     budget = Budget(most)
-    tree = OnALine(SimpleNamespace(on=SimpleNamespace(count=7)), [], [], budget)  # type: ignore[arg-type]
+    tree = OnALine(*[SimpleNamespace(on=SimpleNamespace(count=7))] * 3, budget, Solver())  # type: ignore[arg-type]
     whole: Any = MotionBox(None, {"x": (0.0, 1.5)}, 0.4)  # type: ignore[arg-type]
     value, effort = proven(tree, whole, above * LEAST, 0.0)
     assert 0.4 <= value <= LEAST

@@ -80,7 +80,7 @@ def press(mesh: Mesh) -> Drive:
 
 
 @pytest.mark.judges("files")
-@at_once("mesh", list(Mesh))
+@pytest.mark.parametrize("mesh", [Mesh.EXTERNAL, pytest.param(Mesh.INTERNAL, marks=pytest.mark.thorough)])
 def test_coloured_teeth_have_their_own_numbers_below_their_roots(
     mesh: Mesh, shown: Callable[..., Figure], monkeypatch: pytest.MonkeyPatch
 ) -> None:
