@@ -285,7 +285,8 @@ def _foremost(contacts: Contacts, alike: Mask, placement: Placement) -> IndexArr
     place, flanks, position = contacts.place(placement)[rows], contacts.flanks[rows], contacts.position[rows]
     between_flanks = np.zeros(count, dtype=bool)
     between_flanks[place[flanks]] = True
-    distance = np.abs(contacts.point[rows] - placement.pitch_point[position])
+    ahead = np.exp(-1j * placement.mesh.sense * contacts.error_rad[rows])
+    distance = np.abs(contacts.point[rows] - placement.pitch_point[position] * ahead)
     nearest = largest_rows(np.where(flanks | ~between_flanks[place], -distance, -np.inf), place, count)
     missing = np.flatnonzero(nearest < 0) % placement.count
     if missing.size:
