@@ -24,6 +24,7 @@ import typer.main
 
 import ncgear.cli
 from commands import FOLDERS, Outcome, Run, signals_kept
+from ncgear.cli.progress import Steps
 from shuffled import shuffled
 from tiers import Collected, tier_of
 
@@ -86,23 +87,48 @@ def pytest_runtest_makereport() -> Generator[None, pytest.TestReport, pytest.Tes
     return report
 
 
+class CountedSteps(Steps):
+    """Steps that count how often they are told."""
+
+    def __init__(self, shown: Any, count: int) -> None:
+        super().__init__(shown, count)
+        self.count, self.told = count, 0
+
+    def __call__(self, step: str) -> None:
+        super().__call__(step)
+        self.told += 1
+
+
 @pytest.fixture
 def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Run:
-    """Run the command line in this process, in an empty folder: ``run("check", "d.yaml")``."""
+    """Run the command line in this process, in an empty folder: ``run("check", "d.yaml")``.
+
+    A command that ends well has told as many steps of its progress as it had announced.
+    """
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("NCGEAR_DEBUG", raising=False)
     # No line of progress, however slow the machine is: what a command says would depend on it.
     monkeypatch.setattr("ncgear.cli.progress.LINE_SECONDS", 1e6)
 
+    announced: list[CountedSteps] = []
+
+    def counted(*given: Any) -> CountedSteps:
+        announced.append(CountedSteps(*given))
+        return announced[-1]
+
+    monkeypatch.setattr("ncgear.cli.progress.Steps", counted)
     hook = sys.unraisablehook
 
     def run_once(*arguments: str) -> Outcome:
+        announced.clear()
         monkeypatch.setattr(sys, "argv", ["ncgear", *arguments])
         with pytest.raises(SystemExit) as exit_, signals_kept():
             ncgear.cli.main()
         monkeypatch.setattr(sys, "unraisablehook", hook)
         out, err = capsys.readouterr()
-        return int(exit_.value.code or 0), out, err
+        status = int(exit_.value.code or 0)
+        assert status or all(steps.told == steps.count for steps in announced), [vars(steps) for steps in announced]
+        return status, out, err
 
     return run_once
 
