@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from at_once import at_once
-from tiers import Collected, fits, tier_of
+from tiers import Collected, fits, third_of, tier_of
 
 TESTS = Path(__file__).parent
 ROOMS = {path.parent.name for path in (TESTS.parent / "src" / "ncgear").glob("*/__init__.py")}
@@ -68,3 +68,11 @@ def test_the_first_list_that_fits_counts(name: str, tier: str) -> None:
 def test_a_tier_that_is_none_is_refused() -> None:
     with pytest.raises(ValueError, match="'fast' is no tier"):
         tier_of("ellipse", "fast")
+
+
+def test_thirds_are_about_equal_and_keep_parameters_together(collected: list[pytest.Item]) -> None:
+    functions = {item.nodeid.partition("[")[0] for item in collected}
+    counts = [sum(third_of(name) == third for name in functions) for third in range(3)]
+    assert sum(counts) == len(functions)
+    assert min(counts) > 0.3 * len(functions)
+    assert third_of("tests/test_one.py::test_this[a]") == third_of("tests/test_one.py::test_this[b-1]")

@@ -8,11 +8,15 @@ parameters of a test belong to different tiers, the mark ``tiers`` says which::
 
 Each is a list of ids of parameters, where * is any text; the first that fits counts, and ``rest`` is for the others.
 Parameters of the tier ``long`` get both marks, ``slow`` and ``long``.
+
+All slow tests take longer than .ci/run may.  It runs a third of them (``--third``), which the commit draws, so that
+each slow test runs in one landing of three.
 """
 
 from __future__ import annotations
 
 import re
+import zlib
 from collections.abc import Iterable, Sequence
 from typing import Any
 
@@ -44,6 +48,11 @@ def tier_of(
         if any(fits(pattern, name) for pattern in patterns):
             return tier
     return rest
+
+
+def third_of(test: str) -> int:
+    """Which third of all tests a test belongs to, by its name: its parameters, which share much, stay together."""
+    return zlib.crc32(test.partition("[")[0].encode()) % 3
 
 
 def long_but(few: Iterable[str], names: Iterable[str]) -> list[Any]:
