@@ -30,7 +30,7 @@ LONGEST = 3.0
 LEAST_S = 20.0
 """Least of that time in s."""
 
-ENOUGH_S = 6.0
+ENOUGH_S = 10.0
 """Processor time of quick tests, and of thorough ones, that are run on a mutation at most: tests that run little beside
 its line come first, and what they do not find after so long counts as not found."""
 

@@ -177,7 +177,7 @@ def full_text(answer: Answer, figures: Sequence[Figures], paths: Sequence[Path],
 
 def figures_text(figures: Figures) -> str:
     """The plain figures, a block for each group or for groups that stand side by side, the comparison, the verdict."""
-    found = {key: value for key, value in figures.items() if key not in ELSEWHERE}
+    found = {key: value for key, value in figures.items() if key not in ELSEWHERE and value != []}
     groups = [[f"{head[:1].upper()}{head[1:]}", *lines] for head, *lines in _groups(found)]
     compared = comparison_lines(figures.get("comparison") or [])
     return _text([_plain_lines("", found), *groups, *compared, *_judged(figures)])
