@@ -27,10 +27,10 @@ from ncgear.project.alternatives import (
 )
 from ncgear.project.bench import BenchStage, Trial, _motion, _pitch_curves, step_count
 from ncgear.project.drive import Drive
-from ncgear.project.forces import mean_inertia, swinging_inertia
+from ncgear.project.forces import drive_line_of, mean_inertia, swinging_inertia
 from ncgear.project.free_lengths import _given
 from ncgear.project.law import load_of
-from ncgear.project.law_task import _size_of
+from ncgear.project.law_task import _of_radius, _size_of
 from ncgear.project.moving_masses import TrainInertia, train_inertia
 from ncgear.project.outline_trial import Made, between, drawn_in
 
@@ -248,3 +248,20 @@ def test_errors_of_samples_and_chords_fall_with_the_square_of_their_number() -> 
     )
     assert tried.order == pytest.approx(2.0)
     assert step_count(one) == 5
+
+
+def test_a_motors_shaft_has_its_inertia_in_newtons() -> None:
+    """5 kg m2 are 5e6 kg mm2, and 5000 N mm turn them by 1 rad/s2."""
+    motor = Fake(no_load_speed_rpm=60.0, stall_torque_n_m=2.0)
+    made: Any = drive_line_of(Fake(motor=motor), Fake(driving_shaft_kg_mm2=5e6), 1.0)
+    assert (made.speed_rad_s, made.stall_torque_n_mm) == pytest.approx((2.0 * pi, 2000.0))
+    assert made.inertia_n_mm_s2 == pytest.approx(5000.0)
+
+
+def test_a_least_radius_is_a_curvature_over_the_rolled_length() -> None:
+    """A driven gear of 20 teeth of module 2 has 20 mm of radius and turns once; a radius of 10 mm turns it twice."""
+    gears = Fake(teeth=40, module_mm=2.0, lobes=Fake(driving=2))
+    (found,) = _of_radius(Fake(least_radius_mm=10.0), gears)
+    assert found.turns == pytest.approx(4.0 * pi)
+    with pytest.raises(WrongInput, match=r"20 mm given; under 20 mm is right"):
+        list(_of_radius(Fake(least_radius_mm=20.0), gears))

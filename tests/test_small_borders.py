@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import os
 from contextlib import nullcontext
+from math import pi
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -10,6 +13,8 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+from ncgear.cli.arguments import pasted
+from ncgear.contact.designed.extremes import Range, _settled
 from ncgear.contact.written.as_written import require_reached
 from ncgear.design.keys.pitch_shapes import RationalCurve
 from ncgear.drawings.charts.teeth_charts import backlash, transmission_error
@@ -29,6 +34,10 @@ from ncgear.pitch.shape import Gear
 from ncgear.teeth.sides import refuse_sharp_curve, refuse_sharp_places
 from ncgear.teeth.tool import gouged_mm, least_concave_radius_mm
 from ncgear.tolerances.iso286 import LEAST_MM, standard_tolerance_mm
+from ncgear.trains.contact import _Meeting
+from ncgear.trains.planetary_told import _closing
+from ncgear.wishes.constant_speed import ConstantSpeed
+from ncgear.wishes.positions import Position
 from ncgear.wishes.requirements import DecelerationWithin, EvenSpeed, SpeedWithin, TimeWithin
 from pairs import rack
 
@@ -251,3 +260,60 @@ def test_a_slider_moves_by_the_chain_rule() -> None:
     assert found.displacement == pytest.approx(angle**3)
     assert found.velocity == pytest.approx(3.0 * angle**2 * speed)
     assert found.acceleration == pytest.approx(6.0 * angle * speed**2 + 3.0 * angle**2 * faster)
+
+
+@pytest.mark.judges("wishes")
+def test_a_wished_speed_is_a_band_about_it_and_a_place_is_one_too() -> None:
+    """1 % about 200 mm/s over a stretch; 2 mm about 30 mm, where a yoke of 40 mm is at 60 deg."""
+    yoke = ScotchYoke(40.0)
+    (asked,) = ConstantSpeed(from_mm=20.0, to_mm=60.0, tolerance=0.01, speed_mm_s=200.0).requirements(yoke, 2.0 * pi)
+    assert isinstance(asked, SpeedWithin)
+    assert (asked.least_mm_s, asked.most_mm_s) == pytest.approx((198.0, 202.0))
+    machine = Made(
+        linkage=yoke, extended_rad=pi, displacement=lambda phi, order: Made(value=40.0 * (1.0 - np.cos(phi)))
+    )
+    told = Position(at_mm=30.0, phi1_rad=pi / 3.0, tolerance_mm=2.0).outcome(machine)
+    assert (told.achieved, told.least, told.most, told.missed_by) == pytest.approx((20.0, 28.0, 32.0, 8.0))
+
+
+@pytest.mark.judges("contact")
+def test_a_small_pressure_angle_is_zero_only_within_rounding() -> None:
+    def least(low: float) -> float:
+        return _settled(Range(Extremum(low, 1.0), Extremum(0.5, 2.0))).low.value
+
+    assert [least(1e-6), least(4e-7)] == [1e-6, 0.0]
+
+
+@pytest.mark.judges("mechanisms")
+def test_a_pinion_works_over_one_turn() -> None:
+    assert RackPinion(12.0).working_angle_rad == pytest.approx(2.0 * pi)
+
+
+@pytest.mark.judges("trains")
+def test_the_deeper_of_two_parts_tells_how_deep_they_are_in_each_other() -> None:
+    """A corner of 90 deg goes 1 mm into a straight side: the side's points are at most 1/sqrt(2) mm in the corner."""
+    side = np.linspace(0.0, 1.0, 201)[:-1]
+    corners = np.array([[-5.0, -5.0], [5.0, -5.0], [5.0, 5.0], [-5.0, 5.0]])
+    square = np.concatenate(
+        [a + side[:, None] * (b - a) for a, b in zip(corners, np.roll(corners, -1, 0), strict=True)]
+    )
+    turn = np.exp(1j * pi / 4.0)
+    deep, gap = _Meeting(square, square, ring=False).at(5.0 + 5.0 * np.sqrt(2.0) - 1.0, turn)
+    assert (deep, gap) == (pytest.approx(1.0, abs=1e-9), pytest.approx(0.0, abs=1e-9))
+
+
+@pytest.mark.judges("trains")
+def test_a_train_closes_where_parts_turn_whole_times_against_the_carrier() -> None:
+    """The carrier goes 0.3 turns on, and a planet 2.3: the train stands as at first about the carrier."""
+
+    def train(turns: float) -> Any:
+        angles = 2.0 * pi * np.array([[0.0, 0.3], [0.0, turns]])
+        return Made(poses_at=lambda _: Made(angle_rad=angles), cycle_rad=2.0 * pi, number=lambda _: 0)
+
+    assert (_closing(train(2.3)).holds, _closing(train(2.4)).holds) == (True, False)
+
+
+@pytest.mark.judges("cli")
+def test_a_path_with_blanks_is_quoted_for_the_shell_at_hand() -> None:
+    """Within single quotes, where a shell of Unix expands nothing; of Windows within double ones."""
+    assert pasted(Path("a b/$x.yaml")) == ('"a b\\$x.yaml"' if os.name == "nt" else "'a b/$x.yaml'")
