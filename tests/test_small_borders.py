@@ -24,6 +24,9 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.figures.advice.given_advice import BEYOND_ALL, _is_empty
 from ncgear.figures.advice.strength_advice import THINNEST_WEB, _thin_body
 from ncgear.figures.numbers import to_size
+from ncgear.files.workshop.sheet_files import _circle
+from ncgear.files.workshop.sheets.sheet import Ring
+from ncgear.kinematics.check import SIDE_RAD, both_sides_rad
 from ncgear.kinematics.crank_stretches import CrankStretch
 from ncgear.mechanisms.rack_pinion import TEETH, RackPinion
 from ncgear.mechanisms.scotch_yoke import ScotchYoke
@@ -317,3 +320,22 @@ def test_a_train_closes_where_parts_turn_whole_times_against_the_carrier() -> No
 def test_a_path_with_blanks_is_quoted_for_the_shell_at_hand() -> None:
     """Within single quotes, where a shell of Unix expands nothing; of Windows within double ones."""
     assert pasted(Path("a b/$x.yaml")) == ('"a b\\$x.yaml"' if os.name == "nt" else "'a b/$x.yaml'")
+
+
+@pytest.mark.judges("kinematics")
+def test_both_sides_of_a_jump_are_within_the_range() -> None:
+    told = both_sides_rad([0.0, 1.0], 2.0)
+    assert told.tolist() == [0.0, SIDE_RAD, 1.0 - SIDE_RAD, 1.0, 1.0 + SIDE_RAD]
+
+
+@pytest.mark.judges("files")
+def test_a_circle_on_a_sheet_goes_round_its_centre() -> None:
+    """Quarters from compass point to compass point, whose middles are on the circle to a thousandth."""
+    words = _circle(Ring((10.0, 20.0), 5.0)).split()
+    places = np.array([float(word) for word in words if word not in "mc"]).reshape(-1, 2) @ [1.0, 1.0j]
+    assert words.count("c") == 4
+    quarters = np.array([places[at : at + 4] for at in range(0, 12, 3)])
+    assert np.angle(quarters[:, 0] - (10.0 + 20.0j)) == pytest.approx([0.0, pi / 2.0, pi, -pi / 2.0], abs=1e-4)
+    middles = quarters @ np.array([1.0, 3.0, 3.0, 1.0]) / 8.0
+    assert np.abs(middles - (10.0 + 20.0j)) == pytest.approx(5.0, rel=1e-3)
+    assert places[-1] == pytest.approx(places[0])

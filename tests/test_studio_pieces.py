@@ -19,6 +19,7 @@ from drives import loaded
 from ncgear.errors import NoSuchMechanism
 from ncgear.optimum.makeable.wishes import Goal
 from ncgear.studio import server
+from ncgear.studio.handles import _factor
 from ncgear.studio.motion_answers import LIVE_POINTS, _thinned
 from ncgear.studio.page import GROUPS, beginnings, start_page
 from ncgear.studio.told import saved
@@ -134,3 +135,10 @@ def test_a_drawing_that_comes_in_parts_is_dropped_as_a_whole(monkeypatch: pytest
     assert (answer("one", b"abc", b"def", b"gh").status_code, came) == (200, [("heart.svg", b"abcdefgh")])
     assert answer("one", b"abc", b"def", b"ghi").status_code == 413
     assert len(came) == 1
+
+
+@at_once(("quantity", "factor"), [("velocity", 2.5), ("acceleration", 6.25), ("ratio", 0.8)])
+def test_a_point_moves_its_key_by_the_speed_of_the_law(quantity: str, factor: float) -> None:
+    """A law at 50 r/min runs at 20: speeds there are 2.5 times those of the machine; a ratio goes by its own value."""
+    drive = Fake(law_speed_rpm=50.0, design=Fake(operation=Fake(speed_rpm=20.0)))
+    assert _factor(drive, Fake(speed_rpm=None, quantity=quantity, value=1.2), 1.5) == pytest.approx(factor)
