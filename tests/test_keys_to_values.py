@@ -13,7 +13,10 @@ import pytest
 from at_once import at_once
 from drives import drive_of_text, loaded
 from ncgear.design.mechanisms import mechanism_of
+from ncgear.design.wishes.gentle_stop import GentleStop
+from ncgear.drivetrain.cycle import with_tooth_friction
 from ncgear.errors import NoSuchMechanism, WrongInput
+from ncgear.mechanisms.resistance import _Slope
 from ncgear.numerics.jet import Jet
 from ncgear.optimum.outline.conditions import Limits
 from ncgear.project.alternatives import (
@@ -33,6 +36,7 @@ from ncgear.project.law import load_of
 from ncgear.project.law_task import _of_radius, _size_of
 from ncgear.project.moving_masses import TrainInertia, train_inertia
 from ncgear.project.outline_trial import Made, between, drawn_in
+from ncgear.tolerances.drawn import Limits as Deviations
 
 pytestmark = pytest.mark.judges("project")
 
@@ -265,3 +269,47 @@ def test_a_least_radius_is_a_curvature_over_the_rolled_length() -> None:
     assert found.turns == pytest.approx(4.0 * pi)
     with pytest.raises(WrongInput, match=r"20 mm given; under 20 mm is right"):
         list(_of_radius(Fake(least_radius_mm=20.0), gears))
+
+
+def test_a_flywheel_on_the_driven_shaft_turns_with_the_crank() -> None:
+    masses = (
+        "{slider_kg: 2, rod: {mass_kg: 1, center_mm: 40, inertia_kg_mm2: 9}, driving_gear_kg_mm2: 0, "
+        "driven_gear_kg_mm2: 0, crank: {mass_kg: 1, center_mm: 8, inertia_kg_mm2: 300}, driven_flywheel_kg_mm2: 1000}"
+    )
+    machine = "linkage: {crank_mm: 40, rod_mm: 90}\noperation: {speed_rpm: 30}\nmotion: {law: uniform_crank}"
+    assert drive_of_text(f"name: d\n{machine}\nmasses: {masses}\n").masses.crank_inertia_kg_mm2 == 1300.0
+
+
+@pytest.mark.judges("drivetrain")
+def test_friction_between_teeth_resists_in_both_senses() -> None:
+    assert with_tooth_friction(np.array([100.0, -100.0]), 0.1) == pytest.approx([110.0, -90.0])
+
+
+@pytest.mark.judges("tolerances")
+def test_flanks_are_displaced_by_all_that_deviates() -> None:
+    """Twice 0.03 mm of teeth, 0.03 between axes, 0.09 of bores, and 100 mm that are 10 K warmer: 0.012 mm."""
+    limits = Fake(
+        expansions=(12e-6, 11e-6, 10e-6),
+        temperature_c=(20.0, 30.0),
+        warmer_k=0.0,
+        pitch_mm=np.array([0.0, 0.01]),
+        profile_mm=np.array([0.02, 0.0]),
+        center_distance_mm=0.03,
+        eccentricity_mm=(0.04, 0.05),
+    )
+    assert Deviations.displaced_mm(limits, 100.0) == pytest.approx(0.06 + 0.03 + 0.09 + 0.012)
+
+
+@pytest.mark.judges("mechanisms")
+def test_places_near_an_end_are_squares_of_the_forms_variable() -> None:
+    told = _Slope.at_mm(Fake(width_mm=4.0, end_mm=1.0), np.array([0.0, 0.5, 1.0]))
+    assert told == pytest.approx([1.0, 2.0, 5.0])
+
+
+@pytest.mark.judges("design")
+def test_until_a_law_is_known_an_even_crank_stands_for_a_driving_range() -> None:
+    """Over two turns of the driving gear the crank turns once: from pi to 2 pi it goes from pi/2 to pi."""
+    keys = Fake(ends=lambda stroke: (0.0, 10.0), bound=("speed", 5.0), driving_rad=(pi, 2.0 * pi), stroke="both")
+    wish: Any = GentleStop.value(keys, Fake(mm=float, stroke=None, cycle_rad=4.0 * pi))
+    assert (wish.most_mm_s, wish.to_mm) == (5.0, 10.0)
+    assert (wish.driving.crank.start_rad, wish.driving.crank.end_rad) == pytest.approx((pi / 2.0, pi))
