@@ -11,8 +11,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from numpy.polynomial import Polynomial
 from pydantic import ValidationError
 
+from at_once import at_once
 from ncgear.cli.arguments import pasted
 from ncgear.contact.designed.extremes import Range, _settled
 from ncgear.contact.written.as_written import require_reached
@@ -34,6 +36,8 @@ from ncgear.metrology.round_tool import _free
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.jet import Jet
 from ncgear.pitch.shape import Gear
+from ncgear.ratio.return_stroke import ReturnLaw
+from ncgear.ratio.sampled_strokes import Returns
 from ncgear.teeth.sides import refuse_sharp_curve, refuse_sharp_places
 from ncgear.teeth.tool import gouged_mm, least_concave_radius_mm
 from ncgear.tolerances.iso286 import LEAST_MM, standard_tolerance_mm
@@ -339,3 +343,19 @@ def test_a_circle_on_a_sheet_goes_round_its_centre() -> None:
     middles = quarters @ np.array([1.0, 3.0, 3.0, 1.0]) / 8.0
     assert np.abs(middles - (10.0 + 20.0j)) == pytest.approx(5.0, rel=1e-3)
     assert places[-1] == pytest.approx(places[0])
+
+
+@pytest.mark.judges("ratio")
+def test_a_sampled_return_is_a_cubic_and_a_skew_bump() -> None:
+    """A quarter into a return of 2 rad: tau^2 (1 - tau)^2 is 9/256, and the skew counts half against the bump."""
+    returns = Returns(np.zeros((4, 2)), np.array([3.0, 0.0]), np.array([2.0, 2.0]), np.array([2.0, 2.0]))
+    assert returns.at(np.array([0.5, 0.5])) == pytest.approx([2.0 * 9.0 / 256.0, -9.0 / 256.0])
+
+
+@pytest.mark.judges("ratio")
+@at_once(("inverse", "value"), [(True, 3.0), (False, 1.0 / 3.0)])
+def test_a_return_is_its_polynomial_and_what_closes_it(inverse: bool, value: float) -> None:
+    """At tau = 3/4, a quarter beyond the place of the least value: 1.25 + 4/4, and 3/4 that close the cycle."""
+    parts = {"local": Polynomial([1.25, 4.0]), "about": 0.5, "correction": Polynomial([0.0, 1.0])}
+    stroke: Any = Made(ends=Made(start_rad=1.0, length_rad=2.0), inverse=inverse, **parts)
+    assert ReturnLaw.slope(stroke, np.array([2.5]), 0).value == pytest.approx(value)
