@@ -268,7 +268,7 @@ def test_fewer_teeth_are_told_where_time_ended_the_search() -> None:
 
     found: Any = Made(way=way(30, MendKind.FINER), drive=Made(by_stage=[Made(pitch=Made(size=Made(driving_teeth=30)))]))
     failed = [way(20, MendKind.FINER), way(24, MendKind.FINER), way(40, MendKind.FINER), way(29, MendKind.BACKLASH)]
-    no_more = "; not searched further for fewer"
+    no_more = "; whether fewer do was not searched further"
     assert _fewer_words(Made(is_whole=False, failed=failed), found) == f"; 24 are refused{no_more}"
     assert _fewer_words(Made(is_whole=False, failed=failed[2:]), found) == no_more
     assert _fewer_words(Made(is_whole=True, failed=failed), found) == ""

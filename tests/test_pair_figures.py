@@ -49,7 +49,7 @@ EXPECTED: dict[str, Any] = {
     "contact_ratio_mean": RATIO,
     "contact_ratio_min": RATIO,
     "overlap_ratio": 0.0,
-    "transmission_error_rad": 0.0,
+    "transmission_error_exact_rad": 0.0,
 }
 
 

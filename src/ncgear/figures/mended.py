@@ -43,7 +43,7 @@ def _fewer_words(mending: Mending, found: Mend) -> str:
     fewer = [way.changes["gears.teeth"] for way in mending.failed if way.kinds == (Kind.FINER,)]
     below = [number for number in fewer if isinstance(number, int) and number < count]
     refused = f"; {max(below)} are refused" if below else ""
-    return f"{refused}; not searched further for fewer"
+    return f"{refused}; whether fewer do was not searched further"
 
 
 def mended_words(mending: Mending, found: Mend) -> tuple[str, ...]:

@@ -41,7 +41,7 @@ PITCH: dict[str, Figure] = {
 CONTACT: dict[str, Figure] = {
     "contact_ratio_mean": lambda pair: pair.designed_contact.contact_ratio,
     "contact_ratio_min": lambda pair: pair.designed_contact.least_arc,
-    "transmission_error_rad": lambda pair: pair.contact_extremes.pushing_error_rad.width,
+    "transmission_error_exact_rad": lambda pair: pair.contact_extremes.pushing_error_rad.width,
     "backlash_min_rad": lambda pair: pair.contact_extremes.backlash_rad.low.value,
     "sliding_velocity_max_mm_s": lambda pair: pair.contact_extremes.sliding_mm_s.value,
 }
@@ -58,8 +58,12 @@ OF_PAIR: dict[str, Figure] = {
     "play_rad": lambda pair: pair.play_range_rad[0],
     "play_greatest_rad": lambda pair: pair.play_range_rad[1],
     **CONTACT,
-    "contact_ratio_under_load_mean": lambda pair: min(side.contact_ratio for side in pair.pairs_under_load or ()),
-    "contact_ratio_under_load_min": lambda pair: min(side.least_arc for side in pair.pairs_under_load or ()),
+    "contact_ratio_under_load_mean": lambda pair: min(
+        (side.contact_ratio for side in pair.pairs_under_load or ()), default=None
+    ),
+    "contact_ratio_under_load_min": lambda pair: min(
+        (side.least_arc for side in pair.pairs_under_load or ()), default=None
+    ),
     "overlap_ratio": lambda pair: pair.overlap_ratio,
     "peak_tooth_force_n": lambda pair: pair.strength.peak_pair_n,
 }

@@ -35,10 +35,12 @@ def check_summary(drive: Drive, verdict: Verdict | None = None) -> dict[str, Any
 
 
 def verdict_summary(verdict: Verdict) -> dict[str, Any]:
-    """The verdict in full: warnings and remarks as sentences, and a row for each condition."""
+    """The verdict in full: warnings and remarks as sentences, which name their pair of several, and all conditions."""
+    several = len({row.stage for row in verdict.rows} - {None}) > 1
+    found = [(advice, row.of * several) for row in verdict.rows for advice in row.advices]
     return {
-        "warnings": [advice.line for advice in verdict.warnings],
-        "remarks": [advice.line for advice in verdict.remarks],
+        "warnings": [f"{of}{advice.line}" for advice, of in found if advice.matters],
+        "remarks": [f"{of}{advice.line}" for advice, of in found if not advice.matters],
         "verdict": verdict.table,
     }
 
