@@ -26,7 +26,7 @@ import ncgear.cli
 from commands import FOLDERS, Outcome, Run, signals_kept
 from ncgear.cli.progress import Steps
 from shuffled import shuffled
-from tiers import Collected, third_of, tier_of
+from tiers import Collected, quarter_of, tier_of
 
 gc.disable()
 gc.set_threshold(100_000)
@@ -36,9 +36,9 @@ typer.main.get_command = cache(typer.main.get_command)
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Add the order in which tests run, and the third of them that runs."""
+    """Add the order in which tests run, and the quarter of them that runs."""
     parser.addoption("--shuffled", type=int, metavar="SEED", help="run tests in the random order of a seed")
-    parser.addoption("--third", type=int, choices=range(3), help="run a third of the tests")
+    parser.addoption("--quarter", type=int, choices=range(4), help="run a quarter of the tests")
 
 
 def pytest_report_header(config: pytest.Config) -> list[str]:
@@ -48,11 +48,11 @@ def pytest_report_header(config: pytest.Config) -> list[str]:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Leave out the other two thirds, and put tests into the order that is asked for."""
-    if (third := config.getoption("third")) is not None:
-        others = [item for item in items if third_of(item.nodeid) != third]
+    """Leave out the other three quarters, and put tests into the order that is asked for."""
+    if (quarter := config.getoption("quarter")) is not None:
+        others = [item for item in items if quarter_of(item.nodeid) != quarter]
         config.hook.pytest_deselected(items=others)
-        items[:] = [item for item in items if third_of(item.nodeid) == third]
+        items[:] = [item for item in items if quarter_of(item.nodeid) == quarter]
     if (seed := config.getoption("shuffled")) is not None:
         items[:] = shuffled(items, lambda item: item.path, seed)
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from at_once import at_once
-from tiers import Collected, fits, third_of, tier_of
+from tiers import Collected, fits, quarter_of, tier_of
 
 TESTS = Path(__file__).parent
 ROOMS = {path.parent.name for path in (TESTS.parent / "src" / "ncgear").glob("*/__init__.py")}
@@ -70,9 +70,9 @@ def test_a_tier_that_is_none_is_refused() -> None:
         tier_of("ellipse", "fast")
 
 
-def test_thirds_are_about_equal_and_keep_parameters_together(collected: list[pytest.Item]) -> None:
+def test_quarters_are_about_equal_and_keep_parameters_together(collected: list[pytest.Item]) -> None:
     functions = {item.nodeid.partition("[")[0] for item in collected}
-    counts = [sum(third_of(name) == third for name in functions) for third in range(3)]
+    counts = [sum(quarter_of(name) == quarter for name in functions) for quarter in range(4)]
     assert sum(counts) == len(functions)
-    assert min(counts) > 0.3 * len(functions)
-    assert third_of("tests/test_one.py::test_this[a]") == third_of("tests/test_one.py::test_this[b-1]")
+    assert min(counts) > 0.22 * len(functions)
+    assert quarter_of("tests/test_one.py::test_this[a]") == quarter_of("tests/test_one.py::test_this[b-1]")

@@ -9,8 +9,8 @@ parameters of a test belong to different tiers, the mark ``tiers`` says which::
 Each is a list of ids of parameters, where * is any text; the first that fits counts, and ``rest`` is for the others.
 Parameters of the tier ``long`` get both marks, ``slow`` and ``long``.
 
-All slow tests take longer than .ci/run may.  It runs a third of them (``--third``), which the commit draws, so that
-each slow test runs in one landing of three.
+All slow tests take longer than .ci/run may.  It runs a quarter of them (``--quarter``), which the commit draws, so
+that each slow test runs in one landing of four.
 """
 
 from __future__ import annotations
@@ -50,9 +50,9 @@ def tier_of(
     return rest
 
 
-def third_of(test: str) -> int:
-    """Which third of all tests a test belongs to, by its name: its parameters, which share much, stay together."""
-    return zlib.crc32(test.partition("[")[0].encode()) % 3
+def quarter_of(test: str) -> int:
+    """Which quarter of all tests a test belongs to, by its name: its parameters, which share much, stay together."""
+    return zlib.crc32(test.partition("[")[0].encode()) % 4
 
 
 def long_but(few: Iterable[str], names: Iterable[str]) -> list[Any]:
