@@ -90,7 +90,7 @@ def strength_figures(drive: Drive, rating: Rating, verdict: Verdict, beside: Rat
     }
     if beside is not None:
         found["strength_beside"] = strength_summary(beside, drive)
-    weakest = of_weakest(rating, _of_weakest)
+    weakest = of_weakest(rating, _stress_and_life)
     for gear, rim in zip(Gear, drive.rims, strict=True):
         material = strength.of(gear).material
         made_of = {"material": material.name, "source": material.source, "rim_factor_max": float(rim.factor.max())}
@@ -296,7 +296,7 @@ def of_weakest(rating: Rating, told: Callable[[Weakest], dict[str, Any]]) -> dic
     return found
 
 
-def _of_weakest(one: Weakest) -> dict[str, Any]:
+def _stress_and_life(one: Weakest) -> dict[str, Any]:
     """What is told of a weakest tooth beside its safety."""
     return {
         "safety_wanted": one.wanted,

@@ -128,7 +128,7 @@ def _drive(drive: Drive) -> Iterator[Markup]:
 def _verdict(drive: Drive) -> Markup:
     """The verdict of a check on a machine: its warnings, and the conditions that it cannot judge."""
     verdict = judged(drive, Known.MOTION)
-    warnings = [refusal(f"warning: {one.line}") for one in verdict.warnings]
+    warnings = [refusal(f"warning: {line}") for line in verdict.lines(matter=True)]
     left = facts([("not judged", verdict.not_judged.removeprefix("Not judged: "))]) if verdict.not_judged else NOTHING
     return NOTHING.join([*warnings, left])
 

@@ -297,6 +297,12 @@ class Verdict:
         """What does not matter."""
         return [advice for advice in self.advices if not advice.matters]
 
+    def lines(self, *, matter: bool) -> list[str]:
+        """The sentences of warnings, or of remarks; where several pairs are judged, each names its pair."""
+        several = len({row.stage for row in self.rows} - {None}) > 1
+        found = [(row.of * several, advice) for row in self.rows for advice in row.advices]
+        return [f"{of}{advice.line}" for of, advice in found if advice.matters is matter]
+
     def without(self, kind: Kind) -> Verdict:
         """The same but for one condition."""
         return Verdict(tuple(row for row in self.rows if row.kind is not kind))

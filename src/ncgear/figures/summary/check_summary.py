@@ -35,12 +35,10 @@ def check_summary(drive: Drive, verdict: Verdict | None = None) -> dict[str, Any
 
 
 def verdict_summary(verdict: Verdict) -> dict[str, Any]:
-    """The verdict in full: warnings and remarks as sentences, which name their pair of several, and all conditions."""
-    several = len({row.stage for row in verdict.rows} - {None}) > 1
-    found = [(advice, row.of * several) for row in verdict.rows for advice in row.advices]
+    """The verdict in full: warnings and remarks as sentences, and a row for each condition."""
     return {
-        "warnings": [f"{of}{advice.line}" for advice, of in found if advice.matters],
-        "remarks": [f"{of}{advice.line}" for advice, of in found if not advice.matters],
+        "warnings": verdict.lines(matter=True),
+        "remarks": verdict.lines(matter=False),
         "verdict": verdict.table,
     }
 
