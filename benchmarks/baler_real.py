@@ -24,7 +24,7 @@ from ncgear.optimum.task import Figures, Task, figures
 from ncgear.project.best_law import BestLaw
 from ncgear.project.law import law_of
 from ncgear.ratio.laws.uniform import uniform_law
-from ncgear.ratio.transmission import Lobes, Train, single
+from ncgear.ratio.transmission import Lobes, PairsInSeries, single
 
 DESIGNS = Path(__file__).parents[1] / "designs"
 PAGE, PICTURE = Path(__file__).parent / "baler-real.md", Path(__file__).parent / "baler-real.png"
@@ -77,7 +77,7 @@ class Found:
     least_flywheel: Figures
 
 
-def compared() -> dict[str, Train]:
+def compared() -> dict[str, PairsInSeries]:
     """The laws that are compared, by the names they have in the table."""
     laws = {"uniform crank": single(uniform_law(Lobes()))}
     return laws | {f"`{name}`": law_of(load(DESIGNS / f"{name}.yaml").design).train for name in COMPARED}

@@ -22,14 +22,14 @@ from ncgear.optimum.makeable.demanded import demands_of
 from ncgear.optimum.makeable.wishes import TwoStages
 from ncgear.optimum.task import figures
 from ncgear.project.best_law import BestLaw
-from ncgear.ratio.transmission import Lobes, Train
+from ncgear.ratio.transmission import Lobes, PairsInSeries
 from shared_law import shared_law
 
 DESIGNS = Path(__file__).parents[1] / "designs"
 PAGE = Path(__file__).parent / "makeable.md"
 
 
-def stages_row(name: str, best: BestLaw, train: Train, seconds: float) -> str:
+def stages_row(name: str, best: BestLaw, train: PairsInSeries, seconds: float) -> str:
     """One line of the table of stages: peak acceleration, larger pressure angle, ranges of the ratios, time."""
     found = figures(best.task, train)
     angle = degrees(found.tangent_rad + best.wishes.limits.rack_angle_rad)

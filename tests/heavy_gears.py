@@ -13,7 +13,7 @@ from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.task import Figures, Task, figures
 from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.laws.uniform import uniform_law
-from ncgear.ratio.transmission import Lobes, Train, single
+from ncgear.ratio.transmission import Lobes, PairsInSeries, single
 
 GOALS = ("least_power", "least_power", "least_braking_power", "least_acceleration", "least_rms_torque")
 KNOTS = 60
@@ -84,7 +84,7 @@ def keeps(wishes: Wishes, found: Figures) -> bool:
 
 def laws_beside(task: Task, wishes: Wishes, seed: int, count: int) -> Iterator[tuple[str, Figures]]:
     """Laws of one pair within the limits, and their figures on a machine: the even one, kept ones, and random ones."""
-    trains: list[tuple[str, Train]] = [("even", single(uniform_law(Lobes())))]
+    trains: list[tuple[str, PairsInSeries]] = [("even", single(uniform_law(Lobes())))]
     for name in KEPT:
         trains.append((name, kept(name).train))
     random = np.random.default_rng(seed)

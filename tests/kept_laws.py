@@ -22,7 +22,7 @@ from ncgear.optimum.certified.limit import Motion
 from ncgear.optimum.task import Figures, Task, figures
 from ncgear.project.law import law_of
 from ncgear.project.law_task import inertia_as_given, task_of
-from ncgear.ratio.transmission import Train
+from ncgear.ratio.transmission import PairsInSeries
 from ncgear.wishes.requirements import EvenSpeed, SpeedWithin, TimeWithin
 
 ROOT = Path(__file__).parents[1]
@@ -49,7 +49,7 @@ class KeptLaw:
     """A law on its machine, and what it has."""
 
     task: Task
-    train: Train
+    train: PairsInSeries
     figures: Figures
 
     @property

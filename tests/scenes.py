@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from drives import drive, drive_of_text
-from ncgear.drawings.scene.bodies import Places
+from ncgear.drawings.scene.bodies import BodyPlaces
 from ncgear.drawings.scene.scene import Scene, scene_of
 from ncgear.numerics.arrays import Array
 from ncgear.project.drive import Drive
@@ -79,12 +79,12 @@ def scene(name: str) -> Scene:
     return scene_of(drive_of(name))
 
 
-def carried(places: Places, point_mm: Array) -> Array:
+def carried(places: BodyPlaces, point_mm: Array) -> Array:
     """Where one point of a body, shape (2,), is at each of its places, shape (n, 2)."""
     return places.origin_mm + flat((point_mm[0] + 1j * point_mm[1]) * np.exp(1j * places.angle_rad))
 
 
-def standing(places: Places, points_mm: Array, row: int) -> Array:
+def standing(places: BodyPlaces, points_mm: Array, row: int) -> Array:
     """Where points of a body, shape (m, 2), are at one of its places, shape (m, 2)."""
     turned = (points_mm[:, 0] + 1j * points_mm[:, 1]) * np.exp(1j * places.angle_rad[row])
     return places.origin_mm[row] + flat(turned)

@@ -7,13 +7,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from ncgear.strength.contacts import FlankPlaces
-from ncgear.strength.material import EnduredStress, Family, Material
+from ncgear.strength.material import EnduredStress, Material, MaterialFamily
 from ncgear.strength.method import RootStress
 
 Array = np.ndarray
 
 STEEL = Material(
-    "steel", Family.STEEL, 206e3, 0.3, 7850.0, None, EnduredStress(np.array([1.0]), np.array([500.0])), "tests"
+    "steel", MaterialFamily.STEEL, 206e3, 0.3, 7850.0, None, EnduredStress(np.array([1.0]), np.array([500.0])), "tests"
 )
 
 

@@ -13,12 +13,12 @@ from ncgear.project.drive import Drive
 from ncgear.strength.answer import ContactStresses, GearStrength, Strength, ToothLife
 from ncgear.strength.contacts import LoadedContacts
 from ncgear.strength.loading import Loading
-from ncgear.strength.material import EnduredStress, Family, Material
-from ncgear.strength.surfaces import Film, Place, Surfaces, Wear
+from ncgear.strength.material import EnduredStress, Material, MaterialFamily
+from ncgear.strength.surfaces import ContactValue, Film, Surfaces, Wear
 
 STEEL = Material(
     "some steel",
-    Family.STEEL,
+    MaterialFamily.STEEL,
     206000.0,
     0.3,
     7850.0,
@@ -28,7 +28,7 @@ STEEL = Material(
 )
 PLASTIC = Material(
     "some plastic",
-    Family.PLASTIC,
+    MaterialFamily.PLASTIC,
     2800.0,
     0.35,
     1400.0,
@@ -82,7 +82,7 @@ def made_up_loading(drive: Drive, strength: Strength) -> Loading:
 
 def made_up_surfaces() -> Surfaces:
     """Flanks of metal in oil that lose a hundredth of a millimetre, of a limit of a fifth."""
-    place = Place(0.01, 1.0, 2, 2)
+    place = ContactValue(0.01, 1.0, 2, 2)
     film = Film(replace(place, value=0.5), 1.0, 40.0, 41.0, replace(place, value=9.0))
     return Surfaces(film, 300.0, (0.9, 0.9), Wear((1e-8, 1e-8), (place, place), 0.02, 0.2, 20_000.0), (None, None))
 

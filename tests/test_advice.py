@@ -21,7 +21,7 @@ from ncgear.design.template import MachineName
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.advice.law_advice import NO_BORE, crank_pin, stretches_in_words
 from ncgear.figures.advice.values import Advice, Change, Kind, Remedy
-from ncgear.figures.advice.verdict import Known, judged
+from ncgear.figures.advice.verdict import KnownParts, judged
 from ncgear.figures.numbers import teeth_words
 from ncgear.project.best_law import BestLaw
 from ncgear.project.drive import Drive
@@ -103,7 +103,7 @@ def drive_of(data: Data) -> Drive:
 @cache
 def advices(name: str) -> tuple[Advice, ...]:
     drive = drive_of(data_of(name))
-    return tuple(judged(drive, Known.TEETH).advices)
+    return tuple(judged(drive, KnownParts.TEETH).advices)
 
 
 def followed(data: Data, remedy: Remedy) -> Data:
@@ -127,7 +127,7 @@ def nested(change: Change) -> Data:
 
 
 def kinds(data: Data, *, matters: bool = False) -> set[Kind]:
-    verdict = judged(drive_of(data), Known.TEETH, seconds=0.0)
+    verdict = judged(drive_of(data), KnownParts.TEETH, seconds=0.0)
     return {advice.kind for advice in (verdict.warnings if matters else verdict.advices)}
 
 
@@ -274,8 +274,8 @@ def test_an_undercut_of_half_a_micrometre_is_a_remark(undercut: str, deeper_mm: 
     drive, free = (drive_of(undercut_by(deeper, undercut)) for deeper in (deeper_mm, -0.1))
     # That nothing is undercut makes a key idle that allows it.
     idle = [Kind.WITHOUT_EFFECT] if undercut == "allow" else []
-    assert [advice.kind for advice in judged(free, Known.TEETH).advices] == idle
-    (advice,) = judged(drive, Known.TEETH).advices
+    assert [advice.kind for advice in judged(free, KnownParts.TEETH).advices] == idle
+    (advice,) = judged(drive, KnownParts.TEETH).advices
     assert (advice.kind, advice.matters, bool(advice.remedies)) == (Kind.UNDERCUT, matters, matters)
     assert ("does not matter" in advice.line) is not matters
     lost = 1.0 - drive.designed_contact.contact_ratio / free.designed_contact.contact_ratio
@@ -289,7 +289,7 @@ def test_an_undercut_of_half_a_micrometre_is_a_remark(undercut: str, deeper_mm: 
 def test_two_given_sizes_stay_two() -> None:
     data = merged(SMALL, {"gears": {"teeth": None, "module_mm": 4, "center_distance_mm": 48}})
     drive = drive_of(data)
-    advice = next(iter(verdict_on(Kind.UNDERCUT, drive, Known.TEETH).advices))
+    advice = next(iter(verdict_on(Kind.UNDERCUT, drive, KnownParts.TEETH).advices))
     remedy = next(remedy for remedy in advice.remedies if Change("gears.teeth", 18) in remedy.changes)
     assert remedy.changes == (Change("gears.teeth", 18), Change("gears.module_mm", None))
     assert "leave gears.module_mm out" in str(remedy)
@@ -301,7 +301,7 @@ def test_a_shift_is_advised_where_it_is_enough_in_place_of_the_given_one() -> No
     data = merged(
         SMALL, {"gears": {"teeth": 12, "lobes": {"driving": 1, "driven": 4}, "profile_shift": {"driving": 0.1}}}
     )
-    advice = next(a for a in judged(drive_of(data), Known.TEETH).advices if a.kind is Kind.UNDERCUT)
+    advice = next(a for a in judged(drive_of(data), KnownParts.TEETH).advices if a.kind is Kind.UNDERCUT)
     remedy = next(r for r in advice.remedies if Change("gears.profile_shift.against_undercut", True) in r.changes)
     assert Change("gears.profile_shift.driving", None) in remedy.changes
     assert Kind.UNDERCUT not in kinds(followed(data, remedy))
@@ -358,9 +358,9 @@ def undone(data: Data, remedy: Remedy) -> list[str]:
 
 def judged_advices(drive: Drive) -> list[Advice]:
     try:
-        return judged(drive, Known.TEETH if drive.design.gears else Known.MOTION).advices
+        return judged(drive, KnownParts.TEETH if drive.design.gears else KnownParts.MOTION).advices
     except NoSuchMechanism:
-        return judged(drive, Known.MOTION).advices
+        return judged(drive, KnownParts.MOTION).advices
 
 
 def kept_wishes(drive: Drive) -> set[str]:
@@ -388,7 +388,7 @@ def test_a_new_machine_of_any_speed_is_not_advised_another_one(beginning: Machin
     assert data["operation"]["speed_rpm"] == speed
     assert data["motion"].get("law_speed_rpm", speed) == speed
     drive = drive_of(data)
-    assert Kind.SPEEDS not in {advice.kind for advice in judged(drive, Known.MOTION).advices}
+    assert Kind.SPEEDS not in {advice.kind for advice in judged(drive, KnownParts.MOTION).advices}
     assert undone_by_advices(data) == []
 
 
@@ -401,7 +401,7 @@ def test_no_advice_undoes_what_a_design_asks_of_its_machine(name: str) -> None:
 def test_a_law_stated_at_another_speed_than_the_given_one_is_a_remark() -> None:
     """By hand: v2 = 1100 mm/s at 52.81 r/min is 624.9 mm/s at 30 r/min."""
     data = merged(loaded("baler").data, {"operation": {"speed_rpm": 30}})
-    (advice,) = verdict_on(Kind.SPEEDS, drive_of(data), Known.MOTION).advices
+    (advice,) = verdict_on(Kind.SPEEDS, drive_of(data), KnownParts.MOTION).advices
     assert (advice.matters, advice.remedies) == (False, ())
     assert "v2 is 624.9 mm/s" in advice.line
 
@@ -434,7 +434,7 @@ def test_a_limit_of_the_file_is_not_changed_by_an_advice(
 def test_a_resistance_that_is_said_to_be_negative_is_a_remark() -> None:
     for said in ("keep", "zero"):
         data = merged(data_of("negative resistance"), {"resistance": {"where_negative": said}})
-        (advice,) = verdict_on(Kind.NEGATIVE_RESISTANCE, drive_of(data), Known.MOTION).advices
+        (advice,) = verdict_on(Kind.NEGATIVE_RESISTANCE, drive_of(data), KnownParts.MOTION).advices
         assert (advice.matters, advice.remedies) == (False, ())
 
 
@@ -445,7 +445,7 @@ def test_a_gentler_law_is_not_advised_where_it_would_miss_a_wish_that_is_kept() 
     ratio = drive_of(data).achieved.time_ratio
     for least, count in ((0.3 * ratio, 1), (0.99 * ratio, 0)):
         wished = drive_of(merged(data, {"wishes": {"time_ratio": {"at_least": least}}}))
-        (advice,) = (one for one in judged(wished, Known.MOTION).advices if one.kind is Kind.RATIO_RANGE)
+        (advice,) = (one for one in judged(wished, KnownParts.MOTION).advices if one.kind is Kind.RATIO_RANGE)
         assert len([one for one in advice.remedies if "swing" in one.text]) == count
 
 

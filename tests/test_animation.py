@@ -21,7 +21,7 @@ from ncgear.drawings.animation import AnimationFormat, packing, require_shown
 from ncgear.drawings.animation import artists as looks
 from ncgear.drawings.animation.moving_picture import Frame, Picture, picture
 from ncgear.drawings.animation.packing import Loop, animated
-from ncgear.drawings.scene.bodies import Kind
+from ncgear.drawings.scene.bodies import BodyKind
 from ncgear.drawings.scene.scene import Scene
 from ncgear.files.manifest import entries_in, publish_run
 from ncgear.numerics.arrays import Array
@@ -86,9 +86,9 @@ def test_the_pins_are_drawn_where_the_law_has_them() -> None:
 @pytest.mark.parametrize(("name", "sense"), [("pump-1-2", 1.0), ("internal-1-2", -1.0)])
 def test_a_point_of_the_driving_gear_turns_with_it(name: str, sense: float, monkeypatch: pytest.MonkeyPatch) -> None:
     """A gear that is a square aside of its axis; as the crank turns clockwise, a ring's pinion does so, too."""
-    monkeypatch.setitem(looks.BODIES, Kind.DRIVING, {"facecolor": MARK, "edgecolor": "none"})
-    monkeypatch.setitem(looks.PITCH_CURVES, Kind.DRIVING, {"linestyle": "none"})
-    for link in (Kind.CRANK, Kind.ROD):
+    monkeypatch.setitem(looks.BODIES, BodyKind.DRIVING, {"facecolor": MARK, "edgecolor": "none"})
+    monkeypatch.setitem(looks.PITCH_CURVES, BodyKind.DRIVING, {"linestyle": "none"})
+    for link in (BodyKind.CRANK, BodyKind.ROD):
         monkeypatch.setitem(looks.BODIES, link, {"facecolor": "none", "edgecolor": "none"})
     monkeypatch.setattr(looks, "PIN", {"facecolor": "none", "edgecolor": "none"})
     found, aside = scene(name), 12.0 + 5.0j

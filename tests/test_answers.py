@@ -13,7 +13,7 @@ from at_once import at_once
 from commands import ROOT, Run
 from drives import DESIGNS, MACHINES, designs_with, drive, loaded
 from ncgear.figures.advice.values import Advice, Kind, Remedy
-from ncgear.figures.advice.verdict import Judged, Known, Verdict, judged, together
+from ncgear.figures.advice.verdict import JudgedCondition, KnownParts, Verdict, judged, together
 from ncgear.figures.answers.answer import (
     COLUMNS,
     LINES,
@@ -59,7 +59,7 @@ def test_the_screen_is_the_one_that_is_meant() -> None:
 
 def checked(name: str) -> str:
     made = drive(name)
-    return answer_text(check_answer(made, judged(made, Known.MOTION), f"designs/{name}.yaml"))
+    return answer_text(check_answer(made, judged(made, KnownParts.MOTION), f"designs/{name}.yaml"))
 
 
 @pytest.mark.tiers(quick=QUICK, rest="slow")
@@ -76,7 +76,7 @@ def test_a_check_is_a_screen(name: str) -> None:
 @pytest.mark.parametrize("name", ["ellipse", "baler-66-two-stage"])
 def test_a_check_makes_no_tooth(name: str) -> None:
     made = Drive(loaded(name).design)
-    answer_text(check_answer(made, judged(made, Known.MOTION), "d.yaml"))
+    answer_text(check_answer(made, judged(made, KnownParts.MOTION), "d.yaml"))
     assert all("teeth" not in vars(pair) for pair in (made, *made.by_stage))
 
 
@@ -195,9 +195,9 @@ def advice(kind: Kind, matters: bool = True) -> Advice:
 
 def test_the_most_serious_comes_first_and_remarks_are_left_out() -> None:
     rows = [
-        Judged(Kind.RING, None, (advice(Kind.RING),)),
-        Judged(Kind.STRENGTH, 2, (advice(Kind.STRENGTH),)),
-        Judged(Kind.UNDERCUT, 1, (advice(Kind.UNDERCUT, matters=False),)),
+        JudgedCondition(Kind.RING, None, (advice(Kind.RING),)),
+        JudgedCondition(Kind.STRENGTH, 2, (advice(Kind.STRENGTH),)),
+        JudgedCondition(Kind.UNDERCUT, 1, (advice(Kind.UNDERCUT, matters=False),)),
     ]
     verdict = together(Verdict((row,)) for row in rows)
     assert [fault.what for fault in faults_of(verdict)] == ["stage 2: strength", "ring"]
@@ -207,7 +207,7 @@ def test_the_most_serious_comes_first_and_remarks_are_left_out() -> None:
 @at_once("name", [*QUICK, "baler-66-two-stage", "feeder-wishes"])
 def test_every_warning_of_a_check_is_a_fault(name: str) -> None:
     made = drive(name)
-    verdict = judged(made, Known.MOTION)
+    verdict = judged(made, KnownParts.MOTION)
     assert len(faults_of(verdict)) == len(verdict.warnings)
 
 
@@ -263,7 +263,7 @@ def in_sheet(name: str) -> dict[str, str]:
 def in_answer(name: str) -> dict[str, str]:
     """Names and figures of the screen, with those that stand behind others in one row."""
     made = drive(name)
-    rows = build_answer(made, judged(made, Known.TEETH), "").rows
+    rows = build_answer(made, judged(made, KnownParts.TEETH), "").rows
     found = {row.name: row.texts[0] for row in rows}
     for row in rows:
         first, *others = row.texts[0].split(", ")
@@ -277,7 +277,7 @@ def in_answer(name: str) -> dict[str, str]:
 
 def everywhere(name: str) -> dict[str, dict[str, str]]:
     made = drive(name)
-    summary = build_summary(made, reports.contacts(name)[0], judged(made, Known.TEETH))
+    summary = build_summary(made, reports.contacts(name)[0], judged(made, KnownParts.TEETH))
     return {
         "screen": in_answer(name),
         "verbose": in_terminal(figures_text(summary)),

@@ -21,7 +21,7 @@ from drives import DESIGNS, drive
 from ncgear.design.keys.balance import Balance
 from ncgear.design.keys.design import json_schema
 from ncgear.design.reading.balance_file import load_balance
-from ncgear.figures.balance.parts import balance_answer, figures_of
+from ncgear.figures.balance.parts import balance_answer, balancing_figures
 from ncgear.figures.terminal import full_text
 from ncgear.files.balance import balance_files
 from ncgear.project.balancing import Balancing
@@ -39,7 +39,7 @@ PICTURES = {
 @cache
 def worked(name: str) -> tuple[dict[str, Any], dict[str, bytes]]:
     balancing = Balancing(load_balance(DESIGNS / "balance" / f"{name}.yaml"))
-    figures = figures_of(balancing)
+    figures = balancing_figures(balancing)
     return figures, balance_files(balancing, figures)
 
 

@@ -26,14 +26,14 @@ from ncgear.figures.answers.answer import COLUMNS, LINES, answer_text
 from ncgear.figures.bench import bench_answer
 from ncgear.pitch.shape import Gear
 from ncgear.project import bench
-from ncgear.project.bench import BenchStage, Trial
+from ncgear.project.bench import BenchStage, TimedStage
 from ncgear.teeth.gear import toothed_pair
 
 NAME = "ellipse"
 
 
 def stage_of(errors: list[float], asked: float) -> BenchStage:
-    trials = tuple(Trial(2.0**n, 1e-3 * 2.0**n, error, 2**n) for n, error in enumerate(errors))
+    trials = tuple(TimedStage(2.0**n, 1e-3 * 2.0**n, error, 2**n) for n, error in enumerate(errors))
     return BenchStage("made up", "points", "", "points", "nothing", "mm", "nothing", asked, "k", 4.0, trials)
 
 
@@ -116,7 +116,7 @@ def test_what_is_recommended_is_as_good_as_asked() -> None:
             assert hausdorff_mm(Polygon(coarse.of(gear).outline_mm), exact) > asked
 
 
-def chosen(name: str) -> Trial:
+def chosen(name: str) -> TimedStage:
     found = stages()[name].recommended
     assert found is not None
     return found

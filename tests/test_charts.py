@@ -18,7 +18,7 @@ import ncgear.plots
 import reports
 from at_once import at_once
 from ncgear.drawings.animation.moving_picture import CHART_LOOK
-from ncgear.drawings.charts.chart import Chart, Line, Role
+from ncgear.drawings.charts.chart import Chart, ChartLine, Role
 from ncgear.drawings.charts.drawer import MOTION_LOOK, Look, draw
 from ncgear.drawings.charts.slider_charts import Quantity, over_displacement
 from ncgear.drawings.page.chart_figure import PageChart
@@ -36,7 +36,7 @@ JOINTS = np.array([90.0, 180.0])
 
 def ramp(period: float | None = None, joints: np.ndarray = JOINTS) -> Chart:
     x = np.array([0.0, 90.0, 180.0])
-    lines = (Line(Role.OWN, "own", x, np.array([0.0, 1500.0, -2000.0])),)
+    lines = (ChartLine(Role.OWN, "own", x, np.array([0.0, 1500.0, -2000.0])),)
     return Chart("force", "N", lines, 360.0, period, joints, names_extreme=True)
 
 
@@ -86,9 +86,9 @@ def test_over_the_displacement_the_values_stay() -> None:
 @pytest.mark.thorough
 def test_an_extreme_that_rounds_to_zero_has_no_sign() -> None:
     x = np.array([0.0, 120.0, 240.0, 360.0])
-    chart = Chart("ratio", "", (Line(Role.OWN, "own", x, np.array([-2e-4, 1.5, 0.7, -3e-5])),), 360.0)
+    chart = Chart("ratio", "", (ChartLine(Role.OWN, "own", x, np.array([-2e-4, 1.5, 0.7, -3e-5])),), 360.0)
     assert drawn(PageChart("k", chart)).extremes == "0.000 at 0\u00b0 to 1.500 at 120\u00b0"
-    below = Chart("ratio", "", (Line(Role.OWN, "own", x, np.array([-0.04, 1.5, 0.7, 0.2])),), 360.0)
+    below = Chart("ratio", "", (ChartLine(Role.OWN, "own", x, np.array([-0.04, 1.5, 0.7, 0.2])),), 360.0)
     assert drawn(PageChart("k", below)).extremes.startswith("\u22120.040 at")
 
 
@@ -146,9 +146,9 @@ def test_the_notes_of_loads_tell_the_peaks_that_a_simulation_tells() -> None:
 
 def test_a_level_extreme_is_named_where_it_begins() -> None:
     x = np.array([0.0, 90.0, 180.0, 270.0, 360.0])
-    line = Line(Role.OWN, "own", x, np.array([0.0, 80.0, 80.0 + 1e-13, 0.0, -1e-15]))
+    line = ChartLine(Role.OWN, "own", x, np.array([0.0, 80.0, 80.0 + 1e-13, 0.0, -1e-15]))
     assert drawn(PageChart("k", Chart("force", "N", (line,), 360.0))).extremes == "0.00 at 0\u00b0 to 80.00 at 90\u00b0"
-    level = Line(Role.OWN, "own", x, 1.0 + 1e-9 * x)
+    level = ChartLine(Role.OWN, "own", x, 1.0 + 1e-9 * x)
     assert drawn(PageChart("k", Chart("ratio", "", (level,), 360.0))).extremes == "1.000 throughout"
 
 
@@ -164,7 +164,7 @@ def test_numbers_of_a_scale_are_whole_and_apart(largest: float, size: Size) -> N
     """With the widths of DejaVu Sans, the font of browsers without another one."""
     font = ImageFont.truetype(findfont("DejaVu Sans"), 1000)
     x = np.array([0.0, 90.0, 180.0, 2880.0])
-    line = Line(Role.OWN, "own", x, largest * np.array([-1.0, 0.0, 1.0, 0.2]))
+    line = ChartLine(Role.OWN, "own", x, largest * np.array([-1.0, 0.0, 1.0, 0.2]))
     svg = drawn(PageChart("k", Chart("acceleration", "mm/s\u00b2", (line,), 2880.0)), size).drawing
     boxes = []
     for anchor, across, down, text in TEXT.findall(svg):
@@ -186,7 +186,7 @@ NOTED = np.linspace(0.0, 360.0, 721)
 
 def note_and_curves(own: np.ndarray, other: np.ndarray) -> tuple[Bbox, Bbox, list[Path]]:
     """Box of the note of a peak, of the axes, and both curves as drawn, in pixels."""
-    lines = Line(Role.OWN, "own", NOTED, own), Line(Role.UNIFORM, "other", NOTED, other)
+    lines = ChartLine(Role.OWN, "own", NOTED, own), ChartLine(Role.UNIFORM, "other", NOTED, other)
     figure = Figure(figsize=(6.0, 3.0))
     FigureCanvasAgg(figure)
     axes = figure.subplots()
@@ -230,7 +230,7 @@ def test_values_of_close_natural_frequencies_stand_apart() -> None:
 @pytest.mark.parametrize(("turns", "step"), [(1, 60.0), (3, 180.0)])
 def test_angles_are_marked_every_sixth_of_a_turn_or_of_all_turns(turns: int, step: float) -> None:
     axes = Figure().subplots()
-    lines = (Line(Role.OWN, "own", np.array([0.0, 360.0 * turns]), np.array([0.0, 1.0])),)
+    lines = (ChartLine(Role.OWN, "own", np.array([0.0, 360.0 * turns]), np.array([0.0, 1.0])),)
     draw(axes, Chart("force", "N", lines, 360.0 * turns, None, JOINTS, names_extreme=True), PAGE_LOOK)
     ticks = np.array(axes.get_xticks())
     assert ticks[(ticks >= 0.0) & (ticks <= 360.0 * turns)] == pytest.approx(np.arange(7) * step)

@@ -11,11 +11,11 @@ import shapely
 
 from at_once import at_once
 from ncgear.teeth.chords import sampled, straddled
-from ncgear.teeth.stretch import Stretch, joined, split
+from ncgear.teeth.stretch import CurveStretch, joined, split
 
 Array = np.ndarray
 Curve = Callable[[Array], tuple[Array, Array]]
-Sampling = Callable[[Stretch, Array], tuple[Array, Array]]
+Sampling = Callable[[CurveStretch, Array], tuple[Array, Array]]
 
 RADII = np.array([1.0, 10.0, 300.0])
 
@@ -48,12 +48,12 @@ SHAPES: dict[str, tuple[Callable[[Array, Array], tuple[Array, Array]], float, fl
 }
 
 
-def stretch(name: str) -> Stretch:
+def stretch(name: str) -> CurveStretch:
     """Three curves of a kind; each is rolled over evenly."""
     curve, start, end = SHAPES[name]
     every = np.arange(3)
     ends = np.array([np.full(3, start), np.full(3, end)])
-    return Stretch(curve, every, *ends, ends, 4.0 * every, np.ones(3), np.full(3, np.inf), np.zeros_like(every))
+    return CurveStretch(curve, every, *ends, ends, 4.0 * every, np.ones(3), np.full(3, np.inf), np.zeros_like(every))
 
 
 def polylines(sampling: Sampling, name: str, tolerance: float) -> list[Array]:

@@ -21,7 +21,7 @@ from clean_designs import design, ready
 from drives import design_of
 from ncgear.errors import DesignError
 from ncgear.figures.advice.values import Advice, Kind
-from ncgear.figures.advice.verdict import Judged, Known, State, judged
+from ncgear.figures.advice.verdict import JudgedCondition, KnownParts, State, judged
 from ncgear.metrology.pins import over_two_pins
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -131,7 +131,7 @@ Finding = str | None
 """What is wrong with what the verdict says of a condition."""
 
 
-def assembly(seen: Seen, row: Judged) -> Finding:
+def assembly(seen: Seen, row: JudgedCondition) -> Finding:
     """Thickest teeth pass at the least distance; where they are said to jam, the worst assembly does not pass."""
     phi1, phi2 = seen.angles(outside.POSITIONS)
     reach = 0.4 * seen.pitch_rad
@@ -170,7 +170,7 @@ def _worst(seen: Seen) -> Pair:
     )
 
 
-def contact(seen: Seen, row: Judged) -> Finding:
+def contact(seen: Seen, row: JudgedCondition) -> Finding:
     """Flanks touch at the law's angles, but for chords, or part about the angle that is told."""
     if row.state is not State.KEPT:
         told = re.findall(r"[\d.]+", re.findall("phi1 = (.*?) deg, no flanks", row.advices[0].what)[0])
@@ -202,7 +202,7 @@ def _hidden(seen: Seen) -> bool:
     return error * seen.distance_mm < 4.0 * seen.chord_mm
 
 
-def strength(seen: Seen, row: Judged) -> Finding:
+def strength(seen: Seen, row: JudgedCondition) -> Finding:
     """The safeties that plane elements find."""
     try:
         found = rating_of(seen.drive, "elements")
@@ -217,18 +217,18 @@ def strength(seen: Seen, row: Judged) -> Finding:
     return None
 
 
-def pressure(seen: Seen, row: Judged) -> Finding:
+def pressure(seen: Seen, row: JudgedCondition) -> Finding:
     rack = seen.data["gears"].get("rack", {}).get("pressure_angle_deg", 20.0)
     angle = outside.pressure_angle_deg(seen.law, rack, internal=seen.internal)
     return _beside(row, angle, 60.0)
 
 
-def ratio(seen: Seen, row: Judged) -> Finding:
+def ratio(seen: Seen, row: JudgedCondition) -> Finding:
     low, high = seen.law.ratio_range
     return _beside(row, max(high, 1.0 / low), 5.0)
 
 
-def _beside(row: Judged, value: float, limit: float, error: float = 1e-4) -> Finding:
+def _beside(row: JudgedCondition, value: float, limit: float, error: float = 1e-4) -> Finding:
     """What is wrong where a value beyond a limit is said to be kept, or the other way about."""
     if row.state is State.KEPT and value > limit * (1.0 + error):
         return f"{value:.6g} is beyond {limit:g}"
@@ -237,12 +237,12 @@ def _beside(row: Judged, value: float, limit: float, error: float = 1e-4) -> Fin
     return None
 
 
-def _gears_of(row: Judged) -> set[str]:
+def _gears_of(row: JudgedCondition) -> set[str]:
     """The gears that the advices of a row name."""
     return {gear.value for gear in Gear for advice in row.advices if gear.value in advice.what}
 
 
-def concave(seen: Seen, row: Judged) -> Finding:
+def concave(seen: Seen, row: JudgedCondition) -> Finding:
     """The least bend of the pitch polylines; what is nearly straight is left to either."""
     own, mate = outside.pitch_radii(seen.law, seen.distance_mm, internal=seen.internal)
     bends = {"driving": outside.least_bend(own, seen.law.phi1)}
@@ -257,7 +257,7 @@ def concave(seen: Seen, row: Judged) -> Finding:
     return None
 
 
-def rod(seen: Seen, row: Judged) -> Finding:
+def rod(seen: Seen, row: JudgedCondition) -> Finding:
     """Rods beside the driving shaft, sampled."""
     ends = seen.data.get("fit", {}).get("driving_shaft") == "ends"
     at = outside.places(seen.data["linkage"], seen.law.phi2)
@@ -273,7 +273,7 @@ def rod(seen: Seen, row: Judged) -> Finding:
     return f"the rod passes the shaft at {near:.5g} mm, of which {taken:.5g} mm are taken"
 
 
-def pin(seen: Seen, row: Judged) -> Finding:
+def pin(seen: Seen, row: JudgedCondition) -> Finding:
     """The crank pin, as thick as its shaft, beside both axes, sampled."""
     gears = seen.data["gears"]
     at = outside.places(seen.data["linkage"], seen.law.phi2)
@@ -289,7 +289,7 @@ def pin(seen: Seen, row: Judged) -> Finding:
     return f"the pin passes at {near:.5g} mm and {own:.5g} mm" if (row.state is State.BROKEN) != hits else None
 
 
-def wishes(seen: Seen, row: Judged) -> Finding:
+def wishes(seen: Seen, row: JudgedCondition) -> Finding:
     """The time ratio by where the driven angle reaches the extended dead centre."""
     at = outside.places(seen.data["linkage"], seen.law.phi2)
     turns = round(seen.law.phi2[-1] / (2.0 * np.pi))
@@ -300,7 +300,7 @@ def wishes(seen: Seen, row: Judged) -> Finding:
     return _beside(row, seen.data["wishes"]["time_ratio"]["at_least"] * back / out, 1.0)
 
 
-def resistance(seen: Seen, row: Judged) -> Finding:
+def resistance(seen: Seen, row: JudgedCondition) -> Finding:
     """The polynomial over the way that the output goes."""
     loads = (seen.data["resistance"], seen.data["resistance"].get("returning"))
     linkage = seen.data.get("linkage")
@@ -311,7 +311,7 @@ def resistance(seen: Seen, row: Judged) -> Finding:
     return f"the least resistance is {least:.4g}" if (row.state is State.BROKEN) != (least < 0.0) else None
 
 
-def given(seen: Seen, row: Judged) -> Finding:
+def given(seen: Seen, row: JudgedCondition) -> Finding:
     """Forces at samples of the way out and back: those that are nowhere above zero are told, and no others."""
     load = seen.data.get("resistance", {})
     crank_rad = seen.law.phi2 if "linkage" in seen.data else None
@@ -324,7 +324,7 @@ def given(seen: Seen, row: Judged) -> Finding:
     return None if silent == told else f"{silent or 'no force'} is silent, and {told or 'none'} is told"
 
 
-def undercut(seen: Seen, row: Judged) -> Finding:
+def undercut(seen: Seen, row: JudgedCondition) -> Finding:
     """Teeth cut at full depth are narrower below where they are told to be undercut, and nowhere else."""
     short = seen.data["gears"].get("rack", {}).get("addendum", 1.0) < 1.0  # of these no tooth stands out far enough
     if seen.internal or short or (row.advices and row.state is State.KEPT):
@@ -354,7 +354,7 @@ def _once(seen: Seen, gear: Gear) -> int:
     return int(np.searchsorted(angle, 2.0 * np.pi - 1e-9))
 
 
-JUDGES: dict[Kind, Callable[[Seen, Judged], Finding]] = {
+JUDGES: dict[Kind, Callable[[Seen, JudgedCondition], Finding]] = {
     Kind.JAMS: assembly,
     Kind.CONTACT_RATIO: contact,
     Kind.STRENGTH: strength,
@@ -417,7 +417,7 @@ def findings(seed: int) -> tuple[str, list[str]]:
     data = design(seed)
     try:
         drive = ready(seed)
-        verdict = judged(drive, Known.TEETH)
+        verdict = judged(drive, KnownParts.TEETH)
     except DesignError as refusal:
         return f"refused: {refusal.problem[:80]}", []
     seen = Seen(data, drive)
@@ -441,20 +441,20 @@ def test_nothing_outside_speaks_against_the_verdict(seed: int) -> None:
 # --- what the judges can see -------------------------------------------------------------------------------------
 
 
-def row_of(seen: Seen, kind: Kind) -> Judged:
+def row_of(seen: Seen, kind: Kind) -> JudgedCondition:
     """A condition of a design as the verdict has it."""
-    (row,) = (row for row in judged(seen.drive, Known.TEETH).rows if row.kind is kind)
+    (row,) = (row for row in judged(seen.drive, KnownParts.TEETH).rows if row.kind is kind)
     return row
 
 
-def kept(kind: Kind) -> Judged:
+def kept(kind: Kind) -> JudgedCondition:
     """What a verdict that sees nothing would say."""
-    return Judged(kind, None, ())
+    return JudgedCondition(kind, None, ())
 
 
-def broken(kind: Kind) -> Judged:
+def broken(kind: Kind) -> JudgedCondition:
     """What a verdict that sees everything would say."""
-    return Judged(kind, None, (Advice(kind, "it is wrong", "it breaks", brief="it is wrong"),))
+    return JudgedCondition(kind, None, (Advice(kind, "it is wrong", "it breaks", brief="it is wrong"),))
 
 
 def seen_of(seed: int, **gears: Any) -> Seen:

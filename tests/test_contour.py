@@ -40,7 +40,7 @@ from ncgear.teeth.contour import (
 from ncgear.teeth.form import TipRelief, ToothForm
 from ncgear.teeth.gear import ToothedPair, toothed_pair
 from ncgear.teeth.outline import exact_curves
-from ncgear.teeth.stretch import Stretch
+from ncgear.teeth.stretch import CurveStretch
 from pairs import baler_law, exact_ring, rack, sine_law
 
 TOLERANCE = 5e-4
@@ -177,7 +177,7 @@ def test_gaps_of_equivalent_gears_are_bridged_as_in_their_outlines() -> None:
 # --- splines --------------------------------------------------------------------------------------------------------
 
 
-def wave(turn: float = 1.0) -> Stretch:
+def wave(turn: float = 1.0) -> CurveStretch:
     """Some waves whose slopes are known."""
     one, two = np.ones(1), np.zeros((2, 1))
 
@@ -186,7 +186,9 @@ def wave(turn: float = 1.0) -> Stretch:
         return np.stack([at, np.sin(shift)], axis=-1), np.stack([np.ones_like(at), turn * np.cos(shift)], axis=-1)
 
     ends = np.zeros(2), np.ones(2), np.tile(two, 2)
-    return Stretch(curve, np.arange(2), *ends, np.tile(one, 2), np.ones(2), np.full(2, np.inf), np.zeros(2, dtype=int))
+    return CurveStretch(
+        curve, np.arange(2), *ends, np.tile(one, 2), np.ones(2), np.full(2, np.inf), np.zeros(2, dtype=int)
+    )
 
 
 def test_splines_come_closer_with_the_fourth_power_of_their_spans(monkeypatch: pytest.MonkeyPatch) -> None:

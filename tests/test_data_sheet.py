@@ -19,7 +19,7 @@ from ncgear.drawings.charts.chart import joints_up_to
 from ncgear.drawings.page.tables import sheet_tables
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.data_sheet import sheet as sheet_module
-from ncgear.figures.data_sheet.entries import Entry
+from ncgear.figures.data_sheet.entries import SheetEntry
 from ncgear.figures.data_sheet.pitch_table import pitch_csv, turn_deg
 from ncgear.figures.data_sheet.sheet import DataSheet, data_sheet, sheet_text
 from ncgear.figures.tables import Table
@@ -46,7 +46,7 @@ def toleranced() -> DataSheet:
     return data_sheet(changed("ellipse", tolerances=LIMITS))
 
 
-def row(found: DataSheet, label: str) -> Entry:
+def row(found: DataSheet, label: str) -> SheetEntry:
     return next(row for group in found.groups for row in group.entries if row.label == label)
 
 

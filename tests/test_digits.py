@@ -21,7 +21,7 @@ import reports
 from at_once import at_once
 from drives import drive
 from ncgear.errors import Unanswered
-from ncgear.figures.advice.verdict import Known, judged
+from ncgear.figures.advice.verdict import KnownParts, judged
 from ncgear.figures.assembly import assembly_of
 from ncgear.figures.data_sheet.sheet import data_sheet, sheet_text
 from ncgear.figures.numbers import drawn, fixed, json_text, shown, to_digits
@@ -100,7 +100,7 @@ both = pytest.mark.parametrize("name", NAMES)
 @both
 def test_the_terminal_has_no_rounding_errors(name: str) -> None:
     """Sizes of gears have the decimals of a drawing, all other figures five digits."""
-    text = figures_text(build_summary(drive(name), reports.contacts(name)[0], judged(drive(name), Known.TEETH)))
+    text = figures_text(build_summary(drive(name), reports.contacts(name)[0], judged(drive(name), KnownParts.TEETH)))
     assert noise(text) == []
     lines = text.splitlines()
     sizes = [line for line in lines if line.startswith(tuple(f"  {name_of(key)}  " for key in SIZES))]

@@ -29,7 +29,7 @@ from ncgear.files.strength import tooth_rows
 from ncgear.files.workshop.sheet_files import drawing_files, sheet_pdf
 from ncgear.files.workshop.sheets.board import Board
 from ncgear.files.workshop.sheets.frame import first_angle
-from ncgear.files.workshop.sheets.sheet import Dimension, Line, Ring, Sheet, Text, text_width_mm
+from ncgear.files.workshop.sheets.sheet import Dimension, Ring, Sheet, SheetLine, Text, text_width_mm
 from ncgear.files.workshop.sheets.sheets import sheets_of
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
@@ -451,16 +451,16 @@ def test_a_wide_name_is_cut_and_given_tolerances_are_told() -> None:
 def test_the_sign_of_first_angle_is_a_cone_and_its_circles() -> None:
     """ISO 5456-2: from the left the cone shows its small end; circles stand to its right, as large as its ends."""
     cone, axis, *circles, across, down = first_angle(20.0, 5.0)
-    assert isinstance(cone, Line)
+    assert isinstance(cone, SheetLine)
     ends = [cone.points[cone.points[:, 0] == x, 1] for x in (cone.points[:, 0].min(), cone.points[:, 0].max())]
     assert [np.ptp(end) / 2.0 for end in ends] == [circle.radius for circle in circles if isinstance(circle, Ring)]
     assert [float(end.mean()) for end in ends] == [5.0, 5.0]
     for line, along in ((axis, 0), (across, 0), (down, 1)):
-        assert isinstance(line, Line)
+        assert isinstance(line, SheetLine)
         assert np.ptp(line.points[:, 1 - along]) == 0.0
     (center,) = {circle.center for circle in circles if isinstance(circle, Ring)}
     assert center[0] - 3.0 > cone.points[:, 0].max()
     for line in (across, down):
-        assert isinstance(line, Line)
+        assert isinstance(line, SheetLine)
         assert line.points.mean(axis=0) == pytest.approx(center)
         assert np.ptp(line.points) > 6.0

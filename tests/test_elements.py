@@ -37,7 +37,7 @@ from ncgear.strength.elements.plane import (
 )
 from ncgear.strength.elements.teeth import CLEAR, DEPTH, POSITIONS, SIZE, Elements, elements_of, pressed_in_mm
 from ncgear.strength.estimate import estimate_of
-from ncgear.strength.material import EnduredStress, Family, Material
+from ncgear.strength.material import EnduredStress, Material, MaterialFamily
 from ncgear.teeth.form import Backlash, ToothForm
 from ncgear.teeth.gear import ToothedGear, toothed_pair
 from oracles.root_form_factors import bending_factor
@@ -47,7 +47,14 @@ from tooth_places import random_places
 
 MODULUS, POISSON = 206_000.0, 0.3
 STEEL = Material(
-    "steel", Family.STEEL, MODULUS, POISSON, 7850.0, None, EnduredStress(np.ones(1), np.ones(1)), "elastic constants"
+    "steel",
+    MaterialFamily.STEEL,
+    MODULUS,
+    POISSON,
+    7850.0,
+    None,
+    EnduredStress(np.ones(1), np.ones(1)),
+    "elastic constants",
 )
 CORK = replace(STEEL, name="cork", poisson=0.0)
 """Held ends do not hinder what does not contract across, so that closed forms of beams hold for it."""

@@ -33,7 +33,7 @@ from ncgear.strength.face_load import (
     FaceLoads,
     FaceModel,
     LeadForm,
-    Shaft,
+    SteelShaft,
     Support,
     best_crowning_mm,
     largest_line_load,
@@ -45,7 +45,7 @@ from ncgear.tolerances.iso1328 import helix_slope_mm, rounded_um
 
 E_MPA, G_MPA, SHEARED = 206_000.0, 79_300.0, 10.0 / 9.0
 
-RIGID = Shaft(1e5, 1e5, (Support(-100.0), Support(100.0)))
+RIGID = SteelShaft(1e5, 1e5, (Support(-100.0), Support(100.0)))
 
 WIDTH = 100.0
 
@@ -103,7 +103,7 @@ def test_end_relief_alone() -> None:
 )
 def test_bent_shafts_by_formulas(at: float, loaded: float, expected: float) -> None:
     """P L^3 / (48 E I) and its like of textbooks, on shafts so slender that shear does not count."""
-    shaft = Shaft(2.0, 2.0, (Support(-100.0), Support(100.0)))
+    shaft = SteelShaft(2.0, 2.0, (Support(-100.0), Support(100.0)))
     inertia = pi * 2.0**4 / 64.0
     found = shaft.compliance(np.array([at]), np.array([loaded]))[0, 0]
     assert found == pytest.approx(expected / (E_MPA * inertia), rel=1e-3)
@@ -111,7 +111,7 @@ def test_bent_shafts_by_formulas(at: float, loaded: float, expected: float) -> N
 
 def test_springs_of_bearings_lean_a_shaft() -> None:
     """A force of 1 N over bearing a presses that spring alone; one in the middle halves both."""
-    shaft = Shaft(1e5, 1e5, (Support(-100.0, 1e3), Support(100.0, 2e3)))
+    shaft = SteelShaft(1e5, 1e5, (Support(-100.0, 1e3), Support(100.0, 2e3)))
     found = shaft.compliance(np.array([-100.0, 0.0]), np.array([-100.0, 0.0]))
     assert found == pytest.approx(np.array([[1e-3, 0.5e-3], [0.5e-3, (1e-3 + 0.5e-3) / 4.0]]), rel=1e-6)
 
@@ -203,7 +203,8 @@ def test_shafts_on_bearings_against_finite_elements(
 ) -> None:
     """Within 1 %: both have other places along the width and another way to what presses."""
     shafts = [
-        Shaft(diameter, bodies * diameter, supports) for diameter, supports in zip((60.0, 80.0), SUPPORTS, strict=True)
+        SteelShaft(diameter, bodies * diameter, supports)
+        for diameter, supports in zip((60.0, 80.0), SUPPORTS, strict=True)
     ]
     model = FaceModel((shafts[0], shafts[1]), 160.0, WIDTH, askew_mm, lead)
     # Bodies that hardly twist, which the elements do not know, by arms that are long.
@@ -215,7 +216,7 @@ def test_shafts_on_bearings_against_finite_elements(
 
 def test_a_straight_body_on_a_slender_shaft() -> None:
     """Its load reaches the shaft as evenly as its place follows it: by elements, where that makes a third."""
-    slender = Shaft(25.0, 2500.0, (Support(-70.0), Support(55.0)))
+    slender = SteelShaft(25.0, 2500.0, (Support(-70.0), Support(55.0)))
     model = FaceModel((slender, slender), 160.0, WIDTH, 0.02, LeadForm())
     loads = pressed(20_000.0, crank_n=8000.0)
     assert factor(model, loads) == pytest.approx(by_elements(model, loads), rel=0.003)
@@ -227,7 +228,7 @@ def test_bodies_twist_by_a_closed_form() -> None:
     With w = c v, v'' = k^2 v where only the driving gear twists, and v' = 0 at the far end: cosh.
     """
     radius, stiffness = 25.0, 2e4
-    pinion = Shaft(40.0, 2.0 * radius, (Support(-100.0), Support(100.0)))
+    pinion = SteelShaft(40.0, 2.0 * radius, (Support(-100.0), Support(100.0)))
     pinion = replace(pinion, diameter_mm=2.0 * radius, body_mm=2.0 * radius, supports=(Support(-51.0), Support(51.0)))
     model = FaceModel((pinion, RIGID), 0.0, WIDTH, 0.0, LeadForm())
     bent = FaceModel((replace(pinion, body_mm=2e3), RIGID), 0.0, WIDTH, 0.0, LeadForm())
@@ -249,14 +250,14 @@ def test_bodies_twist_by_a_closed_form() -> None:
 
 def test_a_body_of_plastic_bends_with_its_shaft() -> None:
     """Twice as thick, (2^4 - 1) times I of the shaft: of steel it leaves 1/16 of the bending, of POM 1 / 1.2."""
-    steel = Shaft(40.0, 80.0, SUPPORTS[0])
+    steel = SteelShaft(40.0, 80.0, SUPPORTS[0])
     assert steel.bent_teeth == pytest.approx(1.0 / 16.0, rel=1e-12)
     assert replace(steel, body_mpa=E_MPA / 75.0).bent_teeth == pytest.approx(1.0 / 1.2, rel=1e-12)
     assert replace(steel, body_mm=30.0).bent_teeth == 1.0
 
 
 def test_wider_spans_are_worse() -> None:
-    spans = [Shaft(60.0, 60.0, (Support(-half), Support(half))) for half in (100.0, 150.0, 200.0)]
+    spans = [SteelShaft(60.0, 60.0, (Support(-half), Support(half))) for half in (100.0, 150.0, 200.0)]
     found = [factor(FaceModel((one, RIGID), 0.0, WIDTH, 0.0, LeadForm()), pressed(20_000.0)) for one in spans]
     crank = [
         factor(
@@ -277,7 +278,7 @@ def test_what_is_not_balanced_is_refused() -> None:
 @pytest.mark.slow
 def test_the_best_crowning_against_a_scan() -> None:
     """Two positions whose loads lean to different ends; a scan in steps of 0.2 um, and none for perfect gears."""
-    shafts = RIGID, Shaft(80.0, 300.0, SUPPORTS[1])
+    shafts = RIGID, SteelShaft(80.0, 300.0, SUPPORTS[1])
     model = FaceModel(shafts, 260.0, WIDTH, 0.015, LeadForm())
     loads = FaceLoads(np.array([2e4, 1.5e4]), np.array([2e4, 1.4e4]), np.array([3e4, -1e4]), np.full((2, 2), 1e6))
     most = np.array([1.8e4, 1.5e4])
@@ -534,7 +535,7 @@ class TestBalerDrivetrain:
 def test_bearings_without_a_rating_are_told() -> None:
     """They count as rigid, each by its key; none where nothing is computed."""
     stiff, soft = Support(-50.0), Support(60.0, 2e5)
-    shafts = Shaft(40.0, 80.0, (stiff, soft)), Shaft(40.0, 80.0, (soft, stiff))
+    shafts = SteelShaft(40.0, 80.0, (stiff, soft)), SteelShaft(40.0, 80.0, (soft, stiff))
     found = FaceLoading("computed", model=FaceModel(shafts, 90.0, 30.0, 0.0, LeadForm()))
     assert found.rigid_bearings == ["bearing_a of the driving shaft", "bearing_b of the driven shaft"]
     assert _rigid_words(found).endswith("bearing_b of the driven shaft count as rigid")

@@ -20,9 +20,9 @@ from ncgear.optimum.family import (
     BOX,
     RETURN_POINTS,
     SEGMENT_POINTS,
-    Family,
     FamilyOptimum,
-    Peak,
+    LawFamily,
+    PeakGoal,
     best_of_family,
     request_at,
     sampled_laws,
@@ -66,12 +66,12 @@ def points_of(shapes: Array, skewness: float = 0.0) -> Array:
     return points
 
 
-def family_of(linkage: CrankSlider, *, inverse: bool = True, lobes: Lobes | None = None) -> Family:
+def family_of(linkage: CrankSlider, *, inverse: bool = True, lobes: Lobes | None = None) -> LawFamily:
     """The family against the baler's resistance."""
-    return Family(Task(linkage, PRESS, OMEGA, lobes or Lobes()), inverse)
+    return LawFamily(Task(linkage, PRESS, OMEGA, lobes or Lobes()), inverse)
 
 
-def made(shape: Array, family: Family) -> StrokeLaw:
+def made(shape: Array, family: LawFamily) -> StrokeLaw:
     """The law of a shape as a design file makes it."""
     point = points_of(shape[None])
     stroke = solved_stroke(request_at(family, point[0]))
@@ -104,7 +104,7 @@ def test_working_strokes_are_those_of_the_laws(linkage: CrankSlider) -> None:
         assert np.max(np.abs(acceleration[number, kept] - exact.derivative(2))) <= 1e-7 * scale
 
 
-def returned(family: Family, shape: Array, skewness: float) -> ReturnSamples:
+def returned(family: LawFamily, shape: Array, skewness: float) -> ReturnSamples:
     """Samples of the return of one shape."""
     strokes, found = strokes_at(family, points_of(shape[None], skewness))
     task = family.task
@@ -160,7 +160,7 @@ def baler_point() -> Array:
 
 def test_the_published_baler_is_a_member() -> None:
     """6315 W and 1500 mm/s^2 in the working stroke at 20 r/min, its headline figures."""
-    found = sampled_laws(Family(Task(BALER_LINKAGE, PRESS, 20.0 * pi / 30.0)), baler_point()[None])
+    found = sampled_laws(LawFamily(Task(BALER_LINKAGE, PRESS, 20.0 * pi / 30.0)), baler_point()[None])
     assert found.power.max() == pytest.approx(6315.1, rel=1e-3)  # between samples
     assert np.abs(found.acceleration[:, : sum(SEGMENT_POINTS)]).max() == pytest.approx(
         1500.0, rel=1e-4
@@ -185,7 +185,7 @@ def test_shapes_that_turn_back_are_no_laws() -> None:
 def best(cap_w: float, *, inverse: bool, seed: int = 1) -> FamilyOptimum:
     """The least acceleration on the baler's linkage at 60 r/min."""
     family = family_of(BALER_LINKAGE, inverse=inverse)
-    return best_of_family(family, Peak.ACCELERATION, cap_w, seed=seed, starts=16)
+    return best_of_family(family, PeakGoal.ACCELERATION, cap_w, seed=seed, starts=16)
 
 
 @pytest.mark.long
@@ -201,14 +201,14 @@ def best(cap_w: float, *, inverse: bool, seed: int = 1) -> FamilyOptimum:
 def test_the_reach_of_the_family_on_the_baler(cap_w: float, inverse: bool, at_most: float) -> None:
     """What a thousand descents came to, and 1 % more; the uniform crank needs 20 940 mm/s^2 and 26 070 W."""
     optimum = best(cap_w, inverse=inverse)
-    assert optimum.peak(Peak.POWER) <= cap_w * (1.0 + 1e-6)
-    assert optimum.peak(Peak.ACCELERATION) <= at_most
+    assert optimum.peak(PeakGoal.POWER) <= cap_w * (1.0 + 1e-6)
+    assert optimum.peak(PeakGoal.ACCELERATION) <= at_most
     assert abs(optimum.law.transmission.closure_error_rad) <= 1e-12
 
 
 @pytest.mark.slow
 def test_the_same_seed_gives_the_same_law() -> None:
-    again = best_of_family(family_of(BALER_LINKAGE), Peak.ACCELERATION, 18750.0, starts=16)
+    again = best_of_family(family_of(BALER_LINKAGE), PeakGoal.ACCELERATION, 18750.0, starts=16)
     assert again.request == best(18750.0, inverse=True).request
 
 
@@ -227,20 +227,20 @@ def test_the_request_makes_the_law_again() -> None:
 def test_least_power_under_the_acceleration_found_is_the_power_cap() -> None:
     """Both ways of asking lead to the same frontier."""
     optimum = best(12000.0, inverse=True)
-    cap = optimum.peak(Peak.ACCELERATION)
-    other = best_of_family(family_of(BALER_LINKAGE), Peak.POWER, cap, starts=16)
-    assert other.peak(Peak.ACCELERATION) <= cap * (1.0 + 1e-6)
-    assert other.peak(Peak.POWER) == pytest.approx(12000.0, rel=0.02)
+    cap = optimum.peak(PeakGoal.ACCELERATION)
+    other = best_of_family(family_of(BALER_LINKAGE), PeakGoal.POWER, cap, starts=16)
+    assert other.peak(PeakGoal.ACCELERATION) <= cap * (1.0 + 1e-6)
+    assert other.peak(PeakGoal.POWER) == pytest.approx(12000.0, rel=0.02)
 
 
 @pytest.mark.tiers(slow=["offset"], rest="long")
 @pytest.mark.parametrize("linkage", LINKAGES.values(), ids=LINKAGES)
 def test_without_resistance_any_cap_is_kept(linkage: CrankSlider) -> None:
-    family = Family(Task(linkage, SliderLoad(), OMEGA), inverse=True)
-    optimum = best_of_family(family, Peak.ACCELERATION, 1.0, starts=6)
-    assert optimum.peak(Peak.POWER) == 0.0
-    without = best_of_family(family, Peak.ACCELERATION, inf, starts=6)
-    assert without.peak(Peak.ACCELERATION) == pytest.approx(optimum.peak(Peak.ACCELERATION), rel=0.01)
+    family = LawFamily(Task(linkage, SliderLoad(), OMEGA), inverse=True)
+    optimum = best_of_family(family, PeakGoal.ACCELERATION, 1.0, starts=6)
+    assert optimum.peak(PeakGoal.POWER) == 0.0
+    without = best_of_family(family, PeakGoal.ACCELERATION, inf, starts=6)
+    assert without.peak(PeakGoal.ACCELERATION) == pytest.approx(optimum.peak(PeakGoal.ACCELERATION), rel=0.01)
 
 
 @pytest.mark.slow
@@ -249,5 +249,5 @@ def test_a_cap_out_of_reach_is_refused_with_what_is_in_reach() -> None:
     """The work of a stroke in a whole cycle is a power no law goes below."""
     mean_w = PRESS.cycle_work_n_mm(760.0) / 1000.0
     with pytest.raises(NoSuchMechanism, match=r"power of \d+ or less; the least found is (\d+)") as caught:
-        best_of_family(family_of(BALER_LINKAGE), Peak.ACCELERATION, float(round(mean_w)), starts=4)
+        best_of_family(family_of(BALER_LINKAGE), PeakGoal.ACCELERATION, float(round(mean_w)), starts=4)
     assert float(caught.value.problem.split()[-1]) > mean_w

@@ -19,9 +19,9 @@ from ncgear.numerics.sampled import shares
 from ncgear.optimum.family import (
     RETURN_POINTS,
     SEGMENT_POINTS,
-    Family,
     FamilyOptimum,
-    Peak,
+    LawFamily,
+    PeakGoal,
     best_of_family,
     sampled_laws,
     strokes_at,
@@ -112,12 +112,12 @@ def power_w(task: Task, driven_angle: Callable[[Array], Array], phi1: Array) -> 
 
 
 @cache
-def family_of(name: str, *, inverse: bool, lobes: Lobes | None = None) -> Family:
+def family_of(name: str, *, inverse: bool, lobes: Lobes | None = None) -> LawFamily:
     """The family on a machine with masses."""
-    return Family(Task(LINKAGES[name], LOAD, OMEGA, lobes or Lobes(), MASSES), inverse)
+    return LawFamily(Task(LINKAGES[name], LOAD, OMEGA, lobes or Lobes(), MASSES), inverse)
 
 
-def some_laws(family: Family, count: int) -> list[tuple[Array, FamilyOptimum]]:
+def some_laws(family: LawFamily, count: int) -> list[tuple[Array, FamilyOptimum]]:
     """Random points of the family whose laws take least power, with the law of each whose return is the point's own."""
     points = np.random.default_rng(5).random((60, 7))
     found = sampled_laws(family, points).power.max(axis=1)
@@ -171,7 +171,7 @@ def test_the_exact_peak_is_that_of_the_energy(name: str) -> None:
             joints = [piece.start_rad for piece in optimum.law.transmission.pieces] + [2.0 * pi]
             phi1 = phi1[np.abs(phi1[:, None] - np.array(joints)).min(axis=1) > 5.0 * STEP_RAD]
             highest = float(power_w(family.task, driven_angle_of(optimum), phi1).max())
-            exact = optimum.peak(Peak.POWER)
+            exact = optimum.peak(PeakGoal.POWER)
             # A peak at a joint is missed by up to five steps' rise
             assert highest * (1.0 - CLOSE) <= exact <= highest * 1.005
             samples = float(sampled_laws(family, point[None]).power.max())
@@ -193,7 +193,7 @@ def test_an_inertia_left_out_is_seen() -> None:
 def test_masses_that_weigh_nothing_take_no_power() -> None:
     """And the power of the resistance alone is that of the search without masses, the return's with it."""
     family = family_of("in line", inverse=False)
-    nothing, none = (Family(replace(family.task, masses=masses)) for masses in (RodMasses(), None))
+    nothing, none = (LawFamily(replace(family.task, masses=masses)) for masses in (RodMasses(), None))
     points = np.vstack([np.random.default_rng(2).random((20, 7)), baler_point()])
     ours, theirs = (sampled_laws(one, points).power for one in (nothing, none))
     possible = np.isfinite(theirs[:, 0])
@@ -206,13 +206,13 @@ def test_masses_that_weigh_nothing_take_no_power() -> None:
 def test_the_best_law_keeps_the_cap_with_masses() -> None:
     """Its exact peak does; without masses another law is best, which does not."""
     task = Task(LINKAGES["in line"], LOAD, 2.0 * OMEGA, masses=MASSES)
-    family, cap_w = Family(task, inverse=True), 26_000.0
-    best = best_of_family(family, Peak.ACCELERATION, cap_w, starts=3)
-    assert best.peak(Peak.POWER) <= cap_w * (1.0 + 1e-6)
+    family, cap_w = LawFamily(task, inverse=True), 26_000.0
+    best = best_of_family(family, PeakGoal.ACCELERATION, cap_w, starts=3)
+    assert best.peak(PeakGoal.POWER) <= cap_w * (1.0 + 1e-6)
     phi1 = np.linspace(0.001, 2.0 * pi - 0.001, 5001)
     joints = np.array([piece.start_rad for piece in best.law.transmission.pieces])
     clear = phi1[np.abs(phi1[:, None] - joints).min(axis=1) > 5.0 * STEP_RAD]
     assert power_w(task, driven_angle_of(best), clear).max() <= cap_w * (1.0 + CLOSE)
-    without = Family(replace(task, masses=None), inverse=True)
-    lighter = best_of_family(without, Peak.ACCELERATION, cap_w, starts=3)
+    without = LawFamily(replace(task, masses=None), inverse=True)
+    lighter = best_of_family(without, PeakGoal.ACCELERATION, cap_w, starts=3)
     assert power_w(task, driven_angle_of(lighter), clear).max() > 1.05 * cap_w

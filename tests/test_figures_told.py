@@ -26,7 +26,7 @@ from ncgear.figures.summary.build_summary import _pumped
 from ncgear.figures.trains import judged_contacts
 from ncgear.numerics.extrema import Extremum
 from ncgear.pitch.shape import Gear
-from ncgear.project.mending import Kind as MendKind
+from ncgear.project.mending import MendingSubject as MendKind
 from ncgear.strength.holding import Damage, lives_of
 from strong import made_up, made_up_surfaces
 

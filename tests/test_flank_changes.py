@@ -15,8 +15,8 @@ from ncgear.dynamics.flank_changes import (
     PER_SWING,
     SETTLED,
     BorneTorque,
+    FollowedStretch,
     Knock,
-    Stretch,
     borne_torque,
     joined,
     moment_n_mm,
@@ -123,8 +123,8 @@ def test_flanks_that_part_meet_again_and_swing_as_in_closed_form() -> None:
 
 def test_between_stretches_that_are_followed_the_teeth_bear_what_is_asked() -> None:
     """Of two stretches, each by its own places; the knocks of the last cycle are told, within one."""
-    first = Stretch(np.array([1.0, 1.5, 2.0]), np.array([5.0, 6.0, 7.0]), [Knock(1.2, 3.0)])
-    second = Stretch(np.array([2.2, 3.0]), np.array([1.0, 2.0]), [Knock(2.5, 4.0)])
+    first = FollowedStretch(np.array([1.0, 1.5, 2.0]), np.array([5.0, 6.0, 7.0]), [Knock(1.2, 3.0)])
+    second = FollowedStretch(np.array([2.2, 3.0]), np.array([1.0, 2.0]), [Knock(2.5, 4.0)])
     found = joined([first, second], lambda phi1: np.full(phi1.shape, 0.1), TURN)
     assert found.at(np.array([1.25, 2.05, 2.15, 2.6, 3.5])) == pytest.approx([5.5, 0.1, 0.1, 1.5, 0.1])
     assert np.all(np.diff(found.phi1_rad) > 0.0)

@@ -30,7 +30,7 @@ from ncgear.numerics.jet import Jet
 from ncgear.project.drive import Drive
 
 if TYPE_CHECKING:
-    from ncgear.formulas.written import Written
+    from ncgear.formulas.written import WrittenPiece
 
 sympy = Later("sympy")
 checked, laws, linkages, printing, writing = (
@@ -92,12 +92,12 @@ def test_every_worked_design(name: str) -> None:
 # --- judges
 
 
-def numeric(piece: Written, expression: object) -> Callable[[np.ndarray], np.ndarray]:
+def numeric(piece: WrittenPiece, expression: object) -> Callable[[np.ndarray], np.ndarray]:
     """An expression of a piece as a function of arrays, by numpy."""
     return np.vectorize(sympy.lambdify(piece.variable, expression, "numpy"), otypes=[float])
 
 
-def inside(piece: Written, count: int = 7) -> np.ndarray:
+def inside(piece: WrittenPiece, count: int = 7) -> np.ndarray:
     """Places of a piece that neither the law nor the check has."""
     return np.random.default_rng(5).uniform(piece.start_rad, piece.end_rad, count)
 
@@ -221,7 +221,7 @@ def test_a_formula_that_differs_is_not_told(monkeypatch: pytest.MonkeyPatch, run
 # --- files of other languages
 
 
-def functions(found: Drive) -> dict[str, tuple[str, list[Written]]]:
+def functions(found: Drive) -> dict[str, tuple[str, list[WrittenPiece]]]:
     """The functions of a file, each with its quantity and the pieces that have it."""
     return {
         name: (of, [piece for piece in section.pieces if of in piece.quantities])

@@ -19,7 +19,7 @@ from ncgear.design.reading.design_file import load, parsed
 from ncgear.design.template import MachineName, machine_template
 from ncgear.errors import DesignError, NoSuchMechanism
 from ncgear.numerics.jet import Jet
-from ncgear.optimum.lengths import LengthSearch, Tried, Unknown, Values, least_with_any_lengths
+from ncgear.optimum.lengths import LengthSearch, TriedLaw, Unknown, Values, least_with_any_lengths
 from ncgear.optimum.makeable.wishes import Goal
 from ncgear.project.best_law import BestLaw
 from ncgear.project.drive import Drive
@@ -51,9 +51,9 @@ class OfNumbers(LengthSearch):
 
     cost: staticmethod
 
-    def _law(self, values: Values, start: object) -> Tried | None:
+    def _law(self, values: Values, start: object) -> TriedLaw | None:
         cost = self.cost(*values)
-        return None if cost == inf else Tried(values, None, cost)  # type: ignore[arg-type]
+        return None if cost == inf else TriedLaw(values, None, cost)  # type: ignore[arg-type]
 
 
 def chosen(cost: object, *unknowns: Unknown) -> Values:

@@ -27,8 +27,8 @@ from ncgear.figures.best_law import frontier_csv, frontier_figures, other_mechan
 from ncgear.figures.terminal import full_text
 from ncgear.files.searched import frontier_files
 from ncgear.optimum.family import (
-    Family,
-    Peak,
+    LawFamily,
+    PeakGoal,
     best_of_family,
 )
 from ncgear.optimum.frontier import FamilyPoint, LawPoint, caps_w, law_point, motion_of
@@ -94,13 +94,13 @@ def test_a_law_allowed_under_one_cap_is_allowed_under_every_higher_one() -> None
 def test_the_familys_motion_makes_the_law_it_says() -> None:
     """As the motion of a design file, by way of the schema; cheap starts, for any law will do."""
     task = task_of(design(), TrainInertia())
-    best = best_of_family(Family(task), Peak.ACCELERATION, 15_000.0, starts=1)
+    best = best_of_family(LawFamily(task), PeakGoal.ACCELERATION, 15_000.0, starts=1)
     said = {"motion": motion_of(best), "name": "again", "linkage": {"crank_mm": 380.0, "rod_mm": 960.0}}
     again = Design.model_validate({**said, "operation": {"speed_rpm": 60.0}, "resistance": RESISTANCE})
     found = GearsAsGiven(again).given_figures
     assert found is not None
-    assert found.peak_acceleration_mm_s2 == pytest.approx(best.peak(Peak.ACCELERATION), rel=1e-9)
-    assert found.peak_power_w == pytest.approx(best.peak(Peak.POWER), rel=1e-9)
+    assert found.peak_acceleration_mm_s2 == pytest.approx(best.peak(PeakGoal.ACCELERATION), rel=1e-9)
+    assert found.peak_power_w == pytest.approx(best.peak(PeakGoal.POWER), rel=1e-9)
 
 
 def heavy(knots: int = 16) -> Design:

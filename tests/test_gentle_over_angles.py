@@ -28,7 +28,7 @@ from ncgear.optimum.makeable.search import kept, scales, searched
 from ncgear.optimum.makeable.wishes import Wishes
 from ncgear.optimum.task import Limits, Task, figures
 from ncgear.ratio.laws.harmonic import harmonic_law
-from ncgear.ratio.transmission import Lobes, Train, single
+from ncgear.ratio.transmission import Lobes, PairsInSeries, single
 from ncgear.studio.handles import handles
 from ncgear.wishes.gentle_stop import GentleSpeed, GentleStop, GentleStretch
 from ncgear.wishes.requirements import DrivingRange, TimeWithin
@@ -52,7 +52,7 @@ ALL: list[GentleStretch] = [SLOW, STOP, AROUND]
 
 
 @cache
-def law_at_random(seed: int) -> Train:
+def law_at_random(seed: int) -> PairsInSeries:
     generator = np.random.default_rng([41, seed])
     cosine, sine = generator.normal(0.0, 0.25, (2, 3)) / np.arange(1.0, 4.0) ** 1.5
     return single(harmonic_law(cosine, sine, Lobes()))
@@ -63,7 +63,7 @@ def ratios_of(seed: int) -> np.ndarray:
     return 1.0 / law_at_random(seed).whole.driven_angle(np.linspace(0.0, TURN, 2000), 1).derivative(1)
 
 
-def moving(train: Train) -> Machine:
+def moving(train: PairsInSeries) -> Machine:
     return Machine(train.whole, LINKAGE, PolynomialResistance(), W)
 
 

@@ -34,7 +34,7 @@ from ncgear.project.best_law import Begun, BestLaw
 from ncgear.project.law_task import inertia_as_given
 from ncgear.ratio.laws.harmonic import harmonic_law
 from ncgear.ratio.laws.uniform import uniform_law
-from ncgear.ratio.transmission import Lobes, Train, single
+from ncgear.ratio.transmission import Lobes, PairsInSeries, single
 from ncgear.wishes.gentle_stop import GentleSpeed, GentleStop, GentleStretch
 from ncgear.wishes.requirements import DecelerationWithin
 
@@ -55,7 +55,7 @@ def even(linkage: Mechanism = YOKE) -> Machine:
     return Machine(uniform_law(Lobes()), linkage, PolynomialResistance(), W)
 
 
-def law_at_random(seed: int) -> Train:
+def law_at_random(seed: int) -> PairsInSeries:
     generator = np.random.default_rng([37, seed])
     cosine, sine = generator.normal(0.0, 0.25, (2, 3)) / np.arange(1.0, 4.0) ** 1.5
     return single(harmonic_law(cosine, sine, Lobes()))

@@ -14,7 +14,7 @@ from drives import design_of
 from ncgear.figures.advice.drivetrain_advice import around
 from ncgear.figures.advice.given_advice import without_effect
 from ncgear.figures.advice.values import ONLY_TEETH, Advice, Change, Kind
-from ncgear.figures.advice.verdict import Judged, Known, State
+from ncgear.figures.advice.verdict import JudgedCondition, KnownParts, State
 from ncgear.pitch.shape import Gear
 from ncgear.project.alternatives import changed_drive
 from ncgear.project.drive import Drive
@@ -165,7 +165,7 @@ def geared(**gears: Any) -> Drive:
     return Drive(design_of({"name": "marked", **motion, "gears": {**sizes, **gears}}))
 
 
-def rows_of(one: Drive, kind: Kind, known: Known = Known.TEETH) -> Judged:
+def rows_of(one: Drive, kind: Kind, known: KnownParts = KnownParts.TEETH) -> JudgedCondition:
     (found,) = verdict_on(kind, one, known).rows
     return found
 
@@ -181,7 +181,7 @@ def rows_of(one: Drive, kind: Kind, known: Known = Known.TEETH) -> Judged:
 )
 def test_an_index_hole_without_room_is_told_with_a_size_that_leaves_it_room(bodies: Data) -> None:
     one = geared(index_holes=True, **bodies)
-    assert rows_of(one, Kind.INDEX_HOLES, Known.MOTION).state is State.NOT_JUDGED
+    assert rows_of(one, Kind.INDEX_HOLES, KnownParts.MOTION).state is State.NOT_JUDGED
     (advice,) = rows_of(one, Kind.INDEX_HOLES).advices
     lacking = [gear for gear, plan in zip(Gear, one.finished_plans, strict=True) if plan.index_hole is None]
     names = " and ".join(gear.value for gear in lacking)
@@ -196,19 +196,19 @@ def test_an_index_hole_without_room_is_told_with_a_size_that_leaves_it_room(bodi
 
 def test_holes_that_have_room_or_are_not_asked_for_are_not_told() -> None:
     assert rows_of(geared(index_holes=True), Kind.INDEX_HOLES).state is State.KEPT
-    assert verdict_on(Kind.INDEX_HOLES, geared(driven={"bore_mm": 31}), Known.MOTION).rows == ()
+    assert verdict_on(Kind.INDEX_HOLES, geared(driven={"bore_mm": 31}), KnownParts.MOTION).rows == ()
 
 
 @pytest.mark.parametrize(("teeth", "idle"), [(26, True), (14, False)])
 def test_allowed_undercut_is_told_where_no_tooth_is_undercut(teeth: int, idle: bool) -> None:
     allowed = geared(teeth=teeth, undercut="allow")
     assert bool(allowed.teeth.driving.undercut) is not idle
-    assert rows_of(allowed, Kind.WITHOUT_EFFECT, Known.MOTION).state is State.NOT_JUDGED
+    assert rows_of(allowed, Kind.WITHOUT_EFFECT, KnownParts.MOTION).state is State.NOT_JUDGED
     told = [advice.what for advice in rows_of(allowed, Kind.WITHOUT_EFFECT).advices]
     assert told == ["gears.undercut is given without a tooth that would be undercut"] * idle
     avoided = geared(teeth=teeth, undercut="avoid")
     assert np.array_equal(allowed.teeth.driving.outline_mm, avoided.teeth.driving.outline_mm) is idle
-    assert rows_of(avoided, Kind.WITHOUT_EFFECT, Known.MOTION).state is State.KEPT
+    assert rows_of(avoided, Kind.WITHOUT_EFFECT, KnownParts.MOTION).state is State.KEPT
 
 
 # --- where bearings and the crank stand
@@ -283,7 +283,7 @@ def test_a_shaft_that_is_loose_in_its_bore_is_told_with_both_sizes(
     shaft = {**BEARINGS, "diameter_mm": shaft_mm, "steel": "C45"}
     gears = {**PUMP["gears"], name: {"bore_mm": bore_mm}}
     one = Drive(design_of({**PUMP, "gears": gears, "drivetrain": {f"{name}_shaft": shaft}}))
-    row = rows_of(one, Kind.DRIVETRAIN, Known.MOTION)
+    row = rows_of(one, Kind.DRIVETRAIN, KnownParts.MOTION)
     assert row.why == ONLY_TEETH
     if bore_mm is None or shaft_mm == bore_mm:
         assert row.advices == ()

@@ -39,7 +39,7 @@ from ncgear.solids.helical.patches import _interpolated, _sharing_edges
 from ncgear.solids.helical.sections import Pieces, Sections, pieces_of
 from ncgear.solids.helical.stack import (
     MOST_STEPS,
-    Columns,
+    ColumnPlaces,
     Stack,
     StrayLimits,
     close_columns,
@@ -351,7 +351,7 @@ def test_what_seems_to_stray_is_the_bend_across_the_outline(turned: float) -> No
     corners = np.exp(1j * (turned + np.arange(4) * pi / 2.0))
     heights = np.array([0.0, 1.0, 2.0])
     rings = (heights**2)[:, None, None] * np.stack([corners.real, corners.imag], axis=-1)
-    columns = Columns(np.zeros(4, dtype=int), np.arange(4.0))
+    columns = ColumnPlaces(np.zeros(4, dtype=int), np.arange(4.0))
     assert Stack(heights, columns, rings).seems_to_stray_mm() == pytest.approx([0.25, 0.25], rel=1e-12)
 
 
@@ -388,7 +388,7 @@ def test_ceilings_rise_from_the_lower_side_of_each_jump(lower: float) -> None:
 def test_a_bump_of_a_section_strays_after_the_column_before_it() -> None:
     """Of an upright square column, whose side has a bump of 0.3 mm out of it and another of 0.2 mm into it."""
     square = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 10.0], [0.0, 10.0]])
-    columns = Columns(np.arange(4), np.zeros(4))
+    columns = ColumnPlaces(np.arange(4), np.zeros(4))
     stack = Stack(np.array([0.0, 1.0]), columns, np.stack([square, square]))
     outline = np.insert(square, [1, 3], [[2.5, -0.3], [7.5, 9.8]], axis=0)
     pieces: Any = SimpleNamespace(points_mm=np.vstack([outline, outline[:1]]))
@@ -429,7 +429,7 @@ def test_columns_are_added_where_an_outline_strays_and_nowhere_else() -> None:
         np.append(length, length[-1] + 40.0),
         np.array([0.0, length[-1], length[-1] + 40.0]),
     )
-    found = close_columns(Columns(np.array([0, 1]), np.zeros(2)), [pieces, pieces], StrayLimits(0.1, 1e-3))
+    found = close_columns(ColumnPlaces(np.array([0, 1]), np.zeros(2)), [pieces, pieces], StrayLimits(0.1, 1e-3))
     ring = found.rings([pieces])[0]
     assert sagittas(found, pieces, ring).max() <= 0.1
     chords = np.count_nonzero(found.piece == 0)
@@ -439,7 +439,7 @@ def test_columns_are_added_where_an_outline_strays_and_nowhere_else() -> None:
 
 def test_columns_are_halved_where_they_are_marked_and_spread_as_wanted() -> None:
     """Half way to the next one or to the end of the piece; spread where one interval wants four parts."""
-    columns = Columns(np.array([0, 0, 1]), np.array([0.0, 0.5, 0.0]))
+    columns = ColumnPlaces(np.array([0, 0, 1]), np.array([0.0, 0.5, 0.0]))
     halved = columns.halved(np.array([False, True, True]))
     assert (halved.piece.tolist(), halved.share.tolist()) == ([0, 0, 0, 1, 1], [0.0, 0.5, 0.75, 0.0, 0.5])
     spread = columns.spread(np.array([3.8, 0.0, 0.5]))

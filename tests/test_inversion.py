@@ -15,7 +15,7 @@ from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.numerics.arrays import Array
 from ncgear.ratio.laws.three_segment import working_pieces
 from ncgear.ratio.transmission import Piece
-from ncgear.ratio.working_stroke import StrokeRequest, WorkingStroke, solved_stroke
+from ncgear.ratio.working_stroke import ClosedStroke, StrokeRequest, solved_stroke
 from oracles import stroke as oracle
 from test_stroke import AT_LAW_SPEED, BALER, NO_PRESSING
 
@@ -34,7 +34,7 @@ NEAR = np.array([1e-9, 1e-6, 1e-3])
 
 
 @cache
-def case(name: str) -> tuple[WorkingStroke, CrankSlider, oracle.Stroke]:
+def case(name: str) -> tuple[ClosedStroke, CrankSlider, oracle.Stroke]:
     """Stroke, linkage, and the oracle of the same float64 angles: theta4 is then the same number in both."""
     request, lengths = CASES[name]
     linkage = CrankSlider(*lengths)
@@ -45,7 +45,7 @@ def case(name: str) -> tuple[WorkingStroke, CrankSlider, oracle.Stroke]:
     return solved_stroke(request), linkage, exact
 
 
-def angles_of(stroke: WorkingStroke) -> Array:
+def angles_of(stroke: ClosedStroke) -> Array:
     """A grid, and points next to the dead centres and to both sides of the joints."""
     inner = [stroke.theta2_rad, stroke.theta3_rad]
     near = [NEAR, stroke.theta4_rad - NEAR, *(joint + side * NEAR for joint in inner for side in (-1.0, 1.0))]

@@ -23,7 +23,7 @@ from ncgear.project.drive import Drive
 from ncgear.project.jamming import backlash_needed, jamming_of
 from ncgear.project.tolerance import lot_of
 from ncgear.project.tolerance_limits import Process, left_of_backlash, limits_of, process_of, tolerances_of
-from ncgear.tolerances.estimate import Needed, Teeth, enough, needed, plays_of
+from ncgear.tolerances.estimate import EstimatedBacklash, Teeth, enough, needed, plays_of
 from ncgear.tolerances.study import Workers, assemblies_of, drawn_evenly
 
 SAMPLES = 2048
@@ -48,7 +48,7 @@ def drawn_needs(one: Drive) -> Array:
     return -np.minimum.reduce(left)
 
 
-def off(of_pairs: tuple[Needed, ...], drawn: Array) -> tuple[float, float]:
+def off(of_pairs: tuple[EstimatedBacklash, ...], drawn: Array) -> tuple[float, float]:
     """How far shares and the backlash that is enough are off those of drawn assemblies."""
     places = np.quantile(drawn, np.linspace(0.02, 0.99, 30))
     shares = [1.0 - np.prod([1.0 - one.jammed(given) for one in of_pairs]) for given in places]
@@ -152,7 +152,7 @@ def test_an_estimate_that_forgets_a_source_is_off(forgotten: str) -> None:
 @pytest.mark.slow
 def test_what_is_enough_is_enough_for_the_share_and_no_less() -> None:
     """By the share itself, with the confidence taken off: its backlash rises to nothing as numbers grow."""
-    own = Needed(np.linspace(-0.01, 0.02, 100_000), 0.004)
+    own = EstimatedBacklash(np.linspace(-0.01, 0.02, 100_000), 0.004)
     value = enough([own], 0.98)
     assert 1.0 - own.jammed(value) == pytest.approx(0.98, abs=2e-3)
     assert enough([own, own], 0.98) > value

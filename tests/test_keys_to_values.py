@@ -18,7 +18,7 @@ from ncgear.drivetrain.cycle import with_tooth_friction
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.mechanisms.resistance import _Slope
 from ncgear.numerics.jet import Jet
-from ncgear.optimum.outline.conditions import Limits
+from ncgear.optimum.outline.conditions import CurveLimits
 from ncgear.project.alternatives import (
     changed_drive,
     enough_teeth,
@@ -28,7 +28,7 @@ from ncgear.project.alternatives import (
     resized,
     steeper_rack,
 )
-from ncgear.project.bench import BenchStage, Trial, _motion, _pitch_curves, step_count
+from ncgear.project.bench import BenchStage, TimedStage, _motion, _pitch_curves, step_count
 from ncgear.project.drive import Drive
 from ncgear.project.forces import drive_line_of, mean_inertia, swinging_inertia
 from ncgear.project.free_lengths import _given
@@ -36,7 +36,7 @@ from ncgear.project.law import load_of
 from ncgear.project.law_task import _of_radius, _size_of
 from ncgear.project.moving_masses import TrainInertia, train_inertia
 from ncgear.project.outline_trial import Made, between, drawn_in
-from ncgear.tolerances.drawn import Limits as Deviations
+from ncgear.tolerances.drawn import DeviationLimits as Deviations
 
 pytestmark = pytest.mark.judges("project")
 
@@ -127,7 +127,7 @@ def made(refusal: NoSuchMechanism | None, lacking: list[tuple[float, float]], ar
     curve = Fake(arc_mm=arc_mm, length_mm=100.0, teeth=20, apart_mm=apart)
     meetings = np.arange(0.0, 100.0, 2.5)
     arcs, rows = np.full(meetings.size, arc), np.array(lacking).reshape(-1, 2)
-    return Made(curve, Limits(share=1.0), Fake(), {}, refusal, meetings, arcs, rows)
+    return Made(curve, CurveLimits(share=1.0), Fake(), {}, refusal, meetings, arcs, rows)
 
 
 SHORT = NoSuchMechanism("too short", key="gears.least_contact_ratio")
@@ -154,7 +154,7 @@ def test_limits_are_drawn_in_beside_what_lacks_and_eased_elsewhere_at_first() ->
     [(SHORT, 3, 5, 0), (SHORT, 3, 6, 1), (SHORT, 9, 2, 1), (CLASH, 1, 1, 0), (CLASH, 1, 2, 1)],
 )
 def test_slopes_are_drawn_in_after_some_refusals(refusal: Any, count: int, refusals: int, rounder: int) -> None:
-    before = Limits()
+    before = CurveLimits()
     after = drawn_in(made(refusal, [(10.0 * place, 0.05) for place in range(count)]), refusals)
     assert after.steepest_rad == pytest.approx(before.steepest_rad * 0.85**rounder)
     assert after.nearest == pytest.approx(min(before.nearest + 0.05 * rounder, 0.35))
@@ -162,7 +162,7 @@ def test_slopes_are_drawn_in_after_some_refusals(refusal: Any, count: int, refus
 
 def test_limits_between_a_pair_that_was_made_and_one_that_was_not() -> None:
     kept, refused = made(None, []), made(CLASH, [])
-    wider = Made(refused.curve, Limits(steepest_rad=1.0, nearest=0.3, share=1.2), Fake(), {}, CLASH)
+    wider = Made(refused.curve, CurveLimits(steepest_rad=1.0, nearest=0.3, share=1.2), Fake(), {}, CLASH)
     found = between(kept, wider)
     assert (found.share, found.steepest_rad, found.nearest) == (
         pytest.approx(1.1),
@@ -170,7 +170,7 @@ def test_limits_between_a_pair_that_was_made_and_one_that_was_not() -> None:
         pytest.approx((0.3 + kept.limits.nearest) / 2.0),
     )
     assert between(kept, None).share == pytest.approx(1.05**2)
-    eased = Made(kept.curve, Limits(share=1.25), Fake(), {})
+    eased = Made(kept.curve, CurveLimits(share=1.25), Fake(), {})
     assert between(eased, None).share == 1.3
 
 
@@ -248,7 +248,7 @@ def test_errors_of_samples_and_chords_fall_with_the_square_of_their_number() -> 
     assert curves.asked == one.chord_tolerance_mm
     assert [curves.recommended.error <= curves.asked, curves.trials[0].error > curves.asked] == [True, True]
     tried = BenchStage(
-        "", "", "mm", "", "", "", "", 0.02, "", 0.0, (Trial(0.4, 0.0, 0.16, 1), Trial(0.1, 0.0, 0.01, 1))
+        "", "", "mm", "", "", "", "", 0.02, "", 0.0, (TimedStage(0.4, 0.0, 0.16, 1), TimedStage(0.1, 0.0, 0.01, 1))
     )
     assert tried.order == pytest.approx(2.0)
     assert step_count(one) == 5

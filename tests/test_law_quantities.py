@@ -19,7 +19,7 @@ from ncgear.optimum.certified.demands import Demands
 from ncgear.optimum.certified.sweeps import Sweeps, SweptLimits
 from ncgear.optimum.makeable import levels, quantities
 from ncgear.optimum.makeable.places import cell_ends, places
-from ncgear.optimum.makeable.quantities import Place, Slider
+from ncgear.optimum.makeable.quantities import RatioPlace, Slider
 from ncgear.optimum.makeable.reached import over_turn, peaks, running
 from ncgear.optimum.outline.phases import best_phases
 from ncgear.optimum.task import GearSize, Task
@@ -54,9 +54,9 @@ def by_time(of: Any, speed: float = SPEED) -> Any:
     return lambda phi: speed / ratio(phi) * mp.diff(of, phi)
 
 
-def place(of: Any) -> Place:
+def place(of: Any) -> RatioPlace:
     log = [float(mp.diff(lambda phi: mp.log(of(phi)), AT, order)) for order in range(3)]
-    return Place(log[0], float(of(AT)), 1.0 / float(of(AT)), log[1], log[2])
+    return RatioPlace(log[0], float(of(AT)), 1.0 / float(of(AT)), log[1], log[2])
 
 
 def slider(**more: float) -> Slider:

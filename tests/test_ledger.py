@@ -23,10 +23,10 @@ from ncgear.papers.entry import (
     Below,
     Computed,
     Entry,
+    Finding,
     Paper,
     Printed,
     Relation,
-    Verdict,
     computed,
     from_readings,
     half_step,
@@ -133,7 +133,7 @@ def test_the_other_verdict_is_refused() -> None:
     computed = [entry for entry in ENTRIES if entry.compute]
     assert len(computed) > 100
     for entry in computed:
-        other = Verdict.NOT_REPRODUCIBLE if entry.verdict in AGREEING else Verdict.REPRODUCED
+        other = Finding.NOT_REPRODUCIBLE if entry.verdict in AGREEING else Finding.REPRODUCED
         with pytest.raises(Contradicted):
             judged(replace(entry, verdict=other, words="typed"))
 
@@ -158,16 +158,16 @@ def test_what_is_printed_comes_out_and_another_last_digit_is_refused(entry: Entr
 
 
 def test_what_is_off_by_more_than_rounding_has_words() -> None:
-    assert all(entry.words for entry in ENTRIES if entry.verdict is not Verdict.REPRODUCED)
+    assert all(entry.words for entry in ENTRIES if entry.verdict is not Finding.REPRODUCED)
     with pytest.raises(ValueError, match="without a word"):
-        Entry("eq. 1", "x", Relation(), Verdict.NOT_REPRODUCIBLE, lambda: computed(1.0))
+        Entry("eq. 1", "x", Relation(), Finding.NOT_REPRODUCIBLE, lambda: computed(1.0))
     with pytest.raises(ValueError, match="nothing is computed"):
-        Entry("eq. 1", "x", Relation(), Verdict.REPRODUCED)
+        Entry("eq. 1", "x", Relation(), Finding.REPRODUCED)
 
 
 def test_what_is_made_of_printed_numbers_is_right_or_wrong() -> None:
     """One rule: no sum or quotient of printed numbers is held to be read, given back, or short of data."""
-    for verdict in (Verdict.UNDER_READING, Verdict.GIVEN_BACK, Verdict.NEEDS_DATA):
+    for verdict in (Finding.UNDER_READING, Finding.GIVEN_BACK, Finding.NEEDS_DATA):
         with pytest.raises(ValueError, match="of printed numbers"):
             Entry("eq. 1", "x", Printed(("1",)), verdict, lambda: computed(1.0), "words", of_printed=True)
 
@@ -270,40 +270,40 @@ def test_the_gear_balers_reading_is_the_design_file() -> None:
     ("title", "what", "verdict", "values"),
     [
         # Computed apart from this program before any of it was written
-        (BALER, "largest power", Verdict.FITTED, "6315"),
-        (BALER, "largest power at the speed at which v1 and v2 hold", Verdict.NOT_REPRODUCIBLE, "16675"),
-        (BALER, "largest acceleration, in the working stroke", Verdict.GIVEN_BACK, "1500.0"),
-        (BALER, "centre distance, from teeth and module", Verdict.NOT_REPRODUCIBLE, "74.885"),
-        (BALER, "power saved", Verdict.REPRODUCED, "66.4"),
-        (CHASSIS, "counterweight beyond the crank pin, and mass at the pin", Verdict.REPRODUCED, "182.0 247.0"),
-        (CHASSIS, "counterweight beyond the crank axis", Verdict.FITTED, "261.82"),
-        (CHASSIS, "weight against the slider's inertia", Verdict.FITTED, "4.86"),
-        (CHASSIS, "weight against the slider's largest inertia force", Verdict.NOT_REPRODUCIBLE, "13.6"),
-        (CHASSIS, "weight against the dead weight", Verdict.REPRODUCED, "259.05"),
-        (CHASSIS, "two terms for the exact acceleration of this linkage", Verdict.NOT_REPRODUCIBLE, "0.043"),
-        (DRUM, "range of the weight's amplitude, at 700 r/min", Verdict.REPRODUCED, "0.0743 0.2136"),
-        (DRUM, "largest amplitude of the tight side", Verdict.REPRODUCED, "2.045"),
+        (BALER, "largest power", Finding.FITTED, "6315"),
+        (BALER, "largest power at the speed at which v1 and v2 hold", Finding.NOT_REPRODUCIBLE, "16675"),
+        (BALER, "largest acceleration, in the working stroke", Finding.GIVEN_BACK, "1500.0"),
+        (BALER, "centre distance, from teeth and module", Finding.NOT_REPRODUCIBLE, "74.885"),
+        (BALER, "power saved", Finding.REPRODUCED, "66.4"),
+        (CHASSIS, "counterweight beyond the crank pin, and mass at the pin", Finding.REPRODUCED, "182.0 247.0"),
+        (CHASSIS, "counterweight beyond the crank axis", Finding.FITTED, "261.82"),
+        (CHASSIS, "weight against the slider's inertia", Finding.FITTED, "4.86"),
+        (CHASSIS, "weight against the slider's largest inertia force", Finding.NOT_REPRODUCIBLE, "13.6"),
+        (CHASSIS, "weight against the dead weight", Finding.REPRODUCED, "259.05"),
+        (CHASSIS, "two terms for the exact acceleration of this linkage", Finding.NOT_REPRODUCIBLE, "0.043"),
+        (DRUM, "range of the weight's amplitude, at 700 r/min", Finding.REPRODUCED, "0.0743 0.2136"),
+        (DRUM, "largest amplitude of the tight side", Finding.REPRODUCED, "2.045"),
         # 0.483 mm/s at 209 deg, weight 0.2136 mm/s: 0.483 cos 29 + 0.2136 sin 60 + 2.0449 cos 15
-        (DRUM, "largest amplitude of the slack side, with two slips at 300 deg", Verdict.FITTED, "2.58"),
-        (CHASSIS, "largest amplitude without the weight", Verdict.NOT_REPRODUCIBLE, "7.56"),
-        (CHASSIS, "points that move least", Verdict.NOT_REPRODUCIBLE, "5 6 7"),
-        (SIEVE, "pan: counterweight", Verdict.REPRODUCED, "5.40 6.11"),
-        (SIEVE, "sieve: counterweight, from the printed masses", Verdict.REPRODUCED, "16.64 20.04"),
-        (SIEVE, "sieve: counterweight, from its dimensions", Verdict.NOT_REPRODUCIBLE, "16.88 20.28"),
-        (SIEVE, "eta1 at 45 deg", Verdict.NOT_REPRODUCIBLE, "0.714"),
-        (SIEVE, "eta1 at 90 deg", Verdict.UNDER_READING, "0.653"),
-        (SIEVE, "eta1 at 0 deg", Verdict.NOT_REPRODUCIBLE, "0.845"),
-        (SIEVE, "eta2 at 45 deg", Verdict.NOT_REPRODUCIBLE, "0.742"),
-        (SIEVE, "eta2 at 0 deg", Verdict.NOT_REPRODUCIBLE, "0.742"),
-        (LINES, "semi-minor axis, turning about the centre", Verdict.NOT_REPRODUCIBLE, "17.207"),
-        (LINES, "semi-minor axis, axis at x = 4", Verdict.UNDER_READING, "16.733"),
-        (LINES, "semi-minor axis, axis at y = -4", Verdict.UNDER_READING, "16.911"),
-        (LINES, "semi-minor axis, axis at x = 4, y = -4", Verdict.UNDER_READING, "16.440"),
-        (SHAPED, "module at the printed centre distance", Verdict.NOT_REPRODUCIBLE, "4.9231"),
-        (SHAPED, "centre distance at the printed module", Verdict.REPRODUCED, "149.620"),
+        (DRUM, "largest amplitude of the slack side, with two slips at 300 deg", Finding.FITTED, "2.58"),
+        (CHASSIS, "largest amplitude without the weight", Finding.NOT_REPRODUCIBLE, "7.56"),
+        (CHASSIS, "points that move least", Finding.NOT_REPRODUCIBLE, "5 6 7"),
+        (SIEVE, "pan: counterweight", Finding.REPRODUCED, "5.40 6.11"),
+        (SIEVE, "sieve: counterweight, from the printed masses", Finding.REPRODUCED, "16.64 20.04"),
+        (SIEVE, "sieve: counterweight, from its dimensions", Finding.NOT_REPRODUCIBLE, "16.88 20.28"),
+        (SIEVE, "eta1 at 45 deg", Finding.NOT_REPRODUCIBLE, "0.714"),
+        (SIEVE, "eta1 at 90 deg", Finding.UNDER_READING, "0.653"),
+        (SIEVE, "eta1 at 0 deg", Finding.NOT_REPRODUCIBLE, "0.845"),
+        (SIEVE, "eta2 at 45 deg", Finding.NOT_REPRODUCIBLE, "0.742"),
+        (SIEVE, "eta2 at 0 deg", Finding.NOT_REPRODUCIBLE, "0.742"),
+        (LINES, "semi-minor axis, turning about the centre", Finding.NOT_REPRODUCIBLE, "17.207"),
+        (LINES, "semi-minor axis, axis at x = 4", Finding.UNDER_READING, "16.733"),
+        (LINES, "semi-minor axis, axis at y = -4", Finding.UNDER_READING, "16.911"),
+        (LINES, "semi-minor axis, axis at x = 4, y = -4", Finding.UNDER_READING, "16.440"),
+        (SHAPED, "module at the printed centre distance", Finding.NOT_REPRODUCIBLE, "4.9231"),
+        (SHAPED, "centre distance at the printed module", Finding.REPRODUCED, "149.620"),
     ],
 )
-def test_figures_that_were_computed_independently(title: str, what: str, verdict: Verdict, values: str) -> None:
+def test_figures_that_were_computed_independently(title: str, what: str, verdict: Finding, values: str) -> None:
     paper = next(paper for paper in PAPERS if paper.title == title)
     found = judged(next(entry for entry in paper.entries if entry.what == what))
     assert found.entry.verdict is verdict
@@ -325,7 +325,7 @@ def test_figures_that_were_computed_independently(title: str, what: str, verdict
 )
 def test_counts(title: str, counts: tuple[int, ...]) -> None:
     paper = next(paper for paper in PAPERS if paper.title == title)
-    assert tuple(judgement(paper).count(verdict) for verdict in Verdict) == counts
+    assert tuple(judgement(paper).count(verdict) for verdict in Finding) == counts
 
 
 def test_spectra_have_lines() -> None:

@@ -16,7 +16,7 @@ from ncgear.strength.conditions import Conditions, Running
 from ncgear.strength.contacts import FlankPlaces, LoadedContacts
 from ncgear.strength.endurance import materials_of
 from ncgear.strength.life import (
-    Meetings,
+    ToothMeetings,
     alternating_mpa,
     meetings_of,
     rated_for_pitting,
@@ -58,10 +58,10 @@ ENDURED = EnduredStress(
 """Its curve; the example goes on above the static stress of 1e5 cycles to 90 500 cycles."""
 
 
-def met(flank: object, stress: object) -> Meetings:
+def met(flank: object, stress: object) -> ToothMeetings:
     """Meetings of flanks with stresses that count as they are."""
     stresses = np.asarray(stress, dtype=float)
-    return Meetings(np.asarray(flank), stresses, np.zeros(stresses.size), stresses)
+    return ToothMeetings(np.asarray(flank), stresses, np.zeros(stresses.size), stresses)
 
 
 @pytest.mark.judges("strength")

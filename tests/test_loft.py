@@ -25,7 +25,7 @@ from ncgear.solids.helical import stack as stack_module
 from ncgear.solids.helical.mesh import lofted
 from ncgear.solids.helical.sections import PER_TOOTH, Pieces, pieces_of
 from ncgear.solids.helical.stack import (
-    Columns,
+    ColumnPlaces,
     Stack,
     StrayLimits,
     close_columns,
@@ -139,7 +139,7 @@ def test_distances_are_measured_from_both_sides() -> None:
     plain = star(0.0, 4000)
     spiked = plain.copy()
     spiked[777] *= 1.1
-    columns = Columns(np.arange(4000), np.zeros(4000))
+    columns = ColumnPlaces(np.arange(4000), np.zeros(4000))
     for ring, outline in ((spiked, plain), (plain, spiked)):
         section = Pieces(np.concatenate([outline, outline[:1]]), np.arange(4001.0), np.arange(4001.0))
         strays = Stack(np.array([0.0, 1.0]), columns, np.stack([ring, ring])).strays_mm(np.array([0]), [section])[0]
@@ -198,7 +198,7 @@ def test_an_outline_that_is_not_its_gears_is_noticed() -> None:
 LIMITS = StrayLimits(0.003, 0.002)
 
 
-def brute_sagitta(section: Pieces, columns: Columns) -> float:
+def brute_sagitta(section: Pieces, columns: ColumnPlaces) -> float:
     """Largest distance of the outline from the polygon through the columns."""
     ring = columns.rings([section])[0]
     return float(shapely.distance(shapely.linearrings(ring), shapely.points(section.points_mm)).max())
@@ -217,7 +217,9 @@ def test_columns_keep_the_limits_on_every_section() -> None:
     assert twists(rings).max() <= LIMITS.twist_mm
     assert np.all(twists(rings) <= across.max(axis=0) + 1e-12)
     # And not many more than it takes: half as many do not keep them.
-    half = Columns(columns.piece[::2], np.where(np.diff(columns.piece[::2], prepend=-1) > 0, 0.0, columns.share[::2]))
+    half = ColumnPlaces(
+        columns.piece[::2], np.where(np.diff(columns.piece[::2], prepend=-1) > 0, 0.0, columns.share[::2])
+    )
     assert max(brute_sagitta(section, half) for section in sections) > LIMITS.sagitta_mm
 
 
@@ -243,7 +245,7 @@ def test_limits_that_no_halving_keeps_are_a_fault(monkeypatch: pytest.MonkeyPatc
 def test_columns_stay_in_order(wanted: list[list[float]]) -> None:
     piece = np.repeat(np.arange(len(wanted)), [len(own) for own in wanted])
     share = np.concatenate([np.arange(len(own)) / len(own) for own in wanted])
-    columns = Columns(piece, share)
+    columns = ColumnPlaces(piece, share)
     flat = np.concatenate([np.array(own) for own in wanted])
     for made in (columns.spread(flat), columns.halved(flat > 1.0)):
         assert np.all((made.share >= 0.0) & (made.share < 1.0))
@@ -260,7 +262,7 @@ def test_sagittas_of_a_circle() -> None:
     fine = 100.0 * np.column_stack([np.cos(t := np.linspace(0.0, 2.0 * pi, 3601)), np.sin(t)])
     length = np.arange(3601) * 200.0 * sin(pi / 3600)
     circle = Pieces(fine, length, np.array([0.0, length[-1]]))
-    columns = Columns(np.zeros(12, dtype=int), np.arange(12) / 12)
+    columns = ColumnPlaces(np.zeros(12, dtype=int), np.arange(12) / 12)
     np.testing.assert_allclose(
         sagittas(columns, circle, columns.rings([circle])[0]), 100.0 * (1.0 - np.cos(pi / 12)), rtol=1e-6
     )

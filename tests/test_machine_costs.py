@@ -380,11 +380,11 @@ def test_faces_are_widened_until_teeth_hold(monkeypatch: pytest.MonkeyPatch) -> 
 def test_the_price_of_a_wish_is_what_is_needed_more_with_it(monkeypatch: pytest.MonkeyPatch) -> None:
     """The dearest first; less than half a percent, and what no law was found for, is not told."""
     needed = {
-        "": wish_prices.Needed(12.0, 5000.0),
-        "a": wish_prices.Needed(10.0, 5000.0),
-        "b": wish_prices.Needed(12.0, 4000.0),
-        "c": wish_prices.Needed(11.95, 4990.0),
-        "d": wish_prices.Needed(6.0, inf),
+        "": wish_prices.NeededPower(12.0, 5000.0),
+        "a": wish_prices.NeededPower(10.0, 5000.0),
+        "b": wish_prices.NeededPower(12.0, 4000.0),
+        "c": wish_prices.NeededPower(11.95, 4990.0),
+        "d": wish_prices.NeededPower(6.0, inf),
     }
     monkeypatch.setattr(wish_prices, "wish_keys", lambda text: list("abcd"))
     monkeypatch.setattr(wish_prices, "finished", lambda function, keys, *where: needed.items())
@@ -439,7 +439,7 @@ def test_machines_are_told_in_their_own_units() -> None:
     search.made = [machine(cost=3.0), machine(cost=9.0, peak_power_w=15.0, gear_volume_mm3=4e6)]
     limit = limits.MachineLimit(4000.0, 0.25, 1e6, 0.6)
     price = wish_prices.WishPrice("optimize.limits.ratio_max", 0.17, -0.2)
-    found = replace(search.found, limits=limits.Limits(12.5, 0.6, (limit, limit)), prices=(price,))
+    found = replace(search.found, limits=limits.ProvenLimits(12.5, 0.6, (limit, limit)), prices=(price,))
     assert [one.figures.peak_power_w for one in found.machines] == [15.0, 20.0]
     assert found.recommended == 1
     told = {row.name: row.texts for row in machines_answer(found).rows}

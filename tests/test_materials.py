@@ -42,7 +42,7 @@ from ncgear.strength.endurance import (
     root_roughness_factor,
     root_size_factor,
 )
-from ncgear.strength.material import EnduredStress, Family, Material
+from ncgear.strength.material import EnduredStress, Material, MaterialFamily
 from ncgear.strength.materials import ASSUMED, ROWS, TABLE, Choice, Ferrous, Plastic, assumed_choice
 from ncgear.strength.plastics import creep_factor, flank_limit_mpa, friction, lost_w, root_limit_mpa, temperatures_of
 
@@ -187,7 +187,7 @@ def test_every_material_has_a_curve_that_never_rises(name: str, lubrication: str
             assert np.all(np.diff(curve.stress_mpa) <= 0.0)
             assert np.all(curve.stress_mpa > 0.0)
     assert found.source
-    if found.family is not Family.PLASTIC:
+    if found.family is not MaterialFamily.PLASTIC:
         assert (found.contact is None) == (lubrication == "dry")
 
 

@@ -32,7 +32,7 @@ from ncgear.metrology.deviations import deviations
 from ncgear.metrology.exact_outline import FLANK_CURVE, TIP_LAND_CURVE, ExactOutline, exact_outline
 from ncgear.numerics.plane import as_complex, as_points
 from ncgear.pitch.shape import Gear
-from ncgear.project.compared import ComparedPair, Fit, compared_gear, compared_pair
+from ncgear.project.compared import ComparedPair, FittedQuantities, compared_gear, compared_pair
 from ncgear.teeth.gear import ToothedGear
 
 OF_FLANK = 12
@@ -186,7 +186,7 @@ class TestPointsThatStandAlone:
     def test_they_are_named_and_the_gear_is_as_without_them(self) -> None:
         points, flank, given, rows = spiked()
         outlines = {gear: outline_of("asymmetric-ellipse", gear) for gear in Gear}
-        one = compared_gear(outlines, Gear.DRIVING, file_of(points), Fit.ROTATION, 0.0)
+        one = compared_gear(outlines, Gear.DRIVING, file_of(points), FittedQuantities.ROTATION, 0.0)
         assert np.flatnonzero(one.fit.alone).tolist() == rows.tolist()
         named = alone_points(one)
         assert sorted(point.line - 1 for point in named) == rows.tolist()
@@ -293,7 +293,7 @@ class TestPointsThatStandAlone:
         judged = are_judged(outline, outline.feet(points))
         assert judged.tolist() == [*(flank[~few] != 4), False]
         outlines = {gear: outline_of("asymmetric-ellipse", gear) for gear in Gear}
-        one = compared_gear(outlines, Gear.DRIVING, file_of(points), Fit.ROTATION, 0.0)
+        one = compared_gear(outlines, Gear.DRIVING, file_of(points), FittedQuantities.ROTATION, 0.0)
         assert gear_figures(one)["points_not_judged"] == 3
 
     @pytest.mark.slow
@@ -302,7 +302,7 @@ class TestPointsThatStandAlone:
         for count, said in ((2, True), (3, False)):
             at, _, normal = flank_points(own.teeth.driving, count)
             at[7] += 0.12 * normal[7]
-            pair = compared_pair(own, {Gear.DRIVING: file_of(at)}, Fit.ROTATION, 0.0)
+            pair = compared_pair(own, {Gear.DRIVING: file_of(at)}, FittedQuantities.ROTATION, 0.0)
             assert not_judged(pair) == (f"{FEW}: {at.size} of the driving gear" if said else "")
             assert pair.gears[0].fit.alone.any() != said
 
@@ -317,7 +317,7 @@ class TestPointsThatStandAlone:
             share = np.linspace(0.4, 0.6, count)
             on, slope = outline.at(np.full(count, land), share)
             on[0] -= 0.12j * outline.material * slope[0] / abs(slope[0])
-            pair = compared_pair(own, {Gear.DRIVING: file_of(np.append(at, on))}, Fit.ROTATION, 0.0)
+            pair = compared_pair(own, {Gear.DRIVING: file_of(np.append(at, on))}, FittedQuantities.ROTATION, 0.0)
             assert not_judged(pair) == (f"{FEW}: 2 of the driving gear" if said else "")
             assert pair.gears[0].fit.alone.any() != said
 
@@ -337,7 +337,7 @@ class TestPointsThatStandAlone:
         at, _, normal = flank_points(own.teeth.driving, 14)
         for every, said in ((7, True), (28, False)):
             rows = np.arange(at.size) % every == 3
-            pair = compared_pair(own, {Gear.DRIVING: file_of(at + 0.1 * rows * normal)}, Fit.ROTATION, 0.0)
+            pair = compared_pair(own, {Gear.DRIVING: file_of(at + 0.1 * rows * normal)}, FittedQuantities.ROTATION, 0.0)
             told = f"where over 5 % stand off, which all count: {np.count_nonzero(rows)} of the driving gear"
             assert not_judged(pair) == (f"Not judged: whether points stand alone {told}" if said else "")
             assert pair.gears[0].fit.alone.any() != said
@@ -347,7 +347,7 @@ FEW = "Not judged: whether points stand alone on flanks, roots and tip lands wit
 
 
 def not_judged(pair: ComparedPair) -> str:
-    return compared_answer(pair, "ellipse", Fit.ROTATION, "").not_judged
+    return compared_answer(pair, "ellipse", FittedQuantities.ROTATION, "").not_judged
 
 
 @pytest.mark.slow
@@ -530,7 +530,7 @@ class TestForeignPoints:
     def said_of(points: np.ndarray, gear: Gear = Gear.DRIVING) -> str:
         outlines = {one: outline_of("asymmetric-ellipse", one) for one in Gear}
         with pytest.raises(WrongInput) as error:
-            compared_gear(outlines, gear, file_of(points), Fit.ROTATION, 0.0)
+            compared_gear(outlines, gear, file_of(points), FittedQuantities.ROTATION, 0.0)
         return str(error.value)
 
     @pytest.mark.long
@@ -562,7 +562,7 @@ def pair(thick: int) -> ComparedPair:
     if thick:
         given[Gear.DRIVING][2 * thick - 2 : 2 * thick] = 0.05
     files = {gear: file_of(dense(own.teeth.of(gear), given[gear])) for gear in Gear}
-    return compared_pair(own, files, Fit.ROTATION, 0.0)
+    return compared_pair(own, files, FittedQuantities.ROTATION, 0.0)
 
 
 @pytest.mark.slow

@@ -26,7 +26,7 @@ from ncgear.design.words import LONGEST_DESCRIPTION, ending_in
 from ncgear.errors import DesignError, NoSuchMechanism, Unanswered, WrongInput
 from ncgear.figures.mended import SUFFIX, mended_design, tried_words
 from ncgear.project.drive import Drive
-from ncgear.project.mending import Kind, Mend, Mending, Way, mending, refusal_of_teeth, ways
+from ncgear.project.mending import Mend, Mending, MendingSubject, MendingWay, mending, refusal_of_teeth, ways
 from ncgear.teeth.form import BasicRack
 
 Data = dict[str, Any]
@@ -142,8 +142,12 @@ def test_8_teeth_at_20_degrees_cannot_hold_contact_whatever_cuts_them() -> None:
     assert 8.0 * tan(radians(20.0)) / pi < 1.0
     search = searched("8 teeth")
     assert search is not None
-    at_20 = [way for way in search.failed if Kind.STEEPER not in way.kinds]
-    assert {kind for way in at_20 for kind in way.kinds} == {Kind.MATE, Kind.SHIFTED, Kind.UNDERCUT}
+    at_20 = [way for way in search.failed if MendingSubject.STEEPER not in way.kinds]
+    assert {kind for way in at_20 for kind in way.kinds} == {
+        MendingSubject.MATE,
+        MendingSubject.SHIFTED,
+        MendingSubject.UNDERCUT,
+    }
 
 
 @pytest.mark.slow
@@ -189,7 +193,7 @@ def test_a_refusal_that_remains_names_all_that_was_tried() -> None:
     search = searched(name)
     assert search is not None
     assert search.found is None
-    alone = [way for way in search.failed if way.kinds == (Kind.FINER,)]
+    alone = [way for way in search.failed if way.kinds == (MendingSubject.FINER,)]
     assert max(way.changes["gears.teeth"] for way in alone) == 10 * CASES[name]["gears"]["teeth"]
     others = tuple(way for way in search.failed if way not in alone)
     assert others == tuple(way for equals in ways(drive_of(CASES[name])) for way in equals)
@@ -207,12 +211,24 @@ def _is_told(key: str, value: Any) -> bool:
 
 def test_words_for_all_ways() -> None:
     alike = [
-        Way((Kind.ROOT_RADIUS,), {"gears.rack.root_radius": 0.31}),
-        Way((Kind.STEEPER, Kind.MATE), {"gears.rack.pressure_angle_deg": 25.0, "gears.cutter.kind": "mate"}),
-        Way((Kind.SHIFTED,), {"gears.profile_shift.driven": None, "gears.profile_shift.against_undercut": True}),
-        Way((Kind.SHIFTED,), {"gears.profile_shift.driving": -0.3}),
-        Way((Kind.FINER, Kind.UNDERCUT), {"gears.teeth": 12, "gears.module_mm": 2.5, "gears.undercut": "allow"}),
-        Way((Kind.FINER, Kind.UNDERCUT), {"gears.teeth": 24, "gears.module_mm": 1.25, "gears.undercut": "allow"}),
+        MendingWay((MendingSubject.ROOT_RADIUS,), {"gears.rack.root_radius": 0.31}),
+        MendingWay(
+            (MendingSubject.STEEPER, MendingSubject.MATE),
+            {"gears.rack.pressure_angle_deg": 25.0, "gears.cutter.kind": "mate"},
+        ),
+        MendingWay(
+            (MendingSubject.SHIFTED,),
+            {"gears.profile_shift.driven": None, "gears.profile_shift.against_undercut": True},
+        ),
+        MendingWay((MendingSubject.SHIFTED,), {"gears.profile_shift.driving": -0.3}),
+        MendingWay(
+            (MendingSubject.FINER, MendingSubject.UNDERCUT),
+            {"gears.teeth": 12, "gears.module_mm": 2.5, "gears.undercut": "allow"},
+        ),
+        MendingWay(
+            (MendingSubject.FINER, MendingSubject.UNDERCUT),
+            {"gears.teeth": 24, "gears.module_mm": 1.25, "gears.undercut": "allow"},
+        ),
     ]
     assert tried_words(alike) == (
         "a root radius of 0.31; a rack of 25 deg with the mate as tool; profile shift against undercut or -0.3; "
@@ -222,10 +238,10 @@ def test_words_for_all_ways() -> None:
 
 def test_fewer_changes_come_first_and_more_teeth_last() -> None:
     kinds = [equals[0].kinds for equals in ways(drive_of(CASES["fitted radius"]))]
-    assert kinds[0] == (Kind.ROOT_RADIUS,)
-    kept = [one for one in kinds if Kind.FINER not in one]
+    assert kinds[0] == (MendingSubject.ROOT_RADIUS,)
+    kept = [one for one in kinds if MendingSubject.FINER not in one]
     assert [len(one) for one in kept] == sorted(len(one) for one in kept)
-    assert kinds == kept + [one for one in kinds if Kind.FINER in one]
+    assert kinds == kept + [one for one in kinds if MendingSubject.FINER in one]
 
 
 def test_every_way_has_a_root_radius_that_fits() -> None:
@@ -249,7 +265,7 @@ def test_more_teeth_keep_the_centre_distance_and_whole_numbers() -> None:
     counts = []
     for equals in ways(drive):
         for way in equals:
-            if Kind.FINER in way.kinds:
+            if MendingSubject.FINER in way.kinds:
                 pitch = drive_of(with_changes(data, way.changes)).pitch
                 assert pitch.center_distance_mm == pytest.approx(drive.pitch.center_distance_mm, rel=1e-12)
                 counts.append(pitch.size.driving_teeth)
@@ -263,7 +279,7 @@ def test_of_equal_ways_the_one_of_most_contact_is_taken() -> None:
     search = mending(drive_of(data))
     assert search is not None
     assert search.found is not None
-    assert search.found.way.kinds == (Kind.STEEPER,)
+    assert search.found.way.kinds == (MendingSubject.STEEPER,)
     rivals = [
         drive_of(with_changes(data, {"gears.rack.pressure_angle_deg": angle})).designed_contact.contact_ratio
         for angle in (22.5, 25.0)
@@ -431,7 +447,7 @@ def test_a_mended_file_has_its_points_in_itself(tmp_path: Path) -> None:
     """A file of points stays beside the old design file."""
     feeder = (ROOT / "designs" / "feeder-table.yaml").read_text()
     loaded = parsed(feeder, ROOT / "designs" / "feeder-table.yaml")
-    way = Way((Kind.FINER,), {"gears.teeth": 60})
+    way = MendingWay((MendingSubject.FINER,), {"gears.teeth": 60})
     again = parsed(mended_design(loaded, Mend(way, Drive(loaded.design))), tmp_path / "elsewhere.yaml").design
     assert again.gears is not None
     assert again.gears.teeth == 60
@@ -490,4 +506,6 @@ def test_backlash_that_is_not_the_cause_is_not_blamed() -> None:
     search = mending(drive_of(data))
     assert search is not None
     assert search.refusal.key != "gears.backlash_mm"
-    assert [way.changes for way in search.failed if Kind.BACKLASH in way.kinds] == [{"gears.backlash_mm": 0.005}]
+    assert [way.changes for way in search.failed if MendingSubject.BACKLASH in way.kinds] == [
+        {"gears.backlash_mm": 0.005}
+    ]

@@ -13,7 +13,7 @@ from drives import drive_of_text
 from ncgear.dynamics import motion_in_time
 from ncgear.errors import NoSuchMechanism
 from ncgear.figures.advice.values import Kind
-from ncgear.figures.advice.verdict import Known, State, judged
+from ncgear.figures.advice.verdict import KnownParts, State, judged
 from ncgear.project.drive import Drive
 from ncgear.project.motor import motor_stall, motor_within, steady_rad_s
 
@@ -66,7 +66,7 @@ def test_a_constant_torque_stops_where_its_work_is_that_of_the_force() -> None:
     assert motor_stall(drive_of_text(heavy(with_motor(1e6, 1.02 * least / 1000.0, "rest")))) is None
 
 
-def motor_row(drive: Drive, known: Known = Known.MOTION) -> tuple[State, str]:
+def motor_row(drive: Drive, known: KnownParts = KnownParts.MOTION) -> tuple[State, str]:
     (row,) = (row for row in judged(drive, known).rows if row.kind is Kind.MOTOR)
     return row.state, "; ".join(advice.line for advice in row.advices) or row.why
 
@@ -121,11 +121,11 @@ def geared(rated_n_m: float, more: str = "") -> str:
 def test_a_motor_behind_a_gearbox_is_judged_before_teeth_are_made() -> None:
     """What a check says a build says, and the value that the check tells is enough for both."""
     weak, (least, most) = drive_of_text(geared(0.3)), motor_within(drive_of_text(geared(0.3)))
-    for known in Known:
+    for known in KnownParts:
         assert motor_row(weak, known)[0] is State.BROKEN
         assert motor_row(drive_of_text(geared(1.0)), known) == (State.KEPT, "")
     told = float(told_keys(motor_row(weak)[1], "drivetrain.motor.")["rated_torque_n_m"])
-    for known in Known:
+    for known in KnownParts:
         assert motor_row(drive_of_text(geared(told)), known) == (State.KEPT, "")
     # The friction of the teeth as they are lies between what a check looks at, where it says that this decides
     exact = weak.drivetrain.motor
@@ -146,7 +146,7 @@ def test_friction_between_teeth_may_relieve_a_motor_and_both_ends_are_told() -> 
     assert most.rms_n_m < exact.rms_n_m < none.rms_n_m
     told = [float(number) for number in re.findall(r"([\d.]+) N m w", motor_row(braking)[1])]
     assert told == pytest.approx([none.rms_n_m, most.rms_n_m], rel=1e-3)
-    assert f"{exact.rms_n_m:.4g} N m, more than" in motor_row(braking, Known.TEETH)[1]
+    assert f"{exact.rms_n_m:.4g} N m, more than" in motor_row(braking, KnownParts.TEETH)[1]
     enough = float(told_keys(motor_row(braking)[1], "drivetrain.motor.")["rated_torque_n_m"])
     assert enough >= none.rms_n_m
     assert motor_row(drive_of_text(text.replace("0.2,", f"{enough},")))[0] is State.KEPT
@@ -157,13 +157,13 @@ def test_friction_between_teeth_may_relieve_a_motor_and_both_ends_are_told() -> 
 @pytest.mark.slow
 def test_a_motor_that_stops_behind_its_gearbox_is_told_with_one_that_does() -> None:
     weak = geared(0.02, "no_load_speed_rpm: 1500, ")
-    state, said = motor_row(drive_of_text(weak), Known.TEETH)
+    state, said = motor_row(drive_of_text(weak), KnownParts.TEETH)
     assert state is State.BROKEN
     assert "cannot keep the machine turning" in said
     keys = told_keys(said, "drivetrain.motor.")
     text = weak.replace("rated_torque_n_m: 0.02", f"rated_torque_n_m: {keys['rated_torque_n_m']}")
     text = text.replace("ratio: 24", f"ratio: {keys.get('gearbox.ratio', 24)}")
-    assert motor_row(drive_of_text(text), Known.TEETH) == (State.KEPT, "")
+    assert motor_row(drive_of_text(text), KnownParts.TEETH) == (State.KEPT, "")
 
 
 @pytest.mark.slow

@@ -26,7 +26,7 @@ from ncgear.optimum.certified.tree import Effort
 from ncgear.optimum.makeable import law as makeable
 from ncgear.optimum.makeable.demanded import start_motion
 from ncgear.optimum.makeable.law import MakeableLaw
-from ncgear.optimum.makeable.levels import Level
+from ncgear.optimum.makeable.levels import WishLevel
 from ncgear.optimum.makeable.search import searched
 from ncgear.optimum.task import Task
 from ncgear.project.best_law import BestLaw
@@ -130,7 +130,7 @@ def test_the_best_law_of_all_starts_is_kept(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, goals: list[float | None], best: float, said: str
 ) -> None:
     """With laws of goals that are made up: the usual start's first."""
-    level = Level("goal", None, 1.0, lambda *_: (), str)
+    level = WishLevel("goal", None, 1.0, lambda *_: (), str)
 
     def law(goal: float | None) -> MakeableLaw | None:
         return None if goal is None else MakeableLaw(np.zeros(3), np.ones(3), [level], np.array([goal]))

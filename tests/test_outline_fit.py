@@ -17,11 +17,11 @@ from at_once import at_once
 from commands import Run
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.outline.conditions import Limits, conditions
+from ncgear.optimum.outline.conditions import CurveLimits, conditions
 from ncgear.optimum.outline.nearest import deviation
 from ncgear.optimum.outline.outline import axes_to_try, outline_of
 from ncgear.optimum.outline.phases import best_phases
-from ncgear.optimum.outline.rolled import Basis, MatePlace, Rolled, closing_distance_mm, rays
+from ncgear.optimum.outline.rolled import MatePlace, Rolled, SplineBasis, closing_distance_mm, rays
 from ncgear.project.outline_fit import OutlineFit
 
 TURN = np.linspace(0.0, tau, 400, endpoint=False)
@@ -44,7 +44,7 @@ def square(side: float = 64.0) -> Array:
 
 def rolled(radius_of: Any, count: int = 96, teeth: int = 48) -> Rolled:
     """The curve through radii of a function of the polar angle."""
-    basis = Basis(count)
+    basis = SplineBasis(count)
     coefficients = basis.through(radius_of(tau * np.arange(count) / count))
     curve = Rolled(basis, coefficients, np.zeros(2), 1.0, teeth)
     return replace(curve, center_distance_mm=closing_distance_mm(curve.radius[0]))
@@ -79,7 +79,7 @@ def test_an_ellipse_about_its_focus_rolls_on_its_equal() -> None:
 
 def test_slopes_of_the_conditions_are_those_of_differences() -> None:
     curve = rolled(lambda phi: 30.0 + 4.0 * np.cos(phi) + 1.5 * np.sin(3.0 * phi), 48)
-    limits = Limits(share=np.linspace(0.8, 1.1, curve.arc_mm.size))
+    limits = CurveLimits(share=np.linspace(0.8, 1.1, curve.arc_mm.size))
     way, step = np.cos(np.arange(48) ** 2), 1e-5
     ends = [
         replace(

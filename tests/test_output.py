@@ -24,7 +24,7 @@ from commands import Run
 from disk import leftovers
 from drives import drive, drive_of_text
 from killed_runs import seen
-from ncgear.drawings.charts.chart import EMPTY, Line, Role
+from ncgear.drawings.charts.chart import EMPTY, ChartLine, Role
 from ncgear.drawings.charts.drawer import MOTION_COLUMN, MOTION_LOOK, beside_png, column_png, mark_extreme
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, motion_chart, over_displacement
 from ncgear.drawings.plots import assembled_pair as gears
@@ -489,7 +489,7 @@ def test_numbers_and_units() -> None:
 @pytest.mark.parametrize(("force", "said"), [(0.0, "zero throughout"), (2.0, "2 kN at 0\u00b0")])
 def test_a_curve_without_values_says_so(force: float, said: str) -> None:
     axes = Figure().subplots()
-    mark_extreme(axes, Line(Role.OWN, "this design", np.linspace(0.0, 360.0, 5), np.full(5, force)), "kN")
+    mark_extreme(axes, ChartLine(Role.OWN, "this design", np.linspace(0.0, 360.0, 5), np.full(5, force)), "kN")
     assert [text.get_text() for text in axes.texts] == [said]
 
 

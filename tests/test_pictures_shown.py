@@ -20,7 +20,7 @@ from shapely import Point, Polygon
 
 from at_once import at_once
 from drives import drive, drive_of_text
-from ncgear.drawings.assembled import Assembled, Position
+from ncgear.drawings.assembled import Assembled, AssembledPosition
 from ncgear.drawings.pictures import positions_at
 from ncgear.drawings.plots import canvas
 from ncgear.drawings.plots.assembled_pair import pitch_curves_png, teeth_png
@@ -33,14 +33,14 @@ from ncgear.files.searched import outline_picture
 from ncgear.files.side_by_side import CHARTS, side_by_side_png
 from ncgear.files.strength import HOLDING_SCALE, ColouredGear, coloured_teeth_png
 from ncgear.files.sweep import Axis, _chosen, _effects_picture, pareto, scatter_matrix
-from ncgear.files.tolerance import Spread, sources, spreads
+from ncgear.files.tolerance import FigureSpread, sources, spreads
 from ncgear.files.workshop.gear_drawing import pitch_points
 from ncgear.metrology.best_fit import BestFit, Pose, on_flanks
 from ncgear.metrology.deviations import deviations
 from ncgear.metrology.exact_outline import exact_outline
 from ncgear.numerics.plane import as_complex
 from ncgear.pitch.shape import Gear, Mesh
-from ncgear.project.bench import BenchStage, Trial
+from ncgear.project.bench import BenchStage, TimedStage
 from ncgear.project.drive import Drive
 
 Made: Any = SimpleNamespace
@@ -136,7 +136,7 @@ def test_coloured_teeth_have_their_own_numbers_below_their_roots(
         assert [int(text.get_text()) for text in told[: len(wanted)]] == wanted
 
 
-def turned(one: Drive, gear: Gear, points: Any, position: Position) -> Any:
+def turned(one: Drive, gear: Gear, points: Any, position: AssembledPosition) -> Any:
     """Points of a gear's own frame in the frame of the pair: the driven gear turns the other way, unless in a ring."""
     at = as_complex(points)
     if gear is Gear.DRIVING:
@@ -171,8 +171,8 @@ def test_pictures_of_the_pair_show_its_curves_in_place(ring_mm: float | None, sh
         ("driven axis", (distance, 0.0)),
     ]
     # In a position: turned against each other, a ring alike; the mesh about the pitch point.
-    position = Position(0.5, 0.3, 9.0)
-    made = shown(teeth_png, pair, 2.0, [position, Position(2.0, 1.2, 8.5)], "teeth")
+    position = AssembledPosition(0.5, 0.3, 9.0)
+    made = shown(teeth_png, pair, 2.0, [position, AssembledPosition(2.0, 1.2, 8.5)], "teeth")
     whole, second, mesh, _ = made.axes
     sense = 1.0 if ring_mm else -1.0
     driving = (egg[:, 0] + 1j * egg[:, 1]) * np.exp(0.5j)
@@ -203,9 +203,9 @@ def test_bars_of_a_spread_are_shares_and_those_beyond_the_limit_stand_out(
     below: bool, shown: Callable[..., Figure]
 ) -> None:
     values = np.random.default_rng(4).normal(size=4000)
-    far = Spread("play", values, 0.2, -9.0, below, "jams")
-    one = Spread("play", values, 0.2, -0.5, below, "jams")
-    made = shown(spreads, [one, far, Spread("flat", np.full(5, 3.0), 3.0)], "title")
+    far = FigureSpread("play", values, 0.2, -9.0, below, "jams")
+    one = FigureSpread("play", values, 0.2, -0.5, below, "jams")
+    made = shown(spreads, [one, far, FigureSpread("flat", np.full(5, 3.0), 3.0)], "title")
     first, second, flat = made.axes
     bars = [patch for patch in first.patches if patch.get_height() > 0.0]
     assert sum(bar.get_height() for bar in bars) == pytest.approx(100.0)
@@ -432,7 +432,7 @@ def test_factors_are_rounded_down_to_one_digit(factor: float, rounded: float) ->
 @pytest.mark.judges("files")
 def test_trials_are_shown_by_time_and_error_and_the_one_that_is_recommended(shown: Callable[..., Figure]) -> None:
     """In ms; an error of nothing is shown as the least, and room is left around all and what is asked."""
-    trials = tuple(Trial(setting, time, error, 9) for setting, time, error in
+    trials = tuple(TimedStage(setting, time, error, 9) for setting, time, error in
                    ((0.4, 0.002, 0.3), (0.2, 0.004, 0.01), (0.1, 0.009, 0.0)))  # fmt: skip
     stage = BenchStage("teeth", "tolerance", "mm", "points", "error", "mm", "exact", 0.02, "key", 0.2, trials)
     (axes,) = shown(stage_png, stage, "name").axes

@@ -17,7 +17,7 @@ from ncgear.drivetrain.speed import LineDrive
 from ncgear.dynamics.motion_in_time import EvenDrive, Motor
 from ncgear.errors import WrongInput
 from ncgear.numerics.extrema import Extremum
-from ncgear.optimum.outline.rolled import Basis, Rolled
+from ncgear.optimum.outline.rolled import Rolled, SplineBasis
 from ncgear.pitch.shape import Gear
 from ncgear.project import drivetrain, finest_chords, strengthening
 from ncgear.project.alternatives import _least_addendum
@@ -221,7 +221,7 @@ def test_jams_are_told_by_their_teeth_the_tightest_first() -> None:
 
 def test_control_points_draw_the_curve() -> None:
     """By scipy's own splines of degree five, around the axis: to a ten-thousandth of a millimetre."""
-    basis = Basis(24)
+    basis = SplineBasis(24)
     phi = 2.0 * pi * np.arange(24) / 24
     curve = Rolled(basis, basis.through(30.0 + 4.0 * np.cos(phi) + np.sin(2.0 * phi)), np.array([5.0, -3.0]), 80.0, 40)
     points = control_points(curve)

@@ -23,7 +23,7 @@ from ncgear.figures.mended import refusal_with_help
 from ncgear.pitch.shape import Gear
 from ncgear.project import mending as search
 from ncgear.project.drive import Drive
-from ncgear.project.mending import Kind, mending, require_made
+from ncgear.project.mending import MendingSubject, mending, require_made
 from ncgear.teeth import tips
 from ncgear.teeth.flank import Flanks
 from ncgear.teeth.tool import HARMLESS, gouged_mm
@@ -238,7 +238,7 @@ def test_nothing_helps_where_ten_times_the_teeth_do_not() -> None:
     found = mending(drive_of(NO_HELP), seconds=np.inf)
     assert found is not None
     assert (found.found, found.is_whole) == (None, True)
-    alone = [way.changes["gears.teeth"] for way in found.failed if way.kinds == (Kind.FINER,)]
+    alone = [way.changes["gears.teeth"] for way in found.failed if way.kinds == (MendingSubject.FINER,)]
     assert max(alone) == 120
     assert problem_of(with_teeth(NO_HELP, 120)) is not None
     assert "not searched further" not in str(refusal_with_help(found))

@@ -14,9 +14,9 @@ from ncgear.kinematics.motion import Machine
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.makeable import quantities
-from ncgear.optimum.makeable.levels import Level
-from ncgear.optimum.makeable.places import Places, cell_ends, places, slider_at
-from ncgear.optimum.makeable.quantities import Place, Slider
+from ncgear.optimum.makeable.levels import WishLevel
+from ncgear.optimum.makeable.places import CellPlaces, cell_ends, places, slider_at
+from ncgear.optimum.makeable.quantities import RatioPlace, Slider
 from ncgear.optimum.makeable.reached import JudgedLaw, lengths, ratios
 from ncgear.optimum.makeable.spline import even_knots
 from ncgear.optimum.task import Task, figures
@@ -57,7 +57,7 @@ def task(seed: int) -> Task:
     return Task(linkage(seed), PRESS, SPEED, lobes(seed), linkage(seed).MASSES(slider_kg=70.0))
 
 
-def on_places(seed: int, steps: int = STEPS) -> tuple[Places, Place]:
+def on_places(seed: int, steps: int = STEPS) -> tuple[CellPlaces, RatioPlace]:
     """All places of a turn, so many steps between two knots, and the ratio there as the optimiser sees it."""
     knots = even_knots(KNOTS)
     on = places(task(seed), cell_ends(task(seed), knots.angle_rad, []), steps)
@@ -157,7 +157,7 @@ def test_thirty_digits_from_the_radii() -> None:
         for angle in (0.47, 2.67, 4.55):
             t = mpmath.mpf(angle)
             of = (log(t), ratio(t), 1 / ratio(t), mpmath.diff(log, t), mpmath.diff(log, t, 2))
-            found = Place(*(float(value) for value in of))
+            found = RatioPlace(*(float(value) for value in of))
             (columns,) = zip(*slider_at(Task(BALER_LINKAGE, PRESS, SPEED), np.array([angle])), strict=True)
             slides = Slider(*map(float, columns))
             turns2 = lambda q, u: mpmath.diff(q, u)  # noqa: E731
@@ -184,11 +184,13 @@ def peaks(seed: int, steps: int) -> tuple[Array, Array]:
         quantities.driven_curvature(at),
     )
     levels = [
-        Level("acceleration", None, 0.0, lambda at, slider, _: both(quantities.acceleration(at, slider, SPEED)), str),
-        Level("ratio", None, 0.0, lambda at, *_: (at.log,), str),
-        Level("tangent", None, 0.0, lambda at, *_: both(quantities.tangent(at)), str),
-        Level("driving", None, 0.0, lambda at, *_: both(quantities.driving_curvature(at)), str),
-        Level("driven", None, 0.0, lambda at, *_: both(quantities.driven_curvature(at)), str),
+        WishLevel(
+            "acceleration", None, 0.0, lambda at, slider, _: both(quantities.acceleration(at, slider, SPEED)), str
+        ),
+        WishLevel("ratio", None, 0.0, lambda at, *_: (at.log,), str),
+        WishLevel("tangent", None, 0.0, lambda at, *_: both(quantities.tangent(at)), str),
+        WishLevel("driving", None, 0.0, lambda at, *_: both(quantities.driving_curvature(at)), str),
+        WishLevel("driven", None, 0.0, lambda at, *_: both(quantities.driven_curvature(at)), str),
     ]
     alone = [np.max(term) if number == 1 else np.max(np.abs(term)) for number, term in enumerate(terms)]
     return JudgedLaw(levels, on, [at]).reached, np.array(alone)

@@ -39,7 +39,7 @@ from ncgear.files import build as build_module
 from ncgear.files.read_back import outline_of_csv
 from ncgear.files.workshop.formats import USUAL, WRITTEN
 from ncgear.project.drive import Drive
-from ncgear.ratio.transmission import Range
+from ncgear.ratio.transmission import OpenRange
 from ncgear.workers import finished
 from oracles import meshing
 from random_designs import Data, designs, spoiled_designs
@@ -107,7 +107,7 @@ def numbers_in(values: Any) -> list[float]:
     return [values] if isinstance(values, int | float) else []
 
 
-def range_holds(drive: Drive, covered: Range) -> None:
+def range_holds(drive: Drive, covered: OpenRange) -> None:
     """An open law covers what its keys say, and what its slope adds up to by Gauss's rule."""
     motion = drive.design.motion
     asked = motion.driving_range_deg if isinstance(motion, FunctionGenerator) else motion.range_deg

@@ -11,11 +11,11 @@ import pytest
 from at_once import at_once
 from ncgear import extras
 from ncgear.design.reading.measured_file import read_measured
-from ncgear.design.reading.points import Columns, column_name, read_points
+from ncgear.design.reading.points import FileColumns, column_name, read_points
 from ncgear.errors import WrongInput
 from ncgear.project.opened import load
 
-WANTED = Columns((("x_mm",), ("force_n", "force_kn")), 100)
+WANTED = FileColumns((("x_mm",), ("force_n", "force_kn")), 100)
 PLAIN = "x_mm,force_n\n0,1.5\n10.25,-2e-3\n20,3\n"
 VALUES = {"x_mm": [0.0, 10.25, 20.0], "force_n": [1.5, -2e-3, 3.0]}
 POINTS = [(0.0, 1.5), (10.25, -2e-3), (20.0, 3.0)]

@@ -11,9 +11,9 @@ import pytest
 
 from at_once import at_once
 from ncgear.balance.rotor import (
+    AmplitudeRange,
     ChainPhases,
     ChainUnbalance,
-    Range,
     TrialRun,
     WeightRun,
     balanced,
@@ -108,7 +108,7 @@ TABLE_3 = (
 
 RUNS = [WeightRun(radians(at), polar(amplitude, angle)) for at, amplitude, angle in TABLE_3]
 PHASES = ChainPhases(wrap_rad=pi, tight_rad=radians(105.0), slack_rad=radians(270.0))
-PUBLISHED = ChainUnbalance(Range(0.074, 0.214), Range(0.0, 2.04), Range(0.0, 2.58))
+PUBLISHED = ChainUnbalance(AmplitudeRange(0.074, 0.214), AmplitudeRange(0.0, 2.04), AmplitudeRange(0.0, 2.58))
 
 
 def test_the_published_ranges() -> None:

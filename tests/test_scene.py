@@ -11,9 +11,9 @@ import shapely
 from shapely import LinearRing, LineString, Point, Polygon
 
 from drives import drive_of_text
-from ncgear.drawings.scene.bodies import REST, ROD_WIDTH, Places, chamber_of
+from ncgear.drawings.scene.bodies import REST, ROD_WIDTH, BodyPlaces, chamber_of
 from ncgear.drawings.scene.geared_pairs import SceneGear, ScenePair, mountings
-from ncgear.drawings.scene.scene import Poses, Scene
+from ncgear.drawings.scene.scene import Scene, ScenePoses
 from ncgear.drawings.scene.standing import WALL_GAP, views, wall_starts_mm, walls_mm
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import signed_area
@@ -30,7 +30,7 @@ def angles(found: Scene, count: int = 97) -> Array:
     return np.linspace(-0.3, 1.2, count) * found.loop_rad
 
 
-def pin_mm(found: Scene, poses: Poses) -> Array:
+def pin_mm(found: Scene, poses: ScenePoses) -> Array:
     return carried(poses.places["crank"], np.array([found.machine.linkage.crank_mm, 0.0]))
 
 
@@ -87,7 +87,7 @@ def test_the_view_of_the_gears_has_the_same_room_at_all_sides(name: str) -> None
     assert room == pytest.approx([0.03 * (high - low).max()] * 4, rel=1e-9)
 
 
-def as_seen_by(places: Places, points: Array) -> Array:
+def as_seen_by(places: BodyPlaces, points: Array) -> Array:
     cosine, sine = np.cos(places.angle_rad), np.sin(places.angle_rad)
     x, y = (points - places.origin_mm).T
     return np.stack([cosine * x + sine * y, cosine * y - sine * x], axis=-1)
@@ -140,25 +140,25 @@ def test_pitch_curves_roll_on_each_other(name: str) -> None:
             assert np.abs(velocities[0] - velocities[1]).max() < 1e-6 * size
 
 
-def curve_at(gear: SceneGear, places: Places) -> LinearRing:
+def curve_at(gear: SceneGear, places: BodyPlaces) -> LinearRing:
     return LinearRing(standing(places, gear.pitch_curve_mm, 1))
 
 
-def velocity(places: Places, point: Array, step: float) -> Array:
+def velocity(places: BodyPlaces, point: Array, step: float) -> Array:
     """Of a body at a fixed point, in mm per rad of phi1, by central differences."""
     speed = (places.angle_rad[2] - places.angle_rad[0]) / (2.0 * step)
     x, y = point - places.origin_mm[1]
     return speed * np.array([-y, x])
 
 
-def section_at(gear: SceneGear, poses: Poses, row: int, ahead_rad: float = 0.0) -> Polygon:
+def section_at(gear: SceneGear, poses: ScenePoses, row: int, ahead_rad: float = 0.0) -> Polygon:
     places = poses.places[gear.body.name]
     turned = replace(places, angle_rad=places.angle_rad + ahead_rad)
     rings = [standing(turned, contour, row) for contour in gear.body.contours_mm]
     return Polygon(rings[0], rings[1:])
 
 
-def gap_mm(pair: ScenePair, poses: Poses, row: int, ahead_rad: float = 0.0) -> float:
+def gap_mm(pair: ScenePair, poses: ScenePoses, row: int, ahead_rad: float = 0.0) -> float:
     """Distance of the two gears; where they overlap, minus a lower bound of how deep, to 1 micrometre."""
     driving, driven = section_at(pair.driving, poses, row), section_at(pair.driven, poses, row, ahead_rad)
     depth = 0.0

@@ -21,16 +21,16 @@ from at_once import at_once
 from drives import drive
 from ncgear.files.workshop.drawing import Circle
 from ncgear.files.workshop.sheets.board import SLACK_MM, Board, _widened
-from ncgear.files.workshop.sheets.body import View
-from ncgear.files.workshop.sheets.frame import Columns, PaperTable, evenly, fitted
+from ncgear.files.workshop.sheets.body import PaperView
+from ncgear.files.workshop.sheets.frame import ColumnWidths, PaperTable, evenly, fitted
 from ncgear.files.workshop.sheets.gear_view import point_at_circle
 from ncgear.files.workshop.sheets.sheet import (
     Dimension,
-    Line,
     Measured,
     Pen,
     Ring,
     Sheet,
+    SheetLine,
     Text,
     leader,
     length,
@@ -126,7 +126,7 @@ class Crowded:
         self.board, self.hole = Board(BOX), Ring((95.0, 20.0), 9.0)
         self.text = Text("in the way", (30.0, 60.0), turned_rad=0.4)
         waves = np.column_stack([np.linspace(5.0, 115.0, 120), 40.0 + 5.0 * np.sin(np.arange(120) / 6.0)])
-        self.board.add(Line(waves), Ring((30.0, 20.0), 10.0), self.text)
+        self.board.add(SheetLine(waves), Ring((30.0, 20.0), 10.0), self.text)
         self.board.keep_clear([self.hole])
         around = 10.0 * np.exp(1j * np.linspace(0.0, 2.0 * pi, 73))
         self.lines = shapely.union_all(
@@ -278,7 +278,7 @@ def the_section_shows_the_widths_of_the_material() -> None:
     upright = [
         item.points
         for item in sheet.items
-        if isinstance(item, Line)
+        if isinstance(item, SheetLine)
         and item.pen is Pen.VISIBLE
         and len(item.points) == 2
         and np.ptp(item.points[:, 0]) == 0
@@ -286,7 +286,7 @@ def the_section_shows_the_widths_of_the_material() -> None:
     at = {round(float(points[0, 0]), 6): sorted(points[:, 1]) for points in upright}
     for x in (low, high):
         assert at[round(x, 6)] == pytest.approx(level)
-    chain = [item.points for item in sheet.items if isinstance(item, Line) and item.pen is Pen.CHAIN]
+    chain = [item.points for item in sheet.items if isinstance(item, SheetLine) and item.pen is Pen.CHAIN]
     wanted = np.array([[low - 2.0, sheet.origin[1]], [high + 2.0, sheet.origin[1]]])
     assert any(points.shape == (2, 2) and np.allclose(points, wanted) for points in chain)
 
@@ -321,7 +321,7 @@ def texts_cover_neither_lines_nor_one_another(sheet: str) -> None:
         pair for pair in tree.query(list(boxes.values()), predicate="intersects").T.tolist() if len({*pair}) > 1
     ]
     lines = [np.vstack([one.points, one.points[:1]]) for one in plain if isinstance(one, Ring) or one in closed(plain)]
-    lines += [one.points for one in plain if isinstance(one, Line) and not one.closed]
+    lines += [one.points for one in plain if isinstance(one, SheetLine) and not one.closed]
     assert not len(tree.query([LineString(points) for points in lines], predicate="intersects").T)
 
 
@@ -330,7 +330,7 @@ def tables_stand_beside_one_another() -> None:
     for gear in Gear:
         rules: dict[tuple[float, float], list[float]] = {}
         for item in sheets()[gear.value].items:
-            if isinstance(item, Line) and item.pen is Pen.THIN and len(item.points) == 2:
+            if isinstance(item, SheetLine) and item.pen is Pen.THIN and len(item.points) == 2:
                 (x, high), (other, low) = np.round(item.points, 6).tolist()
                 if x == other and 100.0 < high < 160.0:
                     rules.setdefault((high, low), []).append(x)
@@ -340,8 +340,8 @@ def tables_stand_beside_one_another() -> None:
             assert left - right >= 2.0 - 1e-6
 
 
-def closed(plain: list[Line | Ring | Text]) -> list[Line]:
-    return [one for one in plain if isinstance(one, Line) and one.closed]
+def closed(plain: list[SheetLine | Ring | Text]) -> list[SheetLine]:
+    return [one for one in plain if isinstance(one, SheetLine) and one.closed]
 
 
 def marks_point_along_the_line_of_centres_and_the_crank(gear: Gear) -> None:
@@ -349,7 +349,7 @@ def marks_point_along_the_line_of_centres_and_the_crank(gear: Gear) -> None:
     sheet = sheets()[gear.value]
     (place,) = (item for item in sheet.items if isinstance(item, Text) and item.words.startswith("mesh"))
     assert place.words == ("mesh" if gear is Gear.DRIVING else "mesh, crank")
-    arrows = [item.points for item in sheet.items if isinstance(item, Line) and item.filled]
+    arrows = [item.points for item in sheet.items if isinstance(item, SheetLine) and item.filled]
     ahead = 1.0 if gear is Gear.DRIVING else -1.0
     tip = min((points[0] for points in arrows), key=lambda point: hypot(*(point - np.array(place.place))))
     assert ahead * (tip - sheet.origin)[0] > 0.0
@@ -378,7 +378,7 @@ def test_the_sheets_of_a_pump(judge: Callable[[], None]) -> None:
 def test_a_leader_to_a_hole_comes_from_the_side_of_the_axis(place: tuple[float, float]) -> None:
     """An eighth of a turn beside the way to the axis, as first tried, from the edge through the centre."""
     board = Board((-100.0, -100.0, 100.0, 100.0))
-    point_at_circle(board, View(2.0, (5.0, 6.0)), [Circle(*place, 1.5)], "\u00d83", 0.0)
+    point_at_circle(board, PaperView(2.0, (5.0, 6.0)), [Circle(*place, 1.5)], "\u00d83", 0.0)
     (found,) = (item for item in board.items if isinstance(item, Dimension))
     center = np.array([5.0, 6.0]) + 2.0 * np.array(place)
     towards = -np.array(place) / hypot(*place)
@@ -390,7 +390,7 @@ def test_a_leader_to_a_hole_comes_from_the_side_of_the_axis(place: tuple[float, 
 
 @at_once("hand", [1.0, -1.0])
 def test_a_view_from_below_is_a_mirrored_one(hand: float) -> None:
-    view = View(2.0, (30.0, 40.0), 0.3, hand)
+    view = PaperView(2.0, (30.0, 40.0), 0.3, hand)
     points = np.array([[3.0, 1.0], [-2.0, 5.0], [0.0, 0.0]])
     seen = (points[:, 0] + 1j * hand * points[:, 1]) * 2.0 * np.exp(0.3j) + (30.0 + 40.0j)
     assert view.on_paper(points) == pytest.approx(np.column_stack([seen.real, seen.imag]))
@@ -407,9 +407,9 @@ LONG = "diameter of the hole for the crank pin", "H7 (0 to +0.015)", "unbreakabl
 def test_the_cells_of_a_table_hold_their_texts(heads: tuple[str, ...], count: int) -> None:
     """Each between its own rules: words in their order and as many as have room, on lines of 4 mm."""
     rows = tuple((LONG[row % 5], LONG[(row + 3) % 5]) for row in range(count))
-    table = PaperTable("A title", heads, rows, Columns((31.0, 17.0), (False, True)))
+    table = PaperTable("A title", heads, rows, ColumnWidths((31.0, 17.0), (False, True)))
     items = list(table.drawn(20.0, 90.0))
-    lines = [item.points for item in items if isinstance(item, Line)]
+    lines = [item.points for item in items if isinstance(item, SheetLine)]
     title, *cells = [item for item in items if isinstance(item, Text)]
     assert (title.words, title.place) == ("A title", pytest.approx((21.0, 86.8)))
     low = 90.0 - table.height_mm()

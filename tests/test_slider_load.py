@@ -33,7 +33,7 @@ from ncgear.optimum.certified.demands import Demands
 from ncgear.optimum.certified.limit import least_acceleration, least_power
 from ncgear.optimum.family import (
     RETURN_POINTS,
-    Family,
+    LawFamily,
     sampled_laws,
 )
 from ncgear.optimum.task import Task
@@ -362,13 +362,13 @@ def test_no_law_is_below_the_limit_of_its_load(name: str) -> None:
 def test_the_family_knows_the_power_of_the_way_back() -> None:
     """Samples of a law of the family, against the motion of that law; its skewness is as in test_family."""
     task = replace(family_of(BALER_LINKAGE).task, load=BOTH)
-    family = Family(task, inverse=True)
+    family = LawFamily(task, inverse=True)
     of = made_law(SHAPES[0], family)
     ends = of.return_law.ends
     skewness = of.return_law.polynomial.coef[5] / 2.0 * BUMP_HEIGHT * ends.length_rad / ends.driven_length_rad
     point = points_of(SHAPES[:1], skewness)
     power = sampled_laws(family, point).power[0]
-    one_way = sampled_laws(Family(replace(task, load=SliderLoad(BOTH.working)), inverse=True), point).power[0]
+    one_way = sampled_laws(LawFamily(replace(task, load=SliderLoad(BOTH.working)), inverse=True), point).power[0]
     assert power.size == one_way.size + RETURN_POINTS.count
     phi1 = ends.start_rad + ends.length_rad * shares(RETURN_POINTS.count)
     motion = Machine(of.transmission, BALER_LINKAGE, BOTH, task.speed_rad_s).motion(phi1[1:-1])

@@ -16,7 +16,7 @@ from pydantic import ValidationError
 
 from at_once import at_once
 from ncgear.cli.arguments import pasted
-from ncgear.contact.designed.extremes import Range, _settled
+from ncgear.contact.designed.extremes import ValueRange, _settled
 from ncgear.contact.written.as_written import require_reached
 from ncgear.design.keys.pitch_shapes import RationalCurve
 from ncgear.drawings.charts.teeth_charts import backlash, transmission_error
@@ -286,7 +286,7 @@ def test_a_wished_speed_is_a_band_about_it_and_a_place_is_one_too() -> None:
 @pytest.mark.judges("contact")
 def test_a_small_pressure_angle_is_zero_only_within_rounding() -> None:
     def least(low: float) -> float:
-        return _settled(Range(Extremum(low, 1.0), Extremum(0.5, 2.0))).low.value
+        return _settled(ValueRange(Extremum(low, 1.0), Extremum(0.5, 2.0))).low.value
 
     assert [least(1e-6), least(4e-7)] == [1e-6, 0.0]
 

@@ -17,7 +17,7 @@ from commands import Run, on_text
 from drives import drive, drive_of_text
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.figures.advice.values import Kind
-from ncgear.figures.advice.verdict import Known
+from ncgear.figures.advice.verdict import KnownParts
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -226,7 +226,9 @@ def test_a_check_warns_of_each_stage_by_its_own_load() -> None:
     known = [rough_strength(pair) for pair in one.by_stage]
     found = [min(rough.safety for rough in pair.safeties) for pair in known if pair is not None]
     assert found == pytest.approx([0.56, 0.35], rel=0.1)
-    rough = [(row.of, advice) for row in verdict_on(Kind.STRENGTH, one, Known.MOTION).rows for advice in row.advices]
+    rough = [
+        (row.of, advice) for row in verdict_on(Kind.STRENGTH, one, KnownParts.MOTION).rows for advice in row.advices
+    ]
     assert [of for of, _ in rough] == ["stage 1: ", "stage 2: "]
     for _, advice in rough:
         assert "the teeth will hardly hold" in advice.line

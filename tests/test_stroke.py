@@ -18,7 +18,7 @@ from at_once import at_once
 from commands import stated_angle
 from ncgear.design.laws.three_segment_stroke import ThreeSegmentStroke
 from ncgear.errors import NoSuchMechanism
-from ncgear.ratio.working_stroke import StrokeRequest, WorkingStroke, solved_stroke
+from ncgear.ratio.working_stroke import ClosedStroke, StrokeRequest, solved_stroke
 from oracles import stroke as oracle
 from published import RPM
 
@@ -37,7 +37,7 @@ every_request = at_once("name", REQUESTS)
 FIELDS = "law_speed_rad_s", "v1", "v2", "a1", "stroke_mm"
 
 
-def displacements(stroke: WorkingStroke) -> tuple[Polynomial, Polynomial, Polynomial]:
+def displacements(stroke: ClosedStroke) -> tuple[Polynomial, Polynomial, Polynomial]:
     """Displacement over the three segments as polynomials of phi1, from the divided-out forms."""
     phi, before_end = Polynomial([0.0, 1.0]), Polynomial([stroke.theta4_rad, -1.0])
     approach = phi**2 * Polynomial(stroke.approach_root)
@@ -46,7 +46,7 @@ def displacements(stroke: WorkingStroke) -> tuple[Polynomial, Polynomial, Polyno
     return approach, pressing, braking
 
 
-def conditions(request: StrokeRequest, stroke: WorkingStroke) -> list[tuple[str, float, float]]:
+def conditions(request: StrokeRequest, stroke: ClosedStroke) -> list[tuple[str, float, float]]:
     """Name, value found and value wanted of eqs. (3.3) to (3.7) and the joints, in mm and rad."""
     first, second, third = displacements(stroke)
     t1, t2, t3, t4 = request.theta1_rad, request.theta2_rad, request.theta3_rad, request.theta4_rad
@@ -70,7 +70,7 @@ def conditions(request: StrokeRequest, stroke: WorkingStroke) -> list[tuple[str,
     ]
 
 
-def assert_conditions(request: StrokeRequest, stroke: WorkingStroke) -> None:
+def assert_conditions(request: StrokeRequest, stroke: ClosedStroke) -> None:
     """Every condition, to the rounding of expanded powers of phi1: terms of 1000 stroke that cancel."""
     for name, found, wanted in conditions(request, stroke):
         assert found == pytest.approx(wanted, abs=1e-12 * stroke.stroke_mm), name

@@ -35,7 +35,7 @@ from ncgear.interrupts import quiet_of_interrupts
 from ncgear.project.drive import Drive
 from ncgear.studio import editing, open_page, worker
 from ncgear.studio.chains import Chains
-from ncgear.studio.editing import Followed, History, difference, edited, lacking
+from ncgear.studio.editing import ChangingText, TextHistory, difference, edited, lacking
 from ncgear.studio.form import form
 from ncgear.studio.gear_answers import contact_answers, gear_answers
 from ncgear.studio.handles import handles
@@ -119,7 +119,7 @@ TEXTS = st.lists(st.one_of(st.sampled_from(["undo", "redo"]), st.text("ab", max_
 @given(TEXTS)
 @settings(max_examples=60, deadline=None)
 def test_history_goes_back_and_forth_as_a_list_with_a_place(steps: list[str]) -> None:
-    history, texts, place = History("start"), ["start"], 0
+    history, texts, place = TextHistory("start"), ["start"], 0
     for step in steps:
         if step == "undo":
             history, place = history.undone(), max(place - 1, 0)
@@ -133,10 +133,10 @@ def test_history_goes_back_and_forth_as_a_list_with_a_place(steps: list[str]) ->
 
 def test_history_has_a_size(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(editing, "MOST_CHARACTERS", 10)
-    history = History("aaaa").kept("bbbb").kept("cccc").kept("dddd")
+    history = TextHistory("aaaa").kept("bbbb").kept("cccc").kept("dddd")
     assert (history.past, history.now) == (("bbbb", "cccc"), "dddd")
     assert history.undone().undone().future == ("cccc", "dddd")
-    assert History("a" * 11).kept("b").past == ()
+    assert TextHistory("a" * 11).kept("b").past == ()
 
 
 # --- another law, another mechanism
@@ -284,7 +284,7 @@ def moved(name: str, number: int, axis: str, step: float) -> tuple[dict[str, Any
     before = handles(drive(name))[number]
     move = before["moves"][axis]
     changes = {move["key"]: move["base"] + move["factor"] * step}
-    return before, handles(Followed().drive(text_of(name), changes, DESIGNS / f"{name}.yaml"))[number]
+    return before, handles(ChangingText().drive(text_of(name), changes, DESIGNS / f"{name}.yaml"))[number]
 
 
 @at_once("number", range(4))
@@ -333,7 +333,7 @@ CHANGED: list[dict[str, Any]] = [
 
 @pytest.mark.slow
 def test_what_a_change_leaves_is_kept_and_what_it_touches_is_made_anew() -> None:
-    followed, text, path = Followed(), text_of("ellipse"), DESIGNS / "ellipse.yaml"
+    followed, text, path = ChangingText(), text_of("ellipse"), DESIGNS / "ellipse.yaml"
     for changes in CHANGED:
         kept, anew = followed.drive(text, changes, path), Drive(parsed(edited(text, changes), path).design)
         assert kept.design == anew.design
@@ -358,7 +358,7 @@ SHAPED_BY_THE_SLIDER = {"three_segment_stroke", "table"}
 @pytest.mark.tiers(quick=["baler", "ellipse"], rest="slow")
 def test_a_length_of_the_mechanism_changes_gears_of_laws_that_ask_for_it_alone(name: str) -> None:
     """Pitch curves are kept where the law does not ask, and are those of the changed text either way."""
-    text, path, followed = text_of(name), DESIGNS / f"{name}.yaml", Followed()
+    text, path, followed = text_of(name), DESIGNS / f"{name}.yaml", ChangingText()
     before, rows = followed.drive(text, {}, path), leaves(data_of(text).get("linkage", {}), "linkage")
     changes = {key: 1.01 * value for key, value in rows if key.endswith("_mm")}
     if before.design.gears is None or not changes:
@@ -386,14 +386,14 @@ def test_changes_while_something_is_dragged_say_what_the_text_says_then(name: st
     numbers = [(key, value) for key, value in leaves(data_of(text)["motion"], "motion") if isinstance(value, float)]
     changes = {"operation.speed_rpm": 33.25, **{key: 1.001 * value for key, value in numbers[:1]}}
     path = DESIGNS / f"{name}.yaml"
-    assert Followed().drive(text, changes, path).design == parsed(edited(text, changes), path).design
+    assert ChangingText().drive(text, changes, path).design == parsed(edited(text, changes), path).design
 
 
 @pytest.mark.parametrize("name", NAMES)
 @pytest.mark.tiers(quick=["desk-toy"], slow=["traced-egg", "oval-flow-meter", "log-generator", "baler"], rest="long")
 def test_every_design_opens_is_changed_refuses_and_is_mended(name: str) -> None:
     """By the answers that its page gets, up to the picture of each chain."""
-    followed, text = Followed(), text_of(name)
+    followed, text = ChangingText(), text_of(name)
     refused_as_shipped = name == "baler-a1-at-law-speed"
 
     def told(changes: Mapping[str, Any], chain: str) -> tuple[str, Any]:
@@ -424,7 +424,7 @@ def answered(answers: Answers, text: str, name: str, changes: Mapping[str, Any] 
 
 def begun_answers(answers: Answers, text: str, name: str, changes: Mapping[str, Any] | None = None) -> Iterator[Answer]:
     """The same one by one: later ones take longer."""
-    return iter(guarded(answers, lambda: Followed().drive(text, changes or {}, DESIGNS / f"{name}.yaml")))
+    return iter(guarded(answers, lambda: ChangingText().drive(text, changes or {}, DESIGNS / f"{name}.yaml")))
 
 
 def test_the_motion_is_that_of_the_drive() -> None:

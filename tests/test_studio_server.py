@@ -28,7 +28,7 @@ from websockets.protocol import State
 from commands import environment, fresh
 from drives import DESIGNS
 from ncgear.studio import chains
-from ncgear.studio.chains import Process, chains_by_process
+from ncgear.studio.chains import AnswerProcess, chains_by_process
 from ncgear.studio.open_page import OpenPage, _files_of
 from ncgear.studio.server import Conversation, open_in_browser
 from studios import Studio, children, is_running, running
@@ -316,10 +316,10 @@ def test_a_page_that_is_closed_leaves_no_process(studio: Studio) -> None:
 
 def test_a_page_that_is_loaded_anew_leaves_no_process(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """It connects while its last connection still ends, which takes long here, and it follows what is dragged."""
-    ended, path, told = Process.close, tmp_path / "ellipse.yaml", list[str]()
+    ended, path, told = AnswerProcess.close, tmp_path / "ellipse.yaml", list[str]()
     shutil.copy(DESIGNS / "ellipse.yaml", path)
 
-    async def ended_late(process: Process) -> None:
+    async def ended_late(process: AnswerProcess) -> None:
         await ended(process)
         await asyncio.sleep(1.0)
 
@@ -339,7 +339,7 @@ def test_a_page_that_is_loaded_anew_leaves_no_process(tmp_path: Path, monkeypatc
         await page.closed()
         return begun
 
-    monkeypatch.setattr(Process, "close", ended_late)
+    monkeypatch.setattr(AnswerProcess, "close", ended_late)
     before = children(os.getpid())
     begun = asyncio.run(asyncio.wait_for(load_anew(), 60.0))
     assert len(begun) == len(chains_by_process())
@@ -483,7 +483,7 @@ def test_a_computation_that_takes_too_long_is_ended_and_said(monkeypatch: pytest
         heard.append(json.loads(line))
 
     async def asked() -> None:
-        chain = Process(("gears",), told)
+        chain = AnswerProcess(("gears",), told)
         await chain.ask(1, (DESIGNS / "baler.yaml").read_text(encoding="utf-8"), {}, "d.yaml")
         process = chain._process
         assert process is not None

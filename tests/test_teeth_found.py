@@ -19,7 +19,7 @@ from ncgear.drawings.page.tables import ToothLinks
 from ncgear.drawings.scene.geared_pairs import SceneGear
 from ncgear.drawings.scene.scene import Scene
 from ncgear.figures.advice.values import Kind
-from ncgear.figures.advice.verdict import Known, judged
+from ncgear.figures.advice.verdict import KnownParts, judged
 from ncgear.figures.tables import Column, Table
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
@@ -87,7 +87,7 @@ def teeth_of(made: Drive, kind: Kind) -> set[tuple[str, int]]:
 def test_links_of_a_warning_are_its_teeth(name: str) -> None:
     """By the teeth that the drive has as values; further ones are those that its words put in brackets."""
     made_of = drive(name)
-    for advice in judged(made_of, Known.TEETH).advices:
+    for advice in judged(made_of, KnownParts.TEETH).advices:
         known = teeth_of(made_of, advice.kind)
         made = ToothLinks().text(advice.what)
         bracketed = {tooth for _, tooth in links(str(ToothLinks().text(re.sub(r"^[^(]*", "", advice.what), "any")))}

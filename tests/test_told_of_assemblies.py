@@ -28,7 +28,7 @@ from ncgear.metrology.exact_outline import exact_outline
 from ncgear.numerics.plane import as_complex
 from ncgear.pitch.shape import Gear
 from ncgear.tolerances.assemblies import Assemblies, PairAssemblies
-from ncgear.tolerances.drawn import Source
+from ncgear.tolerances.drawn import DeviationSource
 from ncgear.tolerances.study import Index, Share
 
 pytestmark = pytest.mark.judges("figures")
@@ -86,8 +86,8 @@ def tolerated(two: bool = False, **changes: Any) -> Any:
                        refused=""),
         "too_few": 5000,
         "indices": {
-            "least_play_mm": (Index(Source("pitch"), 0.5, 0.62, 0.1), Index(Source("wear"), 0.1, 0.019, 0.1)),
-            "motion_error": (Index(Source("tilt_driven", 2), 0.5, 0.4, 0.1),),
+            "least_play_mm": (Index(DeviationSource("pitch"), 0.5, 0.62, 0.1), Index(DeviationSource("wear"), 0.1, 0.019, 0.1)),
+            "motion_error": (Index(DeviationSource("tilt_driven", 2), 0.5, 0.4, 0.1),),
         },
         "index_samples": 64,
     }  # fmt: skip

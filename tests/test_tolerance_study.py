@@ -11,8 +11,8 @@ import pytest
 from scipy.optimize import brentq
 from scipy.stats import gamma, qmc
 
-from ncgear.tolerances.assemblies import Assemblies, Between, Follower, Waves, between, of_pair
-from ncgear.tolerances.estimate import Needed, enough, needed
+from ncgear.tolerances.assemblies import Assemblies, BetweenAngles, Follower, Waves, between, of_pair
+from ncgear.tolerances.estimate import EstimatedBacklash, enough, needed
 from ncgear.tolerances.study import (
     INDEXED,
     enough_samples,
@@ -127,7 +127,7 @@ def followed(errors: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         slope=np.ones(1),
         speed_rad_s=3.0,
         designed_peak=designed + 0.25,
-        even=Between(*(np.zeros(EVEN.size, dtype=int),) * 2, np.zeros(EVEN.size)),
+        even=BetweenAngles(*(np.zeros(EVEN.size, dtype=int),) * 2, np.zeros(EVEN.size)),
         slowly=Waves(2.0 * pi, 8),
         driven=np.stack([speed, bend]),
         output=np.stack([x(order, t) for order in (1, 2, 3)]),
@@ -205,8 +205,8 @@ def test_the_share_that_jams_is_that_of_a_gamma_distribution() -> None:
     law = gamma(16.0, scale=spread_mm / 4.0)
     for given in (0.03, 0.06, 0.1, 0.2):
         wanted = np.mean([law.sf(given - mean + 16.0 * spread_mm / 4.0) for mean in means])
-        assert Needed(means, spread_mm).jammed(given) == pytest.approx(wanted, rel=1e-9)
-    assert Needed(means, 0.0).jammed(0.06) == 0.5
+        assert EstimatedBacklash(means, spread_mm).jammed(given) == pytest.approx(wanted, rel=1e-9)
+    assert EstimatedBacklash(means, 0.0).jammed(0.06) == 0.5
 
 
 def test_a_need_is_split_into_what_is_shared_and_what_is_not() -> None:
@@ -221,11 +221,11 @@ def test_a_need_is_split_into_what_is_shared_and_what_is_not() -> None:
 
 def test_enough_backlash_is_a_quantile_and_its_own_uncertainty() -> None:
     """Of two pairs that jam independently; n assemblies tell mean and deviation to s sqrt((1 + k^2 / 2) / n)."""
-    first, second = Needed(np.full(400, 0.05), 0.02), Needed(np.full(200, 0.0), 0.01)
+    first, second = EstimatedBacklash(np.full(400, 0.05), 0.02), EstimatedBacklash(np.full(200, 0.0), 0.01)
     law = [gamma(16.0, loc=0.05 - 0.08, scale=0.005), gamma(16.0, loc=-0.04, scale=0.0025)]
     quantile = brentq(lambda given: law[0].cdf(given) * law[1].cdf(given) - 0.99, 0.0, 1.0)
     above = max((quantile - 0.05) / 0.02, quantile / 0.02)
     wanted = quantile + 1.645 * 0.02 * sqrt((1.0 + above**2 / 2.0) / 200.0)
     assert enough([first, second], 0.99) == pytest.approx(wanted, rel=2e-3)
-    assert enough([Needed(np.full(9, -1.0), 0.01)], 0.99) == 0.0
-    assert enough([Needed(np.array([0.1, 0.2, 0.3, 0.4]), 0.0)], 0.7) == pytest.approx(0.4, abs=0.35)
+    assert enough([EstimatedBacklash(np.full(9, -1.0), 0.01)], 0.99) == 0.0
+    assert enough([EstimatedBacklash(np.array([0.1, 0.2, 0.3, 0.4]), 0.0)], 0.7) == pytest.approx(0.4, abs=0.35)

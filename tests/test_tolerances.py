@@ -33,7 +33,7 @@ from ncgear.teeth.form import Backlash, ToothForm
 from ncgear.teeth.gear import ToothedPair, toothed_pair
 from ncgear.tolerances.assemblies import (
     Assemblies,
-    Between,
+    BetweenAngles,
     Lot,
     PairLot,
     Smoothed,
@@ -45,8 +45,8 @@ from ncgear.tolerances.drawn import (
     COUNT,
     SOURCES,
     Chances,
-    Limits,
-    Source,
+    DeviationLimits,
+    DeviationSource,
     active,
     drawn,
     reachable,
@@ -104,7 +104,7 @@ def test_grades_of_large_gears_are_those_of_the_formulas() -> None:
 def test_flanks_are_displaced_by_no_more_than_is_told(expansions: tuple[float, float, float]) -> None:
     """Radii that grow with their gears at both temperatures, a centre distance that grows with its housing."""
     none = np.zeros(8)
-    limits = Limits(0.04, (0.01, 0.02), (0, 0), (0, 0), none, none, (-10.0, 90.0), 15.0, expansions, (0, 0))
+    limits = DeviationLimits(0.04, (0.01, 0.02), (0, 0), (0, 0), none, none, (-10.0, 90.0), 15.0, expansions, (0, 0))
     driving, driven, housing = expansions
     told = limits.displaced_mm(100.0) - 0.07
     for share in (0.2, 0.5, 0.8):
@@ -303,7 +303,7 @@ def two_circular() -> tuple[Placement, Placement, Lot]:
         placement = placed(pitch, 8)
         teeth = toothed_pair(pitch, ToothForm(rack(), backlash=Backlash(PLAY_MM)), 0.005)
         none = np.zeros(2 * (TEETH + DRIVEN_TEETH))
-        limits = Limits(0.0, (0, 0), (0, 0), (0, 0), none, none, (20.0, 20.0), 0.0, (0.0, 0.0, 0.0), (0, 0))
+        limits = DeviationLimits(0.0, (0, 0), (0, 0), (0, 0), none, none, (20.0, 20.0), 0.0, (0.0, 0.0, 0.0), (0, 0))
         pair = Pair(law, np.ones_like, lambda angle, turns=turns: turns * angle)  # type: ignore[misc]
         placements.append(placement)
         made.append((mesh_of(straight_face(teeth, WIDTH_MM), placement, 0.3), limits, np.arange(placement.count), pair))
@@ -345,7 +345,10 @@ def test_a_source_is_exchanged_in_its_own_pair_and_what_both_share_in_both() -> 
     assert [chances.teeth.shape[1] for chances in plain] == [4, 6]
     shared = [rows_of(name) for name in ("temperature", "wear")]
     assert all(np.array_equal(plain[0].pair[rows], plain[1].pair[rows]) for rows in shared)
-    for source, changed in ((Source("tilt_driven", 2), [False, True]), (Source("temperature"), [True, True])):
+    for source, changed in (
+        (DeviationSource("tilt_driven", 2), [False, True]),
+        (DeviationSource("temperature"), [True, True]),
+    ):
         swapped = replace(one, source=source, other=other).chances([4, 6])
         assert [not np.array_equal(a.pair, b.pair) for a, b in zip(plain, swapped, strict=True)] == changed
 
@@ -748,9 +751,9 @@ def test_outlines_of_displaced_circular_gears_touch_as_in_closed_form() -> None:
 # --- what is drawn -----------------------------------------------------------------------------------------------
 
 
-def all_limits(flanks: int = 4) -> Limits:
+def all_limits(flanks: int = 4) -> DeviationLimits:
     teeth = np.linspace(0.01, 0.02, flanks)
-    return Limits(
+    return DeviationLimits(
         0.05, (0.03, 0.02), (1e-3, 2e-3), (2e-3, 3e-3), teeth, 2.0 * teeth, (-10.0, 50.0), 5.0,
         (1e-4, 8e-5, 1e-5), (0.04, 0.06),
     )  # fmt: skip
@@ -785,7 +788,9 @@ def test_deviations_keep_their_limits_and_have_the_variance_of_the_closed_form()
 
 def test_only_what_has_a_limit_is_active() -> None:
     none = np.zeros(4)
-    limits = Limits(0.1, (0.0, 0.1), (0.0, 0.0), (0.0, 0.0), none, none, (20.0, 20.0), 0.0, (1.0, 1.0, 1.0), (0.0, 0.0))
+    limits = DeviationLimits(
+        0.1, (0.0, 0.1), (0.0, 0.0), (0.0, 0.0), none, none, (20.0, 20.0), 0.0, (1.0, 1.0, 1.0), (0.0, 0.0)
+    )
     assert active(limits) == ("center_distance", "eccentricity_driven")
     assert len(active(all_limits())) == len(SOURCES) + 2
 
@@ -794,7 +799,7 @@ def test_what_is_left_out_of_a_mesh_comes_first_at_no_limit() -> None:
     """Every source at one of its limits, by lot: the contacts that are kept lead by as much as all of them."""
     mesh, flanks, count = circular()[3], 2 * (TEETH + DRIVEN_TEETH), 200
     pitch, profile = np.full(flanks, 0.08), np.full(flanks, 0.03)
-    limits = Limits(0.1, (0, 0), (0, 0), (0, 0), pitch, profile, (20.0, 20.0), 0.0, (0.0, 0.0, 0.0), (0, 0))
+    limits = DeviationLimits(0.1, (0, 0), (0, 0), (0, 0), pitch, profile, (20.0, 20.0), 0.0, (0.0, 0.0, 0.0), (0, 0))
     found = reachable(mesh, limits)
     assert found.lead.size < mesh.lead.size
     either = np.random.default_rng(3).choice([-1.0, 1.0], (2 * flanks + 1, count))
@@ -819,9 +824,9 @@ def test_the_spread_of_play_to_first_order_is_that_of_the_centre_distance() -> N
     """Along the normal the play of circular gears grows by 2 sin(a) times the distance."""
     _, _, placement, mesh = circular()
     none = np.zeros(2 * (TEETH + DRIVEN_TEETH))
-    limits = Limits(0.03, (0, 0), (0, 0), (0, 0), none, none, (20.0, 20.0), 0.0, (0.0, 0.0, 0.0), (0, 0))
+    limits = DeviationLimits(0.03, (0, 0), (0, 0), (0, 0), none, none, (20.0, 20.0), 0.0, (0.0, 0.0, 0.0), (0, 0))
     positions = np.arange(placement.count)
-    way = Between(positions, positions, np.zeros(positions.size))
+    way = BetweenAngles(positions, positions, np.zeros(positions.size))
     lot = Lot((PairLot(mesh, limits, positions[:0], way, np.ones(positions.size)),), Made())
     tasks = drawn_evenly(128, 1)
     found = first_order(lot, 0, tasks)
@@ -843,7 +848,7 @@ def test_the_spread_of_play_to_first_order_is_that_of_the_centre_distance() -> N
 
 def test_tasks_of_indices_exchange_one_source_each() -> None:
     """Saltelli's: A, B, and A with the numbers of one source from B, in their order."""
-    sources = Source("pitch"), Source("wear"), Source("tilt_driven")
+    sources = DeviationSource("pitch"), DeviationSource("wear"), DeviationSource("tilt_driven")
     tasks = sobol_tasks(Made(pairs=(1, 2), sources=sources), 128, 5)
     assert [task.number for task in tasks] == list(range(2 * 5))
     own, others, swapped = tasks[:2], tasks[2:4], tasks[4:]
@@ -907,7 +912,7 @@ def test_indices_of_two_causes_are_their_shares_of_the_variance() -> None:
     _, _, _, mesh = circular()
     flanks = 2 * (TEETH + DRIVEN_TEETH)
     none = np.zeros(flanks)
-    limits = Limits(0.03, (0, 0), (0, 0), (0, 0), none, none, (0.0, 40.0), 0.0, (1.1e-4, 1.1e-4, 1e-5), (0, 0))
+    limits = DeviationLimits(0.03, (0, 0), (0, 0), (0, 0), none, none, (0.0, 40.0), 0.0, (1.1e-4, 1.1e-4, 1e-5), (0, 0))
     machine = replace(drive("ellipse").machine, transmission=uniform_law(Lobes(1, 2)))
     law = on_driving_shaft(machine.transmission)
     lot = lot_of_pairs(machine, [(mesh, limits, np.arange(1), law)], TEETH, 1.0)
@@ -1107,7 +1112,7 @@ def test_assemblies_join_in_their_order() -> None:
     tasks = drawn_evenly(128, 1)
     parts = [computed(lot, task) for task in tasks]
     assert Assemblies.joined(parts).count == 128
-    (swapped,) = replace(tasks[0], source=Source("pitch"), other=tasks[1]).chances(lot.flanks)
+    (swapped,) = replace(tasks[0], source=DeviationSource("pitch"), other=tasks[1]).chances(lot.flanks)
     (own,), (other,) = (task.chances(lot.flanks) for task in tasks)
     assert np.array_equal(swapped.teeth[0], other.teeth[0])
     assert np.array_equal(swapped.teeth[1], own.teeth[1])

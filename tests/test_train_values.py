@@ -25,7 +25,7 @@ from ncgear.trains.planetary import shared_chain
 from ncgear.trains.planetary_told import told_of
 from ncgear.trains.tip_path import (
     HARMONICS,
-    Refused,
+    NoPath,
     TipMotion,
     WishedPath,
     _smoothest,
@@ -39,9 +39,9 @@ from ncgear.trains.train import (
     Part,
     PinHole,
     Poses,
-    Told,
     Trace,
     Train,
+    TrainFigures,
     contact_condition,
     seen_from_behind,
 )
@@ -78,13 +78,13 @@ def test_a_path_that_is_known_is_found_from_its_points(
     assert found.carrier_rad(fine, 1)[1:-1] == pytest.approx(steps[1:-1], abs=2e-3)
     # A point beside the path turns the distance round, and an axis on the path is too near to it.
     aside = replace(path, points=np.where(np.arange(16) == 4, path.points * 1.3, path.points))
-    assert isinstance(motion_from(aside, known.axis, beyond, clockwise=clockwise), Refused)
+    assert isinstance(motion_from(aside, known.axis, beyond, clockwise=clockwise), NoPath)
     on_path = motion_from(path, complex(path.points[3]) + 0.1, beyond, clockwise=clockwise)
-    assert isinstance(on_path, Refused)
+    assert isinstance(on_path, NoPath)
     # From the other side it turns against the carrier, where the path goes around the axis
     if carrier > arm:
         against = motion_from(path, known.axis, beyond, clockwise=not clockwise)
-        assert isinstance(against, Refused)
+        assert isinstance(against, NoPath)
         assert "against the carrier" in against.words
 
 
@@ -97,7 +97,7 @@ def test_what_is_said_to_be_missed_is_the_distance_of_the_points(carrier: float,
     path = WishedPath(known.tip(w) + aside[0] + 1j * aside[1], np.full(16, 0.1))
     arms = path.points - known.axis
     turned = _turns_of(path, np.abs(arms), carrier + arm, abs(carrier - arm))
-    assert not isinstance(turned, Refused)
+    assert not isinstance(turned, NoPath)
     found, missed = _smoothest(path, np.abs(arms), np.unwrap(np.angle(arms)), turned, carrier, arm)
     made = TipMotion(known.axis, carrier, arm, float(found[0]), found[1:], False)
     assert 0.05 < missed.max() <= 0.8
@@ -235,7 +235,7 @@ def round_train(apart_mm: float, swing_mm: float, *parts: Part, kind: Mesh | Non
         return Poses(x, 0.0 * x, np.stack([driving, *[0.0 * driving] * (len(parts) - 1)]))
 
     mesh = (GearMesh("one", "two", kind),) if kind is not None else ()
-    return Train(parts, mesh, poses_at, "one", 2.0 * pi, 60.0, 0.01, Told("made by hand"))
+    return Train(parts, mesh, poses_at, "one", 2.0 * pi, 60.0, 0.01, TrainFigures("made by hand"))
 
 
 def test_two_circles_come_apart_and_overlap_by_what_their_distance_says() -> None:
@@ -309,7 +309,7 @@ def test_a_body_that_turns_unevenly_takes_torque_by_its_inertia() -> None:
     def poses_at(driving: np.ndarray) -> Poses:
         return Poses(0.0 * driving[None], 0.0 * driving[None], (2.0 * driving + 0.3 * np.sin(driving))[None])
 
-    train = Train((disc,), (), poses_at, "one", 2.0 * pi, 60.0, 0.01, Told("made by hand"))
+    train = Train((disc,), (), poses_at, "one", 2.0 * pi, 60.0, 0.01, TrainFigures("made by hand"))
     loads = loads_of(train, 7850.0, [], 0j)
     phi, speed = loads.driving_rad, 2.0 * pi
     inertia = pi * 25.0**4 / 2.0 * 5.0 * 7850e-9
@@ -331,7 +331,7 @@ def carried(cycle_rad: float = 2.0 * pi) -> Train:
         return Poses(places.real, places.imag, np.stack([still, driving, still]))
 
     trace = Trace("path_1", "planet", (30.0, 0.0))
-    return Train(parts, (), poses_at, "carrier", cycle_rad, 60.0, 0.01, Told("made by hand"), (trace,))
+    return Train(parts, (), poses_at, "carrier", cycle_rad, 60.0, 0.01, TrainFigures("made by hand"), (trace,))
 
 
 def test_what_is_told_of_a_tip_that_runs_on_a_circle() -> None:

@@ -25,7 +25,7 @@ from ncgear.figures.terminal import figures_text, timing_text, written_lines
 from ncgear.files.build import build
 from ncgear.files.workshop.formats import Format
 from ncgear.optimum.makeable import quantities
-from ncgear.optimum.makeable.places import Places, cell_ends, places
+from ncgear.optimum.makeable.places import CellPlaces, cell_ends, places
 from ncgear.optimum.makeable.quantities import pairs
 from ncgear.optimum.makeable.reached import JudgedLaw, ratios
 from ncgear.optimum.makeable.search import scales
@@ -222,7 +222,7 @@ def waves(cosine: tuple[float, ...], sine: tuple[float, ...] = ()) -> np.ndarray
 WHOLE, SECOND = waves((-0.7, 0.2, 0.05), (0.4, -0.1, 0.02)), waves((-0.3, 0.15), (0.1, 0.0, 0.03))
 
 
-def on_places(task: Task, steps: int) -> tuple[Places, SplineRows]:
+def on_places(task: Task, steps: int) -> tuple[CellPlaces, SplineRows]:
     """Places with so many steps between two knots, and the splines there."""
     knots = even_knots(KNOTS)
     on = places(task, cell_ends(task, knots.angle_rad, []), steps)

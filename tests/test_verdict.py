@@ -15,7 +15,7 @@ from commands import Run, on_text
 from drives import MACHINES, design_of, drive, drive_of_text
 from ncgear.figures.advice.law_advice import NO_BORE
 from ncgear.figures.advice.values import ONLY_TEETH, Advice, Kind
-from ncgear.figures.advice.verdict import CONDITIONS, Judged, Known, State, Verdict, judged, together
+from ncgear.figures.advice.verdict import CONDITIONS, JudgedCondition, KnownParts, State, Verdict, judged, together
 from ncgear.files.workshop.sheets.sheet import Text
 from ncgear.files.workshop.sheets.sheets import pair_sheet
 from ncgear.project.drive import Drive
@@ -48,7 +48,7 @@ def text_of(**changed: Any) -> str:
     return yaml.safe_dump({key: value for key, value in data.items() if value is not None})
 
 
-def verdict_of(known: Known, only: Kind | None = None, **changed: Any) -> Verdict:
+def verdict_of(known: KnownParts, only: Kind | None = None, **changed: Any) -> Verdict:
     one = drive_of_text(text_of(**changed))
     return judged(one, known) if only is None else verdict_on(only, one, known)
 
@@ -73,8 +73,8 @@ def test_every_kind_of_advice_is_a_condition_in_the_same_order() -> None:
 @pytest.mark.parametrize("name", DESIGNS)
 def test_no_warnings_is_said_only_where_all_was_judged(name: str) -> None:
     one = drive(name)
-    for known in Known if one.design.gears else [Known.MOTION]:
-        if name == "baler-a1-at-law-speed" and known is Known.TEETH:
+    for known in KnownParts if one.design.gears else [KnownParts.MOTION]:
+        if name == "baler-a1-at-law-speed" and known is KnownParts.TEETH:
             continue
         verdict = judged(one, known)
         open_rows = [row for row in verdict.rows if row.state is State.NOT_JUDGED]
@@ -89,7 +89,7 @@ def test_no_warnings_is_said_only_where_all_was_judged(name: str) -> None:
 
 @pytest.mark.slow
 def test_a_check_names_what_only_teeth_can_tell() -> None:
-    before, after = verdict_of(Known.MOTION), verdict_of(Known.TEETH)
+    before, after = verdict_of(KnownParts.MOTION), verdict_of(KnownParts.TEETH)
     only_teeth = {row.kind for row in before.rows if row.why == ONLY_TEETH}
     assert only_teeth >= {Kind.MADE, Kind.CONTACT_RATIO, Kind.UNDERCUT, Kind.POINTED, Kind.SHORTENED}
     assert all(states(after)[kind] is not State.NOT_JUDGED for kind in only_teeth)
@@ -97,15 +97,15 @@ def test_a_check_names_what_only_teeth_can_tell() -> None:
 
 
 def test_without_gears_nothing_is_said_of_them() -> None:
-    kinds = set(states(verdict_of(Known.MOTION, gears=None)))
+    kinds = set(states(verdict_of(KnownParts.MOTION, gears=None)))
     assert kinds == {Kind.TRANSMISSION_ANGLE, Kind.NEGATIVE_RESISTANCE, Kind.WITHOUT_EFFECT, Kind.RATIO_RANGE}
 
 
 def test_a_condition_is_broken_whatever_else_was_not_judged() -> None:
     wrong = found_advice(Kind.ROD)
-    assert Judged(Kind.ROD, None, (wrong,), "of something").state is State.BROKEN
-    assert Judged(Kind.ROD, None, (), "of something").state is State.NOT_JUDGED
-    assert Judged(Kind.ROD, None, ()).state is State.KEPT
+    assert JudgedCondition(Kind.ROD, None, (wrong,), "of something").state is State.BROKEN
+    assert JudgedCondition(Kind.ROD, None, (), "of something").state is State.NOT_JUDGED
+    assert JudgedCondition(Kind.ROD, None, ()).state is State.KEPT
 
 
 def found_advice(kind: Kind) -> Advice:
@@ -113,8 +113,8 @@ def found_advice(kind: Kind) -> Advice:
 
 
 def test_pairs_say_once_what_is_of_the_whole_machine() -> None:
-    whole = Judged(Kind.MISSED_WISH, None, (found_advice(Kind.MISSED_WISH),))
-    pairs = [Verdict((Judged(Kind.UNDERCUT, stage, (), ONLY_TEETH), whole)) for stage in (1, 2)]
+    whole = JudgedCondition(Kind.MISSED_WISH, None, (found_advice(Kind.MISSED_WISH),))
+    pairs = [Verdict((JudgedCondition(Kind.UNDERCUT, stage, (), ONLY_TEETH), whole)) for stage in (1, 2)]
     verdict = together(pairs)
     assert [(row.kind, row.stage) for row in verdict.rows] == [
         (Kind.MISSED_WISH, None),
@@ -123,7 +123,7 @@ def test_pairs_say_once_what_is_of_the_whole_machine() -> None:
     ]
     # What is so of both pairs is named once, else with its stage
     assert verdict.not_judged == f"Not judged: undercut ({ONLY_TEETH})"
-    one = together([pairs[0], Verdict((Judged(Kind.UNDERCUT, 2, ()), whole))])
+    one = together([pairs[0], Verdict((JudgedCondition(Kind.UNDERCUT, 2, ()), whole))])
     assert one.not_judged == f"Not judged: stage 1: undercut ({ONLY_TEETH})"
 
 
@@ -150,7 +150,7 @@ def test_every_command_ends_in_the_same_verdict(run: Run, command: str) -> None:
     """What a command prints and what its JSON has are the rows of one list."""
     name, *more = COMMANDS[command]
     text = text_of(masses=MASSES)
-    known = Known.MOTION if command in ("check", "rigid") else Known.TEETH
+    known = KnownParts.MOTION if command in ("check", "rigid") else KnownParts.TEETH
     verdict = judged(drive_of_text(text), known)
     status, out, err = on_text(run, name)(text, *more)
     assert status == 0, err
@@ -170,7 +170,7 @@ def test_the_report_has_the_verdict(run: Run) -> None:
     text = text_of()
     assert on_text(run, "report")(text)[0] == 0
     page = Path("export/plain/report.html").read_text(encoding="utf-8")
-    for row in judged(drive_of_text(text), Known.TEETH).table:
+    for row in judged(drive_of_text(text), KnownParts.TEETH).table:
         assert f"<li>{row['verdict']}: {row['says']}" in page
 
 
@@ -186,7 +186,7 @@ def test_the_report_has_the_verdict(run: Run) -> None:
     ],
 )
 def test_a_check_says_what_a_build_refuses(run: Run, motion: dict[str, Any], said: str) -> None:
-    verdict = verdict_of(Known.MOTION, motion=motion, resistance=None)
+    verdict = verdict_of(KnownParts.MOTION, motion=motion, resistance=None)
     assert states(verdict)[Kind.MADE] is State.BROKEN
     (line,) = found(verdict, Kind.MADE)
     assert line.startswith("a build refuses these gears")
@@ -195,7 +195,7 @@ def test_a_check_says_what_a_build_refuses(run: Run, motion: dict[str, Any], sai
     assert status == 3
     assert said in err
     # Negative control: a smooth law that is built
-    assert states(verdict_of(Known.MOTION, Kind.MADE))[Kind.MADE] is State.NOT_JUDGED
+    assert states(verdict_of(KnownParts.MOTION, Kind.MADE))[Kind.MADE] is State.NOT_JUDGED
 
 
 # --- what stands in the plane of the rods ----------------------------------------------------------------------------
@@ -203,17 +203,17 @@ def test_a_check_says_what_a_build_refuses(run: Run, motion: dict[str, Any], sai
 
 def test_a_rod_that_runs_through_the_shaft_is_told_without_any_fit() -> None:
     beside = {**PLAIN["gears"], "driving_axis_deg": 0}
-    (advice,) = verdict_of(Known.MOTION, Kind.ROD, gears=beside).advices
+    (advice,) = verdict_of(KnownParts.MOTION, Kind.ROD, gears=beside).advices
     assert "the rod meets the driving shaft" in advice.what
     assert {change.key: change.value for remedy in advice.remedies for change in remedy.changes} == {
         "fit.driving_shaft": "ends"
     }
-    ends = verdict_of(Known.MOTION, Kind.ROD, gears=beside, fit={"driving_shaft": "ends"})
+    ends = verdict_of(KnownParts.MOTION, Kind.ROD, gears=beside, fit={"driving_shaft": "ends"})
     assert states(ends)[Kind.ROD] is State.KEPT
     # Negative control: on the other side nothing meets
-    assert states(verdict_of(Known.MOTION, Kind.ROD))[Kind.ROD] is State.KEPT
+    assert states(verdict_of(KnownParts.MOTION, Kind.ROD))[Kind.ROD] is State.KEPT
     # A shaft of unknown size is not judged
-    unknown = verdict_of(Known.MOTION, Kind.ROD, gears={**beside, "driving": {}})
+    unknown = verdict_of(KnownParts.MOTION, Kind.ROD, gears={**beside, "driving": {}})
     assert states(unknown)[Kind.ROD] is State.NOT_JUDGED
     assert NO_BORE.why in unknown.not_judged
 
@@ -274,7 +274,7 @@ ACTING: dict[str, dict[str, Any]] = {
 
 @pytest.mark.parametrize("name", SILENT)
 def test_what_is_given_and_changes_nothing_is_told(name: str) -> None:
-    verdict = verdict_of(Known.MOTION, Kind.WITHOUT_EFFECT, **SILENT[name])
+    verdict = verdict_of(KnownParts.MOTION, Kind.WITHOUT_EFFECT, **SILENT[name])
     assert states(verdict)[Kind.WITHOUT_EFFECT] is State.BROKEN
 
 
@@ -282,7 +282,7 @@ def test_what_is_given_and_changes_nothing_is_told(name: str) -> None:
 @pytest.mark.parametrize("name", ACTING)
 def test_what_changes_something_is_not(name: str) -> None:
     """Negative control."""
-    verdict = verdict_of(Known.MOTION, Kind.WITHOUT_EFFECT, **ACTING[name])
+    verdict = verdict_of(KnownParts.MOTION, Kind.WITHOUT_EFFECT, **ACTING[name])
     assert states(verdict).get(Kind.WITHOUT_EFFECT, State.KEPT) is State.KEPT
 
 
@@ -296,7 +296,7 @@ def test_a_wide_position_is_missed_by_a_law_that_is_back_before() -> None:
 
 def test_a_silent_force_beside_friction_is_told_by_its_own_key() -> None:
     silent = {"friction_n": 20, "expression_n": "20*max(0, x - 90)", "returning": {"polynomial_n": [0]}}
-    told = found(verdict_of(Known.MOTION, Kind.WITHOUT_EFFECT, resistance=silent), Kind.WITHOUT_EFFECT)
+    told = found(verdict_of(KnownParts.MOTION, Kind.WITHOUT_EFFECT, resistance=silent), Kind.WITHOUT_EFFECT)
     assert len(told) == 1
     assert told[0].startswith("resistance.expression_n and resistance.returning.polynomial_n never act: ")
 
@@ -323,7 +323,7 @@ def test_a_silent_force_leaves_the_power_as_it_is_without_it() -> None:
 def test_a_table_beside_the_stroke_is_a_constant_force(places: list[float], idle: str) -> None:
     forces = [12.0, 48.0, 20.0, 31.0][: len(places)]
     table = {"displacement_mm": places, "force_n": forces}
-    verdict = verdict_of(Known.MOTION, Kind.WITHOUT_EFFECT, resistance={"table": table}, gears=None)
+    verdict = verdict_of(KnownParts.MOTION, Kind.WITHOUT_EFFECT, resistance={"table": table}, gears=None)
     told = found(verdict, Kind.WITHOUT_EFFECT)
     if not idle:
         assert told == []
@@ -338,7 +338,9 @@ def test_points_beyond_the_stroke_are_a_remark() -> None:
         [0.0, 20.0, 40.0, 60.0, 80.0, 100.0, 120.0, 140.0],
         [10.0, 30.0, 35.0, 80.0, 90.0, 300.0, 310.0, 9.0],
     )
-    verdict = verdict_of(Known.MOTION, resistance={"table": {"displacement_mm": places, "force_n": forces}}, gears=None)
+    verdict = verdict_of(
+        KnownParts.MOTION, resistance={"table": {"displacement_mm": places, "force_n": forces}}, gears=None
+    )
     (remark,) = verdict.remarks
     assert f"2 of 8 points of resistance.table lie beyond the stroke of {STROKE_MM:g} mm" in remark.what
     assert not verdict.warnings
@@ -353,7 +355,7 @@ def test_points_beyond_the_stroke_are_a_remark() -> None:
 
 @pytest.mark.slow
 def test_teeth_without_any_force_are_not_said_to_hold() -> None:
-    for known in Known:
+    for known in KnownParts:
         rows = states(verdict_of(known, resistance={"friction_n": 0}))
         assert rows[Kind.STRENGTH] is State.NOT_JUDGED
         assert rows[Kind.WITHOUT_EFFECT] is State.BROKEN
@@ -361,13 +363,13 @@ def test_teeth_without_any_force_are_not_said_to_hold() -> None:
 
 @pytest.mark.slow
 def test_an_exact_pair_that_is_wanted_is_not_said_to_turn() -> None:
-    exact = verdict_of(Known.TEETH, gears={**PLAIN["gears"], "backlash_mm": 0})
+    exact = verdict_of(KnownParts.TEETH, gears={**PLAIN["gears"], "backlash_mm": 0})
     assert states(exact)[Kind.JAMS] is State.NOT_JUDGED
     assert "assemblies of the exact pair jam" in exact.not_judged
     # Left out, it is not wanted
     unsaid = {key: value for key, value in PLAIN["gears"].items() if key != "backlash_mm"}
-    assert states(verdict_of(Known.TEETH, gears=unsaid))[Kind.JAMS] is State.BROKEN
-    assert states(verdict_of(Known.TEETH))[Kind.JAMS] is State.KEPT
+    assert states(verdict_of(KnownParts.TEETH, gears=unsaid))[Kind.JAMS] is State.BROKEN
+    assert states(verdict_of(KnownParts.TEETH))[Kind.JAMS] is State.KEPT
 
 
 @pytest.mark.slow
@@ -382,5 +384,5 @@ def test_an_exact_pair_that_is_wanted_is_not_said_to_turn() -> None:
 def test_teeth_on_a_thin_wall_are_not_said_to_hold(body: str, said: str) -> None:
     text = (Path(__file__).parents[1] / "designs" / "pusher.yaml").read_text(encoding="utf-8")
     text = text.replace("  driven: {bore_mm: 10", f"  driven: {{{body}, bore_mm: 10")
-    row = next(one for one in judged(drive_of_text(text), Known.TEETH).rows if one.kind is Kind.STRENGTH)
+    row = next(one for one in judged(drive_of_text(text), KnownParts.TEETH).rows if one.kind is Kind.STRENGTH)
     assert (row.state, said in row.why) == (State.NOT_JUDGED if said else State.KEPT, True)

@@ -9,7 +9,7 @@ import numpy as np
 from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.plane import as_complex
 from ncgear.strength.contacts import FlankPlaces
-from ncgear.strength.material import EnduredStress, Family, Material
+from ncgear.strength.material import EnduredStress, Material, MaterialFamily
 from ncgear.teeth.form import TipLimits, ToothForm
 from ncgear.teeth.gear import ToothedGear, ToothedPair, toothed_pair
 from pairs import pitch_pair, rack, sine_law
@@ -18,7 +18,7 @@ from pairs import pitch_pair, rack, sine_law
 def elastic(youngs_modulus_mpa: float, poisson: float) -> Material:
     """A material of which only the elastic constants matter."""
     endured = EnduredStress(np.array([1.0, 2.0]), np.array([1.0, 1.0]))
-    return Material("elastic", Family.STEEL, youngs_modulus_mpa, poisson, 7830.0, None, endured, "a test")
+    return Material("elastic", MaterialFamily.STEEL, youngs_modulus_mpa, poisson, 7830.0, None, endured, "a test")
 
 
 STEEL = elastic(206e3, 0.3)

@@ -23,7 +23,7 @@ from ncgear.optimum.task import Task
 from ncgear.ratio.laws.three_segment import StrokeLaw, stroke_law
 from ncgear.ratio.return_stroke import ReturnLaw
 from ncgear.ratio.transmission import Lobes
-from ncgear.ratio.working_stroke import StrokeRequest, WorkingStroke, solved_stroke
+from ncgear.ratio.working_stroke import ClosedStroke, StrokeRequest, solved_stroke
 
 CONSTANT = 0.0
 """The return's e."""
@@ -43,7 +43,7 @@ Real = Any
 
 
 @cache
-def stroke() -> WorkingStroke:
+def stroke() -> ClosedStroke:
     """The working stroke."""
     return solved_stroke(
         StrokeRequest(

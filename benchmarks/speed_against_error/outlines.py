@@ -26,7 +26,7 @@ from ncgear.teeth.form import Backlash, BasicRack, Cutter, CutterKind, ToothForm
 from ncgear.teeth.gear import pair_tips, toothed_pair
 from ncgear.teeth.outline import simple_polygon, whole_curves
 from ncgear.teeth.sides import Sides, refuse_folded_lands, regular_sides, swept
-from ncgear.teeth.stretch import Stretch
+from ncgear.teeth.stretch import CurveStretch
 from ncgear.teeth.tips import Tips
 from speed_against_error.exact_gears import CircularGear, EllipticalGear
 from speed_against_error.study import Method, Size, Study
@@ -219,6 +219,6 @@ def _runs(tips: Tips, sides: Sides, kind: int, share: Array) -> Array:
     return tips.flanks.curve_of(sides.kind[chosen], owner, start + (end - start) * share)[0]
 
 
-def _lands(stretch: Stretch, share: Array) -> Array:
+def _lands(stretch: CurveStretch, share: Array) -> Array:
     """Points of tip or root lands, shape (z, n, 2)."""
     return stretch.at(np.arange(stretch.owner.size)[:, None], share)[0]

@@ -25,12 +25,12 @@ from ncgear.strength.elements.landmarks import outline_of
 from ncgear.strength.elements.loaded import LoadedTeeth, loaded_teeth
 from ncgear.strength.elements.mesh import MeshSize, nodes_of, topology_of
 from ncgear.strength.elements.teeth import CLEAR, DEPTH, POSITIONS, SIZE
-from ncgear.strength.material import EnduredStress, Family, Material
+from ncgear.strength.material import EnduredStress, Material, MaterialFamily
 from ncgear.teeth.gear import ToothedGear
 from speed_against_error.study import Level, Method, Study
 
 NEVER = EnduredStress(np.array([1.0]), np.array([1.0]))
-STEEL = Material("steel", Family.STEEL, 206_000.0, 0.3, 7850.0, None, NEVER, "elastic constants alone")
+STEEL = Material("steel", MaterialFamily.STEEL, 206_000.0, 0.3, 7850.0, None, NEVER, "elastic constants alone")
 
 TOOTH = 16
 """Number from 0 of the driving tooth of the baler whose back flank is hardest to mesh: errors at others are less."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ncgear.figures.advice.verdict import CONDITIONS, Condition, Known
+from ncgear.figures.advice.verdict import CONDITIONS, Condition, KnownParts
 from ncgear.figures.tables import markdown
 
 NAME = "conditions.md"
@@ -33,6 +33,6 @@ def conditions_page() -> str:
 
 
 def _from(condition: Condition) -> str:
-    if condition.needs is Known.MOTION:
+    if condition.needs is KnownParts.MOTION:
         return "a check"
     return "a build" if condition.roughly is None else "a build, roughly by a check"

@@ -18,7 +18,7 @@ from ruamel.yaml import YAML
 
 from ncgear.design.reading.balance_file import load_balance
 from ncgear.design.reading.design_file import load
-from ncgear.figures.balance.parts import figures_of
+from ncgear.figures.balance.parts import balancing_figures
 from ncgear.project.balancing import Balancing
 from ncgear.project.drive import Drive
 
@@ -48,7 +48,7 @@ def require_sound(path: Path) -> None:
     if re.search("^motion:", path.read_text(encoding="utf-8"), flags=re.MULTILINE):
         assert Drive(load(path).design).check is not None
     else:
-        assert figures_of(Balancing(load_balance(path)))
+        assert balancing_figures(Balancing(load_balance(path)))
 
 
 def with_sections(text: str, sections: str) -> str:

@@ -146,7 +146,7 @@ def _pin_and_slider(mechanism: DrivenCrank, known: Accelerations, angles: Array)
 
 
 @dataclass(frozen=True, eq=False)
-class Tried:
+class TriedCounterweight:
     """A counterweight with a tried mass: force on the crank's bearing and shaking force in N, and the track."""
 
     mass_kg: float
@@ -155,13 +155,13 @@ class Tried:
     track: Track
 
 
-def sweep(mechanism: DrivenCrank, counterweight: Counterweight, masses_kg: Sequence[float]) -> list[Tried]:
+def sweep(mechanism: DrivenCrank, counterweight: Counterweight, masses_kg: Sequence[float]) -> list[TriedCounterweight]:
     """A counterweight on the crank with each mass, added to existing ones; with gravity, bearings carry weights."""
     known, found = accelerations(mechanism), []
     for mass in masses_kg:
         one = mechanism.with_counterweight(replace(counterweight, mass_kg=mass))
         bearing_n = magnitude_statistics(*bearing_force(one))
-        found.append(Tried(mass, bearing_n, shaking(one, known).force, track(one)))
+        found.append(TriedCounterweight(mass, bearing_n, shaking(one, known).force, track(one)))
     return found
 
 

@@ -121,7 +121,7 @@ class WeightRun:
 
 
 @dataclass(frozen=True)
-class Range:
+class AmplitudeRange:
     """From the smallest to the largest amplitude."""
 
     low: float
@@ -141,9 +141,9 @@ class ChainPhases:
 class ChainUnbalance:
     """Ranges of the amplitudes: of the weight of the runs (L_B), the tight side (L_A1) and the slack side (L_A2)."""
 
-    weight: Range
-    tight: Range
-    slack: Range
+    weight: AmplitudeRange
+    tight: AmplitudeRange
+    slack: AmplitudeRange
 
 
 @dataclass(frozen=True)
@@ -165,7 +165,7 @@ def chain_unbalance(runs: Sequence[WeightRun], phases: ChainPhases, key: str = "
         raise WrongInput("no effect of the weight puts the chain's part of all runs on the side of the wrap", key=key)
     ends = (weight.low, weight.high)
     sides = [_sides(run.reading - end * exp(1j * run.phase_rad), phases) for run in runs for end in ends]
-    tight, slack = (Range(min(column), max(column)) for column in zip(*sides, strict=True))
+    tight, slack = (AmplitudeRange(min(column), max(column)) for column in zip(*sides, strict=True))
     return ChainUnbalance(weight, tight, slack)
 
 
@@ -182,7 +182,7 @@ def opposite_weight_g(amplitude: float, phase_rad: float, effect_per_g: float) -
     return amplitude / effect_per_g * exp(1j * (phase_rad + pi))
 
 
-def _weight_range(runs: Sequence[WeightRun], wrap_rad: float) -> Range:
+def _weight_range(runs: Sequence[WeightRun], wrap_rad: float) -> AmplitudeRange:
     """Values of L_B for which C - L_B exp(i phase) points to the side of the wrap in every run; (inf, -inf) if none."""
     low, high = 0.0, inf
     for run in runs:
@@ -194,8 +194,8 @@ def _weight_range(runs: Sequence[WeightRun], wrap_rad: float) -> Range:
         elif slope < -ACROSS:
             low = max(low, toward / slope)
         elif toward <= 0.0:
-            return Range(inf, -inf)
-    return Range(low, high)
+            return AmplitudeRange(inf, -inf)
+    return AmplitudeRange(low, high)
 
 
 def _sides(chain: complex, phases: ChainPhases) -> tuple[float, float]:

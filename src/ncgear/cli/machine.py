@@ -47,7 +47,7 @@ def check(
         check_train(design_file, as_json=as_json, verbose=verbose)
         return
     with opened(design_file) as loaded:
-        from ncgear.figures.advice.verdict import Known, judged
+        from ncgear.figures.advice.verdict import KnownParts, judged
         from ncgear.figures.answers.machine import check_answer
         from ncgear.figures.summary.check_summary import check_summary
 
@@ -57,7 +57,7 @@ def check(
             made.say()
         with steps_shown(1) as on_step:
             on_step("kinematics and power")
-            verdict = judged(drive, Known.MOTION)
+            verdict = judged(drive, KnownParts.MOTION)
             file = f"{pasted(design_file)} {OPTION}" if made.text else pasted(design_file)
             answer = check_answer(drive, verdict, file, made.said)
             figures = [check_summary(drive, verdict)] if as_json or verbose else []
@@ -285,7 +285,7 @@ def strength(
         folder = prepared(out, f"{loaded.design.name}-strength")
 
         from ncgear.figures.advice.strength_advice import SIZE, remedies
-        from ncgear.figures.advice.verdict import Known, judged, together
+        from ncgear.figures.advice.verdict import KnownParts, judged, together
         from ncgear.figures.answers.strong import strength_answer
         from ncgear.figures.strong import strength_figures
         from ncgear.files.build import naming_stage
@@ -302,7 +302,7 @@ def strength(
                 on_pair_step("strength")
                 rating = rating_of(pair, method.value if method else None)
                 beside = None if rating.strength.method == "estimate" else rating_of(pair, "estimate")
-                verdicts.append(judged(pair, Known.TEETH))
+                verdicts.append(judged(pair, KnownParts.TEETH))
                 figures.append(strength_figures(pair, rating, verdicts[-1], beside))
                 on_pair_step("what would do")
                 told.append((pair, rating, remedies(pair, rating), beside))
@@ -330,7 +330,7 @@ def balance(
     loaded = load_balance(balance_file)
     folder = prepared(out, f"{loaded.balance.name}-balance")
 
-    from ncgear.figures.balance.parts import balance_answer, figures_of
+    from ncgear.figures.balance.parts import balance_answer, balancing_figures
     from ncgear.files.balance import balance_files
     from ncgear.files.manifest import publish_run
     from ncgear.project.balancing import Balancing
@@ -338,7 +338,7 @@ def balance(
     balancing = Balancing(loaded)
     with located(loaded.source), steps_shown(2) as on_step:
         on_step("balance")
-        figures = figures_of(balancing)
+        figures = balancing_figures(balancing)
         on_step("pictures")
         files = balance_files(balancing, figures)
     run = publish_run(folder, files, "balance")

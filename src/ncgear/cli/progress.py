@@ -25,7 +25,7 @@ LATER = 0.25
 """Least pause before the next line, as a share of the time so far, so that the log of an hour stays short."""
 
 
-class Shown(Protocol):
+class ProgressDisplay(Protocol):
     """A display of progress."""
 
     def update(self, what: str, done: int, total: int | None) -> None:
@@ -42,7 +42,7 @@ def counted(what: str) -> Iterator[Callable[[int, int], None]]:
 class Steps:
     """Steps that follow each other: called with the name of each step as it begins."""
 
-    def __init__(self, shown: Shown, count: int) -> None:
+    def __init__(self, shown: ProgressDisplay, count: int) -> None:
         self._shown, self._count, self._begun, self._step = shown, count, -1, ""
 
     def __call__(self, step: str) -> None:
@@ -63,7 +63,7 @@ def steps_shown(count: int) -> Iterator[Steps]:
 
 
 @contextmanager
-def _shown(what: str, count: int | None = None) -> Iterator[Shown]:
+def _shown(what: str, count: int | None = None) -> Iterator[ProgressDisplay]:
     with _bar_shown(what, count) if sys.stderr.isatty() else _lines_shown(what, count) as shown:
         yield shown
 
@@ -98,7 +98,7 @@ class Lines:
 
 
 @contextmanager
-def _lines_shown(what: str, count: int | None) -> Iterator[Shown]:
+def _lines_shown(what: str, count: int | None) -> Iterator[ProgressDisplay]:
     """Lines on stderr while the work takes long, from a thread of their own, since a single step may take long."""
     lines, ended = Lines(what, count), threading.Event()
 
@@ -131,7 +131,7 @@ class Bar:
 
 
 @contextmanager
-def _bar_shown(what: str, count: int | None) -> Iterator[Shown]:
+def _bar_shown(what: str, count: int | None) -> Iterator[ProgressDisplay]:
     """A bar that appears once the work takes over a second, and disappears at the end."""
     bar = _bar(what, count)
     timer = threading.Timer(SILENT_SECONDS, bar.start)

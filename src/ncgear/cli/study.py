@@ -86,7 +86,7 @@ def compare(
     typer.echo("\n\n".join([side_by_side_text(found, every=verbose), "\n".join([written, *then])]))
 
 
-class Printed(StrEnum):
+class FormulaLanguage(StrEnum):
     """What formulas are printed as."""
 
     TEXT = "text"
@@ -99,8 +99,8 @@ class Printed(StrEnum):
 def formulas(
     design_file: DesignFile,
     form: Annotated[
-        Printed, typer.Option("--as", help="Text to read, LaTeX, or a file of functions that run.")
-    ] = Printed.TEXT,
+        FormulaLanguage, typer.Option("--as", help="Text to read, LaTeX, or a file of functions that run.")
+    ] = FormulaLanguage.TEXT,
     as_json: AsJson = False,
 ) -> None:
     """Print the law in closed form, piece by piece: stroke, driven angle, ratio, both pitch radii."""
@@ -154,11 +154,11 @@ def measured(
         from ncgear.files.manifest import publish_run
         from ncgear.files.measured import compared_files
         from ncgear.pitch.shape import Gear
-        from ncgear.project.compared import Fit, compared_pair, read_files
+        from ncgear.project.compared import FittedQuantities, compared_pair, read_files
         from ncgear.project.drive import Drive
 
         files = read_files({Gear.DRIVING: driving, Gear.DRIVEN: driven})
-        drive, how = Drive(loaded.design).of_stage(stage), Fit(fit.value)
+        drive, how = Drive(loaded.design).of_stage(stage), FittedQuantities(fit.value)
         name = drive.stem
         folder = prepared(out, f"{name}-measured")
         with naming_what_helps(drive, BUILD), steps_shown(2) as on_step:

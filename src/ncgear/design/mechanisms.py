@@ -36,7 +36,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Entry:
+class MechanismEntry:
     """A mechanism of design files: its class, and its keys under the groups of the file.
 
     One key under ``linkage`` may have the default None: the length follows if the law gives the stroke.
@@ -78,10 +78,10 @@ class Entry:
 NO_LINKAGE = "none"
 """The name of gears without a linkage."""
 
-MECHANISMS: dict[str, Entry] = {
-    "crank_slider": Entry("crank_slider", Linkage, Masses, proportions={"crank_mm": 1.0, "rod_mm": 3.0}),
-    "scotch_yoke": Entry("scotch_yoke", YokeKeys, proportions={"crank_mm": 1.0}),
-    "crank_rocker": Entry(
+MECHANISMS: dict[str, MechanismEntry] = {
+    "crank_slider": MechanismEntry("crank_slider", Linkage, Masses, proportions={"crank_mm": 1.0, "rod_mm": 3.0}),
+    "scotch_yoke": MechanismEntry("scotch_yoke", YokeKeys, proportions={"crank_mm": 1.0}),
+    "crank_rocker": MechanismEntry(
         "crank_rocker",
         RockerKeys,
         RockerMasses,
@@ -89,16 +89,16 @@ MECHANISMS: dict[str, Entry] = {
         TurningWishes,
         {"crank_mm": 1.0, "coupler_mm": 3.25, "rocker_mm": 2.25, "ground_mm": 3.5},
     ),
-    "slotted_lever": Entry(
+    "slotted_lever": MechanismEntry(
         "slotted_lever", LeverKeys, LeverMasses, proportions={"crank_mm": 1.0, "pivot_mm": 2.5, "lever_mm": 5.0}
     ),
-    "rack_pinion": Entry("rack_pinion", RackKeys, proportions={"radius_mm": 1.0}, has_crank_pin=False),
-    NO_LINKAGE: Entry("driven_shaft", NoLinkage, DrivenShaftMasses, ShaftTorque, has_crank_pin=False),
+    "rack_pinion": MechanismEntry("rack_pinion", RackKeys, proportions={"radius_mm": 1.0}, has_crank_pin=False),
+    NO_LINKAGE: MechanismEntry("driven_shaft", NoLinkage, DrivenShaftMasses, ShaftTorque, has_crank_pin=False),
 }
 """All mechanisms by their names in ``linkage.kind``; the first is the usual mechanism."""
 
 
-def entry_of(linkage: Model) -> Entry:
+def entry_of(linkage: Model) -> MechanismEntry:
     """The entry of the mechanism that a group of keys describes."""
     return next(entry for entry in MECHANISMS.values() if isinstance(linkage, entry.linkage))
 

@@ -14,7 +14,7 @@ SLACK = 1.03
 
 
 @dataclass(frozen=True)
-class Position:
+class AssembledPosition:
     """Angles in rad of both gears, and the distance in mm of the pitch point from the driving axis."""
 
     phi1_rad: float
@@ -35,7 +35,7 @@ class Assembled:
     center_distance_mm: float
     ring_radius_mm: float | None = None
 
-    def placed(self, gear: Gear, points_mm: Array, position: Position) -> Array:
+    def placed(self, gear: Gear, points_mm: Array, position: AssembledPosition) -> Array:
         """Points of a gear's own frame (shape (n, 2)) in a position: turned by +phi1, the driven gear by -phi2, or a
         ring by +phi2.
         """

@@ -8,9 +8,9 @@ from math import pi
 import numpy as np
 
 from ncgear.contact.pair import PairContact
-from ncgear.drawings.assembled import Assembled, Position
+from ncgear.drawings.assembled import Assembled, AssembledPosition
 from ncgear.drawings.charts import teeth_charts
-from ncgear.drawings.charts.chart import EMPTY, Chart, Line, Role, joints_up_to
+from ncgear.drawings.charts.chart import EMPTY, Chart, ChartLine, Role, joints_up_to
 from ncgear.drawings.charts.slider_charts import LOAD, MOTION, Quantity, motion_chart, over_displacement
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.shape import Gear
@@ -38,7 +38,9 @@ def motion_picture(drive: Drive) -> tuple[list[Chart], str]:
     return [slider_chart(drive, quantity) for quantity in MOTION], titled(drive, "motion")
 
 
-def gear_pictures(drive: Drive) -> tuple[str, tuple[Assembled, tuple[Mask, Mask]], Assembled, float, list[Position]]:
+def gear_pictures(
+    drive: Drive,
+) -> tuple[str, tuple[Assembled, tuple[Mask, Mask]], Assembled, float, list[AssembledPosition]]:
     """The content of the pictures of the gears: the pair's name, pitch curves, teeth, module in mm, positions.
 
     Pitch curves come with masks of their concave points.  The contact of the gears is not known yet.
@@ -87,11 +89,11 @@ def assembled_teeth(drive: Drive) -> Assembled:
     return _assembled(drive, drive.teeth.driving.outline_mm, drive.teeth.driven.outline_mm)
 
 
-def positions_at(drive: Drive, phi1_rad: Array) -> list[Position]:
+def positions_at(drive: Drive, phi1_rad: Array) -> list[AssembledPosition]:
     """The positions of the pair at driving angles in rad, shape (n,)."""
     phi2 = drive.pair.transmission.driven_angle(phi1_rad).value
     point = drive.pitch.pitch_point_mm(phi1_rad)
-    return [Position(float(a), float(b), float(x)) for a, b, x in zip(phi1_rad, phi2, point, strict=True)]
+    return [AssembledPosition(float(a), float(b), float(x)) for a, b, x in zip(phi1_rad, phi2, point, strict=True)]
 
 
 def _assembled(drive: Drive, driving_mm: Array, driven_mm: Array) -> Assembled:
@@ -108,6 +110,6 @@ def _contact_charts(drive: Drive, contact: PairContact) -> list[Chart]:
     errors = teeth_charts.transmission_error(contact)
     # The legend is above the first row, which has no line of the back flanks: an empty line there names them.
     pushing, written = errors.lines
-    errors = replace(errors, lines=(pushing, Line(Role.OTHER, teeth_charts.BACKS, EMPTY, EMPTY), written))
+    errors = replace(errors, lines=(pushing, ChartLine(Role.OTHER, teeth_charts.BACKS, EMPTY, EMPTY), written))
     joints = np.degrees(joints_up_to(drive.pair.transmission, designed.placement.cycle_rad))
     return [replace(chart, joints_deg=joints) for chart in (errors, *(kind(designed) for kind in kinds))]

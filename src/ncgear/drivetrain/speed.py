@@ -320,7 +320,7 @@ STEEL_KG_MM3 = 7.85e-6
 
 
 @dataclass(frozen=True)
-class Disc:
+class FlywheelDisc:
     """A full disc of steel as a flywheel: its width, its mass, and the speed of its rim."""
 
     diameter_mm: float
@@ -329,8 +329,8 @@ class Disc:
     rim_m_s: float
 
 
-def disc(inertia_kg_mm2: float, diameter_mm: float, speed_rad_s: float) -> Disc:
+def disc(inertia_kg_mm2: float, diameter_mm: float, speed_rad_s: float) -> FlywheelDisc:
     """The disc with a moment of inertia m d^2 / 8."""
     mass = 8.0 * inertia_kg_mm2 / diameter_mm**2
     width = mass / (STEEL_KG_MM3 * pi * diameter_mm**2 / 4.0)
-    return Disc(diameter_mm, width, mass, speed_rad_s * diameter_mm / 2000.0)
+    return FlywheelDisc(diameter_mm, width, mass, speed_rad_s * diameter_mm / 2000.0)

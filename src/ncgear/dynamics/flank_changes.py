@@ -149,7 +149,7 @@ def borne_torque(
     end_rad = starts[0] + 2.0 * cycle_rad
 
     def once(driven: _DrivenSide, least_rad: float) -> BorneTorque:
-        found = list[Stretch]()
+        found = list[FollowedStretch]()
         for start_rad, on in zip(starts, flank[rows], strict=True):
             if not found or start_rad > found[-1].phi1_rad[-1]:
                 found.append(driven.followed(float(start_rad), float(on), (start_rad + least_rad, end_rad)))
@@ -172,7 +172,7 @@ def flanks_of(torque: Array, idle: float) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Stretch:
+class FollowedStretch:
     """The followed motion after a reversal or a jump: driving angles and torques, shape (n,), and the knocks."""
 
     phi1_rad: Array
@@ -180,7 +180,7 @@ class Stretch:
     knocks: list[Knock]
 
 
-def joined(found: list[Stretch], asked: Callable[[Array], Array], cycle_rad: float) -> BorneTorque:
+def joined(found: list[FollowedStretch], asked: Callable[[Array], Array], cycle_rad: float) -> BorneTorque:
     """Stretches one after the other, with the knocks of the last cycle."""
     end_rad, phi1, torque = float(found[-1].phi1_rad[-1]), list[Array](), list[Array]()
     for one in found:
@@ -219,7 +219,7 @@ class _DrivenSide:
             width_rad /= PER_SWING
         return starts_rad, width_rad
 
-    def followed(self, start_rad: float, flank: float, ends_rad: tuple[float, float]) -> Stretch:
+    def followed(self, start_rad: float, flank: float, ends_rad: tuple[float, float]) -> FollowedStretch:
         """The torque of the teeth from a place, where they are settled on one flank, until they have settled again.
 
         They are followed at least to the first and at most to the second of ``ends_rad``.
@@ -251,7 +251,7 @@ class _DrivenSide:
                 settled = touching and swinging <= SETTLED * self.most_n_mm and phi1[-1][-1] >= ends_rad[0]
                 if settled:
                     break
-        return Stretch(np.concatenate(phi1), np.concatenate(torque), knocks)
+        return FollowedStretch(np.concatenate(phi1), np.concatenate(torque), knocks)
 
     def _stepped(
         self, state: tuple[float, float], pairs: Sequence[NearPairs], inertia: Array, asked: Array, step_s: float

@@ -113,7 +113,7 @@ class Motor:
 
 
 @dataclass(frozen=True, eq=False)
-class Answer:
+class InstantForces:
     """Forces of the teeth, torque of the drive, and the accelerations of both shafts, in n states or in one."""
 
     teeth: ToothForces
@@ -130,12 +130,12 @@ class ToothedMachine:
     meshing: Meshing
     load: CrankLoad
 
-    def answer(self, states: Array) -> Answer:
+    def answer(self, states: Array) -> InstantForces:
         """Forces and accelerations of the shafts in states of shape (6,) or (6, n)."""
         teeth = self.meshing.forces(TwoShafts(*states[:4]))
         acceleration1, torque = self.drive.answer(states[1], teeth.driving_n_mm.sum(axis=-1))
         acceleration2 = self.load.acceleration_rad_s2(states[2], states[3], teeth.driven_n_mm.sum(axis=-1))
-        return Answer(teeth, torque, acceleration1, acceleration2)
+        return InstantForces(teeth, torque, acceleration1, acceleration2)
 
     def stored_n_mm(self, states: Array) -> Array:
         """Kinetic and elastic energy plus the work on resistance and weights, shape (n,), in states of shape (6, n)."""

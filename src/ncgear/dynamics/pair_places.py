@@ -8,7 +8,7 @@ import numpy as np
 
 from ncgear.contact.designed.as_designed import AsDesigned, PairTouch, touch_at
 from ncgear.contact.designed.curves import Contacts
-from ncgear.contact.designed.extremes import Range, at_angles, over_cycle, ranges_of
+from ncgear.contact.designed.extremes import ValueRange, at_angles, over_cycle, ranges_of
 from ncgear.contact.placement import Placement, placed_at
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask
@@ -74,7 +74,7 @@ KNOWN = 1e-4
 """Largest error of an extreme of the stiffness as a share of its variation over the cycle."""
 
 
-def stiffness_range(pitch: PitchPair, teeth: ToothedPair, designed: AsDesigned, stiffness: PairStiffness) -> Range:
+def stiffness_range(pitch: PitchPair, teeth: ToothedPair, designed: AsDesigned, stiffness: PairStiffness) -> ValueRange:
     """The least and the largest stiffness of any pair that touches without load, ``at`` driving angles in rad.
 
     From the positions of ``designed`` the search closes in on both: a pair is softest where it meets or parts.

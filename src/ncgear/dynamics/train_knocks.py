@@ -30,9 +30,9 @@ from ncgear.dynamics.flank_changes import (
     SWINGS,
     TOUCHING,
     BorneTorque,
+    FollowedStretch,
     Knock,
     NearPairs,
-    Stretch,
     flanks_of,
     joined,
     moment_n_mm,
@@ -94,7 +94,7 @@ class KnockingTrain:
         # The longest stretch without a turn or a jump comes last: there the teeth have most time to settle.
         rows = np.roll(rows, -int(np.argmax(np.diff(rows, prepend=rows[-1] - SAMPLES))))
         starts, width_rad = phi1[rows] + cycle_rad * (rows < rows[0]), cycle_rad / SAMPLES
-        found, end_rad = list[tuple[Stretch, Stretch]](), float(starts[0]) + 2.0 * cycle_rad
+        found, end_rad = list[tuple[FollowedStretch, FollowedStretch]](), float(starts[0]) + 2.0 * cycle_rad
         for start_rad, on in zip(starts, flanks[:, rows].T, strict=True):
             if not found or start_rad > found[-1][0].phi1_rad[-1]:
                 ends = float(start_rad) + 2.0 * width_rad, end_rad
@@ -132,7 +132,7 @@ class KnockingTrain:
 
     def _followed(
         self, start_rad: float, flanks: Array, most: Array, ends_rad: tuple[float, float]
-    ) -> tuple[Stretch, Stretch]:
+    ) -> tuple[FollowedStretch, FollowedStretch]:
         """The torques of both pairs from a place, where they are settled, until they have settled again."""
         here = self._at(np.array([start_rad]))
         settled = [
@@ -177,7 +177,7 @@ class KnockingTrain:
                 break
         angles, torques = np.concatenate(phi1), np.concatenate(torque, axis=1)
         between = self.pairs[0].meshing.law.at(angles)[0]
-        return Stretch(angles, torques[0], knocks[0]), Stretch(between, torques[1], knocks[1])
+        return FollowedStretch(angles, torques[0], knocks[0]), FollowedStretch(between, torques[1], knocks[1])
 
     def _momenta(self, state: tuple[float, float, float, float], along: _Places, part: slice) -> Array:
         """The momenta of both bodies swinging on the teeth of each pair, shape (2,)."""

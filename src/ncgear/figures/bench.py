@@ -8,7 +8,7 @@ from typing import Any
 from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.csv_text import rows_text
 from ncgear.figures.numbers import fixed, micrometres, to_digits
-from ncgear.project.bench import BenchStage, Trial, dominating
+from ncgear.project.bench import BenchStage, TimedStage, dominating
 
 
 def bench_figures(stages: Sequence[BenchStage], name: str) -> dict[str, Any]:
@@ -38,7 +38,7 @@ def _stage_figures(stage: BenchStage) -> dict[str, Any]:
     }
 
 
-def _trial_figures(trial: Trial) -> dict[str, Any]:
+def _trial_figures(trial: TimedStage) -> dict[str, Any]:
     return {"setting": trial.setting, "time_s": trial.time_s, "error": trial.error, "size": trial.size}
 
 

@@ -17,7 +17,7 @@ from ncgear.metrology.alone import FEWEST_PLACES, MOST, are_judged, rough_points
 from ncgear.metrology.as_measured import is_metal
 from ncgear.metrology.exact_outline import FLANK_CURVE, TIP_LAND_CURVE
 from ncgear.numerics.arrays import Array
-from ncgear.project.compared import ComparedGear, ComparedPair, Fit
+from ncgear.project.compared import ComparedGear, ComparedPair, FittedQuantities
 
 SIDES = ("back", "front")
 """Flanks of a tooth in their order; the driving gear pushes with its back flanks onto the driven front ones."""
@@ -167,14 +167,16 @@ MOST_TEETH = 5
 """Teeth that a fault names."""
 
 
-def compared_answer(pair: ComparedPair, name: str, fit: Fit, then: str) -> Answer:
+def compared_answer(pair: ComparedPair, name: str, fit: FittedQuantities, then: str) -> Answer:
     """Deviations of each gear in columns, the contact of both, and where they jam."""
     found = [gear_figures(one) for one in pair.gears]
     tolds = {
         "points on flanks": [f"{one['points_on_flanks']} of {one['points']}" for one in found],
         "turned by": [turned_words(one) for one in pair.gears],
         "axis at": [
-            f"{fixed(one['shift_x_mm'], 4)}, {fixed(one['shift_y_mm'], 4)} mm" for one in found if fit is Fit.RIGID
+            f"{fixed(one['shift_x_mm'], 4)}, {fixed(one['shift_y_mm'], 4)} mm"
+            for one in found
+            if fit is FittedQuantities.RIGID
         ],
         "r.m.s. deviation": [length_words(one["rms_mm"]) for one in found],
         **{

@@ -19,7 +19,7 @@ from ncgear.strength.vibration import RESONANCE
 if TYPE_CHECKING:
     from ncgear.project.strengthening import Rating
     from ncgear.project.vibration import SpeedSweep, ToldVibration
-    from ncgear.strength.surfaces import Film, Place, Surfaces
+    from ncgear.strength.surfaces import ContactValue, Film, Surfaces
 
 REGIMES = {
     Regime.FULL: "full film",
@@ -78,7 +78,7 @@ def surfaces_figures(found: Surfaces) -> dict[str, Any]:
     return figures
 
 
-def _at(name: str, place: Place) -> dict[str, Any]:
+def _at(name: str, place: ContactValue) -> dict[str, Any]:
     """The driving angle and the teeth of a figure."""
     return {
         f"{name}_at_rad": place.phi1_rad,
@@ -138,12 +138,12 @@ def _scuffing_words(drive: Drive, film: Film, found: Surfaces) -> str:
     return f"safety {to_digits(found.scuffing_safety, 3)}, {hottest}, {fails}"
 
 
-def angle_words(place: Place) -> str:
+def angle_words(place: ContactValue) -> str:
     """``phi1 = 141.4 deg``."""
     return f"phi1 = {placed(degrees(place.phi1_rad))} deg"
 
 
-def place_words(place: Place) -> str:
+def place_words(place: ContactValue) -> str:
     """``phi1 = 141.4 deg, teeth 18 : 17``."""
     return f"{angle_words(place)}, teeth {place.driving_tooth} : {place.driven_tooth}"
 

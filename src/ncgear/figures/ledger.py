@@ -8,8 +8,8 @@ from typing import Any
 
 from ncgear.figures.tables import markdown
 from ncgear.figures.terminal import written_lines
-from ncgear.papers.entry import Paper, Reason, Verdict
-from ncgear.papers.judgement import Judged, Judgement
+from ncgear.papers.entry import Finding, Paper, Reason
+from ncgear.papers.judgement import JudgedEntry, Judgement
 
 PAGE = "reproduction.md"
 
@@ -47,8 +47,8 @@ KEYS = (*COLUMNS[:-1], "words")
 
 def ledger_page(judgements: Sequence[Judgement]) -> str:
     """The whole page."""
-    counts = [(one.paper.title, *(str(one.count(verdict)) for verdict in Verdict)) for one in judgements]
-    overview = "\n".join(markdown(("paper", *Verdict), counts))
+    counts = [(one.paper.title, *(str(one.count(verdict)) for verdict in Finding)) for one in judgements]
+    overview = "\n".join(markdown(("paper", *Finding), counts))
     return "\n\n".join([HEAD, overview, *map(_section, judgements)]) + "\n"
 
 
@@ -59,7 +59,7 @@ def ledger_figures(judgements: Sequence[Judgement]) -> dict[str, Any]:
             {
                 "title": one.paper.title,
                 "reference": one.paper.reference,
-                "verdicts": {verdict.value: one.count(verdict) for verdict in Verdict},
+                "verdicts": {verdict.value: one.count(verdict) for verdict in Finding},
                 "figures": [
                     {
                         **dict(zip(KEYS, _row(judged), strict=True)),
@@ -76,7 +76,7 @@ def ledger_figures(judgements: Sequence[Judgement]) -> dict[str, Any]:
 def ledger_text(judgements: Sequence[Judgement], paths: Sequence[Path], kept: Sequence[Path] = ()) -> str:
     """Counts by paper and verdict, the files written, and those kept."""
     blocks = [
-        "\n".join([one.paper.title, *(f"  {one.count(verdict):>4}  {verdict}" for verdict in Verdict)])
+        "\n".join([one.paper.title, *(f"  {one.count(verdict):>4}  {verdict}" for verdict in Finding)])
         for one in judgements
     ]
     return "\n\n".join([*blocks, "\n".join(written_lines(paths, kept))])
@@ -101,7 +101,7 @@ def _left_out(paper: Paper) -> list[str]:
     return lines
 
 
-def _row(judged: Judged) -> tuple[str, ...]:
+def _row(judged: JudgedEntry) -> tuple[str, ...]:
     entry, computed = judged.entry, judged.computed
     published = entry.published
     found = published.computed_text(computed) if computed else "-"

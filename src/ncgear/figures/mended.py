@@ -14,7 +14,7 @@ from ncgear.figures.advice.values import changed
 from ncgear.figures.numbers import to_digits
 from ncgear.figures.tables import WIDTH
 from ncgear.figures.terminal import INDENT
-from ncgear.project.mending import BACKLASH, ROOT_RADIUS, Kind, Mend, Mending, Way
+from ncgear.project.mending import BACKLASH, ROOT_RADIUS, Mend, Mending, MendingSubject, MendingWay
 
 SUFFIX = "-mended"
 
@@ -37,10 +37,10 @@ def refusal_with_help(mending: Mending, option: str = "") -> DesignError:
 
 def _fewer_words(mending: Mending, found: Mend) -> str:
     """What is known of fewer teeth where a change is a number of teeth, and time ended the search for the least one."""
-    if mending.is_whole or found.way.kinds != (Kind.FINER,):
+    if mending.is_whole or found.way.kinds != (MendingSubject.FINER,):
         return ""
     count = found.drive.by_stage[0].pitch.size.driving_teeth
-    fewer = [way.changes["gears.teeth"] for way in mending.failed if way.kinds == (Kind.FINER,)]
+    fewer = [way.changes["gears.teeth"] for way in mending.failed if way.kinds == (MendingSubject.FINER,)]
     below = [number for number in fewer if isinstance(number, int) and number < count]
     refused = f"; {max(below)} are refused" if below else ""
     return f"{refused}; whether fewer do was not searched further"
@@ -65,12 +65,12 @@ def found_words(found: Mend) -> str:
     return f"{changes_words(found.way)} (contact ratio {ratio}, pressure angle {angle} deg)"
 
 
-def changes_words(way: Way) -> str:
+def changes_words(way: MendingWay) -> str:
     """The keys of a change and their values."""
     return listed(map(str, changed(way.changes)), "and")
 
 
-def tried_words(ways: Sequence[Way]) -> str:
+def tried_words(ways: Sequence[MendingWay]) -> str:
     """Ways of the same kinds in a few words each."""
     return "; ".join(
         " with ".join(_words(kind, list(alike)) for kind in kinds)
@@ -78,29 +78,29 @@ def tried_words(ways: Sequence[Way]) -> str:
     )
 
 
-def _words(kind: Kind, alike: Sequence[Way]) -> str:
+def _words(kind: MendingSubject, alike: Sequence[MendingWay]) -> str:
     def values(key: str) -> str:
         found = dict.fromkeys(way.changes[key] for way in alike if way.changes.get(key) is not None)
         return listed(to_digits(value, 4) if isinstance(value, float) else str(value) for value in found)
 
     match kind:
-        case Kind.ROOT_RADIUS:
+        case MendingSubject.ROOT_RADIUS:
             return f"a root radius of {values(ROOT_RADIUS)}"
-        case Kind.BACKLASH:
+        case MendingSubject.BACKLASH:
             return f"a backlash of {values(BACKLASH[0]) or values(BACKLASH[1])}"
-        case Kind.MATE:
+        case MendingSubject.MATE:
             return "the mate as tool"
-        case Kind.STEEPER | Kind.STEEPEST:
+        case MendingSubject.STEEPER | MendingSubject.STEEPEST:
             return f"a rack of {values('gears.rack.pressure_angle_deg')} deg"
-        case Kind.SHIFTED:
+        case MendingSubject.SHIFTED:
             return f"profile shift {_shifts(alike)}"
-        case Kind.UNDERCUT:
+        case MendingSubject.UNDERCUT:
             return "undercut allowed"
-        case Kind.FINER:
+        case MendingSubject.FINER:
             return f"{values('gears.teeth')} teeth of a smaller module"
 
 
-def _shifts(alike: Sequence[Way]) -> str:
+def _shifts(alike: Sequence[MendingWay]) -> str:
     driving = [way.changes.get("gears.profile_shift.driving") for way in alike]
     return listed(dict.fromkeys("against undercut" if one is None else f"{one:g}" for one in driving))
 

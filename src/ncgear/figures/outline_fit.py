@@ -12,7 +12,7 @@ from ncgear.design.rewritten import design_copy
 from ncgear.design.words import ending_in
 from ncgear.figures.answers.answer import Answer, Row
 from ncgear.figures.numbers import fixed, placed, shown, to_digits
-from ncgear.optimum.outline.conditions import Kind
+from ncgear.optimum.outline.conditions import Subject
 from ncgear.optimum.outline.nearest import Deviation
 from ncgear.pitch.shape import Gear
 from ncgear.project.outline_fit import OutlineFit
@@ -22,16 +22,16 @@ SUFFIX = "-fitted"
 OTHER = {Gear.DRIVING: Gear.DRIVEN, Gear.DRIVEN: Gear.DRIVING}
 
 WORDS = {
-    Kind.HOLLOW_OWN: "the {own} gear is concave there: its tips would run into the {mate} gear's, as those of a ring "
+    Subject.HOLLOW_OWN: "the {own} gear is concave there: its tips would run into the {mate} gear's, as those of a ring "
     "and too large a pinion",
-    Kind.HOLLOW_MATE: "the {mate} gear is concave there: its tips would run into the {own} gear's, as those of a ring "
+    Subject.HOLLOW_MATE: "the {mate} gear is concave there: its tips would run into the {own} gear's, as those of a ring "
     "and too large a pinion",
-    Kind.HOLLOW_CORNER_OWN: "a concave corner of the {own} gear: no flank rolls in a sharper one",
-    Kind.HOLLOW_CORNER_MATE: "a concave corner of the {mate} gear: no flank rolls in a sharper one",
-    Kind.CORNER_OWN: "a convex corner of the {own} gear: no tooth stands on a sharper one",
-    Kind.CORNER_MATE: "a convex corner of the {mate} gear: no tooth stands on a sharper one",
-    Kind.STEEP: "the pressure angle: the curve may run no steeper against the ray from its axis",
-    Kind.ROOM: "the room beside the axis of the {mate} gear",
+    Subject.HOLLOW_CORNER_OWN: "a concave corner of the {own} gear: no flank rolls in a sharper one",
+    Subject.HOLLOW_CORNER_MATE: "a concave corner of the {mate} gear: no flank rolls in a sharper one",
+    Subject.CORNER_OWN: "a convex corner of the {own} gear: no tooth stands on a sharper one",
+    Subject.CORNER_MATE: "a convex corner of the {mate} gear: no tooth stands on a sharper one",
+    Subject.STEEP: "the pressure angle: the curve may run no steeper against the ray from its axis",
+    Subject.ROOM: "the room beside the axis of the {mate} gear",
 }
 """What keeps a curve from its outline."""
 
@@ -41,7 +41,7 @@ UNBOUND = (
 )
 
 
-def bound_words(found: OutlineFit, bound_by: Sequence[Kind]) -> str:
+def bound_words(found: OutlineFit, bound_by: Sequence[Subject]) -> str:
     """What keeps a curve from its outline where they are farthest apart, by the conditions that bind there."""
     own = found.given_gear
     words = [WORDS[kind].format(own=own.value, mate=OTHER[own].value) for kind in bound_by[:1]]
@@ -94,7 +94,7 @@ def fit_figures(found: OutlineFit) -> dict[str, Any]:
     return figures
 
 
-def _deviation(away: Deviation, size_mm: float, bound_by: Sequence[Kind]) -> dict[str, Any]:
+def _deviation(away: Deviation, size_mm: float, bound_by: Sequence[Subject]) -> dict[str, Any]:
     return {
         "root_mean_square_mm": away.root_mean_square_mm,
         "root_mean_square_share": away.root_mean_square_mm / size_mm,
@@ -150,7 +150,7 @@ def fitted_answer(name: str, found: OutlineFit, then: str) -> Answer:
 
 
 def _strays(
-    found: OutlineFit, away: Deviation, size_mm: float, bound_by: tuple[Kind, ...], about: str
+    found: OutlineFit, away: Deviation, size_mm: float, bound_by: tuple[Subject, ...], about: str
 ) -> Iterator[Row]:
     """How far a curve strays from its outline, and where and why if it does."""
     yield Row("deviation, r.m.s.", (_length(away.root_mean_square_mm, size_mm),))

@@ -83,10 +83,10 @@ def compare(*given: Drive | str | Path | Mapping[str, Any]) -> SideBySide:
     if not 2 <= len(given) <= MOST:
         raise WrongInput(f"{len(given)} design{'s' * (len(given) != 1)} given; 2 to {MOST} are compared")
     drives = tuple(one if isinstance(one, Drive) else load(one) for one in given)
-    return SideBySide(drives, tuple(map(figures_of, drives)))
+    return SideBySide(drives, tuple(map(design_figures, drives)))
 
 
-def figures_of(drive: Drive) -> dict[str, float]:
+def design_figures(drive: Drive) -> dict[str, float]:
     """The numbers of a check by key, and those of the pitch curves where there is one pair that can be made.
 
     A machine without a load has no power: none is told of it, as a check tells none.

@@ -20,7 +20,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.project.tolerance import Tolerated
 from ncgear.project.tolerance_limits import MOST_JAMMED, TURNING
 from ncgear.tolerances.assemblies import Assemblies, PairAssemblies
-from ncgear.tolerances.drawn import Source
+from ncgear.tolerances.drawn import DeviationSource
 from ncgear.tolerances.iso1328 import rounded_um
 from ncgear.tolerances.study import PairStudy, Share
 
@@ -35,7 +35,7 @@ SOURCES = {
 PERCENT_HIGH, PERCENT_LOW = 99.0, 1.0
 
 
-def source_words(source: Source) -> str:
+def source_words(source: DeviationSource) -> str:
     """``stage 1 centre distance``, or without its stage where it is of a single pair or of both."""
     return SOURCES[source.name] if source.stage is None else f"{stage_words(source.stage)} {SOURCES[source.name]}"
 
@@ -45,7 +45,7 @@ def stage_words(stage: int | None) -> str:
     return "" if stage is None else f"stage {stage}"
 
 
-def figures_of(found: Assemblies, tolerated: Tolerated) -> dict[str, Array]:
+def assemblies_figures(found: Assemblies, tolerated: Tolerated) -> dict[str, Array]:
     """The figures of the machine in assemblies by keys that end in their units, shape (N,) each.
 
     Plays and contact ratio are those of the pair in which they are worst.  ``reversal_play_mm`` is left out where the
@@ -89,7 +89,9 @@ def worst_is_least(key: str) -> bool:
 
 def percentiles(tolerated: Tolerated) -> dict[str, dict[str, float]]:
     """Each figure of the machine as designed, its median, and what 99 of 100 assemblies keep, on the bad side."""
-    return _percentiles(figures_of(tolerated.assemblies, tolerated), figures_of(tolerated.nominal, tolerated))
+    return _percentiles(
+        assemblies_figures(tolerated.assemblies, tolerated), assemblies_figures(tolerated.nominal, tolerated)
+    )
 
 
 def pair_percentiles(tolerated: Tolerated) -> list[dict[str, dict[str, float]]]:
@@ -247,7 +249,7 @@ def _checks(pair: PairStudy) -> dict[str, Any]:
 
 def assemblies_csv(tolerated: Tolerated) -> str:
     """One row for each assembly; of two pairs, the figures of each pair follow the figures of the machine."""
-    told = figures_of(tolerated.assemblies, tolerated)
+    told = assemblies_figures(tolerated.assemblies, tolerated)
     if len(tolerated.pairs) > 1:
         for pair in tolerated.pairs:
             own = pair_figures(pair.assemblies, pair, loaded=tolerated.loaded)

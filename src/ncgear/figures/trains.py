@@ -10,13 +10,13 @@ from ncgear.figures.answers.answer import Answer, Fault, Row
 from ncgear.figures.numbers import micrometres, to_digits
 from ncgear.numerics.units import in_words
 from ncgear.trains.contact import Distance, MeshContact, worst
-from ncgear.trains.train import Condition, Train
+from ncgear.trains.train import Train, TrainCondition
 
 ALLOWED_TOLERANCES = 3.0
 """Penetration and gap that chords may leave, in chord tolerances: one of each outline, and one of the place between."""
 
 
-def train_figures(name: str, description: str, train: Train, conditions: Sequence[Condition]) -> dict[str, Any]:
+def train_figures(name: str, description: str, train: Train, conditions: Sequence[TrainCondition]) -> dict[str, Any]:
     """The figures of a train: what it is made of, what its kind tells, and whether its conditions hold."""
     parts = [
         {
@@ -38,7 +38,7 @@ def train_figures(name: str, description: str, train: Train, conditions: Sequenc
     }
 
 
-def _row(one: Condition) -> dict[str, Any]:
+def _row(one: TrainCondition) -> dict[str, Any]:
     """A condition, with the keys that conditions of machines have, and what would help."""
     state = State.NOT_JUDGED if one.holds is None else State.KEPT if one.holds else State.BROKEN
     return {
@@ -75,7 +75,7 @@ def contact_figures(contacts: Sequence[MeshContact], distances: Sequence[Distanc
 
 def judged_contacts(
     train: Train, contacts: Sequence[MeshContact], distances: Sequence[Distance]
-) -> tuple[Condition, ...]:
+) -> tuple[TrainCondition, ...]:
     """Whether all meshes touch without overlap, and whether all other parts pass each other."""
     allowed = ALLOWED_TOLERANCES * train.tolerance_mm
     clashing = [one for one in contacts if one.clashes(allowed)]
@@ -95,8 +95,8 @@ def judged_contacts(
             f"{least.first} and {least.second} pass at {to_digits(least.least_mm, 3)} mm, all others farther apart"
         )
     return (
-        Condition("meshes", not said, "; ".join(said) or met),
-        Condition("room", not room, "; ".join(room) or passing),
+        TrainCondition("meshes", not said, "; ".join(said) or met),
+        TrainCondition("room", not room, "; ".join(room) or passing),
     )
 
 
@@ -105,13 +105,13 @@ def _meets(one: MeshContact, how: str, value_mm: float, at_rad: float) -> str:
 
 
 NOT_BUILT = (
-    Condition("meshes", None, "polygons are compared in a build"),
-    Condition("room", None, "polygons are compared in a build"),
+    TrainCondition("meshes", None, "polygons are compared in a build"),
+    TrainCondition("room", None, "polygons are compared in a build"),
 )
 """What a check without files says of contact."""
 
 
-def train_answer(name: str, description: str, train: Train, conditions: Sequence[Condition], then: str) -> Answer:
+def train_answer(name: str, description: str, train: Train, conditions: Sequence[TrainCondition], then: str) -> Answer:
     """The answer about a train on one screen."""
     rows = [Row(label, (text,)) for label, text in train.told.rows]
     rows += [Row(one.name, (one.said,)) for one in conditions if one.holds]

@@ -17,7 +17,7 @@ from ncgear.design.reading.design_file import LoadedDesign
 from ncgear.drawings.beside import GEAR_PICTURES, HERE, LOAD_PICTURES, MOTION_PICTURE, Drawer
 from ncgear.drawings.page import REPORT_FILE
 from ncgear.drawings.pictures import gear_pictures, load_pictures, motion_picture
-from ncgear.figures.advice.verdict import Known, Verdict, judged, together
+from ncgear.figures.advice.verdict import KnownParts, Verdict, judged, together
 from ncgear.figures.assembly import assembly_of
 from ncgear.figures.csv_text import contact_csv, law_csv, outline_csv
 from ncgear.figures.data_sheet.pitch_table import pitch_csv
@@ -109,8 +109,8 @@ def contacts_as_written(drive: Drive, on_step: Callable[[str], None]) -> list[Pa
 def verdicts_of(drive: Drive) -> list[Verdict]:
     """The verdict on every pair with its machine, or on a design without gears."""
     if drive.design.gears is None:
-        return [judged(drive, Known.MOTION)]
-    return [judged(pair, Known.TEETH) for pair in drive.by_stage]
+        return [judged(drive, KnownParts.MOTION)]
+    return [judged(pair, KnownParts.TEETH) for pair in drive.by_stage]
 
 
 def summaries_without_files(
@@ -169,7 +169,7 @@ def _made(drive: Drive, on_step: Callable[[str], None], formats: Collection[Form
         other_files = begun_workshop_files(drive, set(formats).difference(slow), *shared)
         both = {one.source: (one.driving_mm, one.driven_mm) for one in outlines}
         measured = drawer.offered(ERRORS, exact, both)
-    verdict = judged(drive, Known.TEETH)
+    verdict = judged(drive, KnownParts.TEETH)
     figures = build_summary(drive, contact, verdict)
     with _timed(drive, "workshop files", on_step):
         errors_mm = measured()

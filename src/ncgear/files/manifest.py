@@ -27,7 +27,7 @@ KEYS = {"ncgear", "files"}
 
 
 @dataclass(frozen=True)
-class Entry:
+class ManifestEntry:
     """The command that wrote a file, and the SHA-256 of the written content in hexadecimal digits."""
 
     command: str
@@ -58,7 +58,7 @@ def publish_run(folder: Path, files: Mapping[str, bytes], command: str) -> Run:
         still = {name: earlier[name] for name in _as_written(folder, earlier) if name not in files}
         gone = [name for name, entry in still.items() if entry.command == command]
         others = {name: entry for name, entry in still.items() if name not in gone}
-        now = {name: Entry(command, _digest(content)) for name, content in files.items()}
+        now = {name: ManifestEntry(command, _digest(content)) for name, content in files.items()}
         written = {**files, MANIFEST: _text({**others, **now})}
         kept = _kept(folder, written, earlier)
         exchange(folder, {**written, **kept}, gone)
@@ -89,14 +89,14 @@ def holds_as_written(folder: Path, name: str) -> bool:
     return False
 
 
-def entries_in(folder: Path) -> dict[str, Entry]:
+def entries_in(folder: Path) -> dict[str, ManifestEntry]:
     """The entries of a folder's manifest by the names of files; empty where the manifest has another form.
 
     Raises OSError where it cannot be read.
     """
     try:
         found = json.loads(_content(folder / MANIFEST) or b"")
-        entries = {name: Entry(**entry) for name, entry in found["files"].items()} if set(found) == KEYS else {}
+        entries = {name: ManifestEntry(**entry) for name, entry in found["files"].items()} if set(found) == KEYS else {}
     except (ValueError, TypeError, AttributeError, RecursionError):
         return {}
     return {name: entry for name, entry in entries.items() if is_inside(name)}
@@ -110,7 +110,7 @@ def _content(place: Path) -> bytes | None:
         return None
 
 
-def _text(entries: Mapping[str, Entry]) -> bytes:
+def _text(entries: Mapping[str, ManifestEntry]) -> bytes:
     files = {name: asdict(entry) for name, entry in sorted(entries.items())}
     return (json.dumps({"ncgear": __version__, "files": files}, indent=2, ensure_ascii=False) + "\n").encode()
 
@@ -119,7 +119,7 @@ def _digest(content: bytes) -> str:
     return sha256(content).hexdigest()
 
 
-def _as_written(folder: Path, entries: Mapping[str, Entry]) -> Iterator[str]:
+def _as_written(folder: Path, entries: Mapping[str, ManifestEntry]) -> Iterator[str]:
     """The names of files that are in the folder as their entries say."""
     for name, entry in entries.items():
         content = _content(folder / name)
@@ -127,7 +127,7 @@ def _as_written(folder: Path, entries: Mapping[str, Entry]) -> Iterator[str]:
             yield name
 
 
-def _kept(folder: Path, files: Mapping[str, bytes], earlier: Mapping[str, Entry]) -> dict[str, bytes]:
+def _kept(folder: Path, files: Mapping[str, bytes], earlier: Mapping[str, ManifestEntry]) -> dict[str, bytes]:
     """Other people's files that have the places of new files, by new names that are free.
 
     Raises WrongInput where a folder or a link to nothing has such a place.

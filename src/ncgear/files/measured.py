@@ -15,7 +15,7 @@ from matplotlib.collections import LineCollection
 from matplotlib.colors import LinearSegmentedColormap, Normalize
 from matplotlib.figure import Figure
 
-from ncgear.drawings.charts.chart import Chart, Line, Role
+from ncgear.drawings.charts.chart import Chart, ChartLine, Role
 from ncgear.drawings.charts.drawer import CONTACT_COLUMN, CONTACT_LOOK, column_png
 from ncgear.drawings.palette import EXCESS
 from ncgear.drawings.plots import canvas
@@ -154,7 +154,7 @@ def compared_pictures(pair: ComparedPair, name: str) -> dict[str, bytes]:
         Chart(
             quantity,
             unit,
-            (Line(Role.OTHER, EXACT, angle, exact), Line(Role.OWN, MEASURED, angle, measured)),
+            (ChartLine(Role.OTHER, EXACT, angle, exact), ChartLine(Role.OWN, MEASURED, angle, measured)),
             end,
             axis_label=label,
         )

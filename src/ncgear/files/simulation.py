@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.drawings.charts.chart import EMPTY, NO_STRETCHES, Chart, Line, Role, joints_up_to
+from ncgear.drawings.charts.chart import EMPTY, NO_STRETCHES, Chart, ChartLine, Role, joints_up_to
 from ncgear.drawings.charts.drawer import LOAD_LOOK, SIMULATION_COLUMN, TIME_LOOK, Look, column_png
 from ncgear.drawings.charts.slider_charts import MOTION
 from ncgear.drawings.pictures import titled
@@ -18,7 +18,7 @@ from ncgear.dynamics.level import Level
 from ncgear.dynamics.loaded_machine import Loads
 from ncgear.figures.advice.drivetrain_advice import SMOOTH_GUIDE
 from ncgear.figures.advice.teeth_advice import parted_in_time
-from ncgear.figures.advice.verdict import Known, Verdict, judged
+from ncgear.figures.advice.verdict import KnownParts, Verdict, judged
 from ncgear.figures.csv_text import csv_text
 from ncgear.figures.drivetrain import drivetrain_figures
 from ncgear.figures.numbers import MICRORAD, json_text
@@ -55,9 +55,9 @@ def simulated_chart(
     do not touch.
     """
     angle = np.degrees(phi1_rad)
-    lines = [Line(Role.OWN, own[0], angle, own[1])]
+    lines = [ChartLine(Role.OWN, own[0], angle, own[1])]
     if compared is not None:
-        lines.append(Line(Role.UNIFORM, compared[0], angle, compared[1]))
+        lines.append(ChartLine(Role.UNIFORM, compared[0], angle, compared[1]))
     return Chart(name, unit, tuple(lines), degrees(phi1_rad[-1]), None, joints_deg, apart_deg, names_extreme=True)
 
 
@@ -66,7 +66,7 @@ def driving_torque(drive: Drive, own: Loads, uniform: Loads) -> Chart:
     torques = (N_M_PER_N_MM * loads.driving_torque.value for loads in (own, uniform))
     chart = _load_chart(drive, "driving torque", "N m", *torques)
     mean = np.full(2, N_M_PER_N_MM * drive.rigid.fluctuation.mean_torque_n_mm)
-    return replace(chart, lines=(*chart.lines, Line(Role.MEAN, "mean", np.array([0.0, chart.end]), mean)))
+    return replace(chart, lines=(*chart.lines, ChartLine(Role.MEAN, "mean", np.array([0.0, chart.end]), mean)))
 
 
 def joint_forces(drive: Drive, own: Loads, uniform: Loads) -> list[Chart]:
@@ -200,7 +200,7 @@ def simulate(drive: Drive, level: Level) -> Simulated:
             parted_in_time(*parted, float(time_s[-1] - time_s[0])),
             *([SMOOTH_GUIDE] if drive.rigid.machine.guide_friction else []),
         ]
-    verdict = judged(drive, Known.TEETH if with_teeth else Known.MOTION, found)
+    verdict = judged(drive, KnownParts.TEETH if with_teeth else KnownParts.MOTION, found)
     return Simulated(table, {**figures, **verdict_summary(verdict)}, pictures, verdict)
 
 

@@ -18,7 +18,7 @@ from matplotlib.colorbar import Colorbar
 from matplotlib.colors import Colormap, LinearSegmentedColormap, LogNorm, Normalize
 from matplotlib.figure import Figure
 
-from ncgear.drawings.assembled import Assembled, Position
+from ncgear.drawings.assembled import Assembled, AssembledPosition
 from ncgear.drawings.charts.chart import joints_up_to
 from ncgear.drawings.charts.drawer import STRENGTH_COLUMN, STRENGTH_LOOK, column_png
 from ncgear.drawings.charts.teeth_charts import speed_charts, strength_charts
@@ -70,9 +70,9 @@ class ColouredGear:
     named: int
 
 
-def coloured_teeth_png(drive: Drive, gears: dict[Gear, ColouredGear], position: Position, title: str) -> bytes:
+def coloured_teeth_png(drive: Drive, gears: dict[Gear, ColouredGear], position: AssembledPosition, title: str) -> bytes:
     """PNG of both gears in a position, each tooth coloured by its safety; the named teeth have a mark."""
-    view = View.of(drive, title)
+    view = PairPicture.of(drive, title)
     norm = LogNorm(1.0 / SPREAD, SPREAD)
     for gear, coloured in gears.items():
         _draw(view, drive.teeth.of(gear), gear, position, coloured, norm)
@@ -86,10 +86,10 @@ def coloured_teeth_png(drive: Drive, gears: dict[Gear, ColouredGear], position: 
 
 
 def stress_field_png(
-    drive: Drive, fields: Mapping[Gear, Painted], largest_mpa: float, position: Position, title: str
+    drive: Drive, fields: Mapping[Gear, Painted], largest_mpa: float, position: AssembledPosition, title: str
 ) -> bytes:
     """Both gears in a position, coloured by von Mises' stress up to ``largest_mpa``."""
-    view, norm = View.of(drive, title), Normalize(0.0, largest_mpa)
+    view, norm = PairPicture.of(drive, title), Normalize(0.0, largest_mpa)
     for gear, field in fields.items():
         placed = view.body(drive.teeth.of(gear), gear, position, 0.3)
         colors = STRESS_SCALE(norm(field.von_mises_mpa[field.triangles].mean(axis=1)))
@@ -103,7 +103,7 @@ def stress_field_png(
 
 
 @dataclass(frozen=True, eq=False)
-class View:
+class PairPicture:
     """A picture of both gears that fills its width, unless that makes it higher than a screen."""
 
     made: Figure
@@ -113,7 +113,7 @@ class View:
     mm_per_in: float
 
     @classmethod
-    def of(cls, drive: Drive, title: str) -> View:
+    def of(cls, drive: Drive, title: str) -> PairPicture:
         """The empty picture, with the axes of both gears."""
         pair = assembled_teeth(drive)
         left, right, top = pair.frame
@@ -128,7 +128,9 @@ class View:
         axes.set_axis_off()
         return cls(made, axes, pair, height, max((right - left) / width, 2.0 * top / (height - REST_IN)))
 
-    def body(self, gear: ToothedGear, which: Gear, position: Position, line: float) -> Callable[[Array], Array]:
+    def body(
+        self, gear: ToothedGear, which: Gear, position: AssembledPosition, line: float
+    ) -> Callable[[Array], Array]:
         """Draw a gear's body; return the function that moves points of the gear's frame (shape (n, 2)) to their
         place."""
         placed = partial(self.pair.placed, which, position=position)
@@ -149,7 +151,12 @@ class View:
 
 
 def _draw(
-    view: View, gear: ToothedGear, which: Gear, position: Position, coloured: ColouredGear, norm: LogNorm
+    view: PairPicture,
+    gear: ToothedGear,
+    which: Gear,
+    position: AssembledPosition,
+    coloured: ColouredGear,
+    norm: LogNorm,
 ) -> None:
     """One gear in its place: its body, its teeth in their colours, their numbers below the roots."""
     placed = view.body(gear, which, position, 0.5)

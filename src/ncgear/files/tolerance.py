@@ -29,7 +29,7 @@ COLORS = canvas.DRIVING, canvas.DRIVEN, canvas.REFERENCE, canvas.HIGHLIGHT
 
 
 @dataclass(frozen=True, eq=False)
-class Spread:
+class FigureSpread:
     """A figure of many assemblies (shape (n,)), with its designed value and a limit; one side of the limit is bad.
 
     ``below`` is true where assemblies below the limit are bad, else assemblies above it; ``beyond`` names the failure.
@@ -43,7 +43,7 @@ class Spread:
     beyond: str = ""
 
 
-def spreads(of: Sequence[Spread], title: str) -> bytes:
+def spreads(of: Sequence[FigureSpread], title: str) -> bytes:
     """PNG of histograms, two in a row, with limits."""
     rows = -(-len(of) // 2)
     width, height = 8.6, 0.6 + 3.3 * rows
@@ -53,7 +53,7 @@ def spreads(of: Sequence[Spread], title: str) -> bytes:
     return canvas.png(made)
 
 
-def _histogram(axes: Axes, one: Spread) -> None:
+def _histogram(axes: Axes, one: FigureSpread) -> None:
     low, high = one.values.min(), one.values.max()
     room = ROUNDING * max(abs(low), abs(high))
     edges = np.histogram_bin_edges(one.values, BINS, (low - room, high + room))
@@ -134,8 +134,8 @@ def _spreads(tolerated: Tolerated) -> bytes:
     found, nominal, output = tolerated.assemblies, tolerated.nominal, tolerated.drive.linkage.OUTPUT
     place, pair = output.place, tolerated.pairs[0]
 
-    def spread(label: str, key: str, factor: float = 1.0, *limit: Any) -> Spread:
-        return Spread(label, factor * getattr(found, key), factor * float(getattr(nominal, key)[0]), *limit)
+    def spread(label: str, key: str, factor: float = 1.0, *limit: Any) -> FigureSpread:
+        return FigureSpread(label, factor * getattr(found, key), factor * float(getattr(nominal, key)[0]), *limit)
 
     shown = _of_pair(tolerated, pair)
     if len(tolerated.pairs) > 1:
@@ -152,14 +152,14 @@ JAMS = 0.0, True, "jams"
 """The limit of the least play, whether values below it are bad, and the name of the failure."""
 
 
-def _of_pair(tolerated: Tolerated, pair: PairStudy) -> list[Spread]:
+def _of_pair(tolerated: Tolerated, pair: PairStudy) -> list[FigureSpread]:
     found, nominal = pair.assemblies, pair.nominal
     shown = [
-        Spread("least play in mm", found.least_play_mm, float(nominal.least_play_mm[0]), *JAMS),
-        Spread("transmission error in mm", found.transmission_error_mm, float(nominal.transmission_error_mm[0])),
+        FigureSpread("least play in mm", found.least_play_mm, float(nominal.least_play_mm[0]), *JAMS),
+        FigureSpread("transmission error in mm", found.transmission_error_mm, float(nominal.transmission_error_mm[0])),
     ]
     if pair.knock is not None:
         label = "play where the torque turns round in mm" if tolerated.loaded else "largest play in mm"
         designed = float(np.max(nominal.reversal_play_mm))
-        shown.insert(1, Spread(label, found.reversal_play_mm, designed, pair.knocking_mm, False, "knocks"))
+        shown.insert(1, FigureSpread(label, found.reversal_play_mm, designed, pair.knocking_mm, False, "knocks"))
     return shown

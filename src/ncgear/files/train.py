@@ -25,7 +25,7 @@ from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.solids.mesh.slabs import slab_mesh
 from ncgear.solids.plan.body import Slab, circle_points
 from ncgear.trains.contact import contacts_of, distances_of
-from ncgear.trains.train import Condition, Part, Train
+from ncgear.trains.train import Part, Train, TrainCondition
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping
@@ -48,7 +48,7 @@ class BuiltTrain:
 
     files: Mapping[str, bytes]
     figures: dict[str, Any]
-    conditions: tuple[Condition, ...]
+    conditions: tuple[TrainCondition, ...]
 
 
 def build_train(name: str, description: str, train: Train, on_step: Callable[[str], None]) -> BuiltTrain:

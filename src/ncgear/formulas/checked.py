@@ -10,7 +10,7 @@ import numpy as np
 
 from ncgear.errors import Unanswered
 from ncgear.formulas.laws import NoFormula, Sizes, mechanism, pieces_of
-from ncgear.formulas.written import Written
+from ncgear.formulas.written import WrittenPiece
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.driven_shaft import DrivenShaft
 from ncgear.mechanisms.mechanism import Mechanism
@@ -35,11 +35,11 @@ FROM_ZERO = {"x", "phi_2"}
 
 
 @dataclass(frozen=True, eq=False)
-class Section:
+class FormulaPieces:
     """The pieces of the whole law, of one of its pairs, or of the mechanism; if there are none, ``why`` says why."""
 
     name: str
-    pieces: tuple[Written, ...]
+    pieces: tuple[WrittenPiece, ...]
     why: str = ""
     difference: float = 0.0
 
@@ -56,7 +56,7 @@ class Formulas:
     law: str
     unit: str
     sized: bool
-    sections: tuple[Section, ...]
+    sections: tuple[FormulaPieces, ...]
 
     @property
     def difference(self) -> float:
@@ -84,7 +84,7 @@ def formulas_of(name: str, kind: str, law: Law, sizes: Sequence[Sizes | None]) -
     if not isinstance(linkage, DrivenShaft):
         covered = whole.lobes.range
         made = mechanism(linkage, covered.driven_rad if covered else tau)
-        section = Section("mechanism", (made,))
+        section = FormulaPieces("mechanism", (made,))
         sections.append(replace(section, difference=_mechanism_missed(made, linkage)))
         unit = "rad" if linkage.OUTPUT.angular else "mm"
     return Formulas(name, kind, unit, all(sizes), tuple(sections))
@@ -92,23 +92,23 @@ def formulas_of(name: str, kind: str, law: Law, sizes: Sequence[Sizes | None]) -
 
 def _section(
     name: str, law: Transmission, over: Transmission, linkage: Mechanism | None, size: Sizes | None
-) -> Section:
+) -> FormulaPieces:
     """The pieces of a law, compared; ``over`` is the law whose driven angle is phi_2."""
     try:
         pieces = tuple(pieces_of(law.pieces, linkage, size))
     except NoFormula as none:
-        return Section(name, (), str(none))
-    return Section(name, pieces, difference=missed(pieces, law, over, linkage, size))
+        return FormulaPieces(name, (), str(none))
+    return FormulaPieces(name, pieces, difference=missed(pieces, law, over, linkage, size))
 
 
-def places_of(piece: Written, count: int) -> Array:
+def places_of(piece: WrittenPiece, count: int) -> Array:
     """Places inside a piece, shape (n,); no law is made from them."""
     share = np.arange(1.0, count + 1.0) * TURN % 1.0
     return piece.start_rad + (piece.end_rad - piece.start_rad) * share
 
 
 def missed(
-    pieces: Sequence[Written], law: Transmission, over: Transmission, linkage: Mechanism | None, size: Sizes | None
+    pieces: Sequence[WrittenPiece], law: Transmission, over: Transmission, linkage: Mechanism | None, size: Sizes | None
 ) -> float:
     """The greatest relative difference of pieces from the law; raises Unanswered where it is over AGREED."""
     count = max(FEWEST, PLACES // len(pieces))
@@ -130,12 +130,12 @@ def missed(
     return _greatest(pieces, at, numbers)
 
 
-def _mechanism_missed(piece: Written, linkage: Mechanism) -> float:
+def _mechanism_missed(piece: WrittenPiece, linkage: Mechanism) -> float:
     at = places_of(piece, PLACES)
     return _greatest([piece], at, {"x": linkage.displacement(Jet(at[None, :])).value})
 
 
-def _greatest(pieces: Sequence[Written], at: Array, numbers: dict[str, Array]) -> float:
+def _greatest(pieces: Sequence[WrittenPiece], at: Array, numbers: dict[str, Array]) -> float:
     """The greatest difference of pieces from numbers at places, the same number of places in each piece."""
     worst, count = 0.0, at.size // len(pieces)
     for number, piece in enumerate(pieces):

@@ -18,7 +18,7 @@ from numpy.polynomial import Polynomial
 from scipy.interpolate import BSpline
 
 from ncgear.formulas import linkages
-from ncgear.formulas.written import Writer, Written, integral, polynomial, symbol
+from ncgear.formulas.written import FormulaWriter, WrittenPiece, integral, polynomial, symbol
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.driven_shaft import DrivenShaft
 from ncgear.mechanisms.mechanism import Mechanism
@@ -31,7 +31,7 @@ from ncgear.ratio.laws.over_driven_angle import LogRatioLaw, StagedLaw
 from ncgear.ratio.laws.three_segment import approach_angle, braking_angle, pressing_angle
 from ncgear.ratio.return_stroke import ReturnLaw
 from ncgear.ratio.transmission import JetFunction, Lobes, Piece
-from ncgear.ratio.working_stroke import WorkingStroke
+from ncgear.ratio.working_stroke import ClosedStroke
 
 INTEGRAL = "phi_2 is the integral of 1/i_12 over phi_1, which has no closed form"
 OVER_DRIVEN = "phi_1 is the integral of i_12 over phi_2, which has no closed form"
@@ -51,26 +51,26 @@ class Sizes:
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class PiecePart:
     """A stretch of a piece as its form has written it, without the quantities that all laws have."""
 
     name: str
     ends: tuple[float, float]
-    write: Writer
+    write: FormulaWriter
     without: str = ""
 
 
-Form = Callable[..., Iterator[Part]]
+Form = Callable[..., Iterator[PiecePart]]
 
 
-def mechanism(linkage: Mechanism, end_rad: float) -> Written:
+def mechanism(linkage: Mechanism, end_rad: float) -> WrittenPiece:
     """The displacement over the driven angle."""
-    write = Writer("phi_2")
+    write = FormulaWriter("phi_2")
     linkages.displacement(write, linkage, write.variable)
     return write.written("mechanism", (0.0, end_rad), {})
 
 
-def pieces_of(pieces: tuple[Piece, ...], linkage: Mechanism | None, sizes: Sizes | None) -> Iterator[Written]:
+def pieces_of(pieces: tuple[Piece, ...], linkage: Mechanism | None, sizes: Sizes | None) -> Iterator[WrittenPiece]:
     """All pieces of a law, with displacement and radii where mechanism and sizes are given; raises NoFormula."""
     for piece in pieces:
         made, arguments = _made_by(piece.driven_angle)
@@ -87,7 +87,7 @@ def _made_by(turned: JetFunction) -> tuple[Any, tuple[Any, ...]]:
     return turned.__func__, (turned.__self__,)  # type: ignore[attr-defined]
 
 
-def _whole(part: Part, linkage: Mechanism | None, sizes: Sizes | None) -> Written:
+def _whole(part: PiecePart, linkage: Mechanism | None, sizes: Sizes | None) -> WrittenPiece:
     write, x, phi_2, ratio = part.write, symbol("x"), symbol("phi_2"), symbol("i_12")
     moved = None if isinstance(linkage, DrivenShaft) else linkage
     without = {"phi_2": part.without} if part.without and write.variable != phi_2 else {}
@@ -111,39 +111,39 @@ def _ends(piece: Piece) -> tuple[float, float]:
     return piece.start_rad, piece.end_rad
 
 
-def _approach(piece: Piece, stroke: WorkingStroke, linkage: Mechanism) -> Iterator[Part]:
-    write, phi_1 = Writer("phi_1"), symbol("phi_1")
+def _approach(piece: Piece, stroke: ClosedStroke, linkage: Mechanism) -> Iterator[PiecePart]:
+    write, phi_1 = FormulaWriter("phi_1"), symbol("phi_1")
     quotient = write.step("q", polynomial(write.coefficients("q", stroke.approach_root), phi_1))
     x = write.step("x", phi_1**2 * quotient)
     left = write.step("left", sympy.sqrt(write.number("stroke", stroke.stroke_mm) - x))
     gone = write.step("gone", phi_1 * write.step("root", sympy.sqrt(quotient)))
     linkages.driven_angle(write, linkage, x, gone, left)
-    yield Part("approach", _ends(piece), write)
+    yield PiecePart("approach", _ends(piece), write)
 
 
-def _pressing(piece: Piece, stroke: WorkingStroke, linkage: Mechanism) -> Iterator[Part]:
-    write, phi_1 = Writer("phi_1"), symbol("phi_1")
+def _pressing(piece: Piece, stroke: ClosedStroke, linkage: Mechanism) -> Iterator[PiecePart]:
+    write, phi_1 = FormulaWriter("phi_1"), symbol("phi_1")
     start, speed = write.number("x_2", stroke.pressing_start_mm), write.number("v", stroke.pressing_mm_rad)
     x = write.step("x", start + speed * (phi_1 - write.number("theta_2", stroke.theta2_rad)))
     left = write.step("left", sympy.sqrt(write.number("stroke", stroke.stroke_mm) - x))
     linkages.driven_angle(write, linkage, x, write.step("gone", sympy.sqrt(x)), left)
-    yield Part("constant speed", _ends(piece), write)
+    yield PiecePart("constant speed", _ends(piece), write)
 
 
-def _braking(piece: Piece, stroke: WorkingStroke, linkage: Mechanism) -> Iterator[Part]:
-    write = Writer("phi_1")
+def _braking(piece: Piece, stroke: ClosedStroke, linkage: Mechanism) -> Iterator[PiecePart]:
+    write = FormulaWriter("phi_1")
     before = write.step("delta", write.number("theta_4", stroke.theta4_rad) - write.variable)
     quotient = write.step("q", polynomial(write.coefficients("q", stroke.braking_root), before))
     x = write.step("x", write.number("stroke", stroke.stroke_mm) - before**2 * quotient)
     gone, root = write.step("gone", sympy.sqrt(x)), write.step("root", sympy.sqrt(quotient))
     left = write.step("left", before * root)
     linkages.driven_angle(write, linkage, x, gone, left)
-    yield Part("braking", _ends(piece), write)
+    yield PiecePart("braking", _ends(piece), write)
 
 
-def _return(piece: Piece, law: ReturnLaw) -> Iterator[Part]:
+def _return(piece: Piece, law: ReturnLaw) -> Iterator[PiecePart]:
     """The polynomial in tau, the share of the return; its coefficients ``d`` close the cycle."""
-    write, ends = Writer("phi_1"), law.ends
+    write, ends = FormulaWriter("phi_1"), law.ends
     start, length = write.number("start", ends.start_rad), write.number("length", ends.length_rad)
     tau = write.step("tau", (write.variable - start) / length)
     about = write.number("about", law.about) if law.about else 0
@@ -152,37 +152,37 @@ def _return(piece: Piece, law: ReturnLaw) -> Iterator[Part]:
     value = write.step("p", polynomial(local, tau - about) + polynomial(fine, tau))
     if not law.inverse:
         write.step("i_12", value)
-        yield Part("return", _ends(piece), write, INTEGRAL)
+        yield PiecePart("return", _ends(piece), write, INTEGRAL)
         return
     covered = integral(local, tau - about) - integral(local, -about) + integral(fine, tau)
     write.step("phi_2", write.number("phi_start", ends.start_driven_rad) + length * covered)
     write.step("i_12", 1 / value)
-    yield Part("return", _ends(piece), write)
+    yield PiecePart("return", _ends(piece), write)
 
 
-def _even(piece: Piece, slope: float) -> Iterator[Part]:
-    write = Writer("phi_1")
+def _even(piece: Piece, slope: float) -> Iterator[PiecePart]:
+    write = FormulaWriter("phi_1")
     write.step("phi_2", write.number("w", slope) * write.variable)
-    yield Part("even", _ends(piece), write)
+    yield PiecePart("even", _ends(piece), write)
 
 
-def _elliptical(piece: Piece, skew: float, phase: float, lobes: Lobes, start: float) -> Iterator[Part]:
-    write = Writer("phi_1")
+def _elliptical(piece: Piece, skew: float, phase: float, lobes: Lobes, start: float) -> Iterator[PiecePart]:
+    write = FormulaWriter("phi_1")
     s = write.number("s", skew)
     around = write.step("around", lobes.driving * (write.variable - (write.number("phase", phase) if phase else 0)))
     turned = around - 2 * sympy.atan(s * sympy.sin(around) / (1 + s * sympy.cos(around)))
     write.step("phi_2", turned / lobes.driven - (write.number("phi_start", start) if start else 0))
     even = sympy.Rational(lobes.driven, lobes.driving)
     write.step("i_12", even * (1 + s**2 + 2 * s * sympy.cos(around)) / (1 - s**2))
-    yield Part("ellipse", _ends(piece), write)
+    yield PiecePart("ellipse", _ends(piece), write)
 
 
-def _spiral(piece: Piece, ratio_start: float, growth: float) -> Iterator[Part]:
-    write = Writer("phi_1")
+def _spiral(piece: Piece, ratio_start: float, growth: float) -> Iterator[PiecePart]:
+    write = FormulaWriter("phi_1")
     first, m = write.number("i_start", ratio_start), write.number("m", growth)
     write.step("phi_2", -sympy.log(1 - (sympy.exp(m * write.variable) - 1) / first) / m)
     write.step("i_12", (1 + first) * sympy.exp(-m * write.variable) - 1)
-    yield Part("spiral", _ends(piece), write)
+    yield PiecePart("spiral", _ends(piece), write)
 
 
 OPERATIONS: dict[str, Callable[..., Any]] = {
@@ -191,7 +191,7 @@ OPERATIONS: dict[str, Callable[..., Any]] = {
 }
 
 
-def in_sympy(write: Writer, formula: Formula, argument: Any) -> Any:
+def in_sympy(write: FormulaWriter, formula: Formula, argument: Any) -> Any:
     """A formula without choices, operation by operation."""
     done: list[Any] = []
     for operation in formula.tape.operations:
@@ -208,89 +208,91 @@ def in_sympy(write: Writer, formula: Formula, argument: Any) -> Any:
     return done[-1]
 
 
-def _formula_angle(piece: Piece, formula: Formula, zero: float, factor: float) -> Iterator[Part]:
-    write = Writer("phi_1")
+def _formula_angle(piece: Piece, formula: Formula, zero: float, factor: float) -> Iterator[PiecePart]:
+    write = FormulaWriter("phi_1")
     yield from _scaled(piece, write, in_sympy(write, formula, write.variable), zero, factor)
 
 
-def _generated(piece: Piece, formula: Formula, first: float, rate: float, zero: float, by: float) -> Iterator[Part]:
-    write = Writer("phi_1")
+def _generated(
+    piece: Piece, formula: Formula, first: float, rate: float, zero: float, by: float
+) -> Iterator[PiecePart]:
+    write = FormulaWriter("phi_1")
     given = write.step("u", write.number("first", first) + write.number("rate", rate) * write.variable)
     yield from _scaled(piece, write, in_sympy(write, formula, given), zero, by)
 
 
-def _scaled(piece: Piece, write: Writer, turned: Any, zero: float, factor: float) -> Iterator[Part]:
+def _scaled(piece: Piece, write: FormulaWriter, turned: Any, zero: float, factor: float) -> Iterator[PiecePart]:
     less = turned - write.number("zero", zero) if zero else turned
     write.step("phi_2", less if factor == 1.0 else less * write.number("factor", factor))
-    yield Part("formula", _ends(piece), write)
+    yield PiecePart("formula", _ends(piece), write)
 
 
-def _integrated(piece: Piece, slope: integrated.Slope, start: float, factor: float) -> Iterator[Part]:
+def _integrated(piece: Piece, slope: integrated.Slope, start: float, factor: float) -> Iterator[PiecePart]:
     """Parts where 1/i12 is a formula, or a spline, with a known integral."""
     made, arguments = _made_by(slope.jets)
     if made in NO_FORMULA:
         raise NoFormula(NO_FORMULA[made])
     if made is expression.by_angle:
-        write = Writer("phi_1")
+        write = FormulaWriter("phi_1")
         (inverse,) = arguments
         write.step("i_12", 1 / (in_sympy(write, inverse, write.variable) * _factor(write, factor)))
-        yield Part("formula", _ends(piece), write, INTEGRAL)
+        yield PiecePart("formula", _ends(piece), write, INTEGRAL)
         return
     (spline,), turned = arguments, start
     for name, ends, write, u, coefficients in _splined(spline, piece):
         value = write.step("p", polynomial(coefficients, u))
         write.step("phi_2", (write.number("turned", turned) + integral(coefficients, u)) * _factor(write, factor))
         write.step("i_12", 1 / (value * _factor(write, factor)))
-        yield Part(name, ends, write)
+        yield PiecePart(name, ends, write)
         known = [write.numbers.get(one, 0.0) for one in coefficients]
         turned += float(Polynomial(known).integ()(ends[1] - ends[0]))
 
 
-def _factor(write: Writer, factor: float) -> Any:
+def _factor(write: FormulaWriter, factor: float) -> Any:
     return 1 if factor == 1.0 else write.number("factor", factor)
 
 
-def _splined(spline: BSpline, piece: Piece) -> Iterator[tuple[str, tuple[float, float], Writer, Any, list[Any]]]:
+def _splined(spline: BSpline, piece: Piece) -> Iterator[tuple[str, tuple[float, float], FormulaWriter, Any, list[Any]]]:
     """Between each two knots: the distance ``u`` from the first knot, and the coefficients of its powers."""
     edges = [piece.start_rad, *piece.knots_rad, piece.end_rad]
     coefficients = table.spline_jet(spline, np.array(edges[:-1]), spline.k).coefficients
     for number, ends in enumerate(pairwise(edges)):
-        write = Writer("phi_1")
+        write = FormulaWriter("phi_1")
         u = write.step("u", write.variable - (write.number("knot", ends[0]) if ends[0] else 0))
         yield f"piece {number + 1}", ends, write, u, write.coefficients("c", coefficients[:, number].tolist())
 
 
-def _splined_angle(piece: Piece, spline: BSpline, lobes: int) -> Iterator[Part]:
+def _splined_angle(piece: Piece, spline: BSpline, lobes: int) -> Iterator[PiecePart]:
     for name, ends, write, u, coefficients in _splined(spline, piece):
         write.step("phi_2", lobes * write.variable + polynomial(coefficients, u))
-        yield Part(name, ends, write)
+        yield PiecePart(name, ends, write)
 
 
-def _over_driven(piece: Piece, law: LogRatioLaw) -> Iterator[Part]:
+def _over_driven(piece: Piece, law: LogRatioLaw) -> Iterator[PiecePart]:
     lobes = law.lobes
     for name, ends, write, (f,) in _logarithms(lobes.driven, law.series):
         mean = write.number("mean", law.integral.mean)
         write.step("i_12", sympy.exp(f) * sympy.Rational(lobes.driven, lobes.driving) / mean)
-        yield Part(name, ends, write, OVER_DRIVEN)
+        yield PiecePart(name, ends, write, OVER_DRIVEN)
 
 
-def _first_of_two(piece: Piece, law: StagedLaw) -> Iterator[Part]:
+def _first_of_two(piece: Piece, law: StagedLaw) -> Iterator[PiecePart]:
     for name, ends, write, (f, g) in _logarithms(1, law.whole.series, law.second.series):
         means = write.number("mean_f", law.whole.integral.mean), write.number("mean_g", law.second.integral.mean)
         write.step("i_12", sympy.exp(f - g) * means[1] / means[0])
-        yield Part(name, ends, write, OVER_DRIVEN)
+        yield PiecePart(name, ends, write, OVER_DRIVEN)
 
 
-def _logarithms(lobes: int, *series: Any) -> Iterator[tuple[str, tuple[float, float], Writer, list[Any]]]:
+def _logarithms(lobes: int, *series: Any) -> Iterator[tuple[str, tuple[float, float], FormulaWriter, list[Any]]]:
     """ln i12 without its constant, of one series or of two over the same angles."""
     end = 2.0 * pi / lobes
     if all(isinstance(one, LogSeries) for one in series):
-        write = Writer("phi_2")
+        write = FormulaWriter("phi_2")
         yield "series", (0.0, end), write, [_harmonics(write, *n, lobes) for n in zip(series, "fg", strict=False)]
         return
     knots = series[0].knots.tolist()
     for number, (first, last) in enumerate(pairwise(knots)):
-        write = Writer("phi_2")
+        write = FormulaWriter("phi_2")
         u = write.step("u", lobes * write.variable - (write.number("knot", first) if first else 0))
         found = []
         for one, name in zip(series, "fg", strict=False):
@@ -300,7 +302,7 @@ def _logarithms(lobes: int, *series: Any) -> Iterator[tuple[str, tuple[float, fl
         yield f"piece {number + 1}", (first / lobes, last / lobes), write, found
 
 
-def _harmonics(write: Writer, series: LogSeries, name: str, lobes: int) -> Any:
+def _harmonics(write: FormulaWriter, series: LogSeries, name: str, lobes: int) -> Any:
     parts = {"c": (sympy.cos, series.cosine.tolist()), "s": (sympy.sin, series.sine.tolist())}
     terms = [
         of(k * lobes * write.variable) * coefficient

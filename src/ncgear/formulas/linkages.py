@@ -11,7 +11,7 @@ from typing import Any
 
 from sympy import Integer, atan, atan2, cos, sin, sqrt
 
-from ncgear.formulas.written import Writer
+from ncgear.formulas.written import FormulaWriter
 from ncgear.mechanisms.crank_rocker import CrankRocker
 from ncgear.mechanisms.crank_slider import CrankSlider
 from ncgear.mechanisms.driven_shaft import DrivenShaft
@@ -21,17 +21,17 @@ from ncgear.mechanisms.scotch_yoke import ScotchYoke
 from ncgear.mechanisms.slotted_lever import SlottedLever
 
 
-def displacement(write: Writer, linkage: Mechanism, phi_2: Any) -> None:
+def displacement(write: FormulaWriter, linkage: Mechanism, phi_2: Any) -> None:
     """Write x at a driven angle, in mm, or in rad for a turning output."""
     write.step("x", FORMS[type(linkage)][0](write, linkage, phi_2))
 
 
-def driven_angle(write: Writer, linkage: Mechanism, x: Any, gone: Any, left: Any) -> None:
+def driven_angle(write: FormulaWriter, linkage: Mechanism, x: Any, gone: Any, left: Any) -> None:
     """Write phi_2 in the working stroke, at a displacement and its two roots."""
     write.step("phi_2", FORMS[type(linkage)][1](write, linkage, x, gone, left))
 
 
-def _slider(write: Writer, linkage: CrankSlider, phi_2: Any) -> Any:
+def _slider(write: FormulaWriter, linkage: CrankSlider, phi_2: Any) -> Any:
     crank, rod = write.number("crank", linkage.crank_mm), write.number("rod", linkage.rod_mm)
     versine = write.step("versine", 2 * sin(phi_2 / 2) ** 2)
     if linkage.offset_mm == 0.0:
@@ -46,7 +46,7 @@ def _slider(write: Writer, linkage: CrankSlider, phi_2: Any) -> Any:
     return 2 * crank * (rod - crank) * versine / other
 
 
-def _slider_angle(write: Writer, linkage: CrankSlider, x: Any, gone: Any, left: Any) -> Any:
+def _slider_angle(write: FormulaWriter, linkage: CrankSlider, x: Any, gone: Any, left: Any) -> Any:
     crank, rod = write.number("crank", linkage.crank_mm), write.number("rod", linkage.rod_mm)
     if linkage.offset_mm == 0.0:
         stretch = write.step("stretch", (x + 2 * rod) / (x + 2 * (rod - crank)))
@@ -61,28 +61,28 @@ def _slider_angle(write: Writer, linkage: CrankSlider, x: Any, gone: Any, left: 
     return 2 * atan2(write.step("rise", gone * share * stretch), left) + atan(tilt)
 
 
-def _yoke(write: Writer, linkage: ScotchYoke, phi_2: Any) -> Any:
+def _yoke(write: FormulaWriter, linkage: ScotchYoke, phi_2: Any) -> Any:
     return 2 * write.number("crank", linkage.crank_mm) * sin(phi_2 / 2) ** 2
 
 
-def _yoke_angle(write: Writer, linkage: ScotchYoke, x: Any, gone: Any, left: Any) -> Any:
+def _yoke_angle(write: FormulaWriter, linkage: ScotchYoke, x: Any, gone: Any, left: Any) -> Any:
     return 2 * atan2(gone, left)
 
 
-def _rack(write: Writer, linkage: RackPinion, phi_2: Any) -> Any:
+def _rack(write: FormulaWriter, linkage: RackPinion, phi_2: Any) -> Any:
     return write.number("radius", linkage.radius_mm) * phi_2
 
 
-def _rack_angle(write: Writer, linkage: RackPinion, x: Any, gone: Any, left: Any) -> Any:
+def _rack_angle(write: FormulaWriter, linkage: RackPinion, x: Any, gone: Any, left: Any) -> Any:
     return x / write.number("radius", linkage.radius_mm)
 
 
-def _lever_lengths(write: Writer, linkage: SlottedLever) -> tuple[Any, Any, Any, Any]:
+def _lever_lengths(write: FormulaWriter, linkage: SlottedLever) -> tuple[Any, Any, Any, Any]:
     crank, pivot = write.number("crank", linkage.crank_mm), write.number("pivot", linkage.pivot_mm)
     return crank, pivot, write.number("lever", linkage.lever_mm), sqrt((pivot - crank) * (pivot + crank))
 
 
-def _lever(write: Writer, linkage: SlottedLever, phi_2: Any) -> Any:
+def _lever(write: FormulaWriter, linkage: SlottedLever, phi_2: Any) -> Any:
     crank, pivot, lever, foot = _lever_lengths(write, linkage)
     across = write.step("across", 2 * crank * sin(phi_2 / 2) ** 2)
     along = write.step("along", crank * sin(phi_2) + foot)
@@ -92,20 +92,20 @@ def _lever(write: Writer, linkage: SlottedLever, phi_2: Any) -> Any:
     return (across * foot + beyond * crank) * lever / (pivot * apart)
 
 
-def _lever_angle(write: Writer, linkage: SlottedLever, x: Any, gone: Any, left: Any) -> Any:
+def _lever_angle(write: FormulaWriter, linkage: SlottedLever, x: Any, gone: Any, left: Any) -> Any:
     crank, pivot, lever, foot = _lever_lengths(write, linkage)
     cosine = write.step("cosine", sqrt((1 + crank / pivot - x / lever) * (1 - crank / pivot + x / lever)))
     half = write.step("half", x / (lever * (cosine + foot / pivot)))
     return 2 * atan2(gone, left) + 2 * atan(half)
 
 
-def _rocker_lengths(write: Writer, linkage: CrankRocker) -> tuple[Any, Any, Any, Any, Any]:
+def _rocker_lengths(write: FormulaWriter, linkage: CrankRocker) -> tuple[Any, Any, Any, Any, Any]:
     names = ("crank", "coupler", "rocker", "ground")
     lengths = [write.number(name, getattr(linkage, f"{name}_mm")) for name in names]
     return (*lengths, write.number("nearest", linkage.nearest_mm))
 
 
-def _rocker(write: Writer, linkage: CrankRocker, phi_2: Any) -> Any:
+def _rocker(write: FormulaWriter, linkage: CrankRocker, phi_2: Any) -> Any:
     crank, coupler, rocker, ground, nearest = _rocker_lengths(write, linkage)
     start = write.step("start", atan2(-rocker * sin(nearest), rocker * cos(nearest) - ground))
     turned = -Integer(round(linkage.side)) * phi_2
@@ -117,7 +117,7 @@ def _rocker(write: Writer, linkage: CrankRocker, phi_2: Any) -> Any:
     return 2 * atan2(raised, across + sqrt(short * long) / (2 * rocker))
 
 
-def _rocker_angle(write: Writer, linkage: CrankRocker, x: Any, gone: Any, left: Any) -> Any:
+def _rocker_angle(write: FormulaWriter, linkage: CrankRocker, x: Any, gone: Any, left: Any) -> Any:
     crank, coupler, rocker, ground, nearest = _rocker_lengths(write, linkage)
     rest = write.step("rest", left**2)
     apart = write.step("apart", sqrt(4 * ground * rocker * sin((x + nearest) / 2) ** 2 + (ground - rocker) ** 2))
@@ -135,11 +135,11 @@ def _rocker_angle(write: Writer, linkage: CrankRocker, x: Any, gone: Any, left: 
     return 2 * atan2(rise, fall) + 2 * Integer(round(linkage.side)) * atan(turned / facing)
 
 
-def _shaft(write: Writer, linkage: DrivenShaft, phi_2: Any) -> Any:
+def _shaft(write: FormulaWriter, linkage: DrivenShaft, phi_2: Any) -> Any:
     return phi_2
 
 
-def _shaft_angle(write: Writer, linkage: DrivenShaft, x: Any, gone: Any, left: Any) -> Any:
+def _shaft_angle(write: FormulaWriter, linkage: DrivenShaft, x: Any, gone: Any, left: Any) -> Any:
     return x
 
 

@@ -8,8 +8,8 @@ from typing import Any
 
 import sympy
 
-from ncgear.formulas.checked import Formulas, Section
-from ncgear.formulas.written import QUANTITIES, Written, symbol
+from ncgear.formulas.checked import FormulaPieces, Formulas
+from ncgear.formulas.written import QUANTITIES, WrittenPiece, symbol
 from ncgear.frozen import dataclass
 
 
@@ -63,14 +63,14 @@ def _head(formulas: Formulas) -> list[str]:
     ]
 
 
-def _blocks(formulas: Formulas, block: Callable[[str, Written], str]) -> Iterator[str]:
+def _blocks(formulas: Formulas, block: Callable[[str, WrittenPiece], str]) -> Iterator[str]:
     for section in formulas.sections:
         for piece in section.pieces:
             named = section.name if section.name == piece.name else f"{section.name}, {piece.name}"
             yield block(named, piece)
 
 
-def _named(piece: Written) -> dict[Any, float]:
+def _named(piece: WrittenPiece) -> dict[Any, float]:
     """The numbers whose names are not their digits."""
     return {one: value for one, value in piece.numbers.items() if not str(one)[0].isdigit()}
 
@@ -85,7 +85,7 @@ def _angle(value: float, times: str) -> str:
     return "pi" if share == "1" else f"{share}{times}pi"
 
 
-def _text_block(named: str, piece: Written) -> str:
+def _text_block(named: str, piece: WrittenPiece) -> str:
     ends = f"{_angle(piece.start_rad, '*')} <= {piece.variable} <= {_angle(piece.end_rad, '*')}"
     lines = [f"{name} = {value!r}" for name, value in _named(piece).items()]
     lines += [f"{name} = {step}" for name, step in piece.steps.items()]
@@ -93,7 +93,7 @@ def _text_block(named: str, piece: Written) -> str:
     return "\n".join([f"{named}: {ends}", *(f"  {line}" for line in lines)])
 
 
-def _latex_block(named: str, piece: Written) -> str:
+def _latex_block(named: str, piece: WrittenPiece) -> str:
     names = {one: _latex_name(str(one), piece) for one in (piece.variable, *piece.numbers, *piece.steps)}
     first, last = (_angle(end, " ").replace("pi", r"\pi") for end in (piece.start_rad, piece.end_rad))
     lines = [rf"&\text{{{named}: }} {first} \le {names[piece.variable]} \le {last}"]
@@ -104,7 +104,7 @@ def _latex_block(named: str, piece: Written) -> str:
     return f"\\begin{{align*}}\n{body}\n\\end{{align*}}"
 
 
-def _latex_name(name: str, piece: Written) -> str:
+def _latex_name(name: str, piece: WrittenPiece) -> str:
     """A name in LaTeX: words upright, derivatives as quotients."""
     if name[0].isdigit():
         return _latex_number(name)
@@ -178,7 +178,7 @@ LANGUAGES = {
 }
 
 
-def functions_of(section: Section) -> dict[str, str]:
+def functions_of(section: FormulaPieces) -> dict[str, str]:
     """The names of the functions of a section, and the quantity that each gives."""
     if not section.pieces:
         return {}
@@ -196,7 +196,7 @@ def _source(formulas: Formulas, language: Language) -> str:
     return "\n".join([*head, language.begin.replace("{handles}", handles), *parts]).rstrip()
 
 
-def _function(language: Language, name: str, of: str, section: Section) -> Iterator[str]:
+def _function(language: Language, name: str, of: str, section: FormulaPieces) -> Iterator[str]:
     """A function of one angle, piece after piece; on pieces without a closed form it raises an error."""
     first, last = section.pieces[0], section.pieces[-1]
     angle = str(first.variable)
@@ -217,7 +217,7 @@ def _block(language: Language, condition: str, body: list[str]) -> Iterator[str]
         yield f"    {language.end}"
 
 
-def _body(language: Language, piece: Written, of: str) -> list[str]:
+def _body(language: Language, piece: WrittenPiece, of: str) -> list[str]:
     if of not in piece.quantities:
         return [language.refuse.format(why=piece.without[of])]
     values = {one: repr(value) for one, value in _named(piece).items()}

@@ -32,7 +32,7 @@ def symbol(name: str) -> Any:
 
 
 @dataclass(frozen=True, eq=False)
-class Written:
+class WrittenPiece:
     """A piece from ``start_rad`` to ``end_rad`` of its variable, phi_1 or phi_2.
 
     ``numbers`` are the numbers with which the law itself computes.  ``steps`` are expressions by their symbols, in the
@@ -89,7 +89,7 @@ def _compiled(expression: Any) -> tuple[list[Any], Callable[..., Any]]:
     return names, sympy.lambdify(names, expression, "mpmath")
 
 
-class Writer:
+class FormulaWriter:
     """Writes the numbers and the steps of a piece; every method returns the symbol or the expression of a result."""
 
     def __init__(self, variable: str) -> None:
@@ -131,9 +131,9 @@ class Writer:
             self._slopes[of] = self.step(f"d{of}", change) if change.free_symbols else change
         return self._slopes[of]
 
-    def written(self, name: str, ends: tuple[float, float], without: Mapping[str, str]) -> Written:
+    def written(self, name: str, ends: tuple[float, float], without: Mapping[str, str]) -> WrittenPiece:
         """The finished piece."""
-        return Written(name, self.variable, *ends, self.numbers, self.steps, without)
+        return WrittenPiece(name, self.variable, *ends, self.numbers, self.steps, without)
 
 
 def polynomial(coefficients: list[Any], argument: Any) -> Any:

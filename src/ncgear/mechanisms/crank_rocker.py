@@ -27,7 +27,7 @@ import numpy as np
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.forces import JointForces, Masses, Pace, crank_forces, moving_force, place
-from ncgear.mechanisms.mechanism import Link, Mechanism, Mechanisms, MovingMass, Output, Point, Shape
+from ncgear.mechanisms.mechanism import Link, LinkShape, Mechanism, Mechanisms, MovingMass, Output, Point
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, Mask, Number
 from ncgear.numerics.bounds import shown_below
@@ -339,9 +339,9 @@ class CrankRocker(CrankRockers[float], Mechanism):
         lengths = {"coupler": self.coupler_mm, "rocker": self.rocker_mm}
         return {name: (((0.0, 0.0), (length, 0.0)),) for name, length in lengths.items()}
 
-    def shapes(self) -> Mapping[str, Shape]:
+    def shapes(self) -> Mapping[str, LinkShape]:
         """Rocker and coupler with an eye at each end."""
-        return {name: Shape(bars, bars[0]) for name, bars in self.rod_lines_mm.items()}
+        return {name: LinkShape(bars, bars[0]) for name, bars in self.rod_lines_mm.items()}
 
     def moving_masses(self, crank_angle: Jet, masses: Masses) -> tuple[MovingMass, ...]:
         """Rocker and coupler."""

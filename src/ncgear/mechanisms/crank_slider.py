@@ -15,7 +15,7 @@ import numpy as np
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.forces import JointForces, Masses, Pace, RodMasses, crank_forces, moving_force, place
-from ncgear.mechanisms.mechanism import Link, Mechanisms, MovingMass, Point, Rod, RodMechanism, Shape
+from ncgear.mechanisms.mechanism import Link, LinkShape, Mechanisms, MovingMass, Point, Rod, RodMechanism
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, Mask, Number
 from ncgear.numerics.bounds import shown_above
@@ -216,10 +216,10 @@ class CrankSlider(CrankSliders[float], RodMechanism):
         """The rod's line from the crank pin to the wrist."""
         return {"rod": (((0.0, 0.0), (self.rod_mm, 0.0)),)}
 
-    def shapes(self) -> Mapping[str, Shape]:
+    def shapes(self) -> Mapping[str, LinkShape]:
         """The rod with an eye at each end."""
         bars = self.rod_lines_mm["rod"]
-        return {"rod": Shape(bars, bars[0])}
+        return {"rod": LinkShape(bars, bars[0])}
 
     def moving_masses(self, crank_angle: Jet, masses: Masses) -> tuple[MovingMass, ...]:
         """Slider and rod."""

@@ -100,7 +100,7 @@ class MovingMass:
 
 
 @dataclass(frozen=True)
-class Shape:
+class LinkShape:
     """How a link is drawn in its own frame, in mm.
 
     Each bar lies along a line from point to point; eyes are about pins.  A block slides along each slot, which also is
@@ -264,7 +264,7 @@ class Mechanism(Mechanisms[float]):
         The frame of a sliding output does not turn; at the retracted dead centre its origin is at ``nearest_mm``.
         """
 
-    def shapes(self) -> Mapping[str, Shape]:
+    def shapes(self) -> Mapping[str, LinkShape]:
         """How the links are drawn, except a plain crank, and except a sliding output that is a plain piston."""
         return {}
 

@@ -15,7 +15,7 @@ from typing import ClassVar, Self
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.forces import CrankBody, JointForces, Masses, Pace, crank_forces, moving_force
-from ncgear.mechanisms.mechanism import Link, Mechanism, MovingMass, Output, Point, Shape
+from ncgear.mechanisms.mechanism import Link, LinkShape, Mechanism, MovingMass, Output, Point
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.jet import Jet
@@ -109,9 +109,9 @@ class RackPinion(Mechanism):
         """The rack's pitch line, long enough for one turn, as drawn."""
         return {"rack": (((-self.stroke_mm, 0.0), (0.0, 0.0)),)}
 
-    def shapes(self) -> Mapping[str, Shape]:
+    def shapes(self) -> Mapping[str, LinkShape]:
         """A pinion with twenty straight teeth, and a rack long enough for one turn."""
-        return {"rack": Shape(areas=(self._rack(),)), "crank": Shape(areas=(self._pinion(),))}
+        return {"rack": LinkShape(areas=(self._rack(),)), "crank": LinkShape(areas=(self._pinion(),))}
 
     @property
     def guides_mm(self) -> tuple[tuple[Point, Point], ...]:

@@ -13,7 +13,7 @@ import numpy as np
 
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.forces import JointForces, Masses, Pace, crank_forces, moving_force
-from ncgear.mechanisms.mechanism import Link, Mechanism, MovingMass, Point, Shape
+from ncgear.mechanisms.mechanism import Link, LinkShape, Mechanism, MovingMass, Point
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.jet import Jet
@@ -80,12 +80,12 @@ class ScotchYoke(Mechanism):
         bar, reach = BAR * self.crank_mm, self.crank_mm
         return {"slider": (((-bar, -reach), (-bar, reach)), ((-bar, 0.0), (0.0, 0.0)))}
 
-    def shapes(self) -> Mapping[str, Shape]:
+    def shapes(self) -> Mapping[str, LinkShape]:
         """The yoke with its slot and the bar to the slider."""
         bar, reach = BAR * self.crank_mm, SLOT_REACH * self.crank_mm
         return {
-            "slider": Shape((((-bar, 0.0), (0.0, 0.0)),), slots=(((-bar, -reach), (-bar, reach)),)),
-            "block": Shape(eyes=((0.0, 0.0),)),
+            "slider": LinkShape((((-bar, 0.0), (0.0, 0.0)),), slots=(((-bar, -reach), (-bar, reach)),)),
+            "block": LinkShape(eyes=((0.0, 0.0),)),
         }
 
     def moving_masses(self, crank_angle: Jet, masses: Masses) -> tuple[MovingMass, ...]:

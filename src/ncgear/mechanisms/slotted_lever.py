@@ -24,7 +24,7 @@ import numpy as np
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.forces import JointForces, Masses, Pace, crank_forces, moving_force, place
-from ncgear.mechanisms.mechanism import Link, Mechanism, Mechanisms, MovingMass, Output, Point, Shape
+from ncgear.mechanisms.mechanism import Link, LinkShape, Mechanism, Mechanisms, MovingMass, Output, Point
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array, Mask, Number
 from ncgear.numerics.jet import Jet
@@ -254,18 +254,18 @@ class SlottedLever(SlottedLevers[float], Mechanism):
         sine, cosine = jet.sin_cos(self._angle(crank_angle))
         return Vector(distance_mm * cosine, distance_mm * sine - self.pivot_mm)
 
-    def shapes(self) -> Mapping[str, Shape]:
+    def shapes(self) -> Mapping[str, LinkShape]:
         """The ram with its slot and the bar to its guide; the lever with the slot of the block."""
         bar, play = -BAR * self.stroke_mm, PLAY * self.crank_mm
         sinks = self.lever_mm * (1.0 - cos(self._swing_rad)) + play
         away = self.lever_mm - (self.pivot_mm + self.crank_mm)
         slot = (max(away - play, 0.6 * away), 0.0), (self.lever_mm - (self.pivot_mm - self.crank_mm) + play, 0.0)
         return {
-            "ram": Shape((((bar, 0.0), (0.0, 0.0)),), slots=(((bar, -sinks), (bar, play)),)),
-            "lever": Shape(
+            "ram": LinkShape((((bar, 0.0), (0.0, 0.0)),), slots=(((bar, -sinks), (bar, play)),)),
+            "lever": LinkShape(
                 (((0.0, 0.0), slot[0]), (slot[1], (self.lever_mm, 0.0))), ((0.0, 0.0), (self.lever_mm, 0.0)), (slot,)
             ),
-            "block": Shape(eyes=((0.0, 0.0),)),
+            "block": LinkShape(eyes=((0.0, 0.0),)),
         }
 
     def moving_masses(self, crank_angle: Jet, masses: Masses) -> tuple[MovingMass, ...]:

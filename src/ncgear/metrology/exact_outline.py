@@ -23,7 +23,7 @@ from ncgear.numerics.plane import across, along, as_complex, as_points, square
 from ncgear.pitch.shape import Gear
 from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.outline import exact_curves
-from ncgear.teeth.stretch import Stretch
+from ncgear.teeth.stretch import CurveStretch
 
 if TYPE_CHECKING:
     from scipy.spatial import cKDTree
@@ -82,7 +82,7 @@ class ExactOutline:
     """
 
     gear: ToothedGear
-    stretches: tuple[Stretch, ...]
+    stretches: tuple[CurveStretch, ...]
     part: IndexArray
     number: IndexArray
     begin_mm: Array

@@ -24,7 +24,7 @@ from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.teeth.flank import FILLET, FLANK, Flanks
 from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.outline import whole_curves
-from ncgear.teeth.stretch import Stretch
+from ncgear.teeth.stretch import CurveStretch
 
 ALMOST = 1.0 - 1e-9
 """Share of a curve's way that counts as its end: there the next curve begins, in another direction at an edge."""
@@ -91,7 +91,7 @@ class _Outline:
     """The exact outline, normals out of the material; a place is a curve's number plus a share of its way."""
 
     def __init__(self, gear: ToothedGear) -> None:
-        self._curves: list[Stretch] = whole_curves(gear.tips, gear.sides)
+        self._curves: list[CurveStretch] = whole_curves(gear.tips, gear.sides)
         order = np.argsort(np.concatenate([curve.rank for curve in self._curves]), kind="stable")
         self.kind = np.concatenate([np.full(curve.owner.size, kind) for kind, curve in enumerate(self._curves)])[order]
         self._row = np.concatenate([np.arange(curve.owner.size) for curve in self._curves])[order]
@@ -201,7 +201,7 @@ def least_hollow(gear: ToothedGear) -> tuple[float, int]:
     return min(found)
 
 
-def _hollow_mm(flanks: Flanks, kind: int, curve: Stretch, rows: IndexArray, share: Array) -> Array:
+def _hollow_mm(flanks: Flanks, kind: int, curve: CurveStretch, rows: IndexArray, share: Array) -> Array:
     """Radii of curvature of one kind of curve at shares; infinite where not concave.  Tip relief is left out."""
     parameter, owner = curve.start[rows] + (curve.end - curve.start)[rows] * share, curve.owner[rows]
     radius = np.full(parameter.shape, np.inf)

@@ -36,7 +36,7 @@ from ncgear.pitch.shape import Gear
 
 
 @dataclass(frozen=True, eq=False)
-class Spans:
+class MeasuredSpans:
     """Places where a gear's span can be measured; shape (n,).
 
     From the back of tooth ``first`` to the front of tooth ``last`` (numbers from 1), over ``teeth`` teeth, the plates
@@ -57,7 +57,7 @@ class Spans:
     beyond: int
 
 
-def spans(working: WorkingFlanks) -> Spans:
+def spans(working: WorkingFlanks) -> MeasuredSpans:
     """All spans of a gear whose plates touch flanks, each over the teeth that they touch nearest to the pitch curve.
 
     A circular gear has a span from every tooth.  Equivalent gears and unequal pressure angles have none: their flanks
@@ -80,7 +80,7 @@ def spans(working: WorkingFlanks) -> Spans:
     length = _offset(_Way(flanks.curve, pushing, turn), chords.start_mm, chords.end_mm)[1]
     distance = length[good] + (low + high)[good] / np.sin(pushing)
     middle = (chords.start_mm + chords.end_mm)[good] / 2.0
-    return Spans(
+    return MeasuredSpans(
         flanks.tooth[first],
         flanks.tooth[last],
         (last - first) // 2 % (flanks.count // 2) + 1,

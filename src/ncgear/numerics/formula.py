@@ -23,7 +23,7 @@ from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.discs import DISC_FUNCTIONS, Disc
 from ncgear.numerics.jet import Jet
-from ncgear.numerics.tape import NotReal, Tape, Writer
+from ncgear.numerics.tape import NotReal, Tape, TapeWriter
 
 FUNCTIONS: dict[str, Callable[[Jet], Jet]] = {
     "sin": lambda argument: jet.sin_cos(argument)[0],
@@ -92,7 +92,7 @@ class Formula:
 
     def from_end(self, end: float, width: float) -> Formula:
         """The function of u, the variable being ``end + width u**2``: a root at the end becomes a power of u."""
-        writer = Writer()
+        writer = TapeWriter()
         square = writer.power(writer.variable(), 2.0)
         place = writer.apply("+", writer.number(end), writer.apply("*", writer.number(width), square))
         return Formula(self.tape.of(writer.tape(place)))
@@ -137,7 +137,7 @@ class _Reader:
 
     def __init__(self, variable: str, key: str, text: str) -> None:
         self._variable, self._key, self._text = variable, key, text.strip()
-        self._writer = Writer()
+        self._writer = TapeWriter()
 
     def tape(self) -> Tape:
         if len(self._text) > LONGEST:

@@ -35,7 +35,7 @@ class NotReal(ValueError):
 
 
 @dataclass(frozen=True)
-class Operation:
+class TapeOperation:
     """One operation on earlier results, by their places; ``number`` is a constant's value or a power's exponent."""
 
     name: str
@@ -43,14 +43,14 @@ class Operation:
     number: float = 0.0
 
 
-class Writer:
+class TapeWriter:
     """Writes operations one after the other, equal ones once; every method returns the place of a result."""
 
     def __init__(self) -> None:
-        self.operations: list[Operation] = []
-        self._places: dict[Operation, int] = {}
+        self.operations: list[TapeOperation] = []
+        self._places: dict[TapeOperation, int] = {}
 
-    def append(self, operation: Operation) -> int:
+    def append(self, operation: TapeOperation) -> int:
         """The place of an operation's result; an equal earlier operation keeps its place."""
         place = self._places.setdefault(operation, len(self.operations))
         if place == len(self.operations):
@@ -59,7 +59,7 @@ class Writer:
 
     def variable(self) -> int:
         """The variable."""
-        return self.append(Operation(VARIABLE))
+        return self.append(TapeOperation(VARIABLE))
 
     def number(self, value: float) -> int:
         """A constant; raises NotReal for a value that is no finite real number."""
@@ -69,7 +69,7 @@ class Writer:
             number = math.nan
         if not math.isfinite(number):
             raise NotReal
-        return self.append(Operation(NUMBER, number=number))
+        return self.append(TapeOperation(NUMBER, number=number))
 
     def constant(self, place: int) -> float | None:
         """The value of a result that is a number, None for other results."""
@@ -91,7 +91,7 @@ class Writer:
             return self.power(operands[0], 2.0)
         if name == "sqrt" and self._even(operands[0]):
             return self.power(operands[0], 0.5)
-        return self.append(Operation(name, operands))
+        return self.append(TapeOperation(name, operands))
 
     def power(self, base: int, exponent: float) -> int:
         """A constant power; the root of an even power is a power of the absolute value.  Raises NotReal."""
@@ -108,7 +108,7 @@ class Writer:
         if self._even(base) and not exponent.is_integer():
             inner = self.operations[base]
             return self.power(self.absolute(inner.operands[0]), inner.number * exponent)
-        return self.append(Operation(POWER, (base,), exponent))
+        return self.append(TapeOperation(POWER, (base,), exponent))
 
     def absolute(self, place: int) -> int:
         """The absolute value."""
@@ -121,9 +121,9 @@ class Writer:
             return negative if value < 0.0 else otherwise
         if negative == otherwise:
             return negative
-        return self.append(Operation(CHOICE, (condition, negative, otherwise)))
+        return self.append(TapeOperation(CHOICE, (condition, negative, otherwise)))
 
-    def again(self, operation: Operation, operands: Sequence[int]) -> int:
+    def again(self, operation: TapeOperation, operands: Sequence[int]) -> int:
         """An operation of another tape on results of this one."""
         match operation.name:
             case "variable" | "number":
@@ -143,7 +143,7 @@ class Writer:
         order = sorted(needed)
         moved = {place: index for index, place in enumerate(order)}
         kept = (self.operations[place] for place in order)
-        return Tape(tuple(Operation(o.name, tuple(moved[p] for p in o.operands), o.number) for o in kept))
+        return Tape(tuple(TapeOperation(o.name, tuple(moved[p] for p in o.operands), o.number) for o in kept))
 
     def _even(self, place: int) -> bool:
         operation = self.operations[place]
@@ -154,7 +154,7 @@ class Writer:
 class Tape:
     """Operations, each on earlier results; the last one's result is the function's value."""
 
-    operations: tuple[Operation, ...]
+    operations: tuple[TapeOperation, ...]
 
     def run(self, argument: Any, functions: Mapping[str, Callable[..., Any]]) -> Any:
         """The result for an argument with + - * and the negative, ``functions`` for all else; constants are floats."""
@@ -189,7 +189,7 @@ class Tape:
 
     def chosen(self, negative: bool) -> Tape:
         """The function with one side of its first choice in the place of the choice."""
-        writer, places = Writer(), list[int]()
+        writer, places = TapeWriter(), list[int]()
         for place, operation in enumerate(self.operations):
             if place == self._first_choice:
                 places.append(places[operation.operands[1 if negative else 2]])
@@ -223,15 +223,15 @@ class Tape:
     def _first_choice(self) -> int | None:
         return next((place for place, made in enumerate(self.operations) if made.name == CHOICE), None)
 
-    def _written(self) -> Writer:
+    def _written(self) -> TapeWriter:
         """A writer that holds this tape's operations at their places."""
-        writer = Writer()
+        writer = TapeWriter()
         for operation in self.operations:
             writer.append(operation)
         return writer
 
 
-def _slope(writer: Writer, operation: Operation, place: int, slopes: Sequence[int]) -> int:
+def _slope(writer: TapeWriter, operation: TapeOperation, place: int, slopes: Sequence[int]) -> int:
     """The place of an operation's derivative, by the derivatives of its operands."""
     if operation.name in (VARIABLE, NUMBER):
         return writer.number(1.0 if operation.name == VARIABLE else 0.0)
@@ -262,7 +262,7 @@ def _slope(writer: Writer, operation: Operation, place: int, slopes: Sequence[in
     return product(_outer_slope(writer, operation.name, inner, place), slopes[0])
 
 
-def _outer_slope(writer: Writer, name: str, inner: int, place: int) -> int:
+def _outer_slope(writer: TapeWriter, name: str, inner: int, place: int) -> int:
     """The derivative of a function of one argument by that argument; ``place`` is the function's own result."""
     one = writer.number(1.0)
     match name:

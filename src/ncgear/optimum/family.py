@@ -66,7 +66,7 @@ CLOSED = 1e-6
 """Miss of the cycle, relative to the return's driven angle, that the search may leave; laws are closed to rounding."""
 
 
-class Peak(Enum):
+class PeakGoal(Enum):
     """The peak that is minimized, or capped."""
 
     ACCELERATION = "peak acceleration"
@@ -74,7 +74,7 @@ class Peak(Enum):
 
 
 @dataclass(frozen=True)
-class Family:
+class LawFamily:
     """The family on a machine; ``inverse`` is the return's basis, as in a design file."""
 
     task: Task
@@ -94,12 +94,12 @@ class SampledLaws:
     acceleration: Array
     power: Array
 
-    def of(self, peak: Peak) -> Array:
+    def of(self, peak: PeakGoal) -> Array:
         """The samples whose largest magnitude is ``peak``."""
-        return self.acceleration if peak is Peak.ACCELERATION else self.power
+        return self.acceleration if peak is PeakGoal.ACCELERATION else self.power
 
 
-def sampled_laws(family: Family, points: Array) -> SampledLaws:
+def sampled_laws(family: LawFamily, points: Array) -> SampledLaws:
     """Samples of the laws at points of the unit box, shape (n, 7)."""
     strokes, skewness = strokes_at(family, points)
     task = family.task
@@ -118,7 +118,7 @@ def sampled_laws(family: Family, points: Array) -> SampledLaws:
     return SampledLaws(np.where(possible, acceleration, inf), np.where(possible, np.maximum(power, 0.0), inf))
 
 
-def _power_w(family: Family, strokes: WorkingStrokes[Array], out: SampledMotion, back: ReturnSamples) -> Array:
+def _power_w(family: LawFamily, strokes: WorkingStrokes[Array], out: SampledMotion, back: ReturnSamples) -> Array:
     """The power of the driving shaft in W, shape (n, points); without masses in the return only where it is loaded."""
     task = family.task
     if task.masses is not None:
@@ -131,7 +131,7 @@ def _power_w(family: Family, strokes: WorkingStrokes[Array], out: SampledMotion,
 
 
 def _power_with_masses_w(
-    family: Family, strokes: WorkingStrokes[Array], out: SampledMotion, back: ReturnSamples
+    family: LawFamily, strokes: WorkingStrokes[Array], out: SampledMotion, back: ReturnSamples
 ) -> Array:
     task = family.task
     phi1, driven = working_angles(strokes, task.linkage, SEGMENT_POINTS, 2)
@@ -146,7 +146,7 @@ def _power_with_masses_w(
     return loads.driving_torque.value.reshape(phi1.shape) * (N_M_PER_N_MM * task.speed_rad_s)
 
 
-def strokes_at(family: Family, points: Array) -> tuple[WorkingStrokes[Array], Array]:
+def strokes_at(family: LawFamily, points: Array) -> tuple[WorkingStrokes[Array], Array]:
     """The strokes of points of the unit box, shape (n, 7), at a law speed of 1 rad/s, and the returns' skewness."""
     *parts, chi, brake, skewness = (BOX[:, 0] + points * (BOX[:, 1] - BOX[:, 0])).T
     rho = parts[-1]
@@ -157,7 +157,7 @@ def strokes_at(family: Family, points: Array) -> tuple[WorkingStrokes[Array], Ar
     return shaped_strokes(theta, approach / approach.sum(axis=0), brake, family.task.linkage.stroke_mm), skewness
 
 
-def request_at(family: Family, point: Array) -> StrokeRequest:
+def request_at(family: LawFamily, point: Array) -> StrokeRequest:
     """The stroke of one point of the unit box for the solver of strokes, which finds v2."""
     strokes, _ = strokes_at(family, point[None])
     one = {name: float(values[0]) for name, values in vars(strokes).items() if values.ndim == 1}
@@ -166,7 +166,7 @@ def request_at(family: Family, point: Array) -> StrokeRequest:
     return StrokeRequest(*theta, one["v1"] * omega, None, one["a1"] * omega**2, omega, one["stroke_mm"])
 
 
-def constant_at(family: Family, point: Array) -> float:
+def constant_at(family: LawFamily, point: Array) -> float:
     """The e of the return of a point: its polynomial's value at phi1 = 0; not finite where there is none."""
     strokes, skewness = strokes_at(family, point[None])
     asked = strokes, family.task.linkage, family.task.cycle_rad, skewness, RETURN_POINTS
@@ -213,13 +213,15 @@ class FamilyOptimum:
     law: StrokeLaw
     check: KinematicCheck
 
-    def peak(self, peak: Peak) -> float:
+    def peak(self, peak: PeakGoal) -> float:
         """Exact peak over the whole cycle in mm/s^2 or W."""
         check = self.check
-        return (check.peak_acceleration_cycle if peak is Peak.ACCELERATION else check.peak_power_w).value
+        return (check.peak_acceleration_cycle if peak is PeakGoal.ACCELERATION else check.peak_power_w).value
 
 
-def best_of_family(family: Family, least: Peak, cap: float = inf, *, seed: int = 1, starts: int = 32) -> FamilyOptimum:
+def best_of_family(
+    family: LawFamily, least: PeakGoal, cap: float = inf, *, seed: int = 1, starts: int = 32
+) -> FamilyOptimum:
     """The law of the family with the least peak of a kind; the other kind's peak is at most ``cap`` (W or mm/s^2).
 
     Raises NoSuchMechanism where no law of the family is found under the cap, with the least that was found.
@@ -237,7 +239,7 @@ def best_of_family(family: Family, least: Peak, cap: float = inf, *, seed: int =
     )
 
 
-def _local_optima(family: Family, least: Peak, cap: float, seed: int, starts: int) -> list[Array]:
+def _local_optima(family: LawFamily, least: PeakGoal, cap: float, seed: int, starts: int) -> list[Array]:
     """The ends of all descents, the best first; there are many optima, so neighbours of the best are tried as well."""
 
     def rank(point: Array) -> float:
@@ -253,11 +255,11 @@ def _local_optima(family: Family, least: Peak, cap: float, seed: int, starts: in
     return sorted(points, key=rank)
 
 
-def _capped(least: Peak) -> Peak:
-    return Peak.POWER if least is Peak.ACCELERATION else Peak.ACCELERATION
+def _capped(least: PeakGoal) -> PeakGoal:
+    return PeakGoal.POWER if least is PeakGoal.ACCELERATION else PeakGoal.ACCELERATION
 
 
-def _merit(family: Family, least: Peak, cap: float, points: Array) -> Array:
+def _merit(family: LawFamily, least: PeakGoal, cap: float, points: Array) -> Array:
     """The peak, made larger where the other peak exceeds the cap; shape (n,)."""
     found = sampled_laws(family, points)
     peak, other = (np.abs(found.of(kind)).max(axis=1) for kind in (least, _capped(least)))
@@ -265,7 +267,7 @@ def _merit(family: Family, least: Peak, cap: float, points: Array) -> Array:
     return peak * (1.0 + PENALTY * excess)
 
 
-def _starts(family: Family, least: Peak, cap: float, random: np.random.Generator, count: int) -> list[Array]:
+def _starts(family: LawFamily, least: PeakGoal, cap: float, random: np.random.Generator, count: int) -> list[Array]:
     """The best points of the box that lie apart from each other."""
     from scipy.stats.qmc import Sobol
 
@@ -284,7 +286,7 @@ def _starts(family: Family, least: Peak, cap: float, random: np.random.Generator
 class _Descent:
     """The constraints of one descent, with their derivatives, at the last requested point."""
 
-    def __init__(self, family: Family, least: Peak, cap: float, start: Array) -> None:
+    def __init__(self, family: LawFamily, least: PeakGoal, cap: float, start: Array) -> None:
         self._family, self._least, self._cap = family, least, cap
         # Without load there is no power to scale by.
         self._scale = float(np.abs(sampled_laws(family, start[None]).of(least)).max()) or 1.0
@@ -317,7 +319,7 @@ class _Descent:
         return np.nan_to_num(rows, nan=-IMPOSSIBLE, posinf=-IMPOSSIBLE, neginf=-IMPOSSIBLE)
 
 
-def _descended(family: Family, least: Peak, cap: float, start: Array) -> Array:
+def _descended(family: LawFamily, least: PeakGoal, cap: float, start: Array) -> Array:
     """The local optimum that a start leads to, in the unit box."""
     descent = _Descent(family, least, cap, start)
     result = minimize(
@@ -332,7 +334,7 @@ def _descended(family: Family, least: Peak, cap: float, start: Array) -> Array:
     return np.clip(result.x[:-1], 0.0, 1.0)
 
 
-def _under_cap(family: Family, least: Peak, cap: float, point: Array) -> FamilyOptimum | None:
+def _under_cap(family: LawFamily, least: PeakGoal, cap: float, point: Array) -> FamilyOptimum | None:
     """The law of a point, moved until its exact peak keeps to the cap; None where it does not."""
     tightened = cap
 
@@ -350,7 +352,7 @@ def _under_cap(family: Family, least: Peak, cap: float, point: Array) -> FamilyO
     return None
 
 
-def _made(family: Family, point: Array) -> list[FamilyOptimum]:
+def _made(family: LawFamily, point: Array) -> list[FamilyOptimum]:
     """The laws of a point of the unit box as a design file makes them, with their exact peaks; empty where it cannot.
 
     The first has the return of least acceleration; where the return takes power, the second has the point's own.
@@ -368,7 +370,7 @@ def _made(family: Family, point: Array) -> list[FamilyOptimum]:
     return made
 
 
-def _law_of(family: Family, request: StrokeRequest, constant: float | None) -> FamilyOptimum:
+def _law_of(family: LawFamily, request: StrokeRequest, constant: float | None) -> FamilyOptimum:
     task = family.task
     stroke = solved_stroke(request)
     law = stroke_law(stroke, task.linkage, task.lobes, constant=constant, inverse_basis=family.inverse)

@@ -95,19 +95,19 @@ def law_point(task: Task, wishes: Wishes, cap_w: float) -> LawPoint:
 def family_point(task: Task, cap_w: float) -> FamilyPoint:
     """One point of the published family, with the better of both bases of its return."""
     # Its search comes from scipy.optimize, which loads slowly
-    from ncgear.optimum.family import Family, Peak, best_of_family
+    from ncgear.optimum.family import LawFamily, PeakGoal, best_of_family
 
     found = []
     for inverse in (False, True):
-        family = Family(task, inverse)
+        family = LawFamily(task, inverse)
         try:
-            found.append(best_of_family(family, Peak.ACCELERATION, cap_w, seed=FAMILY_SEED, starts=FAMILY_STARTS))
+            found.append(best_of_family(family, PeakGoal.ACCELERATION, cap_w, seed=FAMILY_SEED, starts=FAMILY_STARTS))
         except NoSuchMechanism:
             continue
     if not found:
         return FamilyPoint(cap_w, None, None)
-    best = min(found, key=lambda optimum: optimum.peak(Peak.ACCELERATION))
-    return FamilyPoint(cap_w, best.peak(Peak.POWER), best.peak(Peak.ACCELERATION), motion_of(best))
+    best = min(found, key=lambda optimum: optimum.peak(PeakGoal.ACCELERATION))
+    return FamilyPoint(cap_w, best.peak(PeakGoal.POWER), best.peak(PeakGoal.ACCELERATION), motion_of(best))
 
 
 def motion_of(best: FamilyOptimum) -> dict[str, Any]:

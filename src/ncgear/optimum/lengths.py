@@ -46,7 +46,7 @@ class Unknown(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Tried:
+class TriedLaw:
     """The best law of few knots found with some values of the unknowns, and its cost in the goal's unit."""
 
     values: Values
@@ -66,12 +66,12 @@ class LengthSearch:
         machine: Callable[[Values], tuple[Task, Wishes]],
         tell: Callable[[int], None] = lambda laws: None,
     ) -> None:
-        self.unknowns, self.found = unknowns, dict[Values, Tried | None]()
+        self.unknowns, self.found = unknowns, dict[Values, TriedLaw | None]()
         self._machine, self._tell = machine, tell
         self._least = np.array([one.least for one in unknowns])
         self._width = np.array([one.most - one.least for one in unknowns])
 
-    def best(self, start: Motion | None = None) -> Tried:
+    def best(self, start: Motion | None = None) -> TriedLaw:
         """The best of all tried laws; the law with the given values where no other law is better.
 
         ``start`` is a motion with the values as given.  Raises NoSuchMechanism where no law is found.
@@ -113,11 +113,11 @@ class LengthSearch:
         return min(laws, key=lambda law: law.cost).values[number] if laws else given[number]
 
     @property
-    def _laws(self) -> list[Tried]:
+    def _laws(self) -> list[TriedLaw]:
         return [one for one in self.found.values() if one is not None]
 
     @property
-    def _cheapest(self) -> Tried:
+    def _cheapest(self) -> TriedLaw:
         return min(self._laws, key=lambda one: one.cost)
 
     def _shares(self, values: Sequence[float]) -> Array:
@@ -138,13 +138,13 @@ class LengthSearch:
         tried = self._tried(values)
         return max(one.cost for one in self._laws) if tried is None else tried.cost
 
-    def _tried(self, values: Values, start: Motion | None = None) -> Tried | None:
+    def _tried(self, values: Values, start: Motion | None = None) -> TriedLaw | None:
         if values not in self.found:
             self._tell(len(self.found) + 1)
             self.found[values] = self._law(values, start)
         return self.found[values]
 
-    def _law(self, values: Values, start: Motion | None) -> Tried | None:
+    def _law(self, values: Values, start: Motion | None) -> TriedLaw | None:
         """The law found from a start, from the law of the nearest values, or from the motion of the limit."""
         from ncgear.optimum.makeable.law import kept_law
 
@@ -161,12 +161,12 @@ class LengthSearch:
             return None
         # Soft wishes cost shares of the goal
         soft = law.cost(law.goal) / law.goal if law.goal > 0.0 else 1.0
-        return Tried(values, law, goal * soft)
+        return TriedLaw(values, law, goal * soft)
 
     def _near(self, values: Values) -> Motion | None:
         place = self._shares(values)
 
-        def apart(one: Tried) -> float:
+        def apart(one: TriedLaw) -> float:
             return float(np.linalg.norm(self._shares(one.values) - place))
 
         return min(self._laws, key=apart).law.motion if self._laws else None

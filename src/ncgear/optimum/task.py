@@ -30,7 +30,7 @@ from ncgear.numerics.plane import Vector
 from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.pitch.pair import PitchPair, sized_pair, solved_size
 from ncgear.pitch.shape import Gear, tangent_slope
-from ncgear.ratio.transmission import Lobes, Pair, Train, Transmission
+from ncgear.ratio.transmission import Lobes, Pair, PairsInSeries, Transmission
 
 
 @dataclass(frozen=True)
@@ -274,7 +274,7 @@ class Prices:
         return float(sum(price * getattr(found, name) for name, price in prices.items()))
 
 
-def figures(task: Task, train: Train, as_large_as: Train | None = None) -> Figures:
+def figures(task: Task, train: PairsInSeries, as_large_as: PairsInSeries | None = None) -> Figures:
     """The figures of a law on a machine; raises NoSuchMechanism for curves too sharp to be computed.
 
     Power counts the masses. The force between the teeth is for gears at their own centre distance, or at that of

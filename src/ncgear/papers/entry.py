@@ -176,7 +176,7 @@ def _fixed(value: float, text: str, sign: str) -> str:
     return shown.lstrip("+-") if float(shown) == 0.0 else shown
 
 
-class Verdict(StrEnum):
+class Finding(StrEnum):
     """The verdict on a printed figure."""
 
     REPRODUCED = "reproduced"
@@ -187,10 +187,10 @@ class Verdict(StrEnum):
     NEEDS_DATA = "needs data the paper does not give"
 
 
-AGREEING = (Verdict.REPRODUCED, Verdict.UNDER_READING, Verdict.FITTED, Verdict.GIVEN_BACK)
+AGREEING = (Finding.REPRODUCED, Finding.UNDER_READING, Finding.FITTED, Finding.GIVEN_BACK)
 """Verdicts on figures that ncgear confirms."""
 
-OF_PRINTED = (Verdict.REPRODUCED, Verdict.FITTED, Verdict.NOT_REPRODUCIBLE)
+OF_PRINTED = (Finding.REPRODUCED, Finding.FITTED, Finding.NOT_REPRODUCIBLE)
 """Verdicts on figures that a paper computes from numbers that it prints: right, wrong, or from other numbers."""
 
 
@@ -217,15 +217,15 @@ class Entry(_Placed):
 
     what: str
     published: Printed | Relation | Below
-    verdict: Verdict
+    verdict: Finding
     compute: Callable[[], Computed | float | tuple[float, ...]] | None = None
     words: str = ""
     of_printed: bool = False
 
     def __post_init__(self) -> None:
-        if self.verdict is not Verdict.REPRODUCED and not self.words:
+        if self.verdict is not Finding.REPRODUCED and not self.words:
             raise ValueError(f"{self.what}: {self.verdict} without a word why")
-        if self.verdict is not Verdict.NEEDS_DATA and self.compute is None:
+        if self.verdict is not Finding.NEEDS_DATA and self.compute is None:
             raise ValueError(f"{self.what}: {self.verdict}, but nothing is computed")
         if self.of_printed and self.verdict not in OF_PRINTED:
             raise ValueError(

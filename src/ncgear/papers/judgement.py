@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ncgear.frozen import dataclass
 from ncgear.papers import gear_baler, pitch_lines, shaped_gears, sieve_and_pan, threshing_drum, track_chassis
-from ncgear.papers.entry import AGREEING, Computed, Entry, Paper, Verdict
+from ncgear.papers.entry import AGREEING, Computed, Entry, Finding, Paper
 
 PAPERS: tuple[Paper, ...] = (
     gear_baler.PAPER,
@@ -21,7 +21,7 @@ class Contradicted(ArithmeticError):
 
 
 @dataclass(frozen=True)
-class Judged:
+class JudgedEntry:
     """An entry whose verdict stands, with its computed numbers."""
 
     entry: Entry
@@ -33,9 +33,9 @@ class Judgement:
     """A paper with all its entries judged, in its order."""
 
     paper: Paper
-    entries: tuple[Judged, ...]
+    entries: tuple[JudgedEntry, ...]
 
-    def count(self, verdict: Verdict) -> int:
+    def count(self, verdict: Finding) -> int:
         """Number of entries with a verdict."""
         return sum(one.entry.verdict is verdict for one in self.entries)
 
@@ -45,7 +45,7 @@ def judgement(paper: Paper) -> Judgement:
     return Judgement(paper, tuple(map(judged, paper.entries)))
 
 
-def judged(entry: Entry) -> Judged:
+def judged(entry: Entry) -> JudgedEntry:
     """The entry with its numbers; raises Contradicted where the numbers do not support its verdict.
 
     A figure claimed to be reproduced must agree.  Any other figure must not agree: otherwise it is reproduced after
@@ -58,4 +58,4 @@ def judged(entry: Entry) -> Judged:
         raise Contradicted(
             f"{entry.places[0]}, {entry.what}: printed {entry.published.text}, {found}; claimed {entry.verdict}"
         )
-    return Judged(entry, computed)
+    return JudgedEntry(entry, computed)

@@ -13,11 +13,11 @@ from ncgear.numerics.quadrature import gauss_points
 from ncgear.papers.entry import (  # fmt: skip
     Computed,
     Entry,
+    Finding,
     LeftOut,
     Paper,
     Reason,
     Relation,
-    Verdict,
     computed,
     counted,
     equations,
@@ -28,7 +28,7 @@ from ncgear.pitch.moving_axes import MovingAxes, even_distances
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.curve_shapes import ellipse
-from ncgear.ratio.laws.pitch_curve import ClosedLaw, GivenCurve, Search, closed_law
+from ncgear.ratio.laws.pitch_curve import ClosedLaw, GivenCurve, ShapeSearch, closed_law
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 
@@ -45,10 +45,10 @@ ANGLES = np.linspace(0.1, 6.1, 25)
 def ellipse_law(x_mm: float, y_mm: float) -> ClosedLaw:
     """The law of an ellipse that turns about a point; its semi-minor axis is chosen so that the mate closes."""
 
-    def search() -> Search:
+    def search() -> ShapeSearch:
         # At this semi-minor axis the ellipse passes through its axis of rotation.
         least = abs(y_mm) / (1.0 - (x_mm / SEMI_MAJOR_MM) ** 2) ** 0.5
-        return Search(max(1.01 * least, 1e-3 * SEMI_MAJOR_MM), CENTER_DISTANCE_MM, KEY)
+        return ShapeSearch(max(1.01 * least, 1e-3 * SEMI_MAJOR_MM), CENTER_DISTANCE_MM, KEY)
 
     given = GivenCurve(
         lambda minor: ellipse(SEMI_MAJOR_MM, minor, (x_mm, y_mm), KEY), search(),
@@ -96,32 +96,32 @@ PAPER = Paper(
     "A. Pogacnik, Non-circular gears, KISSsoft AG, 2022",
     promised=(*counted("Fig.", 16), *equations(*range(1, 10))),
     entries=(
-        Entry("eq. 1", "ratio from both radii", Relation(), Verdict.REPRODUCED,
+        Entry("eq. 1", "ratio from both radii", Relation(), Finding.REPRODUCED,
               lambda: _along(lambda r1, r2, slope: 1.0 / slope * r1 / r2 - 1.0)),
-        Entry("eq. 2", "radii that make the centre distance", Relation(), Verdict.REPRODUCED,
+        Entry("eq. 2", "radii that make the centre distance", Relation(), Finding.REPRODUCED,
               lambda: _along(lambda r1, r2, slope: (r1 + r2) / CENTER_DISTANCE_MM - 1.0)),
-        Entry("eq. 3", "ratio from one radius", Relation(), Verdict.REPRODUCED,
+        Entry("eq. 3", "ratio from one radius", Relation(), Finding.REPRODUCED,
               lambda: _along(lambda r1, r2, slope: (CENTER_DISTANCE_MM - r1) / r1 * slope - 1.0)),
-        Entry("eq. 4", "curves that roll on each other", Relation(), Verdict.REPRODUCED,
+        Entry("eq. 4", "curves that roll on each other", Relation(), Finding.REPRODUCED,
               lambda: _along(lambda r1, r2, slope: r1 / (r2 * slope) - 1.0)),
-        Entry("eq. 5, eq. 6", "driven angle as an integral", Relation(), Verdict.REPRODUCED, _integral),
-        Entry("eq. 7", "period of the ratio and of both gears", Relation(), Verdict.UNDER_READING,
+        Entry("eq. 5, eq. 6", "driven angle as an integral", Relation(), Finding.REPRODUCED, _integral),
+        Entry("eq. 7", "period of the ratio and of both gears", Relation(), Finding.UNDER_READING,
               lambda: _pair().transmission.closure_error_rad / (2.0 * np.pi),
               "The number 7 is printed twice; this is the one of section 2."),
-        Entry("Fig. 4", "semi-minor axis, turning about the centre", printed("17.20 mm"), Verdict.NOT_REPRODUCIBLE,
+        Entry("Fig. 4", "semi-minor axis, turning about the centre", printed("17.20 mm"), Finding.NOT_REPRODUCIBLE,
               lambda: _semi_minor(0.0, 0.0), f"{READ_OFF} 17.2067 is printed cut off."),
-        Entry("Fig. 4", "semi-minor axis, axis at x = 4", printed("16.73 mm"), Verdict.UNDER_READING,
+        Entry("Fig. 4", "semi-minor axis, axis at x = 4", printed("16.73 mm"), Finding.UNDER_READING,
               lambda: _semi_minor(4.0, 0.0), READ_OFF),
-        Entry("Fig. 4", "semi-minor axis, axis at y = -4", printed("16.91 mm"), Verdict.UNDER_READING,
+        Entry("Fig. 4", "semi-minor axis, axis at y = -4", printed("16.91 mm"), Finding.UNDER_READING,
               lambda: _semi_minor(0.0, -4.0), READ_OFF),
-        Entry("Fig. 4", "semi-minor axis, axis at x = 4, y = -4", printed("16.44 mm"), Verdict.UNDER_READING,
+        Entry("Fig. 4", "semi-minor axis, axis at x = 4, y = -4", printed("16.44 mm"), Finding.UNDER_READING,
               lambda: _semi_minor(4.0, -4.0), READ_OFF),
         Entry("Fig. 6, Fig. 7", "centre distance that changes with the angle", printed("60.0 64.5 68.0 64.5 mm"),
-              Verdict.GIVEN_BACK, _moving_distances, "The curves are drawn without a number, and their ratio is not "
+              Finding.GIVEN_BACK, _moving_distances, "The curves are drawn without a number, and their ratio is not "
               "told. Of gears that turn evenly these are the distances at which both pitch curves touch; "
               "designs/moving-axis.yaml gives them teeth."),
         Entry("Fig. 14", "rack of a replacement gear, before and after its fit to one tooth",
-              printed("1.6123 20 0.61 -0.05 1.6123 23 0.90 0.00"), Verdict.NEEDS_DATA,
+              printed("1.6123 20 0.61 -0.05 1.6123 23 0.90 0.00"), Finding.NEEDS_DATA,
               words="The gears and the tooth are drawn without a number."),
     ),
     left_out=(

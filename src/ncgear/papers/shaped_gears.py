@@ -11,11 +11,11 @@ from ncgear.papers.entry import (  # fmt: skip
     Below,
     Computed,
     Entry,
+    Finding,
     LeftOut,
     Paper,
     Reason,
     Relation,
-    Verdict,
     computed,
     counted,
     equations,
@@ -26,7 +26,7 @@ from ncgear.papers.entry import (  # fmt: skip
 from ncgear.pitch.pair import PitchPair, sized_pair
 from ncgear.pitch.shape import Gear
 from ncgear.ratio.laws.curve_shapes import rounded_polygon
-from ncgear.ratio.laws.pitch_curve import ClosedLaw, GivenCurve, Search, closed_law
+from ncgear.ratio.laws.pitch_curve import ClosedLaw, GivenCurve, ShapeSearch, closed_law
 from ncgear.ratio.transmission import Lobes
 from ncgear.teeth.shifts import thickness_mm
 
@@ -38,9 +38,9 @@ KEY = "side_mm"
 def square_law(center_distance_mm: float | None, side_mm: float | None) -> ClosedLaw:
     """The rounded square and its mate: the side follows from the centre distance, or the distance from the side."""
 
-    def search() -> Search | None:
+    def search() -> ShapeSearch | None:
         slope = 2.0 * tan(pi / SIDES)
-        return None if center_distance_mm is None else Search(slope * CORNER_MM, slope * center_distance_mm, KEY)
+        return None if center_distance_mm is None else ShapeSearch(slope * CORNER_MM, slope * center_distance_mm, KEY)
 
     given = GivenCurve(
         lambda side: rounded_polygon(SIDES, side_mm or side, CORNER_MM, (0.0, 0.0), KEY), search(),
@@ -74,22 +74,22 @@ PAPER = Paper(
     "I. Zarebski, T. Salacinski, Designing of non-circular gears, The Archive of Mechanical Engineering 55(3), 2008",
     promised=(*counted("Table", 4), *equations(*range(1, 16))),
     entries=(
-        Entry("eq. 4, eq. 6", "mate that closes over a lobe", Relation(), Verdict.REPRODUCED,
+        Entry("eq. 4, eq. 6", "mate that closes over a lobe", Relation(), Finding.REPRODUCED,
               lambda: pair().transmission.closure_error_rad / (2.0 * pi)),
-        Entry("eq. 15", "module from the length of the curve", Relation(), Verdict.REPRODUCED,
+        Entry("eq. 15", "module from the length of the curve", Relation(), Finding.REPRODUCED,
               lambda: (*(pair().length_mm(gear) / (pi * TEETH * pair().size.module_mm) - 1.0 for gear in Gear),)),
         Entry("Table 1", "tooth thickness at the least and the greatest shift", printed("6.710 8.081 mm"),
-              Verdict.REPRODUCED, lambda: _thickness("4.71", -0.2, 0.2), of_printed=True),
-        Entry("Table 3", "tooth thickness without shift", printed("7.396 mm"), Verdict.REPRODUCED,
+              Finding.REPRODUCED, lambda: _thickness("4.71", -0.2, 0.2), of_printed=True),
+        Entry("Table 3", "tooth thickness without shift", printed("7.396 mm"), Finding.REPRODUCED,
               lambda: _thickness("4.71", 0.0, angles_deg=(17.5, 22.5)), of_printed=True),
-        Entry("Table 4", "tooth thickness of the square", printed("7.714 mm"), Verdict.REPRODUCED,
+        Entry("Table 4", "tooth thickness of the square", printed("7.714 mm"), Finding.REPRODUCED,
               lambda: _thickness("4.91", 0.0), of_printed=True),
-        Entry("Table 4", "module at the printed centre distance", printed("4.91 mm"), Verdict.NOT_REPRODUCIBLE,
+        Entry("Table 4", "module at the printed centre distance", printed("4.91 mm"), Finding.NOT_REPRODUCIBLE,
               lambda: pair().size.module_mm, "With straight sides, corners of 25 mm and 32 teeth, axes 150 mm apart "
               "make 4.923 mm."),
-        Entry("section 9", "centre distance at the printed module", printed("150 mm"), Verdict.REPRODUCED,
+        Entry("section 9", "centre distance at the printed module", printed("150 mm"), Finding.REPRODUCED,
               _distance_of_the_module),
-        Entry("section 9", "mate with concave sides", Below("0 < curvature of the dents"), Verdict.REPRODUCED,
+        Entry("section 9", "mate with concave sides", Below("0 < curvature of the dents"), Finding.REPRODUCED,
               lambda: (0.0, -pair().curvature_range[Gear.DRIVEN][0].value)),
     ),
     left_out=(

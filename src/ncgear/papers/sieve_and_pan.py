@@ -7,7 +7,7 @@ from math import degrees, radians
 
 import numpy as np
 
-from ncgear.balance.counterweights import Tried, sweep
+from ncgear.balance.counterweights import TriedCounterweight, sweep
 from ncgear.balance.frame import Crank, best_phase_rad, combined_counterweight_kg, reciprocating_share, rotating_share
 from ncgear.balance.mechanism import (
     Carrier,
@@ -26,12 +26,12 @@ from ncgear.papers.entry import (
     Below,
     Computed,
     Entry,
+    Finding,
     LeftOut,
     Paper,
     Printed,
     Reason,
     Relation,
-    Verdict,
     computed,
     counted,
     equations,
@@ -112,19 +112,19 @@ def acceleration_residual() -> Computed:
 
 
 MOTION = (
-    Entry("eq. 2", "slider's place against crank angle", Relation(), Verdict.UNDER_READING, place_residual,
+    Entry("eq. 2", "slider's place against crank angle", Relation(), Finding.UNDER_READING, place_residual,
           "With the sine of the rod's angle as crank by rod times that of the crank's; it is printed upside down."),
     Entry("eq. 3, eq. 4, eq. 5", "acceleration by two terms, of which the inertia forces are made", Relation(),
-          Verdict.UNDER_READING, acceleration_residual, "With the square of the crank's speed, and counted positive "
+          Finding.UNDER_READING, acceleration_residual, "With the square of the crank's speed, and counted positive "
           "towards the crank axis."),
-    Entry("section 2.2.1", "crank by connecting rod", printed("0.01 0.01"), Verdict.REPRODUCED,
+    Entry("section 2.2.1", "crank by connecting rod", printed("0.01 0.01"), Finding.REPRODUCED,
           lambda: (*(CRANK_MM / linkage.rod_mm for linkage in (PAN_LINKAGE, SIEVE_LINKAGE)),)),
-    Entry("section 2.2", "connecting rod by crank, about", printed("100 100"), Verdict.REPRODUCED,
+    Entry("section 2.2", "connecting rod by crank, about", printed("100 100"), Finding.REPRODUCED,
           lambda: (*(linkage.rod_mm / CRANK_MM for linkage in (PAN_LINKAGE, SIEVE_LINKAGE)),),
           "To the one digit that counts; 70 for the pan and 92 for the sieve."),
-    Entry("section 3.1", "speed of 350 r/min in the simulation", printed("2100 r/s"), Verdict.UNDER_READING,
+    Entry("section 3.1", "speed of 350 r/min in the simulation", printed("2100 r/s"), Finding.UNDER_READING,
           lambda: SPEED_RPM * 6.0, "In degrees per second."),
-    Entry("section 3.1", "time of one turn", printed("0.17 s"), Verdict.REPRODUCED, lambda: 60.0 / SPEED_RPM),
+    Entry("section 3.1", "time of one turn", printed("0.17 s"), Finding.REPRODUCED, lambda: 60.0 / SPEED_RPM),
 )  # fmt: skip
 
 # --- section 2.2.2, eqs. 1 and 6 to 8: masses at the joints, counterweights of each mechanism alone ---------------
@@ -149,31 +149,31 @@ def from_masses(function: Callable[[JointMasses], tuple[float, ...]], at_pin: st
 
 
 PAN_ALONE = (
-    Entry("eq. 1, section 2.2.2", "pan: crank at the pin", printed("0.8 kg"), Verdict.REPRODUCED,
+    Entry("eq. 1, section 2.2.2", "pan: crank at the pin", printed("0.8 kg"), Finding.REPRODUCED,
           lambda: CRANK_KG * CRANK_CENTER_MM / CRANK_MM),
-    Entry("eq. 1, section 2.2.2", "pan: board at pin and roller", printed("11.1 12.6 kg"), Verdict.NOT_REPRODUCIBLE,
+    Entry("eq. 1, section 2.2.2", "pan: board at pin and roller", printed("11.1 12.6 kg"), Finding.NOT_REPRODUCIBLE,
           pan_board, "The place printed for the board's centre is that of the crank's; the printed masses put it near "
           "the middle."),
-    Entry("eq. 1, section 2.2.2", "pan: all at pin and roller", printed("11.9 12.86 kg"), Verdict.REPRODUCED,
+    Entry("eq. 1, section 2.2.2", "pan: all at pin and roller", printed("11.9 12.86 kg"), Finding.REPRODUCED,
           lambda: from_readings(lambda *kg: (kg[0] + kg[1], kg[2] + ROLLER_KG), "0.8", "11.1", "12.6"),
           of_printed=True),
     Entry("eq. 6, eq. 7, eq. 8, section 2.2.2, section 4", "pan: counterweight", printed("5.4 6.1 kg"),
-          Verdict.REPRODUCED, lambda: from_masses(lambda masses: counterweights(PAN_LINKAGE, masses), *PAN_PRINTED)),
+          Finding.REPRODUCED, lambda: from_masses(lambda masses: counterweights(PAN_LINKAGE, masses), *PAN_PRINTED)),
 )  # fmt: skip
 
 SIEVE_ALONE = (
-    Entry("eq. 1, section 2.2.2", "sieve: all at the pin", printed("29.5 kg"), Verdict.NOT_REPRODUCIBLE,
+    Entry("eq. 1, section 2.2.2", "sieve: all at the pin", printed("29.5 kg"), Finding.NOT_REPRODUCIBLE,
           lambda: SIEVE_OWN.rotating_kg, "Board and crank make more, the board alone less."),
-    Entry("eq. 1, section 2.2.2", "sieve: all at the roller", printed("61.26 kg"), Verdict.UNDER_READING,
+    Entry("eq. 1, section 2.2.2", "sieve: all at the roller", printed("61.26 kg"), Finding.UNDER_READING,
           lambda: round(SIEVE_OWN.reciprocating_kg - ROLLER_KG, 1) + ROLLER_KG,
           "The board's part rounded to one decimal before the roller is added."),
     Entry("eq. 8, section 2.2.2", "sieve: counterweight, from the printed masses", printed("16.7 20.1 kg"),
-          Verdict.REPRODUCED,
+          Finding.REPRODUCED,
           lambda: from_masses(lambda masses: counterweights(SIEVE_LINKAGE, masses), *SIEVE_PRINTED),
           "Only with the rounding of the 29.5 kg: from 29.50 kg both come out 0.06 kg less."),
-    Entry("eq. 8", "sieve: counterweight, from its dimensions", printed("16.7 20.1 kg"), Verdict.NOT_REPRODUCIBLE,
+    Entry("eq. 8", "sieve: counterweight, from its dimensions", printed("16.7 20.1 kg"), Finding.NOT_REPRODUCIBLE,
           lambda: (*counterweights(SIEVE_LINKAGE, SIEVE_OWN),), "The mass at the pin is another."),
-    Entry("section 4", "sieve: counterweight, as concluded", printed("16.0 20.1 kg"), Verdict.NOT_REPRODUCIBLE,
+    Entry("section 4", "sieve: counterweight, as concluded", printed("16.0 20.1 kg"), Finding.NOT_REPRODUCIBLE,
           lambda: from_masses(lambda masses: counterweights(SIEVE_LINKAGE, masses), *SIEVE_PRINTED),
           "The lower one is printed otherwise in section 2.2.2."),
 )  # fmt: skip
@@ -213,24 +213,24 @@ SAME_ELLIPSE = (
 BY_FORMULA = "By eq. 8 with each printed share times its mass."
 
 TOGETHER = (
-    Entry("eq. 9, eq. 10, eq. 11, section 2.2.3", "eta1 at 90 deg", printed("0.65"), Verdict.UNDER_READING,
+    Entry("eq. 9, eq. 10, eq. 11, section 2.2.3", "eta1 at 90 deg", printed("0.65"), Finding.UNDER_READING,
           eta(reciprocating_share, 90.0), SIZES),
-    Entry("eq. 9, eq. 10, eq. 11, section 2.2.3", "eta1 at 45 deg", printed("0.72"), Verdict.NOT_REPRODUCIBLE,
+    Entry("eq. 9, eq. 10, eq. 11, section 2.2.3", "eta1 at 45 deg", printed("0.72"), Finding.NOT_REPRODUCIBLE,
           eta(reciprocating_share, 45.0), f"{SIZES} It is rounded up."),
-    Entry("eq. 9, eq. 10, eq. 11, section 2.2.3", "eta1 at 0 deg", printed("0.74"), Verdict.NOT_REPRODUCIBLE,
+    Entry("eq. 9, eq. 10, eq. 11, section 2.2.3", "eta1 at 0 deg", printed("0.74"), Finding.NOT_REPRODUCIBLE,
           eta(reciprocating_share, 0.0), SIZES),
     *(
         Entry("eq. 12, eq. 13, eq. 14, eq. 15, eq. 16, section 2.2.3", f"eta2 at {phase:g} deg", Printed((text,)),
-              Verdict.NOT_REPRODUCIBLE, eta(rotating_share, phase), SAME_ELLIPSE)
+              Finding.NOT_REPRODUCIBLE, eta(rotating_share, phase), SAME_ELLIPSE)
         for phase, text in ((45.0, "0.86"), (90.0, "0.71"), (0.0, "0.77"))
     ),
-    Entry("section 2.2.3, section 3.3, section 4", "best phase of the pan", printed("90 deg"), Verdict.REPRODUCED,
+    Entry("section 2.2.3, section 3.3, section 4", "best phase of the pan", printed("90 deg"), Finding.REPRODUCED,
           lambda: degrees(best_phase_rad(*cranks(0.0, *map(float, (*PAN_PRINTED, *SIEVE_PRINTED)))))),
-    Entry("section 2.2.3", "sieve's counterweight at 90 deg", printed("11.4 13.7 kg"), Verdict.UNDER_READING,
+    Entry("section 2.2.3", "sieve's counterweight at 90 deg", printed("11.4 13.7 kg"), Finding.UNDER_READING,
           combined(90), f"{BY_FORMULA} The upper one comes out only with the rounding of the shares."),
     Entry("section 2.2.3, section 3.3", "sieve's counterweight at 45 deg", printed("13.9 16.5 kg"),
-          Verdict.NOT_REPRODUCIBLE, combined(45), BY_FORMULA),
-    Entry("section 2.2.3", "sieve's counterweight at 0 deg", printed("13.2 15.8 kg"), Verdict.NOT_REPRODUCIBLE,
+          Finding.NOT_REPRODUCIBLE, combined(45), BY_FORMULA),
+    Entry("section 2.2.3", "sieve's counterweight at 0 deg", printed("13.2 15.8 kg"), Finding.NOT_REPRODUCIBLE,
           combined(0), BY_FORMULA),
 )  # fmt: skip
 
@@ -307,7 +307,7 @@ def track_extent(mechanism: DrivenCrank, *masses_kg: float) -> Computed:
     return computed(*(value for along in zip(*found, strict=True) for value in sorted(along)))
 
 
-def _tried(mechanism: DrivenCrank, mass_kg: float) -> Tried:
+def _tried(mechanism: DrivenCrank, mass_kg: float) -> TriedCounterweight:
     return sweep(mechanism, Counterweight(Carrier.CRANK, 0.0, ARM_MM), [mass_kg])[0]
 
 
@@ -316,7 +316,7 @@ def _force(place: str, what: str, table: SweepTable, mechanism: DrivenCrank | No
     compute = (lambda: bearing(mechanism, float(mass))) if mechanism else None
     printed, words = Printed(table.forces(mass), "N"), MODEL if mechanism else NO_MODEL
     what = f"{what} {with_mass}: least, largest, mean and r.m.s. force"
-    return Entry(place, what, printed, Verdict.NEEDS_DATA, compute, words)
+    return Entry(place, what, printed, Finding.NEEDS_DATA, compute, words)
 
 
 FORCES = tuple(
@@ -331,60 +331,60 @@ FORCES = tuple(
 
 TRACKS = (
     Entry("Fig. 9, Fig. 10, section 3.1", "way of the pan's centre without counterweight, along and across",
-          printed("21.9 11.1 mm"), Verdict.NEEDS_DATA, lambda: track_extent(PAN, 0.0), WHICH_MASSES),
+          printed("21.9 11.1 mm"), Finding.NEEDS_DATA, lambda: track_extent(PAN, 0.0), WHICH_MASSES),
     Entry("section 3.1", "ways of the pan's centre with counterweights, along and across, least and largest",
-          printed("9 11 0.2 0.6 mm"), Verdict.NEEDS_DATA, lambda: track_extent(PAN, 5.5, 6.1), WHICH_MASSES),
+          printed("9 11 0.2 0.6 mm"), Finding.NEEDS_DATA, lambda: track_extent(PAN, 5.5, 6.1), WHICH_MASSES),
     Entry("section 3.1", "way of the pan's centre, along and across, against what is printed with counterweights",
-          printed("14 1.1 mm"), Verdict.NOT_REPRODUCIBLE, lambda: (11.0, 0.6),
+          printed("14 1.1 mm"), Finding.NOT_REPRODUCIBLE, lambda: (11.0, 0.6),
           "The paragraph after it prints 9 to 11 and 0.2 to 0.6 mm with, 21.9 and 11.1 mm without a counterweight.",
           of_printed=True),
-    Entry("Fig. 11, section 3.1", "area of the pan's track with 5.9 kg", printed("1.7 mm2"), Verdict.NEEDS_DATA,
+    Entry("Fig. 11, section 3.1", "area of the pan's track with 5.9 kg", printed("1.7 mm2"), Finding.NEEDS_DATA,
           lambda: _tried(PAN, 5.9).track.area_mm2, WHICH_MASSES),
 )  # fmt: skip
 
 SPREADS = (
     *(
-        Entry(place, "peak to peak", Printed(table.spread, "N"), Verdict.REPRODUCED, table.spreads, of_printed=True)
+        Entry(place, "peak to peak", Printed(table.spread, "N"), Finding.REPRODUCED, table.spreads, of_printed=True)
         for place, table in (("Table 1", PAN_TABLE), ("Table 3", BOTH_TABLE))
     ),
-    Entry("Table 2", "peak to peak", Printed(SIEVE_TABLE.spread, "N"), Verdict.NOT_REPRODUCIBLE, SIEVE_TABLE.spreads,
+    Entry("Table 2", "peak to peak", Printed(SIEVE_TABLE.spread, "N"), Finding.NOT_REPRODUCIBLE, SIEVE_TABLE.spreads,
           "The row of 17.4 kg contradicts itself; the others agree.", of_printed=True),
     *(
         Entry(f"{place}, {section}", "mean, r.m.s. and peak to peak fall with every counterweight",
-              Below("all decreased"), Verdict.REPRODUCED, table.below_none, of_printed=True)
+              Below("all decreased"), Finding.REPRODUCED, table.below_none, of_printed=True)
         for place, section, table in (("Table 1", "section 3.1", PAN_TABLE), ("Table 2", "section 3.2", SIEVE_TABLE))
     ),
     Entry("section 3.1", "peak to peak along the slider's line falls with counterweights", Below("850 N to 1408 N"),
-          Verdict.NOT_REPRODUCIBLE, lambda: (1408.0, 850.0), "What is called a decrease is printed as a rise.",
+          Finding.NOT_REPRODUCIBLE, lambda: (1408.0, 850.0), "What is called a decrease is printed as a rise.",
           of_printed=True),
     Entry("section 3.1", "peak to peak without and with counterweights, along and across",
-          printed("850 1408 586 275 N"), Verdict.NEEDS_DATA, None, MODEL),
+          printed("850 1408 586 275 N"), Finding.NEEDS_DATA, None, MODEL),
 )  # fmt: skip
 
 BEST = (
-    Entry("Table 1, section 3.1, section 4", "pan's best counterweight", printed("5.9 kg"), Verdict.FITTED,
+    Entry("Table 1, section 3.1, section 4", "pan's best counterweight", printed("5.9 kg"), Finding.FITTED,
           PAN_TABLE.steadiest, "The one of least peak to peak in the table; mean and r.m.s., named beside it, are "
           "less with 6.1 kg.", of_printed=True),
     Entry("Table 2, section 3.2, section 4", "sieve's best counterweight", printed("18.0 kg"),
-          Verdict.NOT_REPRODUCIBLE, SIEVE_TABLE.steadiest, "The one of least peak to peak in the table; by mean and "
+          Finding.NOT_REPRODUCIBLE, SIEVE_TABLE.steadiest, "The one of least peak to peak in the table; by mean and "
           "r.m.s. it is 19.8 kg.", of_printed=True),
     Entry("Table 3, section 3.3, section 4", "best counterweight for both at 45 deg", printed("15.5 kg"),
-          Verdict.REPRODUCED, BOTH_TABLE.steadiest, "By the peak to peak, as the text says.", of_printed=True),
-    Entry("section 3.3", "counterweights tried for both", printed("7"), Verdict.NOT_REPRODUCIBLE,
+          Finding.REPRODUCED, BOTH_TABLE.steadiest, "By the peak to peak, as the text says.", of_printed=True),
+    Entry("section 3.3", "counterweights tried for both", printed("7"), Finding.NOT_REPRODUCIBLE,
           lambda: len(BOTH_TABLE.mass), "The text names seven, from 13.5 to 16.6 kg; Table 3 has six, from 14.0 to "
           "16.5 kg.", of_printed=True),
-    Entry("section 3.3", "largest force at 45 deg, from Table 3", printed("2518 N"), Verdict.REPRODUCED,
+    Entry("section 3.3", "largest force at 45 deg, from Table 3", printed("2518 N"), Finding.REPRODUCED,
           lambda: float(BOTH_TABLE.forces("15.5")[1]), of_printed=True),
-    Entry("section 3.3", "least force at 45 deg, from Table 3", printed("1611 N"), Verdict.NOT_REPRODUCIBLE,
+    Entry("section 3.3", "least force at 45 deg, from Table 3", printed("1611 N"), Finding.NOT_REPRODUCIBLE,
           lambda: float(BOTH_TABLE.forces("15.5")[0]), "Table 3 and text differ.", of_printed=True),
     Entry("section 3.3", "largest and least force at 90 deg and at 0 deg", printed("1604 613 1828 697 N"),
-          Verdict.NEEDS_DATA, None, NO_MODEL),
+          Finding.NEEDS_DATA, None, NO_MODEL),
     Entry("section 3.3", "largest and least force are less at 90 deg than at 0 deg and at 45 deg",
-          Below("significantly decreased"), Verdict.REPRODUCED,
+          Below("significantly decreased"), Finding.REPRODUCED,
           lambda: (1604.0, 1828.0, 1604.0, 2518.0, 613.0, 697.0, 613.0, 1611.0), of_printed=True),
     Entry("section 3.3", "less counterweight for both together than for the sieve alone", Below("reduced"),
-          Verdict.REPRODUCED, lambda: (15.5, 18.0), of_printed=True),
-    Entry("abstract", "best counterweight for both at 90 deg", printed("14.0 kg"), Verdict.NEEDS_DATA, None, NO_MODEL),
+          Finding.REPRODUCED, lambda: (15.5, 18.0), of_printed=True),
+    Entry("abstract", "best counterweight for both at 90 deg", printed("14.0 kg"), Finding.NEEDS_DATA, None, NO_MODEL),
 )  # fmt: skip
 
 

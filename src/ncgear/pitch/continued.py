@@ -27,7 +27,7 @@ from ncgear.numerics.units import in_words
 from ncgear.pitch import shape
 from ncgear.pitch.shape import Gear, Mesh
 from ncgear.ratio.laws.integrated import Slope, stretched
-from ncgear.ratio.transmission import Piece, Range, Transmission, WholeTurns
+from ncgear.ratio.transmission import OpenRange, Piece, Transmission, WholeTurns
 
 MOST_TURNS = 3
 """Most turns of a gear in the continuation: more would only make its curves longer."""
@@ -113,7 +113,7 @@ CHANGE = np.array([16.0, 35.0, 0.0, -35.0, 0.0, 21.0, 0.0, -5.0]) / 32.0
 """The polynomial from 0 to 1 with three derivatives that vanish at both ends."""
 
 
-def continued(law: Transmission, covered: Range, pitch_share: float) -> Transmission:
+def continued(law: Transmission, covered: OpenRange, pitch_share: float) -> Transmission:
     """An open law continued to whole turns and tooth pitches (``pitch_share``); raises NoSuchMechanism if too sharp."""
     known = _length(law)
     for at_rad, piece in ((0.0, law.pieces[0]), (covered.driving_rad, law.pieces[-1])):
@@ -170,7 +170,7 @@ def _slope(part: _Part, end_rad: float) -> Slope:
     return Slope(part.slope, chebyshev.fitted(lambda phi1: part.slope(phi1, 0).value, breaks).integrated())
 
 
-def _ways(law: Transmission, covered: Range) -> Iterator[_Way]:
+def _ways(law: Transmission, covered: OpenRange) -> Iterator[_Way]:
     first, last = law.pieces[0], law.pieces[-1]
     leaving = jet.log(last.slope(np.array([last.end_rad]), 3)).coefficients[:, 0]
     entering = jet.log(first.slope(np.array([first.start_rad]), 3)).coefficients[:, 0]

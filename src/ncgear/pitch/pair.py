@@ -24,7 +24,7 @@ from ncgear.pitch.continued import continued
 from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.internal import require_ring, require_room
 from ncgear.pitch.shape import Gear, Mesh
-from ncgear.ratio.transmission import Lobes, Piece, Range, Transmission
+from ncgear.ratio.transmission import Lobes, OpenRange, Piece, Transmission
 from ncgear.shown import Shown
 
 STRAIGHT = 1e-9
@@ -312,7 +312,7 @@ def sized_pair(
 
 
 def _open_pair(
-    transmission: Transmission, covered: Range, given: tuple[int | None, float | None, float | None], reach: float
+    transmission: Transmission, covered: OpenRange, given: tuple[int | None, float | None, float | None], reach: float
 ) -> PitchPair:
     """The pitch curves of an open law, continued to whole turns."""
     length = arc_length(transmission, Mesh.EXTERNAL).period

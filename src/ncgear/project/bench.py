@@ -53,7 +53,7 @@ LEAST_IN_MODULES = 3e-6
 
 
 @dataclass(frozen=True)
-class Trial:
+class TimedStage:
     """A stage at one setting: its time, its error, and its size in points, positions, triangles or elements."""
 
     setting: float
@@ -81,10 +81,10 @@ class BenchStage:
     asked: float
     key: str
     used: float
-    trials: tuple[Trial, ...]
+    trials: tuple[TimedStage, ...]
 
     @property
-    def recommended(self) -> Trial | None:
+    def recommended(self) -> TimedStage | None:
         """The coarsest trial with an error within the asked error, as for all finer trials; None where there is none.
 
         At a single setting samples may hit the extremes by luck.
@@ -160,15 +160,15 @@ def _tried(
     compute: Callable[[float], Result],
     judge: Callable[[Result], tuple[float, int]],
     asked: float,
-) -> tuple[Trial, ...]:
+) -> tuple[TimedStage, ...]:
     """Trials at settings and, until one is good enough, at finer settings; ``finer`` gives None when none is left."""
-    trials: list[Trial] = []
+    trials: list[TimedStage] = []
     waiting = list(settings)
     while waiting:
         setting = waiting.pop(0)
         result, time_s = _timed(partial(compute, setting))
         error, size = judge(result)
-        trials.append(Trial(setting, time_s, error, size))
+        trials.append(TimedStage(setting, time_s, error, size))
         enough = any(trial.error <= asked for trial in trials)
         following = finer(setting)
         if not waiting and not enough and following is not None and len(trials) < len(settings) + MOST_FINER:

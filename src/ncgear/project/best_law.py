@@ -30,7 +30,7 @@ from ncgear.project.law_task import (
     with_driven_flywheel,
 )
 from ncgear.project.moving_masses import TrainInertia
-from ncgear.ratio.transmission import Train
+from ncgear.ratio.transmission import PairsInSeries
 from ncgear.shown import Shown
 from ncgear.workers import finished
 
@@ -304,7 +304,7 @@ class BestLaw(SoughtMachine, Shown):
         return [law.cost(self._laws[0].goal) for law in self._laws]
 
     @cached_property
-    def train(self) -> Train:
+    def train(self) -> PairsInSeries:
         """The law shared among the pairs of gears."""
         return self.law.train(self.task.lobes)
 
@@ -314,7 +314,7 @@ class BestLaw(SoughtMachine, Shown):
         return figures(self.task, self.train)
 
     @property
-    def sizing(self) -> Train:
+    def sizing(self) -> PairsInSeries:
         """The law found: the uniform crank's round gears have its centre distance, as in a simulation."""
         return self.train
 

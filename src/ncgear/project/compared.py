@@ -33,7 +33,7 @@ from ncgear.teeth.backlash import idle_arms_mm
 from ncgear.teeth.gear import ToothedPair
 
 
-class Fit(StrEnum):
+class FittedQuantities(StrEnum):
     """Fitted quantities: only the angle, about the bore at (0, 0) of the file, or the place of the axis too."""
 
     ROTATION = "rotation"
@@ -102,7 +102,9 @@ JAM_RAD = 1e-9
 """Overlap in rad that may come from rounding: a tenth of a nanometre at 100 mm."""
 
 
-def compared_pair(drive: Drive, files: Mapping[Gear, MeasuredFile], fit: Fit, probe_mm: float) -> ComparedPair:
+def compared_pair(
+    drive: Drive, files: Mapping[Gear, MeasuredFile], fit: FittedQuantities, probe_mm: float
+) -> ComparedPair:
     """Compare measured gears with the exact gears and run the pair as measured; ``drive`` has one pair of gears.
 
     Raises WrongInput with a file's name where it does not hold points of its gear in mm, NoSuchMechanism where the
@@ -153,13 +155,13 @@ def _contact(outlines: Outlines, teeth: ToothedPair, placement: Placement, reach
 
 
 def compared_gear(
-    outlines: Mapping[Gear, ExactOutline], gear: Gear, file: MeasuredFile, fit: Fit, probe_mm: float
+    outlines: Mapping[Gear, ExactOutline], gear: Gear, file: MeasuredFile, fit: FittedQuantities, probe_mm: float
 ) -> ComparedGear:
     """Compare one measured gear with its exact outline; raises as ``compared_pair`` does."""
     outline, points = outlines[gear], as_complex(file.points_mm)
     module = outline.gear.flanks.rack.module_mm
     try:
-        found = best_fit(outline, points, probe_mm, rigid=fit is Fit.RIGID)
+        found = best_fit(outline, points, probe_mm, rigid=fit is FittedQuantities.RIGID)
     except DesignError as error:
         error.location = error.location or file.file
         if reading := _other_reading(outlines, gear, points, probe_mm):

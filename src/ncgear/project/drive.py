@@ -15,7 +15,7 @@ from ncgear.project.geared import Geared
 
 if TYPE_CHECKING:
     from ncgear.contact.designed.as_designed import AsDesigned
-    from ncgear.contact.designed.extremes import ContactExtremes, Range
+    from ncgear.contact.designed.extremes import ContactExtremes, ValueRange
     from ncgear.contact.pair import PairContact, SidesInContact
     from ncgear.contact.written.as_written import Outlines
     from ncgear.drivetrain.jam import Jam
@@ -380,7 +380,7 @@ class Drive(Geared):
             return meshing_of(self.design.simulation, pitch, [(teeth, stiffness)])
 
     @computed
-    def stiffness_range(self) -> Range:
+    def stiffness_range(self) -> ValueRange:
         """The least and the largest stiffness in N/mm of any touching pair of teeth, anywhere in the cycle."""
         from ncgear.dynamics.pair_places import stiffness_range
         from ncgear.project.forces import stiffness_of

@@ -38,7 +38,7 @@ from ncgear.drivetrain.shafts import (
     key_safety,
     shaft_safety,
 )
-from ncgear.drivetrain.speed import Disc, disc
+from ncgear.drivetrain.speed import FlywheelDisc, disc
 from ncgear.dynamics.knocking import KnockingMachine
 from ncgear.dynamics.rigid import Rigid
 from ncgear.errors import WrongInput
@@ -94,7 +94,7 @@ class DrivetrainResult:
     driven_shaft: ShaftResult | None
     wanted_fluctuation: float
     flywheel_kg_mm2: float
-    disc: Disc | None
+    disc: FlywheelDisc | None
     motor: MotorResult | None
     pto: PowerTakeOffResult | None
 

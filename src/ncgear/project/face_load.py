@@ -33,7 +33,7 @@ from ncgear.project.tooth_load import ToothLoad, asked_of
 from ncgear.strength.conditions import GRADE, Running
 from ncgear.strength.contacts import LoadedContacts
 from ncgear.strength.endurance import running_in
-from ncgear.strength.face_load import ASSUMED, FaceLoads, FaceModel, LeadForm, Shaft, Support, best_crowning_mm
+from ncgear.strength.face_load import ASSUMED, FaceLoads, FaceModel, LeadForm, SteelShaft, Support, best_crowning_mm
 from ncgear.strength.without_teeth import SharedLoad
 from ncgear.tolerances.iso1328 import helix_slope_mm
 
@@ -181,14 +181,14 @@ class _Around:
         crank_at = given.crank_at_mm if isinstance(given, keys.DrivenShaft) else 0.0
         return cls((bearing_of(given.bearing_a), bearing_of(given.bearing_b)), diameter, crank_at)
 
-    def shaft(self, body: tuple[float, float], gear_n: ComplexArray, crank_n: ComplexArray) -> Shaft:
+    def shaft(self, body: tuple[float, float], gear_n: ComplexArray, crank_n: ComplexArray) -> SteelShaft:
         """The shaft on springs under the forces of gear and crank over the cycle; ``body``: the body's radius and E."""
         borne = supporting_forces(gear_n, crank_n, self.bearings, self.crank_at_mm)
         first, second = (
             Support(one.at_mm, stiffness_n_mm(one, float(np.abs(force).max())))
             for one, force in zip(self.bearings, borne, strict=True)
         )
-        return Shaft(self.diameter_mm, 2.0 * float(body[0]), (first, second), body[1])
+        return SteelShaft(self.diameter_mm, 2.0 * float(body[0]), (first, second), body[1])
 
 
 def _askew_mm(design: Design, running: Running) -> float:

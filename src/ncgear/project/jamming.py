@@ -20,7 +20,7 @@ from ncgear.project.tolerance_limits import (
     limits_of,
     tolerances_of,
 )
-from ncgear.tolerances.estimate import Needed, Teeth, enough, needed, plays_of
+from ncgear.tolerances.estimate import EstimatedBacklash, Teeth, enough, needed, plays_of
 
 MOST_BACKLASH = 0.25
 """Backlash in modules above which teeth are thinner than in any standard of backlash."""
@@ -114,7 +114,7 @@ def _narrower(drive: Drive, key: str, given: float) -> Changes:
 
 
 @lru_cache(maxsize=1)
-def backlash_needed(drive: Drive) -> tuple[Needed, ...]:
+def backlash_needed(drive: Drive) -> tuple[EstimatedBacklash, ...]:
     """The backlash that assemblies of each pair need, in the unit of its key; raises as ``jamming_of``.
 
     The result of the last machine is kept, since each of its pairs asks for it.
@@ -123,7 +123,7 @@ def backlash_needed(drive: Drive) -> tuple[Needed, ...]:
     return tuple(_needed(pair, tolerances, seed) for seed, pair in enumerate(drive.by_stage))
 
 
-def _needed(pair: Drive, tolerances: AssemblyTolerances, seed: int) -> Needed:
+def _needed(pair: Drive, tolerances: AssemblyTolerances, seed: int) -> EstimatedBacklash:
     teeth = Teeth(
         pair.teeth,
         pair.designed_contact,

@@ -33,7 +33,7 @@ from ncgear.project.law import (
 )
 from ncgear.project.moving_masses import TrainInertia, masses_of
 from ncgear.ratio.laws.uniform import uniform_law
-from ncgear.ratio.transmission import Train, single
+from ncgear.ratio.transmission import PairsInSeries, single
 
 RACK_ANGLE_DEG = 20.0
 """Pressure angle of the rack where a design has no gears, as in ISO 53."""
@@ -320,7 +320,7 @@ class SoughtMachine(ABC):
         return any(not wish.hard for wish in self.wishes.motion)
 
     @property
-    def sizing(self) -> Train | None:
+    def sizing(self) -> PairsInSeries | None:
         """The law whose gears give the centre distance of the uniform crank's gears; None: their own size gives it."""
         return None
 

@@ -55,7 +55,7 @@ ROOT_RADIUS = "gears.rack.root_radius"
 BACKLASH = ("gears.backlash_mm", "gears.backlash_deg")
 
 
-class Kind(StrEnum):
+class MendingSubject(StrEnum):
     """Subjects of a change."""
 
     ROOT_RADIUS = "root_radius"
@@ -69,23 +69,23 @@ class Kind(StrEnum):
 
 
 ORDER = (
-    (Kind.ROOT_RADIUS,),
-    (Kind.MATE,),
-    (Kind.STEEPER,),
-    (Kind.SHIFTED,),
-    (Kind.UNDERCUT,),
-    (Kind.STEEPER, Kind.MATE),
-    (Kind.MATE, Kind.UNDERCUT),
-    (Kind.STEEPER, Kind.UNDERCUT),
-    (Kind.SHIFTED, Kind.MATE),
-    (Kind.SHIFTED, Kind.UNDERCUT),
-    (Kind.STEEPER, Kind.SHIFTED),
-    (Kind.STEEPEST, Kind.MATE),
-    (Kind.STEEPER, Kind.MATE, Kind.UNDERCUT),
-    (Kind.FINER, Kind.MATE),
-    (Kind.FINER, Kind.STEEPER),
-    (Kind.FINER, Kind.UNDERCUT),
-    (Kind.FINER, Kind.STEEPER, Kind.MATE),
+    (MendingSubject.ROOT_RADIUS,),
+    (MendingSubject.MATE,),
+    (MendingSubject.STEEPER,),
+    (MendingSubject.SHIFTED,),
+    (MendingSubject.UNDERCUT,),
+    (MendingSubject.STEEPER, MendingSubject.MATE),
+    (MendingSubject.MATE, MendingSubject.UNDERCUT),
+    (MendingSubject.STEEPER, MendingSubject.UNDERCUT),
+    (MendingSubject.SHIFTED, MendingSubject.MATE),
+    (MendingSubject.SHIFTED, MendingSubject.UNDERCUT),
+    (MendingSubject.STEEPER, MendingSubject.SHIFTED),
+    (MendingSubject.STEEPEST, MendingSubject.MATE),
+    (MendingSubject.STEEPER, MendingSubject.MATE, MendingSubject.UNDERCUT),
+    (MendingSubject.FINER, MendingSubject.MATE),
+    (MendingSubject.FINER, MendingSubject.STEEPER),
+    (MendingSubject.FINER, MendingSubject.UNDERCUT),
+    (MendingSubject.FINER, MendingSubject.STEEPER, MendingSubject.MATE),
 )
 """Kinds of changes, alone and together, from the least change to the greatest.
 
@@ -122,10 +122,10 @@ SAME_SHIFT = 0.01
 
 
 @dataclass(frozen=True)
-class Way:
+class MendingWay:
     """A change of one kind or of several kinds, as keys of the design file."""
 
-    kinds: tuple[Kind, ...]
+    kinds: tuple[MendingSubject, ...]
     changes: Changes
 
 
@@ -133,7 +133,7 @@ class Way:
 class Mend(Shown):
     """A change with which the teeth can be made: the way, and the drive of the changed design."""
 
-    way: Way
+    way: MendingWay
     drive: Drive
 
     def __repr__(self) -> str:
@@ -160,7 +160,7 @@ class Mending(Shown):
     """
 
     refusal: DesignError
-    failed: tuple[Way, ...]
+    failed: tuple[MendingWay, ...]
     found: Mend | None
     is_whole: bool = True
 
@@ -213,7 +213,7 @@ def searched(
     """The least change with which refused teeth can be made; among equal changes the change with most contact."""
     every = list(ways(drive))
     trials = _Trials(drive, on_trial, sum(map(len, every)) + MOST_FINER, seconds)
-    kept = [equals for equals in every if Kind.FINER not in equals[0].kinds]
+    kept = [equals for equals in every if MendingSubject.FINER not in equals[0].kinds]
     share = AT_NOTCHES if trials.needed > FINER_STEP * drive.by_stage[0].pitch.size.driving_teeth else BEFORE_FINER
     radius, others = ([one for one in kept if (one[0].kinds == ORDER[0]) is so] for so in (True, False))
     found = next((mend for equals in radius if (mend := trials.best(equals, share))), None)
@@ -221,7 +221,7 @@ def searched(
     found = found or next((mend for equals in others if (mend := trials.best(equals, share))), None)
     found = found or trials.fewest()
     found = found or next((mend for equals in every[len(kept) :] if (mend := trials.best(equals))), None)
-    if found is not None and found.way.kinds == (Kind.BACKLASH,):
+    if found is not None and found.way.kinds == (MendingSubject.BACKLASH,):
         refusal = _of_backlash(drive, refusal)
     return Mending(refusal, tuple(trials.failed), found, trials.is_whole)
 
@@ -250,17 +250,17 @@ class _Trials:
         self._drive, self._on_trial, self._total, self._seconds = drive, on_trial, total, seconds
         self._begun = process_time()
         self.needed = _teeth_of_notches(drive.by_stage[0])
-        self.failed: list[Way] = []
+        self.failed: list[MendingWay] = []
         self.is_whole = True
 
-    def best(self, equals: tuple[Way, ...], share: float = 1.0) -> Mend | None:
+    def best(self, equals: tuple[MendingWay, ...], share: float = 1.0) -> Mend | None:
         """The way with most contact among equal ways that work; None where none works within a share of the time."""
         try:
             sound = [mend for way in equals if (mend := self._sound(way, share))]
             for mend in sorted(sound, key=lambda one: -one.contact_ratio):
                 with self._in_time(share):
                     require_made(mend.drive)
-                    if Kind.STEEPEST in mend.way.kinds:
+                    if MendingSubject.STEEPEST in mend.way.kinds:
                         # These teeth have the deepest roots, which may come too near to a bore.
                         _ = [pair.solids for pair in mend.drive.by_stage]
                     return mend
@@ -275,7 +275,7 @@ class _Trials:
         each, low = pair.transmission.lobes.teeth_step, pair.pitch.size.driving_teeth
 
         def does(teeth: int) -> bool | None:
-            way = Way((Kind.FINER,), fitted | resized(pair, teeth))
+            way = MendingWay((MendingSubject.FINER,), fitted | resized(pair, teeth))
             mend = self.best((way,))
             if mend is not None:
                 mends[teeth] = mend
@@ -292,7 +292,7 @@ class _Trials:
 
         def does(off: int) -> bool:
             changes = {**fitted, key: float(f"{given * (TENTHS - off) / TENTHS:.6g}")}
-            if mend := self.best((Way((Kind.BACKLASH,), changes),)):
+            if mend := self.best((MendingWay((MendingSubject.BACKLASH,), changes),)):
                 mends[off] = mend
             return mend is not None
 
@@ -300,7 +300,7 @@ class _Trials:
             return None
         return mends[fewest(does, 0, TENTHS - 2, needed=1.0) or TENTHS - 1]
 
-    def _sound(self, way: Way, share: float) -> Mend | None:
+    def _sound(self, way: MendingWay, share: float) -> Mend | None:
         """The way, if teeth are sound with it; raises TimeIsOver."""
         changed = changed_drive(self._drive, way.changes)
         with self._in_time(share):
@@ -337,13 +337,13 @@ def _teeth_of_notches(drive: Drive) -> float:
     return pitch.size.driving_teeth * pitch.size.module_mm / module_mm if sharpest < 0.0 else 0.0
 
 
-def ways(drive: Drive) -> Iterator[tuple[Way, ...]]:
+def ways(drive: Drive) -> Iterator[tuple[MendingWay, ...]]:
     """All ways except more teeth alone, the least change first; the ways in one tuple are equals."""
     fitted = _fitted(drive)
     for kinds in ORDER:
         options = [_options(drive, kind, alone=len(kinds) == 1) for kind in kinds]
-        found = [Way(kinds, reduce(or_, chosen, fitted)) for chosen in product(*options)]
-        if Kind.FINER in kinds:
+        found = [MendingWay(kinds, reduce(or_, chosen, fitted)) for chosen in product(*options)]
+        if MendingSubject.FINER in kinds:
             # Fewer teeth are the lesser change.
             yield from ((way,) for way in found)
         elif found:
@@ -355,28 +355,28 @@ def _fitted(drive: Drive) -> Changes:
     return fitted_root_radius(drive.gears, min(drive.gears.rack.angles_deg))
 
 
-def _options(drive: Drive, kind: Kind, *, alone: bool) -> list[Changes]:
+def _options(drive: Drive, kind: MendingSubject, *, alone: bool) -> list[Changes]:
     """The changes of one kind; together with changes of other kinds only the most promising."""
     gears = drive.gears
     match kind:
-        case Kind.ROOT_RADIUS:
+        case MendingSubject.ROOT_RADIUS:
             return [fitted] if (fitted := _fitted(drive)) else []
-        case Kind.BACKLASH:
+        case MendingSubject.BACKLASH:
             # The right amount is searched later
             return []
-        case Kind.MATE:
+        case MendingSubject.MATE:
             return _mate(drive)
-        case Kind.STEEPER:
+        case MendingSubject.STEEPER:
             steeper = [rack_at(gears, angle) for angle in STEEPER_DEG if angle > gears.rack.pressure_angle_deg]
             return steeper if alone else steeper[-1:]
-        case Kind.STEEPEST:
+        case MendingSubject.STEEPEST:
             return [rack_at(gears, STEEPEST_DEG)] if gears.rack.pressure_angle_deg < STEEPEST_DEG else []
-        case Kind.SHIFTED:
+        case MendingSubject.SHIFTED:
             shifted = _shifted(drive)
             return shifted if alone else shifted[:1]
-        case Kind.UNDERCUT:
+        case MendingSubject.UNDERCUT:
             return [{"gears.undercut": "allow"}] if gears.undercut == "avoid" else []
-        case Kind.FINER:
+        case MendingSubject.FINER:
             return _finer(drive)
     assert_never(kind)
 

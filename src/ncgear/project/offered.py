@@ -77,7 +77,7 @@ def with_what_was_found(
         return refused
     from ncgear.optimum.makeable.law import found_instead
 
-    tried = Tried(design, task, has_law)
+    tried = RefusedDesign(design, task, has_law)
     each = [one for eased in found_instead(task, wishes) for one in tried.enough(eased)]
     if not any(map(_is_limit, each)):
         if limits := _together(tried, wishes, limits_alone=True):
@@ -91,7 +91,7 @@ def with_what_was_found(
     return Refused(refused.said if refused.found else refused.problem, each, refused.key, _each, each=True, found=True)
 
 
-def _together(tried: Tried, wishes: Wishes, *, limits_alone: bool) -> list[Offer]:
+def _together(tried: RefusedDesign, wishes: Wishes, *, limits_alone: bool) -> list[Offer]:
     """Limits, with values, that together allow a law that keeps all wishes; wishes too unless ``limits_alone``.
 
     Empty where none were found.
@@ -103,7 +103,7 @@ def _together(tried: Tried, wishes: Wishes, *, limits_alone: bool) -> list[Offer
 
 
 @dataclass(frozen=True, eq=False)
-class Tried:
+class RefusedDesign:
     """A design whose wishes are refused, its machine, and the function that tries a whole design.
 
     With masses, other wishes lead to other gears, whose inertia counts: such a design is tried as a whole.

@@ -76,7 +76,7 @@ piece or of its halves."""
 
 
 @dataclass(frozen=True)
-class Followed:
+class FollowedFunction:
     """How a law follows a function: by its ``formula``, exactly; or through ``points``, up to ``error``.
 
     The error is the greatest that was measured at some ``angles``, as a share of the function's greatest value.
@@ -136,7 +136,7 @@ def drive_of(given: Mapping[str, Any]) -> Drive:
     return _drive(data)
 
 
-def _drive(data: Mapping[str, Any], followed: Followed | None = None) -> Drive:
+def _drive(data: Mapping[str, Any], followed: FollowedFunction | None = None) -> Drive:
     loaded = parsed_mapping(data)
     return Drive(loaded.design, loaded=loaded, followed=followed)
 
@@ -150,7 +150,7 @@ def _formula(data: dict[str, Any], key: str, function: Function) -> Drive:
             "takes any function",
             key=key,
         ) from fault
-    return _drive(with_value(data, key, formula), Followed(key, formula))
+    return _drive(with_value(data, key, formula), FollowedFunction(key, formula))
 
 
 def _points(data: dict[str, Any], key: str, function: Function) -> Drive:
@@ -185,7 +185,7 @@ def _points(data: dict[str, Any], key: str, function: Function) -> Drive:
                     f"at the end of the cycle; a function that the law follows to {FARTHEST:g} is right",
                     key=key,
                 )
-            followed = Followed(key, "", phi1.size, error, at.size, WIDEST * cycle, *decay)
+            followed = FollowedFunction(key, "", phi1.size, error, at.size, WIDEST * cycle, *decay)
             return Drive(drive.design, loaded=drive.loaded, followed=followed)
         count *= 2
 

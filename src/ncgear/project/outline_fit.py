@@ -22,7 +22,7 @@ from ncgear.design.reading.design_file import parsed_mapping
 from ncgear.errors import NoSuchMechanism, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.outline.conditions import Kind, Limits, conditions
+from ncgear.optimum.outline.conditions import CurveLimits, Subject, conditions
 from ncgear.optimum.outline.nearest import (
     Deviation,
     away_mm,
@@ -33,8 +33,8 @@ from ncgear.optimum.outline.nearest import (
     polar_angle,
 )
 from ncgear.optimum.outline.outline import Outline, outline_of
-from ncgear.optimum.outline.programme import MateWanted, Wanted
-from ncgear.optimum.outline.rolled import Basis, Rolled
+from ncgear.optimum.outline.programme import MateWanted, OutlineAim
+from ncgear.optimum.outline.rolled import Rolled, SplineBasis
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
 from ncgear.project.finer import require_made
@@ -94,7 +94,7 @@ class MateFit:
     points_mm: Array
     axis_mm: Array
     scale: float
-    bound_by: tuple[Kind, ...]
+    bound_by: tuple[Subject, ...]
 
     @property
     def size_mm(self) -> float:
@@ -116,7 +116,7 @@ class OutlineFit:
     deviation: Deviation
     drive: Drive
     motion: Mapping[str, Any]
-    bound_by: tuple[Kind, ...]
+    bound_by: tuple[Subject, ...]
     next_sizes: tuple[NextSize, ...]
     asked_gears: Gears
     mate: MateFit | None = None
@@ -228,8 +228,10 @@ def fitted(design: Design, on_trial: OnTrial = lambda done, most: None) -> Outli
     gears = gears_of(design)
     asked = design.outline
     outline, axis = _outline_and_axis(design.motion, asked is not None and asked.axis == "fixed", "outline.axis")
-    wanted = Wanted(asked is not None and asked.criterion == "greatest", axis is not None, mate=_mate_wanted(asked))
-    limits = Limits() if asked is None else Limits(steepest_rad=_steepest_rad(asked.pressure_angle_deg, gears))
+    wanted = OutlineAim(asked is not None and asked.criterion == "greatest", axis is not None, mate=_mate_wanted(asked))
+    limits = (
+        CurveLimits() if asked is None else CurveLimits(steepest_rad=_steepest_rad(asked.pressure_angle_deg, gears))
+    )
     search = _Search(design, outline, wanted, axis, limits)
     start = None
     teeth = gears.teeth
@@ -296,9 +298,9 @@ class _Search:
 
     design: Design
     outline: Outline
-    wanted: Wanted
+    wanted: OutlineAim
     axis_mm: Array | None
-    limits: Limits
+    limits: CurveLimits
 
     def with_module(self) -> Rolled:
         """A near curve for the whole number of teeth that comes nearest to the design's module."""
@@ -349,12 +351,12 @@ class _Search:
         return away_mm(self.outline, made.curve, self.wanted)
 
 
-def _binding(made: Made, there: float) -> tuple[Kind, ...]:
+def _binding(made: Made, there: float) -> tuple[Subject, ...]:
     """The conditions that bind beside a polar angle of the curve, the most binding first."""
     curve = made.curve
     at = np.interp([there], curve.phi_rad, curve.arc_mm, period=2.0 * pi)
     near = curve.apart_mm(at)[:, 0] < BINDS_WITHIN_PITCHES * curve.length_mm / curve.teeth
-    values: dict[Kind, float] = {}
+    values: dict[Subject, float] = {}
     for one in conditions(curve, made.limits):
         values[one.kind] = max(values.get(one.kind, -np.inf), float(np.max(one.value[near])))
     return tuple(sorted((kind for kind, value in values.items() if value > -BINDS), key=lambda kind: -values[kind]))
@@ -362,13 +364,13 @@ def _binding(made: Made, there: float) -> tuple[Kind, ...]:
 
 def _with_teeth(curve: Rolled, teeth: int) -> Rolled:
     """The same curve for another number of teeth."""
-    basis = Basis(coefficients_for(teeth))
+    basis = SplineBasis(coefficients_for(teeth))
     phi = 2.0 * pi * np.arange(basis.count) / basis.count
     radius = basis.through(curve.basis.at(phi) @ curve.coefficients)
     return Rolled(basis, radius, curve.axis_mm, curve.center_distance_mm, teeth, curve.mate_place)
 
 
-def _next_sizes(outline: Outline, made: Made, wanted: Wanted) -> tuple[NextSize, ...]:
+def _next_sizes(outline: Outline, made: Made, wanted: OutlineAim) -> tuple[NextSize, ...]:
     """The results with more teeth of a smaller module, from the curve that was found."""
     sizes = list[NextSize]()
     share = np.broadcast_to(made.limits.share, made.curve.arc_mm.shape)

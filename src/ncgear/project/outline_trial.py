@@ -19,8 +19,8 @@ from ncgear.design.keys.gears import Gears
 from ncgear.errors import NoSuchMechanism, RefusedAt, WrongInput
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.outline.conditions import Limits
-from ncgear.optimum.outline.rolled import FINER, Basis, Rolled, rays
+from ncgear.optimum.outline.conditions import CurveLimits
+from ncgear.optimum.outline.rolled import FINER, Rolled, SplineBasis, rays
 from ncgear.pitch.curve import CurvePoints
 from ncgear.pitch.shape import Gear
 from ncgear.project.drive import Drive
@@ -62,7 +62,7 @@ class Made:
     """
 
     curve: Rolled
-    limits: Limits
+    limits: CurveLimits
     drive: Drive
     motion: Mapping[str, Any]
     refusal: NoSuchMechanism | None = None
@@ -97,10 +97,10 @@ def control_points(curve: Rolled) -> Array:
     count = 2 * curve.basis.count
     phi = 2.0 * pi * np.arange(count) / count
     radius = curve.basis.at(phi) @ curve.coefficients
-    return Basis(count).through(curve.axis_mm + radius[:, None] * rays(phi)[0])
+    return SplineBasis(count).through(curve.axis_mm + radius[:, None] * rays(phi)[0])
 
 
-def made_pair(design: Design, curve: Rolled, limits: Limits) -> Made:
+def made_pair(design: Design, curve: Rolled, limits: CurveLimits) -> Made:
     """The teeth of a curve, and the lengths of their contact."""
     gears, motion = gears_of(design), design.motion.along(control_points(curve), curve.axis_mm)
     # The curve sets the size and the number of teeth; a phase would only turn it.
@@ -154,7 +154,7 @@ def _with_contact(made: Made, gears: Gears) -> Made:
     return replace(made, meetings_mm=places, arcs=arcs, lacking=np.array(lacking).reshape(-1, 2))
 
 
-def drawn_in(made: Made, refusals: int) -> Limits:
+def drawn_in(made: Made, refusals: int) -> CurveLimits:
     """Limits tightened where contact is too short and, the first time, eased where all flanks nearby touch for long."""
     curve, limits = made.curve, made.limits
     short = made.refusal is not None and made.refusal.key == "gears.least_contact_ratio"
@@ -189,7 +189,7 @@ def most_lacking(made: Made) -> str:
     return f": their contact fails at ({x:.4g}, {y:.4g}) mm of the drawing{hollow}"
 
 
-def between(kept: Made, refused: Made | None) -> Limits:
+def between(kept: Made, refused: Made | None) -> CurveLimits:
     """Limits half-way between an accepted pair and a refused pair; a little eased where no pair was refused."""
     share = np.asarray(kept.limits.share)
     if refused is None:

@@ -16,8 +16,8 @@ from ncgear.project.drive import Drive
 from ncgear.project.tolerance_limits import TURNING, Process, backlash_key, left_of_backlash, limits_of, tolerances_of
 from ncgear.solids.helical.sections import said_of_section
 from ncgear.teeth.gear import ToothedPair, toothed_pair
-from ncgear.tolerances.assemblies import Assemblies, Lot, Task, lot_of_pairs
-from ncgear.tolerances.drawn import Limits, reachable
+from ncgear.tolerances.assemblies import Assemblies, AssembliesTask, Lot, lot_of_pairs
+from ncgear.tolerances.drawn import DeviationLimits, reachable
 from ncgear.tolerances.mesh import Face, LinearMesh, mesh_of, straight_face
 from ncgear.tolerances.outlines import exact_of
 from ncgear.tolerances.study import (
@@ -151,7 +151,7 @@ def _pair(
     lot: Lot,
     found: Assemblies,
     nominal: Assemblies,
-    tasks: list[Task],
+    tasks: list[AssembliesTask],
 ) -> PairStudy:
     """The behaviour of the pair ``number`` of a lot in the assemblies found; its drive is given."""
     pair, module = lot.pairs[number], drive.pitch.size.module_mm
@@ -214,14 +214,14 @@ def lot_of(drive: Drive, given: AssemblyTolerances) -> Lot:
     return lot_of_pairs(drive.machine, made, pitches, abs(peak))
 
 
-def _mesh_and_limits(drive: Drive, given: AssemblyTolerances) -> tuple[LinearMesh, Limits]:
+def _mesh_and_limits(drive: Drive, given: AssemblyTolerances) -> tuple[LinearMesh, DeviationLimits]:
     """The linear mesh of one pair, and the limits of its deviations."""
     _ = drive.designed_contact
     limits = limits_of(drive, given)
     return _mesh(drive, limits, PER_TOOTH), limits
 
 
-def _mesh(drive: Drive, limits: Limits, per_tooth: int) -> LinearMesh:
+def _mesh(drive: Drive, limits: DeviationLimits, per_tooth: int) -> LinearMesh:
     """The linear mesh of one pair with limits of deviations, at ``per_tooth`` positions per tooth pitch."""
     size, module = drive.pitch.center_distance_mm, drive.pitch.size.module_mm
     within = float(np.clip(SPARE * limits.displaced_mm(size), LEAST_WITHIN * module, MOST_WITHIN * module))

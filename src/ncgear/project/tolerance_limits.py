@@ -32,7 +32,7 @@ from ncgear.project.service import choices_of
 from ncgear.project.tooth_form import thickness_limits_mm
 from ncgear.teeth.backlash import idle_arms_mm
 from ncgear.teeth.gear import ToothedGear
-from ncgear.tolerances.drawn import Limits
+from ncgear.tolerances.drawn import DeviationLimits
 from ncgear.tolerances.iso286 import distance_deviation_mm
 from ncgear.tolerances.iso1328 import DIAMETERS_MM, MODULES_MM, TEETH, flank_tolerances, tooth_diameters_mm
 
@@ -43,7 +43,7 @@ MOST_JAMMED = 0.01
 """Share of the assemblies that may jam without a warning: such an assembly gets other gears."""
 
 
-def limits_of(drive: Drive, given: AssemblyTolerances) -> Limits:
+def limits_of(drive: Drive, given: AssemblyTolerances) -> DeviationLimits:
     """The limits in mm and rad; raises WrongInput where a grade does not hold for the gears."""
     # The grades of helical teeth are for the normal module.
     module = drive.pitch.size.module_mm * cos(drive.helix.angle_rad if drive.helix else 0.0)
@@ -56,7 +56,7 @@ def limits_of(drive: Drive, given: AssemblyTolerances) -> Limits:
     warm = given.temperature
     range_c = (warm.least_c, warm.largest_c) if warm else (20.0, 20.0)
     driving, driven = (one.entry.elastic.expansion_per_k for one in choices_of(drive.gears))
-    return Limits(
+    return DeviationLimits(
         center_distance_mm=given.center_distance_mm,
         eccentricity_mm=(given.driving.eccentricity_mm, given.driven.eccentricity_mm),
         tilt_rad=(radians(given.driving.tilt_deg), radians(given.driven.tilt_deg)),

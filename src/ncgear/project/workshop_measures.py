@@ -12,7 +12,7 @@ from ncgear.frozen import dataclass
 from ncgear.metrology.cut_by import CutBy, cut_by
 from ncgear.metrology.pins import SOLD_MM, Pins, nominal_pin_mm, pins_in_spaces, pins_to_try
 from ncgear.metrology.round_tool import RoundTool, round_tool
-from ncgear.metrology.span import Spans, spans
+from ncgear.metrology.span import MeasuredSpans, spans
 from ncgear.metrology.working import WorkingFlanks, working_flanks
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
@@ -51,7 +51,7 @@ class GearMeasures:
         return pins_in_spaces(self.working, diameter_mm, self.toothed.outline_mm, self.tolerance_mm)
 
     @cached_property
-    def spans(self) -> Spans:
+    def spans(self) -> MeasuredSpans:
         """The spans over teeth that a caliper measures."""
         return spans(self.working)
 

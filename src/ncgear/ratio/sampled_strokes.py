@@ -238,12 +238,12 @@ class ReturnGrid:
     steps: int
 
     @property
-    def basis(self) -> Basis:
+    def basis(self) -> StrokeBasis:
         """The parts of a return's polynomial at all points."""
         return _basis(self.edges, self.count)
 
 
-class Basis(NamedTuple):
+class StrokeBasis(NamedTuple):
     """Powers of tau (shape (points, 4)), and tau^2 (1 - tau)^2 and its product with 2 tau - 1 with two derivatives.
 
     ``weights`` (shape (points,)) make the integral over tau of values at all points.
@@ -257,14 +257,14 @@ class Basis(NamedTuple):
 
 
 @cache
-def _basis(edges: tuple[float, ...], count: int) -> Basis:
+def _basis(edges: tuple[float, ...], count: int) -> StrokeBasis:
     starts, widths = np.array(edges[:-1])[:, None], np.diff(edges)[:, None]
     tau = (starts + widths * shares(count)).ravel()
     bump = tau**2 * (1.0 - tau) ** 2, 2.0 * tau * (1.0 - tau) * (1.0 - 2.0 * tau), 2.0 - 12.0 * tau * (1.0 - tau)
     slant = 2.0 * tau - 1.0
     skew = slant * bump[0], 2.0 * bump[0] + slant * bump[1], 4.0 * bump[1] + slant * bump[2]
     weights = (widths * integration(count)[-1]).ravel()
-    return Basis(tau, weights, tau[:, None] ** np.arange(4.0), bump, skew)
+    return StrokeBasis(tau, weights, tau[:, None] ** np.arange(4.0), bump, skew)
 
 
 def returns_with_skewness(

@@ -4,7 +4,7 @@ A ``Transmission`` gives the driven angle with derivatives on consecutive pieces
 driving gear repeats its curve n1 times a turn and the driven gear n2 times; one period takes 2 pi / n1 of the driving
 angle and 2 pi / n2 of the driven angle.  An open law, of gears that turn to and fro over less than a turn, has a range
 of both angles in place of lobes; teeth stand on its closed continuation to whole turns (ncgear.pitch.continued), and
-only the range is made.  A ``Train`` is one pair of gears, or two in series, between the driving shaft and the crank.  A
+only the range is made.  A ``PairsInSeries`` is one pair of gears, or two in series, between the driving shaft and the crank.  A
 ``Law`` is a train and the mechanism that it drives, with the facts of a prescribed stroke.
 """
 
@@ -83,7 +83,7 @@ class Lobes:
         return self.driving / self.driven
 
     @property
-    def range(self) -> Range | None:
+    def range(self) -> OpenRange | None:
         """The range of both angles of an open law, or of its continuation; None where gears turn on and on."""
         return None
 
@@ -94,7 +94,7 @@ class Lobes:
 
 
 @dataclass(frozen=True)
-class Range(Lobes):
+class OpenRange(Lobes):
     """The range of an open law: both angles from 0 to these, which take the place of a period."""
 
     driving_rad: float = field(kw_only=True)
@@ -116,7 +116,7 @@ class Range(Lobes):
         return self.driven_rad / self.driving_rad
 
     @property
-    def range(self) -> Range:
+    def range(self) -> OpenRange:
         """The range itself."""
         return self
 
@@ -130,7 +130,7 @@ class Range(Lobes):
 class WholeTurns(Lobes):
     """The period of an open law's continuation: whole turns of both gears; only the range ``of`` is made."""
 
-    of: Range = field(kw_only=True)
+    of: OpenRange = field(kw_only=True)
     driving_turns: int = field(kw_only=True)
     driven_turns: int = field(kw_only=True)
 
@@ -145,7 +145,7 @@ class WholeTurns(Lobes):
         return 2.0 * pi * self.driven_turns
 
     @property
-    def range(self) -> Range:
+    def range(self) -> OpenRange:
         """The range that is made."""
         return self.of
 
@@ -337,7 +337,7 @@ class Pair:
 
 
 @dataclass(frozen=True, eq=False)
-class Train:
+class PairsInSeries:
     """The law phi2(phi1) of the whole, and its pairs from the driving shaft on; a single pair has the whole law."""
 
     whole: Transmission
@@ -349,9 +349,9 @@ def on_driving_shaft(transmission: Transmission) -> Pair:
     return Pair(transmission, np.ones_like, np.asarray)
 
 
-def single(transmission: Transmission) -> Train:
+def single(transmission: Transmission) -> PairsInSeries:
     """One pair between the driving shaft and the crank."""
-    return Train(transmission, (on_driving_shaft(transmission),))
+    return PairsInSeries(transmission, (on_driving_shaft(transmission),))
 
 
 @dataclass(frozen=True)
@@ -373,7 +373,7 @@ class Law(Shown):
     """A closed law on its mechanism, the pairs of gears that make it, and its stroke where the law prescribes one."""
 
     linkage: Mechanism
-    train: Train
+    train: PairsInSeries
     stroke: PrescribedStroke | None = None
     center_distance_mm: float | None = None
     """Distance of the axes that follows from a law whose sizes are in mm; None for a law of gears of any size."""

@@ -95,11 +95,11 @@ class WorkingStrokes(Generic[Number]):
 
 
 @dataclass(frozen=True, eq=False)
-class WorkingStroke(WorkingStrokes[float]):
+class ClosedStroke(WorkingStrokes[float]):
     """One stroke that closes."""
 
 
-def solved_stroke(request: StrokeRequest) -> WorkingStroke:
+def solved_stroke(request: StrokeRequest) -> ClosedStroke:
     """The stroke with its free quantity solved for, and proved to advance everywhere.
 
     Raises NoSuchMechanism when no positive value closes the stroke, or when the slider stops or reverses on the way.
@@ -110,7 +110,7 @@ def solved_stroke(request: StrokeRequest) -> WorkingStroke:
     strokes = closed_strokes(one)
     for refusal in stroke_refusals(one, strokes, request.output).values():
         raise refusal
-    return WorkingStroke(**{name: _first(values) for name, values in vars(strokes).items()})
+    return ClosedStroke(**{name: _first(values) for name, values in vars(strokes).items()})
 
 
 def _first(values: Array) -> Any:

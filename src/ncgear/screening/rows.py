@@ -165,7 +165,7 @@ def figure_names(design: Design) -> tuple[str, ...]:
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class BatchResults:
     """The sure results of a batch: rows of the makeable designs and their figures, shape (m,) each, and refusals."""
 
     made: IndexArray
@@ -173,7 +173,7 @@ class Found:
     refused: dict[int, DesignError]
 
 
-def found_of(batch: Batch, laws: Laws, rows: IndexArray, fineness: Fineness, together: int) -> Found:
+def found_of(batch: Batch, laws: Laws, rows: IndexArray, fineness: Fineness, together: int) -> BatchResults:
     """The figures and refusals of the rows of which a batch, sampled at a fineness, is sure.
 
     ``together`` samples are computed at once.  Whether teeth can roll on the pitch curves is tested before the motion,
@@ -195,8 +195,8 @@ def found_of(batch: Batch, laws: Laws, rows: IndexArray, fineness: Fineness, tog
         refused = {int(rows[known[place]]): error for place, error in refused.items()}
         made[known[~rolling]] = False
     if not made.any():
-        return Found(rows[made], {}, refused)
-    return Found(
+        return BatchResults(rows[made], {}, refused)
+    return BatchResults(
         rows[made], _figures(batch.kept(rows[made]), {key: one[made] for key, one in measured.items()}), refused
     )
 

@@ -21,7 +21,7 @@ class Quality(StrEnum):
     ME = "ME"
 
 
-class Line(NamedTuple):
+class HardnessLine(NamedTuple):
     """A stress in MPa that rises in a line with hardness: slope times hardness plus offset, between two hardnesses."""
 
     slope: float
@@ -41,7 +41,7 @@ class LifePoint(NamedTuple):
     factor: float
 
 
-Lines = dict[Quality, Line]
+Lines = dict[Quality, HardnessLine]
 
 
 @dataclass(frozen=True)
@@ -96,7 +96,7 @@ BRITTLE_BENDING = (LifePoint(1e3, 1.6), LifePoint(3e6, 1.0), LONG_LIFE)
 
 
 def _lines(ml: tuple[float, ...], mq: tuple[float, ...], me: tuple[float, ...]) -> Lines:
-    return {Quality.ML: Line(*ml), Quality.MQ: Line(*mq), Quality.ME: Line(*me)}
+    return {Quality.ML: HardnessLine(*ml), Quality.MQ: HardnessLine(*mq), Quality.ME: HardnessLine(*me)}
 
 
 STRUCTURAL = StrengthClass(

@@ -9,7 +9,7 @@ import numpy as np
 
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
-from ncgear.strength.material import Family, Material
+from ncgear.strength.material import Material, MaterialFamily
 
 
 @dataclass(frozen=True)
@@ -86,13 +86,13 @@ class Conditions:
         """The least safety wanted against pitting of a gear of this material."""
         if self.contact_safety is not None:
             return self.contact_safety
-        return 1.4 if material.family is Family.PLASTIC else 1.0
+        return 1.4 if material.family is MaterialFamily.PLASTIC else 1.0
 
     def wanted_bending_safety(self, material: Material) -> float:
         """The least safety wanted against breakage of a gear of this material."""
         if self.bending_safety is not None:
             return self.bending_safety
-        return 2.0 if material.family is Family.PLASTIC else 1.4
+        return 2.0 if material.family is MaterialFamily.PLASTIC else 1.4
 
 
 def hours_of_strokes(strokes: float, stroke_rad: float, speed_rad_s: float) -> float:

@@ -19,7 +19,7 @@ from ncgear.errors import WrongInput
 from ncgear.strength.classes import GREY, LifePoint, StrengthClass
 from ncgear.strength.conditions import Conditions, Running
 from ncgear.strength.iso6336 import lubricant_factor, roughness_factor, speed_factor
-from ncgear.strength.material import EnduredStress, Family, Material
+from ncgear.strength.material import EnduredStress, Material, MaterialFamily
 from ncgear.strength.materials import Bronze, Choice, Entry, Ferrous, Plastic
 from ncgear.strength.plastics import (
     COLDEST_C,
@@ -57,14 +57,14 @@ def _material_of(
     match entry:
         case Ferrous():
             contact, bending = _ferrous(choice, entry, mate, conditions, running)
-            family = Family.CAST_IRON if entry.group.abbreviation.startswith("GG") else Family.STEEL
+            family = MaterialFamily.CAST_IRON if entry.group.abbreviation.startswith("GG") else MaterialFamily.STEEL
         case Bronze():
             contact, bending = _bronze(choice, entry)
-            family = Family.BRONZE
+            family = MaterialFamily.BRONZE
         case Plastic():
             contact, bending = _plastic(choice, entry, warm)
-            family = Family.PLASTIC
-    if conditions.lubrication == "dry" and not isinstance(mate.entry, Plastic) and family is not Family.PLASTIC:
+            family = MaterialFamily.PLASTIC
+    if conditions.lubrication == "dry" and not isinstance(mate.entry, Plastic) and family is not MaterialFamily.PLASTIC:
         contact = None
     return Material(
         name=entry.name,

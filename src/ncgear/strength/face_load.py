@@ -66,7 +66,7 @@ class Support:
 
 
 @dataclass(frozen=True)
-class Shaft:
+class SteelShaft:
     """A round shaft of steel on two bearings, and its gear's body below the teeth: diameter and Young's modulus.
 
     Places along it in mm count from the middle of the gear.
@@ -175,7 +175,7 @@ class FaceModel:
     ``askew_mm`` is the misalignment of the flanks over the width, in either sense.
     """
 
-    shafts: tuple[Shaft, Shaft]
+    shafts: tuple[SteelShaft, SteelShaft]
     crank_at_mm: float
     width_mm: float
     askew_mm: float

@@ -17,7 +17,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns
 from ncgear.strength.conditions import Conditions
 from ncgear.strength.hertz import contact_modulus_mpa, half_width_mm, hertz_pressure_mpa
-from ncgear.strength.material import Family, Material
+from ncgear.strength.material import Material, MaterialFamily
 
 ZERO_C = 273.15
 
@@ -113,9 +113,9 @@ def thinness(oil: Oil, conditions: Conditions) -> float:
 
 
 THERMAL = {
-    Family.STEEL: (45.0, 440.0),
-    Family.CAST_IRON: (45.0, 500.0),
-    Family.BRONZE: (55.0, 380.0),
+    MaterialFamily.STEEL: (45.0, 440.0),
+    MaterialFamily.CAST_IRON: (45.0, 500.0),
+    MaterialFamily.BRONZE: (55.0, 380.0),
 }
 """Conductivity in W/(m K) and heat capacity in J/(kg K): steel by ISO/TS 6336-22, others rounded from data sheets."""
 

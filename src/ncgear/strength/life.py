@@ -178,7 +178,7 @@ def alternating_mpa(tension: Array, compression: Array, flank: IndexArray, teeth
 
 
 @dataclass(frozen=True, eq=False)
-class Meetings:
+class ToothMeetings:
     """m meetings of the teeth of one gear with mates in a whole cycle; shape (m,) each.
 
     ``flank`` numbers the gear's flanks from 0, two for each tooth.  ``stress_mpa`` is the largest stress of each,
@@ -193,7 +193,7 @@ class Meetings:
 
 def meetings_of(
     contacts: LoadedContacts, gear: Gear, stress_mpa: Array, counted_mpa: Array, cycle_rad: float
-) -> Meetings:
+) -> ToothMeetings:
     """The meetings of one gear's flanks; stresses have the shape of ``contacts``.
 
     Two contacts of a pair of flanks belong to the same meeting where less than half a turn of the driving gear is
@@ -217,14 +217,14 @@ def meetings_of(
     largest = order[by_stress[np.append(np.diff(meeting[by_stress]) > 0, True)]] if order.size else order
     counted = np.zeros(renamed.size)
     np.maximum.at(counted, meeting, counted_mpa[order])
-    return Meetings(own[largest], stress_mpa[largest], contacts.phi1_rad[largest], counted[distinct(meeting)])
+    return ToothMeetings(own[largest], stress_mpa[largest], contacts.phi1_rad[largest], counted[distinct(meeting)])
 
 
 HALVINGS = 60
 """Of an interval of life factors: e to the power of 1, or less, falls to rounding errors."""
 
 
-def tooth_life(meetings: Meetings, endured: EnduredStress, teeth: int, life_h: float, cycle_h: float) -> ToothLife:
+def tooth_life(meetings: ToothMeetings, endured: EnduredStress, teeth: int, life_h: float, cycle_h: float) -> ToothLife:
     """Safety and life of the z teeth of a gear, on the worse side of each tooth.
 
     The safety is the largest factor on all stresses at which the damage of the wanted life is at most 1.  Damage grows

@@ -343,7 +343,7 @@ def _contacts(
     for number, section in enumerate(sections.each):
         rows = np.flatnonzero(touching.section == number)
         pair = section.teeth
-        fits = Fit.of(pair.driving, driving.kept(rows)), Fit.of(pair.driven, driven.kept(rows))
+        fits = FlankFit.of(pair.driving, driving.kept(rows)), FlankFit.of(pair.driven, driven.kept(rows))
         curvature = fits[0].curvature + fits[1].curvature
         # At a joint of the law curvatures jump, and both flanks' may belong to different sides: no pressure is known.
         flanks[rows] = fits[0].on_flank & fits[1].on_flank & (curvature > 0.0)
@@ -375,7 +375,7 @@ flank itself touches: loaded teeth turn by as much, and errors of tables between
 
 
 @dataclass(frozen=True, eq=False)
-class Fit:
+class FlankFit:
     """The fit of n places to the flanks of one gear, shape (n,) each.
 
     ``curvature`` is the flank's at its point nearest to each place; ``off_mm`` and ``tilt`` are the distance from that
@@ -388,7 +388,7 @@ class Fit:
     tilt: Array
 
     @classmethod
-    def of(cls, gear: ToothedGear, places: FlankPlaces) -> Fit:
+    def of(cls, gear: ToothedGear, places: FlankPlaces) -> FlankFit:
         """The places on the flanks of a gear."""
         nearest = nearest_on_flanks(gear, places)
         off = np.abs(nearest.point - places.point)
@@ -461,7 +461,7 @@ class _Touching(Columns):
         flank = 2 * (self.teeth[:, 1] - 1) + np.where(pushing, 1, 0)
         return FlankPlaces(flank, (self.point - self.placement.center_distance_mm) * back, into_driven * back)
 
-    def rolling_mm(self, fits: tuple[Fit, Fit], flanks: Mask) -> Array:
+    def rolling_mm(self, fits: tuple[FlankFit, FlankFit], flanks: Mask) -> Array:
         """Speed of the contact along the driving and the driven flank, in mm per rad of phi1, shape (n, 2).
 
         Both speeds v are counted along the tangent, and their difference is the sliding.  Where flanks touch they keep

@@ -10,7 +10,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 
 
-class Family(StrEnum):
+class MaterialFamily(StrEnum):
     """Kinds of material, whose strength follows different rules."""
 
     STEEL = "steel"
@@ -57,7 +57,7 @@ class Material:
     """
 
     name: str
-    family: Family
+    family: MaterialFamily
     youngs_modulus_mpa: float
     poisson: float
     density_kg_m3: float
@@ -69,4 +69,4 @@ class Material:
     @property
     def wears(self) -> bool:
         """Whether flanks wear as dry metal on metal: the endured stress of flanks is known for all other metals."""
-        return self.contact is None and self.family is not Family.PLASTIC
+        return self.contact is None and self.family is not MaterialFamily.PLASTIC

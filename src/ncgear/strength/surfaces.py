@@ -48,7 +48,7 @@ KNOWN = 1e-3
 
 
 @dataclass(frozen=True)
-class Place:
+class ContactValue:
     """A value at its place of contact: the driving angle, and the teeth that touch there, from 1."""
 
     value: float
@@ -69,11 +69,11 @@ class Film:
     ``bulk_c`` are the temperatures of the oil and of the teeth in it, ``flash_k`` is the rise of a contact over them.
     """
 
-    thickness: Place
+    thickness: ContactValue
     roughness_um: float
     oil_c: float
     bulk_c: float
-    flash_k: Place
+    flash_k: ContactValue
 
     @property
     def regime(self) -> Regime:
@@ -96,7 +96,7 @@ class Wear:
     """
 
     coefficients_mm3_n_m: tuple[float, float]
-    depth_mm: tuple[Place, Place]
+    depth_mm: tuple[ContactValue, ContactValue]
     play_mm: float
     limit_mm: float
     wanted_h: float
@@ -284,7 +284,7 @@ def _bulk_c(pair: _Pair, oil: Oil, loading: Loading) -> float:
     return pair.conditions.oil_temperature_c + share * float(flash.mean() if flash.size else 0.0)
 
 
-def _largest(pair: _Pair, loading: Loading) -> list[Place]:
+def _largest(pair: _Pair, loading: Loading) -> list[ContactValue]:
     """The largest value of each quantity over the cycle, with its place."""
 
     def over(contacts: LoadedContacts, count: int) -> tuple[LoadedContacts, Array, Array]:
@@ -308,10 +308,10 @@ def _largest(pair: _Pair, loading: Loading) -> list[Place]:
     return [_place(touching, np.where(touching.position == row, found[row], -1.0)) for row in range(rolled.size)]
 
 
-def _place(touching: LoadedContacts, values: Array) -> Place:
+def _place(touching: LoadedContacts, values: Array) -> ContactValue:
     """The place of the largest value at contacts; no place where only edges touch."""
     if not values.size or values.max() < 0.0:
-        return Place(0.0, 0.0, 1, 1)
+        return ContactValue(0.0, 0.0, 1, 1)
     row = int(values.argmax())
     teeth = touching.on(Gear.DRIVING).tooth[row], touching.on(Gear.DRIVEN).tooth[row]
-    return Place(float(values[row]), float(touching.phi1_rad[row]), int(teeth[0]), int(teeth[1]))
+    return ContactValue(float(values[row]), float(touching.phi1_rad[row]), int(teeth[0]), int(teeth[1]))

@@ -35,7 +35,7 @@ Told = Callable[[str], Awaitable[None]]
 
 
 @dataclass
-class Process:
+class AnswerProcess:
     """A process that computes the answers of some chains; ``told`` is called with each answer, a line of JSON."""
 
     chains: tuple[str, ...]
@@ -132,11 +132,11 @@ class Chains:
     """All chains of a page."""
 
     told: Told | None = None
-    processes: list[Process] = field(default_factory=list)
+    processes: list[AnswerProcess] = field(default_factory=list)
 
     async def start(self) -> None:
         """Start the first process before there is a question: the motion is seen first."""
-        self.processes = [Process(chains, self._tell) for chains in chains_by_process()]
+        self.processes = [AnswerProcess(chains, self._tell) for chains in chains_by_process()]
         for first in self.processes[:1]:
             await first.start()
 

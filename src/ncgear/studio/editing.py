@@ -43,32 +43,32 @@ DIGITS = 7
 
 
 @dataclass(frozen=True)
-class History:
+class TextHistory:
     """The text that is shown, the texts before it, and the texts that were undone."""
 
     now: str
     past: tuple[str, ...] = ()
     future: tuple[str, ...] = ()
 
-    def kept(self, text: str) -> History:
+    def kept(self, text: str) -> TextHistory:
         """The history with one more step; a text that is shown already adds no step."""
         if text == self.now:
             return self
         past = (*self.past, self.now)[-MOST_STEPS:]
         fitting = sum(total <= MOST_CHARACTERS for total in accumulate(len(one) for one in reversed(past)))
-        return History(text, past[len(past) - fitting :])
+        return TextHistory(text, past[len(past) - fitting :])
 
-    def undone(self) -> History:
+    def undone(self) -> TextHistory:
         """The history one step back; the same history where there is no step."""
         if not self.past:
             return self
-        return History(self.past[-1], self.past[:-1], (self.now, *self.future))
+        return TextHistory(self.past[-1], self.past[:-1], (self.now, *self.future))
 
-    def redone(self) -> History:
+    def redone(self) -> TextHistory:
         """The history one step forward; the same history where there is no step."""
         if not self.future:
             return self
-        return History(self.future[0], (*self.past, self.now), self.future[1:])
+        return TextHistory(self.future[0], (*self.past, self.now), self.future[1:])
 
 
 def difference(old: str, new: str, name: str, old_is: str = "saved") -> str:
@@ -184,7 +184,7 @@ def _another_mechanism(text: str, name: Any) -> dict[str, Any]:
     return values
 
 
-class Followed:
+class ChangingText:
     """A text whose values change again and again."""
 
     def __init__(self) -> None:

@@ -41,7 +41,7 @@ def contact_answers(drive: Drive) -> Iterator[Answer]:
     from ncgear.drawings.page.page import stage_name
     from ncgear.drawings.page.page_charts import charts_of_pair
     from ncgear.drawings.page.tables import strength_tables, typeset
-    from ncgear.figures.advice.verdict import Known, judged
+    from ncgear.figures.advice.verdict import KnownParts, judged
     from ncgear.figures.answers.machine import gear_facts
     from ncgear.studio.told import drawn_charts, safety_facts, table_data, verdict_data
 
@@ -60,7 +60,7 @@ def contact_answers(drive: Drive) -> Iterator[Answer]:
     yield "strength", {"facts": safety_facts(drive.by_stage), "tables": strong}
     for _, pair in pairs:
         yield from drawn_charts(charts_of_pair(pair, {}, pair.designed_contact.placement.cycle_rad))
-    yield "verdict", verdict_data(judged(drive, Known.TEETH, seconds=0.0))
+    yield "verdict", verdict_data(judged(drive, KnownParts.TEETH, seconds=0.0))
 
 
 def _shown(scene: Scene, *, gears: bool) -> dict[str, Any]:

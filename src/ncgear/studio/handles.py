@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ncgear.design.keys.base import FULL_TURN, given, spellings
-from ncgear.design.laws.base import LawNumber, LawPoint
+from ncgear.design.laws.base import DraggedPoint, LawNumber
 from ncgear.design.wishes.gentle_stop import GentleStop
 from ncgear.drawings.charts.slider_charts import Quantity
 from ncgear.errors import DesignError
@@ -56,7 +56,7 @@ def handles(drive: Drive) -> list[Handle]:
     return [*_of_few(drive, points), *_of_wishes(drive)]
 
 
-def _of_few(drive: Drive, points: Sequence[LawPoint]) -> Iterator[Handle]:
+def _of_few(drive: Drive, points: Sequence[DraggedPoint]) -> Iterator[Handle]:
     """Handles of some of the points, evenly spread over the driving angle; after the last handle comes the first.
 
     A point between two handles moves with each by the square of a cosine of its distance from it.  So all points move
@@ -90,7 +90,7 @@ def _of_few(drive: Drive, points: Sequence[LawPoint]) -> Iterator[Handle]:
         yield made
 
 
-def _placed(drive: Drive, points: Sequence[LawPoint]) -> list[tuple[LawPoint, float, float]]:
+def _placed(drive: Drive, points: Sequence[DraggedPoint]) -> list[tuple[DraggedPoint, float, float]]:
     """Each point with its driving angle in deg and the value of its quantity there."""
     period = drive.transmission.lobes.driven_period_rad
     shares = np.array([point.driven_share or 0.0 for point in points])
@@ -105,7 +105,7 @@ def _placed(drive: Drive, points: Sequence[LawPoint]) -> list[tuple[LawPoint, fl
     ]
 
 
-def _of_point(drive: Drive, point: LawPoint, angle_deg: float, shown: float) -> Handle:
+def _of_point(drive: Drive, point: DraggedPoint, angle_deg: float, shown: float) -> Handle:
     """The handle of a point of the law."""
     quantity = Quantity[point.quantity.upper()]
     moves: dict[str, Any] = {}
@@ -136,7 +136,7 @@ def _of_number(drive: Drive, grip: Grip) -> Handle:
     return _handle(drive, number.name, Quantity.RATIO, (grip.angle_deg, shown), {"y": move})
 
 
-def _factor(drive: Drive, point: LawPoint, shown: float) -> float:
+def _factor(drive: Drive, point: DraggedPoint, shown: float) -> float:
     """The change of a point's key per change on the chart, for the speed of the machine and a common factor."""
     faster = (point.speed_rpm or drive.law_speed_rpm) / drive.design.operation.speed_rpm
     match point.quantity:
@@ -149,7 +149,7 @@ def _factor(drive: Drive, point: LawPoint, shown: float) -> float:
     return 1.0
 
 
-class Wished(NamedTuple):
+class WishHandle(NamedTuple):
     """A handle of a wish: its key below ``wishes`` and the key's value, which is moved along ``quantity``.
 
     It is placed where the output passes a place of a stroke, or at a driving angle in rad, with ``sign`` times the
@@ -190,7 +190,7 @@ def _of_wishes(drive: Drive) -> Iterator[Handle]:
         yield _handle(drive, one.name, one.quantity, (at_deg, shown), moves)
 
 
-def _wished(drive: Drive) -> Iterator[Wished]:
+def _wished(drive: Drive) -> Iterator[WishHandle]:
     """The handles of all wishes that have places or bounds."""
     output, wishes = drive.linkage.OUTPUT, drive.design.wishes
     place, speed = output.place.ending, output.speed.ending
@@ -198,22 +198,22 @@ def _wished(drive: Drive) -> Iterator[Wished]:
         group, ends = f"constant_speed.{number}", [getattr(wish, f"{end}_{place}") for end in ("from", "to")]
         back = wish.stroke == "return"
         for end, at in zip(("from", "to"), ends, strict=True):
-            yield Wished(f"even speed {end}", Quantity.DISPLACEMENT, f"{group}.{end}_{place}", at, at, back)
+            yield WishHandle(f"even speed {end}", Quantity.DISPLACEMENT, f"{group}.{end}_{place}", at, at, back)
         if (wanted := getattr(wish, f"speed_{speed}")) is not None:
             key, middle = f"{group}.speed_{speed}", sum(ends) / 2.0
-            yield Wished("even speed", Quantity.VELOCITY, key, wanted, middle, back, -1.0 if back else 1.0)
+            yield WishHandle("even speed", Quantity.VELOCITY, key, wanted, middle, back, -1.0 if back else 1.0)
     for number, passed in enumerate(wishes.speed_at):
         group, at, back = f"speed_at.{number}", getattr(passed, f"at_{place}"), passed.stroke == "return"
-        yield Wished("speed at", Quantity.DISPLACEMENT, f"{group}.at_{place}", at, at, back)
+        yield WishHandle("speed at", Quantity.DISPLACEMENT, f"{group}.at_{place}", at, at, back)
         for bound in ("at_least", "at_most"):
             if (value := getattr(passed, f"{bound}_{speed}")) is not None:
                 key, sign = f"{group}.{bound}_{speed}", -1.0 if back else 1.0
-                yield Wished(bound.replace("_", " "), Quantity.VELOCITY, key, value, at, back, sign)
+                yield WishHandle(bound.replace("_", " "), Quantity.VELOCITY, key, value, at, back, sign)
     for number, gentle in enumerate(wishes.gentle_stop):
         yield from _gentle(drive, f"gentle_stop.{number}", gentle)
 
 
-def _gentle(drive: Drive, group: str, wish: GentleStop) -> Iterator[Wished]:
+def _gentle(drive: Drive, group: str, wish: GentleStop) -> Iterator[WishHandle]:
     """The given ends of a gentle stretch, and its bound in the middle."""
     output, (bounded, value) = drive.linkage.OUTPUT, wish.bound
     key, place = f"{group}.{wish.bound_key(bounded)}", output.place.ending
@@ -226,16 +226,16 @@ def _gentle(drive: Drive, group: str, wish: GentleStop) -> Iterator[Wished]:
         back = not bool(drive.machine.working(phi2)[0])
     # A falling speed is a negative acceleration on the way out, and a positive one on the way back
     sign = 1.0 if back is (quantity is Quantity.ACCELERATION) else -1.0
-    yield Wished(f"gentle {bounded}", quantity, key, value, middle, back, sign, angle)
+    yield WishHandle(f"gentle {bounded}", quantity, key, value, middle, back, sign, angle)
     for name, at in zip(("from", "to"), driving or (start, end), strict=True):
         if driving is not None:
             own = given(wish, spellings(f"{name}_phi1"))[0]
             written, unit = getattr(wish, own), own.rpartition("_")[2]
-            yield Wished(
+            yield WishHandle(
                 f"gentle {name}", quantity, f"{group}.{own}", written, angle_rad=at, unit=unit, shown=sign * value
             )
         elif getattr(wish, f"{name}_{place}") is not None:
-            yield Wished(f"gentle {name}", Quantity.DISPLACEMENT, f"{group}.{name}_{place}", at, at, back)
+            yield WishHandle(f"gentle {name}", Quantity.DISPLACEMENT, f"{group}.{name}_{place}", at, at, back)
 
 
 def _along_angle(key: str, base: Any, unit: str) -> dict[str, Any]:

@@ -52,7 +52,7 @@ def motion_answers(drive: Drive) -> Iterator[Answer]:
         },
     )
     yield from drawing_of(drive)
-    from ncgear.figures.advice.verdict import Known, judged
+    from ncgear.figures.advice.verdict import KnownParts, judged
     from ncgear.figures.comparison import comparison_rows, comparison_tables
     from ncgear.figures.wished import achieved_lines
     from ncgear.studio.told import drawn_charts, facts, saved, table_data, verdict_data
@@ -69,7 +69,7 @@ def motion_answers(drive: Drive) -> Iterator[Answer]:
     first = [quantity.key_of(drive.linkage.OUTPUT) for quantity in FIRST]
     charts = motion_charts(drive, scene.loop_rad)
     yield from drawn_charts(sorted(charts, key=lambda one: first.index(one.key) if one.key in first else len(first)))
-    yield "verdict", verdict_data(judged(drive, Known.MOTION))
+    yield "verdict", verdict_data(judged(drive, KnownParts.MOTION))
     yield "best", saved(drive.design)
 
 

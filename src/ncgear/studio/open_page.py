@@ -22,7 +22,7 @@ from ncgear.errors import WrongInput
 from ncgear.studio.chains import Chains
 from ncgear.studio.drafts import Draft, draft_left
 from ncgear.studio.drawing import with_dropped
-from ncgear.studio.editing import History, difference, edited, in_line_ends_of, lacking
+from ncgear.studio.editing import TextHistory, difference, edited, in_line_ends_of, lacking
 from ncgear.studio.form import form
 from ncgear.studio.jobs import COMMANDS, Job, require_command
 from ncgear.studio.messages import read_message, words_of
@@ -62,7 +62,7 @@ class OpenPage:
         self._draft_refused = False
         self._asked_about: DesignOnDisk | None = None
         self.out = out
-        self.history = History(self.file.text).kept(self.draft.text)
+        self.history = TextHistory(self.file.text).kept(self.draft.text)
         self.changes: dict[str, Any] = {}
         self.number = self._shown = 0
         self.jobs: dict[int, Job] = {}
@@ -295,7 +295,7 @@ class OpenPage:
         self._tasks.add(task)
         task.add_done_callback(self._tasks.discard)
 
-    async def _step(self, history: History) -> None:
+    async def _step(self, history: TextHistory) -> None:
         self.changes = {}
         self._changed.clear()
         self.history = history

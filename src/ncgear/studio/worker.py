@@ -163,11 +163,11 @@ def main() -> None:
     end_with_parent(requests.read_all)
 
     from ncgear.memory import begin_worker
-    from ncgear.studio.editing import Followed
+    from ncgear.studio.editing import ChangingText
     from ncgear.studio.messages import guarded
 
     begin_worker()
-    answers, followed = [(chain, answers_of(chain)) for chain in chains], Followed()
+    answers, followed = [(chain, answers_of(chain)) for chain in chains], ChangingText()
     while True:
         request = requests.next()
         drive = cache(partial(followed.drive, request["text"], request["changes"], Path(request["path"])))

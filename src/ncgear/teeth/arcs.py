@@ -19,7 +19,7 @@ from ncgear.numerics.plane import across, along, as_complex, as_points
 from ncgear.teeth.contour import INSIDE, SAME_IN_MODULES, SHORTEST_IN_MODULES, SPANS
 from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.outline import exact_curves
-from ncgear.teeth.stretch import Stretch
+from ncgear.teeth.stretch import CurveStretch
 
 SEEN = 0.9
 """Share of the tolerance that arcs may stray at the probes: between them they stray by a few per cent more."""
@@ -69,7 +69,7 @@ class _Chain:
     deviation_mm: float
 
 
-def _followed(stretch: Stretch, tolerance: float, module: float) -> list[_Chain]:
+def _followed(stretch: CurveStretch, tolerance: float, module: float) -> list[_Chain]:
     """Chains along all rows of a stretch, each with as few spans as are close enough."""
     ends = as_complex(stretch.at(np.arange(stretch.owner.size)[:, None], np.linspace(0.0, 1.0, 3))[0])
     rows = np.nonzero(np.abs(np.diff(ends, axis=1)).sum(axis=1) > SHORTEST_IN_MODULES * module)[0]
@@ -87,7 +87,7 @@ def _followed(stretch: Stretch, tolerance: float, module: float) -> list[_Chain]
     return found
 
 
-def _flat(stretch: Stretch, rows: IndexArray, point: ComplexArray, bulge: Array, deviation: float) -> _Chain:
+def _flat(stretch: CurveStretch, rows: IndexArray, point: ComplexArray, bulge: Array, deviation: float) -> _Chain:
     share = np.linspace(0.0, 1.0, point.shape[1])
     # The last point of a row comes before the first of the next row, which has the same key.
     share[-1] -= 1e-9
@@ -95,7 +95,7 @@ def _flat(stretch: Stretch, rows: IndexArray, point: ComplexArray, bulge: Array,
     return _Chain(point.ravel(), bulge.ravel(), key.ravel(), deviation)
 
 
-def _biarcs(stretch: Stretch, rows: IndexArray, spans: int, straight: float) -> tuple[ComplexArray, Array, Array]:
+def _biarcs(stretch: CurveStretch, rows: IndexArray, spans: int, straight: float) -> tuple[ComplexArray, Array, Array]:
     """Points and bulges of arcs (r, 2 spans + 1) along rows, lines where they are flat, and distances of rows (r,)."""
     share = np.linspace(0.0, 1.0, spans + 1)
     point = as_complex(stretch.at(rows[:, None], share)[0])

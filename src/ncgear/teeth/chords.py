@@ -17,7 +17,7 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, Columns, ComplexArray, IndexArray, Mask, counted_up
 from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.plane import along, angle_between, as_complex, as_points
-from ncgear.teeth.stretch import Stretch
+from ncgear.teeth.stretch import CurveStretch
 
 PROBES = 33
 """Points per curve between which its turning is measured to place the chords."""
@@ -91,7 +91,7 @@ class _Chords(Columns):
         """Which chords are the last of their rows."""
         return np.diff(self.row, append=-1) != 0
 
-    def halved(self, stretch: Stretch, cut: IndexArray) -> _Chords:
+    def halved(self, stretch: CurveStretch, cut: IndexArray) -> _Chords:
         """The chords; chords numbered ``cut`` are cut in two halves."""
         whole = self.kept(cut)
         half = (whole.low + whole.high) / 2.0
@@ -111,7 +111,7 @@ class _Chords(Columns):
         return _Chords.joined([self.kept(kept), first, second]).kept(order)
 
 
-def _chords(stretch: Stretch, row: IndexArray, share: Array) -> _Chords:
+def _chords(stretch: CurveStretch, row: IndexArray, share: Array) -> _Chords:
     """The chords that begin at shares of rows, in order; every row has at least one chord."""
     last = np.diff(row, append=-1) != 0
     high = np.where(last, 1.0, np.append(share[1:], 1.0))
@@ -125,7 +125,7 @@ def _chords(stretch: Stretch, row: IndexArray, share: Array) -> _Chords:
     )
 
 
-def _near(stretch: Stretch, chords: _Chords, allowed: Array, tolerance: Array) -> _Chords:
+def _near(stretch: CurveStretch, chords: _Chords, allowed: Array, tolerance: Array) -> _Chords:
     """The chords, halved until all are near: a given chord to its ``allowed``, a half to its row's tolerance."""
     for _ in range(HALVINGS):
         cut = np.nonzero(chords.strayed > allowed)[0]
@@ -137,12 +137,12 @@ def _near(stretch: Stretch, chords: _Chords, allowed: Array, tolerance: Array) -
     return chords
 
 
-def _written(stretch: Stretch, chords: _Chords, off: ComplexArray | float) -> tuple[Array, Array]:
+def _written(stretch: CurveStretch, chords: _Chords, off: ComplexArray | float) -> tuple[Array, Array]:
     """The beginnings of chords, ``off`` their curves, and keys that order them along the outline."""
     return as_points(chords.start + off), stretch.rank[chords.row] + stretch.span[chords.row] * chords.low
 
 
-def sampled(stretch: Stretch, tolerance: Array) -> tuple[Array, Array]:
+def sampled(stretch: CurveStretch, tolerance: Array) -> tuple[Array, Array]:
     """Points of a stretch without the last of each curve, within each row's tolerance (n,), and their keys."""
     chords = _placed(stretch, tolerance)
     return _written(stretch, _near(stretch, chords, tolerance[chords.row], tolerance), 0.0)
@@ -158,7 +158,7 @@ HOLLOW = 0.8
 strays by its sagitta and by the offset of its ends."""
 
 
-def sampled_within(stretch: Stretch, tolerance: Array, material: float) -> tuple[Array, Array]:
+def sampled_within(stretch: CurveStretch, tolerance: Array, material: float) -> tuple[Array, Array]:
     """As ``sampled``, with chords that stray only into the material, to the left (+1) or to the right (-1).
 
     Where a curve is hollow the points stand off it by the sagitta of the chords beside them, so that chords touch it in
@@ -191,7 +191,7 @@ def _both_sides(chords: _Chords, material: float) -> tuple[Array, Array]:
     return np.maximum(off, both), np.maximum(-off, both)
 
 
-def straddled(stretch: Stretch, tolerance: Array) -> tuple[Array, Array]:
+def straddled(stretch: CurveStretch, tolerance: Array) -> tuple[Array, Array]:
     """As ``sampled``, with chords that stray to both sides of the curves, by at most the tolerance, and so are longer.
 
     Points are off the curves by half of the chords' sagitta, except at ends of curves and where a curve bends the other
@@ -219,7 +219,7 @@ def _standing_off(chords: _Chords, sagitta: Array, most: Array) -> Array:
     return np.where(inner, np.sign(sagitta) * off, 0.0)
 
 
-def _placed(stretch: Stretch, tolerance: Array) -> _Chords:
+def _placed(stretch: CurveStretch, tolerance: Array) -> _Chords:
     """As many chords as a tolerance needs on each row (shape (n,)), placed at even shares of the need."""
     placed_for = PLACED * tolerance
     total = _most_needed(stretch, placed_for)
@@ -261,7 +261,7 @@ def _left(direction: ComplexArray) -> ComplexArray:
     return 1j * direction / np.maximum(np.abs(direction), 1e-300)
 
 
-def _most_needed(stretch: Stretch, tolerance: Array) -> Array:
+def _most_needed(stretch: CurveStretch, tolerance: Array) -> Array:
     """Most chords that rows can need, shape (n,), infinite where the bound of a row's turning t is too large.
 
     Such a curve is at most as long as the line between its ends over cos(t / 2); the integral of sqrt(ds dt) is at most
@@ -276,7 +276,7 @@ def _most_needed(stretch: Stretch, tolerance: Array) -> Array:
     return most
 
 
-def _chords_needed(stretch: Stretch, rows: IndexArray, tolerance: Array) -> Array:
+def _chords_needed(stretch: CurveStretch, rows: IndexArray, tolerance: Array) -> Array:
     """Number of chords needed from the start of each of m rows to each of its probes, shape (m, PROBES)."""
     needed = np.zeros((rows.size, PROBES))
     if rows.size:

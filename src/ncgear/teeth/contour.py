@@ -21,7 +21,7 @@ from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import across, as_complex, square
 from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.outline import exact_curves
-from ncgear.teeth.stretch import Stretch
+from ncgear.teeth.stretch import CurveStretch
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +114,7 @@ class _Piece:
     deviation_mm: float
 
 
-def _pieces(stretch: Stretch, tolerance: float, module: float) -> list[_Piece]:
+def _pieces(stretch: CurveStretch, tolerance: float, module: float) -> list[_Piece]:
     same = SAME_IN_MODULES * module
     probes = stretch.at(np.arange(stretch.owner.size)[:, None], LOOKED_AT)[0]
     rows = np.nonzero(np.linalg.norm(np.diff(probes, axis=1), axis=2).sum(axis=1) > SHORTEST_IN_MODULES * module)[0]
@@ -191,7 +191,7 @@ class Splines:
     deviation_mm: Array
 
 
-def fitted_splines(stretch: Stretch, rows: IndexArray, tolerance_mm: float) -> list[Splines]:
+def fitted_splines(stretch: CurveStretch, rows: IndexArray, tolerance_mm: float) -> list[Splines]:
     """Splines for the chosen rows within ``tolerance_mm``; raises Unanswered where the most spans stray."""
     found: list[Splines] = []
     for spans in SPANS:
@@ -207,7 +207,7 @@ def fitted_splines(stretch: Stretch, rows: IndexArray, tolerance_mm: float) -> l
     return found
 
 
-def _interpolated(stretch: Stretch, rows: IndexArray, spans: int) -> Splines:
+def _interpolated(stretch: CurveStretch, rows: IndexArray, spans: int) -> Splines:
     from scipy.interpolate import make_interp_spline
 
     share = np.linspace(0.0, 1.0, spans + 1)

@@ -51,7 +51,7 @@ FLANK, FILLET = 0, 1
 
 
 @dataclass(frozen=True, eq=False)
-class Sweep:
+class SpaceTurn:
     """The change of the bottoms of spaces from the turn of a front flank to the turn of the back flank behind it.
 
     A place in a space is given by the arc length of its land, continued along both fillets: the fillet of a flank that
@@ -93,7 +93,7 @@ class Flanks:
     full_tip_mm: Array
     full_root_mm: Array
     equivalent: bool = False
-    sweep: Sweep | None = None
+    sweep: SpaceTurn | None = None
     made: int | None = None
 
     @property

@@ -211,7 +211,7 @@ class Cutter:
     teeth: int | None = None
 
 
-class Way(NamedTuple):
+class TipShortening(NamedTuple):
     """A way to shorten tips that foul each other.
 
     With ``raised`` a gear's tips are first raised by the height that the mate's tips have lost to avoid undercut.
@@ -222,7 +222,7 @@ class Way(NamedTuple):
     first: int
 
 
-WAYS = Way(True, 0), Way(True, 1), Way(False, 0), Way(False, 1)
+WAYS = TipShortening(True, 0), TipShortening(True, 1), TipShortening(False, 0), TipShortening(False, 1)
 """All ways; the ways that usually leave most contact come first."""
 
 
@@ -260,7 +260,7 @@ class TipLimits:
 
     least_land_mm: float = 0.0
     avoid_undercut: bool = True
-    way: Way | None = None
+    way: TipShortening | None = None
     ceilings: Ceilings | None = None
 
 

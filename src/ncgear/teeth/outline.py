@@ -22,7 +22,7 @@ from ncgear.pitch.shape import Gear
 from ncgear.teeth.chords import sampled, sampled_within, straddled
 from ncgear.teeth.flank import FILLET, FLANK, Flanks
 from ncgear.teeth.sides import Sides
-from ncgear.teeth.stretch import Curve, Stretch, joined, parted, split
+from ncgear.teeth.stretch import Curve, CurveStretch, joined, parted, split
 from ncgear.teeth.tips import Tips
 from ncgear.teeth.tool import RackLine
 from ncgear.teeth.toothed_arc import kept_teeth
@@ -41,7 +41,7 @@ class ChordTolerance:
     straddling: bool = False
 
 
-Toleranced = tuple[Stretch, float]
+Toleranced = tuple[CurveStretch, float]
 """Curves and the tolerance of their chords."""
 
 
@@ -73,7 +73,7 @@ def outline_points(tips: Tips, sides: Sides, chords: ChordTolerance) -> Array:
     return outline[::-1] if signed_area(outline) < 0.0 else outline
 
 
-def _together(flanks: Flanks, curves: list[Toleranced]) -> tuple[Stretch, Array]:
+def _together(flanks: Flanks, curves: list[Toleranced]) -> tuple[CurveStretch, Array]:
     """The real rows of all curves as rows of a single curve, and the tolerance of each row."""
     rows = _real(flanks, joined([curve for curve, _ in curves]))
     tolerance = np.repeat([tolerance for _, tolerance in curves], [curve.owner.size for curve, _ in curves])
@@ -98,7 +98,7 @@ def _is_hollow(flanks: Flanks) -> bool:
     return flanks.curve.curvature_bounds[0] < 0.0 or isinstance(flanks.tool, ClosedPitchCurve)
 
 
-def exact_curves(tips: Tips, sides: Sides) -> list[Stretch]:
+def exact_curves(tips: Tips, sides: Sides) -> list[CurveStretch]:
     """All smooth curves of the outline by growing arc length, cut at corners, joints and tip reliefs."""
     flanks = tips.flanks
     runs, *others = whole_curves(tips, sides)
@@ -107,7 +107,7 @@ def exact_curves(tips: Tips, sides: Sides) -> list[Stretch]:
     return [_real(flanks, stretch) for stretch in (runs, *others)]
 
 
-def whole_curves(tips: Tips, sides: Sides) -> list[Stretch]:
+def whole_curves(tips: Tips, sides: Sides) -> list[CurveStretch]:
     """All curves of the outline, whole between its corners: flanks, fillets, tip lands, root lands, in this order.
 
     Gears that turn less than once have the first root land and the heel too, or raise NoSuchMechanism without room.
@@ -118,13 +118,13 @@ def whole_curves(tips: Tips, sides: Sides) -> list[Stretch]:
     return curves if flanks.made is None else kept_teeth(curves, flanks, flanks.made)
 
 
-def _real(flanks: Flanks, stretch: Stretch) -> Stretch:
+def _real(flanks: Flanks, stretch: CurveStretch) -> CurveStretch:
     """The stretch without empty curves, cut at the joints of the pitch curve."""
     real = stretch.kept(np.abs(stretch.end - stretch.start) > 1e-12 * flanks.rack.module_mm)
     return split(real, flanks.curve.joints_around_mm)
 
 
-def _side_runs(flanks: Flanks, sides: Sides, kind: int) -> Stretch:
+def _side_runs(flanks: Flanks, sides: Sides, kind: int) -> CurveStretch:
     """Runs of one kind in the sense of growing arc length: inwards on front flanks and outwards on back flanks."""
     curve = (flanks.flank, flanks.fillet)[kind]
     chosen = sides.kind == kind
@@ -138,14 +138,14 @@ def _side_runs(flanks: Flanks, sides: Sides, kind: int) -> Stretch:
     # A flank turns with the pitch curve, but for its tip relief.
     bounded = kind == FLANK and flanks.rack.relief is None
     turning = np.full(rank.size, _most_turning(flanks) if bounded else np.inf)
-    return Stretch(curve, owner, start, end, rolled, 4.0 * rank, np.ones(rank.size), turning, np.zeros_like(owner))
+    return CurveStretch(curve, owner, start, end, rolled, 4.0 * rank, np.ones(rank.size), turning, np.zeros_like(owner))
 
 
 def _most_turning(flanks: Flanks) -> float:
     return max(map(abs, flanks.curve.curvature_bounds))
 
 
-def _tip_lands(flanks: Flanks, sides: Sides) -> Stretch:
+def _tip_lands(flanks: Flanks, sides: Sides) -> CurveStretch:
     """From each tooth's back flank to its front flank, after the last run of the back flank.
 
     A land's height over the pitch curve changes evenly from one flank's end to the other's.  The land is parallel to
@@ -170,7 +170,7 @@ def _tip_lands(flanks: Flanks, sides: Sides) -> Stretch:
     return _lands(curve, sides, back, np.array([start, end]), parallel)
 
 
-def _root_lands(flanks: Flanks, sides: Sides) -> Stretch:
+def _root_lands(flanks: Flanks, sides: Sides) -> CurveStretch:
     """From each tooth's front flank to the next tooth's back flank, after the last run of the front flank."""
     front, rolled = np.arange(1, flanks.count, 2), np.array(sides.roots.lands())
     # A rack's edge keeps its angle to the pitch curve's tangent, but for the turning of bottoms.
@@ -178,14 +178,16 @@ def _root_lands(flanks: Flanks, sides: Sides) -> Stretch:
     return _lands(lambda flank, sigma: sides.roots.land(flank // 2, sigma), sides, front, rolled, parallel)
 
 
-def _lands(curve: Curve, sides: Sides, owner: IndexArray, rolled: Array, parallel: Mask) -> Stretch:
+def _lands(curve: Curve, sides: Sides, owner: IndexArray, rolled: Array, parallel: Mask) -> CurveStretch:
     """Lands that follow the last runs of their owners, every other flank; those ``parallel`` to the curve turn with it.
 
     ``rolled`` (shape (2, z)) are the arc lengths of their beginnings and ends.
     """
     rank = np.asarray(4.0 * (np.searchsorted(sides.owner, owner, side="right") - 1) + 1.0, dtype=float)
     turning = np.where(parallel, _most_turning(sides.roots.flanks), np.inf)
-    return Stretch(curve, owner, rolled[0], rolled[1], rolled, rank, np.ones(rank.size), turning, np.zeros_like(owner))
+    return CurveStretch(
+        curve, owner, rolled[0], rolled[1], rolled, rank, np.ones(rank.size), turning, np.zeros_like(owner)
+    )
 
 
 REMEDY = "more teeth, a smaller addendum or dedendum, or a less uneven ratio avoids that"

@@ -12,7 +12,7 @@ from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.numerics.zeros import zeros_between
 from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.outline import exact_curves
-from ncgear.teeth.stretch import Stretch
+from ncgear.teeth.stretch import CurveStretch
 
 FLANK_CURVE, FILLET_CURVE, TIP_LAND, ROOT_LAND = range(4)
 """The numbers of kinds of curves among ``exact_curves``; later kinds are beyond the teeth of an open gear."""
@@ -48,7 +48,7 @@ def _of_teeth(gear: ToothedGear, kinds: tuple[int, int], *, outwards: bool) -> A
     return found[: gear.teeth]
 
 
-def _extremes(curve: Stretch) -> tuple[Array, Array]:
+def _extremes(curve: CurveStretch) -> tuple[Array, Array]:
     """The least and the greatest distance from the axis of each row, shape (n,) each."""
     rows = np.arange(curve.owner.size)
     point, slope = curve.at(rows[:, None], PROBES)
@@ -68,6 +68,6 @@ def _extremes(curve: Stretch) -> tuple[Array, Array]:
     return low, high
 
 
-def _at(curve: Stretch, row: IndexArray, share: Array) -> tuple[Array, Array]:
+def _at(curve: CurveStretch, row: IndexArray, share: Array) -> tuple[Array, Array]:
     point, slope = curve.at(row[:, None], share[:, None])
     return point[:, 0], slope[:, 0]

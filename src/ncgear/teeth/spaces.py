@@ -24,7 +24,7 @@ from ncgear.numerics.arrays import Array, IndexArray, Mask
 from ncgear.numerics.plane import along, as_complex, as_points
 from ncgear.numerics.zeros import zeros_by_slope
 from ncgear.pitch.curve import ClosedPitchCurve, CurvePoints
-from ncgear.teeth.flank import Flanks, Sweep, flank_name
+from ncgear.teeth.flank import Flanks, SpaceTurn, flank_name
 from ncgear.teeth.regular import CLEAR_OF_CUSPS, regular_depth
 from ncgear.teeth.tool import AGREEMENT, PinionCircle, RackLine, rounding_of, rounding_rates
 
@@ -283,7 +283,7 @@ AS_DEEP = 0.02
 changes in the middle of a land of even depth, and does not jump from section to section of helical teeth."""
 
 
-def sweep_of(roots: Roots, start_mm: Array) -> Sweep:
+def sweep_of(roots: Roots, start_mm: Array) -> SpaceTurn:
     """The places where the turn of spaces' bottoms changes, so that the mate's tips stay free over the whole play.
 
     Over the play the tool sweeps each space, and its deepest point, nearest to the axis or in a ring farthest from it,
@@ -309,7 +309,7 @@ def sweep_of(roots: Roots, start_mm: Array) -> Sweep:
     weight = np.exp(-over) * _widths(places)
     at = np.sum(weight * places, axis=1) / np.sum(weight, axis=1)
     begin, end = places[:, 0], places[:, -1]
-    return Sweep(roots.end_mm, pace, at, (at - begin) * (end - at) / (end - begin) / 2.0)
+    return SpaceTurn(roots.end_mm, pace, at, (at - begin) * (end - at) / (end - begin) / 2.0)
 
 
 def _widths(places: Array) -> Array:

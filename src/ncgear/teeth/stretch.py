@@ -19,7 +19,7 @@ BY_ROW = ("owner", "start", "end", "rolled", "rank", "span", "most_turning", "ki
 
 
 @dataclass(frozen=True, eq=False)
-class Stretch:
+class CurveStretch:
     """A curve of every flank or land, n in all, between two parameters each.
 
     ``curve`` maps owners and parameters to points and derivatives.  ``owner`` numbers the flanks, ``start`` and ``end``
@@ -46,12 +46,12 @@ class Stretch:
         point, slope = self.curve(self.owner[rows], self.start[rows] + span * share)
         return point, as_points(span * as_complex(slope))
 
-    def kept(self, rows: Mask | IndexArray) -> Stretch:
+    def kept(self, rows: Mask | IndexArray) -> CurveStretch:
         """The chosen rows."""
         return replace(self, **{name: getattr(self, name)[..., rows] for name in BY_ROW})
 
 
-def parted(stretch: Stretch, cut: Array) -> Stretch:
+def parted(stretch: CurveStretch, cut: Array) -> CurveStretch:
     """The stretch with each row parted in two where its parameter is ``cut``, if that lies inside."""
     share = (cut - stretch.start) / (stretch.end - stretch.start)
     inside = (share > 0.0) & (share < 1.0)
@@ -69,7 +69,7 @@ def parted(stretch: Stretch, cut: Array) -> Stretch:
     return _of(stretch.curve, [first, rest])
 
 
-def joined(stretches: Sequence[Stretch]) -> Stretch:
+def joined(stretches: Sequence[CurveStretch]) -> CurveStretch:
     """The rows of several stretches as a single curve, with the rows' numbers as owners, in order."""
     counts = [stretch.owner.size for stretch in stretches]
     first = np.cumsum([0, *counts])
@@ -87,12 +87,12 @@ def joined(stretches: Sequence[Stretch]) -> Stretch:
     return replace(_of(curve, stretches), owner=np.arange(first[-1]), kind=np.repeat(np.arange(len(counts)), counts))
 
 
-def _of(curve: Curve, parts: Sequence[Stretch]) -> Stretch:
+def _of(curve: Curve, parts: Sequence[CurveStretch]) -> CurveStretch:
     """The rows of all parts, as a single curve."""
-    return Stretch(curve, *(np.concatenate([getattr(part, name) for part in parts], axis=-1) for name in BY_ROW))
+    return CurveStretch(curve, *(np.concatenate([getattr(part, name) for part in parts], axis=-1) for name in BY_ROW))
 
 
-def split(stretch: Stretch, joints: Array) -> Stretch:
+def split(stretch: CurveStretch, joints: Array) -> CurveStretch:
     """The stretch, cut at joints, since a curve's turning must not be averaged across a jump."""
     low, high = stretch.rolled.min(axis=0), stretch.rolled.max(axis=0)
     first, last = np.searchsorted(joints, low, side="right"), np.searchsorted(joints, high, side="left")

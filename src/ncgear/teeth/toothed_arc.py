@@ -23,7 +23,7 @@ from ncgear.numerics.units import in_words
 from ncgear.pitch.curve import PitchCurve
 from ncgear.pitch.shape import Gear
 from ncgear.teeth.flank import Flanks
-from ncgear.teeth.stretch import Stretch
+from ncgear.teeth.stretch import CurveStretch
 
 ComplexPair = tuple[ComplexArray, ComplexArray]
 """Points and their derivatives by the share of the way."""
@@ -35,7 +35,7 @@ LEAST_GAP_RAD = pi / 18.0
 """Least angle that must be left for the heel, so that its corners can be made."""
 
 
-def kept_teeth(curves: list[Stretch], flanks: Flanks, made: int) -> list[Stretch]:
+def kept_teeth(curves: list[CurveStretch], flanks: Flanks, made: int) -> list[CurveStretch]:
     """The first ``made`` teeth of ``whole_curves`` and the heel; raises NoSuchMechanism without room for it."""
     runs, fillets, tips, roots = curves
     last = 2 * made - 1
@@ -47,7 +47,7 @@ def kept_teeth(curves: list[Stretch], flanks: Flanks, made: int) -> list[Stretch
     return [*sides, between, before, _heel(flanks, after, before)]
 
 
-def _heel(flanks: Flanks, after: Stretch, before: Stretch) -> Stretch:
+def _heel(flanks: Flanks, after: CurveStretch, before: CurveStretch) -> CurveStretch:
     """From the end of the last root land around the axis to the beginning of the first root land."""
     only = np.zeros(1, dtype=int)
     end, start = (complex(*land.at(only, np.array([share]))[0][0]) for land, share in ((after, 1.0), (before, 0.0)))
@@ -110,10 +110,10 @@ def _heel(flanks: Flanks, after: Stretch, before: Stretch) -> Stretch:
     rank = float(after.rank[0]) + 1.0 + rows
     # It rolls over no curve; arc lengths beyond the turns beside the first turn have no joint of the pitch curve.
     rolled = 4.0 * flanks.curve.length_mm + np.array([rows, rows + 1.0])
-    return Stretch(curve, rows, 0.0 * ones, ones, rolled, rank, ones, np.inf * ones, np.zeros_like(rows))
+    return CurveStretch(curve, rows, 0.0 * ones, ones, rolled, rank, ones, np.inf * ones, np.zeros_like(rows))
 
 
-def _beyond_mm(flanks: Flanks, after: Stretch, before: Stretch) -> list[float]:
+def _beyond_mm(flanks: Flanks, after: CurveStretch, before: CurveStretch) -> list[float]:
     """Distances from the axis that root lands would have half a pitch and a pitch beyond both ends of the arc."""
     ahead = flanks.rack.pitch_mm * np.array([0.5, 1.0])
     found: list[float] = []
@@ -132,7 +132,7 @@ def _rounding(end_mm: float, radius_mm: float, module_mm: float, left_rad: float
     return min(module_mm, (end_mm - radius_mm) / 2.0, radius_mm * share / (1.0 - share))
 
 
-def _covered_rad(flanks: Flanks, after: Stretch, before: Stretch) -> float:
+def _covered_rad(flanks: Flanks, after: CurveStretch, before: CurveStretch) -> float:
     """The angle about the gear's axis from the beginning of the first root land to the end of the last root land."""
     curve = flanks.curve
     assert isinstance(curve, PitchCurve)
@@ -147,7 +147,7 @@ def _covered_rad(flanks: Flanks, after: Stretch, before: Stretch) -> float:
     return seen + 2.0 * pi * round((turned - seen) / (2.0 * pi))
 
 
-def _refuse(flanks: Flanks, left_rad: float, after: Stretch) -> None:
+def _refuse(flanks: Flanks, left_rad: float, after: CurveStretch) -> None:
     gear = flanks.curve.gear.value
     covered = 2.0 * pi - left_rad
     raise NoSuchMechanism(

@@ -29,7 +29,16 @@ from ncgear.kinematics.motion import Machine
 from ncgear.numerics.arrays import Array, Columns, IndexArray
 from ncgear.numerics.jet import Jet
 from ncgear.ratio.transmission import Pair
-from ncgear.tolerances.drawn import COUNT, Chances, Limits, Source, chances_of, drawn, sources_of, with_source
+from ncgear.tolerances.drawn import (
+    COUNT,
+    Chances,
+    DeviationLimits,
+    DeviationSource,
+    chances_of,
+    drawn,
+    sources_of,
+    with_source,
+)
 from ncgear.tolerances.mesh import Deviations, LinearMesh
 
 SLOW_SHARE = 0.25
@@ -37,7 +46,7 @@ SLOW_SHARE = 0.25
 
 
 @dataclass(frozen=True, eq=False)
-class Between:
+class BetweenAngles:
     """Places of angles between rising positions of a cycle, shape (n,) each: the positions beside, and the share."""
 
     before: IndexArray
@@ -50,7 +59,7 @@ class Between:
         return np.asarray((1.0 - share) * values[self.before] + share * values[self.after])
 
 
-def between(angle_rad: Array, position_rad: Array, cycle_rad: float | None) -> Between:
+def between(angle_rad: Array, position_rad: Array, cycle_rad: float | None) -> BetweenAngles:
     """Places of angles (n,) between positions (p,), the first again after ``cycle_rad``; None: a range with an end."""
     before = np.searchsorted(position_rad, angle_rad, side="right") - 1
     if cycle_rad is None:
@@ -59,7 +68,7 @@ def between(angle_rad: Array, position_rad: Array, cycle_rad: float | None) -> B
     else:
         ends = np.append(position_rad, position_rad[0] + cycle_rad)
     share = (angle_rad - ends[before]) / (ends[before + 1] - ends[before])
-    return Between(before, (before + 1) % position_rad.size, share)
+    return BetweenAngles(before, (before + 1) % position_rad.size, share)
 
 
 @dataclass(frozen=True)
@@ -124,7 +133,7 @@ class Follower:
     slope: Array
     speed_rad_s: float
     designed_peak: float
-    even: Between
+    even: BetweenAngles
     slowly: Waves | Smoothed
     driven: Array
     output: Array
@@ -233,9 +242,9 @@ class PairLot:
     """
 
     mesh: LinearMesh
-    limits: Limits
+    limits: DeviationLimits
     reversals: IndexArray
-    way: Between
+    way: BetweenAngles
     slope: Array
 
     def carried(self, angle_rad: Array) -> Array:
@@ -256,7 +265,7 @@ class Lot:
         return tuple(pair.limits.flanks for pair in self.pairs)
 
     @property
-    def sources(self) -> tuple[Source, ...]:
+    def sources(self) -> tuple[DeviationSource, ...]:
         """The sources of deviations."""
         return sources_of([pair.limits for pair in self.pairs])
 
@@ -265,7 +274,7 @@ class Lot:
         """Number of places of contact of all pairs."""
         return sum(pair.mesh.lead.size for pair in self.pairs)
 
-    def drawn(self, task: Task) -> tuple[Deviations, ...]:
+    def drawn(self, task: AssembliesTask) -> tuple[Deviations, ...]:
         """The deviations of each pair in the assemblies of a task."""
         chances = task.chances(self.flanks)
         return tuple(drawn(pair.limits, own) for pair, own in zip(self.pairs, chances, strict=True))
@@ -309,7 +318,7 @@ def of_pair(pair: PairLot, of: Deviations, lead: Array) -> PairAssemblies:
 
 def lot_of_pairs(
     machine: Machine,
-    made: Sequence[tuple[LinearMesh, Limits, IndexArray, Pair]],
+    made: Sequence[tuple[LinearMesh, DeviationLimits, IndexArray, Pair]],
     pitches: float,
     designed_peak: float,
 ) -> Lot:
@@ -360,7 +369,7 @@ TOGETHER = 64
 
 
 @dataclass(frozen=True, eq=False)
-class Task:
+class AssembliesTask:
     """Assemblies to be drawn: the numbers of s pairs (shape (s COUNT, n)), and seeds for the numbers of the teeth.
 
     With ``other``, the numbers of ``source`` come from that task and all other numbers from this task.
@@ -369,8 +378,8 @@ class Task:
     number: int
     pairs: Array
     seeds: tuple[int, ...]
-    source: Source | None = None
-    other: Task | None = None
+    source: DeviationSource | None = None
+    other: AssembliesTask | None = None
 
     def chances(self, flanks: Sequence[int]) -> tuple[Chances, ...]:
         """The numbers between 0 and 1 of these assemblies, for each pair by its number of flanks."""
@@ -385,7 +394,7 @@ class Task:
         return with_source(own, self.source, self.other.chances(flanks))
 
 
-def computed(lot: Lot, task: Task) -> Assemblies:
+def computed(lot: Lot, task: AssembliesTask) -> Assemblies:
     """The figures of the assemblies of a task."""
     return lot.assembled(lot.drawn(task))
 
@@ -399,9 +408,10 @@ def sobol_points(count: int, seed: int, dimensions: int) -> Array:
     return np.ascontiguousarray(np.clip(points.T, 1e-12, 1.0 - 1e-12))
 
 
-def tasks_of(pairs: Array, seed: int, stream: int) -> list[Task]:
+def tasks_of(pairs: Array, seed: int, stream: int) -> list[AssembliesTask]:
     """Tasks of at most TOGETHER assemblies each; the teeth of each have their own seed."""
     starts = range(0, pairs.shape[1], TOGETHER)
     return [
-        Task(number, pairs[:, start : start + TOGETHER], (seed, stream, number)) for number, start in enumerate(starts)
+        AssembliesTask(number, pairs[:, start : start + TOGETHER], (seed, stream, number))
+        for number, start in enumerate(starts)
     ]

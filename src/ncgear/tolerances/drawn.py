@@ -35,7 +35,7 @@ MADE_C = 20.0
 
 
 @dataclass(frozen=True, eq=False)
-class Limits:
+class DeviationLimits:
     """The limits of a pair's deviations; where both gears have a limit, the driving gear's comes first.
 
     ``pitch_mm`` and ``profile_mm`` (shape (flanks,), the driving gear's flanks first) are the tolerances of each flank:
@@ -60,10 +60,10 @@ class Limits:
         return self.pitch_mm.size
 
     @property
-    def none(self) -> Limits:
+    def none(self) -> DeviationLimits:
         """The limits of the same pair without deviations."""
         none, pair = np.zeros(self.flanks), (0.0, 0.0)
-        return Limits(0.0, pair, pair, pair, none, none, (MADE_C, MADE_C), 0.0, (0.0, 0.0, 0.0), pair)
+        return DeviationLimits(0.0, pair, pair, pair, none, none, (MADE_C, MADE_C), 0.0, (0.0, 0.0, 0.0), pair)
 
     def displaced_mm(self, size_mm: float) -> float:
         """Estimate of the largest displacement of flanks against each other; ``size_mm`` is the centre distance."""
@@ -128,7 +128,7 @@ SHARED = "temperature", "wear"
 
 
 @dataclass(frozen=True)
-class Source:
+class DeviationSource:
     """A source of the pair ``stage`` of two pairs; the stage is None for a shared source and for a single pair."""
 
     name: str
@@ -140,10 +140,10 @@ class Source:
         return self.name if self.stage is None else f"stage_{self.stage}_{self.name}"
 
 
-def sources_of(pairs: Sequence[Limits]) -> tuple[Source, ...]:
+def sources_of(pairs: Sequence[DeviationLimits]) -> tuple[DeviationSource, ...]:
     """The sources of deviations of a machine's pairs."""
     found = [
-        Source(name, None if len(pairs) == 1 or name in SHARED else number)
+        DeviationSource(name, None if len(pairs) == 1 or name in SHARED else number)
         for number, limits in enumerate(pairs, start=1)
         for name in active(limits)
     ]
@@ -158,7 +158,7 @@ def chances_of(pairs: Array, teeth: Sequence[Array]) -> tuple[Chances, ...]:
     return tuple(Chances(own, flanks) for own, flanks in zip(pairs, teeth, strict=True))
 
 
-def with_source(pairs: Sequence[Chances], source: Source, others: Sequence[Chances]) -> tuple[Chances, ...]:
+def with_source(pairs: Sequence[Chances], source: DeviationSource, others: Sequence[Chances]) -> tuple[Chances, ...]:
     """The same with the numbers of one source taken from others."""
     return tuple(
         own.with_source(source.name, other) if source.stage in (None, number) else own
@@ -176,7 +176,7 @@ def rows_of(source: str) -> slice:
     raise KeyError(source)
 
 
-def active(limits: Limits) -> tuple[str, ...]:
+def active(limits: DeviationLimits) -> tuple[str, ...]:
     """The sources with deviations."""
     low, high = limits.temperature_c
     sizes = {
@@ -195,7 +195,7 @@ def active(limits: Limits) -> tuple[str, ...]:
     return tuple(name for name in EVERY if sizes[name] > 0.0)
 
 
-def reachable(mesh: LinearMesh, limits: Limits) -> LinearMesh:
+def reachable(mesh: LinearMesh, limits: DeviationLimits) -> LinearMesh:
     """The mesh without places of contact that no deviations within limits can bring before the first place."""
     counts = np.diff(mesh.first, append=mesh.lead.size)
     leader = np.repeat(mesh.foremost.ravel(), counts)
@@ -216,12 +216,12 @@ def reachable(mesh: LinearMesh, limits: Limits) -> LinearMesh:
     return mesh.kept(mesh.lead + gained >= mesh.lead[leader])
 
 
-def drawn(limits: Limits, chances: Chances) -> Deviations:
+def drawn(limits: DeviationLimits, chances: Chances) -> Deviations:
     """The deviations of assemblies."""
     return deviating(limits, chances.pair, _within_limit(chances.teeth))
 
 
-def deviating(limits: Limits, pair: Array, teeth: Array) -> Deviations:
+def deviating(limits: DeviationLimits, pair: Array, teeth: Array) -> Deviations:
     """Deviations of assemblies from their pair's numbers (COUNT, N) and ``teeth`` (2, flanks, N) in limits."""
 
     def planar(source: str, limit: float) -> Array:
@@ -266,7 +266,7 @@ def _within_limit(share: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Spread:
+class DeviationSpread:
     """Independent causes of ``Deviations`` with their standard deviations; tilt, which has no slope at 0, is left out.
 
     ``rigid`` (shape (11, k)) is the change of RIGID by one standard deviation of each of k causes, and ``sources``
@@ -280,7 +280,7 @@ class Spread:
     profile_mm: Array
 
 
-def spread(limits: Limits) -> Spread:
+def spread(limits: DeviationLimits) -> DeviationSpread:
     """The standard deviations of the deviations that ``drawn`` gives, in closed form."""
     from scipy.stats import rayleigh, truncnorm
 
@@ -302,4 +302,4 @@ def spread(limits: Limits) -> Spread:
         for row, size in moved.items():
             rigid[row, column] = size
     sources = tuple(source for source, _ in causes)
-    return Spread(sources, rigid, limits.pitch_mm / sqrt(2.0) * normal, limits.profile_mm * normal)
+    return DeviationSpread(sources, rigid, limits.pitch_mm / sqrt(2.0) * normal, limits.profile_mm * normal)

@@ -22,7 +22,7 @@ from ncgear.contact.placement import Placement
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray, counted_up
 from ncgear.teeth.gear import ToothedPair
-from ncgear.tolerances.drawn import COUNT, SIGMAS, Limits, deviating, rows_of
+from ncgear.tolerances.drawn import COUNT, SIGMAS, DeviationLimits, deviating, rows_of
 from ncgear.tolerances.mesh import ContactPlaces, Deviations, LinearMesh, mesh_at, places_of
 
 PER_PITCH = 2
@@ -52,7 +52,7 @@ class Teeth:
 
     pair: ToothedPair
     contact: AsDesigned
-    limits: Limits
+    limits: DeviationLimits
     face_width_mm: float
     overlap: float
     both_ways: bool
@@ -142,7 +142,7 @@ def _overlapping(places: ContactPlaces, placement: Placement, further: int) -> C
 
 
 @dataclass(frozen=True, eq=False)
-class Needed:
+class EstimatedBacklash:
     """The backlash that assemblies need, in its unit.
 
     ``shared`` (shape (N,)) is the mean backlash for each assembly's centre distance, temperature and wear.  All other
@@ -162,7 +162,7 @@ class Needed:
         return float(np.mean(gammaincc(SHAPE, np.maximum(SHAPE + sqrt(SHAPE) * left / self.deviation, 0.0))))
 
 
-def needed(backlash: Array, shared: Array) -> Needed:
+def needed(backlash: Array, shared: Array) -> EstimatedBacklash:
     """The needed backlash from drawn assemblies: the backlash of each, shape (N,), and the numbers of ``Plays.shared``.
 
     The backlash is linear in these numbers, by least squares.
@@ -171,10 +171,10 @@ def needed(backlash: Array, shared: Array) -> Needed:
 
     terms = np.vstack([np.ones(backlash.size), *(one / max(np.ptp(one), TINY) for one in shared)]).T
     found = terms @ lstsq(terms, backlash, lapack_driver="gelsy")[0]
-    return Needed(found, float(np.std(backlash - found)))
+    return EstimatedBacklash(found, float(np.std(backlash - found)))
 
 
-def enough(of_pairs: Sequence[Needed], turning: float) -> float:
+def enough(of_pairs: Sequence[EstimatedBacklash], turning: float) -> float:
     """The least backlash with which the share ``turning`` of machines turns, with 95 % confidence.
 
     Pairs jam independently.  With n assemblies, the variance of the mean is 1/n of the assemblies' variance, and the

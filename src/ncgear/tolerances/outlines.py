@@ -93,7 +93,7 @@ ROOM_IN_MODULES = 0.02
 
 
 @dataclass(frozen=True, eq=False)
-class Section:
+class OutlineSection:
     """The outlines of both gears in a section, at ``height_mm`` above the middle of the face width.
 
     ``turns`` is the turn of a flank, in rad per mm of its deviation along the pitch curve.
@@ -112,7 +112,7 @@ class Exact:
     of the way there, so that a pair without play is turned together like any other.
     """
 
-    sections: tuple[Section, ...]
+    sections: tuple[OutlineSection, ...]
     mesh: LinearMesh
     placement: Placement
     rows: IndexArray
@@ -128,7 +128,7 @@ class Exact:
         found = [self._in(section, of, linear, end * section.height_mm) for section in self.sections for end in ends]
         return np.asarray(np.maximum.reduce(found))
 
-    def _in(self, section: Section, of: Deviations, linear: Array, height_mm: float) -> Array:
+    def _in(self, section: OutlineSection, of: Deviations, linear: Array, height_mm: float) -> Array:
         distance, *moved = of.rigid[:, 0]
         first_x, first_y, second_x, second_y, *grown, housing, index, first_wear, second_wear = moved
         offsets = complex(first_x, first_y), complex(second_x, second_y)
@@ -171,7 +171,7 @@ def exact_of(
     rows = np.arange(0, placement.count, -(-placement.count // positions))
     ring = pitch.mesh is Mesh.INTERNAL
     sections = tuple(
-        Section(
+        OutlineSection(
             height,
             (on_sides(teeth.driving, ring=False), on_sides(teeth.driven, ring=ring)),
             (_turns(teeth.driving), _turns(teeth.driven)),

@@ -15,16 +15,16 @@ from ncgear.numerics.arrays import Array, IndexArray
 from ncgear.tolerances.assemblies import (
     TOGETHER,
     Assemblies,
+    AssembliesTask,
     Lot,
     PairAssemblies,
     PairLot,
-    Task,
     computed,
     of_pair,
     sobol_points,
     tasks_of,
 )
-from ncgear.tolerances.drawn import COUNT, Source, spread
+from ncgear.tolerances.drawn import COUNT, DeviationSource, spread
 from ncgear.tolerances.mesh import Deviations, LinearMesh
 from ncgear.tolerances.outlines import Exact, LinearError, linear_errors
 from ncgear.workers import finished
@@ -48,7 +48,7 @@ class Workers:
 
 
 def assemblies_of(
-    lot: Lot, tasks: list[Task], workers: Workers, on_done: OnDone = lambda done, total: None
+    lot: Lot, tasks: list[AssembliesTask], workers: Workers, on_done: OnDone = lambda done, total: None
 ) -> Assemblies:
     """The assemblies of tasks, in the order of tasks; the workers do not change them."""
     total = sum(task.pairs.shape[1] for task in tasks)
@@ -63,17 +63,17 @@ def assemblies_of(
     return Assemblies.joined([found[task.number] for task in tasks])
 
 
-def drawn_evenly(count: int, seed: int, pairs: int = 1) -> list[Task]:
+def drawn_evenly(count: int, seed: int, pairs: int = 1) -> list[AssembliesTask]:
     """Tasks of assemblies whose pairs are drawn from scrambled points of Sobol; ``count`` is a power of two."""
     return tasks_of(sobol_points(count, seed, pairs * COUNT), seed, 0)
 
 
-def drawn_at_random(count: int, seed: int, pairs: int = 1) -> list[Task]:
+def drawn_at_random(count: int, seed: int, pairs: int = 1) -> list[AssembliesTask]:
     """Tasks of assemblies whose pairs and teeth are drawn at random."""
     return tasks_of(np.random.default_rng([seed, 1]).random((pairs * COUNT, count)), seed, 1)
 
 
-def as_designed(lot: Lot, task: Task) -> Assemblies:
+def as_designed(lot: Lot, task: AssembliesTask) -> Assemblies:
     """The assembly without deviations; any task of the lot gives the shapes."""
     perfect = replace(lot, pairs=tuple(replace(pair, limits=pair.limits.none) for pair in lot.pairs))
     return perfect.assembled([own.one(0) for own in perfect.drawn(task)])
@@ -143,13 +143,13 @@ class Index:
     ``error`` is half the width of the 95 % range of ``total``, whose estimator is a mean (Jansen 1999).
     """
 
-    source: Source
+    source: DeviationSource
     first: float
     total: float
     error: float
 
 
-def sobol_tasks(lot: Lot, count: int, seed: int) -> list[Task]:
+def sobol_tasks(lot: Lot, count: int, seed: int) -> list[AssembliesTask]:
     """Saltelli's tasks with a source's numbers exchanged: A, B, a set per source, of ``count``, a power of two."""
     half = COUNT * len(lot.pairs)
     points = sobol_points(count, seed, 2 * half)
@@ -204,7 +204,7 @@ class FirstOrder:
         return float(np.abs(self.linear_mm - self.drawn_mm).max() / largest) if largest else 0.0
 
 
-def first_order(lot: Lot, number: int, tasks: Iterable[Task]) -> FirstOrder:
+def first_order(lot: Lot, number: int, tasks: Iterable[AssembliesTask]) -> FirstOrder:
     """The spread of the play of the pair ``number`` of the lot: to first order, and of drawn assemblies.
 
     The first order takes the root of the sum of squares.  It knows one place of contact at each position and side,
@@ -320,7 +320,7 @@ def pair_study(
     number: int,
     found: PairAssemblies,
     nominal: PairAssemblies,
-    tasks: Sequence[Task],
+    tasks: Sequence[AssembliesTask],
     *,
     stage: int | None,
     knocking_mm: float,

@@ -36,13 +36,13 @@ from ncgear.teeth.gear import ToothedGear, pair_tips, toothed_gear
 from ncgear.teeth.outline import ChordTolerance
 from ncgear.teeth.tips import Tips, held_below
 from ncgear.teeth.tool import least_concave_radius_mm, most_teeth
-from ncgear.trains.train import GearMesh, Part, Poses, Told, Train, contact_condition, mirrored
+from ncgear.trains.train import GearMesh, Part, Poses, Train, TrainFigures, contact_condition, mirrored
 
 BENDS = "train.bends_deg"
 
 
 @dataclass(frozen=True, eq=False)
-class Row:
+class PairRow:
     """The pairs of a row, from the driving gear on, and the directions in rad of the lines of centres."""
 
     pairs: tuple[PitchPair, ...]
@@ -98,7 +98,7 @@ def _beta(directions_rad: Sequence[float], number: int) -> float:
 
 def row_of(
     first: Transmission, lobes: Sequence[int], directions_rad: Sequence[float], teeth: int, module_mm: float
-) -> Row:
+) -> PairRow:
     """The row of gears with ``lobes``, from the law of the first pair, the teeth of the driving gear and the module.
 
     Raises NoSuchMechanism where a mate does not close, and WrongInput for numbers of teeth that are not whole.
@@ -118,7 +118,7 @@ def row_of(
         law = closed_law(given, Lobes(lobes[number], lobes[number + 1]), None)
         with below("train"), renamed("motion", "ratio"):
             pairs.append(sized_pair(law.transmission, before.size.driven_teeth, module_mm, None))
-    return Row(tuple(pairs), tuple(directions_rad))
+    return PairRow(tuple(pairs), tuple(directions_rad))
 
 
 def _driven_curve(pair: PitchPair) -> ClosedCurve:
@@ -136,7 +136,7 @@ def _driven_curve(pair: PitchPair) -> ClosedCurve:
     return ClosedCurve(tuple(part(piece, lobe) for lobe in range(law.lobes.driven) for piece in law.pieces))
 
 
-def row_gears(row: Row, form: ToothForm, tolerance_mm: float) -> tuple[list[ToothedGear], float]:
+def row_gears(row: PairRow, form: ToothForm, tolerance_mm: float) -> tuple[list[ToothedGear], float]:
     """All gears with teeth, each in its frame as the driven gear of its mesh, and the least contact ratio.
 
     A rack cuts gears whose curves are all convex, else a pinion with as many teeth as fit into all hollows.  An idler's
@@ -174,7 +174,7 @@ def _as_low_as_both(first: Tips, second: Tips, rolled_mm: float) -> Tips:
 
 
 def chain_train(
-    row: Row, form: ToothForm, width_mm: float, bore_mm: float | None, speed_rpm: float, tolerance_mm: float
+    row: PairRow, form: ToothForm, width_mm: float, bore_mm: float | None, speed_rpm: float, tolerance_mm: float
 ) -> Train:
     """The row as a train; raises as ``row_gears``."""
     with below("train"), renamed("motion", "ratio"):
@@ -197,7 +197,7 @@ def chain_train(
     return Train(tuple(parts), meshes, poses_at, parts[0].name, row.cycle_rad, speed_rpm, tolerance_mm, told)
 
 
-def _told(row: Row, contact_ratio: float) -> Told:
+def _told(row: PairRow, contact_ratio: float) -> TrainFigures:
     # Speed of the last gear over the speed of the first
     slow, fast = extremes(lambda driving: row.slope(driving, 1), 0.0, row.cycle_rad)
     distances = [pair.center_distance_mm for pair in row.pairs]
@@ -220,4 +220,4 @@ def _told(row: Row, contact_ratio: float) -> Told:
         "contact_ratio_min": contact_ratio,
     }
     condition = contact_condition(contact_ratio, "more teeth (train.gears.teeth)")
-    return Told(f"{row.count} gears in a row", rows, figures, (condition,))
+    return TrainFigures(f"{row.count} gears in a row", rows, figures, (condition,))

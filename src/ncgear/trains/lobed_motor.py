@@ -42,7 +42,7 @@ from ncgear.teeth.outline import ChordTolerance
 from ncgear.teeth.sides import refuse_sharp_curve
 from ncgear.teeth.tips import Tips, held_below
 from ncgear.teeth.tool import FEWER_TEETH, HARMLESS, MOST_TEETH, PinionCircle, RackLine, gouged_mm
-from ncgear.trains.train import GROUND, Condition, GearMesh, Part, Poses, Told, Train, contact_condition
+from ncgear.trains.train import GROUND, GearMesh, Part, Poses, Train, TrainCondition, TrainFigures, contact_condition
 
 
 @dataclass(frozen=True)
@@ -254,7 +254,7 @@ def _told(
     chambers: Chambers,
     speed_rpm: float,
     pressure_mpa: float | None,
-) -> Told:
+) -> TrainFigures:
     root_mm = curves.planet_radius_mm - float(gears.planet.flanks.root_depth_mm.max())
     ports = chambers.ports(root_mm)
     least, most = chambers.dead_spaces
@@ -342,7 +342,7 @@ def _told(
             "tooth_force_max_n": force.value,
         }
     head = f"lobed motor, {curves.sun_lobes} by {curves.ring_lobes} lobes, {curves.planets} planets"
-    return Told(head, tuple(rows), figures, _conditions(gears, min(one.radius_mm for one in ports)))
+    return TrainFigures(head, tuple(rows), figures, _conditions(gears, min(one.radius_mm for one in ports)))
 
 
 L_PER_CM3 = 1e-3
@@ -363,13 +363,13 @@ def _over_a_cycle(chambers: Chambers) -> list[dict[str, float]]:
     ]
 
 
-def _conditions(gears: MotorGears, port_mm: float) -> tuple[Condition, ...]:
+def _conditions(gears: MotorGears, port_mm: float) -> tuple[TrainCondition, ...]:
     sealed = port_mm > 0.0
     covered = "planets cover every port at the dead spaces beside it"
     if not sealed:
         covered = f"no planet covers a port at both dead spaces beside it: they miss it by {-port_mm:.3g} mm"
     return (
-        Condition("dead spaces", sealed, covered, () if sealed else ("larger planets: fewer teeth per lobe",)),
+        TrainCondition("dead spaces", sealed, covered, () if sealed else ("larger planets: fewer teeth per lobe",)),
         contact_condition(gears.contact_ratio, *CURES),
     )
 

@@ -24,7 +24,7 @@ from ncgear.teeth.gear import ToothedGear, toothed_gear
 from ncgear.teeth.outline import ChordTolerance
 from ncgear.teeth.sides import refuse_sharp_curve
 from ncgear.teeth.tool import RackLine, Tool
-from ncgear.trains.train import GearMesh, Part, Poses, Told, Train, contact_condition
+from ncgear.trains.train import GearMesh, Part, Poses, Train, TrainFigures, contact_condition
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,7 +105,9 @@ def moving_train(
     return Train(parts, mesh, poses_at, "driving", axes.cycle_rad, speed_rpm, tolerance_mm, told)
 
 
-def _told(axes: MovingAxes, gears: MovingGears, module: float, speed_rpm: float, radius_mm: float | None) -> Told:
+def _told(
+    axes: MovingAxes, gears: MovingGears, module: float, speed_rpm: float, radius_mm: float | None
+) -> TrainFigures:
     near, far = axes.extremes(axes.distance)
     slow, fast = axes.extremes(lambda phi, order: axes.distance(phi, order + 1).differentiated())
     offset = max(abs(one.value) for one in axes.extremes(lambda phi, order: axes.pitch_point(phi, order)[1]))
@@ -140,4 +142,4 @@ def _told(axes: MovingAxes, gears: MovingGears, module: float, speed_rpm: float,
     }
     contact = contact_condition(gears.contact_ratio, "more teeth (train.gears.teeth)", "a smaller range of distances")
     head = f"pair on a moving axis, {near.value:.5g} to {far.value:.5g} mm apart"
-    return Told(head, tuple(rows), figures, (contact,))
+    return TrainFigures(head, tuple(rows), figures, (contact,))

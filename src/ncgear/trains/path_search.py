@@ -14,7 +14,7 @@ import numpy as np
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray
-from ncgear.trains.tip_path import GRID, NOT_PASSED, Refused, TipMotion, WishedPath, missed_mm, motion_from
+from ncgear.trains.tip_path import GRID, NOT_PASSED, NoPath, TipMotion, WishedPath, missed_mm, motion_from
 
 
 @dataclass(frozen=True)
@@ -140,14 +140,14 @@ def found_motion(path: WishedPath, limits: PathLimits, axis: complex | None) -> 
 
     size = float(np.abs(path.points - path.points.mean()).max())
 
-    def tried(values: Array, clockwise: bool) -> tuple[float, TipMotion | Refused]:
+    def tried(values: Array, clockwise: bool) -> tuple[float, TipMotion | NoPath]:
         place = axis if axis is not None else complex(values[2], values[3])
         outside = limits.outside(place)
         if outside:
-            return 2.0 * NOT_PASSED + outside, Refused(outside, "its axis is outside axis_from_mm and axis_to_mm")
+            return 2.0 * NOT_PASSED + outside, NoPath(outside, "its axis is outside axis_from_mm and axis_to_mm")
         beyond = size * np.exp(np.clip(values[:2], -9.0, 1.0))
         motion = motion_from(path, place, (float(beyond[0]), float(beyond[1])), clockwise=clockwise)
-        if isinstance(motion, Refused):
+        if isinstance(motion, NoPath):
             return motion.by, motion
         return burden(motion, limits) + _tool_missed(motion, path), motion
 
@@ -219,9 +219,9 @@ def tool_mount(motion: TipMotion, path: WishedPath) -> tuple[float, float]:
     return float(errors.max() + errors.min()) / 2.0, float(errors.max() - errors.min()) / 2.0
 
 
-def _accepted(found: TipMotion | Refused, path: WishedPath, limits: PathLimits) -> TipMotion:
+def _accepted(found: TipMotion | NoPath, path: WishedPath, limits: PathLimits) -> TipMotion:
     helps = "another order of the points, more distance between them, a larger tolerance_mm, or leave axis_mm out"
-    if isinstance(found, Refused):
+    if isinstance(found, NoPath):
         raise NoSuchMechanism(f"no carrier passes the points: {found.words}; {helps}", key="path.points_mm")
     ratio, w = found.hardness[0][0], found.hardness[1]
     if ratio.min() <= LEAST_RATIO:

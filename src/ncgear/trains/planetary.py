@@ -36,9 +36,9 @@ from ncgear.trains.train import (
     Part,
     PinHole,
     Poses,
-    Told,
     Trace,
     Train,
+    TrainFigures,
     mirrored,
     seen_from_behind,
 )
@@ -68,7 +68,7 @@ class GearOfChain:
 
 
 @dataclass(frozen=True, eq=False)
-class Chain:
+class ArmChain:
     """Sun, idlers and planet of one arm, the sun first and the planet last, and the meshes by their names.
 
     ``planet_rad`` is w(u).  ``direction_rad`` is the planet's angle in the frame of the arm at u = 0 when w = 0.
@@ -93,7 +93,7 @@ def straight_distances_mm(laws: Sequence[Transmission], carrier_mm: float) -> tu
 
 def compound_chain(
     pitches: tuple[PitchPair, PitchPair], teeth: tuple[ToothedPair, ToothedPair], carrier_mm: float
-) -> Chain:
+) -> ArmChain:
     """A chain with two gears on the idler's shaft, from the pairs of both meshes, with the planet at ``carrier_mm``.
 
     The idler stands beside the line from sun to planet where the sum of the centre distances is longer than that line.
@@ -131,14 +131,14 @@ def compound_chain(
             "planet", b.driven.outline_mm, b.driven.teeth, complex(carrier_mm), lambda u: after - planet_rad(u), 1
         ),
     )
-    return Chain(gears, (("sun", "idler"), ("second_idler", "planet")), planet_rad, after)
+    return ArmChain(gears, (("sun", "idler"), ("second_idler", "planet")), planet_rad, after)
 
 
 STRAIGHT = 1e-9
 """Relative difference of carrier and sum of centre distances that counts as rounding: the carrier is straight."""
 
 
-def shared_chain(pitch: PitchPair, teeth: ToothedPair, bend_rad: float) -> Chain:
+def shared_chain(pitch: PitchPair, teeth: ToothedPair, bend_rad: float) -> ArmChain:
     """A chain whose idler meshes with sun and planet at equal centre distances; the pair is sun and idler.
 
     ``bend_rad`` is the angle between the lines from sun to idler and from idler to planet.
@@ -165,7 +165,9 @@ def shared_chain(pitch: PitchPair, teeth: ToothedPair, bend_rad: float) -> Chain
         ),
         GearOfChain("planet", sun, teeth.driving.teeth, complex(abs(planet)), lambda u: after - pi - later(u)),
     )
-    return Chain(gears, (("sun", "idler"), ("idler", "planet")), lambda u: later(u) - start, after - pi - float(start))
+    return ArmChain(
+        gears, (("sun", "idler"), ("idler", "planet")), lambda u: later(u) - start, after - pi - float(start)
+    )
 
 
 def _inverse(pitch: PitchPair) -> OfAngle:
@@ -247,7 +249,7 @@ class Bodies:
 
 
 def planetary_train(
-    chain: Chain,
+    chain: ArmChain,
     arm: Arm | None,
     arms: int,
     bodies: Bodies,
@@ -311,7 +313,15 @@ def planetary_train(
 
     cycle = 2.0 * pi / abs(against)
     made = Train(
-        tuple(parts), tuple(meshes), poses_at, "carrier", cycle, speed_rpm, tolerance_mm, Told(""), tuple(traces)
+        tuple(parts),
+        tuple(meshes),
+        poses_at,
+        "carrier",
+        cycle,
+        speed_rpm,
+        tolerance_mm,
+        TrainFigures(""),
+        tuple(traces),
     )
     return seen_from_behind(made) if stand.clockwise else made
 
@@ -332,7 +342,7 @@ def _bar_mm(axes: Sequence[complex], width_mm: float, tolerance_mm: float) -> Ar
     return outline[::-1]
 
 
-def _carrier(chain: Chain, arms: int, bodies: Bodies, tolerance_mm: float) -> Part:
+def _carrier(chain: ArmChain, arms: int, bodies: Bodies, tolerance_mm: float) -> Part:
     """The carrier under all gears: bars along the axes of every arm, from the sun's axis on."""
     from shapely import Polygon, union_all
     from shapely.geometry.polygon import orient

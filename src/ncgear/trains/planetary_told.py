@@ -15,14 +15,14 @@ from ncgear.pitch.shape import Gear
 from ncgear.trains.loads import TrainLoads
 from ncgear.trains.path_search import tool_mount
 from ncgear.trains.tip_path import TipMotion, WishedPath, distances_mm
-from ncgear.trains.train import Condition, Told, Train
+from ncgear.trains.train import Train, TrainCondition, TrainFigures
 
 PATH_POINTS = 2881
 """Places at which the path is computed: a path 1 m long has chords of a third of a millimetre."""
 
 NOT_JUDGED = (
-    Condition("forces", None, "torque and forces need masses"),
-    Condition("balance", None, "the balance of the carrier needs masses"),
+    TrainCondition("forces", None, "torque and forces need masses"),
+    TrainCondition("balance", None, "the balance of the carrier needs masses"),
 )
 
 
@@ -35,7 +35,7 @@ def told_of(
     motion: TipMotion | None,
     forward_mm_s: float,
     loads: TrainLoads | None,
-) -> Told:
+) -> TrainFigures:
     """Figures and conditions of a train, from the pairs of one arm, the pair of the sun first."""
     planets = [number for number, part in enumerate(train.parts) if part.name.startswith("planet")]
     arms, poses = len(planets), train.poses_at(np.zeros(1))
@@ -76,22 +76,22 @@ def told_of(
         rows += path_rows
         figures |= path_figures
         conditions += condition
-    unknown: tuple[Condition, ...] = NOT_JUDGED
+    unknown: tuple[TrainCondition, ...] = NOT_JUDGED
     if loads is not None:
         load_rows, load_figures, unknown = _of_loads(loads)
         rows += load_rows
         figures |= load_figures
     head = f"planetary train, {idler} idler, {arms} arm{'s' * (arms > 1)}, {train.speed_rpm:g} turns a minute"
-    return Told(head, tuple(rows), figures, (*conditions, *unknown))
+    return TrainFigures(head, tuple(rows), figures, (*conditions, *unknown))
 
 
-def _closing(train: Train) -> Condition:
+def _closing(train: Train) -> TrainCondition:
     """Whether the train stands after a cycle as at first, but for whole turns, which the meshes of every arm need."""
     ends = train.poses_at(np.array([0.0, train.cycle_rad]))
     turned = np.diff(ends.angle_rad - ends.angle_rad[train.number("carrier")])[:, 0] / (2.0 * pi)
     missed = float(np.abs(turned - np.round(turned)).max()) * 2.0 * pi
     said = f"closes within {missed:.2g} rad; every arm is the same chain about one sun, for any number of teeth"
-    return Condition("assembly", missed < CLOSED_RAD, said)
+    return TrainCondition("assembly", missed < CLOSED_RAD, said)
 
 
 CLOSED_RAD = 1e-9
@@ -104,7 +104,7 @@ WORTH = 0.1
 
 def _of_loads(
     loads: TrainLoads,
-) -> tuple[list[tuple[str, str]], dict[str, Any], tuple[Condition, ...]]:
+) -> tuple[list[tuple[str, str]], dict[str, Any], tuple[TrainCondition, ...]]:
     """The torque of the carrier and the forces on the frame, and whether a counterweight on the carrier would help."""
     low, high = loads.swing_n_m
     now, left = float(np.abs(loads.force_n).max()), float(np.abs(loads.left_n).max())
@@ -127,14 +127,14 @@ def _of_loads(
     needed = left < (1.0 - WORTH) * now
     would = f"{weight:.4g} kg mm on the carrier, at first at {where:.4g} deg, would leave {left:.4g} of {now:.4g} N"
     balanced = f"no counterweight on the carrier takes a tenth off its {now:.4g} N"
-    balance = Condition("balance", not needed, would if needed else balanced)
-    forces = Condition("forces", None, "teeth, shafts and bearings are not rated; the torque is told")
+    balance = TrainCondition("balance", not needed, would if needed else balanced)
+    forces = TrainCondition("forces", None, "teeth, shafts and bearings are not rated; the torque is told")
     return rows, figures, (balance, forces)
 
 
 def _of_path(
     train: Train, wished: WishedPath | None, forward_mm_s: float
-) -> tuple[list[tuple[str, str]], dict[str, Any], list[Condition]]:
+) -> tuple[list[tuple[str, str]], dict[str, Any], list[TrainCondition]]:
     trace = train.traces[0]
     angles = np.linspace(0.0, train.cycle_rad, PATH_POINTS)
     path = train.trace_mm(trace, angles)
@@ -157,7 +157,7 @@ def _of_path(
         worst = int(np.argmax(missed / wished.tolerance_mm))
         allowed = f"{missed[worst]:.3g} of {wished.tolerance_mm[worst]:g} mm allowed at point {wished.name(worst)}"
         said = f"passes {len(missed)} points, the worst with {allowed}"
-        conditions.append(Condition("path", bool((missed <= wished.tolerance_mm).all()), said))
+        conditions.append(TrainCondition("path", bool((missed <= wished.tolerance_mm).all()), said))
     if forward_mm_s:
         row, more = _over_ground(places, speed, train, forward_mm_s)
         rows.append(row)

@@ -157,7 +157,7 @@ def _on_grid() -> tuple[Array, Array]:
 
 
 @dataclass(frozen=True, eq=False)
-class Refused:
+class NoPath:
     """Why no motion passes the points from an axis, and by how much: a number that a search can lessen."""
 
     by: float
@@ -166,25 +166,25 @@ class Refused:
 
 def motion_from(
     path: WishedPath, axis: complex, beyond_mm: tuple[float, float], *, clockwise: bool
-) -> TipMotion | Refused:
+) -> TipMotion | NoPath:
     """The smoothest motion about an axis through all points, whose path goes ``beyond_mm`` beyond the outermost two."""
     seen = path.mirrored if clockwise else path
     arms = seen.points - (axis.conjugate() if clockwise else axis)
     r, theta = np.abs(arms), np.unwrap(np.angle(arms))
     far, near = r.max() + beyond_mm[0], r.min() - beyond_mm[1]
     if near <= NEAREST * far:
-        return Refused(float(NEAREST * far - near) + NOT_PASSED, "the path passes too near to the carrier's axis")
+        return NoPath(float(NEAREST * far - near) + NOT_PASSED, "the path passes too near to the carrier's axis")
     w = _turns_of(path, r, far, near)
-    if isinstance(w, Refused):
+    if isinstance(w, NoPath):
         return w
     winding = round(float(theta[-1] - theta[0] + np.angle(arms[0] / arms[-1])) / (2.0 * pi))
     if winding not in (0, 1):
-        return Refused(NOT_PASSED, "the path turns about the carrier's axis against the carrier")
+        return NoPath(NOT_PASSED, "the path turns about the carrier's axis against the carrier")
     carrier, arm = ((far + near) / 2.0, (far - near) / 2.0) if winding else ((far - near) / 2.0, (far + near) / 2.0)
     fitted, missed = _smoothest(seen, r, theta, w, carrier, arm)
     if missed.max() > 1.0:
         worst = path.name(int(np.argmax(missed)))
-        return Refused(
+        return NoPath(
             UNEVEN + min(float(missed.max()), UNEVEN), f"no smooth path keeps point {worst} and its neighbours"
         )
     return TipMotion(axis, carrier, arm, fitted[0], fitted[1:], clockwise)
@@ -200,7 +200,7 @@ NEAREST = 0.02
 """Least distance of the path from the axis, as a share of the greatest: nearer, u turns too fast for any gear."""
 
 
-def _turns_of(path: WishedPath, r: Array, far: float, near: float) -> Array | Refused:
+def _turns_of(path: WishedPath, r: Array, far: float, near: float) -> Array | NoPath:
     """The planet's turn w at points of these distances, rising from about 0, shape (n,), in the points' order.
 
     Refused where the distance does not fall once and rise once.
@@ -213,7 +213,7 @@ def _turns_of(path: WishedPath, r: Array, far: float, near: float) -> Array | Re
     if wrong.any():
         near = path.name(int(order[int(np.argmax(wrong))]))
         words = f"the distance from the carrier's axis turns round near point {near}: it may fall and rise once only"
-        return Refused(NOT_PASSED + float(wrong.sum()), words)
+        return NoPath(NOT_PASSED + float(wrong.sum()), words)
     middle, swing = (far**2 + near**2) / 2.0, (far**2 - near**2) / 2.0
     turned = np.arccos(np.clip((falls**2 - middle) / swing, -1.0, 1.0))
     turned[back + 1 :] = 2.0 * pi - turned[back + 1 :]

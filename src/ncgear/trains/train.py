@@ -107,7 +107,7 @@ class Trace:
 
 
 @dataclass(frozen=True)
-class Condition:
+class TrainCondition:
     """A condition that the train has to keep: its name, whether it holds (None: not judged), words, and remedies."""
 
     name: str
@@ -116,14 +116,14 @@ class Condition:
     cures: tuple[str, ...] = ()
 
 
-def contact_condition(contact_ratio: float, *cures: str) -> Condition:
+def contact_condition(contact_ratio: float, *cures: str) -> TrainCondition:
     """The condition that teeth follow each other without a gap, with remedies where they do not."""
     met, followed = f"{contact_ratio:.3g} pairs of teeth in mesh at least", contact_ratio > 1.0
-    return Condition("contact ratio", followed, met, () if followed else cures)
+    return TrainCondition("contact ratio", followed, met, () if followed else cures)
 
 
 @dataclass(frozen=True)
-class Told:
+class TrainFigures:
     """Figures and conditions of one train.
 
     ``head`` says in a few words what the train is; ``rows`` are names with a text each, the most telling first;
@@ -133,7 +133,7 @@ class Told:
     head: str
     rows: tuple[tuple[str, str], ...] = ()
     figures: Mapping[str, Any] = field(default_factory=dict)
-    conditions: tuple[Condition, ...] = ()
+    conditions: tuple[TrainCondition, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,7 +152,7 @@ class Train:
     cycle_rad: float
     speed_rpm: float
     tolerance_mm: float
-    told: Told
+    told: TrainFigures
     traces: tuple[Trace, ...] = ()
 
     def __post_init__(self) -> None:

@@ -18,7 +18,7 @@ from ncgear.design.reading.design_file import LoadedDesign, parsed
 from ncgear.design.reading.text import whole
 from ncgear.design.rewritten import design_copy
 from ncgear.errors import DesignError
-from ncgear.figures.advice.verdict import Known, judged
+from ncgear.figures.advice.verdict import KnownParts, judged
 from ncgear.project.alternatives import Changes, changed_drive
 from ncgear.project.drive import Drive
 from ncgear.project.law import kept_size
@@ -142,7 +142,7 @@ class _Making:
         drive, taken = sized.drive, Changes()
         try:
             for _ in range(MENDED):
-                rows = broken(judged(drive, Known.TEETH, seconds=0.0), self.process)
+                rows = broken(judged(drive, KnownParts.TEETH, seconds=0.0), self.process)
                 if not rows:
                     self.mended = taken
                     return True

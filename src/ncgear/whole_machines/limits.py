@@ -53,7 +53,7 @@ class MachineLimit:
 
 
 @dataclass(frozen=True)
-class Limits:
+class ProvenLimits:
     """The limits of all machines; no law needs less than ``power_w`` with any flywheel in the range.
 
     No machine costs less than ``cost``, as far as the estimate of strength is right, with the materials and processes
@@ -80,7 +80,7 @@ class MachineLimits:
         self.own = [one.driven_kg_mm2 - inertia.driven_kg_mm2 if self.task.masses else 0.0 for one in made]
         self.laws = laws
 
-    def found(self) -> Limits:
+    def found(self) -> ProvenLimits:
         """All limits."""
         each = self.of_machines()
         power = self.power_w()
@@ -88,7 +88,7 @@ class MachineLimits:
         best = [one.cost for one in self.machines if one.cost is not None]
         cost = self.cost(power) if best else None
         gap = least / power - 1.0 if power > 0.0 else inf
-        return Limits(power, gap, tuple(each), cost, min(best) / cost - 1.0 if best and cost else None)
+        return ProvenLimits(power, gap, tuple(each), cost, min(best) / cost - 1.0 if best and cost else None)
 
     def of_machines(self) -> list[MachineLimit]:
         """For each machine a lower bound of the flank load of all laws with its power and flywheel."""

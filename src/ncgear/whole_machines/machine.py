@@ -7,14 +7,14 @@ from dataclasses import replace
 from math import inf
 from pathlib import Path
 
-from ncgear.design.keys.choices import Choices, Costs, Motor, Process
+from ncgear.design.keys.choices import AvailableMotor, Choices, Costs, Process
 from ncgear.design.keys.design import Design
 from ncgear.design.keys.optimize import Optimize
 from ncgear.design.reading.design_file import parsed
 from ncgear.design.rewritten import rewritten
 from ncgear.errors import DesignError
 from ncgear.figures.advice.values import Kind
-from ncgear.figures.advice.verdict import Judged, Known, State, Verdict, judged
+from ncgear.figures.advice.verdict import JudgedCondition, KnownParts, State, Verdict, judged
 from ncgear.frozen import dataclass
 from ncgear.metrology.cut_by import CutVerdict, Tool
 from ncgear.numerics.units import KG_M2
@@ -91,7 +91,7 @@ class WholeMachine:
     material: str
     process: Process
     cut: str
-    motor: Motor | None
+    motor: AvailableMotor | None
     cost: float | None
 
     def named(self, name: str) -> WholeMachine:
@@ -114,7 +114,7 @@ class Unfit:
     wider: float | None = None
 
 
-def figures_of(drive: Drive) -> tuple[MachineFigures, Figures]:
+def machine_and_law_figures(drive: Drive) -> tuple[MachineFigures, Figures]:
     """The figures of a machine from its drive; raises as teeth and their strength do."""
     design, size = drive.design, drive.pitch.size
     made = law_design(design)
@@ -171,7 +171,7 @@ def limits_missed(design: Design, found: Figures, pressure_angle_deg: float) -> 
     ]
 
 
-def broken(verdict: Verdict, process: Process) -> list[Judged]:
+def broken(verdict: Verdict, process: Process) -> list[JudgedCondition]:
     """The conditions that a verdict finds broken, for gears that are made by a process."""
     return [
         row for row in verdict.rows if row.state is State.BROKEN and (process == "hobbed" or row.kind not in OF_HOBS)
@@ -195,7 +195,7 @@ def cut_words(drive: Drive, process: Process) -> str | None:
     return f"a {tool.value if tool else ''} {worst.value}"
 
 
-def motor_for(choices: Choices, found: MachineFigures) -> Motor | None:
+def motor_for(choices: Choices, found: MachineFigures) -> AvailableMotor | None:
     """The cheapest available motor that is strong enough; None where there is none, or where any power is available."""
     does = [
         one
@@ -206,7 +206,7 @@ def motor_for(choices: Choices, found: MachineFigures) -> Motor | None:
 
 
 def cost_of(
-    choices: Choices, found: MachineFigures, motor: Motor | None, material: str, process: Process
+    choices: Choices, found: MachineFigures, motor: AvailableMotor | None, material: str, process: Process
 ) -> float | None:
     """The cost of a machine; None where the file gives no costs."""
     if choices.cost is None and not choices.motors:
@@ -228,12 +228,12 @@ def judged_machine(text: str, process: Process, choices: Choices) -> WholeMachin
     loaded = parsed(text, Path("machine.yaml"))
     drive = Drive(loaded.design, loaded=loaded)
     try:
-        verdict = judged(drive, Known.TEETH, seconds=0.0)
+        verdict = judged(drive, KnownParts.TEETH, seconds=0.0)
         wrong = [f"{row.kind}: {advice.brief}" for row in broken(verdict, process) for advice in row.advices]
         if wrong:
             weak = any(row.kind in WEAK for row in broken(verdict, process))
             return Unfit(tuple(wrong), _wider(drive) if weak else None)
-        found, law = figures_of(drive)
+        found, law = machine_and_law_figures(drive)
         missed = limits_missed(loaded.design, law, found.pressure_angle_deg)
         wider = None
         if min(found.bending_share, found.contact_share, found.flank_share) < 1.0:

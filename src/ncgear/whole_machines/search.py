@@ -24,7 +24,7 @@ from ncgear.strength.materials import TABLE, Plastic
 from ncgear.whole_machines.conflict import refusal_of_gears
 from ncgear.whole_machines.gears import GearJob, machine_of
 from ncgear.whole_machines.laws import FoundLaw, LawJob, flywheel_sizes, law_design, laws_of, with_best_lengths
-from ncgear.whole_machines.limits import Limits, MachineLimits
+from ncgear.whole_machines.limits import MachineLimits, ProvenLimits
 from ncgear.whole_machines.machine import Unfit, WholeMachine, cost_of, guessed_figures, motor_for
 from ncgear.whole_machines.pareto import far_apart, objectives_of, recommended, undominated
 from ncgear.whole_machines.wish_prices import WishPrice, wish_prices
@@ -70,7 +70,7 @@ class WholeMachines(Shown):
     recommended: int
     laws: tuple[FoundLaw, ...]
     unfit: tuple[Unfit, ...]
-    limits: Limits | None = None
+    limits: ProvenLimits | None = None
     prices: tuple[WishPrice, ...] = ()
     lengths: Mapping[str, float] = field(default_factory=dict)
 

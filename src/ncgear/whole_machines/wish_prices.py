@@ -48,7 +48,7 @@ class WishPrice(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Needed:
+class NeededPower:
     """The least power in W, and the least flank load in N mm at the machine's power; infinite where none was found."""
 
     power_w: float
@@ -74,7 +74,7 @@ def _without(wishes: Wishes, key: str) -> Wishes:
     return replace(wishes, motion=tuple(wish for wish in wishes.motion if wish.key != key))
 
 
-def needed_without(text: str, key: str) -> Needed:
+def needed_without(text: str, key: str) -> NeededPower:
     """The need of a machine without a wish; with an empty key, the need with all wishes."""
     from ncgear.optimum.makeable.law import kept_law
 
@@ -86,14 +86,14 @@ def needed_without(text: str, key: str) -> Needed:
     try:
         start = start_motion(task, wishes)
     except DesignError:
-        return Needed(inf, inf)
+        return NeededPower(inf, inf)
     power = kept_law(task, replace(wishes, goal=Goal.POWER), start)
     starts = [start, *([power.motion] if power else [])]
     capped = replace(wishes, limits=replace(wishes.limits, peak_power_w=min(cap, wishes.limits.peak_power_w or cap)))
     flanks = [law for one in starts if (law := kept_law(task, capped, one)) is not None]
     load = min((figures(task, one.train(task.lobes)).flank_load_n_mm or inf for one in flanks), default=inf)
     watts = figures(task, power.train(task.lobes)).peak_power_w if power else inf
-    return Needed(watts, load)
+    return NeededPower(watts, load)
 
 
 def wish_prices(
@@ -104,7 +104,7 @@ def wish_prices(
 ) -> tuple[WishPrice, ...]:
     """The price of each wish and limit of a machine, the highest first; ``on_law`` takes numbers done and in all."""
     keys = ["", *wish_keys(one.text)]
-    found: dict[str, Needed] = {}
+    found: dict[str, NeededPower] = {}
     for key, needed in finished(partial(needed_without, one.text), keys, scheduler, processes):
         found[key] = needed
         on_law(len(found), len(keys))

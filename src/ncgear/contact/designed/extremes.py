@@ -30,7 +30,7 @@ lever, which is a one-sided limit where the teeth change at the extreme."""
 
 
 @dataclass(frozen=True)
-class Range:
+class ValueRange:
     """The least and the greatest value of a quantity over a cycle, each ``at`` a driving angle in rad."""
 
     low: Extremum
@@ -51,11 +51,11 @@ class ContactExtremes:
     where they overlap most.
     """
 
-    pushing_error_rad: Range
-    back_error_rad: Range
-    backlash_rad: Range
-    pushing_pressure_angle_rad: Range
-    back_pressure_angle_rad: Range
+    pushing_error_rad: ValueRange
+    back_error_rad: ValueRange
+    backlash_rad: ValueRange
+    pushing_pressure_angle_rad: ValueRange
+    back_pressure_angle_rad: ValueRange
     sliding_mm_s: Extremum
     least_lever_mm: Extremum
     overlap_mm: Extremum
@@ -111,7 +111,7 @@ def _level_mm(designed: AsDesigned, side: int) -> float | None:
     return float(np.prod(shares, axis=1) @ rolled[four])
 
 
-def _settled(angle: Range) -> Range:
+def _settled(angle: ValueRange) -> ValueRange:
     """The range of a pressure angle, which is never negative; its least value becomes 0 where rounding hides it."""
     return replace(angle, low=replace(angle.low, value=0.0)) if angle.low.value <= CLOSELY * angle.width else angle
 
@@ -129,10 +129,10 @@ def at_angles(pitch: PitchPair, even: Placement, found: Sequence[Extremum]) -> l
     return [Extremum(one.value, float(at)) for one, at in zip(found, phi1, strict=True)]
 
 
-def ranges_of(largest: Sequence[Extremum]) -> list[Range]:
+def ranges_of(largest: Sequence[Extremum]) -> list[ValueRange]:
     """The ranges of quantities, from the largest value of each and the largest value of its negative, in turn."""
     pairs = zip(largest[0::2], largest[1::2], strict=True)
-    return [Range(replace(low, value=0.0 - low.value), high) for high, low in pairs]
+    return [ValueRange(replace(low, value=0.0 - low.value), high) for high, low in pairs]
 
 
 LEAST_ANGLES = {7: PUSHING, 9: BACK}

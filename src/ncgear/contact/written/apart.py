@@ -15,7 +15,7 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from ncgear.contact.placement import Placement
-from ncgear.contact.written.cells import Cells, Chords, cells_near, chords_of
+from ncgear.contact.written.cells import ChordGrid, Chords, cells_near, chords_of
 from ncgear.contact.written.polar import PolarOutline, polar_outline
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask, counted_up
@@ -170,7 +170,7 @@ class Facing:
         cosine = (farthest**2 + center_distance_mm**2 - reached**2) / (2.0 * farthest * center_distance_mm)
         return acos(min(cosine, 1.0))
 
-    def cells(self, reach_mm: float) -> Cells:
+    def cells(self, reach_mm: float) -> ChordGrid:
         """Cells that name the driven chords within reach of driving chords, wherever these move within a stretch."""
         if reach_mm not in self._known_cells:
             margin = float(self.chords.half_mm.max()) + MOVED * self.grain_mm
@@ -180,7 +180,7 @@ class Facing:
         return self._known_cells[reach_mm]
 
     @cached_property
-    def _known_cells(self) -> dict[float, Cells]:
+    def _known_cells(self) -> dict[float, ChordGrid]:
         return {}
 
 
@@ -273,7 +273,7 @@ def _windows(chords: Chords, width: int) -> ComplexArray:
     return sliding_window_view(np.concatenate([chords.middle, chords.middle[: width - 1]]), width)
 
 
-def _near_pairs(setting: _Setting, cells: Cells, rows: IndexArray, reach_mm: float) -> _Pairs:
+def _near_pairs(setting: _Setting, cells: ChordGrid, rows: IndexArray, reach_mm: float) -> _Pairs:
     """All pairs of chords that come as near as ``reach_mm`` somewhere in their stretch, and a few more."""
     placement, stretches = setting.placement, setting.stretches
     first, middle = stretches.first[rows], stretches.middle[rows]

@@ -42,7 +42,7 @@ def chords_of(outline: ComplexArray, longest_mm: float) -> Chords:
 
 
 @dataclass(frozen=True, eq=False)
-class Cells:
+class ChordGrid:
     """A square grid; each cell names a range of chords, which includes all chords near any place in the cell.
 
     The grid has ``side`` cells of ``cell_mm`` along each axis from its lower left ``corner``.  ``first`` numbers the
@@ -63,7 +63,7 @@ class Cells:
         return number[0::2] * self.side + number[1::2]
 
 
-def cells_near(chords: Chords, near_mm: float, cell_mm: float) -> Cells:
+def cells_near(chords: Chords, near_mm: float, cell_mm: float) -> ChordGrid:
     """Cells that name the chords of a closed outline that come as near as ``near_mm`` to them."""
     # Every point of a chord is within half a cell of the middle of one of its pieces.
     count = np.ceil(chords.length_mm / cell_mm).astype(int)
@@ -78,7 +78,7 @@ def cells_near(chords: Chords, near_mm: float, cell_mm: float) -> Cells:
     low = ((places - corner - around * (1.0 + 1.0j)).view(float) / cell_mm).astype(int)
     offset = np.add.outer(np.arange(span) * side, np.arange(span)).ravel()
     cell = (low[0::2] * side + low[1::2])[:, None] + offset
-    cells = Cells(corner, cell_mm, side, np.zeros(side * side, dtype=int), np.zeros(side * side, dtype=int))
+    cells = ChordGrid(corner, cell_mm, side, np.zeros(side * side, dtype=int), np.zeros(side * side, dtype=int))
     _name(cells, cell.ravel(), np.repeat(chord, span * span))
     # Counting continues over the seam where the outline begins again.
     half = chords.length_mm.size // 2
@@ -89,7 +89,7 @@ def cells_near(chords: Chords, near_mm: float, cell_mm: float) -> Cells:
     return cells
 
 
-def _name(cells: Cells, cell: IndexArray, chord: IndexArray) -> None:
+def _name(cells: ChordGrid, cell: IndexArray, chord: IndexArray) -> None:
     """Name the range from the least to the greatest of each cell's chords, which are in ascending order."""
     cells.beyond[cell] = chord + 1
     cells.first[cell[::-1]] = chord[::-1]

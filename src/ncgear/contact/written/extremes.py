@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from ncgear.contact.designed.as_designed import ALIKE_RAD, AsDesigned, touch_at
-from ncgear.contact.designed.extremes import Range, at_angles, over_cycle, ranges_of
+from ncgear.contact.designed.extremes import ValueRange, at_angles, over_cycle, ranges_of
 from ncgear.contact.placement import Placement, placed_at
 from ncgear.contact.written.as_written import AsWritten, Outlines, require_reached
 from ncgear.contact.written.play import outline_play
@@ -41,9 +41,9 @@ class PlayExtremes:
     ``tightest_teeth`` are the numbers of the driving and the driven tooth at the pitch point where the play is least.
     """
 
-    pushing_rad: Range
-    back_rad: Range
-    backlash_rad: Range
+    pushing_rad: ValueRange
+    back_rad: ValueRange
+    backlash_rad: ValueRange
     tightest_teeth: tuple[int, int]
 
     @property
@@ -106,7 +106,7 @@ def _largest(
 
 def _play_of(
     pitch: PitchPair, even: Placement, found: Sequence[Extremum]
-) -> tuple[Range, Range, Range, tuple[int, int]]:
+) -> tuple[ValueRange, ValueRange, ValueRange, tuple[int, int]]:
     pushing, back, backlash = ranges_of(at_angles(pitch, even, found))
     return pushing, back, backlash, _teeth_at(pitch, even, found[-1])
 

@@ -20,7 +20,7 @@ OBJECTIVES = Literal["peak_power_w", "gear_volume_mm3", "driven_flywheel_kg_mm2"
 """Figures of a whole machine that may count."""
 
 
-class Motor(Model):
+class AvailableMotor(Model):
     """An available motor, by its effect on the driving shaft."""
 
     name: str = required("its name", min_length=1, max_length=100)
@@ -98,7 +98,7 @@ class Choices(Model):
     face_width_modules: FaceWidths = optional("face widths that may be chosen, in modules", FaceWidths)
     center_distance_mm: Length | None = optional("greatest centre distance in mm; left out: no limit")
     diameter_mm: Length | None = optional("greatest diameter of either gear in mm; left out: no limit")
-    motors: Annotated[Several[Motor], Field(min_length=1, max_length=50)] | None = optional(
+    motors: Annotated[Several[AvailableMotor], Field(min_length=1, max_length=50)] | None = optional(
         "available motors; the cheapest motor that is strong enough is taken; left out: motors of any power"
     )
     least: Annotated[Several[OBJECTIVES], Field(min_length=1, max_length=4)] | None = optional(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Literal
 from ncgear.design.keys.base import Faults, Model, fault, given, optional
 from ncgear.design.keys.pitch_shapes import (
     BSpline,
-    CurvePoints,
+    DrawnPoints,
     DxfContour,
     PictureContour,
     SvgContour,
@@ -25,7 +25,7 @@ class MateOutline(Model):
 
     RULES = (f"one of {' '.join(MATE_SHAPES)}",)
 
-    points: CurvePoints | None = optional("points of the outline in the plane")
+    points: DrawnPoints | None = optional("points of the outline in the plane")
     b_spline: BSpline | None = optional("a closed B-spline by its control points")
     dxf: DxfContour | None = optional("a closed contour of a DXF file")
     svg: SvgContour | None = optional("a closed contour of an SVG file")

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from ncgear.numerics.arrays import Array
     from ncgear.numerics.rational import RationalSpline
     from ncgear.ratio.laws.closed_curve import ClosedCurve
-    from ncgear.ratio.laws.pitch_curve import Search
+    from ncgear.ratio.laws.pitch_curve import ShapeSearch
 
 MOST_POINTS = 100_000
 FEWEST_POINTS = 6
@@ -68,7 +68,7 @@ class Shape(Model):
         """The key that is left out, by the value of ``solve_for``."""
         return {}
 
-    def search(self, wanted: str, center_distance_mm: float) -> Search:
+    def search(self, wanted: str, center_distance_mm: float) -> ShapeSearch:
         """The range in which a quantity's value is sought; raises NoSuchMechanism if there is no such range."""
         raise NotImplementedError(wanted)
 
@@ -85,7 +85,7 @@ class Drawn(Shape):
         return self.axis_x_mm, self.axis_y_mm
 
 
-class CurvePoints(Drawn):
+class DrawnPoints(Drawn):
     """Points of the curve in their order along it, in polar form or in the plane."""
 
     RULES = (f"one of {' '.join(ANGLE_OR_X)}",)
@@ -284,7 +284,7 @@ class PictureContour(DrawnContour):
     FILE: ClassVar[str] = "a picture"
 
 
-def drawn_points(shape: DrawnContour | BSpline | CurvePoints, key: str) -> Array:
+def drawn_points(shape: DrawnContour | BSpline | DrawnPoints, key: str) -> Array:
     """Points along a shape as it is drawn, shape (n, 2); raises WrongInput if a file has no closed contour.
 
     Points must be given in the plane.
@@ -311,7 +311,7 @@ class OffsetEllipse(Drawn):
         """Either semi axis."""
         return {"semi_major": "semi_major_mm", "semi_minor": "semi_minor_mm"}
 
-    def search(self, wanted: str, center_distance_mm: float) -> Search:
+    def search(self, wanted: str, center_distance_mm: float) -> ShapeSearch:
         """From the size at which the ellipse comes to its axis to the centre distance."""
         x, y = self.axis_mm
         minor = wanted == "semi_minor"
@@ -349,7 +349,7 @@ class ModifiedEllipse(Shape):
         """The eccentricity."""
         return {"eccentricity": "eccentricity"}
 
-    def search(self, wanted: str, center_distance_mm: float) -> Search:
+    def search(self, wanted: str, center_distance_mm: float) -> ShapeSearch:
         """From a circle to the eccentricity at which the greatest radius is the centre distance."""
         high = 1.0 - self.semi_latus_rectum_mm / center_distance_mm
         return search(0.0, high, "modified_ellipse.eccentricity", "")
@@ -388,7 +388,7 @@ class RoundedPolygon(Drawn):
         """The side or the radius of the corners."""
         return {"side": "side_mm", "corner_radius": "corner_radius_mm"}
 
-    def search(self, wanted: str, center_distance_mm: float) -> Search:
+    def search(self, wanted: str, center_distance_mm: float) -> ShapeSearch:
         """A side from the circle of the corners to the centre distance, or corners from sharp to round."""
         slope, key = 2.0 * tan(self._half_angle), f"rounded_polygon.{self.solvable[wanted]}"
         if wanted == "corner_radius":
@@ -411,10 +411,10 @@ Solvable = OffsetEllipse | ModifiedEllipse | RoundedPolygon
 """Shapes that can have one unknown quantity."""
 
 
-def search(low: float, high: float, key: str, unit: str = " mm") -> Search:
+def search(low: float, high: float, key: str, unit: str = " mm") -> ShapeSearch:
     """The range of a quantity; raises NoSuchMechanism if it is empty."""
     from ncgear.errors import NoSuchMechanism
-    from ncgear.ratio.laws.pitch_curve import Search
+    from ncgear.ratio.laws.pitch_curve import ShapeSearch
 
     if not low < high:
         raise NoSuchMechanism(
@@ -422,4 +422,4 @@ def search(low: float, high: float, key: str, unit: str = " mm") -> Search:
             "give a greater center_distance_mm",
             key=f"{KEY}.{key}",
         )
-    return Search(low, high, f"{KEY}.{key}", unit)
+    return ShapeSearch(low, high, f"{KEY}.{key}", unit)

@@ -43,7 +43,7 @@ RangeDeg = Annotated[float, Field(ge=SHORTEST_RANGE_DEG, le=LONGEST_RANGE_DEG), 
 
 
 @dataclass(frozen=True)
-class LawPoint:
+class DraggedPoint:
     """A point of a law on the curve of a quantity, for a user who drags it there instead of typing its keys.
 
     It stands at ``phi1_rad``, or where the driven gear has turned by a share of its period, ``driven_share``.  Dragging
@@ -211,7 +211,7 @@ class LawKeys(Model):
         raise NotImplementedError(self.law)
 
     @property
-    def law_points(self) -> tuple[LawPoint, ...]:
+    def law_points(self) -> tuple[DraggedPoint, ...]:
         """The points that make the law; a law of a formula or of a few numbers has none."""
         return ()
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import Field
 
 from ncgear.design.keys.base import Model, Several, optional
-from ncgear.design.laws.base import Begins, LawKeys, LawPoint
+from ncgear.design.laws.base import Begins, DraggedPoint, LawKeys
 
 if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
@@ -50,7 +50,7 @@ class HarmonicRatio(LawKeys):
     )
 
     @property
-    def law_points(self) -> tuple[LawPoint, ...]:
+    def law_points(self) -> tuple[DraggedPoint, ...]:
         """Two points for each harmonic and one more, evenly spread; none for two pairs in series.
 
         A point bends the curve by the existing harmonics, with smaller weights for higher ones (Fejer's kernel), so
@@ -72,7 +72,7 @@ class HarmonicRatio(LawKeys):
                 )
                 for key, own, of in terms
             )
-            found.append(LawPoint(f"point {place + 1}", "ratio", None, share, coefficients=coefficients))
+            found.append(DraggedPoint(f"point {place + 1}", "ratio", None, share, coefficients=coefficients))
         return tuple(found)
 
     def transmission(self, linkage: Mechanism, lobes: Lobes) -> Transmission:

@@ -10,8 +10,8 @@ from ncgear.design.keys.pitch_shapes import (
     HIGHEST_DEGREE,
     KEY,
     BSpline,
-    CurvePoints,
     DrawnContour,
+    DrawnPoints,
     DxfContour,
     ModifiedEllipse,
     OffsetEllipse,
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism
     from ncgear.numerics.arrays import Array
     from ncgear.ratio.laws.closed_curve import ClosedCurve
-    from ncgear.ratio.laws.pitch_curve import Search
+    from ncgear.ratio.laws.pitch_curve import ShapeSearch
     from ncgear.ratio.transmission import Law, Lobes
 
 PER_STRETCH, DIGITS = 720, 7
@@ -72,7 +72,7 @@ class PitchCurve(LawKeys):
         f'by which the gear has turned): "30 + 4*cos(phi)", {FORMULA}; it may not jump; where its slope does, gears '
         "cannot be made"
     )
-    points: CurvePoints | None = optional("points of the curve, through which it is smoothed")
+    points: DrawnPoints | None = optional("points of the curve, through which it is smoothed")
     b_spline: BSpline | None = optional("a closed B-spline by its control points")
     dxf: DxfContour | None = optional("a closed contour of a DXF file")
     svg: SvgContour | None = optional("a closed contour of an SVG file")
@@ -198,7 +198,9 @@ class PitchCurve(LawKeys):
     def _found_name(self) -> str:
         return self._found_key or self.solve_for
 
-    def _curves(self, key: str, repeats: int) -> tuple[Callable[[float], ClosedCurve], Search | None, dict[str, float]]:
+    def _curves(
+        self, key: str, repeats: int
+    ) -> tuple[Callable[[float], ClosedCurve], ShapeSearch | None, dict[str, float]]:
         """The curve by the unknown value, the range of this value, and facts; otherwise one curve for every value."""
         import numpy as np
 

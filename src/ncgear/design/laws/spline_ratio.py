@@ -22,7 +22,7 @@ from ncgear.design.keys.base import (
     required,
     unkept,
 )
-from ncgear.design.laws.base import Begins, LawKeys, LawPoint
+from ncgear.design.laws.base import Begins, DraggedPoint, LawKeys
 from ncgear.numerics.bounds import shown_below
 
 if TYPE_CHECKING:
@@ -92,12 +92,12 @@ class SplineRatio(LawKeys):
         return self.driven_angles or tuple(step * (2.0 * pi / len(self.ratio)) for step in range(len(self.ratio)))
 
     @property
-    def law_points(self) -> tuple[LawPoint, ...]:
+    def law_points(self) -> tuple[DraggedPoint, ...]:
         """Every point of the ratio; none for two pairs in series, which share the ratio."""
         if self.second_stage is not None:
             return ()
         return tuple(
-            LawPoint(f"point {place + 1}", "ratio", None, angle / (2.0 * pi), "", f"ratio.{place}", value)
+            DraggedPoint(f"point {place + 1}", "ratio", None, angle / (2.0 * pi), "", f"ratio.{place}", value)
             for place, (angle, value) in enumerate(zip(self.driven_angle, self.ratio, strict=True))
         )
 

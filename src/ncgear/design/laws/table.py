@@ -20,7 +20,7 @@ from ncgear.design.keys.base import (
     optional,
     unkept,
 )
-from ncgear.design.laws.base import Begins, LawKeys, LawPoint
+from ncgear.design.laws.base import Begins, DraggedPoint, LawKeys
 from ncgear.design.words import spellings
 from ncgear.errors import WrongInput
 from ncgear.numerics.bounds import shown_below
@@ -93,14 +93,14 @@ class Table(LawKeys):
         return "the displacements of the table" if self.gives_slider else ""
 
     @property
-    def law_points(self) -> tuple[LawPoint, ...]:
+    def law_points(self) -> tuple[DraggedPoint, ...]:
         """Every point in the design file itself."""
         if self.file is not None:
             return ()
         key = given(self, VALUE_COLUMNS)[0]
         quantity: Literal["ratio", "displacement"] = "ratio" if key == "ratio" else "displacement"
         return tuple(
-            LawPoint(f"point {place + 1}", quantity, phi1, value_key=f"{key}.{place}", value=value)
+            DraggedPoint(f"point {place + 1}", quantity, phi1, value_key=f"{key}.{place}", value=value)
             for place, (phi1, value) in enumerate(zip(self.phi1, getattr(self, key), strict=True))
         )
 

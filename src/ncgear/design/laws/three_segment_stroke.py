@@ -25,7 +25,7 @@ from ncgear.design.keys.base import (
     optional,
     required,
 )
-from ncgear.design.laws.base import Begins, LawKeys, LawPoint
+from ncgear.design.laws.base import Begins, DraggedPoint, LawKeys
 from ncgear.design.reading.text import quoted
 from ncgear.design.words import listed
 from ncgear.errors import WrongInput
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from ncgear.mechanisms.mechanism import Mechanism, Output
     from ncgear.ratio.laws.three_segment import StrokeLaw
     from ncgear.ratio.transmission import Law, Lobes
-    from ncgear.ratio.working_stroke import WorkingStroke
+    from ncgear.ratio.working_stroke import ClosedStroke
 
 SAME_STROKE = 1e-6
 """Largest relative difference of the file's stroke from the mechanism's stroke that counts as rounding."""
@@ -156,7 +156,7 @@ class ThreeSegmentStroke(LawKeys):
         return self.solve_for == "stroke"
 
     @property
-    def law_points(self) -> tuple[LawPoint, ...]:
+    def law_points(self) -> tuple[DraggedPoint, ...]:
         """theta1 to theta4 with v1 and v2, and a1; no point changes the unknown quantity."""
         found = []
         speeds = {"theta1": "v1", "theta2": "v2", "theta3": "v2", "theta4": ""}
@@ -165,12 +165,12 @@ class ThreeSegmentStroke(LawKeys):
             value = getattr(self, key) if key else None
             name, at = f"{theta}, {speed}" if speed else theta, key_of(self, theta)
             value_key = key if value is not None else ""
-            found.append(LawPoint(name, "velocity", getattr(self, theta), None, at, value_key, value or 0.0))
+            found.append(DraggedPoint(name, "velocity", getattr(self, theta), None, at, value_key, value or 0.0))
         key = SOLVED_KEYS["a1"][self.turns]
         if (value := getattr(self, key)) is not None:
             # Just before the return, which may begin with another acceleration.
             before = self.theta4 * (1.0 - 1e-9)
-            found.append(LawPoint("a1", "acceleration", before, None, "", key, value, self.a1_speed_rpm))
+            found.append(DraggedPoint("a1", "acceleration", before, None, "", key, value, self.a1_speed_rpm))
         return tuple(found)
 
     def solved_stroke_mm(self, mechanism: type[Mechanism]) -> float:
@@ -216,7 +216,7 @@ class ThreeSegmentStroke(LawKeys):
             inverse_basis=self.return_.basis == "inverse_ratio",
         )
 
-    def _stroke(self, stroke_mm: float | None, output: Output) -> WorkingStroke:
+    def _stroke(self, stroke_mm: float | None, output: Output) -> ClosedStroke:
         """The working stroke with its unknown quantity solved for; None makes the stroke the unknown quantity."""
         from ncgear.numerics.units import RAD_S_PER_RPM
         from ncgear.ratio.working_stroke import StrokeRequest, solved_stroke

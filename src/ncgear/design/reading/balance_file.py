@@ -9,8 +9,8 @@ from typing import Any
 from ncgear.design.keys.balance import Balance
 from ncgear.design.reading.design_file import LARGEST_MB, LoadedDesign, load, refuse_train
 from ncgear.design.reading.messages import checked
-from ncgear.design.reading.places import Document, FromFile, Place, Source, named_by
-from ncgear.design.reading.points import Columns, FileKind, PointsFile, read_points, values_from_files
+from ncgear.design.reading.places import Document, FilePlace, FromFile, Source, named_by
+from ncgear.design.reading.points import FileColumns, PointsFile, PointsKind, read_points, values_from_files
 from ncgear.design.reading.text import read_text
 from ncgear.design.reading.yaml import read_yaml
 from ncgear.errors import WrongInput
@@ -61,7 +61,7 @@ def _designs(balance: Balance, document: Document, path: Path) -> Iterator[tuple
 def _measured(points: PointsFile, values: Mapping[str, Any], rows: Mapping[str, int]) -> FromFile:
     """The keys that a file of measurements replaces, with their values, and the row of each list item under them."""
 
-    def place(key: str) -> Place | None:
+    def place(key: str) -> FilePlace | None:
         while key and key not in rows:
             key = key.rpartition(".")[0]
         return points.row(rows[key]) if key else None
@@ -114,9 +114,9 @@ def _rows_by_key(planes: Mapping[int, list[int]]) -> dict[str, int]:
     return dict([*first, *runs, *readings])
 
 
-def _kind(keys: tuple[str, ...], names: str, runs: Callable[[PointsFile], FromFile]) -> FileKind:
-    columns = Columns(tuple((name,) for name in names.split()), MOST_ROWS)
-    return FileKind(keys, lambda file, _: runs(read_points(file, columns)))
+def _kind(keys: tuple[str, ...], names: str, runs: Callable[[PointsFile], FromFile]) -> PointsKind:
+    columns = FileColumns(tuple((name,) for name in names.split()), MOST_ROWS)
+    return PointsKind(keys, lambda file, _: runs(read_points(file, columns)))
 
 
 FILES = {

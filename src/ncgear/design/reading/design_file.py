@@ -17,8 +17,8 @@ from ncgear.design.keys.pitch_shapes import MOST_POINTS as CURVE_POINTS
 from ncgear.design.laws.table import ANGLE_COLUMNS, MOST_POINTS, VALUE_COLUMNS
 from ncgear.design.reading.contour_file import contour_of
 from ncgear.design.reading.messages import checked
-from ncgear.design.reading.places import Document, Place, Source
-from ncgear.design.reading.points import Columns, FileKind, columns_kind, values_from_files
+from ncgear.design.reading.places import Document, FilePlace, Source
+from ncgear.design.reading.points import FileColumns, PointsKind, columns_kind, values_from_files
 from ncgear.design.reading.svg_file import picture_contour_of, svg_contour_of
 from ncgear.design.reading.text import quoted, read_text
 from ncgear.design.reading.yaml import DEEPEST, read_yaml
@@ -29,19 +29,19 @@ from ncgear.frozen import dataclass
 LARGEST_MB = 5
 
 FORCE_POINTS = columns_kind(
-    Columns((("displacement_mm", "angle_deg"), ("force_n", "torque_n_m")), MOST_RESISTANCE_POINTS)
+    FileColumns((("displacement_mm", "angle_deg"), ("force_n", "torque_n_m")), MOST_RESISTANCE_POINTS)
 )
 
 DRAWN = {
-    "points": columns_kind(Columns((ANGLE_OR_X, RADIUS_OR_Y), CURVE_POINTS)),
-    "dxf": FileKind(("curves",), contour_of),
-    "svg": FileKind(("curves",), svg_contour_of),
-    "picture": FileKind(("curves",), picture_contour_of),
+    "points": columns_kind(FileColumns((ANGLE_OR_X, RADIUS_OR_Y), CURVE_POINTS)),
+    "dxf": PointsKind(("curves",), contour_of),
+    "svg": PointsKind(("curves",), svg_contour_of),
+    "picture": PointsKind(("curves",), picture_contour_of),
 }
 """Drawings of an outline, by their key."""
 
-FILES: dict[str, FileKind] = {
-    "motion": columns_kind(Columns((ANGLE_COLUMNS, VALUE_COLUMNS), MOST_POINTS), law="table"),
+FILES: dict[str, PointsKind] = {
+    "motion": columns_kind(FileColumns((ANGLE_COLUMNS, VALUE_COLUMNS), MOST_POINTS), law="table"),
     **{f"{group}.{shape}": kind for group in ("motion", "outline.mate") for shape, kind in DRAWN.items()},
     "resistance.table": FORCE_POINTS,
     "resistance.returning.table": FORCE_POINTS,
@@ -106,7 +106,7 @@ MAPPING = Path("mapping")
 
 def parsed_mapping(data: Mapping[str, Any]) -> LoadedDesign:
     """A design from plain values (``plain``); raises WrongInput with the key of each fault, up to ten."""
-    nowhere = Place("", 0, 0)
+    nowhere = FilePlace("", 0, 0)
     return _design(Document(dict(data), {"": nowhere, **dict.fromkeys(_keys(data, ""), nowhere)}), "", MAPPING)
 
 

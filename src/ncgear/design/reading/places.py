@@ -13,7 +13,7 @@ from ncgear.frozen import dataclass
 
 
 @dataclass(frozen=True)
-class Place:
+class FilePlace:
     """A line and a column of a file, both counted from 1; the text is empty without a file."""
 
     file: str
@@ -29,9 +29,9 @@ class Document:
     """Plain values of a YAML file, with the place of every key and list item by its dotted path."""
 
     data: Any
-    places: Mapping[str, Place]
+    places: Mapping[str, FilePlace]
 
-    def place(self, key: str) -> Place:
+    def place(self, key: str) -> FilePlace:
         """The place of ``key``, or of its nearest parent in the file."""
         while key and key not in self.places:
             key = key.rpartition(".")[0]
@@ -53,7 +53,7 @@ class FromFile:
     """
 
     values: Mapping[str, Any]
-    place: Callable[[str], Place | None] = lambda _: None
+    place: Callable[[str], FilePlace | None] = lambda _: None
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class Source:
             data = with_value(data, group, {**self.document.at(group), **found.values})
         return data
 
-    def place(self, key: str) -> Place:
+    def place(self, key: str) -> FilePlace:
         """The place of ``key`` (dotted), or of its nearest parent in the file."""
         for group, found in self.from_files.items():
             inner = key.removeprefix(f"{group}.")

@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from ncgear.design.keys.base import listed
-from ncgear.design.reading.places import Document, FromFile, Place, named_by
+from ncgear.design.reading.places import Document, FilePlace, FromFile, named_by
 from ncgear.design.reading.text import plain_number, quoted, read_bytes, read_text
 from ncgear.errors import WrongInput
 from ncgear.frozen import dataclass
@@ -35,7 +35,7 @@ DECIMAL_COMMA = re.compile(r"\s*[-+]?[0-9]*,[0-9]+([eE][-+]?[0-9]+)?\s*")
 
 
 @dataclass(frozen=True)
-class Row:
+class FileRow:
     """The cells of a line of the file; ``comma`` says that commas separate them."""
 
     line: int
@@ -47,7 +47,7 @@ class Row:
         return 1 + sum(len(cell) + 1 for cell in self.cells[:number])
 
 
-def read_rows(path: Path, *, limit_mb: int) -> Iterator[Row]:
+def read_rows(path: Path, *, limit_mb: int) -> Iterator[FileRow]:
     """The rows of a table; raises WrongInput if the file cannot be read, with the line of a text that is no row."""
     if path.suffix.lower() in SHEETS:
         return _of_sheet(path, limit_mb)
@@ -85,7 +85,7 @@ def _utf_16(begins: bytes) -> str:
     return next((coding for coding, half in halves.items() if half and not any(half)), "")
 
 
-def _of_text(text: str, path: Path) -> Iterator[Row]:
+def _of_text(text: str, path: Path) -> Iterator[FileRow]:
     separator, first, decimals = "", 1, dict[str, int]()
     lines = text.splitlines()
     if lines and re.fullmatch(r'"?sep=(.|\\t)"?', lines[0].strip(), re.IGNORECASE):
@@ -99,7 +99,7 @@ def _of_text(text: str, path: Path) -> Iterator[Row]:
         if separator != ",":
             _refuse_both(cells, line, decimals, path)
         if any(cell.strip() for cell in cells):
-            yield Row(line, cells if separator == "," else [_with_point(cell) for cell in cells], separator == ",")
+            yield FileRow(line, cells if separator == "," else [_with_point(cell) for cell in cells], separator == ",")
 
 
 def _cells(content: str, separator: str, location: str) -> list[str]:
@@ -132,7 +132,7 @@ def _with_point(cell: str) -> str:
     return cell.replace(",", ".") if "," in cell and DECIMAL_COMMA.fullmatch(cell) else cell
 
 
-def _of_sheet(path: Path, limit_mb: int) -> Iterator[Row]:
+def _of_sheet(path: Path, limit_mb: int) -> Iterator[FileRow]:
     """The rows of the first visible sheet; hidden rows count, as the library does not mark them."""
     from ncgear.extras import require
 
@@ -150,14 +150,14 @@ def _of_sheet(path: Path, limit_mb: int) -> Iterator[Row]:
     for line, values in enumerate(rows, 1):
         cells = [repr(value) if isinstance(value, float) else str(value) for value in values]
         if any(cell.strip() for cell in cells) and not cells[0].strip().startswith(COMMENTS):
-            yield Row(line, cells)
+            yield FileRow(line, cells)
 
 
 LARGEST_MB = 20
 
 
 @dataclass(frozen=True)
-class Columns:
+class FileColumns:
     """The columns of a file, one of each kind, and the largest number of points; a kind is a list of possible names."""
 
     kinds: tuple[tuple[str, ...], ...]
@@ -178,18 +178,18 @@ class PointsFile:
     values: dict[str, list[float]]
     lines: list[int]
 
-    def row(self, row: int | None) -> Place:
+    def row(self, row: int | None) -> FilePlace:
         """The place where a row begins; None stands for the header."""
-        return Place(self.file, self.header if row is None else self.lines[row], 1)
+        return FilePlace(self.file, self.header if row is None else self.lines[row], 1)
 
-    def place(self, key: str) -> Place:
+    def place(self, key: str) -> FilePlace:
         """The place of a column (``ratio``) or of a number in it (``ratio.12``)."""
         row = key.partition(".")[2]
         return self.row(int(row) if row else None)
 
 
 @dataclass(frozen=True)
-class FileKind:
+class PointsKind:
     """The purpose of a group's file: the keys that it replaces, and the function that reads it.
 
     ``read`` takes the file and the other keys of the group.  If ``law`` is not empty, only a group with this law may
@@ -201,17 +201,17 @@ class FileKind:
     law: str = ""
 
 
-def columns_kind(columns: Columns, law: str = "") -> FileKind:
+def columns_kind(columns: FileColumns, law: str = "") -> PointsKind:
     """The columns of a CSV file in place of keys of the same names."""
 
     def read(file: Path, _: Mapping[str, Any]) -> FromFile:
         points = read_points(file, columns)
         return FromFile(points.values, points.place)
 
-    return FileKind(columns.names, read, law)
+    return PointsKind(columns.names, read, law)
 
 
-def values_from_files(document: Document, path: Path, kinds: Mapping[str, FileKind]) -> dict[str, FromFile]:
+def values_from_files(document: Document, path: Path, kinds: Mapping[str, PointsKind]) -> dict[str, FromFile]:
     """The values of the files that groups name by their key ``file``; ``kinds`` are by the group's dotted key.
 
     Files must be beside ``path``.  The schema refuses a name of a file that is not text.  Raises WrongInput for a wrong
@@ -232,10 +232,10 @@ def values_from_files(document: Document, path: Path, kinds: Mapping[str, FileKi
     return found
 
 
-def read_points(path: Path, columns: Columns) -> PointsFile:
+def read_points(path: Path, columns: FileColumns) -> PointsFile:
     """Read the columns and pass over all others; WrongInput names the line of a cell that is no number."""
     rows = read_rows(path, limit_mb=LARGEST_MB)
-    header = next(rows, Row(1, []))
+    header = next(rows, FileRow(1, []))
     places = _places(header, str(path), columns)
     points = PointsFile(str(path), header.line, {name: [] for name in places}, [])
     width = len(header.cells)
@@ -244,7 +244,7 @@ def read_points(path: Path, columns: Columns) -> PointsFile:
     return points
 
 
-def _places(header: Row, file: str, columns: Columns) -> dict[str, int]:
+def _places(header: FileRow, file: str, columns: FileColumns) -> dict[str, int]:
     """The requested columns by name, in the order of the file."""
     names = [column_name(cell) for cell in header.cells]
     for i, name in enumerate(names):
@@ -263,7 +263,7 @@ def _places(header: Row, file: str, columns: Columns) -> dict[str, int]:
     return {name: i for i, name in enumerate(names) if name in columns.names}
 
 
-def _append(points: PointsFile, places: Mapping[str, int], width: int, row: Row, most: int) -> None:
+def _append(points: PointsFile, places: Mapping[str, int], width: int, row: FileRow, most: int) -> None:
     cells = row.cells
     while len(cells) > width and not cells[-1].strip():
         cells = cells[:-1]
@@ -281,5 +281,5 @@ def _append(points: PointsFile, places: Mapping[str, int], width: int, row: Row,
         points.values[name].append(float(number))
 
 
-def _wrong(file: str, row: Row, i: int, problem: str, key: str = "") -> WrongInput:
+def _wrong(file: str, row: FileRow, i: int, problem: str, key: str = "") -> WrongInput:
     return WrongInput(problem, key=key, location=f"{file}:{row.line}:{row.column(i)}")

@@ -22,7 +22,7 @@ from ruamel.yaml.events import (
 )
 from ruamel.yaml.reader import ReaderError
 
-from ncgear.design.reading.places import Document, Place
+from ncgear.design.reading.places import Document, FilePlace
 from ncgear.design.reading.text import beyond_numbers, plain_value, quoted, shortened
 from ncgear.errors import WrongInput
 
@@ -63,7 +63,7 @@ def read_yaml(text: str, file: str) -> Document:
         # The parser finds an unclosed text at the end of the file; the fault is where the text begins.
         of_text = str(error.context).startswith(("while scanning a simple key", "while scanning a quoted"))
         mark = (error.context_mark if of_text else error.problem_mark) or error.context_mark
-        place = Place(file, mark.line + 1, mark.column + 1) if mark else Place(file, 1, 1)
+        place = FilePlace(file, mark.line + 1, mark.column + 1) if mark else FilePlace(file, 1, 1)
         raise WrongInput(_syntax(error, text.splitlines()[: place.line]), location=str(place)) from error
     except YAMLError as error:
         raise WrongInput(f"is not YAML: {error}", location=f"{file}:1:1") from error
@@ -74,13 +74,13 @@ class _Reader:
 
     def __init__(self, text: str, file: str) -> None:
         self._file = file
-        self._places: dict[str, Place] = {}
+        self._places: dict[str, FilePlace] = {}
         self._count = 0
         self._events = _events(text, file)
 
     def document(self) -> Document:
         """The only document of the stream; an empty file gives None."""
-        self._places[""] = Place(self._file, 1, 1)
+        self._places[""] = FilePlace(self._file, 1, 1)
         data, begun = None, False
         for event in self._events:
             if isinstance(event, ScalarEvent | SequenceStartEvent | MappingStartEvent | AliasEvent):
@@ -162,8 +162,8 @@ class _Reader:
             values.append(self._value(event, inner))
         return values
 
-    def _place(self, event: Any) -> Place:
-        return Place(self._file, event.start_mark.line + 1, event.start_mark.column + 1)
+    def _place(self, event: Any) -> FilePlace:
+        return FilePlace(self._file, event.start_mark.line + 1, event.start_mark.column + 1)
 
     def _wrong(self, event: Any, key: str, problem: str) -> WrongInput:
         return WrongInput(problem, key=key, location=str(self._place(event)))
@@ -175,10 +175,10 @@ def _events(text: str, file: str) -> Iterator[Any]:
     The parser turns escapes (``"\\UFFFFFFFF"``) and the version after %YAML into numbers without checking their size.
     Such a fault gets the place where the readable text ends.
     """
-    place = Place(file, 1, 1)
+    place = FilePlace(file, 1, 1)
     try:
         for event in YAML(typ="safe", pure=True).parse(text):
-            place = Place(file, event.end_mark.line + 1, event.end_mark.column + 1)
+            place = FilePlace(file, event.end_mark.line + 1, event.end_mark.column + 1)
             yield event
     except (ValueError, OverflowError) as error:
         problem = "is not YAML: a number after \\U or %YAML is too large; write the character itself, and no version"

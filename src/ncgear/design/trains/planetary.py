@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ncgear.ratio.transmission import Transmission
     from ncgear.teeth.gear import ToothedPair
     from ncgear.trains.loads import TrainLoads
-    from ncgear.trains.planetary import Chain
+    from ncgear.trains.planetary import ArmChain
     from ncgear.trains.tip_path import TipMotion, WishedPath
     from ncgear.trains.train import Train
 
@@ -232,7 +232,7 @@ class Planetary(TrainKeys):
             limits = replace(limits, low=complex(*path.axis_from_mm), high=complex(*path.axis_to_mm))
         return found_motion(wished, limits, None if path.axis_mm is None else complex(*path.axis_mm))
 
-    def _chain(self, motion: TipMotion | None) -> tuple[tuple[PitchPair, ...], Chain]:
+    def _chain(self, motion: TipMotion | None) -> tuple[tuple[PitchPair, ...], ArmChain]:
         """The pitch curves of each pair, and the chain with its teeth."""
         import numpy as np
 

@@ -19,9 +19,9 @@ from matplotlib.transforms import Affine2D, Transform
 
 from ncgear.drawings.palette import LIGHT
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, HIGHLIGHT, INK, MATERIAL, PAPER, Style
-from ncgear.drawings.scene.bodies import Body, Chamber, Kind, Places, pin_radius_mm
+from ncgear.drawings.scene.bodies import Body, BodyKind, BodyPlaces, Chamber, pin_radius_mm
 from ncgear.drawings.scene.geared_pairs import SceneGear
-from ncgear.drawings.scene.scene import Poses, Scene
+from ncgear.drawings.scene.scene import Scene, ScenePoses
 from ncgear.drawings.scene.standing import simplified, straws
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
@@ -39,22 +39,22 @@ def tinted(color: str, share: float = TINT) -> tuple[float, float, float]:
     return float(red), float(green), float(blue)
 
 
-BODIES: dict[Kind, Style] = {
-    Kind.DRIVING: {"facecolor": (*tinted(DRIVING), 0.88), "edgecolor": DRIVING, "linewidth": 0.7},
-    Kind.DRIVEN: {"facecolor": (*tinted(DRIVEN), 0.88), "edgecolor": DRIVEN, "linewidth": 0.7},
-    Kind.CRANK: {"facecolor": tinted(LIGHT["link"], LINK_SHARE), "edgecolor": INK, "linewidth": 0.8},
-    Kind.ROD: {"facecolor": tinted(LIGHT["link"], LINK_SHARE), "edgecolor": INK, "linewidth": 0.8},
-    Kind.SLIDER: {"facecolor": LIGHT["slider"], "edgecolor": INK, "linewidth": 0.8},
+BODIES: dict[BodyKind, Style] = {
+    BodyKind.DRIVING: {"facecolor": (*tinted(DRIVING), 0.88), "edgecolor": DRIVING, "linewidth": 0.7},
+    BodyKind.DRIVEN: {"facecolor": (*tinted(DRIVEN), 0.88), "edgecolor": DRIVEN, "linewidth": 0.7},
+    BodyKind.CRANK: {"facecolor": tinted(LIGHT["link"], LINK_SHARE), "edgecolor": INK, "linewidth": 0.8},
+    BodyKind.ROD: {"facecolor": tinted(LIGHT["link"], LINK_SHARE), "edgecolor": INK, "linewidth": 0.8},
+    BodyKind.SLIDER: {"facecolor": LIGHT["slider"], "edgecolor": INK, "linewidth": 0.8},
 }
 
-PITCH_CURVES: dict[Kind, Style] = {
+PITCH_CURVES: dict[BodyKind, Style] = {
     kind: {"color": color, "linewidth": 0.6, "linestyle": (0, (7, 3, 1.5, 3))}
-    for kind, color in ((Kind.DRIVING, DRIVING), (Kind.DRIVEN, DRIVEN))
+    for kind, color in ((BodyKind.DRIVING, DRIVING), (BodyKind.DRIVEN, DRIVEN))
 }
 
-EDGES: dict[Kind, Style] = {
+EDGES: dict[BodyKind, Style] = {
     kind: {"color": color, "linewidth": 0.5, "alpha": 0.7}
-    for kind, color in ((Kind.DRIVING, DRIVING), (Kind.DRIVEN, DRIVEN))
+    for kind, color in ((BodyKind.DRIVING, DRIVING), (BodyKind.DRIVEN, DRIVEN))
 }
 
 CHARGE: Style = {"facecolor": tinted(MATERIAL, 0.3), "edgecolor": "none"}
@@ -78,7 +78,7 @@ class MovingArtists:
     """Artists in the order in which they are drawn; ``pose`` puts them into the pose of a given number."""
 
     artists: tuple[Artist, ...]
-    pose: Callable[[Poses, int], None]
+    pose: Callable[[ScenePoses, int], None]
 
 
 def body_artist(axes: Axes, body: Body, pixel_mm: float, to_screen: Transform) -> MovingArtists:
@@ -104,7 +104,7 @@ def gear_artists(axes: Axes, gear: SceneGear, pixel_mm: float, to_screen: Transf
     return MovingArtists((patch, *edges, curve), filled.pose)
 
 
-def _place(transform: Affine2D, places: Places, row: int) -> None:
+def _place(transform: Affine2D, places: BodyPlaces, row: int) -> None:
     x, y = places.origin_mm[row]
     transform.clear().rotate(float(places.angle_rad[row])).translate(float(x), float(y))
 
@@ -136,7 +136,7 @@ def _strip(axes: Axes, scene: Scene, chamber: Chamber, name: str) -> MovingArtis
         axes.add_collection(grain, autolim=False)
         parts.append(grain)
 
-    def pose(poses: Poses, row: int) -> None:
+    def pose(poses: ScenePoses, row: int) -> None:
         left_mm, depth_mm = (float(values[row]) for values in scene.strips_mm(poses)[name])
         squeezed.clear().scale(depth_mm, chamber.material_height_mm).translate(left_mm, chamber.level_mm)
         for artist in parts:
@@ -152,7 +152,7 @@ def pin_artists(axes: Axes, scene: Scene) -> MovingArtists:
     for pin in pins:
         axes.add_artist(pin)
 
-    def pose(poses: Poses, row: int) -> None:
+    def pose(poses: ScenePoses, row: int) -> None:
         for pin, name in zip(pins, linkage.PINS.values(), strict=True):
             pin.set_center(tuple(poses.places[name].origin_mm[row]))
 
@@ -171,7 +171,7 @@ def pitch_point_artist(axes: Axes, to_screen: Transform) -> MovingArtists:
     points = Line2D([], [], transform=to_screen, **PITCH_POINT)
     axes.add_artist(points)
 
-    def pose(poses: Poses, row: int) -> None:
+    def pose(poses: ScenePoses, row: int) -> None:
         points.set_data(*np.array([point[row] for point in poses.pitch_points_mm]).T)
 
     return MovingArtists((points,), pose)

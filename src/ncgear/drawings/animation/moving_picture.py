@@ -28,7 +28,7 @@ from ncgear.drawings.charts.chart import Chart, Role, decimals_of
 from ncgear.drawings.charts.drawer import Look, draw
 from ncgear.drawings.charts.slider_charts import Quantity, motion_chart
 from ncgear.drawings.plots.canvas import DRIVEN, DRIVING, EDGE_IN, INK, NORMAL, SMALL, Style, dress, figure
-from ncgear.drawings.scene.scene import Poses, Scene
+from ncgear.drawings.scene.scene import Scene, ScenePoses
 from ncgear.drawings.scene.standing import Box, hatches_mm, support_hatches_mm, supports_mm, views, walls_mm
 from ncgear.figures.numbers import fixed, rounded
 from ncgear.frozen import dataclass
@@ -83,7 +83,7 @@ def mesh(axes: Axes, scene: Scene, pixel_mm: float) -> Iterator[MovingArtists]:
     """The gears around the pitch point of the last pair, which stays at the origin of the axes."""
     camera = Affine2D()
 
-    def pose(poses: Poses, row: int) -> None:
+    def pose(poses: ScenePoses, row: int) -> None:
         x, y = poses.pitch_points_mm[-1][row]
         camera.clear().translate(-float(x), -float(y))
 
@@ -128,7 +128,7 @@ def _chart(axes: Axes, linkage: Mechanism, motion: OutputMotion, quantity: Quant
     widest = max((fixed(value, decimals) for value in chart.own.values), key=len)
     number = _number_in_words(axes, f"{chart.name} ", widest, f" {chart.unit}")
 
-    def pose(poses: Poses, row: int) -> None:
+    def pose(poses: ScenePoses, row: int) -> None:
         value = rounded(quantity.values(poses.motion, linkage.OUTPUT)[row], decimals)
         dot.set_data([degrees(poses.motion.phi1_rad[row])], [value])
         number.set_text(fixed(value, decimals))
@@ -180,7 +180,7 @@ def angles(figure: Figure, x: float, y: float) -> MovingArtists:
     after = [len(ANGLES) - place for place, sign in enumerate(ANGLES) if sign == DEGREE]
     numbers = tuple(figure.text(x - count * letter, y, "", **style) for count in after)
 
-    def pose(poses: Poses, row: int) -> None:
+    def pose(poses: ScenePoses, row: int) -> None:
         for number, angle in zip(numbers, (poses.motion.phi1_rad[row], poses.motion.phi2_rad[row]), strict=True):
             number.set_text(fixed(degrees(angle), 1))
 
@@ -224,7 +224,7 @@ class Picture:
     figure: Figure
     moving: tuple[MovingArtists, ...]
 
-    def frames(self, poses: Poses) -> Iterator[Frame]:
+    def frames(self, poses: ScenePoses) -> Iterator[Frame]:
         """A frame for each pose."""
         # Matplotlib has no types for the canvas of Agg and its buffers.
         canvas: Any = self.figure.canvas

@@ -52,7 +52,7 @@ DRIVING_ANGLE = "driving angle phi1 in deg"
 
 
 @dataclass(frozen=True, eq=False)
-class Line:
+class ChartLine:
     """Values in the chart's unit at places ``x`` along its horizontal axis, both of shape (n,)."""
 
     role: Role
@@ -74,7 +74,7 @@ class Chart:
 
     name: str
     unit: str
-    lines: tuple[Line, ...]
+    lines: tuple[ChartLine, ...]
     end: float
     period: float | None = None
     joints_deg: Array = field(default_factory=lambda: EMPTY)
@@ -85,7 +85,7 @@ class Chart:
     across: str = DRIVING_ANGLE
 
     @property
-    def own(self) -> Line:
+    def own(self) -> ChartLine:
         """This design's line."""
         return next(line for line in self.lines if line.role is Role.OWN)
 

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from ncgear.drawings.charts.chart import DRIVING_ANGLE, Chart, Line, Role
+from ncgear.drawings.charts.chart import DRIVING_ANGLE, Chart, ChartLine, Role
 from ncgear.drawings.plots import canvas
 from ncgear.drawings.plots.canvas import Style
 from ncgear.figures.numbers import fixed, to_digits
@@ -110,7 +110,7 @@ def draw(axes: Axes, chart: Chart, look: Look) -> None:
         mark_extreme(axes, chart.own, chart.unit)
 
 
-def _repeated(line: Line, chart: Chart) -> tuple[Array, Array]:
+def _repeated(line: ChartLine, chart: Chart) -> tuple[Array, Array]:
     """Places and values of a line, repeated as often as its period fits into the chart."""
     if chart.period is None:
         return line.x, line.values
@@ -118,7 +118,7 @@ def _repeated(line: Line, chart: Chart) -> tuple[Array, Array]:
     return (starts[:, None] + line.x).ravel(), np.tile(line.values, starts.size)
 
 
-def mark_extreme(axes: Axes, line: Line, unit: str) -> None:
+def mark_extreme(axes: Axes, line: ChartLine, unit: str) -> None:
     """Mark and name the value largest in size, beside the point and clear of all curves where there is room.
 
     The axes have their horizontal limits and all their curves already.  Where all values are 0, the axes say so.

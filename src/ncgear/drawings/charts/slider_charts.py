@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ncgear.drawings.charts.chart import EMPTY, Chart, Line, Role
+from ncgear.drawings.charts.chart import EMPTY, Chart, ChartLine, Role
 from ncgear.kinematics.motion import OutputMotion
 from ncgear.mechanisms.mechanism import Mechanism, Output, Unit
 from ncgear.numerics.arrays import Array
@@ -86,10 +86,10 @@ def motion_chart(
     ``joints_deg`` (shape (k,)) are the joints of the law, which are marked.
     """
     output = linkage.OUTPUT
-    lines = [Line(Role.OWN, "this design", np.degrees(own.phi1_rad), quantity.values(own, output))]
+    lines = [ChartLine(Role.OWN, "this design", np.degrees(own.phi1_rad), quantity.values(own, output))]
     if uniform is not None:
         angle, values = np.degrees(uniform.phi1_rad), quantity.values(uniform, output)
-        lines.append(Line(Role.UNIFORM, f"{linkage.UNIFORM}, same speed", angle, values))
+        lines.append(ChartLine(Role.UNIFORM, f"{linkage.UNIFORM}, same speed", angle, values))
     counted = ", with masses" if quantity is Quantity.POWER and own.power_with_masses_w is not None else ""
     return Chart(
         quantity.name_of(output) + counted,

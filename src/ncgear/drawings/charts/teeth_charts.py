@@ -10,7 +10,7 @@ import numpy as np
 from ncgear.contact.designed.as_designed import AsDesigned
 from ncgear.contact.pair import PairContact
 from ncgear.contact.written.as_written import AsWritten
-from ncgear.drawings.charts.chart import Chart, Line, Role
+from ncgear.drawings.charts.chart import Chart, ChartLine, Role
 from ncgear.figures.numbers import MICRORAD, to_digits
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.shape import Gear
@@ -27,8 +27,8 @@ def transmission_error(contact: PairContact) -> Chart:
     """Driven angle less the driven angle of the law, as designed and for the worst written outlines."""
     designed, written = contact.as_designed, worst_written(contact)
     lines = (
-        Line(Role.OWN, PUSHING, _angle_deg(designed), 1e6 * designed.pushing.error_rad),
-        Line(Role.WRITTEN, "pushing flanks as written", _angle_deg(designed), 1e6 * written.pushing_rad),
+        ChartLine(Role.OWN, PUSHING, _angle_deg(designed), 1e6 * designed.pushing.error_rad),
+        ChartLine(Role.WRITTEN, "pushing flanks as written", _angle_deg(designed), 1e6 * written.pushing_rad),
     )
     label = f"error of driven\nangle in {MICRORAD}"
     return Chart("transmission error", MICRORAD, lines, _cycle_deg(designed), axis_label=label)
@@ -41,7 +41,7 @@ def worst_written(contact: PairContact) -> AsWritten:
 
 def backlash(designed: AsDesigned) -> Chart:
     """Play of the driven gear."""
-    line = Line(Role.OWN, "as designed", _angle_deg(designed), 1e6 * designed.backlash_rad)
+    line = ChartLine(Role.OWN, "as designed", _angle_deg(designed), 1e6 * designed.backlash_rad)
     return Chart("backlash", MICRORAD, (line,), _cycle_deg(designed))
 
 
@@ -64,10 +64,10 @@ def sliding(designed: AsDesigned) -> Chart:
     return Chart("sliding", "mm per rad", _sides(designed, *speeds), _cycle_deg(designed))
 
 
-def _sides(designed: AsDesigned, pushing: Array, back: Array) -> tuple[Line, Line]:
+def _sides(designed: AsDesigned, pushing: Array, back: Array) -> tuple[ChartLine, ChartLine]:
     """The lines of both flanks; the line of the pushing flanks comes last, and is drawn on top."""
     angle = _angle_deg(designed)
-    return Line(Role.OTHER, BACKS, angle, back), Line(Role.OWN, PUSHING, angle, pushing)
+    return ChartLine(Role.OTHER, BACKS, angle, back), ChartLine(Role.OWN, PUSHING, angle, pushing)
 
 
 def _angle_deg(designed: AsDesigned) -> Array:
@@ -95,15 +95,15 @@ def speed_charts(sweep: SpeedSweep) -> list[Chart]:
     """The effect of vibration on the teeth's load over the driving speed, and the resonance ratios of a turn."""
     speed = sweep.speed_rpm
     end, across = float(speed[-1]), "driving speed in r/min"
-    factors = [Line(Role.OWN, "K_V, greatest of a turn", speed, sweep.factor)]
+    factors = [ChartLine(Role.OWN, "K_V, greatest of a turn", speed, sweep.factor)]
     if sweep.load_factor is not None:
         finite = np.isfinite(sweep.load_factor)
-        factors.append(Line(Role.OTHER, "mesh as a spring that swings", speed[finite], sweep.load_factor[finite]))
+        factors.append(ChartLine(Role.OTHER, "mesh as a spring that swings", speed[finite], sweep.load_factor[finite]))
     ends = np.array([0.0, end])
     ratios = [
-        Line(Role.OWN, "greatest of a turn", speed, sweep.greatest),
-        Line(Role.OTHER, "least of a turn", speed, sweep.least),
-        *(Line(Role.LIMIT, f"resonance, {ratio:g}", ends, np.full(2, ratio)) for ratio in RESONANCE),
+        ChartLine(Role.OWN, "greatest of a turn", speed, sweep.greatest),
+        ChartLine(Role.OTHER, "least of a turn", speed, sweep.least),
+        *(ChartLine(Role.LIMIT, f"resonance, {ratio:g}", ends, np.full(2, ratio)) for ratio in RESONANCE),
     ]
     return [
         Chart("dynamic factor", "", tuple(factors), end, axis_label="load over\nload at rest", across=across),
@@ -121,14 +121,16 @@ def _forces(strength: Strength) -> Chart:
     most, next_ = np.zeros(angle.size), np.zeros(angle.size)
     for values, place in ((most, 0), (next_, 1)):
         values[position[rank == place]] = contacts.force_n[order][rank == place]
-    lines = (Line(Role.OTHER, "the next pair", angle, next_), Line(Role.OWN, "most loaded pair", angle, most))
+    lines = (ChartLine(Role.OTHER, "the next pair", angle, next_), ChartLine(Role.OWN, "most loaded pair", angle, most))
     return Chart("force of a pair", "N", lines, degrees(strength.end_rad), names_extreme=True)
 
 
 def _root_stress(strength: Strength, found: Sequence[Weakest]) -> Chart:
     angle, tension = _position_deg(strength), strength.stresses.tension_mpa
     roles = (Role.OTHER, Gear.DRIVEN, 1), (Role.OWN, Gear.DRIVING, 0)
-    lines = [Line(role, f"{gear.value} gear", angle, _largest(strength, tension[row])) for role, gear, row in roles]
+    lines = [
+        ChartLine(role, f"{gear.value} gear", angle, _largest(strength, tension[row])) for role, gear, row in roles
+    ]
     limits = _limits(strength, found, Damage.BENDING)
     return Chart("root stress", "MPa", (*limits, *lines), degrees(strength.end_rad), names_extreme=True)
 
@@ -144,21 +146,21 @@ def _pressure(strength: Strength, found: Sequence[Weakest]) -> Chart:
         known[contacts.position] = False
         known[contacts.position[counted]] = True
         values = _largest(strength, np.where(counted, pressure, 0.0))
-        lines.append(Line(role, label, angle[known], values[known]))
+        lines.append(ChartLine(role, label, angle[known], values[known]))
     limits = _limits(strength, found, Damage.CONTACT)
     return Chart("contact pressure", "MPa", (*limits, *lines), degrees(strength.end_rad), names_extreme=True)
 
 
-def _limits(strength: Strength, found: Sequence[Weakest], damage: Damage) -> list[Line]:
+def _limits(strength: Strength, found: Sequence[Weakest], damage: Damage) -> list[ChartLine]:
     """The stresses that the weakest teeth endure, as level lines; one line for both gears if they endure the same."""
     endured = {one.gear: one.endured_mpa for one in found if one.damage is damage}
     ends = np.array([0.0, degrees(strength.end_rad)])
     driving, driven = endured[Gear.DRIVING], endured[Gear.DRIVEN]
     if abs(driving - driven) <= SAME_LIMIT * max(driving, driven):
-        return [Line(Role.LIMIT, "endured", ends, np.full(2, min(driving, driven)))]
+        return [ChartLine(Role.LIMIT, "endured", ends, np.full(2, min(driving, driven)))]
     return [
         # Both are drawn alike: their values distinguish them.
-        Line(Role.LIMIT, f"{gear.value} gear endures {to_digits(value, 3)}", ends, np.full(2, value))
+        ChartLine(Role.LIMIT, f"{gear.value} gear endures {to_digits(value, 3)}", ends, np.full(2, value))
         for gear, value in endured.items()
     ]
 

@@ -212,7 +212,7 @@ RING = 1.1
 ROUND = 2.0 * np.pi * np.linspace(0.0, 1.0, 181)[:-1]
 
 
-class Outline(NamedTuple):
+class DrawnOutline(NamedTuple):
     """Closed contours in mm, shape (n, 2) each, in the frame of a gear, the outer one first; the place of its axis."""
 
     gear: Gear
@@ -220,16 +220,16 @@ class Outline(NamedTuple):
     axis_mm: float
 
 
-def _outline(curve: ClosedPitchCurve, points_mm: Array, axis_mm: float) -> Outline:
+def _outline(curve: ClosedPitchCurve, points_mm: Array, axis_mm: float) -> DrawnOutline:
     """The outline of a gear by its pitch curve or teeth; the outline of a ring is around them."""
     if not curve.is_ring:
-        return Outline(curve.gear, (points_mm,), axis_mm)
+        return DrawnOutline(curve.gear, (points_mm,), axis_mm)
     radius = RING * float(np.hypot(*points_mm.T).max())
     circle = radius * np.column_stack([np.cos(ROUND), np.sin(ROUND)])
-    return Outline(curve.gear, (circle, points_mm), axis_mm)
+    return DrawnOutline(curve.gear, (circle, points_mm), axis_mm)
 
 
-def pitch_outlines(pitch: PitchPair) -> list[Outline]:
+def pitch_outlines(pitch: PitchPair) -> list[DrawnOutline]:
     """Both pitch curves; curves of gears that turn less than once are closed by straight sides to the axis."""
     outlines = []
     for curve, axis in ((pitch.driving, 0.0), (pitch.driven, pitch.center_distance_mm)):
@@ -239,7 +239,7 @@ def pitch_outlines(pitch: PitchPair) -> list[Outline]:
     return outlines
 
 
-def tooth_outlines(teeth: ToothedPair) -> list[Outline]:
+def tooth_outlines(teeth: ToothedPair) -> list[DrawnOutline]:
     """Both tooth outlines in mesh."""
     curve = teeth.driving.flanks.curve
     assert isinstance(curve, PitchCurve)
@@ -247,18 +247,18 @@ def tooth_outlines(teeth: ToothedPair) -> list[Outline]:
     return [tooth_outline(teeth.of(gear), axis) for gear, axis in zip(Gear, axes_mm, strict=True)]
 
 
-def tooth_outline(gear: ToothedGear, axis_mm: float = 0.0) -> Outline:
+def tooth_outline(gear: ToothedGear, axis_mm: float = 0.0) -> DrawnOutline:
     """The teeth of one gear."""
     return _outline(gear.flanks.curve, gear.outline_mm, axis_mm)
 
 
-def section_outline(gear: Gear, section: Polygon) -> Outline:
+def section_outline(gear: Gear, section: Polygon) -> DrawnOutline:
     """The section of a solid, with its holes."""
     rings = (np.asarray(ring.coords)[:-1] for ring in (section.exterior, *section.interiors))
-    return Outline(gear, tuple(rings), 0.0)
+    return DrawnOutline(gear, tuple(rings), 0.0)
 
 
-def picture(outlines: Sequence[Outline], name: str) -> Markup:
+def picture(outlines: Sequence[DrawnOutline], name: str) -> Markup:
     """The outlines to one scale, with their axes; the name is what a screen reader says."""
     corners = np.vstack([outline.contours_mm[0] + np.array([outline.axis_mm, 0.0]) for outline in outlines])
     low, high = corners.min(axis=0), corners.max(axis=0)

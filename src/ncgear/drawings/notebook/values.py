@@ -42,9 +42,9 @@ from ncgear.drawings.page.page_charts import ratio_chart
 from ncgear.drawings.page.tables import typeset
 from ncgear.drawings.plots.frontier_plot import frontier
 from ncgear.drawings.scene.scene import scene_of
-from ncgear.figures.advice.verdict import Known, judged
+from ncgear.figures.advice.verdict import KnownParts, judged
 from ncgear.figures.answers.machine import gear_facts, machine_facts
-from ncgear.figures.balance.parts import figures_of
+from ncgear.figures.balance.parts import balancing_figures
 from ncgear.figures.best_law import figures_summary
 from ncgear.figures.comparison import comparison_rows, comparison_tables
 from ncgear.figures.data_sheet.measured_tables import cut_table
@@ -127,7 +127,7 @@ def _drive(drive: Drive) -> Iterator[Markup]:
 
 def _verdict(drive: Drive) -> Markup:
     """The verdict of a check on a machine: its warnings, and the conditions that it cannot judge."""
-    verdict = judged(drive, Known.MOTION)
+    verdict = judged(drive, KnownParts.MOTION)
     warnings = [refusal(f"warning: {line}") for line in verdict.lines(matter=True)]
     left = facts([("not judged", verdict.not_judged.removeprefix("Not judged: "))]) if verdict.not_judged else NOTHING
     return NOTHING.join([*warnings, left])
@@ -340,7 +340,7 @@ def _whole_machines(found: WholeMachines) -> Iterator[Markup]:
 @_pieces.register
 def _balancing(balancing: Balancing) -> Iterator[Markup]:
     """Every part of the balance file under its name; of tables within, the command and its files have the rows."""
-    for part, content in figures_of(balancing).items():
+    for part, content in balancing_figures(balancing).items():
         for one in content if isinstance(content, list) else [content]:
             if isinstance(one, Mapping):
                 yield Markup("<p><b>{}</b></p>").format(part.replace("_", " ")) + figures(one)

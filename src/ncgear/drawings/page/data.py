@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from ncgear.drawings.charts.chart import Line
+from ncgear.drawings.charts.chart import ChartLine
 from ncgear.drawings.page.chart_figure import ChartFigure
 from ncgear.drawings.scene.geared_pairs import SceneGear, ScenePair
 from ncgear.drawings.scene.scene import Scene
@@ -35,18 +35,20 @@ DEG_S_PER_RPM = 6.0
 
 
 @dataclass(frozen=True)
-class Pace:
+class PicturePace:
     """A pace of the picture, in degrees of the driving gear per second."""
 
     name: str
     deg_s: float
 
 
-def paces(speed_rpm: float) -> list[Pace]:
+def paces(speed_rpm: float) -> list[PicturePace]:
     """The paces of a machine, the readable one first."""
     speeds = {times: times * speed_rpm for times in PACES}
-    multiples = (Pace(f"{n:g}\u00d7 ({shown(speed)} r/min)", speed * DEG_S_PER_RPM) for n, speed in speeds.items())
-    return [Pace(f"readable ({READABLE_DEG_S:g}\u00b0/s)", READABLE_DEG_S), *multiples]
+    multiples = (
+        PicturePace(f"{n:g}\u00d7 ({shown(speed)} r/min)", speed * DEG_S_PER_RPM) for n, speed in speeds.items()
+    )
+    return [PicturePace(f"readable ({READABLE_DEG_S:g}\u00b0/s)", READABLE_DEG_S), *multiples]
 
 
 TABLE_ERROR_RAD = 1e-7
@@ -265,7 +267,7 @@ def chart_data(figures: Sequence[ChartFigure]) -> dict[str, Any]:
     }
 
 
-def _grid_key(line: Line, period_deg: float) -> GridKey:
+def _grid_key(line: ChartLine, period_deg: float) -> GridKey:
     return line.x.tobytes(), period_deg
 
 

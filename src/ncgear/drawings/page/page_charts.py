@@ -12,10 +12,10 @@ from math import degrees
 
 import numpy as np
 
-from ncgear.contact.designed.extremes import Range
+from ncgear.contact.designed.extremes import ValueRange
 from ncgear.contact.pair import PairContact
 from ncgear.drawings.charts import teeth_charts
-from ncgear.drawings.charts.chart import Chart, Line, Role, joints_up_to
+from ncgear.drawings.charts.chart import Chart, ChartLine, Role, joints_up_to
 from ncgear.drawings.charts.slider_charts import RATIO_NAME
 from ncgear.drawings.page.chart_figure import BETWEEN, DRIVING, PageChart
 from ncgear.drawings.page.motion_charts import split_angles
@@ -66,7 +66,7 @@ def _pressure_angle(drive: Drive) -> Chart:
     lines = (
         _closed(pushing, chart.end, Role.OWN, "pushing flanks"),
         _closed(backs, chart.end, Role.OTHER, "backs"),
-        Line(Role.UNIFORM, "circular gears", np.array([0.0, chart.end]), circular),
+        ChartLine(Role.UNIFORM, "circular gears", np.array([0.0, chart.end]), circular),
     )
     return replace(chart, unit="\u00b0", lines=lines)
 
@@ -85,7 +85,7 @@ def _transmission_error(contact: PairContact) -> Chart:
     return replace(chart, lines=lines)
 
 
-def _with_extremes(line: Line, found: Range, factor: float) -> Line:
+def _with_extremes(line: ChartLine, found: ValueRange, factor: float) -> ChartLine:
     """The line with the least and the greatest value, searched between its places, as the page names them."""
     at = np.degrees([found.low.at, found.high.at])
     values = factor * np.array([found.low.value, found.high.value])
@@ -94,11 +94,11 @@ def _with_extremes(line: Line, found: Range, factor: float) -> Line:
     return replace(line, x=np.insert(line.x, place, at[new]), values=np.insert(line.values, place, values[new]))
 
 
-def _closed(line: Line, end_deg: float, role: Role, label: str) -> Line:
+def _closed(line: ChartLine, end_deg: float, role: Role, label: str) -> ChartLine:
     """The line with its first value again at the end of the cycle, unless it reaches the end already."""
     if line.x[-1] >= end_deg * (1.0 - 1e-12):
         return replace(line, role=role, label=label)
-    return Line(role, label, np.append(line.x, end_deg), np.append(line.values, line.values[0]))
+    return ChartLine(role, label, np.append(line.x, end_deg), np.append(line.values, line.values[0]))
 
 
 def ratio_chart(law: Transmission, end_rad: float) -> Chart:
@@ -107,5 +107,5 @@ def ratio_chart(law: Transmission, end_rad: float) -> Chart:
     extremes = [end.at for end in law.ratio_range]
     angle = distinct(np.concatenate([split_angles(end_rad, joints.tolist()), extremes]))
     values = 1.0 / law.driven_angle(angle, 1).derivative(1)
-    line = Line(Role.OWN, "this design", np.degrees(angle), values)
+    line = ChartLine(Role.OWN, "this design", np.degrees(angle), values)
     return Chart(RATIO_NAME, "", (line,), degrees(end_rad), joints_deg=np.degrees(joints))

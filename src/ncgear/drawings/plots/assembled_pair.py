@@ -8,7 +8,7 @@ from math import degrees
 import numpy as np
 from matplotlib.axes import Axes
 
-from ncgear.drawings.assembled import Assembled, Position
+from ncgear.drawings.assembled import Assembled, AssembledPosition
 from ncgear.drawings.charts.chart import Chart
 from ncgear.drawings.charts.drawer import (
     CONTACT_COLUMN,
@@ -65,7 +65,7 @@ def draw_pitch_curves(axes: Axes, pair: Assembled, concave: tuple[Mask, Mask]) -
     canvas.legend_above(axes)
 
 
-def teeth_png(pair: Assembled, module_mm: float, positions: Sequence[Position], title: str) -> bytes:
+def teeth_png(pair: Assembled, module_mm: float, positions: Sequence[AssembledPosition], title: str) -> bytes:
     """Tooth outlines assembled in each position: whole above, mesh below."""
     left, right, top = pair.frame
     rows_in = PANEL_IN * (2.0 * top / (right - left)), PANEL_IN * 0.95
@@ -83,7 +83,7 @@ def teeth_png(pair: Assembled, module_mm: float, positions: Sequence[Position], 
     return canvas.png(made)
 
 
-def draw_whole(axes: Axes, pair: Assembled, position: Position) -> None:
+def draw_whole(axes: Axes, pair: Assembled, position: AssembledPosition) -> None:
     """Both gears, in a view that is the same for all positions."""
     _draw_turned(axes, pair, position, 0.5)
     axes.plot([0.0, pair.center_distance_mm], [0.0, 0.0], "+", color=canvas.INK, markersize=8)
@@ -96,7 +96,7 @@ def draw_whole(axes: Axes, pair: Assembled, position: Position) -> None:
     axes.set_title(f"phi1 = {phi1}\u00b0, phi2 = {phi2}\u00b0", size=canvas.SMALL + 1.0, color=canvas.INK, y=1.0)
 
 
-def draw_mesh(axes: Axes, pair: Assembled, half_mm: float, position: Position) -> None:
+def draw_mesh(axes: Axes, pair: Assembled, half_mm: float, position: AssembledPosition) -> None:
     """The surroundings of the pitch point, ``half_mm`` to each side."""
     point = position.pitch_point_mm
     _draw_turned(axes, pair, position, 1.2)
@@ -110,7 +110,7 @@ def draw_mesh(axes: Axes, pair: Assembled, half_mm: float, position: Position) -
     axes.set_aspect("equal")
 
 
-def _draw_turned(axes: Axes, pair: Assembled, position: Position, line_width: float) -> None:
+def _draw_turned(axes: Axes, pair: Assembled, position: AssembledPosition, line_width: float) -> None:
     """Both gears in a position."""
     for gear, curve, color in (
         (Gear.DRIVING, pair.driving_mm, canvas.DRIVING),
@@ -153,7 +153,7 @@ def gears_drawn(
     pitch_curves: tuple[Assembled, tuple[Mask, Mask]],
     teeth: Assembled,
     module_mm: float,
-    positions: Sequence[Position],
+    positions: Sequence[AssembledPosition],
 ) -> dict[str, bytes]:
     """The pictures of the pitch curves and of the teeth."""
     return {

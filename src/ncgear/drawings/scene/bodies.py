@@ -21,7 +21,7 @@ import shapely
 from shapely import LineString, Point, Polygon
 
 from ncgear.frozen import dataclass
-from ncgear.mechanisms.mechanism import Mechanism, Shape
+from ncgear.mechanisms.mechanism import LinkShape, Mechanism
 from ncgear.mechanisms.resistance import Resistance
 from ncgear.mechanisms.slider_load import SliderLoad
 from ncgear.numerics.arrays import Array, Mask
@@ -31,7 +31,7 @@ Contours = tuple[Array, ...]
 """Contours in mm, shape (n, 2) each, first point not repeated: the outer one counter-clockwise, then the holes."""
 
 
-class Kind(Enum):
+class BodyKind(Enum):
     """The kinds of bodies, which set their colours."""
 
     DRIVING = "driving"
@@ -50,7 +50,7 @@ class Body:
     """
 
     name: str
-    kind: Kind
+    kind: BodyKind
     contours_mm: Contours
     edges_mm: tuple[Array, ...] = ()
 
@@ -61,7 +61,7 @@ class Body:
 
 
 @dataclass(frozen=True, eq=False)
-class Places:
+class BodyPlaces:
     """The places of a body's frame: origin in mm, shape (n, 2), and angle in rad counter-clockwise, shape (n,)."""
 
     origin_mm: Array
@@ -101,15 +101,15 @@ def link_shape(linkage: Mechanism, name: str) -> Contours:
 
 def output_shape(linkage: Mechanism, chamber: Chamber | None) -> Contours:
     """The output's contours in mm: a piston in its chamber and the parts that the mechanism adds, or only these."""
-    shape = linkage.shapes().get(linkage.OUTPUT.name, Shape())
+    shape = linkage.shapes().get(linkage.OUTPUT.name, LinkShape())
     if chamber is None:
         return _contours(_shaped(linkage, shape))
     face, half = chamber.face_mm, chamber.height_mm / 2.0
     piston = np.array([[-face, -half], [face, -half], [face, half], [-face, half]])
-    return (piston,) if shape == Shape() else _contours(_shaped(linkage, shape, Polygon(piston)))
+    return (piston,) if shape == LinkShape() else _contours(_shaped(linkage, shape, Polygon(piston)))
 
 
-def _shaped(linkage: Mechanism, shape: Shape, *more: Polygon) -> Polygon:
+def _shaped(linkage: Mechanism, shape: LinkShape, *more: Polygon) -> Polygon:
     """A link as one area: its bars, eyes, areas and walls of slots, and ``more``, without the room in its slots."""
     eye, half = PIN_EYE * linkage.crank_mm, ROD_WIDTH / 2.0 * linkage.crank_mm
     bars = [_bar(np.array(start), np.array(end), half) for start, end in shape.bars]

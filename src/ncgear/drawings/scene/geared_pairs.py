@@ -16,7 +16,7 @@ from math import cos, pi, radians, sin
 import numpy as np
 from shapely import Polygon
 
-from ncgear.drawings.scene.bodies import Body, Kind, Places
+from ncgear.drawings.scene.bodies import Body, BodyKind, BodyPlaces
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.pitch.pair import PitchPair
@@ -115,10 +115,10 @@ class SceneGear:
         own = meeting_direction_rad(self.gear, self.mounting.mesh)
         return own if self.gear is Gear.DRIVING else own - pi
 
-    def places(self, shaft_angles_rad: Array) -> Places:
+    def places(self, shaft_angles_rad: Array) -> BodyPlaces:
         """The places of the gear when the shafts have turned by angles in rad, shape (shafts, n)."""
         angle = self.mounting.turn_rad + self.mounting.sense(self.gear) * shaft_angles_rad[self.shaft]
-        return Places(np.tile(self.axis_mm, (angle.size, 1)), angle)
+        return BodyPlaces(np.tile(self.axis_mm, (angle.size, 1)), angle)
 
 
 @dataclass(frozen=True, eq=False)
@@ -181,7 +181,7 @@ def _pair(drive: Drive, number: int, mounting: Mounting, shape: Callable[[Drive,
 
 def _gear(drive: Drive, gear: Gear, number: int, mounting: Mounting, section: Polygon, edges: list[Array]) -> SceneGear:
     name = gear.value if drive.stage is None else f"{gear.value}-{drive.stage}"
-    body = Body(name, Kind(gear.value), _seen(section, mounting), tuple(map(mounting.seen, edges)))
+    body = Body(name, BodyKind(gear.value), _seen(section, mounting), tuple(map(mounting.seen, edges)))
     points = drive.pitch.of(gear).drawn(CURVE_POINTS).position
     if drive.pitch.toothed is not None:
         # The straight sides from both ends to the axis lie on the line of centres at the end stops.

@@ -14,7 +14,16 @@ from math import gcd, pi
 import numpy as np
 
 from ncgear.design.keys.machine import Resistance
-from ncgear.drawings.scene.bodies import Body, Chamber, Kind, Places, chamber_of, crank_shape, link_shape, output_shape
+from ncgear.drawings.scene.bodies import (
+    Body,
+    BodyKind,
+    BodyPlaces,
+    Chamber,
+    chamber_of,
+    crank_shape,
+    link_shape,
+    output_shape,
+)
 from ncgear.drawings.scene.geared_pairs import SceneGear, ScenePair, scene_pairs, teeth_alone
 from ncgear.frozen import dataclass
 from ncgear.kinematics.motion import Machine, OutputMotion
@@ -22,11 +31,11 @@ from ncgear.numerics.arrays import Array, Mask
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.plane import turned
 from ncgear.project.drive import Drive
-from ncgear.ratio.transmission import Train
+from ncgear.ratio.transmission import PairsInSeries
 
 
 @dataclass(frozen=True, eq=False)
-class Poses:
+class ScenePoses:
     """The places of all parts at n driving angles.
 
     ``shaft_angles_rad`` (shape (shafts, n)) are the angles by which the shafts have turned, from the driving shaft to
@@ -37,7 +46,7 @@ class Poses:
 
     motion: OutputMotion
     shaft_angles_rad: Array
-    places: Mapping[str, Places]
+    places: Mapping[str, BodyPlaces]
     pitch_points_mm: tuple[Array, ...]
     material_mm: Array
     material_behind_mm: Array
@@ -53,7 +62,7 @@ class Scene:
 
     name: str
     machine: Machine
-    train: Train
+    train: PairsInSeries
     pairs: tuple[ScenePair, ...]
     chamber: Chamber | None
 
@@ -86,11 +95,11 @@ class Scene:
         if not names:
             return ()
         output, *others = names
-        made = [Body(output, Kind.SLIDER, output_shape(linkage, self.chamber))]
+        made = [Body(output, BodyKind.SLIDER, output_shape(linkage, self.chamber))]
         for name in others:
             crank = name == "crank"
             contours = crank_shape(linkage) if crank else link_shape(linkage, name)
-            made.append(Body(name, Kind.CRANK if crank else Kind.ROD, contours))
+            made.append(Body(name, BodyKind.CRANK if crank else BodyKind.ROD, contours))
         return tuple(made)
 
     @cached_property
@@ -129,12 +138,12 @@ class Scene:
             angles.append(pair.transmission.driven_angle(angles[-1]).value)
         return np.stack([*angles, self.train.whole.driven_angle(phi1_rad).value])
 
-    def poses(self, phi1_rad: Array) -> Poses:
+    def poses(self, phi1_rad: Array) -> ScenePoses:
         """The places of all parts at driving angles in rad, shape (n,), over any number of turns."""
         angles, motion = self.shaft_angles_rad(phi1_rad), self.machine.motion(phi1_rad)
         gears = {gear.body.name: gear.places(angles) for gear in self.gears}
         working = self.machine.working(motion.phi2_rad)
-        return Poses(
+        return ScenePoses(
             motion,
             angles,
             {**gears, **self._link_places(angles[-1])},
@@ -142,7 +151,7 @@ class Scene:
             *self._material_mm(motion.displacement, working),
         )
 
-    def strips_mm(self, poses: Poses) -> dict[str, tuple[Array, Array]]:
+    def strips_mm(self, poses: ScenePoses) -> dict[str, tuple[Array, Array]]:
         """Left end and length of the material in front of the slider and behind it, shape (n,) each; only if present.
 
         A carton that is pushed along keeps its length.
@@ -164,9 +173,9 @@ class Scene:
         before, behind = (depth(displacement_mm, working) for depth in found)
         return before, behind
 
-    def _link_places(self, phi2_rad: Array) -> dict[str, Places]:
+    def _link_places(self, phi2_rad: Array) -> dict[str, BodyPlaces]:
         return {
-            name: Places(np.stack([link.origin.x.value, link.origin.y.value], axis=-1), link.angle.value)
+            name: BodyPlaces(np.stack([link.origin.x.value, link.origin.y.value], axis=-1), link.angle.value)
             for name, link in self.machine.linkage.links(Jet(phi2_rad[None, :])).items()
         }
 

@@ -223,7 +223,7 @@ def _of_jam(name: str, found: ShaftResult) -> Iterator[Advice]:
     yield from _crushed(name, found.jammed_key, "in a jam ")
 
 
-class Fault(Enum):
+class MotorFault(Enum):
     """What a motor behind a gearbox does not do."""
 
     STOPS = auto()
@@ -233,19 +233,20 @@ class Fault(Enum):
     OFF_SPEED = auto()
 
 
-def _faults(found: MotorResult) -> set[Fault]:
+def _faults(found: MotorResult) -> set[MotorFault]:
     """What the motor does not do with so much friction between the teeth."""
     from ncgear.project.motor import OFF_SPEED
 
     given, course = found.given, found.course
     if found.stops:
-        return {Fault.STOPS}
+        return {MotorFault.STOPS}
     peak, turns = given.peak_torque_n_m, found.load.speed_rad_s / RAD_S_PER_RPM
     tests = {
-        Fault.HOT: found.rms_n_m > given.rated_torque_n_m,
-        Fault.WEAK: peak is not None and found.most_n_m > peak,
-        Fault.FAST: course is None and turns > (1.0 + OFF_SPEED) * given.rated_speed_rpm,
-        Fault.OFF_SPEED: course is not None and abs(course.mean_rad_s / found.demand.speed_rad_s - 1.0) > OFF_SPEED,
+        MotorFault.HOT: found.rms_n_m > given.rated_torque_n_m,
+        MotorFault.WEAK: peak is not None and found.most_n_m > peak,
+        MotorFault.FAST: course is None and turns > (1.0 + OFF_SPEED) * given.rated_speed_rpm,
+        MotorFault.OFF_SPEED: course is not None
+        and abs(course.mean_rad_s / found.demand.speed_rad_s - 1.0) > OFF_SPEED,
     }
     return {fault for fault, true in tests.items() if true}
 
@@ -259,7 +260,7 @@ def _of_motor(drive: Drive, found: MotorResult, most: MotorResult) -> Iterator[A
 
     given, course, wanted_rad_s = found.given, found.course, found.demand.speed_rad_s
     faults = _faults(found) & _faults(most)
-    if Fault.STOPS in faults:
+    if MotorFault.STOPS in faults:
         helps = told_words(fitting_geared(drive.design, most))
         yield _advice(found.stops.rpartition("; ")[0], helps, Kind.MOTOR)
         return
@@ -271,7 +272,7 @@ def _of_motor(drive: Drive, found: MotorResult, most: MotorResult) -> Iterator[A
         return " and ".join(ends) + " there can be"
 
     rated, peak, largest = given.rated_torque_n_m, given.peak_torque_n_m, max(found.most_n_m, most.most_n_m)
-    if Fault.HOT in faults:
+    if MotorFault.HOT in faults:
         needed = max(max(one.rms_n_m, N_M_PER_N_MM * one.load.rms_n_mm) for one in (found, most))
         # No file may give a peak torque below the rated one
         also = "" if peak is None or peak > needed else f" and {_at_least('peak_torque_n_m', max(largest, needed))}"
@@ -280,13 +281,13 @@ def _of_motor(drive: Drive, found: MotorResult, most: MotorResult) -> Iterator[A
             _at_least("drivetrain.motor.rated_torque_n_m", needed) + also + ", or a larger ratio or flywheel",
             Kind.MOTOR,
         )
-    if Fault.WEAK in faults:
+    if MotorFault.WEAK in faults:
         yield _advice(
             f"the motor gives up to {gives(found.most_n_m, most.most_n_m)}, more than its {peak:g} N m",
             _at_least("drivetrain.motor.peak_torque_n_m", largest),
             Kind.MOTOR,
         )
-    if Fault.FAST in faults:
+    if MotorFault.FAST in faults:
         turns, rated_rpm = found.load.speed_rad_s / RAD_S_PER_RPM, given.rated_speed_rpm
         slower = given.gearbox.ratio * rated_rpm / turns
         yield _advice(
@@ -294,7 +295,7 @@ def _of_motor(drive: Drive, found: MotorResult, most: MotorResult) -> Iterator[A
             f"drivetrain.motor.gearbox.ratio: {shown_below(slower, 4)} or less",
             Kind.MOTOR,
         )
-    if course is not None and Fault.OFF_SPEED in faults:
+    if course is not None and MotorFault.OFF_SPEED in faults:
         ratio = given.gearbox.ratio * course.mean_rad_s / wanted_rad_s
         yield _advice(
             f"with this motor and gearbox the machine runs at {_rpm(course.mean_rad_s)} r/min, not at "

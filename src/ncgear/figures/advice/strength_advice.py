@@ -8,7 +8,7 @@ from math import degrees
 from typing import TYPE_CHECKING
 
 from ncgear.figures.advice.tried_advice import ENOUGH
-from ncgear.figures.advice.values import Advice, Kind, NotJudged, Remedy, Search, changed
+from ncgear.figures.advice.values import Advice, Kind, NotJudged, Remedy, RemedySearch, changed
 from ncgear.figures.flanks import BAND, hours_words, place_words, stretches_words, vibration_of_rating
 from ncgear.figures.numbers import fixed, placed, to_digits
 from ncgear.numerics.bounds import shown_above, shown_below
@@ -165,7 +165,7 @@ def _crowning(drive: Drive) -> tuple[Remedy, ...]:
     """Flanks that fall back at both ends of the width, where the shafts tell what that helps."""
     if drive.face_loading.basis != "computed":
         return ()
-    return (Remedy("crown the flanks along the width", short="crowned flanks", search=Search.CROWNED),)
+    return (Remedy("crown the flanks along the width", short="crowned flanks", search=RemedySearch.CROWNED),)
 
 
 def _sizes(drive: Drive, wider: float, larger: float) -> tuple[Remedy, ...]:
@@ -177,17 +177,17 @@ def _sizes(drive: Drive, wider: float, larger: float) -> tuple[Remedy, ...]:
     scale = coarsest * MOST_TEETH / size.driving_teeth
     if wider > WIDEST_MODULES * SERIES_I_MM[-1] / face_width_mm * scale * max(scale, coarsest):
         return (
-            Remedy("take a stronger material", search=Search.STRONGER),
+            Remedy("take a stronger material", search=RemedySearch.STRONGER),
             Remedy("take more pairs of gears: no usual size of these would do"),
         )
     found = [_together(drive)]
     if module <= SERIES_I_MM[-1]:
         about = f"roughly {shown_above(module, 2)} mm"
         words = f"take a module of {about} with as many teeth"
-        found.insert(0, Remedy(words, short=f"module {about}", search=Search.LARGER))
+        found.insert(0, Remedy(words, short=f"module {about}", search=RemedySearch.LARGER))
     if width <= WIDEST_MODULES * size.module_mm:
         about = f"roughly {shown_above(width, 2)} mm"
-        found.insert(0, Remedy(f"make the gears {about} wide", short=f"face width {about}", search=Search.WIDER))
+        found.insert(0, Remedy(f"make the gears {about} wide", short=f"face width {about}", search=RemedySearch.WIDER))
     return tuple(found)
 
 

@@ -51,7 +51,7 @@ where standards ask for a contact ratio to a tenth.  The hundredth of a flank th
 gears together somewhat over one per cent, however little is undercut."""
 
 
-class Found(NamedTuple):
+class DamagedTeeth(NamedTuple):
     """Teeth of one gear, and what they have lost."""
 
     gear: str
@@ -76,20 +76,20 @@ def undercut(drive: Drive) -> Advice | None:
         meaning = f"the mating tips are shortened instead{tips}, so that all flanks are exact; the contact is shorter"
     what = f"undercut{'' if allowed else ' at full height'}: {_named(found)}"
     brief = f"{_counted(found)} {'are' if allowed else 'would be'} undercut"
-    told = Told(found if allowed else shorter, what, meaning, brief)
+    told = ShorterContact(found if allowed else shorter, what, meaning, brief)
     return _judged(drive, Kind.UNDERCUT, told, _ways_out_of_undercut)
 
 
-class Told(NamedTuple):
+class ShorterContact(NamedTuple):
     """The teeth whose contact is shorter, what is said of it, what it means where it matters, and that in brief."""
 
-    shorter: list[Found]
+    shorter: list[DamagedTeeth]
     what: str
     meaning: str
     brief: str
 
 
-def _judged(drive: Drive, kind: Kind, told: Told, remedies: Callable[[Drive], tuple[Remedy, ...]]) -> Advice:
+def _judged(drive: Drive, kind: Kind, told: ShorterContact, remedies: Callable[[Drive], tuple[Remedy, ...]]) -> Advice:
     """The advice about what was found, or a remark where it costs next to no contact."""
     shorter, what, meaning, brief = told
     cost = sum(one.loss.contact_pitches for one in shorter)
@@ -125,7 +125,7 @@ def pointed(drive: Drive) -> Advice | None:
     what = f"shortened tips: at full height their lands would be under {least:g} modules wide; {_named(found)}"
     meaning = "a sharp tip chips when hardened and wears fast, so it ends lower; the contact is shorter for it"
     brief = f"the tips of {_counted(found)} are shortened: their lands would be under {least:g} modules wide"
-    return _judged(drive, Kind.POINTED, Told(found, what, meaning, brief), _ways_out_of_points)
+    return _judged(drive, Kind.POINTED, ShorterContact(found, what, meaning, brief), _ways_out_of_points)
 
 
 def _ways_out_of_points(drive: Drive) -> tuple[Remedy, ...]:
@@ -142,7 +142,7 @@ def shortened(drive: Drive) -> list[Advice]:
         if found:
             what = f"shortened tips: at full height {words}; {_named(found)}"
             brief = f"the tips of {_counted(found)} are shortened: {words.partition(',')[0]}"
-            told = Told(found, what, "the contact of these teeth is shorter", brief)
+            told = ShorterContact(found, what, "the contact of these teeth is shorter", brief)
             ways_out = _ways_out_of_jumps if reason is Limit.HELIX else _ways_out_of_shortening
             advices.append(_judged(drive, Kind.SHORTENED, told, ways_out))
     return advices
@@ -164,24 +164,24 @@ def _lowered(gear: ToothedGear, reason: Limit) -> Mask:
 
 def _found(
     drive: Drive, marked: Callable[[ToothedGear], Mask], loss: Callable[[ToothedGear, Mask], Loss]
-) -> list[Found]:
+) -> list[DamagedTeeth]:
     """The teeth of each gear with marked flanks, and what these have lost; empty where there are none."""
     both = (("driving", drive.teeth.driving), ("driven", drive.teeth.driven))
     masks = [(name, gear, marked(gear)) for name, gear in both]
     return [
-        Found(name, sorted({int(tooth) for tooth in gear.flanks.tooth[mask]}), loss(gear, mask))
+        DamagedTeeth(name, sorted({int(tooth) for tooth in gear.flanks.tooth[mask]}), loss(gear, mask))
         for name, gear, mask in masks
         if mask.any()
     ]
 
 
-def _counted(found: list[Found]) -> str:
+def _counted(found: list[DamagedTeeth]) -> str:
     """How many teeth were found."""
     numbers = " and ".join(f"{len(one.teeth)} {one.gear}" for one in found)
     return f"{numbers} {'tooth' if numbers.startswith('1 ') and len(found) == 1 else 'teeth'}"
 
 
-def _named(found: list[Found]) -> str:
+def _named(found: list[DamagedTeeth]) -> str:
     return "; ".join(map(str, found))
 
 

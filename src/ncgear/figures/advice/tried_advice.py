@@ -7,7 +7,7 @@ from contextlib import suppress
 from dataclasses import replace
 from time import process_time
 
-from ncgear.figures.advice.values import Advice, Remedy, Search, changed
+from ncgear.figures.advice.values import Advice, Remedy, RemedySearch, changed
 from ncgear.interrupts import TimeIsOver, at_most
 from ncgear.project.alternatives import Changes
 from ncgear.project.drive import Drive
@@ -20,18 +20,18 @@ from ncgear.project.strengthening import (
     wide_enough,
 )
 
-FINER = Remedy("try more teeth of a smaller module", short="try more, smaller teeth", search=Search.FINER)
+FINER = Remedy("try more teeth of a smaller module", short="try more, smaller teeth", search=RemedySearch.FINER)
 
-FLATTER = Remedy("try a smaller helix angle", short="try a smaller helix angle", search=Search.FLATTER)
+FLATTER = Remedy("try a smaller helix angle", short="try a smaller helix angle", search=RemedySearch.FLATTER)
 
 MOST_SECONDS = 5.0
 """Most processor time of the trials of one verdict: who waits for it does not wait longer."""
 
-ENOUGH: dict[Search, tuple[Callable[[Drive, Rating], Changes], str]] = {
-    Search.CROWNED: (crowned_enough, "crown the flanks"),
-    Search.WIDER: (wide_enough, "make the gears wider"),
-    Search.LARGER: (large_enough, "take a larger module"),
-    Search.STRONGER: (strong_enough, "take a stronger material"),
+ENOUGH: dict[RemedySearch, tuple[Callable[[Drive, Rating], Changes], str]] = {
+    RemedySearch.CROWNED: (crowned_enough, "crown the flanks"),
+    RemedySearch.WIDER: (wide_enough, "make the gears wider"),
+    RemedySearch.LARGER: (large_enough, "take a larger module"),
+    RemedySearch.STRONGER: (strong_enough, "take a stronger material"),
 }
 """What is tried of teeth that do not hold, and the words for what does."""
 
@@ -57,7 +57,7 @@ def is_without_value(advice: Advice) -> bool:
     return any(one.search is not None for one in advice.remedies)
 
 
-def _valued(remedy: Remedy, search: Search, again: Good, drive: Drive, seconds: float) -> Remedy | None:
+def _valued(remedy: Remedy, search: RemedySearch, again: Good, drive: Drive, seconds: float) -> Remedy | None:
     if search not in ENOUGH:
         return _of_teeth(remedy, search, again, drive, seconds)
     enough, words = ENOUGH[search]
@@ -68,11 +68,11 @@ def _valued(remedy: Remedy, search: Search, again: Good, drive: Drive, seconds: 
     return remedy
 
 
-def _of_teeth(remedy: Remedy, search: Search, again: Good, drive: Drive, seconds: float) -> Remedy:
+def _of_teeth(remedy: Remedy, search: RemedySearch, again: Good, drive: Drive, seconds: float) -> Remedy:
     """More teeth, or helical ones of a smaller angle; says up to where none does, where none was found."""
     from ncgear.project.finer import fewest_teeth, steepest_helix
 
-    found = (fewest_teeth if search is Search.FINER else steepest_helix)(drive, again, seconds)
+    found = (fewest_teeth if search is RemedySearch.FINER else steepest_helix)(drive, again, seconds)
     if found.changes:
         return Remedy(f"take {search}", changed(found.changes))
     if not found.beyond:

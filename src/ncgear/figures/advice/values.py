@@ -62,7 +62,7 @@ def changed(changes: Changes) -> tuple[Change, ...]:
     return tuple(Change(key, value) for key, value in changes.items())
 
 
-class Search(StrEnum):
+class RemedySearch(StrEnum):
     """What trials may tell of a remedy that has no value, or a rough one."""
 
     FINER = "more, smaller teeth"
@@ -85,7 +85,7 @@ class Remedy:
     changes: tuple[Change, ...] = ()
     command: str = ""
     short: str = ""
-    search: Search | None = None
+    search: RemedySearch | None = None
 
     @property
     def brief(self) -> str:

@@ -34,14 +34,14 @@ MEANS = ("motion", "gears")
 it has to do, and what a person has given there is changed by no remedy."""
 
 
-class Known(IntEnum):
+class KnownParts(IntEnum):
     """What is known of a machine when it is judged: its motion and pitch curves, as a check has them, or its teeth."""
 
     MOTION = 1
     TEETH = 2
 
 
-TEETH = Known.TEETH
+TEETH = KnownParts.TEETH
 
 
 class State(StrEnum):
@@ -70,7 +70,7 @@ class Condition:
     kept: str
     concerns: Callable[[Drive], bool]
     judge: Judge
-    needs: Known = Known.MOTION
+    needs: KnownParts = KnownParts.MOTION
     roughly: Judge | None = None
     of_pair: bool = True
 
@@ -255,7 +255,7 @@ CONDITIONS: dict[Kind, Condition] = {
 
 
 @dataclass(frozen=True, eq=False)
-class Judged:
+class JudgedCondition:
     """What was found of a condition, of one pair where there are two; ``why`` it was not judged, else empty."""
 
     kind: Kind
@@ -280,7 +280,7 @@ class Judged:
 class Verdict:
     """What was found of every condition that concerns a design, the most serious first."""
 
-    rows: tuple[Judged, ...]
+    rows: tuple[JudgedCondition, ...]
 
     @property
     def advices(self) -> list[Advice]:
@@ -310,14 +310,14 @@ class Verdict:
     @property
     def not_judged(self) -> str:
         """What was not judged, and why, in a sentence; empty where all was."""
-        left: dict[str, list[Judged]] = {}
+        left: dict[str, list[JudgedCondition]] = {}
         for row in self.rows:
             if row.state is State.NOT_JUDGED:
                 left.setdefault(row.why, []).append(row)
         parts = [f"{listed(self._names(rows), 'and')} ({why})" for why, rows in left.items()]
         return f"Not judged: {'; '.join(parts)}" if parts else ""
 
-    def _names(self, rows: Sequence[Judged]) -> list[str]:
+    def _names(self, rows: Sequence[JudgedCondition]) -> list[str]:
         """The names of conditions, each once where it was found so of all pairs."""
         pairs = Counter(row.kind for row in self.rows)
         of_all = Counter(row.kind for row in rows)
@@ -356,7 +356,7 @@ def together(verdicts: Iterable[Verdict]) -> Verdict:
 
 
 def judged(
-    drive: Drive, known: Known, found: Sequence[Advice] = (), seconds: float = tried_advice.MOST_SECONDS
+    drive: Drive, known: KnownParts, found: Sequence[Advice] = (), seconds: float = tried_advice.MOST_SECONDS
 ) -> Verdict:
     """The verdict on a machine and its pairs of gears, or on one pair and the whole machine.
 
@@ -383,19 +383,19 @@ NO_CURVES = "there are no such pitch curves"
 """Why a condition is not judged where pitch curves are refused."""
 
 
-def _judged(drive: Drive, kind: Kind, condition: Condition, known: Known) -> Judged:
+def _judged(drive: Drive, kind: Kind, condition: Condition, known: KnownParts) -> JudgedCondition:
     stage = drive.stage if condition.of_pair else None
     judge = condition.judge if known >= condition.needs else condition.roughly
     if judge is None:
-        return Judged(kind, stage, (), ONLY_TEETH)
+        return JudgedCondition(kind, stage, (), ONLY_TEETH)
     try:
         found = _found(judge, drive)
     except DesignError:
-        if known is Known.TEETH:
+        if known is KnownParts.TEETH:
             raise
-        return Judged(kind, stage, (), NO_CURVES)
+        return JudgedCondition(kind, stage, (), NO_CURVES)
     advices = tuple(_within_what_is_asked(one, drive.design) for one in found if isinstance(one, Advice))
-    return Judged(kind, stage, advices, "; ".join(one.why for one in found if isinstance(one, NotJudged)))
+    return JudgedCondition(kind, stage, advices, "; ".join(one.why for one in found if isinstance(one, NotJudged)))
 
 
 def _found(judge: Judge, drive: Drive) -> list[Advice | NotJudged]:
@@ -403,7 +403,7 @@ def _found(judge: Judge, drive: Drive) -> list[Advice | NotJudged]:
     return [one for one in (found if isinstance(found, Iterable) else (found,)) if one is not None]
 
 
-def _tried(drive: Drive, row: Judged, judge: Judge, seconds: float) -> Judged:
+def _tried(drive: Drive, row: JudgedCondition, judge: Judge, seconds: float) -> JudgedCondition:
     """What was found of a pair, with the values of remedies that trials tell."""
 
     def again(changed: Drive) -> bool:

@@ -23,7 +23,7 @@ PARTS = {
 """Parts of the file beside its mechanisms, each with the function that computes its figures."""
 
 
-def figures_of(balancing: Balancing) -> dict[str, Any]:
+def balancing_figures(balancing: Balancing) -> dict[str, Any]:
     """Every figure by the name of its part; keys end in their units."""
     balance = balancing.balance
     figures: dict[str, Any] = {"name": balance.name}

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Entry:
+class SheetEntry:
     """One line of the sheet: a value of the ``pair``, or one each of the ``driving`` and the ``driven`` gear.
 
     ``unit`` may be empty.
@@ -46,12 +46,12 @@ class Entry:
         return tuple(cell_text(value, self.unit) for value in values)
 
 
-def of_both(label: str, values: Iterable[Value], unit: str = "mm") -> Entry:
+def of_both(label: str, values: Iterable[Value], unit: str = "mm") -> SheetEntry:
     """A line with a value of each gear, first the driving one's."""
-    return Entry(label, unit, None, *values)
+    return SheetEntry(label, unit, None, *values)
 
 
-def tolerances(drive: Drive) -> tuple[Entry, ...]:
+def tolerances(drive: Drive) -> tuple[SheetEntry, ...]:
     """The tolerances of a pair."""
     given, gears, lead = drive.gears.tolerances, drive.gears, drive.gears.lead
     pin = gears.driven.crank_pin
@@ -60,20 +60,20 @@ def tolerances(drive: Drive) -> tuple[Entry, ...]:
         None if body.bore_mm is None else bore_text(drive, body.bore_mm) for body in (gears.driving, gears.driven)
     )
     rows = (
-        Entry("standard", pair=given.standard or None),
-        Entry("accuracy grade", pair=given.grade or None),
-        Entry("lead crowning of both gears together", "\u00b5m", pair=lead.crowning_um or None),
-        Entry("end relief of both gears together", "\u00b5m", pair=lead.end_relief_um),
-        Entry("length of the end relief", "mm", pair=lead.end_relief_length_mm),
-        Entry("lower deviation of tooth thickness", "mm", pair=given.tooth_thickness_lower_mm),
-        Entry("upper deviation of tooth thickness", "mm", pair=given.tooth_thickness_upper_mm),
-        Entry("deviation of the centre distance", "mm", pair=distance_text(drive)),
-        Entry("fit of the bore", "mm", driving=driving, driven=driven),
-        Entry("fit of the crank pin's hole", "mm", driven=pinned),
-        Entry("fit of the index hole", pair=given.index_hole_fit if gears.index_holes else None),
-        Entry("sizes without a tolerance", pair=general_text(drive)),
-        Entry("roughness Ra of flanks; elsewhere", "\u00b5m", pair=f"{given.flank_ra_um:g}; {given.ra_um:g}"),
-        Entry("note", pair=given.note or None),
+        SheetEntry("standard", pair=given.standard or None),
+        SheetEntry("accuracy grade", pair=given.grade or None),
+        SheetEntry("lead crowning of both gears together", "\u00b5m", pair=lead.crowning_um or None),
+        SheetEntry("end relief of both gears together", "\u00b5m", pair=lead.end_relief_um),
+        SheetEntry("length of the end relief", "mm", pair=lead.end_relief_length_mm),
+        SheetEntry("lower deviation of tooth thickness", "mm", pair=given.tooth_thickness_lower_mm),
+        SheetEntry("upper deviation of tooth thickness", "mm", pair=given.tooth_thickness_upper_mm),
+        SheetEntry("deviation of the centre distance", "mm", pair=distance_text(drive)),
+        SheetEntry("fit of the bore", "mm", driving=driving, driven=driven),
+        SheetEntry("fit of the crank pin's hole", "mm", driven=pinned),
+        SheetEntry("fit of the index hole", pair=given.index_hole_fit if gears.index_holes else None),
+        SheetEntry("sizes without a tolerance", pair=general_text(drive)),
+        SheetEntry("roughness Ra of flanks; elsewhere", "\u00b5m", pair=f"{given.flank_ra_um:g}; {given.ra_um:g}"),
+        SheetEntry("note", pair=given.note or None),
     )
     return _given(rows)
 
@@ -98,7 +98,7 @@ def general_text(drive: Drive) -> str:
     return f"ISO 2768-{drive.gears.tolerances.general}"
 
 
-def bodies(drive: Drive) -> tuple[Entry, ...]:
+def bodies(drive: Drive) -> tuple[SheetEntry, ...]:
     """Bores, keyways and the other parts of the bodies; solids are made only where a gear has round holes."""
     gears, both, clearance = drive.gears, (drive.gears.driving, drive.gears.driven), drive.gears.process_clearance_mm
     rows = [
@@ -110,8 +110,8 @@ def bodies(drive: Drive) -> tuple[Entry, ...]:
     if any((gears.index_holes, *_each(both, "lightening_holes"), gears.driven.crank_pin)):
         plans = drive.solids.driving.plan, drive.solids.driven.plan
         pin, holes = plans[1].crank_pin, _each(plans, "lightening_holes")
-        rows.append(Entry("diameter of the crank pin's hole", "mm", driven=pin.diameter_mm if pin else None))
-        rows.append(Entry("centre of the crank pin's hole, x and y", "mm", driven=_place(pin) if pin else None))
+        rows.append(SheetEntry("diameter of the crank pin's hole", "mm", driven=pin.diameter_mm if pin else None))
+        rows.append(SheetEntry("centre of the crank pin's hole, x and y", "mm", driven=_place(pin) if pin else None))
         sizes = (f"{len(one)} x {_mm(one[0].diameter_mm)}" if one else None for one in holes)
         rows.append(of_both("lightening holes, number x diameter", sizes))
         if gears.index_holes:
@@ -121,10 +121,10 @@ def bodies(drive: Drive) -> tuple[Entry, ...]:
     stops = (x and f"{_mm(x.pin_mm)}, {_mm(x.radius_mm)}" for x in _each(both, "end_stop"))
     rim = rim_mm_of(gears, drive.rack.module_mm) if drive.pitch.driven.is_ring else None
     rows.append(of_both("pin of the end stop, diameter, distance from the axis", stops))
-    rows.append(Entry("rim outside the deepest root", "mm", driven=rim))
-    rows.append(Entry("bevel of the edges at z = 0", "mm", gears.first_layer_chamfer_mm or None))
-    kerf = Entry("kerf that drawings allow for, half on each side of the lines", "mm", -2.0 * clearance)
-    rows.append(kerf if clearance < 0.0 else Entry("clearance for the process", "mm", clearance or None))
+    rows.append(SheetEntry("rim outside the deepest root", "mm", driven=rim))
+    rows.append(SheetEntry("bevel of the edges at z = 0", "mm", gears.first_layer_chamfer_mm or None))
+    kerf = SheetEntry("kerf that drawings allow for, half on each side of the lines", "mm", -2.0 * clearance)
+    rows.append(kerf if clearance < 0.0 else SheetEntry("clearance for the process", "mm", clearance or None))
     return _given(rows)
 
 
@@ -138,7 +138,7 @@ def _sizes(parts: Iterable[Any], *names: str) -> list[Value]:
     return [part and " x ".join(_mm(getattr(part, name)) for name in names) for part in parts]
 
 
-def _given(rows: Iterable[Entry]) -> tuple[Entry, ...]:
+def _given(rows: Iterable[SheetEntry]) -> tuple[SheetEntry, ...]:
     """The rows that say something."""
     return tuple(row for row in rows if row.of_pair or row.driving or row.driven)
 
@@ -169,18 +169,18 @@ def passed_summary(drive: Drive) -> dict[str, Any]:
     return {"fit": found} if found else {}
 
 
-def passed_rows(drive: Drive) -> tuple[Entry, ...]:
+def passed_rows(drive: Drive) -> tuple[SheetEntry, ...]:
     """The same as rows of the data sheet: distances between middles, the angles, and the widest part that passes."""
     rows = []
     for one in drive.passings:
         name, room = f"{one.part} to {one.standing.name}", one.room_mm
-        rows.append(Entry(f"{name}: least distance of their middles", "mm", pair=one.distance_mm))
-        rows.append(Entry(f"{name}: driving angle there", "deg", pair=degrees(one.phi1_rad)))
+        rows.append(SheetEntry(f"{name}: least distance of their middles", "mm", pair=one.distance_mm))
+        rows.append(SheetEntry(f"{name}: driving angle there", "deg", pair=degrees(one.phi1_rad)))
         if room is not None:
-            rows.append(Entry(f"{name}: widest {one.part} that passes", "mm", pair=room if room > 0.0 else "none"))
+            rows.append(SheetEntry(f"{name}: widest {one.part} that passes", "mm", pair=room if room > 0.0 else "none"))
         if one.clearance_mm is not None:
-            rows.append(Entry(f"{name}: clearance, under 0 where they meet", "mm", pair=one.clearance_mm))
-    rows += [Entry(f"{shaft} beside the {part}", pair="must end below it") for part, shaft in shafts_below(drive)]
+            rows.append(SheetEntry(f"{name}: clearance, under 0 where they meet", "mm", pair=one.clearance_mm))
+    rows += [SheetEntry(f"{shaft} beside the {part}", pair="must end below it") for part, shaft in shafts_below(drive)]
     return tuple(rows)
 
 

@@ -11,7 +11,7 @@ from ncgear.figures.numbers import drawn, shown
 from ncgear.figures.tables import Column, Table, Value, cell_text, columns_of
 from ncgear.metrology.cut_by import CutBy
 from ncgear.metrology.pins import Misfit, Pins, TwoPins, over_two_pins
-from ncgear.metrology.span import Spans
+from ncgear.metrology.span import MeasuredSpans
 from ncgear.project.workshop_measures import CutGear, GearMeasures
 
 SPACE = Column("space after tooth")
@@ -112,7 +112,7 @@ def span_table(gear: GearMeasures) -> tuple[Table, ...]:
     return (Table(f"Span of the {gear.gear.value} gear", heads, rows, _span_notes(found), long=True),)
 
 
-def _span_notes(found: Spans) -> tuple[str, ...]:
+def _span_notes(found: MeasuredSpans) -> tuple[str, ...]:
     if found.everywhere:
         return ("a circular gear has the same span over as many teeth anywhere",)
     missed = f"; in {found.beyond} more they would touch beyond the flanks" if found.beyond else ""

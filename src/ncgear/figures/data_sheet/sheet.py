@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from ncgear.design.keys.gears import PROFILES
 from ncgear.errors import DesignError
-from ncgear.figures.data_sheet.entries import Entry, bodies, of_both, passed_rows, tolerances
+from ncgear.figures.data_sheet.entries import SheetEntry, bodies, of_both, passed_rows, tolerances
 from ncgear.figures.data_sheet.measured_tables import cut_table, pin_tables, span_table
 from ncgear.figures.data_sheet.pitch_table import pitch_table
 from ncgear.figures.numbers import micrometres, shown, to_digits
@@ -40,7 +40,7 @@ class Group:
     """Entries under a heading."""
 
     title: str
-    entries: tuple[Entry, ...]
+    entries: tuple[SheetEntry, ...]
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ def data_sheet(pair: Drive) -> DataSheet:
     that cannot be computed says why, where it would stand.
     """
     pair.require_sound_teeth()
-    rows: dict[str, Callable[[], Iterable[Entry]]] = {
+    rows: dict[str, Callable[[], Iterable[SheetEntry]]] = {
         "Sizes": partial(sizes, pair),
         "Basic rack": partial(rack_data, pair),
         "Teeth": partial(tooth_data, pair),
@@ -90,12 +90,12 @@ def _missing(error: Exception) -> str:
     return f"could not be computed: {error}"
 
 
-def rows_or_why(rows: Callable[[], Iterable[Entry]]) -> tuple[Entry, ...]:
+def rows_or_why(rows: Callable[[], Iterable[SheetEntry]]) -> tuple[SheetEntry, ...]:
     """The rows of a group, or one that says why they are missing."""
     try:
         return tuple(rows())
     except MISSING as error:
-        return (Entry("these figures", pair=_missing(error)),)
+        return (SheetEntry("these figures", pair=_missing(error)),)
 
 
 def _cell(value: Callable[[], Value]) -> Value:
@@ -123,11 +123,11 @@ def _of_one(pair: Drive, number: int, tables: Callable[[GearMeasures], tuple[Tab
     return tables(pair.measured[number])
 
 
-def sizes(drive: Drive) -> Iterator[Entry]:
+def sizes(drive: Drive) -> Iterator[SheetEntry]:
     """The sizes of the gears and their places to each other."""
     pitch, size, covered = drive.pitch, drive.pitch.size, drive.pitch.transmission.lobes.range
-    yield Entry("kind of gear", driving=_kind(pitch.driving), driven=_kind(pitch.driven))
-    yield Entry("number of teeth", driving=size.driving_teeth, driven=size.driven_teeth)
+    yield SheetEntry("kind of gear", driving=_kind(pitch.driving), driven=_kind(pitch.driven))
+    yield SheetEntry("number of teeth", driving=size.driving_teeth, driven=size.driven_teeth)
     if covered is not None:
         yield of_both("turn between the end stops", map(degrees, (covered.driving_rad, covered.driven_rad)), "deg")
     yield from _of_pair(drive, "module_mm", "center_distance_mm", "face_width_mm")
@@ -143,11 +143,11 @@ def sizes(drive: Drive) -> Iterator[Entry]:
     yield of_both(OF_GEAR["min radius"], map(pitch.least_radius_mm, Gear))
 
 
-def _of_pair(drive: Drive, *keys: str, before: str = "", after: str = "") -> Iterator[Entry]:
+def _of_pair(drive: Drive, *keys: str, before: str = "", after: str = "") -> Iterator[SheetEntry]:
     """Figures of the pair, with what stands before and after their names."""
     for key, value in figures_of(drive, *keys).items():
         name, text, unit = told(key, value)
-        yield Entry(f"{before}{name}{after}", unit, text)
+        yield SheetEntry(f"{before}{name}{after}", unit, text)
 
 
 def _kind(curve: PitchCurve) -> str:
@@ -156,7 +156,7 @@ def _kind(curve: PitchCurve) -> str:
     return f"{form}, internal" if curve.is_ring else form
 
 
-def _ends(name: str, ends: Iterable[tuple[float, float]]) -> list[Entry]:
+def _ends(name: str, ends: Iterable[tuple[float, float]]) -> list[SheetEntry]:
     """The least and the greatest value of both gears."""
     return [
         of_both(f"{word} {name}", both)
@@ -194,34 +194,34 @@ CUTTERS = {
 """The workshop's words for the tool that leaves the fillets."""
 
 
-def rack_data(drive: Drive) -> Iterator[Entry]:
+def rack_data(drive: Drive) -> Iterator[SheetEntry]:
     """The basic rack that generates both gears."""
     rack, module, asked, helix = drive.rack, drive.rack.module_mm, drive.gears.rack, drive.helix
     driving, driven = drive.teeth.driving.flanks, drive.teeth.driven.flanks
     pushing, idle = map(degrees, rack.angles_rad)
     if pushing == idle:
-        yield Entry("pressure angle of the rack", "deg", pushing)
+        yield SheetEntry("pressure angle of the rack", "deg", pushing)
     else:
         # The driving gear turns counter-clockwise; a pushed flank faces against the driven gear's turning.
         pushed = "clockwise" if drive.pitch.driven.is_ring else "counter-clockwise"
-        yield Entry("pressure angle of the rack, flanks that push", "deg", pushing)
-        yield Entry("pressure angle of the rack, idle flanks", "deg", idle)
-        yield Entry("flanks that push face, seen from the end z > 0", driving="counter-clockwise", driven=pushed)
+        yield SheetEntry("pressure angle of the rack, flanks that push", "deg", pushing)
+        yield SheetEntry("pressure angle of the rack, idle flanks", "deg", idle)
+        yield SheetEntry("flanks that push face, seen from the end z > 0", driving="counter-clockwise", driven=pushed)
     given = asked.model_fields_set & {"addendum", "dedendum", "root_radius"}
     # A root radius that is left out is smaller than the profile's where that does not fit.
     smaller = asked.root_radius < PROFILES[asked.profile].root_radius
     departed = ", coefficients as below" if given or smaller else ""
-    yield Entry("basic rack of ISO 53", pair=f"profile {asked.profile}{departed}")
-    yield Entry("addendum coefficient", pair=rack.addendum_mm / module)
-    yield Entry("dedendum coefficient", pair=rack.dedendum_mm / module)
-    yield Entry("root radius coefficient", pair=rack.root_radius_mm / module)
+    yield SheetEntry("basic rack of ISO 53", pair=f"profile {asked.profile}{departed}")
+    yield SheetEntry("addendum coefficient", pair=rack.addendum_mm / module)
+    yield SheetEntry("dedendum coefficient", pair=rack.dedendum_mm / module)
+    yield SheetEntry("root radius coefficient", pair=rack.root_radius_mm / module)
     if (relief := rack.relief) is None:
-        yield Entry("tip relief", pair="none")
+        yield SheetEntry("tip relief", pair="none")
     else:
-        yield Entry(f"tip relief at {to_digits(relief.full_mm / module, 4)} modules", "mm", relief.amount_mm)
-        yield Entry("tip relief begins over the pitch line at", "mm", relief.start_mm)
+        yield SheetEntry(f"tip relief at {to_digits(relief.full_mm / module, 4)} modules", "mm", relief.amount_mm)
+        yield SheetEntry("tip relief begins over the pitch line at", "mm", relief.start_mm)
     if driving.has_own_shifts:
-        yield Entry("profile shift coefficient", pair="of each tooth, see its table")
+        yield SheetEntry("profile shift coefficient", pair="of each tooth, see its table")
     else:
         yield of_both("profile shift coefficient", (one.rack.shift_mm / module for one in (driving, driven)), "")
     yield from _of_pair(drive, "backlash_mm", "backlash_max_mm")
@@ -231,19 +231,19 @@ def rack_data(drive: Drive) -> Iterator[Entry]:
         yield from _of_pair(drive, "play_rad", before="least ")
         yield from _of_pair(drive, "play_greatest_rad")
     if helix is None:
-        yield Entry("helix angle", "deg", 0.0)
+        yield SheetEntry("helix angle", "deg", 0.0)
     else:
         hands, kind = (
             (helix.hand, *({"right", "left"} - {helix.hand})),
             "herringbone, at z = 0 " if helix.herringbone else "",
         )
-        yield Entry("helix angle at the pitch curve", "deg", degrees(helix.angle_rad))
+        yield SheetEntry("helix angle at the pitch curve", "deg", degrees(helix.angle_rad))
         yield of_both("hand of helix", (f"{kind}{hand}" for hand in hands), "")
     by_itself = drive.teeth.cutter is CutterKind.RACK and driving.has_own_shifts
-    yield Entry("cutter", pair="rack, each space by itself" if by_itself else CUTTERS[drive.teeth.cutter])
+    yield SheetEntry("cutter", pair="rack, each space by itself" if by_itself else CUTTERS[drive.teeth.cutter])
 
 
-def tooth_data(drive: Drive) -> Iterator[Entry]:
+def tooth_data(drive: Drive) -> Iterator[SheetEntry]:
     """Undercut and shortened teeth; mean number of pairs of flanks that touch, and least arc of any pair in pitches.
 
     Both under load too, where a load brings more flanks into contact.
@@ -257,7 +257,7 @@ def tooth_data(drive: Drive) -> Iterator[Entry]:
     if drive.pairs_under_load is not None:
         yield from _of_pair(drive, "contact_ratio_under_load_mean", "contact_ratio_under_load_min", after=section)
     if drive.helix:
-        yield Entry("overlap ratio", pair=drive.overlap_ratio)
+        yield SheetEntry("overlap ratio", pair=drive.overlap_ratio)
 
 
 def _undercut(gear: ToothedGear) -> str:
@@ -277,14 +277,14 @@ def _with_amount(numbers: list[int], loss: Callable[[ToothedGear], Loss], gear: 
     return f"{shown(numbers)}, by up to {micrometres(found.amount_mm)} (tooth {found.tooth})"
 
 
-def measurements(drive: Drive, gears: tuple[GearMeasures, GearMeasures]) -> Iterator[Entry]:
+def measurements(drive: Drive, gears: tuple[GearMeasures, GearMeasures]) -> Iterator[SheetEntry]:
     """The means of measuring, and the number of places where they can be used."""
 
-    def measured(label: str, value: Callable[[GearMeasures], Value], unit: str = "") -> Entry:
+    def measured(label: str, value: Callable[[GearMeasures], Value], unit: str = "") -> SheetEntry:
         return of_both(label, (_cell(partial(value, gear)) for gear in gears), unit)
 
     if drive.helix:
-        yield Entry("section that is measured, z", "mm", section_z_mm(drive.helix))
+        yield SheetEntry("section that is measured, z", "mm", section_z_mm(drive.helix))
     yield measured(f"diameter of measuring {gears[0].tool}s", lambda gear: gear.pins.diameter_mm, "mm")
     yield measured("spaces in which they measure", _spaces)
     yield measured("places of a span", _places)
@@ -330,7 +330,7 @@ def sheet_text(sheet: DataSheet) -> str:
 SHEET_HEADS = "", "driving, or both", "driven", "unit"
 
 
-def _sheet_row(entry: Entry) -> list[str]:
+def _sheet_row(entry: SheetEntry) -> list[str]:
     first, driven = (entry.pair, entry.driven) if entry.of_pair else (entry.driving, entry.driven)
     cells = markdown_text(first, entry.unit), markdown_text(driven, entry.unit)
     return [markdown_text(entry.label), *cells, markdown_text(entry.unit)]

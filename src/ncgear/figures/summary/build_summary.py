@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ncgear.contact.designed.as_designed import AsDesigned, SideContact
-from ncgear.contact.designed.extremes import ContactExtremes, Range
+from ncgear.contact.designed.extremes import ContactExtremes, ValueRange
 from ncgear.contact.designed.flanks import PairsInContact
 from ncgear.contact.pair import PairContact
 from ncgear.contact.written.as_written import AsWritten
@@ -220,7 +220,7 @@ def designed_contact(designed: AsDesigned, extremes: ContactExtremes) -> dict[st
     }
 
 
-def _between(name: str, unit: str, found: Range, factor: float = 1.0) -> dict[str, Any]:
+def _between(name: str, unit: str, found: ValueRange, factor: float = 1.0) -> dict[str, Any]:
     """The least and the greatest value, each with its driving angle."""
     low, high = (extreme(f"{name}_{end}", unit, one, factor) for end, one in (("min", found.low), ("max", found.high)))
     return {**low, **high}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import degrees
 from typing import Any
 
-from ncgear.figures.advice.verdict import Known, Verdict, judged
+from ncgear.figures.advice.verdict import KnownParts, Verdict, judged
 from ncgear.figures.comparison import comparison_rows
 from ncgear.figures.wished import motion_summary, wish_rows
 from ncgear.kinematics.check import peak_figures
@@ -18,7 +18,7 @@ def check_summary(drive: Drive, verdict: Verdict | None = None) -> dict[str, Any
 
     ``verdict`` is another one than what a check can judge.
     """
-    verdict = verdict or judged(drive, Known.MOTION)
+    verdict = verdict or judged(drive, KnownParts.MOTION)
     of_ratio = drive.transmission if drive.stage is None else drive.pair.transmission
     (low, high), found = of_ratio.ratio_range, drive.achieved
     return {

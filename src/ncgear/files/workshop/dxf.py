@@ -37,7 +37,7 @@ from ncgear.files.workshop.drawing import (
     written,
 )
 from ncgear.files.workshop.sheets import sheet as paper
-from ncgear.files.workshop.sheets.sheet import NARROW, Anchor, Dimension, Line, Measured, Pen, Ring, Sheet, Text
+from ncgear.files.workshop.sheets.sheet import NARROW, Anchor, Dimension, Measured, Pen, Ring, Sheet, SheetLine, Text
 from ncgear.numerics.arrays import Array
 
 VERSION = "R2010"
@@ -251,7 +251,7 @@ def _decimals(sheet: Sheet) -> int:
     return DECIMALS + max(0, ceil(log10(sheet.scale)))
 
 
-def _put(space: BlockLayout | Modelspace, item: Line | Ring | Text, sheet: Sheet) -> None:
+def _put(space: BlockLayout | Modelspace, item: SheetLine | Ring | Text, sheet: Sheet) -> None:
     match item:
         case Text():
             place = tuple(_true(np.asarray(item.place), sheet).tolist())
@@ -269,7 +269,7 @@ def _put(space: BlockLayout | Modelspace, item: Line | Ring | Text, sheet: Sheet
             space.add_circle(
                 center, float(written(item.radius / sheet.scale, _decimals(sheet))), dxfattribs={"layer": item.pen.name}
             )
-        case Line():
+        case SheetLine():
             points, layer = _true(item.points, sheet), {"layer": item.pen.name}
             if item.filled:
                 # A triangle: a DXF solid has its third corner twice.

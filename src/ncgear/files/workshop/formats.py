@@ -34,7 +34,7 @@ USUAL = (Format.DXF, Format.SVG, Format.THREEMF, Format.GLB, Format.DRAWING)
 
 
 @dataclass(frozen=True)
-class Writer:
+class FormatWriter:
     """The function that makes the files of a kind, by its module in this package and its name, and the files' names.
 
     It takes a drive, or the result of ``shown``, a function of a drive: values that a second process can be given.
@@ -51,18 +51,18 @@ class Writer:
     library: str | None = None
 
 
-def _drawn(function: str, names: tuple[str, ...], reader: str, *, is_slow: bool = False) -> Writer:
+def _drawn(function: str, names: tuple[str, ...], reader: str, *, is_slow: bool = False) -> FormatWriter:
     """The writer of drawings of both gears, whose outlines are always read back."""
-    return Writer(function, names, "gear_drawing:pair_drawings", reader, is_slow)
+    return FormatWriter(function, names, "gear_drawing:pair_drawings", reader, is_slow)
 
 
 WRITERS = {
     Format.DXF: _drawn("dxf:dxf_files", ("driving.dxf", "driven.dxf", "pair.dxf"), "outline_of_dxf", is_slow=True),
     Format.SVG: _drawn("svg:svg_files", ("driving.svg", "driven.svg"), "outline_of_svg"),
-    Format.THREEMF: Writer("solid_files:threemf_files", ("gears.3mf", "pair.3mf"), "solid_files:placed_meshes"),
-    Format.GLB: Writer("solid_files:glb_files", ("pair.glb",)),
-    Format.STEP: Writer("step:step_files", ("driving.step", "driven.step", "pair.step"), library="OCP"),
-    Format.DRAWING: Writer(
+    Format.THREEMF: FormatWriter("solid_files:threemf_files", ("gears.3mf", "pair.3mf"), "solid_files:placed_meshes"),
+    Format.GLB: FormatWriter("solid_files:glb_files", ("pair.glb",)),
+    Format.STEP: FormatWriter("step:step_files", ("driving.step", "driven.step", "pair.step"), library="OCP"),
+    Format.DRAWING: FormatWriter(
         "sheet_files:drawing_files",
         tuple(f"{name}_drawing.{kind}" for name in ("driving", "driven", "pair") for kind in ("pdf", "svg", "dxf")),
         "sheets.sheets:sheets_of",
@@ -72,7 +72,7 @@ WRITERS = {
 
 
 @dataclass(frozen=True)
-class Written:
+class WrittenFiles:
     """Files by their names, and the largest distance in mm of the outlines read back from the exact outlines, by kind.
 
     A drawing has an outline where it shows a single gear.
@@ -82,7 +82,7 @@ class Written:
     errors_mm: dict[str, float]
 
 
-Making = Callable[[], Written]
+Making = Callable[[], WrittenFiles]
 """Makes the files of a kind, or waits for them; raises the errors of the drive."""
 
 
@@ -116,10 +116,10 @@ def _begun(drive: Drive, kind: Format, drawer: Drawer, exact_mm: ExactOutlines |
     return drawer.offered(WRITTEN, kind, shown, exact_mm if writer.reader else None)
 
 
-def all_made(parts: Iterable[Making]) -> Written:
+def all_made(parts: Iterable[Making]) -> WrittenFiles:
     """The files of all kinds together."""
     written = [part() for part in parts]
-    return Written(
+    return WrittenFiles(
         {name: content for one in written for name, content in one.files.items()},
         {kind: error for one in written for kind, error in one.errors_mm.items()},
     )
@@ -128,17 +128,17 @@ def all_made(parts: Iterable[Making]) -> Written:
 WRITTEN = f"{__name__}:written_and_measured"
 
 
-def written_and_measured(kind: Format, shown: Any, exact_mm: ExactOutlines | None) -> Written:
-    """The files of a kind from a drive or from the values of ``Writer.shown``; see ``begun_workshop_files``."""
+def written_and_measured(kind: Format, shown: Any, exact_mm: ExactOutlines | None) -> WrittenFiles:
+    """The files of a kind from a drive or from the values of ``FormatWriter.shown``; see ``begun_workshop_files``."""
     from ncgear.files import read_back
 
     writer = WRITERS[kind]
     files = _function(writer.function)(shown)
     if exact_mm is None or writer.reader is None:
-        return Written(files, {})
+        return WrittenFiles(files, {})
     read = getattr(read_back, writer.reader)
     outlines_mm = read(files[f"driving.{kind}"]), read(files[f"driven.{kind}"])
-    return Written(files, read_back.outline_errors_mm(exact_mm, {kind.value: outlines_mm}))
+    return WrittenFiles(files, read_back.outline_errors_mm(exact_mm, {kind.value: outlines_mm}))
 
 
 def _function(name: str) -> Callable[..., Any]:

@@ -13,7 +13,7 @@ from math import cos, sin
 import numpy as np
 
 from ncgear.files.workshop.dxf import sheet_dxf
-from ncgear.files.workshop.sheets.sheet import CAPITAL, NARROW, Line, Pen, Ring, Sheet, Text
+from ncgear.files.workshop.sheets.sheet import CAPITAL, NARROW, Pen, Ring, Sheet, SheetLine, Text
 from ncgear.files.workshop.svg import sheet_svg
 from ncgear.numerics.arrays import Array
 
@@ -63,7 +63,7 @@ def _drawn(sheet: Sheet) -> Iterator[str]:
     for pen in Pen:
         yield f"{pen.width_mm:g} w [{' '.join(f'{one:g}' for one in pen.dashes_mm)}] 0 d"
         for item in items:
-            if isinstance(item, Line) and item.pen is pen:
+            if isinstance(item, SheetLine) and item.pen is pen:
                 yield f"{_path(item.points)} {'f' if item.filled else 's' if item.closed else 'S'}"
             elif isinstance(item, Ring) and item.pen is pen:
                 yield f"{_circle(item)} s"

@@ -40,9 +40,11 @@ def step_files(drive: Drive) -> dict[str, bytes]:
     """
     solids = exact_solids(drive)
     words = f"{drive.stem}: tooth faces within {max(error for _, error in solids.values()):.1e} mm of the exact ones"
-    files = {f"{gear.value}.step": part_bytes(Part(gear.value, shape), words) for gear, (shape, _) in solids.items()}
+    files = {
+        f"{gear.value}.step": part_bytes(StepSolid(gear.value, shape), words) for gear, (shape, _) in solids.items()
+    }
     places = zip(solids.items(), (0.0, drive.pitch.center_distance_mm), strict=True)
-    parts = [Part(gear.value, shape, x_mm) for (gear, (shape, _)), x_mm in places]
+    parts = [StepSolid(gear.value, shape, x_mm) for (gear, (shape, _)), x_mm in places]
     files["pair.step"] = assembly_bytes(drive.stem, parts, words)
     require_same(files["pair.step"], [part.shape for part in parts])
     return files
@@ -60,7 +62,7 @@ TIMESTAMP = "1970-01-01T00:00:00"
 
 
 @dataclass(frozen=True, eq=False)
-class Part:
+class StepSolid:
     """A solid, its name, and the x coordinate of its axis in the file."""
 
     name: str
@@ -68,14 +70,14 @@ class Part:
     x_mm: float = 0.0
 
 
-def part_bytes(part: Part, description: str) -> bytes:
+def part_bytes(part: StepSolid, description: str) -> bytes:
     """A file of one product."""
     document, shapes = _document()
     _named(shapes.AddShape(part.shape, False), part.name)
     return _written(document, part.name, description)
 
 
-def assembly_bytes(name: str, parts: Sequence[Part], description: str) -> bytes:
+def assembly_bytes(name: str, parts: Sequence[StepSolid], description: str) -> bytes:
     """A file of one product with the parts, each at its place."""
     document, shapes = _document()
     whole = _named(shapes.NewShape(), name)

@@ -10,7 +10,7 @@ import numpy as np
 
 from ncgear.files.workshop import drawing as flat
 from ncgear.files.workshop.drawing import Circle, Cross, Drawing, PairDrawings, Polyline, Shape, Use
-from ncgear.files.workshop.sheets.sheet import CAPITAL, NARROW, Line, Pen, Ring, Sheet, Text
+from ncgear.files.workshop.sheets.sheet import CAPITAL, NARROW, Pen, Ring, Sheet, SheetLine, Text
 from ncgear.numerics.arrays import Array
 
 NAMESPACE = "http://www.w3.org/2000/svg"
@@ -126,7 +126,7 @@ def sheet_svg(sheet: Sheet) -> bytes:
                 (x, y), radius = item.center, item.radius
                 place = {"cx": _number(x), "cy": _number(height - y), "r": _number(radius)}
                 Xml.SubElement(groups[item.pen], "circle", {**named, **place})
-            case Line():
+            case SheetLine():
                 black = {"fill": "#000000", "stroke": "none"} if item.filled else {}
                 path = {**named, "d": _line(item, height), **black}
                 Xml.SubElement(groups[item.pen], "path", path)
@@ -138,7 +138,7 @@ def _pen(pen: Pen) -> dict[str, str]:
     return {"id": pen.name, "stroke": "#000000", "stroke-width": f"{pen.width_mm:g}", **dashes}
 
 
-def _line(line: Line, height: float) -> str:
+def _line(line: SheetLine, height: float) -> str:
     points = np.round(np.array([0.0, height]) + line.points * np.array([1.0, -1.0]), PAPER_DECIMALS) + 0.0
     return "M" + "L".join(f"{x:g},{y:g}" for x, y in points.tolist()) + ("Z" if line.closed else "")
 

@@ -111,7 +111,7 @@ def rows_of_places(cells: IndexArray, count: int) -> list[IndexArray]:
 
 
 @dataclass(frozen=True, eq=False)
-class Between:
+class CheckpointPlaces:
     """Places from each checkpoint to the next, shape (parts, n): a part of fewer places ends with its last again.
 
     ``angle_rad`` is the crank's angle from the part's first place.
@@ -139,12 +139,12 @@ class Between:
         return Ranges(least, most, least_in_cell, most_in_cell)
 
 
-def between(on: CrankCycle, parts: Sequence[IndexArray], asked: Demands) -> Between:
+def between(on: CrankCycle, parts: Sequence[IndexArray], asked: Demands) -> CheckpointPlaces:
     """The places of parts from checkpoint to checkpoint."""
     most = max(part.size for part in parts)
     places = np.array([np.pad(part, (0, most - part.size), mode="edge") for part in parts])
     steps = np.where(places[:, 1:] != places[:, :-1], on.step_rad[places[:, :-1]], 0.0)
-    return Between(places, np.cumsum(np.pad(steps, ((0, 0), (1, 0))), axis=1), asked)
+    return CheckpointPlaces(places, np.cumsum(np.pad(steps, ((0, 0), (1, 0))), axis=1), asked)
 
 
 def _leaning(known: Array, angle_rad: Array, steepness: float) -> tuple[Array, Array]:

@@ -55,7 +55,7 @@ STANDING = 1e-7
 
 
 @dataclass(frozen=True, eq=False)
-class Known:
+class LinkageValues:
     """The linkage's known functions at three places of each of n cells, shape (n, 3); ``ends_rad`` has shape (n + 1,).
 
     ``first`` and ``second`` are the displacement's derivatives by the crank's angle, and the crank's torque in N mm is
@@ -87,7 +87,7 @@ class SweptLimits:
         return self.power_w.size
 
 
-def known_functions(task: Task, asked: Demands, cells: int) -> Known:
+def known_functions(task: Task, asked: Demands, cells: int) -> LinkageValues:
     """The known functions of a machine in about ``cells`` cells."""
     stretches = [one.stretch for one in asked.requirements(TimeWithin)]
     ends = cell_ends(task, np.linspace(0.0, 2.0 * pi, cells, endpoint=False), stretches)
@@ -96,7 +96,9 @@ def known_functions(task: Task, asked: Demands, cells: int) -> Known:
     # Without masses the resistance alone turns the crank
     static = at.torque if task.masses is not None else at.force_n * at.first
     columns = at.first, at.second, static, at.torque_by_q, at.torque_by_rate
-    return Known(ends, *(np.broadcast_to(np.asarray(one, dtype=float), places.size).reshape(-1, 3) for one in columns))
+    return LinkageValues(
+        ends, *(np.broadcast_to(np.asarray(one, dtype=float), places.size).reshape(-1, 3) for one in columns)
+    )
 
 
 class Sweeps:

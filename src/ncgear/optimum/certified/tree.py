@@ -32,7 +32,7 @@ from ncgear.optimum.certified.cycle import CrankCycle
 from ncgear.optimum.certified.demands import Demands, NearMotion, Ranges
 from ncgear.optimum.certified.motion import MotionProgramme
 from ncgear.optimum.certified.proof import Linear, Proof, Solver, proof_of
-from ncgear.optimum.certified.ranges import Between, KnownRanges, between, parts_between
+from ncgear.optimum.certified.ranges import CheckpointPlaces, KnownRanges, between, parts_between
 
 
 @dataclass(frozen=True, eq=False)
@@ -173,7 +173,7 @@ class Tree:
 
     trials: Trials
     checkpoints: Sequence[int]
-    between: Between
+    between: CheckpointPlaces
     budget: Budget
     solver: Solver
 

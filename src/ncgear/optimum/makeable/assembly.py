@@ -15,8 +15,8 @@ import numpy as np
 from scipy import sparse
 
 from ncgear.frozen import dataclass
-from ncgear.optimum.makeable.levels import Level
-from ncgear.optimum.makeable.quantities import Place, Slider
+from ncgear.optimum.makeable.levels import WishLevel
+from ncgear.optimum.makeable.quantities import RatioPlace, Slider
 from ncgear.optimum.makeable.rows import ProgrammeRows, WholeLaw, closing_terms, level_terms
 from ncgear.optimum.makeable.spline import NEAR, SplineRows
 
@@ -42,13 +42,13 @@ class LocalTerms:
     of_bends: Any
 
 
-def local_terms(levels: Sequence[Level], pairs: int) -> LocalTerms:
+def local_terms(levels: Sequence[WishLevel], pairs: int) -> LocalTerms:
     """The terms of levels, and the terms that close the turn."""
     ratio = [casadi.SX.sym("ratio", LOCAL) for _ in range(pairs)]
     length = [casadi.SX.sym("length") for _ in range(pairs)]
     data = casadi.SX.sym("slider", len(Slider._fields))
     whole = _Symbols()
-    at = [Place(f, casadi.exp(f), casadi.exp(-f), *rates) for f, *rates in map(casadi.vertsplit, ratio)]
+    at = [RatioPlace(f, casadi.exp(f), casadi.exp(-f), *rates) for f, *rates in map(casadi.vertsplit, ratio)]
     terms = level_terms(levels, at, Slider(*casadi.vertsplit(data)), length, whole)
     every = casadi.vertcat(*(term for own in terms for term in own), *closing_terms(at))
     angle = [whole.angle_rad] if any(level.order is not None for level in levels) else []

@@ -35,7 +35,7 @@ LEAST = 1e-3
 """Crank angle in rad that a stretch keeps, from end to end and to the dead centre that it begins or ends at."""
 
 
-class FoundLaw(Protocol):
+class SearchResult(Protocol):
     """The result of a search."""
 
     @property
@@ -50,7 +50,7 @@ class FoundLaw(Protocol):
         """The value that is minimized."""
 
 
-Found = TypeVar("Found", bound=FoundLaw)
+Found = TypeVar("Found", bound=SearchResult)
 
 
 class Passed(NamedTuple):

@@ -19,14 +19,14 @@ from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.certified.limit import Motion
 from ncgear.optimum.makeable.driving_ranges import best_held, held_as, ranges
-from ncgear.optimum.makeable.levels import OF_LIMITS, Level
+from ncgear.optimum.makeable.levels import OF_LIMITS, WishLevel
 from ncgear.optimum.makeable.programme import Solution
 from ncgear.optimum.makeable.search import Kept, LawSearch, cost, goal_weights, kept, searched
 from ncgear.optimum.makeable.wishes import CONVEX, Wishes
 from ncgear.optimum.offers import Refused
 from ncgear.optimum.task import Task
 from ncgear.ratio.laws.spline import spline_ratio_law, spline_ratio_staged
-from ncgear.ratio.transmission import Lobes, Train, single
+from ncgear.ratio.transmission import Lobes, PairsInSeries, single
 from ncgear.wishes.wish import Offer
 
 NO_EXCESS = 1e-6
@@ -71,11 +71,11 @@ class MakeableLaw:
 
     driven_angle_rad: Array
     ratio: Array
-    levels: Sequence[Level]
+    levels: Sequence[WishLevel]
     reached: Array
     second: Array | None = None
 
-    def train(self, lobes: Lobes) -> Train:
+    def train(self, lobes: Lobes) -> PairsInSeries:
         """The law as gears follow it."""
         if self.second is None:
             return single(spline_ratio_law(self.driven_angle_rad, self.ratio, lobes))
@@ -289,7 +289,7 @@ def _eased_by(search: LawSearch, wishes: Sequence[str], reached: Array) -> Eased
 
 
 def _freed_together(
-    search: LawSearch, near: Solution, may_give: Callable[[Level], bool]
+    search: LawSearch, near: Solution, may_give: Callable[[WishLevel], bool]
 ) -> tuple[list[str], Solution | None]:
     """Wishes to drop, the most pressing first, so that a law keeps all others at the places, and that law.
 
@@ -357,7 +357,7 @@ def _without(search: LawSearch, wishes: Sequence[str], price: float, near: Solut
     return found
 
 
-def _shares(search: LawSearch, near: Solution) -> Iterator[tuple[Level, float]]:
+def _shares(search: LawSearch, near: Solution) -> Iterator[tuple[WishLevel, float]]:
     return zip(search.programme.levels, near.pressing.tolist(), strict=True)
 
 

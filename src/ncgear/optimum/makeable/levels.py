@@ -20,7 +20,7 @@ from ncgear.numerics.arrays import Array
 from ncgear.numerics.bounds import shown_above
 from ncgear.numerics.units import N_M_PER_N_MM
 from ncgear.optimum.makeable import quantities
-from ncgear.optimum.makeable.quantities import Place, Slider, Term, pairs, with_shaft_between
+from ncgear.optimum.makeable.quantities import RatioPlace, Slider, Term, pairs, with_shaft_between
 from ncgear.optimum.task import Limits, Prices, Task
 from ncgear.wishes.wish import Offer
 
@@ -28,7 +28,7 @@ OF_LIMITS = "optimize.limits."
 """The group of keys of limits, with its dot."""
 
 
-Sides = Callable[[Place, Slider, Term], tuple[Term, ...]]
+Sides = Callable[[RatioPlace, Slider, Term], tuple[Term, ...]]
 """Place, slider, and length of the driving curve over the centre distance, to the terms of a level."""
 
 
@@ -62,7 +62,7 @@ TURN = CrankStretch(0.0, 2.0 * pi)
 
 
 @dataclass(frozen=True)
-class Level:
+class WishLevel:
     """A level: the ``wish`` behind it, its ``limit`` (None: no limit) and its ``weight`` in the goal.
 
     Terms and limit are in units in which they are of the order of 1; ``shown`` gives the limit that the user would need
@@ -107,7 +107,7 @@ class Level:
         """The limit; infinite without a limit."""
         return inf if self.limit is None else self.limit
 
-    def terms(self, ratios: Sequence[Place], slider: Slider, lengths: Sequence[Term]) -> tuple[Term, ...]:
+    def terms(self, ratios: Sequence[RatioPlace], slider: Slider, lengths: Sequence[Term]) -> tuple[Term, ...]:
         """The level's terms, from i12, and iB where there are two pairs, and every pair's length."""
         if not self.of_pairs:
             return self.sides(ratios[0], with_shaft_between(slider, ratios), lengths[0])
@@ -123,14 +123,14 @@ def limit_offer(name: str, words: str, number: str) -> Offer:
 
 def limited(
     name: str, words: str, number: Callable[[float], str], limit: float | None, weight: float, sides: Sides, **more: Any
-) -> Level:
+) -> WishLevel:
     """The level of a limit by its name under ``optimize.limits``; ``number`` writes the user's limit for a level."""
-    return Level(name, limit, weight, sides, lambda level: limit_offer(name, words, number(level)), **more)
+    return WishLevel(name, limit, weight, sides, lambda level: limit_offer(name, words, number(level)), **more)
 
 
 def of_figure(
     name: str, words: str, unit: float, limit: float | None, price: float, sides: Sides, **more: Any
-) -> Iterator[Level]:
+) -> Iterator[WishLevel]:
     """The level of a figure, in units of the figure, where it has a limit or a price."""
     if limit is not None or price:
         cap = None if limit is None else limit / unit
@@ -157,7 +157,7 @@ class MachineScales:
 
 def machine_scales(task: Task, slider: Slider) -> MachineScales:
     """Scales from the loads of an even crank; the columns of ``slider`` are at places around the turn, (n,) each."""
-    even, turning_rad_s = Place(0.0, 1.0, 1.0, 0.0, 0.0), task.speed_rad_s * 2.0 * pi / task.cycle_rad
+    even, turning_rad_s = RatioPlace(0.0, 1.0, 1.0, 0.0, 0.0), task.speed_rad_s * 2.0 * pi / task.cycle_rad
 
     def largest(term: Term) -> float:
         return float(np.max(np.abs(term)))
@@ -172,18 +172,18 @@ def machine_scales(task: Task, slider: Slider) -> MachineScales:
     )
 
 
-def of_loads(task: Task, units: MachineScales, limits: Limits, prices: Prices) -> Iterator[Level]:
+def of_loads(task: Task, units: MachineScales, limits: Limits, prices: Prices) -> Iterator[WishLevel]:
     """The levels of all limits and prices on forces of the machine: the figures of these names in ``Figures``."""
     speed, torque = task.speed_rad_s, units.torque_n_mm
 
-    def driving(at: Place, slider: Slider, _: Term = 0.0) -> Term:
+    def driving(at: RatioPlace, slider: Slider, _: Term = 0.0) -> Term:
         return quantities.driving_torque(at, slider, speed) / torque
 
-    def level(name: str, words: str, unit: float, sides: Sides, **more: Any) -> Iterator[Level]:
+    def level(name: str, words: str, unit: float, sides: Sides, **more: Any) -> Iterator[WishLevel]:
         return of_figure(name, words, unit, getattr(limits, name), getattr(prices, name, 0.0), sides, **more)
 
-    def size(force: Callable[[Place, Slider, Term], tuple[Term, Term]], unit: float) -> Sides:
-        def sides(at: Place, slider: Slider, _: Term) -> tuple[Term, ...]:
+    def size(force: Callable[[RatioPlace, Slider, Term], tuple[Term, Term]], unit: float) -> Sides:
+        def sides(at: RatioPlace, slider: Slider, _: Term) -> tuple[Term, ...]:
             along, across = force(at, slider, speed)
             return (((along / unit) ** 2 + (across / unit) ** 2 + ROUND**2) ** 0.5,)
 
@@ -212,14 +212,14 @@ def of_loads(task: Task, units: MachineScales, limits: Limits, prices: Prices) -
         yield from _flank_load(task, units, limits.flank_load_n_mm, prices.flank_load_n_mm)
 
 
-def _tooth_force(task: Task, units: MachineScales, limit: float | None, price: float) -> Iterator[Level]:
+def _tooth_force(task: Task, units: MachineScales, limit: float | None, price: float) -> Iterator[WishLevel]:
     """The force of the flanks that carry; the other sign, of flanks that do not, is far under the limit."""
     size, angles = task.gears, _rack_angles_rad(task)
     assert size is not None
     unit = limit or units.torque_n_mm * task.cycle_rad / size.rolled_mm(task.lobes)
     lobes = task.lobes.driving
 
-    def sides(at: Place, slider: Slider, length: Term) -> tuple[Term, ...]:
+    def sides(at: RatioPlace, slider: Slider, length: Term) -> tuple[Term, ...]:
         distance = size.center_distance_mm
         if size.teeth is not None and size.module_mm is not None:
             distance = size.teeth * pi * size.module_mm / (lobes * length)
@@ -235,11 +235,11 @@ ROUND_GEARS = 8.0
 """(1 + s)^3/s of equal round gears."""
 
 
-def _flank_load(task: Task, units: MachineScales, limit: float | None, price: float) -> Iterator[Level]:
+def _flank_load(task: Task, units: MachineScales, limit: float | None, price: float) -> Iterator[WishLevel]:
     """The load of the flanks that carry, which decides face width times centre distance squared against pitting."""
     angles, unit = _rack_angles_rad(task), limit or ROUND_GEARS * units.torque_n_mm
 
-    def sides(at: Place, slider: Slider, _: Term) -> tuple[Term, ...]:
+    def sides(at: RatioPlace, slider: Slider, _: Term) -> tuple[Term, ...]:
         torque = quantities.driving_torque(at, slider, task.speed_rad_s) * at.ratio
         pushing, back = quantities.inverse_levers(at, angles)
         per = quantities.relative_curvature(at) / unit

@@ -15,8 +15,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import exp, inf, log
 
-from ncgear.optimum.makeable.levels import Level, LevelKind, Sides
-from ncgear.optimum.makeable.quantities import Place, Slider, Term, acceleration, log_speed
+from ncgear.optimum.makeable.levels import LevelKind, Sides, WishLevel
+from ncgear.optimum.makeable.quantities import RatioPlace, Slider, Term, acceleration, log_speed
 from ncgear.optimum.task import Task
 from ncgear.wishes.requirements import DecelerationWithin, EvenSpeed, PushedSpeed, Requirement, SpeedWithin, TimeWithin
 from ncgear.wishes.wish import DrivingWish, Offer, Wish
@@ -25,7 +25,7 @@ EXACT_RAD = 1e-5
 """Tolerance of a driving angle below which the angle itself is held: ten times the margin of the search."""
 
 
-def of_motion_wishes(task: Task, wishes: Sequence[Wish]) -> Iterator[Level]:
+def of_motion_wishes(task: Task, wishes: Sequence[Wish]) -> Iterator[WishLevel]:
     """The levels of all wishes, hard and soft."""
     for wish in wishes:
         for pushed in wish.pushed(task.linkage):
@@ -54,9 +54,9 @@ def _level(
     most: float = 0.0,
     per_share: float = 1.0,
     target: float = 0.0,
-) -> Level:
+) -> WishLevel:
     """The level of a wish: a hard wish keeps it to ``most``; a soft wish costs from there, by ``per_share``."""
-    return Level(
+    return WishLevel(
         wish.key,
         most if wish.hard else None,
         0.0,
@@ -71,9 +71,9 @@ def _level(
     )
 
 
-def _pushed(task: Task, wish: Wish, pushed: PushedSpeed) -> Level:
+def _pushed(task: Task, wish: Wish, pushed: PushedSpeed) -> WishLevel:
     sign = -1.0 if pushed.fastest else 1.0
-    return Level(
+    return WishLevel(
         wish.key,
         None,
         0.0,
@@ -85,19 +85,19 @@ def _pushed(task: Task, wish: Wish, pushed: PushedSpeed) -> Level:
     )
 
 
-def _even(task: Task, wish: Wish, asked: EvenSpeed) -> Level:
+def _even(task: Task, wish: Wish, asked: EvenSpeed) -> WishLevel:
     """Twice the tolerance is the spread of the logarithm, but for its third power."""
 
-    def sides(at: Place, slider: Slider, _: Term) -> tuple[Term, ...]:
+    def sides(at: RatioPlace, slider: Slider, _: Term) -> tuple[Term, ...]:
         return (log_speed(at, slider, task.speed_rad_s),)
 
     return _level(task, wish, asked, LevelKind.SPREAD, sides, most=log(asked.spread), per_share=2.0)
 
 
-def _speed(task: Task, wish: Wish, asked: SpeedWithin) -> Level:
+def _speed(task: Task, wish: Wish, asked: SpeedWithin) -> WishLevel:
     least, most = asked.least_mm_s, asked.most_mm_s
 
-    def sides(at: Place, slider: Slider, _: Term) -> tuple[Term, ...]:
+    def sides(at: RatioPlace, slider: Slider, _: Term) -> tuple[Term, ...]:
         speed = log_speed(at, slider, task.speed_rad_s)
         over = (speed - log(most),) if most < inf else ()
         return (*over, log(least) - speed) if least > 0.0 else over
@@ -105,17 +105,17 @@ def _speed(task: Task, wish: Wish, asked: SpeedWithin) -> Level:
     return _level(task, wish, asked, LevelKind.PEAK, sides)
 
 
-def _deceleration(task: Task, wish: Wish, asked: DecelerationWithin) -> Level:
+def _deceleration(task: Task, wish: Wish, asked: DecelerationWithin) -> WishLevel:
     """Deceleration over ``most_mm_s2``, less 1, in both strokes; no place stands at a dead centre."""
 
-    def sides(at: Place, slider: Slider, _: Term) -> tuple[Term, ...]:
+    def sides(at: RatioPlace, slider: Slider, _: Term) -> tuple[Term, ...]:
         forwards = slider.first / abs(slider.first)
         return (-forwards * acceleration(at, slider, task.speed_rad_s) / asked.most_mm_s2 - 1.0,)
 
     return _level(task, wish, asked, LevelKind.PEAK, sides)
 
 
-def _times(task: Task, wish: Wish, asked: TimeWithin) -> Iterator[Level]:
+def _times(task: Task, wish: Wish, asked: TimeWithin) -> Iterator[WishLevel]:
     """A driving angle held, or bounded from above and from below."""
     least, most, cycle = asked.least_rad, asked.most_rad, task.cycle_rad
     if most - least < 2.0 * EXACT_RAD:

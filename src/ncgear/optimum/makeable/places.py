@@ -39,7 +39,7 @@ of |x'| is below 1e-6 of it."""
 
 
 @dataclass(frozen=True, eq=False)
-class Places:
+class CellPlaces:
     """m places in n cells of p steps each: angles and slider, (m,) per column, and the numbers of each cell's places.
 
     ``ends_rad`` has shape (n + 1,), from 0 to a turn; ``number`` and ``weight`` have shape (n, p + 1).  The sum of
@@ -88,7 +88,7 @@ def cell_ends(task: Task, knots_rad: Array, stretches: Iterable[CrankStretch]) -
     return np.delete(ends, 1 + np.nonzero(np.diff(ends[1:-1]) <= APART)[0])
 
 
-def places(task: Task, ends_rad: Array, steps: int) -> Places:
+def places(task: Task, ends_rad: Array, steps: int) -> CellPlaces:
     """Places of cells with an even number of steps each."""
     cells, width = ends_rad.size - 1, np.diff(ends_rad)
     share = np.arange(steps + 1.0) / steps
@@ -105,7 +105,7 @@ def places(task: Task, ends_rad: Array, steps: int) -> Places:
     pattern = np.ones(steps + 1)
     pattern[1:-1:2], pattern[2:-1:2] = 4.0, 2.0
     weight = width[:, None] * pattern / (3.0 * steps)
-    return Places(ends_rad, angle, slider_at(task, beside), number, weight)
+    return CellPlaces(ends_rad, angle, slider_at(task, beside), number, weight)
 
 
 def slider_at(task: Task, crank_angle_rad: Array) -> Slider:

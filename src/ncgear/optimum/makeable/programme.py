@@ -17,9 +17,9 @@ import numpy as np
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.makeable.assembly import Assembly, local_terms
-from ncgear.optimum.makeable.levels import Level, LevelKind
-from ncgear.optimum.makeable.places import Places
-from ncgear.optimum.makeable.quantities import Place
+from ncgear.optimum.makeable.levels import LevelKind, WishLevel
+from ncgear.optimum.makeable.places import CellPlaces
+from ncgear.optimum.makeable.quantities import RatioPlace
 from ncgear.optimum.makeable.reached import SMALLEST, JudgedLaw, ratios, running
 from ncgear.optimum.makeable.rows import ProgrammeRows, rows_of
 from ncgear.optimum.makeable.spline import Knots, SplineRows
@@ -56,7 +56,7 @@ class LawProgramme:
     ``afresh`` starts from coefficients, ``onwards`` from the solution for caps that were a little different.
     """
 
-    levels: Sequence[Level]
+    levels: Sequence[WishLevel]
     knots: Knots
     basis: SplineRows
     rows: ProgrammeRows
@@ -170,7 +170,7 @@ class LawProgramme:
                     whole[block.running] = values[1:, 0]
         return np.concatenate([self._closed(coefficients, law), whole])
 
-    def _closed(self, coefficients: Array, law: Sequence[Place]) -> Array:
+    def _closed(self, coefficients: Array, law: Sequence[RatioPlace]) -> Array:
         """Coefficients shifted as the law is that closes its turn."""
         apart = [one.log[0] - self.basis.of(own)[0][0] for one, own in zip(law, self._each(coefficients), strict=True)]
         closed: Array = self._each(coefficients) + np.array(apart)[:, None]
@@ -209,7 +209,7 @@ ONWARDS: dict[str, Any] = QUIET | {
 """Options for a start from a solution nearby, with the barrier all but gone: ten steps instead of forty."""
 
 
-def programme(levels: Sequence[Level], knots: Knots, at: Places, cycles_rad: Sequence[float]) -> LawProgramme:
+def programme(levels: Sequence[WishLevel], knots: Knots, at: CellPlaces, cycles_rad: Sequence[float]) -> LawProgramme:
     """The programme of one pair or two that turn through ``cycles_rad`` per turn of the crank."""
     local, basis = local_terms(levels, len(cycles_rad)), knots.rows(at.angle_rad)
     rows = rows_of(levels, local.counts, at, cycles_rad)

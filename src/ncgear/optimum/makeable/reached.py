@@ -14,9 +14,9 @@ import numpy as np
 
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.optimum.makeable.levels import TURN, Level, LevelKind
-from ncgear.optimum.makeable.places import Places
-from ncgear.optimum.makeable.quantities import Place, length_rates
+from ncgear.optimum.makeable.levels import TURN, LevelKind, WishLevel
+from ncgear.optimum.makeable.places import CellPlaces
+from ncgear.optimum.makeable.quantities import RatioPlace, length_rates
 from ncgear.optimum.makeable.rows import RowBlock, WholeLaw, closing_terms, level_terms
 from ncgear.optimum.makeable.spline import SplineRows
 
@@ -30,7 +30,9 @@ CLOSE_RAD = 1e-7
 """Deviation that counts as none: a law's rounded ratios close an angle to a thousandth of it."""
 
 
-def ratios(at: Places, rows: SplineRows, coefficients: Array, cycles_rad: Sequence[float]) -> tuple[Place, ...]:
+def ratios(
+    at: CellPlaces, rows: SplineRows, coefficients: Array, cycles_rad: Sequence[float]
+) -> tuple[RatioPlace, ...]:
     """i12 at all places, shape (m,) each, and iB with a second cycle; coefficients have shape (pairs n,).
 
     The splines are shifted so that the driving angles of a turn are the cycles.
@@ -39,16 +41,16 @@ def ratios(at: Places, rows: SplineRows, coefficients: Array, cycles_rad: Sequen
     for own, cycle in zip(coefficients.reshape(len(cycles_rad), -1), cycles_rad, strict=True):
         series, first, second = rows.of(own)
         logarithm = series + np.log(cycle / over_turn(at, np.exp(series)))
-        found.append(Place(logarithm, np.exp(logarithm), np.exp(-logarithm), first, second))
+        found.append(RatioPlace(logarithm, np.exp(logarithm), np.exp(-logarithm), first, second))
     return tuple(found)
 
 
-def over_turn(at: Places, values: Array) -> float:
+def over_turn(at: CellPlaces, values: Array) -> float:
     """Integral over phi2 of values at all places."""
     return float(np.sum(values[at.number] * at.weight))
 
 
-def lengths(at: Places, law: Sequence[Place]) -> list[float]:
+def lengths(at: CellPlaces, law: Sequence[RatioPlace]) -> list[float]:
     """Rolled length of every pair in one cycle over its centre distance."""
     return [over_turn(at, rate) for rate in length_rates(law)]
 
@@ -57,9 +59,9 @@ def lengths(at: Places, law: Sequence[Place]) -> list[float]:
 class JudgedLaw:
     """A law at the judge's places, as levels see it."""
 
-    levels: Sequence[Level]
-    at: Places
-    law: Sequence[Place]
+    levels: Sequence[WishLevel]
+    at: CellPlaces
+    law: Sequence[RatioPlace]
 
     @cached_property
     def lengths(self) -> list[float]:
@@ -101,7 +103,7 @@ class JudgedLaw:
         each = zip(self.levels, self.terms, strict=True)
         return np.array([max(self._reached(level, term) for term in terms) for level, terms in each])
 
-    def _reached(self, level: Level, term: Array) -> float:
+    def _reached(self, level: WishLevel, term: Array) -> float:
         if level.kind in INTEGRALS:
             found = self.integral(level, term)
             return found if level.kind is not LevelKind.DEVIATION else abs(found) if abs(found) > CLOSE_RAD else 0.0
@@ -117,23 +119,23 @@ class JudgedLaw:
             tops, bottoms = peaks(term[cells]), -peaks(-term[cells])
         return float(np.max(tops) - (0.0 if level.kind is LevelKind.PEAK else np.min(bottoms)))
 
-    def integral(self, level: Level, term: Array) -> float:
+    def integral(self, level: WishLevel, term: Array) -> float:
         """A term's integral over a level's stretch, less the target."""
         cells = self.at.cells(level.stretch)
         return float(np.sum(term[cells] * self.at.weight[cells])) - level.target
 
-    def missed(self, coarse: Places) -> Array:
+    def missed(self, coarse: CellPlaces) -> Array:
         """Excess of the coarse places in every pair's driving angle and rolled length, shape (2 pairs,)."""
         each = [term[self.at.number] for term in closing_terms(self.law)]
         found = [np.sum(self._coarsely(coarse, term) * coarse.weight) - np.sum(term * self.at.weight) for term in each]
         return np.reshape(found, (2, -1)).T.ravel()
 
     @staticmethod
-    def _coarsely(coarse: Places, term: Array) -> Array:
+    def _coarsely(coarse: CellPlaces, term: Array) -> Array:
         """A term in cells at the coarse places alone, shape (n, q + 1)."""
         return term[:, :: (term.shape[1] - 1) // (coarse.number.shape[1] - 1)]
 
-    def beyond(self, blocks: Sequence[RowBlock], coarse: Places) -> Array:
+    def beyond(self, blocks: Sequence[RowBlock], coarse: CellPlaces) -> Array:
         """Rise of every row's term around its place over the value at the place, shape (rows at or below zero,).
 
         "Around" is half a step of the coarse places; an integral rises by the error of the coarse places.
@@ -141,7 +143,7 @@ class JudgedLaw:
         flat = [(level, term) for level, terms in zip(self.levels, self.terms, strict=True) for term in terms]
         return np.concatenate([self._beyond(block, *flat[block.term], coarse) for block in blocks])
 
-    def _beyond(self, block: RowBlock, level: Level, term: Array, coarse: Places) -> Array:
+    def _beyond(self, block: RowBlock, level: WishLevel, term: Array, coarse: CellPlaces) -> Array:
         cells = coarse.cells(level.stretch)
         if level.kind in INTEGRALS:
             roughly = float(np.sum((self._coarsely(coarse, term) * coarse.weight)[cells])) - level.target
@@ -190,7 +192,7 @@ class _Values(WholeLaw):
         return np.cos(angle_rad), np.sin(angle_rad)
 
 
-def running(at: Places, term: Array) -> Array:
+def running(at: CellPlaces, term: Array) -> Array:
     """Integral over phi2 of a term from the retracted dead centre on, in all cells, shape (n, p + 1)."""
     step = np.diff(at.ends_rad)[:, None] / (term.shape[1] - 1)
     start, middle, end = term[:, :-1:2], term[:, 1::2], term[:, 2::2]

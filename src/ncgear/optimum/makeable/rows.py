@@ -16,9 +16,9 @@ import numpy as np
 from scipy import sparse
 
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.optimum.makeable.levels import TURN, Level, LevelKind
-from ncgear.optimum.makeable.places import Places
-from ncgear.optimum.makeable.quantities import Place, Slider, Term, length_rates
+from ncgear.optimum.makeable.levels import TURN, LevelKind, WishLevel
+from ncgear.optimum.makeable.places import CellPlaces
+from ncgear.optimum.makeable.quantities import RatioPlace, Slider, Term, length_rates
 
 RUNNING = {LevelKind.INTEGRAL, LevelKind.DEVIATION, LevelKind.SWING, LevelKind.RMS}
 """Kinds that are integrals over the driving angle."""
@@ -61,7 +61,7 @@ class WholeLaw(ABC):
 
 
 def level_terms(
-    levels: Sequence[Level], ratios: Sequence[Place], slider: Slider, lengths: Sequence[Term], whole: WholeLaw
+    levels: Sequence[WishLevel], ratios: Sequence[RatioPlace], slider: Slider, lengths: Sequence[Term], whole: WholeLaw
 ) -> list[list[Term]]:
     """Every level's terms at a place; terms of integrals are per unit of phi2, terms of swings less their means.
 
@@ -78,7 +78,7 @@ def level_terms(
     return found
 
 
-def _square(level: Level, term: Term, whole: WholeLaw) -> Term:
+def _square(level: WishLevel, term: Term, whole: WholeLaw) -> Term:
     """The square of a term, or of its rest above the order of a level."""
     if level.order is None:
         return term**2
@@ -88,12 +88,12 @@ def _square(level: Level, term: Term, whole: WholeLaw) -> Term:
     return rest**2 + (UNHEARD * term) ** 2
 
 
-def _of_root(level: Level, square: Term, whole: WholeLaw) -> Term:
+def _of_root(level: WishLevel, square: Term, whole: WholeLaw) -> Term:
     size = whole.size_of(square, level.cycle_rad)
     return (size + square / size) / (2.0 * level.cycle_rad)
 
 
-def closing_terms(ratios: Sequence[Place]) -> list[Term]:
+def closing_terms(ratios: Sequence[RatioPlace]) -> list[Term]:
     """The values integrated over the turn with any levels: every ratio, and the rate of every pair's length."""
     return [*(one.ratio for one in ratios), *length_rates(ratios)]
 
@@ -141,7 +141,7 @@ class ProgrammeRows:
     ``terms`` counts the terms at a place and ``wholes`` the variables of the whole.
     """
 
-    at: Places
+    at: CellPlaces
     columns: WholeColumns
     terms: int
     wholes: int
@@ -179,7 +179,7 @@ class ProgrammeRows:
 
 
 def rows_of(
-    levels: Sequence[Level], term_counts: Sequence[int], at: Places, cycles_rad: Sequence[float]
+    levels: Sequence[WishLevel], term_counts: Sequence[int], at: CellPlaces, cycles_rad: Sequence[float]
 ) -> ProgrammeRows:
     """The rows of levels with their terms, for pairs that turn through ``cycles_rad`` per turn of the crank."""
     # First come two equations for every pair: its driving angle and its length
@@ -216,7 +216,7 @@ def rows_of(
     return rows
 
 
-def _hold(rows: ProgrammeRows, level: Level, block: RowBlock) -> None:
+def _hold(rows: ProgrammeRows, level: WishLevel, block: RowBlock) -> None:
     at, sense, columns = rows.at, block.sense, rows.columns
     row = rows.new(block.places.size, -sense * level.target)
     if level.kind is LevelKind.SWING:

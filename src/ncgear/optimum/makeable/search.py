@@ -15,8 +15,8 @@ import numpy as np
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.optimum.certified.limit import Motion
-from ncgear.optimum.makeable.levels import Level, LevelKind, machine_scales
-from ncgear.optimum.makeable.places import Places, cell_ends, places
+from ncgear.optimum.makeable.levels import LevelKind, WishLevel, machine_scales
+from ncgear.optimum.makeable.places import CellPlaces, cell_ends, places
 from ncgear.optimum.makeable.programme import LawProgramme, Solution, programme
 from ncgear.optimum.makeable.reached import JudgedLaw, ratios
 from ncgear.optimum.makeable.spline import SplineRows, even_knots
@@ -80,7 +80,7 @@ class LawSearch:
     """A programme, the places that judge it and the splines there, and the caps and weights of its levels."""
 
     programme: LawProgramme
-    finer: Places
+    finer: CellPlaces
     basis: SplineRows
     caps: Array
     weights: Array
@@ -146,7 +146,7 @@ def searched(task: Task, wishes: Wishes) -> LawSearch:
     )
 
 
-def _judging(task: Task, ends_rad: Array, steps: int) -> Places:
+def _judging(task: Task, ends_rad: Array, steps: int) -> CellPlaces:
     """The judge's places: ``steps`` steps in a cell, or more until parabolas through them tell the force."""
     found = places(task, ends_rad, steps)
     force = found.slider.force_n[found.number]
@@ -156,12 +156,12 @@ def _judging(task: Task, ends_rad: Array, steps: int) -> Places:
     return found if told or 2 * steps > FINEST else _judging(task, ends_rad, 2 * steps)
 
 
-def goal_weights(wanted: Sequence[Level], goal: float) -> Array:
+def goal_weights(wanted: Sequence[WishLevel], goal: float) -> Array:
     """The cost of a unit of every level where the goal is about ``goal``, shape (levels,)."""
     return np.array([level.weight + level.share_of_goal * goal for level in wanted])
 
 
-def cost(wanted: Sequence[Level], weights: Array, reached: Array) -> float:
+def cost(wanted: Sequence[WishLevel], weights: Array, reached: Array) -> float:
     """The cost of reached levels together, shape (levels,) each; below its floor a level costs no less."""
     return float(weights @ np.maximum(reached, [level.least for level in wanted]))
 

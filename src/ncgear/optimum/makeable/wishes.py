@@ -13,9 +13,17 @@ from ncgear.numerics.bounds import shown_above, shown_below
 from ncgear.numerics.units import RAD_S_PER_RPM
 from ncgear.optimum.certified.refusals import NOT_CONVEX
 from ncgear.optimum.makeable import quantities
-from ncgear.optimum.makeable.levels import Level, LevelKind, MachineScales, limit_offer, limited, of_figure, of_loads
+from ncgear.optimum.makeable.levels import (
+    LevelKind,
+    MachineScales,
+    WishLevel,
+    limit_offer,
+    limited,
+    of_figure,
+    of_loads,
+)
 from ncgear.optimum.makeable.motion_wishes import of_motion_wishes
-from ncgear.optimum.makeable.quantities import Place, Slider, Term
+from ncgear.optimum.makeable.quantities import RatioPlace, Slider, Term
 from ncgear.optimum.task import Limits, Prices, Task
 from ncgear.wishes.wish import Offer, Wish
 
@@ -149,7 +157,7 @@ class Scales:
     loads: MachineScales | None = None
 
 
-def levels(wishes: Wishes, scales: Scales) -> list[Level]:
+def levels(wishes: Wishes, scales: Scales) -> list[WishLevel]:
     """The levels of all wishes that restrict or cost anything."""
     peaks = list(_of_peaks(wishes, scales))
     if wishes.two_stages is not None:
@@ -160,7 +168,7 @@ def levels(wishes: Wishes, scales: Scales) -> list[Level]:
     return [*peaks, *_of_ratio(wishes, scales), *_of_curves(wishes), *motion]
 
 
-def _of_peaks(wishes: Wishes, scales: Scales) -> Iterator[Level]:
+def _of_peaks(wishes: Wishes, scales: Scales) -> Iterator[WishLevel]:
     limits, prices, task = wishes.limits, wishes.prices, scales.task
     unit, speed, output = scales.acceleration_mm_s2, task.speed_rad_s, task.linkage.OUTPUT
     told = output.acceleration
@@ -228,13 +236,13 @@ def _of_peaks(wishes: Wishes, scales: Scales) -> Iterator[Level]:
     )
 
 
-def _of_ratio(wishes: Wishes, scales: Scales) -> Iterator[Level]:
+def _of_ratio(wishes: Wishes, scales: Scales) -> Iterator[WishLevel]:
     low, high, free = wishes.limits.ratio_min, wishes.limits.ratio_max, 0.0
 
-    def fast(at: Place, *_: object) -> tuple[Term, ...]:
+    def fast(at: RatioPlace, *_: object) -> tuple[Term, ...]:
         return (-at.log,)
 
-    def slow(at: Place, *_: object) -> tuple[Term, ...]:
+    def slow(at: RatioPlace, *_: object) -> tuple[Term, ...]:
         return (at.log,)
 
     # With two stages the limits hold for the ratio of the whole and for each pair's
@@ -249,7 +257,7 @@ def _of_ratio(wishes: Wishes, scales: Scales) -> Iterator[Level]:
         yield limited("driven_speed_rpm", words, lambda level: shown_above(rpm * exp(level)), top, free, fast)
 
 
-def _of_curves(wishes: Wishes) -> Iterator[Level]:
+def _of_curves(wishes: Wishes) -> Iterator[WishLevel]:
     shared, limits, prices = wishes.two_stages, wishes.limits, wishes.prices
     rack, limited_rad = limits.rack_angle_rad, limits.pressure_angle_rad
     if prices.tangent_rad:
@@ -269,7 +277,7 @@ def _of_curves(wishes: Wishes) -> Iterator[Level]:
             yield _convex(bulge)
 
 
-def _pressure_angle(most: float | None, weight: float, rack_rad: float) -> Level:
+def _pressure_angle(most: float | None, weight: float, rack_rad: float) -> WishLevel:
     return limited(
         "pressure_angle_deg",
         "a pressure angle of {} deg",
@@ -282,8 +290,8 @@ def _pressure_angle(most: float | None, weight: float, rack_rad: float) -> Level
     )
 
 
-def _curvature(wishes: Wishes, turns: float) -> Level:
-    def sides(at: Place, slider: Slider, length: Term) -> tuple[Term, ...]:
+def _curvature(wishes: Wishes, turns: float) -> WishLevel:
+    def sides(at: RatioPlace, slider: Slider, length: Term) -> tuple[Term, ...]:
         bulges = [
             curvature(at) * length / turns for curvature in (quantities.driving_curvature, quantities.driven_curvature)
         ]
@@ -296,11 +304,11 @@ def _curvature(wishes: Wishes, turns: float) -> Level:
         least = shown_below(wishes.curvature_given / level)
         return limit_offer("least_radius_mm", "a least radius of {} mm", least)
 
-    return Level(wishes.curvature_wish.value, 1.0, 0.0, sides, shown, of_pairs=True)
+    return WishLevel(wishes.curvature_wish.value, 1.0, 0.0, sides, shown, of_pairs=True)
 
 
-def _convex(bulge: Callable[[Place], Term]) -> Level:
-    return Level(CONVEX, 0.0, 0.0, lambda at, *_: (-bulge(at),), lambda level: NOT_CONVEX, of_pairs=True)
+def _convex(bulge: Callable[[RatioPlace], Term]) -> WishLevel:
+    return WishLevel(CONVEX, 0.0, 0.0, lambda at, *_: (-bulge(at),), lambda level: NOT_CONVEX, of_pairs=True)
 
 
 def _both(term: Term) -> tuple[Term, Term]:

@@ -42,7 +42,7 @@ WINDOW_PITCHES = 1.0
 
 
 @dataclass(frozen=True, eq=False)
-class Limits:
+class CurveLimits:
     """Limits of each place: ``share`` is the usable part of the usual limits of curvature, shape (m,) or a number.
 
     ``steepest_rad`` is the greatest angle between the pitch curve and the common perpendicular of the radii,
@@ -60,7 +60,7 @@ class Limits:
         return (root - together) / 2.0, ((together + 4.0 / self.apart_teeth) / root - 1.0) / 2.0
 
 
-class Kind(StrEnum):
+class Subject(StrEnum):
     """The subject of a condition, on the given gear (own) or on its mate."""
 
     HOLLOW_OWN = "hollow_own"
@@ -74,19 +74,19 @@ class Kind(StrEnum):
 
 
 @dataclass(frozen=True, eq=False)
-class Condition:
+class OutlineCondition:
     """A condition at all places: ``value`` is not over 0, shape (m,), and of the order of 1.
 
     ``slopes`` makes its slopes by the radius's coefficients, shape (m, n), by the centre distance and by the module,
     shape (m,) each.
     """
 
-    kind: Kind
+    kind: Subject
     value: Array
     slopes: Callable[[], tuple[sparse.csr_array, Array, Array]]
 
 
-def conditions(curve: Rolled, limits: Limits) -> Iterator[Condition]:
+def conditions(curve: Rolled, limits: CurveLimits) -> Iterator[OutlineCondition]:
     """All conditions of a curve."""
     module, share = curve.module_mm, np.broadcast_to(limits.share, curve.speed_mm.shape)
     bound, slope = limits.hollow(module * curve.together)
@@ -107,22 +107,22 @@ def conditions(curve: Rolled, limits: Limits) -> Iterator[Condition]:
         )
 
     kinds = (
-        (Kind.HOLLOW_OWN, Kind.HOLLOW_CORNER_OWN, Kind.CORNER_OWN),
-        (Kind.HOLLOW_MATE, Kind.HOLLOW_CORNER_MATE, Kind.CORNER_MATE),
+        (Subject.HOLLOW_OWN, Subject.HOLLOW_CORNER_OWN, Subject.CORNER_OWN),
+        (Subject.HOLLOW_MATE, Subject.HOLLOW_CORNER_MATE, Subject.CORNER_MATE),
     )
     for mate, (curvature, (stretch, hollow, corner)) in enumerate(zip(curve.curvature, kinds, strict=True)):
         by = curvature, bool(mate)
-        yield Condition(stretch, mean @ (-module * curvature - share * bound), partial(of_stretch, *by))
-        yield Condition(hollow, -module * curvature - share * HOLLOW, partial(of_curvature, *by, -1.0))
-        yield Condition(corner, module * curvature - share * ROUND, partial(of_curvature, *by, 1.0))
+        yield OutlineCondition(stretch, mean @ (-module * curvature - share * bound), partial(of_stretch, *by))
+        yield OutlineCondition(hollow, -module * curvature - share * HOLLOW, partial(of_curvature, *by, -1.0))
+        yield OutlineCondition(corner, module * curvature - share * ROUND, partial(of_curvature, *by, 1.0))
     b0, b1, _ = curve.basis.places
     r, r1, _ = curve.radius
     mean_mm, distance, steepest = float(np.mean(r)), curve.center_distance_mm, tan(limits.steepest_rad)
     for sign in (1.0, -1.0):
         rows = (sign * b1 - steepest * b0) / mean_mm
-        yield Condition(Kind.STEEP, (sign * r1 - steepest * r) / mean_mm, partial(_alone, rows, none))
+        yield OutlineCondition(Subject.STEEP, (sign * r1 - steepest * r) / mean_mm, partial(_alone, rows, none))
     room = (1.0 - limits.nearest) / mean_mm
-    yield Condition(Kind.ROOM, r / mean_mm - room * distance, lambda: (b0 / mean_mm, none - room, none))
+    yield OutlineCondition(Subject.ROOM, r / mean_mm - room * distance, lambda: (b0 / mean_mm, none - room, none))
 
 
 def _alone(rows: sparse.csr_array, none: Array) -> tuple[sparse.csr_array, Array, Array]:
@@ -137,7 +137,7 @@ def _mean_over_window(curve: Rolled) -> sparse.csr_array:
     return sparse.csr_array(near / near.sum(axis=1, keepdims=True))
 
 
-def excess(curve: Rolled, limits: Limits) -> float:
+def excess(curve: Rolled, limits: CurveLimits) -> float:
     """The largest violation of the conditions and of the mate's closing; below 0 where all hold."""
     worst = max(float(np.max(one.value)) for one in conditions(curve, limits))
     return max(worst, abs(float(np.mean(curve.turned)) - 1.0) - ROUNDING)

@@ -11,11 +11,11 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.extras import require
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
-from ncgear.optimum.outline.conditions import Kind, Limits, conditions, excess
+from ncgear.optimum.outline.conditions import CurveLimits, Subject, conditions, excess
 from ncgear.optimum.outline.outline import Outline, axes_to_try
 from ncgear.optimum.outline.phases import best_phases
-from ncgear.optimum.outline.programme import Wanted, missed, step
-from ncgear.optimum.outline.rolled import Basis, MatePlace, Rolled, closing_distance_mm
+from ncgear.optimum.outline.programme import OutlineAim, missed, step
+from ncgear.optimum.outline.rolled import MatePlace, Rolled, SplineBasis, closing_distance_mm
 
 FEWEST_COEFFICIENTS, MOST_COEFFICIENTS = 48, 250
 """Coefficients of a curve with few teeth, and with many; between them there is a coefficient for each tooth."""
@@ -93,7 +93,7 @@ def _apart(outline: Outline, points_mm: Array, count: int) -> Deviation:
     return Deviation(sqrt(square), greatest, _place(at_mm), _place(toward), side == 0)
 
 
-def away_mm(outline: Outline, curve: Rolled, wanted: Wanted, count: int = MEASURED) -> float:
+def away_mm(outline: Outline, curve: Rolled, wanted: OutlineAim, count: int = MEASURED) -> float:
     """The minimized distance, of both gears by their shares where the mate has an outline."""
     mate, place = wanted.mate, curve.mate_place
     followed = [(outline, curve.points()[0], 1.0, 1.0)]
@@ -123,8 +123,8 @@ def coefficients_for(teeth: int) -> int:
 def nearest_curve(
     outline: Outline,
     teeth: int,
-    limits: Limits,
-    wanted: Wanted,
+    limits: CurveLimits,
+    wanted: OutlineAim,
     axis_mm: Array | None = None,
     start: Rolled | None = None,
 ) -> Rolled:
@@ -136,7 +136,7 @@ def nearest_curve(
     require("clarabel", "optimize", "ncgear fit")
     if start is not None:
         return _better(outline, start, limits, wanted, MORE_ROUNDS, FIRST_STEP / 2.0)
-    basis = Basis(coefficients_for(teeth))
+    basis = SplineBasis(coefficients_for(teeth))
     curves = [one for one in _begun(outline, basis, axis_mm, wanted, limits, teeth) if one is not None]
     if not curves:
         raise NoSuchMechanism("no axis inside the outline is met by every ray; give one in motion", key="motion")
@@ -156,18 +156,18 @@ def nearest_curve(
 
 
 TOO_MUCH = {
-    Kind.HOLLOW_OWN: "the gear is too concave",
-    Kind.HOLLOW_MATE: "the mate is too concave",
-    Kind.HOLLOW_CORNER_OWN: "a concave corner is too sharp",
-    Kind.HOLLOW_CORNER_MATE: "a concave corner of the mate is too sharp",
-    Kind.CORNER_OWN: "a corner is too sharp",
-    Kind.CORNER_MATE: "a corner of the mate is too sharp",
-    Kind.STEEP: "the curve runs too steeply against the ray from its axis",
-    Kind.ROOM: "there is too little room beside the mate's axis",
+    Subject.HOLLOW_OWN: "the gear is too concave",
+    Subject.HOLLOW_MATE: "the mate is too concave",
+    Subject.HOLLOW_CORNER_OWN: "a concave corner is too sharp",
+    Subject.HOLLOW_CORNER_MATE: "a concave corner of the mate is too sharp",
+    Subject.CORNER_OWN: "a corner is too sharp",
+    Subject.CORNER_MATE: "a corner of the mate is too sharp",
+    Subject.STEEP: "the curve runs too steeply against the ray from its axis",
+    Subject.ROOM: "there is too little room beside the mate's axis",
 }
 
 
-def _most_missed(curve: Rolled, limits: Limits) -> str:
+def _most_missed(curve: Rolled, limits: CurveLimits) -> str:
     """Words for the most violated condition and its place in the drawing."""
     worst = max(conditions(curve, limits), key=lambda one: float(one.value.max()))
     points, _ = curve.points()
@@ -175,13 +175,15 @@ def _most_missed(curve: Rolled, limits: Limits) -> str:
     return f"{TOO_MUCH[worst.kind]} at ({x:.4g}, {y:.4g}) mm of the drawing"
 
 
-def _cost(outline: Outline, curve: Rolled, limits: Limits, wanted: Wanted) -> float:
+def _cost(outline: Outline, curve: Rolled, limits: CurveLimits, wanted: OutlineAim) -> float:
     """The deviation in mm, plus the cost of violated conditions."""
     distance = away_mm(outline, curve, wanted, ROUGHLY)
     return distance + MISSED * outline.size_mm / 64.0 * max(missed(curve, limits, wanted), 0.0)
 
 
-def _better(outline: Outline, curve: Rolled, limits: Limits, wanted: Wanted, rounds: int, first: float) -> Rolled:
+def _better(
+    outline: Outline, curve: Rolled, limits: CurveLimits, wanted: OutlineAim, rounds: int, first: float
+) -> Rolled:
     """The curve after some programmes; a step without gain makes the next steps smaller."""
     most = first * outline.size_mm
     cost = _cost(outline, curve, limits, wanted)
@@ -201,7 +203,7 @@ def _better(outline: Outline, curve: Rolled, limits: Limits, wanted: Wanted, rou
 
 
 def _begun(
-    outline: Outline, basis: Basis, axis_mm: Array | None, wanted: Wanted, limits: Limits, teeth: int
+    outline: Outline, basis: SplineBasis, axis_mm: Array | None, wanted: OutlineAim, limits: CurveLimits, teeth: int
 ) -> list[Rolled | None]:
     """The first curves of the search; None for an axis with a ray that meets no outline."""
     mate, count = wanted.mate, HEATS[0][0]
@@ -243,7 +245,7 @@ def _resampled(radius: Array, count: int) -> Array:
     return found
 
 
-def _shrunk(curve: Rolled, limits: Limits) -> Rolled | None:
+def _shrunk(curve: Rolled, limits: CurveLimits) -> Rolled | None:
     """A curve, shrunk towards a circle until it keeps the conditions; None where it does not enclose its axis."""
     given, found = curve.coefficients, None
     mean = float(np.mean(given))

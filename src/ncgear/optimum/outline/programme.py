@@ -17,7 +17,7 @@ from scipy.spatial import cKDTree
 from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, IndexArray
-from ncgear.optimum.outline.conditions import ROUNDING, Limits, conditions, excess
+from ncgear.optimum.outline.conditions import ROUNDING, CurveLimits, conditions, excess
 from ncgear.optimum.outline.outline import Outline
 from ncgear.optimum.outline.rolled import MatePlace, Rolled, rays
 
@@ -55,7 +55,7 @@ class MateWanted:
 
 
 @dataclass(frozen=True, eq=False)
-class Wanted:
+class OutlineAim:
     """The aim: the least mean square, or with ``greatest`` the least greatest distance; a fixed or a free axis; the
     module in mm where it is given; and an outline of the mate."""
 
@@ -65,7 +65,7 @@ class Wanted:
     mate: MateWanted | None = None
 
 
-def missed(curve: Rolled, limits: Limits, wanted: Wanted) -> float:
+def missed(curve: Rolled, limits: CurveLimits, wanted: OutlineAim) -> float:
     """The largest violation of conditions, of the mate's closing and of the wanted module; below 0 where all hold."""
     off = abs(curve.module_mm / wanted.module_mm - 1.0) if wanted.module_mm else 0.0
     return max(excess(curve, limits), off - ROUNDING)
@@ -145,7 +145,7 @@ class _Rows:
         return sparse.csc_matrix((values, (rows, columns)), shape=(self.count, size))
 
 
-def step(outline: Outline, curve: Rolled, limits: Limits, wanted: Wanted, most_mm: float) -> Rolled:
+def step(outline: Outline, curve: Rolled, limits: CurveLimits, wanted: OutlineAim, most_mm: float) -> Rolled:
     """The curve that the programme finds; each radius and the axis move by at most ``most_mm``.
 
     Raises NoSuchMechanism where the solver finds none.

@@ -29,7 +29,7 @@ PER_COEFFICIENT, FINER = 3, 8
 
 
 @dataclass(frozen=True, eq=False)
-class Basis:
+class SplineBasis:
     """The periodic uniform quintic B-splines of the polar angle, ``count`` of them, at even places."""
 
     count: int
@@ -92,7 +92,7 @@ class Rolled:
     the mate follows an outline, too.
     """
 
-    basis: Basis
+    basis: SplineBasis
     coefficients: Array
     axis_mm: Array
     center_distance_mm: float

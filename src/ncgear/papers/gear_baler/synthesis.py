@@ -13,7 +13,7 @@ from numpy.polynomial import Chebyshev
 
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.papers.entry import Computed, Entry, Relation, Verdict, computed, equations, printed
+from ncgear.papers.entry import Computed, Entry, Finding, Relation, computed, equations, printed
 from ncgear.papers.gear_baler.simulation import (
     A1_MM_S2,
     CENTER_DISTANCE_MM,
@@ -110,19 +110,19 @@ OVER_DETERMINED = (
 )
 
 STROKE = (
-    Entry("eq. 2.1", "crank angle from the slider's place", Relation(), Verdict.UNDER_READING, crank_angle_residual,
+    Entry("eq. 2.1", "crank angle from the slider's place", Relation(), Finding.UNDER_READING, crank_angle_residual,
           "Here s counts from the crank axis; in eqs. 2.4 to 2.12 it counts from the retracted end."),
-    Entry("eq. 2.2, eq. 2.3", "transmission ratio from the slider's motion", Relation(), Verdict.UNDER_READING,
+    Entry("eq. 2.2, eq. 2.3", "transmission ratio from the slider's motion", Relation(), Finding.UNDER_READING,
           ratio_residual, "s counts from the crank axis and v is taken per radian of the driving gear, as a ratio "
           "needs it. At both dead centres the formula is zero by zero; ncgear divides the double zeros out."),
     Entry(", ".join(equations(*(f"2.{k}" for k in range(4, 13)))), "segments are polynomials of degree 5, 1 and 4",
-          Relation(), Verdict.REPRODUCED, segment_residual),
+          Relation(), Finding.REPRODUCED, segment_residual),
     Entry("eq. 3.3, eq. 3.4, eq. 3.5, eq. 3.6, eq. 3.7", "end conditions of the three segments", Relation(),
-          Verdict.FITTED, condition_residual, OVER_DETERMINED),
+          Finding.FITTED, condition_residual, OVER_DETERMINED),
     Entry("Table 1", "stroke that v1, v2 and a1 make, all at the simulation's 20 r/min", printed("760 mm"),
-          Verdict.NOT_REPRODUCIBLE, lambda: stroke_at(SIMULATION_RPM, None, None).stroke_mm,
+          Finding.NOT_REPRODUCIBLE, lambda: stroke_at(SIMULATION_RPM, None, None).stroke_mm,
           "The six conditions of the third segment contradict each other at any speed but one."),
-    Entry("Table 1", "stroke of the crank", printed("760 mm"), Verdict.REPRODUCED, lambda: LINKAGE.stroke_mm),
+    Entry("Table 1", "stroke of the crank", printed("760 mm"), Finding.REPRODUCED, lambda: LINKAGE.stroke_mm),
 )  # fmt: skip
 
 # --- eqs. 3.1, 3.2 and 3.8 to 3.12: pitch curves, the return and closure; the size of the gears in Table 1 ---------
@@ -174,20 +174,20 @@ SIZE = (
 )
 
 GEARS = (
-    Entry("eq. 3.1, eq. 3.2", "radii of both pitch curves", Relation(), Verdict.REPRODUCED, radius_residual),
-    Entry("eq. 3.8, Table 1", "ratio of the return, with constant 0", Relation(), Verdict.UNDER_READING,
+    Entry("eq. 3.1, eq. 3.2", "radii of both pitch curves", Relation(), Finding.REPRODUCED, radius_residual),
+    Entry("eq. 3.8, Table 1", "ratio of the return, with constant 0", Relation(), Finding.UNDER_READING,
           return_residual, "Degree 5 with the coefficients e and f0 to f4; the f5 named beside it has no place in the "
           "equation. Four end conditions and closure leave e free, so that its value is a choice and not a result."),
-    Entry("eq. 3.9", "ratio joined smoothly at both ends", Relation(), Verdict.REPRODUCED, joint_residual),
-    Entry("eq. 3.10, eq. 3.11, eq. 3.12", "driven gear closes after one turn", Relation(), Verdict.REPRODUCED,
+    Entry("eq. 3.9", "ratio joined smoothly at both ends", Relation(), Finding.REPRODUCED, joint_residual),
+    Entry("eq. 3.10, eq. 3.11, eq. 3.12", "driven gear closes after one turn", Relation(), Finding.REPRODUCED,
           closure_residual),
-    Entry("Table 1", "number of teeth, from module and centre distance", printed("25"), Verdict.NOT_REPRODUCIBLE,
+    Entry("Table 1", "number of teeth, from module and centre distance", printed("25"), Finding.NOT_REPRODUCIBLE,
           lambda: pitch().length_mm(Gear.DRIVING) / (pi * MODULE_MM), SIZE),
-    Entry("Table 1", "module, from teeth and centre distance", printed("3 mm"), Verdict.NOT_REPRODUCIBLE,
+    Entry("Table 1", "module, from teeth and centre distance", printed("3 mm"), Finding.NOT_REPRODUCIBLE,
           lambda: pitch().size.module_mm, SIZE),
-    Entry("Table 1", "centre distance, from teeth and module", printed("200 mm"), Verdict.NOT_REPRODUCIBLE,
+    Entry("Table 1", "centre distance, from teeth and module", printed("200 mm"), Finding.NOT_REPRODUCIBLE,
           lambda: sized_pair(law().transmission, TEETH, MODULE_MM, None).center_distance_mm, SIZE),
-    Entry("Fig. 8", "teeth mesh without interference", Relation("claim"), Verdict.NEEDS_DATA, None,
+    Entry("Fig. 8", "teeth mesh without interference", Relation("claim"), Finding.NEEDS_DATA, None,
           "Neither the rack's angle and proportions nor the size of the gears in the picture is given."),
 )  # fmt: skip
 

@@ -10,14 +10,22 @@ from collections.abc import Callable
 from itertools import chain
 from math import cos, radians, sin
 
-from ncgear.balance.rotor import ChainPhases, ChainUnbalance, Prediction, Range, WeightRun, chain_unbalance, predicted
+from ncgear.balance.rotor import (
+    AmplitudeRange,
+    ChainPhases,
+    ChainUnbalance,
+    Prediction,
+    WeightRun,
+    chain_unbalance,
+    predicted,
+)
 from ncgear.papers.entry import (
     Computed,
     Entry,
+    Finding,
     LeftOut,
     Reason,
     Relation,
-    Verdict,
     computed,
     from_readings,
     printed,
@@ -36,7 +44,7 @@ AT_700 = BY_PHASE[SPEEDS_RPM.index(700)]
 RUNS = tuple(zip(WEIGHTS_DEG, map(float, AT_700[::2]), map(float, AT_700[1::2]), strict=True))
 """Phase of the weight, amplitude and phase of the reading."""
 
-PRINTED_RANGES = ChainUnbalance(Range(0.074, 0.214), Range(0.0, 2.04), Range(0.0, 2.58))
+PRINTED_RANGES = ChainUnbalance(AmplitudeRange(0.074, 0.214), AmplitudeRange(0.0, 2.04), AmplitudeRange(0.0, 2.58))
 """Ranges of the amplitudes of weight, tight side and slack side in mm/s."""
 
 
@@ -85,27 +93,27 @@ def slack_with_two_slips(*readings: float) -> tuple[float]:
 
 RANGES = (
     Entry("eq. 1, Table 3, Fig. 9, section 3.2.1", "range of the weight's amplitude, at 700 r/min",
-          printed("0.074 0.214 mm/s"), Verdict.REPRODUCED,
+          printed("0.074 0.214 mm/s"), Finding.REPRODUCED,
           lambda: from_readings(lambda *r: (ranges(*r).weight.low, ranges(*r).weight.high), *AT_700)),
     Entry("section 3.2.1", "largest amplitude of the weight's 161.3 g, by the effect that the first balancing found",
-          printed("0.214 mm/s"), Verdict.NEEDS_DATA, lambda: WEIGHT_G * measured_effect(),
+          printed("0.214 mm/s"), Finding.NEEDS_DATA, lambda: WEIGHT_G * measured_effect(),
           "The radii of the weights. Computed for equal radii, at the same speed."),
     Entry("section 3.2.1", "vector of the weight at 300 deg, by its length", printed("-0.5 0.87"),
-          Verdict.NOT_REPRODUCIBLE, lambda: vectors(300.0), "Printed is the vector at 120 deg, of the opposite sense."),
+          Finding.NOT_REPRODUCIBLE, lambda: vectors(300.0), "Printed is the vector at 120 deg, of the opposite sense."),
     Entry("section 3.2.1", "vectors of the weight at 60, 120, 180, 240 and 360 deg, by its length",
-          printed("0.5 0.87 -0.5 0.87 -1 0 -0.5 -0.87 1 0"), Verdict.REPRODUCED,
+          printed("0.5 0.87 -0.5 0.87 -1 0 -0.5 -0.87 1 0"), Finding.REPRODUCED,
           lambda: vectors(60.0, 120.0, 180.0, 240.0, 360.0)),
     Entry("eq. 3, eq. 4, eq. 5, eq. 6", "both sides of the chain from the chain's part", Relation(),
-          Verdict.UNDER_READING, sides_residual, "With y counted downwards."),
-    Entry("eq. 7", "vector of a weight between 180 and 270 deg", Relation(), Verdict.NOT_REPRODUCIBLE,
+          Finding.UNDER_READING, sides_residual, "With y counted downwards."),
+    Entry("eq. 7", "vector of a weight between 180 and 270 deg", Relation(), Finding.NOT_REPRODUCIBLE,
           second_case_residual, "Sine and cosine have changed places; the first case holds there as well."),
-    Entry("eq. 6, section 3.2.1", "largest amplitude of the tight side", printed("2.04 mm/s"), Verdict.REPRODUCED,
+    Entry("eq. 6, section 3.2.1", "largest amplitude of the tight side", printed("2.04 mm/s"), Finding.REPRODUCED,
           lambda: from_readings(lambda *r: (ranges(*r).tight.high,), *AT_700)),
     Entry("eq. 6, section 3.2.1", "largest amplitude of the slack side", printed("2.58 mm/s"),
-          Verdict.NOT_REPRODUCIBLE, lambda: from_readings(lambda *r: (ranges(*r).slack.high,), *AT_700),
+          Finding.NOT_REPRODUCIBLE, lambda: from_readings(lambda *r: (ranges(*r).slack.high,), *AT_700),
           "The readings of Table 3 give less, at the same weight as the tight side's."),
     Entry("eq. 6, section 3.2.1", "largest amplitude of the slack side, with two slips at 300 deg",
-          printed("2.58 mm/s"), Verdict.FITTED, lambda: from_readings(slack_with_two_slips, *AT_700),
+          printed("2.58 mm/s"), Finding.FITTED, lambda: from_readings(slack_with_two_slips, *AT_700),
           "With a cosine in place of the sine of the reading's phase, and with the sign of the weight's y that "
           "section 3.2.1 prints at 300 deg; either by itself gives another number."),
 )  # fmt: skip
@@ -119,7 +127,7 @@ RANGES_PRINTED = texts("0.074 0.214 2.04 2.58")
 def prediction(weight_deg: float, *ends: float) -> Prediction:
     """Bounds of the reading with the weight at a phase in degrees, from the ends of the ranges."""
     low, high, tight, slack = ends
-    found = ChainUnbalance(Range(low, high), Range(0.0, tight), Range(0.0, slack))
+    found = ChainUnbalance(AmplitudeRange(low, high), AmplitudeRange(0.0, tight), AmplitudeRange(0.0, slack))
     return predicted(found, PHASES, radians(weight_deg))
 
 
@@ -163,30 +171,30 @@ NO_RULE = "A phase within the range is taken; the rule is not given."
 
 PREDICTED = (
     Entry("eq. 10, eq. 11", "ends of x and y with the weight at 30 deg", printed("0.185 -2.08 2.543 mm/s"),
-          Verdict.REPRODUCED, lambda: from_ranges(lambda *r: corners(*r)[1:], 30.0)),
-    Entry("eq. 11", "lower end of x", printed("-0.434 mm/s"), Verdict.NOT_REPRODUCIBLE,
+          Finding.REPRODUCED, lambda: from_ranges(lambda *r: corners(*r)[1:], 30.0)),
+    Entry("eq. 11", "lower end of x", printed("-0.434 mm/s"), Finding.NOT_REPRODUCIBLE,
           lambda: from_ranges(lambda *r: corners(*r)[:1], 30.0), "The bound printed below it follows from the "
           "computed end, not from this one."),
     Entry("eq. 12, eq. 13", "ends of x and y with the weight at 270 deg", printed("-0.528 0 -1.9 2.794 mm/s"),
-          Verdict.FITTED, lambda: from_ranges(corners, 270.0), "With the weight's vector as eq. 7 has it; eq. 12 has "
+          Finding.FITTED, lambda: from_ranges(corners, 270.0), "With the weight's vector as eq. 7 has it; eq. 12 has "
           "its y of the other sign."),
-    Entry("section 3.3", "weight at 30 deg: bound by the tight side", printed("2.13 103 mm/s, deg"), Verdict.FITTED,
+    Entry("section 3.3", "weight at 30 deg: bound by the tight side", printed("2.13 103 mm/s, deg"), Finding.FITTED,
           lambda: from_ranges(lowest_corner, 30.0), CORNER),
-    Entry("section 3.3", "weight at 270 deg: bound by the tight side", printed("1.97 106 mm/s, deg"), Verdict.FITTED,
+    Entry("section 3.3", "weight at 270 deg: bound by the tight side", printed("1.97 106 mm/s, deg"), Finding.FITTED,
           lambda: from_ranges(lowest_corner, 270.0), CORNER),
     Entry("section 3.3", "weight at 30 deg: bound by the slack side", printed("2.48 274 mm/s, deg"),
-          Verdict.REPRODUCED, lambda: from_ranges(by_slack, 30.0)),
+          Finding.REPRODUCED, lambda: from_ranges(by_slack, 30.0)),
     Entry("section 3.3", "weight at 270 deg: bound by the slack side", printed("2.79 270 mm/s, deg"),
-          Verdict.REPRODUCED, lambda: from_ranges(by_slack, 270.0)),
-    Entry("Table 6, section 3.3", "amplitudes foretold", printed("1.24 1.4 mm/s"), Verdict.REPRODUCED,
+          Finding.REPRODUCED, lambda: from_ranges(by_slack, 270.0)),
+    Entry("Table 6, section 3.3", "amplitudes foretold", printed("1.24 1.4 mm/s"), Finding.REPRODUCED,
           lambda: from_ranges(lambda *r: (prediction(30.0, *r).amplitude, prediction(270.0, *r).amplitude))),
-    Entry("Table 6, section 3.3", "phases foretold", printed("270 120 deg"), Verdict.NEEDS_DATA, None, NO_RULE),
-    Entry("section 3.3", "angles of the corrections", printed("90 300 deg"), Verdict.REPRODUCED,
+    Entry("Table 6, section 3.3", "phases foretold", printed("270 120 deg"), Finding.NEEDS_DATA, None, NO_RULE),
+    Entry("section 3.3", "angles of the corrections", printed("90 300 deg"), Finding.REPRODUCED,
           lambda: ((270.0 + 180.0) % 360.0, 120.0 + 180.0), of_printed=True),
-    Entry("section 3.3", "correction of 1.24 mm/s", printed("152.3 g"), Verdict.NEEDS_DATA,
+    Entry("section 3.3", "correction of 1.24 mm/s", printed("152.3 g"), Finding.NEEDS_DATA,
           lambda: 1.24 / measured_effect(), "The effect of a weight at 500 r/min. Computed with that of the first "
           "balancing at 700 r/min."),
-    Entry("section 3.3", "correction of 1.4 mm/s", printed("165.8 g"), Verdict.NEEDS_DATA,
+    Entry("section 3.3", "correction of 1.4 mm/s", printed("165.8 g"), Finding.NEEDS_DATA,
           lambda: 1.4 / measured_effect(), "The effect of a weight at 500 r/min. Computed with that of the first "
           "balancing at 700 r/min."),
 )  # fmt: skip
@@ -205,24 +213,24 @@ def all_errors() -> Computed:
 
 
 COMPARED = (
-    Entry("Table 6", "errors of the amplitude at 30 deg", printed("21.87 16.6 %"), Verdict.REPRODUCED,
+    Entry("Table 6", "errors of the amplitude at 30 deg", printed("21.87 16.6 %"), Finding.REPRODUCED,
           lambda: errors(("1.587", "1.24", "1.587"), ("1.487", "1.24", "1.487")), of_printed=True),
-    Entry("Table 6", "errors of the amplitude at 270 deg", printed("9.7 32.64 %"), Verdict.FITTED,
+    Entry("Table 6", "errors of the amplitude at 270 deg", printed("9.7 32.64 %"), Finding.FITTED,
           lambda: errors(("1.4", "1.264", "1.4"), ("1.4", "0.943", "1.4")), "By the foretold, not by the measured "
           "amplitude as at 30 deg.", of_printed=True),
     Entry("Table 6, section 4", "largest error of the amplitude, by the measured one as at 30 deg", printed("32.64 %"),
-          Verdict.NOT_REPRODUCIBLE, lambda: errors(("1.4", "0.943", "0.943")),
+          Finding.NOT_REPRODUCIBLE, lambda: errors(("1.4", "0.943", "0.943")),
           "The divisor changes from one half of the table to the other.", of_printed=True),
-    Entry("Table 6", "errors of the phase", printed("5.6 4.6 18.9 20 %"), Verdict.REPRODUCED,
+    Entry("Table 6", "errors of the phase", printed("5.6 4.6 18.9 20 %"), Finding.REPRODUCED,
           lambda: errors(("286", "270", "286"), ("283", "270", "283"), ("148", "120", "148"), ("150", "120", "150")),
           "By the measured phase, so that they depend on where phases count from.", of_printed=True),
-    Entry("section 4, Table 6", "largest and least error of the table", printed("32.64 4.6 %"), Verdict.REPRODUCED,
+    Entry("section 4, Table 6", "largest and least error of the table", printed("32.64 4.6 %"), Finding.REPRODUCED,
           all_errors, "The largest is of an amplitude, the least of a phase.", of_printed=True),
     Entry("section 4", "amplitudes foretold that are not below the measured ones", printed("0"),
-          Verdict.NOT_REPRODUCIBLE, lambda: sum(measured < 1.4 for measured in (1.264, 0.943)),
+          Finding.NOT_REPRODUCIBLE, lambda: sum(measured < 1.4 for measured in (1.264, 0.943)),
           "At 270 deg both are above.", of_printed=True),
     Entry("section 4, section 3.3", "amplitudes that balancing took off", printed("0.856 0.674 mm/s"),
-          Verdict.REPRODUCED,
+          Finding.REPRODUCED,
           lambda: from_readings(lambda *r: (r[0] - r[1], r[2] - r[3]), "1.587", "0.731", "1.264", "0.59"),
           of_printed=True),
 )  # fmt: skip

@@ -15,10 +15,10 @@ from ncgear.papers.entry import (
     Below,
     Computed,
     Entry,
+    Finding,
     LeftOut,
     Printed,
     Reason,
-    Verdict,
     computed,
     from_readings,
     printed,
@@ -78,30 +78,30 @@ RECORDS = "The records of the measurement."
 MODEL = "The drum's geometry and its finite-element model."
 
 ENTRIES = (
-    Entry("Table 2, section 3.1", "natural frequencies", Printed(NATURAL_HZ, "Hz"), Verdict.NEEDS_DATA, None,
+    Entry("Table 2, section 3.1", "natural frequencies", Printed(NATURAL_HZ, "Hz"), Finding.NEEDS_DATA, None,
           f"{MODEL} The sixth is printed below the fourth and the fifth."),
-    Entry("Table 2, section 3.1", "critical speeds", Printed(CRITICAL_RPM, "r/min"), Verdict.REPRODUCED,
+    Entry("Table 2, section 3.1", "critical speeds", Printed(CRITICAL_RPM, "r/min"), Finding.REPRODUCED,
           lambda: (*(critical_speed_rpm(float(text)) for text in NATURAL_HZ),), of_printed=True),
     Entry("section 3.1", "working speeds below the first critical speed", Below("much higher than working speeds"),
-          Verdict.REPRODUCED, lambda: (1000.0, 8625.6), of_printed=True),
-    Entry("section 3.2", "first balancing: weight and its phase", printed("143.4 115 g, deg"), Verdict.REPRODUCED,
+          Finding.REPRODUCED, lambda: (1000.0, 8625.6), of_printed=True),
+    Entry("section 3.2", "first balancing: weight and its phase", printed("143.4 115 g, deg"), Finding.REPRODUCED,
           lambda: from_readings(correction, *FIRST, *TRIAL)),
-    Entry("section 3.2", "reading left by 142.45 g at 120 deg", printed("0.37 161 mm/s, deg"), Verdict.NEEDS_DATA,
+    Entry("section 3.2", "reading left by 142.45 g at 120 deg", printed("0.37 161 mm/s, deg"), Finding.NEEDS_DATA,
           lambda: from_readings(after_correction, *FIRST, *TRIAL), f"{RECORDS} Computed is what the influence "
           "coefficient foretells."),
-    Entry("section 3.2", "reduction of the amplitude", printed("70 %"), Verdict.REPRODUCED,
+    Entry("section 3.2", "reduction of the amplitude", printed("70 %"), Finding.REPRODUCED,
           lambda: from_readings(lambda left, first: (100.0 * (1.0 - left / first),), "0.37", "1.234"), of_printed=True),
-    Entry("section 3.2", "grade that 0.37 mm/s meets", printed("0.4 mm/s"), Verdict.UNDER_READING,
+    Entry("section 3.2", "grade that 0.37 mm/s meets", printed("0.4 mm/s"), Finding.UNDER_READING,
           lambda: next(grade for grade in GRADES_MM_S if grade >= 0.37), "With the reading on the bearing taken for "
           "the speed of the drum's centre of mass, which it is not: a grade needs the unbalance by the mass."),
     Entry("section 3.2, section 4", "least phase to expect once 58.8 g at 240 deg are added", printed("161 deg"),
-          Verdict.NOT_REPRODUCIBLE, lambda: from_readings(with_weight_added, *FIRST, *TRIAL, "0.37", "161"),
+          Finding.NOT_REPRODUCIBLE, lambda: from_readings(with_weight_added, *FIRST, *TRIAL, "0.37", "161"),
           "The paper adds the weight at its own phase. By its first balancing a weight shows at another phase than it "
           "is put at, and the phase to expect lies below 161 deg without any chain."),
-    Entry("section 3.2, Fig. 6", "phase measured then", printed("108 deg"), Verdict.NEEDS_DATA,
+    Entry("section 3.2, Fig. 6", "phase measured then", printed("108 deg"), Finding.NEEDS_DATA,
           lambda: from_readings(with_weight_added, *FIRST, *TRIAL, "0.37", "161"),
           f"{RECORDS} Computed is what the influence coefficient foretells."),
-    Entry("section 3.2", "range of the trial weight", printed("82.03 164 g"), Verdict.NEEDS_DATA, None,
+    Entry("section 3.2", "range of the trial weight", printed("82.03 164 g"), Finding.NEEDS_DATA, None,
           "The instrument's rule: the drum's mass and the radius of the weight."),
 )  # fmt: skip
 
@@ -184,19 +184,19 @@ def single_and_spiral() -> Computed:
 
 OF_READINGS = (
     Entry("Table 4, section 3.2.2", "amplitude grows with the speed, from each speed to the next",
-          Below("the higher the speed the greater"), Verdict.NOT_REPRODUCIBLE, growth_with_speed,
+          Below("the higher the speed the greater"), Finding.NOT_REPRODUCIBLE, growth_with_speed,
           "At a few holes it falls.", of_printed=True),
     Entry("Table 4, section 3.2.2", "weights in holes 6 to 10 show more than in holes 1 to 5, at 900 and 1000 r/min",
-          Below("significant increase"), Verdict.NOT_REPRODUCIBLE, front_and_rear,
+          Below("significant increase"), Finding.NOT_REPRODUCIBLE, front_and_rear,
           "Means of five holes. On the bar at 210 deg it is the other way round.", of_printed=True),
     Entry("Table 4, section 3.2.2", "hole matters less below 800 r/min than above: largest by least amplitude",
-          Below("little effect"), Verdict.NOT_REPRODUCIBLE, spread_of_holes,
+          Below("little effect"), Finding.NOT_REPRODUCIBLE, spread_of_holes,
           "As a share of the amplitude the holes differ no less below; in mm/s they do, since the amplitude is less.",
           of_printed=True),
     Entry("Table 5, section 3.2.3", "spiral of weights shows more than any single weight", Below("much larger"),
-          Verdict.NOT_REPRODUCIBLE, single_and_spiral, "Only at 800 r/min.", of_printed=True),
+          Finding.NOT_REPRODUCIBLE, single_and_spiral, "Only at 800 r/min.", of_printed=True),
     Entry("Table 5, section 3.2.3", "amplitude of the spiral grows tenfold from 700 to 800 r/min",
-          Below("increases rapidly"), Verdict.REPRODUCED, lambda: (10.0 * 0.234, 3.378), of_printed=True),
+          Below("increases rapidly"), Finding.REPRODUCED, lambda: (10.0 * 0.234, 3.378), of_printed=True),
 )  # fmt: skip
 
 LEFT_OUT = (

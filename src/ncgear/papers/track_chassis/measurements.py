@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from ncgear.frozen import dataclass
-from ncgear.papers.entry import Below, Computed, Entry, Printed, Verdict, computed, half_step, printed, texts
+from ncgear.papers.entry import Below, Computed, Entry, Finding, Printed, computed, half_step, printed, texts
 from ncgear.papers.track_chassis.slider import engine, of_kind
 
 DRIVE_SHAFT_HZ = 1354.0 / 60.0
@@ -53,47 +53,47 @@ LINES = "The spectrum's lines are taken to be 1.95 Hz apart, which the frequenci
 NO_MULTIPLE = "No multiple of the shaft's frequency is within the spectrum's resolution."
 
 SETTINGS = (
-    Entry("section 2.5", "points measured, 4 at a time in 22 batches", printed("88"), Verdict.REPRODUCED,
+    Entry("section 2.5", "points measured, 4 at a time in 22 batches", printed("88"), Finding.REPRODUCED,
           lambda: 4.0 * 22.0, of_printed=True),
     Entry("section 2.5", "channels of four sensors in three directions and of the hammer", printed("13"),
-          Verdict.REPRODUCED, lambda: 4.0 * 3.0 + 1.0, of_printed=True),
+          Finding.REPRODUCED, lambda: 4.0 * 3.0 + 1.0, of_printed=True),
     Entry("section 2.5", "highest frequency of the analysis, from sampling at 2 kHz", printed("781.25 Hz"),
-          Verdict.UNDER_READING, lambda: SAMPLING_HZ / 2.56, "By the factor 2.56 that analysers use."),
-    Entry("section 2.5", "lines to that frequency, from 512 points in time", printed("200"), Verdict.REPRODUCED,
+          Finding.UNDER_READING, lambda: SAMPLING_HZ / 2.56, "By the factor 2.56 that analysers use."),
+    Entry("section 2.5", "lines to that frequency, from 512 points in time", printed("200"), Finding.REPRODUCED,
           lambda: ANALYSIS_HZ * 512.0 / SAMPLING_HZ, "Lines 3.91 Hz apart.", of_printed=True),
     Entry("section 2.6", "sampling at least twice as fast as the highest frequency", Below("at least twice"),
-          Verdict.REPRODUCED, lambda: (2.0 * ANALYSIS_HZ, SAMPLING_HZ), of_printed=True),
+          Finding.REPRODUCED, lambda: (2.0 * ANALYSIS_HZ, SAMPLING_HZ), of_printed=True),
     Entry("section 2.6", "sampling at least five times as fast as the highest frequency", Below("5 to 10 times"),
-          Verdict.NOT_REPRODUCIBLE, lambda: (5.0 * ANALYSIS_HZ, SAMPLING_HZ),
+          Finding.NOT_REPRODUCIBLE, lambda: (5.0 * ANALYSIS_HZ, SAMPLING_HZ),
           "Table 5 goes up to 748.05 Hz, which 2 kHz samples 2.7 times.", of_printed=True),
 )  # fmt: skip
 
 FOUND = (
     Entry("Table 5, section 3.4", "largest amplitudes along x, y and z, and their points",
-          printed("9.26 17.53 19.40 1 1 1"), Verdict.REPRODUCED, strongest, "The text gives in m/s2 what the table "
+          printed("9.26 17.53 19.40 1 1 1"), Finding.REPRODUCED, strongest, "The text gives in m/s2 what the table "
           "gives in mm.", of_printed=True),
-    Entry("Table 5", "frequency along x at the front of the chassis", printed("80.78 Hz"), Verdict.NOT_REPRODUCIBLE,
+    Entry("Table 5", "frequency along x at the front of the chassis", printed("80.78 Hz"), Finding.NOT_REPRODUCIBLE,
           lambda: round(80.78 / LINE_HZ) * LINE_HZ, "All other frequencies of the table are on lines 1.95 Hz apart; "
           f"this one is on none. {LINES}"),
-    Entry("section 3.4", "half the frequency of combustion", printed("39.06 Hz"), Verdict.FITTED,
+    Entry("section 3.4", "half the frequency of combustion", printed("39.06 Hz"), Finding.FITTED,
           lambda: on_a_line(engine("combustion") / 2.0), LINES),
     Entry("section 3.4", "half the frequency of combustion, by the 8192 points of section 2.6", printed("39.06 Hz"),
-          Verdict.NOT_REPRODUCIBLE, lambda: on_a_line(engine("combustion") / 2.0, SAMPLING_HZ / 8192.0),
+          Finding.NOT_REPRODUCIBLE, lambda: on_a_line(engine("combustion") / 2.0, SAMPLING_HZ / 8192.0),
           "Lines 0.24 Hz apart tell both apart."),
-    Entry("section 3.4", "frequency of combustion, said to be close", printed("74.22 Hz"), Verdict.NOT_REPRODUCIBLE,
+    Entry("section 3.4", "frequency of combustion, said to be close", printed("74.22 Hz"), Finding.NOT_REPRODUCIBLE,
           lambda: on_a_line(engine("combustion")), f"Three lines off. {LINES}"),
     Entry("section 3.4", "half the frequency of the rollers of the gear transmission", printed("48.83 Hz"),
-          Verdict.FITTED, lambda: on_a_line(of_kind("rollers")[5] / 2.0), f"{LINES} Said to occur frequently; Table 5 "
+          Finding.FITTED, lambda: on_a_line(of_kind("rollers")[5] / 2.0), f"{LINES} Said to occur frequently; Table 5 "
           "does not have it."),
     Entry("section 3.4, Table 5", "4th multiple of the drive shaft's frequency", printed("87.89 Hz"),
-          Verdict.NOT_REPRODUCIBLE, lambda: on_a_line(4.0 * DRIVE_SHAFT_HZ), NO_MULTIPLE),
+          Finding.NOT_REPRODUCIBLE, lambda: on_a_line(4.0 * DRIVE_SHAFT_HZ), NO_MULTIPLE),
     Entry("section 3.4, Table 5", "15th multiple of the drive shaft's frequency", printed("335.94 Hz"),
-          Verdict.NOT_REPRODUCIBLE, lambda: on_a_line(15.0 * DRIVE_SHAFT_HZ), NO_MULTIPLE),
-    Entry("section 3.4", "frequencies at points 5 to 7 that are 80 or 160 Hz", printed("9"), Verdict.NOT_REPRODUCIBLE,
+          Finding.NOT_REPRODUCIBLE, lambda: on_a_line(15.0 * DRIVE_SHAFT_HZ), NO_MULTIPLE),
+    Entry("section 3.4", "frequencies at points 5 to 7 that are 80 or 160 Hz", printed("9"), Finding.NOT_REPRODUCIBLE,
           lambda: near((80.0, 160.0), ("5", "6", "7")), "To half a line of 1.95 Hz; 74.22, 76.17, 78.13 and 156.25 Hz "
           "are farther off.", of_printed=True),
     Entry("section 3.4", "frequencies at the front of the chassis that are about 80 Hz", printed("3"),
-          Verdict.NOT_REPRODUCIBLE, lambda: near((80.0,), ("10",)), "Along z it is 525.39 Hz.", of_printed=True),
+          Finding.NOT_REPRODUCIBLE, lambda: near((80.0,), ("10",)), "Along z it is 525.39 Hz.", of_printed=True),
 )  # fmt: skip
 
 # --- section 3.5, Tables 6 and 7: the movement of the track beam --------------------------------------------------
@@ -152,29 +152,29 @@ MADE = {"peak to peak": (1.0, -1.0), "means of up and down": (0.5, -0.5), "diffe
 
 MOVEMENT = (
     *(
-        Entry(place, what, Printed(column, "mm"), Verdict.REPRODUCED, partial(readings.combined, *factors),
+        Entry(place, what, Printed(column, "mm"), Finding.REPRODUCED, partial(readings.combined, *factors),
               of_printed=True)
         for place, readings, columns in (("Table 6", WITHOUT, MADE_WITHOUT), ("Table 7", WITH, MADE_WITH))
         for (what, factors), column in zip(MADE.items(), columns, strict=True)
     ),
-    Entry("Fig. 16, section 3.5", "point that moves least", printed("6"), Verdict.REPRODUCED,
+    Entry("Fig. 16, section 3.5", "point that moves least", printed("6"), Finding.REPRODUCED,
           lambda: WITHOUT.steadiest(1), of_printed=True),
-    Entry("Fig. 16, section 3.5, section 4", "points that move least", printed("4 5 6"), Verdict.NOT_REPRODUCIBLE,
+    Entry("Fig. 16, section 3.5, section 4", "points that move least", printed("4 5 6"), Finding.NOT_REPRODUCIBLE,
           lambda: WITHOUT.steadiest(3), "Point 7 with 2.46 mm moves less than point 4 with 3.46 mm.", of_printed=True),
     Entry("section 3.5", "both ends move more than the points 4 to 6", Below("much larger at the ends"),
-          Verdict.REPRODUCED,
+          Finding.REPRODUCED,
           lambda: (*(value for end in (0, 15) for value in (max(WITHOUT.peaks[3:6]), WITHOUT.peaks[end])),),
           of_printed=True),
-    Entry("section 3.5", "largest amplitude without the weight", printed("7.40 mm"), Verdict.NOT_REPRODUCIBLE,
+    Entry("section 3.5", "largest amplitude without the weight", printed("7.40 mm"), Finding.NOT_REPRODUCIBLE,
           lambda: WITHOUT.largest, "7.4 mm is the largest upwards; downwards Table 6 has 7.56 mm.", of_printed=True),
-    Entry("section 3.5", "largest amplitude with the weight", printed("0.56 mm"), Verdict.REPRODUCED,
+    Entry("section 3.5", "largest amplitude with the weight", printed("0.56 mm"), Finding.REPRODUCED,
           lambda: WITH.largest, of_printed=True),
     Entry("section 3.5", "less movement with the weight than without, at every point", Below("obviously decreased"),
-          Verdict.REPRODUCED,
+          Finding.REPRODUCED,
           lambda: (*(one for pair in zip(WITH.peaks, WITHOUT.peaks, strict=True) for one in pair),), of_printed=True),
     Entry("section 3.5", "points 1 to 7 move less than points 8 to 14 with the weight", Below("grounded at 1 to 7"),
-          Verdict.REPRODUCED, lambda: (max(WITH.peaks[:7]), min(WITH.peaks[7:14])),
+          Finding.REPRODUCED, lambda: (max(WITH.peaks[:7]), min(WITH.peaks[7:14])),
           "What is called tiny at points 8 to 14 is the largest that is left.", of_printed=True),
-    Entry("section 4", "vibration left at the point that moves most", printed("0 mm"), Verdict.NOT_REPRODUCIBLE,
+    Entry("section 4", "vibration left at the point that moves most", printed("0 mm"), Finding.NOT_REPRODUCIBLE,
           lambda: max(WITH.peaks), "Said to be gone completely; Table 7 says otherwise.", of_printed=True),
 )  # fmt: skip

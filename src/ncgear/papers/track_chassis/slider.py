@@ -19,7 +19,7 @@ from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.units import RAD_S_PER_RPM
-from ncgear.papers.entry import Computed, Entry, Printed, Relation, Verdict, computed, from_readings, printed
+from ncgear.papers.entry import Computed, Entry, Finding, Printed, Relation, computed, from_readings, printed
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
 
@@ -82,33 +82,33 @@ def nearer_than_the_auger() -> Computed:
 GEOMETRY = "The part's geometry and its finite-element model."
 
 SHAFTS_AND_ENGINE = (
-    Entry("eq. 9, Table 1, section 2.3", "frequencies of the ten shafts", Printed(ROTATION, "Hz"), Verdict.REPRODUCED,
+    Entry("eq. 9, Table 1, section 2.3", "frequencies of the ten shafts", Printed(ROTATION, "Hz"), Finding.REPRODUCED,
           lambda: (*of_kind("rotation"),)),
-    Entry("eq. 11, Table 1", "rollers passing in their bearings", Printed(ROLLERS, "Hz"), Verdict.REPRODUCED,
+    Entry("eq. 11, Table 1", "rollers passing in their bearings", Printed(ROLLERS, "Hz"), Finding.REPRODUCED,
           lambda: from_printed([shaft.rollers for shaft in SHAFTS]), of_printed=True),
     Entry("eq. 11", "frequencies at which rollers pass a place of either race", Printed(ROLLERS, "Hz"),
-          Verdict.NEEDS_DATA, None, "Diameters of rollers and pitch circles: the cage turns at about 0.4 of the "
+          Finding.NEEDS_DATA, None, "Diameters of rollers and pitch circles: the cage turns at about 0.4 of the "
           "shaft's speed, not with it."),
-    Entry("eq. 10, Table 1", "teeth of sprockets and gears", Printed(TEETH, "Hz"), Verdict.REPRODUCED,
+    Entry("eq. 10, Table 1", "teeth of sprockets and gears", Printed(TEETH, "Hz"), Finding.REPRODUCED,
           lambda: from_printed([shaft.teeth for shaft in SHAFTS]), of_printed=True),
     Entry("eq. 12, eq. 13, section 2.3", "combustion and inertia of the engine", printed("80 80 Hz"),
-          Verdict.REPRODUCED, lambda: (engine("combustion"), engine("inertia"))),
+          Finding.REPRODUCED, lambda: (engine("combustion"), engine("inertia"))),
 )  # fmt: skip
 
 NATURAL = (
     Entry("Table 3, Fig. 12, Table 4, section 3.2", "natural frequencies by finite elements",
-          Printed(SIMULATED_HZ, "Hz"), Verdict.NEEDS_DATA, None, GEOMETRY),
-    Entry("Table 4, Fig. 14", "natural frequencies measured", Printed(MEASURED_HZ, "Hz"), Verdict.NEEDS_DATA, None,
+          Printed(SIMULATED_HZ, "Hz"), Finding.NEEDS_DATA, None, GEOMETRY),
+    Entry("Table 4, Fig. 14", "natural frequencies measured", Printed(MEASURED_HZ, "Hz"), Finding.NEEDS_DATA, None,
           "The records of the measurement."),
-    Entry("Table 4", "differences of the 1st, 3rd, 4th and 5th", printed("5.2 1.4 0.6 2 %"), Verdict.REPRODUCED,
+    Entry("Table 4", "differences of the 1st, 3rd, 4th and 5th", printed("5.2 1.4 0.6 2 %"), Finding.REPRODUCED,
           lambda: errors(1, 3, 4, 5), of_printed=True),
     Entry("Table 4, section 3.3", "differences of the 2nd and the 6th, which is the largest", printed("5.9 11.3 %"),
-          Verdict.NOT_REPRODUCIBLE, lambda: errors(2, 6), "By the measured frequency, as the other four are; the "
+          Finding.NOT_REPRODUCIBLE, lambda: errors(2, 6), "By the measured frequency, as the other four are; the "
           "printed ones are by the simulated frequency, cut off.", of_printed=True),
-    Entry("section 3.3", "the auger's frequency by the first natural one", printed("0.8"), Verdict.REPRODUCED,
+    Entry("section 3.3", "the auger's frequency by the first natural one", printed("0.8"), Finding.REPRODUCED,
           lambda: from_readings(lambda auger, first: (auger / first,), "3.77", "4.62"), of_printed=True),
     Entry("section 3.3", "other excitations as near to a natural frequency as that", printed("0"),
-          Verdict.NOT_REPRODUCIBLE, nearer_than_the_auger, "Rollers of the pick-up stand nearer to the third natural "
+          Finding.NOT_REPRODUCIBLE, nearer_than_the_auger, "Rollers of the pick-up stand nearer to the third natural "
           "frequency, and combustion to the fifth, than the auger to the first."),
 )  # fmt: skip
 
@@ -176,16 +176,16 @@ def _off(formula: Array, exact: Array) -> float:
 
 MOTION = (
     Entry("eq. 1, eq. 2, eq. 3", "stroke against crank angle, from the extended dead centre", Relation(),
-          Verdict.REPRODUCED, stroke_residual),
-    Entry("eq. 4", "coefficients of the root's series", printed("0.5 0.125 0.0625"), Verdict.REPRODUCED,
+          Finding.REPRODUCED, stroke_residual),
+    Entry("eq. 4", "coefficients of the root's series", printed("0.5 0.125 0.0625"), Finding.REPRODUCED,
           lambda: (*(abs(float(binom(0.5, power))) for power in (1, 2, 3)),)),
-    Entry("eq. 5, eq. 6", "stroke by two terms of the series", Relation(), Verdict.REPRODUCED, two_term_residual),
-    Entry("eq. 7", "velocity by two terms", Relation(), Verdict.REPRODUCED, velocity_residual),
+    Entry("eq. 5, eq. 6", "stroke by two terms of the series", Relation(), Finding.REPRODUCED, two_term_residual),
+    Entry("eq. 7", "velocity by two terms", Relation(), Finding.REPRODUCED, velocity_residual),
     Entry("eq. 8, eq. 16", "acceleration by two terms, growing with the square of the speed", Relation(),
-          Verdict.UNDER_READING, acceleration_residual, "Counted positive away from the crank axis, against the sense "
+          Finding.UNDER_READING, acceleration_residual, "Counted positive away from the crank axis, against the sense "
           "in which the stroke is counted."),
     Entry("eq. 8, eq. 16", "two terms for the exact acceleration of this linkage", Relation(),
-          Verdict.NOT_REPRODUCIBLE, lambda: two_term_formula(MECHANISM).largest_error,
+          Finding.NOT_REPRODUCIBLE, lambda: two_term_formula(MECHANISM).largest_error,
           "At a crank of 0.473 rods the terms left out are not small."),
 )  # fmt: skip
 
@@ -212,23 +212,23 @@ def against_dead_weight_kg() -> float:
 
 COUNTERWEIGHTS = (
     Entry("section 3.1", "counterweight beyond the crank pin, and mass at the pin", printed("182 247 kg"),
-          Verdict.REPRODUCED, lambda: (complete().rod.mass_kg, complete().pin_kg)),
-    Entry("section 3.1", "counterweight beyond the crank axis", printed("261.82 kg"), Verdict.FITTED,
+          Finding.REPRODUCED, lambda: (complete().rod.mass_kg, complete().pin_kg)),
+    Entry("section 3.1", "counterweight beyond the crank axis", printed("261.82 kg"), Finding.FITTED,
           lambda: complete().crank.mass_kg, "At 250 mm from the axis: its place is not printed, and this round one "
           "gives the printed mass."),
-    Entry("section 3.5", "crank's speed from 96.5 r/min", printed("10.10 rad/s"), Verdict.NOT_REPRODUCIBLE,
+    Entry("section 3.5", "crank's speed from 96.5 r/min", printed("10.10 rad/s"), Finding.NOT_REPRODUCIBLE,
           lambda: SPEED_RAD_S, "Cut off, not rounded."),
     Entry("eq. 16, eq. 17, eq. 18, section 3.5", "weight against the slider's inertia", printed("5 kg"),
-          Verdict.FITTED, lambda: tail_weights().retracted_kg, "With the inertia force at the retracted dead centre, "
+          Finding.FITTED, lambda: tail_weights().retracted_kg, "With the inertia force at the retracted dead centre, "
           "the smaller of the two: the text names no dead centre."),
     Entry("eq. 16, eq. 17, eq. 18", "weight against the slider's largest inertia force", printed("5 kg"),
-          Verdict.NOT_REPRODUCIBLE, lambda: tail_weights().worst_kg.value, "The force is largest at the extended dead "
+          Finding.NOT_REPRODUCIBLE, lambda: tail_weights().worst_kg.value, "The force is largest at the extended dead "
           "centre; the printed weight is not the safe one."),
-    Entry("eq. 19, section 3.5", "weight against the dead weight", printed("260 kg"), Verdict.REPRODUCED,
+    Entry("eq. 19, section 3.5", "weight against the dead weight", printed("260 kg"), Finding.REPRODUCED,
           lambda: against_dead_weight_kg()),
-    Entry("eq. 20, section 3.5", "both weights", printed("265 kg"), Verdict.REPRODUCED,
+    Entry("eq. 20, section 3.5", "both weights", printed("265 kg"), Finding.REPRODUCED,
           lambda: from_readings(lambda one, other: (one + other,), "5", "260"), of_printed=True),
-    Entry("eq. 20", "both weights, from the dimensions", printed("265 kg"), Verdict.NOT_REPRODUCIBLE,
+    Entry("eq. 20", "both weights, from the dimensions", printed("265 kg"), Finding.NOT_REPRODUCIBLE,
           lambda: tail_weights().retracted_kg + against_dead_weight_kg(), "Each of the printed weights is rounded up; "
           "unrounded they make less."),
 )  # fmt: skip

@@ -21,7 +21,7 @@ from ncgear.numerics.proven import proven, smooth_parts
 from ncgear.numerics.tape import NotReal
 from ncgear.numerics.units import in_words
 from ncgear.ratio.laws.integrated import NEARLY_CLOSED, Slope, integrated_law, smooth_or_refused, stretched
-from ncgear.ratio.transmission import JetFunction, Lobes, Piece, Range, Transmission
+from ncgear.ratio.transmission import JetFunction, Lobes, OpenRange, Piece, Transmission
 
 NO_JUMP = 1e-9
 """Relative difference of the ratio on both sides of a joint that counts as rounding to ten written digits."""
@@ -46,7 +46,7 @@ def open_ratio_law(text: str, driving_rad: float) -> Transmission:
     pieces = tuple(stretched(slope, float(start), 1.0) for slope, start in zip(slopes, starts, strict=False))
     if not starts[-1] > 0.0:
         raise NoSuchMechanism("the ratio is negative; it must be positive over the whole range", key=key)
-    return Transmission(pieces, Range(driving_rad=driving_rad, driven_rad=float(starts[-1])))
+    return Transmission(pieces, OpenRange(driving_rad=driving_rad, driven_rad=float(starts[-1])))
 
 
 def open_driven_angle_law(text: str, driving_rad: float) -> Transmission:
@@ -60,7 +60,7 @@ def open_driven_angle_law(text: str, driving_rad: float) -> Transmission:
         raise NoSuchMechanism(
             f"the driven angle goes from {start:.6g} to {end:.6g} rad over the range; it must grow", key=key
         )
-    covered = Range(driving_rad=driving_rad, driven_rad=end - start)
+    covered = OpenRange(driving_rad=driving_rad, driven_rad=end - start)
     return Transmission(tuple(_angle_piece(part, start, 1.0, key) for part in parts), covered)
 
 

@@ -19,7 +19,7 @@ from ncgear.numerics.chebyshev import NotSmooth
 from ncgear.numerics.formula import Formula, composed
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.proven import proven, smooth_parts
-from ncgear.ratio.transmission import DrivenGearStops, Piece, Range, Transmission
+from ncgear.ratio.transmission import DrivenGearStops, OpenRange, Piece, Transmission
 
 NO_JUMP = 1e-9
 """Largest jump where one formula follows another, as a share of the function's whole change."""
@@ -60,7 +60,7 @@ def generated_function(
             key=key,
         ) from fault
     try:
-        return Transmission(pieces, Range(driving_rad=driving_rad, driven_rad=driven_rad))
+        return Transmission(pieces, OpenRange(driving_rad=driving_rad, driven_rad=driven_rad))
     except DrivenGearStops as stop:
         x = _stop(parts, first + rate * stop.at_rad)
         raise NoSuchMechanism(

@@ -25,7 +25,7 @@ from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
 from ncgear.numerics.turn_integral import TurnIntegral
-from ncgear.ratio.transmission import STANDSTILL, Lobes, Pair, Piece, Train, Transmission, on_driving_shaft
+from ncgear.ratio.transmission import STANDSTILL, Lobes, Pair, PairsInSeries, Piece, Transmission, on_driving_shaft
 
 WIDEST = -log(STANDSTILL)
 """Largest span of ln i12: over a range of the ratio of 1:1e6 the driven gear stands still."""
@@ -114,7 +114,7 @@ class StagedLaw:
         return tuple(self.whole.integral.at(np.union1d(self.whole.joints, self.second.joints)).tolist())
 
     @property
-    def train(self) -> Train:
+    def train(self) -> PairsInSeries:
         """Both pairs."""
         second = Pair(self.second.transmission, self.shaft_speed, self.shaft_rad)
-        return Train(self.whole.transmission, (on_driving_shaft(self.first), second))
+        return PairsInSeries(self.whole.transmission, (on_driving_shaft(self.first), second))

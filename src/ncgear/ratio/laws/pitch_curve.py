@@ -66,7 +66,7 @@ class Mate(Enum):
 
 
 @dataclass(frozen=True)
-class Search:
+class ShapeSearch:
     """A shape parameter between two values; a greater value makes the curve larger throughout, or smaller."""
 
     low: float
@@ -84,7 +84,7 @@ class GivenCurve:
     """
 
     curve_of: Callable[[float], ClosedCurve]
-    search: Search | None
+    search: ShapeSearch | None
     drawn: bool
     driven: bool
     phase_rad: float
@@ -245,7 +245,7 @@ def _share(repeats: int, mate_repeats: int, mate: Mate) -> float:
 
 
 def closing_value(
-    curve_of: Callable[[float], ClosedCurve], search: Search, center_distance_mm: float, lobes: tuple[int, int]
+    curve_of: Callable[[float], ClosedCurve], search: ShapeSearch, center_distance_mm: float, lobes: tuple[int, int]
 ) -> float:
     """The value of a shape parameter that closes the mate at a given centre distance; ``lobes`` of gear and mate.
 

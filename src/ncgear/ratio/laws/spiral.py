@@ -17,7 +17,7 @@ from ncgear.errors import WrongInput
 from ncgear.numerics import jet
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.jet import Jet
-from ncgear.ratio.transmission import Piece, Range, Transmission
+from ncgear.ratio.transmission import OpenRange, Piece, Transmission
 
 LEAST_GROWTH = 1e-6
 """Least tangent m of a spiral's angle: with less it is a circle to any tool, and the closed form loses digits."""
@@ -39,7 +39,7 @@ def logarithmic_spirals(ratio_start: float, ratio_end: float, driving_rad: float
 
     driven_angle = partial(spiral_angle, ratio_start, growth)
     driven_rad = float(driven_angle(np.array([driving_rad]), 0).value[0])
-    covered = Range(driving_rad=driving_rad, driven_rad=driven_rad)
+    covered = OpenRange(driving_rad=driving_rad, driven_rad=driven_rad)
     return Transmission((Piece(0.0, driving_rad, driven_angle),), covered)
 
 

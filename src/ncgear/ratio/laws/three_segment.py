@@ -21,10 +21,10 @@ from ncgear.numerics.arrays import Array, Number
 from ncgear.numerics.jet import Jet
 from ncgear.ratio.return_stroke import ReturnEnds, ReturnLaw, return_of_least_acceleration, return_with_constant
 from ncgear.ratio.transmission import Lobes, Piece, Transmission
-from ncgear.ratio.working_stroke import WorkingStroke, WorkingStrokes
+from ncgear.ratio.working_stroke import ClosedStroke, WorkingStrokes
 
 
-def working_pieces(stroke: WorkingStroke, linkage: Mechanism) -> tuple[Piece, ...]:
+def working_pieces(stroke: ClosedStroke, linkage: Mechanism) -> tuple[Piece, ...]:
     """The driven angle on the three segments (two, when the constant-speed part is empty)."""
     pieces = [
         Piece(0.0, stroke.theta2_rad, partial(approach_angle, stroke, linkage)),
@@ -81,12 +81,12 @@ class StrokeLaw:
     """The closed law with its parts, whose figures the summary shows."""
 
     transmission: Transmission
-    stroke: WorkingStroke
+    stroke: ClosedStroke
     return_law: ReturnLaw
 
 
 def stroke_law(
-    stroke: WorkingStroke,
+    stroke: ClosedStroke,
     linkage: Mechanism,
     lobes: Lobes,
     *,

@@ -24,7 +24,7 @@ from ncgear.pitch.shape import Gear
 from ncgear.solids.helical.helix import Helix
 from ncgear.solids.helical.sections import said_of_section
 from ncgear.teeth.fitting import least_overlap
-from ncgear.teeth.form import WAYS, Ceiling, Ceilings, ToothForm, Way
+from ncgear.teeth.form import WAYS, Ceiling, Ceilings, TipShortening, ToothForm
 from ncgear.teeth.gear import pair_tips
 from ncgear.teeth.tips import Limit, Tips
 
@@ -51,9 +51,9 @@ def heights_fitted(helix: Helix, pitch_mm: float) -> tuple[Array, float]:
     return heights[: steps + (share == 1.0)], advance / steps
 
 
-def _best_fits(pitch: PitchPair, form: ToothForm, helix: Helix, heights: Array) -> tuple[Way, Fits]:
+def _best_fits(pitch: PitchPair, form: ToothForm, helix: Helix, heights: Array) -> tuple[TipShortening, Fits]:
     """The way that leaves most contact in the worst section, and its fitted sections; the first way if no tip fouls."""
-    found: list[tuple[Way, Fits]] = []
+    found: list[tuple[TipShortening, Fits]] = []
     refusals: list[NoSuchMechanism] = []
     # Tips foul near concave stretches only; without such stretches all ways give the same tips.
     for way in WAYS[:1] if all(pitch.convex(gear) for gear in Gear) else WAYS:
@@ -68,7 +68,7 @@ def _best_fits(pitch: PitchPair, form: ToothForm, helix: Helix, heights: Array) 
     return max(found, key=lambda one: min(map(least_overlap, one[1])))
 
 
-def _fits(pitch: PitchPair, form: ToothForm, helix: Helix, heights: Array, way: Way) -> Fits:
+def _fits(pitch: PitchPair, form: ToothForm, helix: Helix, heights: Array, way: TipShortening) -> Fits:
     """Tips in all sections, fitted in one way; raises NoSuchMechanism with the height at which no tooth can stand."""
     fits, one_way = [], replace(form, limits=replace(form.limits, way=way))
     for height in heights:

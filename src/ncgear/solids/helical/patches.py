@@ -17,7 +17,7 @@ from ncgear.pitch.shape import Gear
 from ncgear.solids.helical.sections import Sections
 from ncgear.teeth.contour import DEGREE, INSIDE, PROBES, SHORTEST_IN_MODULES
 from ncgear.teeth.outline import whole_curves
-from ncgear.teeth.stretch import Stretch
+from ncgear.teeth.stretch import CurveStretch
 
 GRIDS = ((4, 8), (4, 12), (6, 16), (8, 24), (12, 32), (16, 48), (24, 64))
 """Spans up the gear and along each curve, tried in turn; a surface that needs more spans is not smooth."""
@@ -74,7 +74,7 @@ def _interpolated(sections: Sections, gear: Gear, up: int, along: int) -> Patche
     return Patches(lengthwise.t, poles.t, _sharing_edges(poles.c.transpose(2, 1, 0, 3), shortest_mm), apart)
 
 
-def _lengthwise(curves: list[list[Stretch]], heights: Array, share: Array) -> BSpline:
+def _lengthwise(curves: list[list[CurveStretch]], heights: Array, share: Array) -> BSpline:
     """Splines along all curves of all sections, values of shape (up, patches, 3)."""
     points = np.stack([_points(own, height, share) for own, height in zip(curves, heights, strict=True)])
     slopes = np.stack([_slopes(own) for own in curves])
@@ -82,7 +82,7 @@ def _lengthwise(curves: list[list[Stretch]], heights: Array, share: Array) -> BS
     return make_interp_spline(share, np.moveaxis(points, 2, 0), k=DEGREE, bc_type=ends)
 
 
-def _apart(found: BSpline, exact: list[tuple[float, list[Stretch]]], probes: Array) -> float:
+def _apart(found: BSpline, exact: list[tuple[float, list[CurveStretch]]], probes: Array) -> float:
     """Largest distance between points found, shape (probes, patches, 3) at a height, and points of exact sections."""
     return max(
         float(np.linalg.norm(found(height).swapaxes(0, 1) - _points(curves, height, probes), axis=2).max())
@@ -90,12 +90,12 @@ def _apart(found: BSpline, exact: list[tuple[float, list[Stretch]]], probes: Arr
     )
 
 
-def _curves(sections: Sections, gear: Gear, height: float) -> list[Stretch]:
+def _curves(sections: Sections, gear: Gear, height: float) -> list[CurveStretch]:
     own = sections.at(height).of(gear)
     return whole_curves(own.tips, own.sides)
 
 
-def _require_alike(curves: list[list[Stretch]], gear: Gear, shortest_mm: float) -> None:
+def _require_alike(curves: list[list[CurveStretch]], gear: Gear, shortest_mm: float) -> None:
     """Raise WrongInput unless every section has the same curves and no curve vanishes."""
     for stretches in zip(*curves, strict=True):
         if any(not np.array_equal(one.owner, stretches[0].owner) for one in stretches):
@@ -105,23 +105,23 @@ def _require_alike(curves: list[list[Stretch]], gear: Gear, shortest_mm: float) 
             raise _rough(gear, "a land vanishes with height")
 
 
-def _order(curves: list[Stretch]) -> IndexArray:
+def _order(curves: list[CurveStretch]) -> IndexArray:
     """Places along the outline of all rows of curves."""
     return np.argsort(np.concatenate([stretch.rank for stretch in curves]), kind="stable")
 
 
-def _points(curves: list[Stretch], height: float, share: Array) -> Array:
+def _points(curves: list[CurveStretch], height: float, share: Array) -> Array:
     flat = np.concatenate([_rows(stretch, share)[0] for stretch in curves])[_order(curves)]
     return np.concatenate([flat, np.full((*flat.shape[:2], 1), height)], axis=2)
 
 
-def _slopes(curves: list[Stretch]) -> Array:
+def _slopes(curves: list[CurveStretch]) -> Array:
     """Slopes at both ends of all curves, shape (patches, 2, 3)."""
     flat = np.concatenate([_rows(stretch, INSIDE)[1] for stretch in curves])[_order(curves)]
     return np.concatenate([flat, np.zeros((*flat.shape[:2], 1))], axis=2)
 
 
-def _rows(stretch: Stretch, share: Array) -> tuple[Array, Array]:
+def _rows(stretch: CurveStretch, share: Array) -> tuple[Array, Array]:
     """Points and slopes of a stretch's curves at shares (n,) of their parameters, shape (curves, n, 2) each."""
     return stretch.at(np.arange(stretch.owner.size)[:, None], share)
 

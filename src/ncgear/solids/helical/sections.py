@@ -43,7 +43,7 @@ LOOKED_AT = 9
 
 
 @dataclass(frozen=True, eq=False)
-class Section:
+class HelicalSection:
     """Both gears at one height."""
 
     teeth: ToothedPair
@@ -66,15 +66,15 @@ class Sections:
     form: ToothForm
     helix: Helix
     tolerance_mm: float
-    _made: dict[float, Section] = field(default_factory=dict, repr=False)
+    _made: dict[float, HelicalSection] = field(default_factory=dict, repr=False)
 
-    def at(self, height_mm: float) -> Section:
+    def at(self, height_mm: float) -> HelicalSection:
         """The section at a height; raises NoSuchMechanism, naming the height, where no tooth can stand."""
         if height_mm not in self._made:
             with said_of_section(height_mm):
                 advance = self.helix.advance_mm(height_mm)
                 teeth = toothed_pair(self.pitch, self.form, self.tolerance_mm, advance_mm=advance)
-            self._made[height_mm] = Section(teeth)
+            self._made[height_mm] = HelicalSection(teeth)
         return self._made[height_mm]
 
     def pieces(self, gear: Gear, heights_mm: Array) -> list[Pieces]:

@@ -156,7 +156,7 @@ class Stack:
     """Sections at rising heights (shape (l,)), and their points at the columns, shape (l, c, 2), in mm."""
 
     heights_mm: Array
-    columns: Columns
+    columns: ColumnPlaces
     rings_mm: Array
 
     def counter_clockwise(self) -> Array:
@@ -190,7 +190,7 @@ class Stack:
         return np.asarray(np.stack(found).reshape(len(found), -1, 2).max(axis=2))
 
 
-def stacked(heights_mm: Array, sections: Sequence[Pieces], columns: Columns, limits: StrayLimits) -> Stack:
+def stacked(heights_mm: Array, sections: Sequence[Pieces], columns: ColumnPlaces, limits: StrayLimits) -> Stack:
     """The stack of sections at heights (l,), with columns added until they keep the limits."""
     close = close_columns(columns, sections, limits)
     return Stack(heights_mm, close, close.rings(sections))
@@ -228,7 +228,7 @@ def falls(lower_mm: Array, upper_mm: Array) -> Mask:
 
 
 @dataclass(frozen=True, eq=False)
-class Columns:
+class ColumnPlaces:
     """Places of columns in order, shape (c,) each: piece and share of its length.  Each piece begins with a column."""
 
     piece: IndexArray
@@ -238,7 +238,7 @@ class Columns:
         """Points of the columns in mm on each of l sections, shape (l, c, 2)."""
         return np.stack([section.at(self.piece, self.share) for section in sections])
 
-    def spread(self, wanted: Array) -> Columns:
+    def spread(self, wanted: Array) -> ColumnPlaces:
         """The columns spread anew: each piece gets as many as its intervals want together, closer where they want many.
 
         ``wanted`` (c,) is the number of parts, whole or not, into which the interval after each column is to be
@@ -252,25 +252,25 @@ class Columns:
         piece, step = counted_up(np.zeros_like(counts), counts)
         target = start[piece] + (total / counts)[piece] * step
         place = np.interp(target, reached, np.append(self.piece + self.share, counts.size))
-        return Columns(piece, np.where(step == 0, 0.0, place - piece))
+        return ColumnPlaces(piece, np.where(step == 0, 0.0, place - piece))
 
-    def halved(self, wide: Mask) -> Columns:
+    def halved(self, wide: Mask) -> ColumnPlaces:
         """The columns with a further column half way after each marked one; ``wide`` has shape (c,)."""
         after = np.append(self.share[1:], 0.0)
         middle = (self.share + np.where(after > 0.0, after, 1.0)) / 2.0
         row, step = counted_up(np.zeros_like(self.piece), np.where(wide, 2, 1))
-        return Columns(self.piece[row], np.where(step == 0, self.share[row], middle[row]))
+        return ColumnPlaces(self.piece[row], np.where(step == 0, self.share[row], middle[row]))
 
 
-def spread_columns(sections: Sequence[Pieces], limits: StrayLimits) -> Columns:
+def spread_columns(sections: Sequence[Pieces], limits: StrayLimits) -> ColumnPlaces:
     """Columns about as far apart as the limits allow in the given sections."""
-    columns = Columns(np.arange(sections[0].count), np.zeros(sections[0].count))
+    columns = ColumnPlaces(np.arange(sections[0].count), np.zeros(sections[0].count))
     for _ in range(SPREADS):
         columns = columns.spread(_wanted(columns, sections, limits))
     return columns
 
 
-def close_columns(columns: Columns, sections: Sequence[Pieces], limits: StrayLimits) -> Columns:
+def close_columns(columns: ColumnPlaces, sections: Sequence[Pieces], limits: StrayLimits) -> ColumnPlaces:
     """The columns with others half way between until all sections keep the limits; raises Unanswered if none does."""
     for _ in range(COLUMN_HALVINGS):
         wide = _wanted(columns, sections, limits) > 1.0
@@ -280,14 +280,14 @@ def close_columns(columns: Columns, sections: Sequence[Pieces], limits: StrayLim
     raise Unanswered(f"a section's outline strays from its chords even after {COLUMN_HALVINGS} halvings")
 
 
-def _wanted(columns: Columns, sections: Sequence[Pieces], limits: StrayLimits) -> Array:
+def _wanted(columns: ColumnPlaces, sections: Sequence[Pieces], limits: StrayLimits) -> Array:
     """Parts into which intervals must be divided, (c,): sagittas fall with their square, twists in proportion."""
     rings = columns.rings(sections)
     sagitta = np.max([sagittas(columns, *pair) for pair in zip(sections, rings, strict=True)], axis=0)
     return np.asarray(np.maximum(np.sqrt(sagitta / limits.sagitta_mm), twists(rings) / limits.twist_mm))
 
 
-def sagittas(columns: Columns, section: Pieces, ring: Array) -> Array:
+def sagittas(columns: ColumnPlaces, section: Pieces, ring: Array) -> Array:
     """Largest distance in mm of a section's outline from the chord after each column, shape (c,)."""
     at = section.lengths_at(columns.piece, columns.share)
     chord = np.searchsorted(at, section.length_mm[:-1], side="right") - 1

@@ -14,7 +14,7 @@ from ncgear.numerics.plane import angle_between, as_complex
 from ncgear.teeth.flank import FLANK
 from ncgear.teeth.gear import ToothedGear
 from ncgear.teeth.outline import whole_curves
-from ncgear.teeth.stretch import Stretch, joined
+from ncgear.teeth.stretch import CurveStretch, joined
 
 FINE = 33
 """Points on each curve for computing its length; lengths only space the nodes, which lie on the exact curves."""
@@ -31,14 +31,14 @@ ROOT_LAND = 3
 
 
 @dataclass(frozen=True, eq=False)
-class Way:
+class OutlineWay:
     """The outline's curves one after the other as one closed way.
 
     ``length_mm`` (rising from 0) are the lengths of the way at k places, and ``index`` (shape (k,)) the numbers of the
     curves there, from 0, plus the share of the curve behind the point.
     """
 
-    curves: Stretch
+    curves: CurveStretch
     length_mm: Array
     index: Array
 
@@ -56,7 +56,7 @@ class Way:
 
 
 @dataclass(frozen=True, eq=False)
-class Outline:
+class MarkedOutline:
     """A gear's outline, and the places of its z teeth along it in mm, shape (z, 2) each.
 
     The columns are the back and the front side.  ``valley_mm`` are the middles of the root lands before and behind the
@@ -64,7 +64,7 @@ class Outline:
     and ``tip_mm`` where it ends at the tip land.  ``axis`` (shape (z,)) is the direction from the root to the tip.
     """
 
-    way: Way
+    way: OutlineWay
     valley_mm: Array
     corner_mm: Array
     foot_mm: Array
@@ -76,7 +76,7 @@ class Outline:
         return self.way.at(place_mm)[0]
 
 
-def outline_of(gear: ToothedGear) -> Outline:
+def outline_of(gear: ToothedGear) -> MarkedOutline:
     """The outline of a gear, with its landmarks."""
     parts = [curve.kept(np.abs(curve.end - curve.start) > 0.0) for curve in whole_curves(gear.tips, gear.sides)]
     curves = joined(parts)
@@ -88,7 +88,7 @@ def outline_of(gear: ToothedGear) -> Outline:
     lengths = np.concatenate([[0.0], np.cumsum(steps)])
     index = np.concatenate([[0.0], (rows[:, None] + np.linspace(0.0, 1.0, FINE)[1:]).ravel()])
     start, end = lengths[: -1 : FINE - 1], lengths[FINE - 1 :: FINE - 1]
-    way = Way(curves, lengths, index)
+    way = OutlineWay(curves, lengths, index)
 
     def extreme(kind: int, values: Array, side: int, largest: bool) -> Array:
         """The largest or least value of the rows of a kind, at the back (0) or front (1) flank of each tooth."""
@@ -115,10 +115,10 @@ def outline_of(gear: ToothedGear) -> Outline:
     passed = np.maximum.accumulate(turned[:, :, 0, None] - turned, axis=2)
     number = np.sum(passed < CORNER * passed[:, :, -1:], axis=2)
     corner = np.take_along_axis(places, number[:, :, None], axis=2)[:, :, 0]
-    return Outline(way, valley, corner, foot, tip, axis)
+    return MarkedOutline(way, valley, corner, foot, tip, axis)
 
 
-def _points(curves: Stretch, row: IndexArray, share: Array) -> tuple[ComplexArray, ComplexArray]:
+def _points(curves: CurveStretch, row: IndexArray, share: Array) -> tuple[ComplexArray, ComplexArray]:
     """Points and derivatives at shares of rows in any order, shape (n,)."""
     order = np.argsort(curves.owner[row], kind="stable")
     point, slope = (as_complex(array) for array in curves.at(row[order], share[order]))

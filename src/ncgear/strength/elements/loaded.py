@@ -10,7 +10,7 @@ from ncgear.errors import NoSuchMechanism
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray
 from ncgear.numerics.plane import across, along
-from ncgear.strength.elements.landmarks import Outline
+from ncgear.strength.elements.landmarks import MarkedOutline
 from ncgear.strength.elements.mesh import MeshSize, Topology, nodes_of, topology_of
 from ncgear.strength.elements.plane import displacements, edge_stress, edge_values, inner_gradients
 from ncgear.strength.material import Material
@@ -98,7 +98,7 @@ WITHIN = 1e-6
 
 
 def loaded_teeth(
-    gear: ToothedGear, outline: Outline, material: Material, size: MeshSize, positions: int, depth_mm: float
+    gear: ToothedGear, outline: MarkedOutline, material: Material, size: MeshSize, positions: int, depth_mm: float
 ) -> LoadedTeeth:
     """All teeth of a gear, loaded at a number of places of each flank, evenly spaced from its foot to its tip.
 

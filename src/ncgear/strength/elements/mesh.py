@@ -18,7 +18,7 @@ import numpy as np
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array, ComplexArray, IndexArray, Mask
 from ncgear.numerics.plane import along, angle_between
-from ncgear.strength.elements.landmarks import Outline
+from ncgear.strength.elements.landmarks import MarkedOutline
 
 Values = TypeVar("Values", Array, ComplexArray)
 """Numbers or places."""
@@ -116,7 +116,7 @@ NEAR_CORNERS, NEAR_ROOTS, NEAR_SIDES = 1.5, 2.2, 1.6
 elements that meet in a corner have about the same size."""
 
 
-def nodes_of(outline: Outline, size: MeshSize, module_mm: float, depth_mm: float) -> ComplexArray:
+def nodes_of(outline: MarkedOutline, size: MeshSize, module_mm: float, depth_mm: float) -> ComplexArray:
     """Places of the nodes of all z teeth in mm, shape (z, nodes), in the order of ``topology_of``.
 
     The body is held ``depth_mm`` below the line through the teeth's corners, or less where the gear is curved sharply.
@@ -150,7 +150,7 @@ def nodes_of(outline: Outline, size: MeshSize, module_mm: float, depth_mm: float
     return np.concatenate([strip.reshape(len(strip), -1), tooth[:, 1:].reshape(len(strip), -1)], axis=1)
 
 
-def _upper(outline: Outline, size: MeshSize, floor: ComplexArray, u: Array) -> ComplexArray:
+def _upper(outline: MarkedOutline, size: MeshSize, floor: ComplexArray, u: Array) -> ComplexArray:
     """Nodes of the upper grids, shape (z, rows, columns): blended from their four exact edges."""
     fillet, flank = (_stations(count, size.order) for count in (size.fillet, size.flank))
     corner, foot, tip = outline.corner_mm, outline.foot_mm, outline.tip_mm

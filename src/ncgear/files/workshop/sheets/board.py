@@ -14,7 +14,7 @@ import shapely
 from shapely import LineString, Polygon, STRtree
 from shapely.geometry.base import BaseGeometry
 
-from ncgear.files.workshop.sheets.sheet import Anchor, Dimension, Item, Line, Ring, Text, leader, parts_of
+from ncgear.files.workshop.sheets.sheet import Anchor, Dimension, Item, Ring, SheetLine, Text, leader, parts_of
 from ncgear.numerics.arrays import Array, Mask
 
 SLACK_MM = 0.6
@@ -68,7 +68,7 @@ class Board:
                 else:
                     self._lines.add(_pieces(part))
 
-    def keep_clear(self, holes: Iterable[Line | Ring]) -> None:
+    def keep_clear(self, holes: Iterable[SheetLine | Ring]) -> None:
         """Keep texts out of holes with these edges; lines may cross them."""
         self._holes.add([Polygon(hole.points) for hole in holes])
 
@@ -83,7 +83,7 @@ class Board:
             free[free] = ~shapes.meet(np.asarray(areas)[free])
         return free
 
-    def is_free(self, lines: Iterable[Line]) -> bool:
+    def is_free(self, lines: Iterable[SheetLine]) -> bool:
         """Whether lines are inside the box and cross no text."""
         pieces = [piece for line in lines for piece in _pieces(line)]
         return bool(shapely.covers(self.box, pieces).all()) and not self._texts.meet(pieces).any()
@@ -113,7 +113,7 @@ class Board:
         while some := list(islice(waiting, TOGETHER)):
             roomy = self._roomy(shapely.polygons([_widened(dimension.text.corners) for dimension, *_ in some]))
             for dimension, *rings in compress(some, roomy):
-                circles = (Line(ring.points, closed=True) for ring in rings)
+                circles = (SheetLine(ring.points, closed=True) for ring in rings)
                 if self.is_free(dimension.lines) and (not rings or self.is_free(circles)):
                     self.add(dimension, *rings)
                     return True
@@ -126,7 +126,7 @@ class Board:
         words: str,
         turns_rad: Iterable[float] = TURNS_RAD,
         lengths_mm: Iterable[float] = LENGTHS_MM,
-    ) -> tuple[tuple[Line, ...], Text] | None:
+    ) -> tuple[tuple[SheetLine, ...], Text] | None:
         """A leader with its text that points to a target from about a direction; None where there is no room."""
         lengths, turns = tuple(lengths_mm), tuple(turns_rad)
         for back, length, turn in product((False, True), lengths, turns):
@@ -156,7 +156,7 @@ def _widened(box: Array) -> Array:
     )
 
 
-def _pieces(line: Line | Ring) -> list[BaseGeometry]:
+def _pieces(line: SheetLine | Ring) -> list[BaseGeometry]:
     """A line in short pieces, which are looked at faster."""
     closed = isinstance(line, Ring) or line.closed
     points = np.vstack([line.points, line.points[:1]]) if closed else line.points

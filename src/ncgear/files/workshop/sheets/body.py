@@ -13,7 +13,7 @@ from shapely.geometry.base import BaseGeometry
 from ncgear.files.read_back import as_chords
 from ncgear.files.workshop.drawing import Circle, Cross, Layer, Polyline, Shape
 from ncgear.files.workshop.gear_drawing import body_shapes, pitch_points
-from ncgear.files.workshop.sheets.sheet import Line, Pen, Ring
+from ncgear.files.workshop.sheets.sheet import Pen, Ring, SheetLine
 from ncgear.frozen import dataclass
 from ncgear.numerics.arrays import Array
 from ncgear.numerics.plane import turned
@@ -32,7 +32,7 @@ ARC_STEP_RAD = np.radians(3.0)
 
 
 @dataclass(frozen=True, eq=False)
-class View:
+class PaperView:
     """From a gear's own frame to paper: seen from above, or for ``hand`` -1 from below, turned, scaled, and moved."""
 
     scale: float
@@ -84,38 +84,38 @@ def material_of(drive: Drive, gear: Gear) -> str:
     return (driving if gear is Gear.DRIVING else driven).name
 
 
-def drawn_body(drive: Drive, gear: Gear, plan: BodyPlan, view: View, name: str = "") -> Iterator[Line | Ring]:
+def drawn_body(drive: Drive, gear: Gear, plan: BodyPlan, view: PaperView, name: str = "") -> Iterator[SheetLine | Ring]:
     """All edges seen from above, the pitch curve, and the mark of the axis; the tooth outline is named ``name``."""
     for layer, shapes in body_shapes(plan).items():
         for shape in shapes:
             yield from drawn_shape(shape, view, Pen.VISIBLE, name if layer is Layer.OUTLINE else "")
     curve = pitch_points(drive.pitch.of(gear), plan.chord_tolerance_mm)
-    yield Line(view.on_paper(curve), Pen.CHAIN, closed=True)
+    yield SheetLine(view.on_paper(curve), Pen.CHAIN, closed=True)
 
 
 HOLES = Layer.BORE, Layer.CRANK_PIN, Layer.INDEX_HOLE, Layer.END_STOP, Layer.LIGHTENING_HOLES
 
 
-def drawn_holes(plan: BodyPlan, view: View) -> Iterator[Line | Ring]:
+def drawn_holes(plan: BodyPlan, view: PaperView) -> Iterator[SheetLine | Ring]:
     """The edges of all that goes through a body."""
     shapes = body_shapes(plan)
     for shape in (shape for layer in HOLES for shape in shapes[layer]):
         yield from drawn_shape(shape, view, Pen.VISIBLE)
 
 
-def drawn_shape(shape: Shape, view: View, pen: Pen, name: str = "") -> Iterator[Line | Ring]:
+def drawn_shape(shape: Shape, view: PaperView, pen: Pen, name: str = "") -> Iterator[SheetLine | Ring]:
     """The lines of a shape."""
     match shape:
         case Polyline():
             chords = as_chords(shape.points, shape.bulges, np.abs(4.0 * np.arctan(shape.bulges)) / ARC_STEP_RAD)
             ring = shapely.simplify(shapely.LinearRing(chords), STRAY_MM / max(view.scale, 1.0))
-            yield Line(view.on_paper(shapely.get_coordinates(ring)[:-1]), pen, closed=True, name=name)
+            yield SheetLine(view.on_paper(shapely.get_coordinates(ring)[:-1]), pen, closed=True, name=name)
         case Circle():
             x, y = view.on_paper(np.array([shape.x_mm, shape.y_mm])).tolist()
             yield Ring((x, y), view.scale * shape.radius_mm, pen, name)
         case Cross():
             for ends in shape.lines:
-                yield Line(view.on_paper(ends), Pen.CHAIN)
+                yield SheetLine(view.on_paper(ends), Pen.CHAIN)
 
 
 def tooth_places(gear: ToothedGear, height_mm: float) -> Array:
@@ -130,14 +130,14 @@ HATCH_MM = 2.5
 
 
 @dataclass(frozen=True, eq=False)
-class Section:
+class BodySection:
     """A body cut in the plane x = 0 of its frame: z to the right in mm, and y upwards."""
 
     area: BaseGeometry
     width_mm: float
     height_mm: float
 
-    def lines(self, scale: float, left: float, middle: float) -> Iterator[Line]:
+    def lines(self, scale: float, left: float, middle: float) -> Iterator[SheetLine]:
         """The section on paper: z = 0 at ``left``, y = 0 at ``middle``, with its hatching."""
         place = np.array([left, middle])
         cut = shapely.transform(self.area, lambda points: place + scale * points)
@@ -145,19 +145,19 @@ class Section:
         for z in {0.0, self.width_mm, self.height_mm}:
             if z != self.height_mm or z == self.width_mm:
                 x = left + scale * z
-                yield Line(np.array([[x, low], [x, high]]), Pen.VISIBLE)
+                yield SheetLine(np.array([[x, low], [x, high]]), Pen.VISIBLE)
         for part in polygons(cut):
             for ring in (part.exterior, *part.interiors):
-                yield Line(np.asarray(ring.coords)[:-1], Pen.VISIBLE, closed=True)
+                yield SheetLine(np.asarray(ring.coords)[:-1], Pen.VISIBLE, closed=True)
         right = left + scale * self.height_mm
         for start in np.arange(low - (right - left), high, HATCH_MM * np.sqrt(2.0)):
             stroke = LineString([(left, start), (right, start + right - left)]).intersection(cut)
             for piece in shapely.get_parts(stroke):
                 if piece.length > 0.0:
-                    yield Line(np.asarray(piece.coords), Pen.THIN)
+                    yield SheetLine(np.asarray(piece.coords), Pen.THIN)
 
 
-def section_of(plan: BodyPlan) -> Section:
+def section_of(plan: BodyPlan) -> BodySection:
     """The body's section by the plane x = 0."""
     reach = 2.0 * float(np.abs(shapely.get_coordinates(plan.disc)).max())
     plane = LineString([(0.0, -reach), (0.0, reach)])
@@ -167,4 +167,4 @@ def section_of(plan: BodyPlan) -> Section:
             if piece.length > 0.0:
                 ys = np.asarray(piece.coords)[:, 1]
                 boxes.append(shapely.box(slab.low_mm, ys.min(), slab.high_mm, ys.max()))
-    return Section(shapely.union_all(boxes), plan.face_width_mm, plan.height_mm)
+    return BodySection(shapely.union_all(boxes), plan.face_width_mm, plan.height_mm)

@@ -12,7 +12,7 @@ import numpy as np
 
 from ncgear import __version__
 from ncgear.files.workshop.sheets import sheet as paper
-from ncgear.files.workshop.sheets.sheet import Anchor, Item, Line, Pen, Ring, Text
+from ncgear.files.workshop.sheets.sheet import Anchor, Item, Pen, Ring, SheetLine, Text
 from ncgear.frozen import dataclass
 
 BINDING_MM, MARGIN_MM = 20.0, 10.0
@@ -69,10 +69,10 @@ def inside(size_mm: tuple[float, float]) -> Box:
     return Box(BINDING_MM, MARGIN_MM, size_mm[0] - MARGIN_MM, size_mm[1] - MARGIN_MM)
 
 
-def outlined(box: Box, pen: Pen) -> Line:
+def outlined(box: Box, pen: Pen) -> SheetLine:
     """The edges of a rectangle."""
     corners = [[box.left, box.low], [box.right, box.low], [box.right, box.high], [box.left, box.high]]
-    return Line(np.array(corners), pen, closed=True)
+    return SheetLine(np.array(corners), pen, closed=True)
 
 
 def framed(size_mm: tuple[float, float], titles: Titles) -> Iterator[Item]:
@@ -84,9 +84,9 @@ def framed(size_mm: tuple[float, float], titles: Titles) -> Iterator[Item]:
     rows = np.array([0.0, 7.5, 15.0, 22.5, 32.0]) + block.low
     columns = np.array([0.0, 105.0, 145.0, 180.0]) + block.left
     for y in rows[1:-1]:
-        yield Line(np.array([[block.left, y], [block.right, y]]))
+        yield SheetLine(np.array([[block.left, y], [block.right, y]]))
     for x in columns[1:-1]:
-        yield Line(np.array([[x, block.low], [x, block.high]]))
+        yield SheetLine(np.array([[x, block.low], [x, block.high]]))
     cells = [
         (titles.view, "Date", f"ncgear {__version__}"),
         (f"Material {titles.material}", "Drawn", "Checked"),
@@ -105,13 +105,13 @@ def framed(size_mm: tuple[float, float], titles: Titles) -> Iterator[Item]:
 def first_angle(x: float, y: float) -> Iterator[Item]:
     """The sign of first angle projection: a cone from the side, and to its right its two circles from the left."""
     cone = np.array([[-3.0, -1.5], [4.0, -3.0], [4.0, 3.0], [-3.0, 1.5]])
-    yield Line(np.array([x, y]) + cone, Pen.THIN, closed=True)
-    yield Line(np.array([[x - 4.5, y], [x + 5.5, y]]), Pen.CHAIN)
+    yield SheetLine(np.array([x, y]) + cone, Pen.THIN, closed=True)
+    yield SheetLine(np.array([[x - 4.5, y], [x + 5.5, y]]), Pen.CHAIN)
     middle = x + 13.0
     for radius in (1.5, 3.0):
         yield Ring((middle, y), radius, Pen.THIN)
-    yield Line(np.array([[middle - 4.0, y], [middle + 4.0, y]]), Pen.CHAIN)
-    yield Line(np.array([[middle, y - 4.0], [middle, y + 4.0]]), Pen.CHAIN)
+    yield SheetLine(np.array([[middle - 4.0, y], [middle + 4.0, y]]), Pen.CHAIN)
+    yield SheetLine(np.array([[middle, y - 4.0], [middle, y + 4.0]]), Pen.CHAIN)
 
 
 CUT = "..."
@@ -146,7 +146,7 @@ def width_for(texts: Iterable[str]) -> float:
 
 
 @dataclass(frozen=True)
-class Columns:
+class ColumnWidths:
     """The widths of a table's columns in mm, and whether each column's texts are on the right."""
 
     widths_mm: tuple[float, ...]
@@ -165,7 +165,7 @@ class PaperTable:
     title: str
     heads: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
-    columns: Columns
+    columns: ColumnWidths
 
     def height_mm(self) -> float:
         """Height of the whole table."""
@@ -196,14 +196,14 @@ class PaperTable:
                         yield Text(words, (float(x), y - ROW_MM * (line + 1) + 0.8), anchor)
             y -= ROW_MM * lines
             if self.heads and len(edge) == 2:
-                yield Line(np.array([[left, y], [right, y]]), Pen.VISIBLE)
+                yield SheetLine(np.array([[left, y], [right, y]]), Pen.VISIBLE)
             # A single line, to and fro, draws all rules.
             here, there = (right, left) if edge[-1][0] == right else (left, right)
             edge += [(here, y), (there, y)]
-        yield Line(np.array(edge))
-        yield Line(np.array([[left, top], [right, top]]), Pen.VISIBLE)
+        yield SheetLine(np.array(edge))
+        yield SheetLine(np.array([[left, top], [right, top]]), Pen.VISIBLE)
         for x in edges:
-            yield Line(np.array([[x, top], [x, y]]))
+            yield SheetLine(np.array([[x, top], [x, y]]))
 
 
 def evenly(rows: Sequence[tuple[str, ...]], most: int) -> tuple[tuple[str, ...], ...]:

@@ -8,7 +8,7 @@ from math import radians
 
 import numpy as np
 
-from ncgear.figures.data_sheet.entries import Entry, bodies, bore_text, tolerances
+from ncgear.figures.data_sheet.entries import SheetEntry, bodies, bore_text, tolerances
 from ncgear.figures.data_sheet.measured_tables import allowed_texts, one_pin_table, span_table, two_pin_table
 from ncgear.figures.data_sheet.sheet import rack_data, rows_found, rows_or_why, sizes
 from ncgear.figures.numbers import drawn
@@ -17,8 +17,8 @@ from ncgear.files.workshop.drawing import Circle, Cross
 from ncgear.files.workshop.gear_drawing import bore_shape
 from ncgear.files.workshop.sheets import sheet as paper
 from ncgear.files.workshop.sheets.board import Board
-from ncgear.files.workshop.sheets.body import View, drawn_shape
-from ncgear.files.workshop.sheets.frame import ROW_MM, Box, Columns, PaperTable, evenly, width_for
+from ncgear.files.workshop.sheets.body import PaperView, drawn_shape
+from ncgear.files.workshop.sheets.frame import ROW_MM, Box, ColumnWidths, PaperTable, evenly, width_for
 from ncgear.files.workshop.sheets.gear_view import point_at_circle
 from ncgear.files.workshop.sheets.sheet import Item, Pen, Text
 from ncgear.pitch.shape import Gear
@@ -26,7 +26,7 @@ from ncgear.project.drive import Drive
 from ncgear.project.workshop_measures import GearMeasures
 from ncgear.solids.plan.body import BodyPlan, Bore
 
-DATA = Columns((44.0, 35.0), (False, False))
+DATA = ColumnWidths((44.0, 35.0), (False, False))
 """The columns of the gear's data."""
 DETAIL_MM, GAP_MM = 42.0, 2.0
 """Height of the view of the bore, and the gap between tables."""
@@ -91,7 +91,7 @@ def _data(drive: Drive, gear: Gear, height_mm: float) -> PaperTable:
     return PaperTable("Gear data: data_sheet.md", (), (), DATA)
 
 
-def _row(entry: Entry, gear: Gear) -> tuple[str, str] | None:
+def _row(entry: SheetEntry, gear: Gear) -> tuple[str, str] | None:
     """Label and value of an entry for the gear."""
     value = entry.pair if entry.of_pair else entry.driving if gear is Gear.DRIVING else entry.driven
     label = SHORTER.get(entry.label, entry.label)
@@ -146,7 +146,7 @@ def _pitch(drive: Drive, gear: Gear, pitch_radii: Table, height_mm: float) -> Pa
     kept = (0, 2) if driving else (0, 1, 2)
     shown = [tuple(row[column] for column in kept) for row in (heads, *texts)]
     widths = tuple(max(width_for(row[column] for row in shown), 12.0) for column in range(len(kept)))
-    columns = Columns(widths, (True,) * len(kept))
+    columns = ColumnWidths(widths, (True,) * len(kept))
     return PaperTable("Pitch curve (pitch.csv)", shown[0], tuple(shown[1:]), columns)
 
 
@@ -180,7 +180,7 @@ def _measurements(measured: GearMeasures, width_mm: float, height_mm: float) -> 
         heads = (head, "least, mm", "greatest, mm") if len(rows[0]) > 2 else (head, "mm")
         numbers = range(1, len(heads))
         widths = [max(width_for([heads[column], *(row[column] for row in rows)]), 14.0) for column in numbers]
-        columns = Columns((width_mm - sum(widths), *widths), (False, *(True for _ in numbers)))
+        columns = ColumnWidths((width_mm - sum(widths), *widths), (False, *(True for _ in numbers)))
         made.append(PaperTable(title, heads, evenly(rows, most), columns))
         lines -= round(made[-1].height_mm() / ROW_MM)
     return made
@@ -200,7 +200,7 @@ def _bore_view(drive: Drive, bore: Bore, box: Box) -> list[Item]:
     size = bore.diameter_mm / 2.0 + bore.reach_mm
     scale = next((scale for scale in paper.SCALES if scale * size <= room), paper.SCALES[-1])
     shift = scale * (bore.reach_mm - bore.diameter_mm / 2.0) / 2.0
-    view = View(
+    view = PaperView(
         scale, ((box.left + box.right) / 2.0 - 1.0 - shift, box.low + 9.0 + scale * bore.diameter_mm / 2.0 + 1.5)
     )
     board = Board((box.left, box.low, box.right, box.high))

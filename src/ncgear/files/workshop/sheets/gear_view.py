@@ -19,8 +19,8 @@ from ncgear.files.workshop.gear_drawing import body_shapes
 from ncgear.files.workshop.sheets import sheet as paper
 from ncgear.files.workshop.sheets.board import LENGTHS_MM, Board, centered
 from ncgear.files.workshop.sheets.body import (
-    Section,
-    View,
+    BodySection,
+    PaperView,
     drawn_body,
     drawn_holes,
     drawn_shape,
@@ -28,7 +28,7 @@ from ncgear.files.workshop.sheets.body import (
     tooth_places,
 )
 from ncgear.files.workshop.sheets.frame import Box
-from ncgear.files.workshop.sheets.sheet import Anchor, Dimension, Item, Line, Measured, Pen, Ring, Text
+from ncgear.files.workshop.sheets.sheet import Anchor, Dimension, Item, Measured, Pen, Ring, SheetLine, Text
 from ncgear.numerics.arrays import Array, Mask
 from ncgear.pitch.shape import Gear, meeting_direction_rad
 from ncgear.project.drive import Drive
@@ -66,7 +66,7 @@ def turns_crank(drive: Drive) -> bool:
     return drive.linkage.HAS_CRANK and drive.stage in (None, drive.design.stages)
 
 
-def gear_views(drive: Drive, measured: GearMeasures, plan: BodyPlan, area: Box) -> tuple[View, list[Item]]:
+def gear_views(drive: Drive, measured: GearMeasures, plan: BodyPlan, area: Box) -> tuple[PaperView, list[Item]]:
     """The gear from above and its section to the right, as large as there is room for."""
     low, high = np.split(np.array(plan.disc.bounds), 2)
     section = section_of(plan)
@@ -80,7 +80,7 @@ def gear_views(drive: Drive, measured: GearMeasures, plan: BodyPlan, area: Box) 
     spare = area.width - scale * (size[0] + section.height_mm) - 2.0 * SIDE_MM - CUT_MM
     x = area.left + spare / 2.0 + SIDE_MM - scale * low[0]
     y = (area.low + area.high) / 2.0 - scale * (low[1] + high[1]) / 2.0
-    view = View(scale, (float(x), float(y)))
+    view = PaperView(scale, (float(x), float(y)))
     right = float(x + scale * high[0] + SIDE_MM + spare / 2.0)
     board = Board((area.left, area.low, right, area.high))
     board.add(Text(CAPTION, (area.left, area.low + 1.0)))
@@ -90,7 +90,7 @@ def gear_views(drive: Drive, measured: GearMeasures, plan: BodyPlan, area: Box) 
     return view, [*board.items, *cut.items]
 
 
-def _draw_gear(board: Board, drive: Drive, measured: GearMeasures, plan: BodyPlan, view: View) -> None:
+def _draw_gear(board: Board, drive: Drive, measured: GearMeasures, plan: BodyPlan, view: PaperView) -> None:
     """The gear from above, its numbers first, then other items where there is room."""
     gear, module = measured.gear, drive.pitch.size.module_mm
     board.add(*drawn_body(drive, gear, plan, view, "outline"))
@@ -111,18 +111,20 @@ def _draw_gear(board: Board, drive: Drive, measured: GearMeasures, plan: BodyPla
     draw_turning(board, view, sense, free_radius_mm(plan, view))
 
 
-def _mark_plane(board: Board, plan: BodyPlan, view: View) -> None:
+def _mark_plane(board: Board, plan: BodyPlan, view: PaperView) -> None:
     """The plane of the section A-A, by its ends over and under the gear, with arrows in the direction of view."""
     _, low, _, high = plan.disc.bounds
     for y, sense in ((low, -1.0), (high, 1.0)):
         x, edge = view.on_paper(np.array([0.0, y])).tolist()
         start, end = np.array([x, edge + 1.5 * sense]), np.array([x, edge + 6.0 * sense])
         tip = end + np.array([5.0, 0.0])
-        board.add(Line(np.array([start, end]), Pen.VISIBLE), Line(np.array([end, tip])), paper.arrow(tip, tip - end))
+        board.add(
+            SheetLine(np.array([start, end]), Pen.VISIBLE), SheetLine(np.array([end, tip])), paper.arrow(tip, tip - end)
+        )
         board.add(Text("A", (x - 3.5, float(end[1]) - 1.2), letter_mm=paper.TITLE_MM))
 
 
-def number_teeth(board: Board, gear: ToothedGear, view: View, name: str, *, fifths: bool = False) -> None:
+def number_teeth(board: Board, gear: ToothedGear, view: PaperView, name: str, *, fifths: bool = False) -> None:
     """The number of every tooth inside its root, or outside its tip, nearest to the middle of that tooth.
 
     Where teeth stand close on paper, and with ``fifths``, the first and every fifth have numbers.
@@ -160,7 +162,7 @@ def _is_nearest(trees: Sequence[KDTree], row: int, places: Array) -> Mask:
     return np.asarray((nearest == row).all(axis=(0, 2)))
 
 
-def _draw_pins(board: Board, measured: GearMeasures, view: View) -> None:
+def _draw_pins(board: Board, measured: GearMeasures, view: PaperView) -> None:
     """Two pins with the dimension over them, on the left or the right; the most upright pair with room is drawn.
 
     The text of the dimension is that of the table of measurements, with limits where it has limits.
@@ -192,7 +194,7 @@ def _draw_pins(board: Board, measured: GearMeasures, view: View) -> None:
     board.put_dimension(tried())
 
 
-def _point_at_holes(board: Board, drive: Drive, plan: BodyPlan, view: View) -> None:
+def _point_at_holes(board: Board, drive: Drive, plan: BodyPlan, view: PaperView) -> None:
     """A leader with the diameter to every kind of round holes."""
     for layer, shapes in body_shapes(plan).items():
         if layer in (Layer.RIM, Layer.HUB, Layer.BORE):
@@ -220,7 +222,9 @@ def _fit(drive: Drive, layer: Layer, size_mm: float) -> str:
 AROUND_RAD = tuple(np.radians([45.0, -45.0, 20.0, -20.0, 70.0, -70.0, 100.0, -100.0, 140.0, -140.0, 180.0, 0.0]))
 
 
-def point_at_circle(board: Board, view: View, holes: Sequence[Circle], words: str, direction_rad: float = 0.0) -> None:
+def point_at_circle(
+    board: Board, view: PaperView, holes: Sequence[Circle], words: str, direction_rad: float = 0.0
+) -> None:
     """The shortest leader with room to the edge of one of several holes, as a dimension of its diameter.
 
     It points at the centre from about a direction, which counts from the direction towards the gear's axis.
@@ -238,7 +242,7 @@ def point_at_circle(board: Board, view: View, holes: Sequence[Circle], words: st
                     return
 
 
-def _point_at_tip(board: Board, plan: BodyPlan, view: View, radius_mm: float) -> None:
+def _point_at_tip(board: Board, plan: BodyPlan, view: PaperView, radius_mm: float) -> None:
     """A dimension that points from outside at the greatest radius, or at the outer radius of a ring."""
     outer = shapely.get_coordinates(plan.disc.exterior)
     tips = [outer[int(np.argmax(np.hypot(*outer.T)))]]
@@ -266,7 +270,7 @@ def _directions(drive: Drive, gear: Gear) -> list[tuple[str, float]]:
     return [("mesh", meeting), (drive.linkage.CRANK, crank)]
 
 
-def _point_along(board: Board, plan: BodyPlan, view: View, words: str, own_rad: float) -> None:
+def _point_along(board: Board, plan: BodyPlan, view: PaperView, words: str, own_rad: float) -> None:
     """An arrow outside the gear that points at its axis along a direction."""
     way, outer = np.array([cos(own_rad), sin(own_rad)]), shapely.get_coordinates(plan.disc.exterior)[:-1]
     reach = outline_radius_mm(outer, own_rad)
@@ -274,7 +278,7 @@ def _point_along(board: Board, plan: BodyPlan, view: View, words: str, own_rad: 
     board.point(target, view.direction_rad(own_rad), words, (0.0,))
 
 
-def free_radius_mm(plan: BodyPlan, view: View) -> float:
+def free_radius_mm(plan: BodyPlan, view: PaperView) -> float:
     """Radius on paper of an arc about the axis outside bore and hub."""
     about = max([plan.bore.reach_mm if plan.bore else 0.0, plan.hub.diameter_mm / 2.0 if plan.hub else 0.0])
     return max(view.scale * about + 2.5, LEAST_TURNING_MM)
@@ -284,7 +288,7 @@ TURNING_RAD, LEAST_TURNING_MM = radians(100.0), 5.0
 """Angle of an arc that shows the sense of turning, and its least radius on paper."""
 
 
-def draw_turning(board: Board, view: View, sense: float, least_mm: float) -> None:
+def draw_turning(board: Board, view: PaperView, sense: float, least_mm: float) -> None:
     """An arc with an arrow about the axis for the sense of turning, where it crosses no text."""
     axis = view.on_paper(np.zeros(2))
     for radius in least_mm + np.arange(0.0, 12.0, 1.0):
@@ -295,18 +299,20 @@ def draw_turning(board: Board, view: View, sense: float, least_mm: float) -> Non
                 points[-1],
                 sense * np.array([-sin(turned[-1] - sense * 1.25 / radius), cos(turned[-1] - sense * 1.25 / radius)]),
             )
-            if board.is_free([Line(points), head]):
-                board.add(Line(points), head)
+            if board.is_free([SheetLine(points), head]):
+                board.add(SheetLine(points), head)
                 return
 
 
-def _draw_section(board: Board, section: Section, view: View, left: float) -> None:
+def _draw_section(board: Board, section: BodySection, view: PaperView, left: float) -> None:
     """The section A-A with the dimensions of its widths."""
     middle = view.origin[1]
     board.add(*section.lines(view.scale, left, middle))
     corners = shapely.get_coordinates(section.area)
     low, high = middle + view.scale * float(corners[:, 1].min()), middle + view.scale * float(corners[:, 1].max())
-    board.add(Line(np.array([[left - 2.0, middle], [left + view.scale * section.height_mm + 2.0, middle]]), Pen.CHAIN))
+    board.add(
+        SheetLine(np.array([[left - 2.0, middle], [left + view.scale * section.height_mm + 2.0, middle]]), Pen.CHAIN)
+    )
     center = left + view.scale * section.height_mm / 2.0
     board.add(Text("A-A", (center, high + 4.0), Anchor.MIDDLE, paper.TITLE_MM))
     widths = sorted({section.width_mm, section.height_mm})

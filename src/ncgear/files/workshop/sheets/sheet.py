@@ -91,7 +91,7 @@ class Pen(Enum):
 
 
 @dataclass(frozen=True, eq=False)
-class Line:
+class SheetLine:
     """A line through points (n, 2), closed where its last point leads to the first; a ``filled`` line is a black area.
 
     Lines that belong together have a ``name``.
@@ -176,7 +176,7 @@ class Dimension:
     measured: Measured
     ends: Array
     base: Array
-    lines: tuple[Line, ...]
+    lines: tuple[SheetLine, ...]
     text: Text
     view: float
 
@@ -186,7 +186,7 @@ class Dimension:
         return float(np.hypot(*(self.ends[1] - self.ends[0]))) / self.view
 
 
-Item = Line | Ring | Text | Dimension
+Item = SheetLine | Ring | Text | Dimension
 
 
 @dataclass(frozen=True, eq=False)
@@ -199,13 +199,13 @@ class Sheet:
     origin: tuple[float, float]
     items: tuple[Item, ...]
 
-    def plain(self) -> Iterable[Line | Ring | Text]:
+    def plain(self) -> Iterable[SheetLine | Ring | Text]:
         """All lines, circles and texts, including those of the dimensions."""
         for item in self.items:
             yield from parts_of(item)
 
 
-def parts_of(item: Item) -> tuple[Line | Ring | Text, ...]:
+def parts_of(item: Item) -> tuple[SheetLine | Ring | Text, ...]:
     """An item, or the lines and the text of a dimension."""
     return (*item.lines, item.text) if isinstance(item, Dimension) else (item,)
 
@@ -218,11 +218,11 @@ OUTSIDE_MM = 9.0
 """Dimension lines shorter than this have their arrows outside."""
 
 
-def arrow(tip: Array, towards: Array) -> Line:
+def arrow(tip: Array, towards: Array) -> SheetLine:
     """An arrowhead at a tip that points in a direction (2,)."""
     along = towards / np.hypot(*towards)
     back, aside = tip - ARROW_MM * along, ARROW_MM / 6.0 * np.array([-along[1], along[0]])
-    return Line(np.array([tip, back + aside, back - aside]), closed=True, filled=True)
+    return SheetLine(np.array([tip, back + aside, back - aside]), closed=True, filled=True)
 
 
 def length(ends: Array, apart_mm: float, words: str, view: float) -> Dimension:
@@ -238,7 +238,7 @@ def length(ends: Array, apart_mm: float, words: str, view: float) -> Dimension:
     lines = []
     if abs(apart_mm) > BEYOND_MM:
         lines += [
-            Line(np.array([point + FREE_MM * aside, base + BEYOND_MM * aside]))
+            SheetLine(np.array([point + FREE_MM * aside, base + BEYOND_MM * aside]))
             for point, base in ((ends[0], start), (ends[1], end))
         ]
     # Text is read from below or from the right.
@@ -249,24 +249,26 @@ def length(ends: Array, apart_mm: float, words: str, view: float) -> Dimension:
     outside, width = long < OUTSIDE_MM, text_width_mm(words)
     beyond = 2.0 * ARROW_MM * along
     if outside:
-        lines += [Line(np.array([start - beyond, start])), Line(np.array([end, end + beyond]))]
-        lines += [arrow(start, along), arrow(end, -along), Line(np.array([start, end]))]
+        lines += [SheetLine(np.array([start - beyond, start])), SheetLine(np.array([end, end + beyond]))]
+        lines += [arrow(start, along), arrow(end, -along), SheetLine(np.array([start, end]))]
     else:
-        lines += [Line(np.array([start, end])), arrow(start, -along), arrow(end, along)]
+        lines += [SheetLine(np.array([start, end])), arrow(start, -along), arrow(end, along)]
     middle = (start + end) / 2.0
     if width > long - 2.0 * FREE_MM:
         middle = end + (2.0 * ARROW_MM + width / 2.0) * along
-        lines.append(Line(np.array([end, middle + width / 2.0 * along])))
+        lines.append(SheetLine(np.array([end, middle + width / 2.0 * along])))
     place = middle + FREE_MM * above
     text = Text(words, (float(place[0]), float(place[1])), Anchor.MIDDLE, turned_rad=turned)
     return Dimension(Measured.LENGTH, ends, start, tuple(lines), text, view)
 
 
-def leader(target: Array, elbow: Array, words: str, *, back: bool = False) -> tuple[tuple[Line, ...], Text]:
+def leader(target: Array, elbow: Array, words: str, *, back: bool = False) -> tuple[tuple[SheetLine, ...], Text]:
     """An arrow from an elbow to a target, with a text on a shoulder that goes on to the side, or back."""
     way = target - elbow
     left = bool(elbow[0] < target[0]) != back
     width = text_width_mm(words) + 2.0 * FREE_MM
     end = elbow + np.array([-width if left else width, 0.0])
     place = min(elbow[0], end[0]) + FREE_MM, elbow[1] + FREE_MM
-    return (Line(np.array([target, elbow, end])), arrow(target, way)), Text(words, (float(place[0]), float(place[1])))
+    return (SheetLine(np.array([target, elbow, end])), arrow(target, way)), Text(
+        words, (float(place[0]), float(place[1]))
+    )

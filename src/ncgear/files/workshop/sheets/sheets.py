@@ -27,7 +27,7 @@ from ncgear.files.workshop.drawing import Cross
 from ncgear.files.workshop.sheets import sheet as paper
 from ncgear.files.workshop.sheets.board import Board
 from ncgear.files.workshop.sheets.body import (
-    View,
+    PaperView,
     drawn_body,
     drawn_holes,
     drawn_shape,
@@ -38,7 +38,7 @@ from ncgear.files.workshop.sheets.frame import (
     TITLE_HEIGHT_MM,
     TITLE_WIDTH_MM,
     Box,
-    Columns,
+    ColumnWidths,
     PaperTable,
     Titles,
     fitted,
@@ -54,7 +54,7 @@ from ncgear.files.workshop.sheets.gear_view import (
     number_teeth,
     turns_crank,
 )
-from ncgear.files.workshop.sheets.sheet import A4_MM, Anchor, Item, Line, Pen, Sheet, Text
+from ncgear.files.workshop.sheets.sheet import A4_MM, Anchor, Item, Pen, Sheet, SheetLine, Text
 from ncgear.frozen import dataclass
 from ncgear.mechanisms.mechanism import RodMechanism
 from ncgear.numerics.arrays import Array
@@ -94,7 +94,7 @@ class Layout:
 def pair_sheet(drive: Drive) -> Sheet:
     """The sheet of the pair in the pose of phi1 = 0, upright or across, whichever has room for a larger scale."""
     mounting, plans = mounting_of(drive), {gear: finished(drive, gear) for gear in Gear}
-    plain = {gear: View(1.0, mounting.axis_mm(gear), mounting.turn_rad, mounting.hand) for gear in Gear}
+    plain = {gear: PaperView(1.0, mounting.axis_mm(gear), mounting.turn_rad, mounting.hand) for gear in Gear}
     outlines = [plain[gear].on_paper(shapely.get_coordinates(plan.disc)) for gear, plan in plans.items()]
     low, high = np.vstack(outlines).min(axis=0), np.vstack(outlines).max(axis=0)
     scene = Scene(drive.design.name, drive.machine, drive.law.train, (), chamber_of(drive.linkage, drive.machine.load))
@@ -105,7 +105,7 @@ def pair_sheet(drive: Drive) -> Sheet:
     middle = np.array([layout.gears.left + layout.gears.right, layout.gears.low + layout.gears.high]) / 2.0
     origin = middle - scale * (low + high) / 2.0
     views = {
-        gear: View(
+        gear: PaperView(
             scale, tuple((origin + scale * np.array(mounting.axis_mm(gear))).tolist()), mounting.turn_rad, mounting.hand
         )
         for gear in Gear
@@ -153,7 +153,7 @@ def _layout(size_mm: tuple[float, float], *, mechanism: bool) -> Layout:
 # --- gears -----------------------------------------------------------------------------------------------------------
 
 
-def _gears(drive: Drive, plans: dict[Gear, BodyPlan], views: dict[Gear, View], box: Box) -> list[Item]:
+def _gears(drive: Drive, plans: dict[Gear, BodyPlan], views: dict[Gear, PaperView], box: Box) -> list[Item]:
     """Both gears, the line of centres with its length, numbers, marks and senses of turning."""
     board, mounting = Board(box.bounds), mounting_of(drive)
     for gear, view in views.items():
@@ -162,13 +162,15 @@ def _gears(drive: Drive, plans: dict[Gear, BodyPlan], views: dict[Gear, View], b
         mark = Cross(0.0, 0.0, 2.0 * drive.pitch.size.module_mm)
         board.add(*drawn_shape(mark, view, Pen.CHAIN))
     axes = np.array([views[gear].origin for gear in Gear])
-    board.add(Line(axes, Pen.CHAIN))
+    board.add(SheetLine(axes, Pen.CHAIN))
     if all(plans[gear].index_hole for gear in Gear):
         board.add(Text(FACING, (box.left, box.high - paper.LETTER_MM - 1.0)))
     if drive.stage is not None and not turns_crank(drive):
         board.add(Text(FIRST_STAGE, (box.left, box.high - 2.0 * (paper.LETTER_MM + 1.0) - 1.0)))
     if turns_crank(drive):
-        _draw_crank(board, drive, axes[1], np.vstack([item.points for item in board.items if isinstance(item, Line)]))
+        _draw_crank(
+            board, drive, axes[1], np.vstack([item.points for item in board.items if isinstance(item, SheetLine)])
+        )
     along = (axes[1] - axes[0]) / np.hypot(*(axes[1] - axes[0]))
     aside = np.array([-along[1], along[0]])
     corners = np.vstack([views[gear].on_paper(shapely.get_coordinates(plans[gear].disc)) for gear in Gear])
@@ -200,13 +202,13 @@ def _draw_crank(board: Board, drive: Drive, axis: Array, drawn_mm: Array) -> Non
     ahead = (drawn_mm - axis) @ way
     beside = np.abs((drawn_mm - axis) @ np.array([-way[1], way[0]])) < paper.LETTER_MM
     end = axis + (float(ahead[beside].max(initial=0.0)) + 6.0) * way
-    board.add(Line(np.array([axis, end]), Pen.CHAIN))
+    board.add(SheetLine(np.array([axis, end]), Pen.CHAIN))
     places = [end + more * way + np.array([0.0, lift]) for more in (1.0, 3.0, 6.0) for lift in (1.5, -4.0)]
     anchors = (Anchor.END, Anchor.MIDDLE, Anchor.START)
     board.put_text(Text(drive.linkage.CRANK, (float(x), float(y)), anchor) for x, y in places for anchor in anchors)
 
 
-def _name(board: Board, plan: BodyPlan, view: View, words: str, views: list[View]) -> None:
+def _name(board: Board, plan: BodyPlan, view: PaperView, words: str, views: list[PaperView]) -> None:
     """A leader with item number and name to the edge of a gear, away from the other gear."""
     outer = view.on_paper(shapely.get_coordinates(plan.disc.exterior))
     others = np.mean([other.origin for other in views], axis=0)
@@ -240,7 +242,7 @@ def _mechanism(drive: Drive, bodies: dict[str, list[Array]], box: Box) -> list[I
     ends = np.array([[linkage.nearest_mm, linkage.offset_mm], [linkage.farthest_mm, linkage.offset_mm]])
     slides = not linkage.OUTPUT.angular
     curves = {
-        curve.gear: View(1.0, mounting.axis_mm(curve.gear), mounting.turn_rad, mounting.hand).on_paper(
+        curve.gear: PaperView(1.0, mounting.axis_mm(curve.gear), mounting.turn_rad, mounting.hand).on_paper(
             curve.drawn(361).position
         )
         for curve in (drive.pitch.driving, drive.pitch.driven)
@@ -258,9 +260,9 @@ def _mechanism(drive: Drive, bodies: dict[str, list[Array]], box: Box) -> list[I
     room = np.array([box.width - 2.0 * MECHANISM_SIDE_MM, box.height - 2.0 * MECHANISM_ABOVE_MM])
     scale = next((scale for scale in paper.SCALES if (scale * (high - low) <= room).all()), paper.SCALES[-1])
     origin = np.array([(box.left + box.right) / 2.0, (box.low + box.high) / 2.0 + 1.0]) - scale * (low + high) / 2.0
-    view = View(scale, tuple(origin.tolist()))
+    view = PaperView(scale, tuple(origin.tolist()))
     board = Board(box.bounds)
-    board.add(Line(np.array([[box.left, box.high], [box.right, box.high]])))
+    board.add(SheetLine(np.array([[box.left, box.high], [box.right, box.high]])))
     keys: Any = linkage
     sizes = ", ".join(
         f"{one.name.removesuffix('_mm').replace('_', ' ')} {drawn(float(getattr(linkage, one.name)), 'mm')}"
@@ -276,15 +278,15 @@ def _mechanism(drive: Drive, bodies: dict[str, list[Array]], box: Box) -> list[I
         board.add(Text(note, (box.left + 2.0, box.high - 4.5 - number * (paper.LETTER_MM + 1.0))))
     for name, rings in bodies.items():
         for ring in rings:
-            board.add(Line(view.on_paper(ring), Pen.THIN, closed=True, name=name))
+            board.add(SheetLine(view.on_paper(ring), Pen.THIN, closed=True, name=name))
     for line in supports:
-        board.add(Line(view.on_paper(line)))
+        board.add(SheetLine(view.on_paper(line)))
     for gear, curve in curves.items():
-        board.add(Line(view.on_paper(curve), Pen.CHAIN, closed=drive.pitch.toothed is None))
+        board.add(SheetLine(view.on_paper(curve), Pen.CHAIN, closed=drive.pitch.toothed is None))
         for mark in Cross(*mounting.axis_mm(gear), 5.0 / scale).lines:
-            board.add(Line(view.on_paper(mark), Pen.THIN))
+            board.add(SheetLine(view.on_paper(mark), Pen.THIN))
     if slides:
-        board.add(Line(view.on_paper(ends) + np.array([[-6.0, 0.0], [6.0, 0.0]]), Pen.CHAIN))
+        board.add(SheetLine(view.on_paper(ends) + np.array([[-6.0, 0.0], [6.0, 0.0]]), Pen.CHAIN))
         below = float(view.on_paper(low)[1]) - 5.0
         apart = [below - float(view.on_paper(ends)[0, 1]) - more for more in (0.0, 2.0, 4.0)]
         board.put_dimension(
@@ -330,7 +332,7 @@ def _parts(drive: Drive, links: list[str]) -> PaperTable:
         for number, gear in enumerate(Gear, 1)
     ]
     rows += [(str(number), name, "-", "-") for number, name in enumerate(links, 3)]
-    columns = Columns((8.0, 25.0, 34.0, 18.0), (True, False, False, False))
+    columns = ColumnWidths((8.0, 25.0, 34.0, 18.0), (True, False, False, False))
     return PaperTable("Parts", ("", "part", "file", "material"), tuple(rows), columns)
 
 
