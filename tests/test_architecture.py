@@ -141,6 +141,27 @@ def test_a_circle_is_seen() -> None:
     assert circles({"a": {"b"}, "b": {"c"}, "c": {"a"}, "d": {"a"}}) == [["a", "b", "c"]]
 
 
+def twice_named(found: dict[Path, str]) -> set[str]:
+    """Public classes of one name; the keys of a design file may have the name of the value that is made from them."""
+    rooms: dict[str, list[bool]] = {}
+    for path, text in found.items():
+        for node in ast.parse(text).body:
+            if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+                rooms.setdefault(node.name, []).append("design" in path.parts)
+    return {name for name, of_keys in rooms.items() if of_keys.count(True) > 1 or of_keys.count(False) > 1}
+
+
+def test_a_name_of_a_class_means_one_thing() -> None:
+    assert not twice_named({path.relative_to(SOURCE): path.read_text() for path in SOURCE.rglob("*.py")})
+
+
+def test_a_second_meaning_of_a_name_is_seen() -> None:
+    keys, value, other = (Path(room) / "a.py" for room in ("design", "ratio", "pitch"))
+    text = "class Law: ..."
+    assert not twice_named({keys: text, value: text})
+    assert twice_named({keys: text, value: text, other: text}) == {"Law"}
+
+
 def test_the_page_of_the_house_has_every_room_in_order() -> None:
     """A room's place in docs/house.md is not above that of a room which it may import."""
     page = (ROOT / "docs" / "house.md").read_text(encoding="utf-8")

@@ -86,7 +86,9 @@ def tolerated(two: bool = False, **changes: Any) -> Any:
                        refused=""),
         "too_few": 5000,
         "indices": {
-            "least_play_mm": (Index(DeviationSource("pitch"), 0.5, 0.62, 0.1), Index(DeviationSource("wear"), 0.1, 0.019, 0.1)),
+            "least_play_mm": (
+                Index(DeviationSource("pitch"), 0.5, 0.62, 0.1), Index(DeviationSource("wear"), 0.1, 0.019, 0.1)
+            ),
             "motion_error": (Index(DeviationSource("tilt_driven", 2), 0.5, 0.4, 0.1),),
         },
         "index_samples": 64,

@@ -22,10 +22,10 @@ SUFFIX = "-fitted"
 OTHER = {Gear.DRIVING: Gear.DRIVEN, Gear.DRIVEN: Gear.DRIVING}
 
 WORDS = {
-    Subject.HOLLOW_OWN: "the {own} gear is concave there: its tips would run into the {mate} gear's, as those of a ring "
-    "and too large a pinion",
-    Subject.HOLLOW_MATE: "the {mate} gear is concave there: its tips would run into the {own} gear's, as those of a ring "
-    "and too large a pinion",
+    Subject.HOLLOW_OWN: "the {own} gear is concave there: its tips would run into the {mate} gear's, as those of a "
+    "ring and too large a pinion",
+    Subject.HOLLOW_MATE: "the {mate} gear is concave there: its tips would run into the {own} gear's, as those of a "
+    "ring and too large a pinion",
     Subject.HOLLOW_CORNER_OWN: "a concave corner of the {own} gear: no flank rolls in a sharper one",
     Subject.HOLLOW_CORNER_MATE: "a concave corner of the {mate} gear: no flank rolls in a sharper one",
     Subject.CORNER_OWN: "a convex corner of the {own} gear: no tooth stands on a sharper one",

@@ -4,8 +4,8 @@ A ``Transmission`` gives the driven angle with derivatives on consecutive pieces
 driving gear repeats its curve n1 times a turn and the driven gear n2 times; one period takes 2 pi / n1 of the driving
 angle and 2 pi / n2 of the driven angle.  An open law, of gears that turn to and fro over less than a turn, has a range
 of both angles in place of lobes; teeth stand on its closed continuation to whole turns (ncgear.pitch.continued), and
-only the range is made.  A ``PairsInSeries`` is one pair of gears, or two in series, between the driving shaft and the crank.  A
-``Law`` is a train and the mechanism that it drives, with the facts of a prescribed stroke.
+only the range is made.  A ``PairsInSeries`` is one pair of gears, or two in series, between the driving shaft and the
+crank.  A ``Law`` is these pairs and the mechanism that they drive, with the facts of a prescribed stroke.
 """
 
 from __future__ import annotations
