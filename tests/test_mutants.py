@@ -17,6 +17,8 @@ from mutants.mutations import mutations
         ("a **= b", ["a *= b"]),
         # No text, no place in an array, no message, no function that is not there.
         ("return 'a' + b", []),
+        ("return a + b'c'", []),
+        ("a += [b]", []),
         ("return a[b + 1]", []),
         ("raise ValueError(f'{a + 1}')", []),
         ("return sin(a)", []),
