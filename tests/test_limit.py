@@ -216,6 +216,18 @@ def test_weighted_sum_is_no_more_than_a_scan_of_powers() -> None:
     assert 0.99 * scan < found <= scan * (1.0 + 1e-4)
 
 
+def test_a_weighted_sum_is_enclosed_by_a_scan_of_powers_on_the_same_places() -> None:
+    """No more than any power gives there, and no more than the asked tolerance below the best of them."""
+    weights = PeakWeights(1.0 / 20000.0, 1.0 / 9000.0)
+    scan = min(
+        weights.per_mm_s2 * least_acceleration(AT_SIXTY, replace(USUAL, power_w=power), 72).value
+        + weights.per_w * power
+        for power in np.linspace(8000.0, 8800.0, 5).tolist()
+    )
+    found = least_weighted_sum(AT_SIXTY, USUAL, weights, 72, 0.02).value
+    assert 0.98 * scan * (1.0 - 1e-3) <= found <= scan
+
+
 @pytest.mark.tiers(slow=["*peak_power_w*"], rest="quick")
 @pytest.mark.parametrize(
     ("asked", "key", "said"),
