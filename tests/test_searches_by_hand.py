@@ -15,11 +15,14 @@ from ncgear.kinematics.crank_stretches import CrankStretch
 from ncgear.metrology.cut_by import CutVerdict, Tool
 from ncgear.numerics.extrema import Extremum
 from ncgear.optimum import family
+from ncgear.optimum.certified import tree as tree_room
 from ncgear.optimum.certified.ranges import KnownRanges
 from ncgear.optimum.certified.tree import MotionBox, Seen, Tree
 from ncgear.optimum.family import BOX, Peak
 from ncgear.optimum.makeable import driving_ranges
 from ncgear.optimum.makeable.driving_ranges import Passed, best_held, held_as, passed_by_all
+from ncgear.optimum.makeable.reached import _rise, peaks, running
+from ncgear.optimum.makeable.rows import UNHEARD, _square
 from ncgear.project.motor import MotorResult
 from ncgear.project.sizing import _Search
 from ncgear.whole_machines import laws as machine_laws
@@ -129,6 +132,57 @@ def test_a_box_is_halved_where_it_is_widest() -> None:
     assert [one.figures["acceleration"] for one in by_figure] == [(1.0, 5.0), (5.0, 9.0)]
     narrow = tree.halves(box(16.0, power=(9.0, 10.0), acceleration=(5.0, 9.0)))
     assert [one.known.most[2] for one in narrow] == [4.0, 16.0]
+
+
+@pytest.mark.judges("optimum")
+def test_a_single_box_is_narrowed_towards_the_least_value(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A box that has no motion below 0.85 of a law at 1 proves a target between that and the last one with motions."""
+    asked: list[float] = []
+
+    def narrowed(box: Any, target: float, worth: float) -> Any:
+        asked.append(target)
+        return None if target < 0.85 else Made(value=max(box.value, target - 0.2))
+
+    box = Made(value=0.5)
+    monkeypatch.setattr(tree_room, "whole_tree", lambda *_: (Made(narrowed=narrowed), box))
+    proven = tree_room.bisected(Made(), [], 0.5, Made(value=1.0), Made())
+    assert asked[0] == pytest.approx(0.999)
+    assert asked[1] == pytest.approx((0.999 - 0.2 + 0.999) / 2.0)
+    assert proven == asked[-1] < 0.85 <= asked[-2]
+    monkeypatch.setattr(tree_room, "whole_tree", lambda *_: (Made(narrowed=narrowed), Made(value=0.9995)))
+    assert tree_room.bisected(Made(), [], 0.5, Made(value=1.0), Made()) == 0.9995
+
+
+@pytest.mark.judges("optimum")
+def test_running_integrals_and_rises_of_parabolas_are_exact() -> None:
+    """Of 1 - (t - 0.4)^2 over two cells of a turn: primitives at all places, and its top beside the places."""
+    ends = np.array([0.0, 0.9, 2.0])
+    places = ends[:-1, None] + np.diff(ends)[:, None] * np.arange(5) / 4.0
+    term = 1.0 - (places - 0.4) ** 2
+    found = running(Made(ends_rad=ends), term)
+    assert found == pytest.approx(places - ((places - 0.4) ** 3 + 0.4**3) / 3.0)
+    assert peaks(-((places - 0.4) ** 2))[0].max() == pytest.approx(0.0, abs=1e-12)
+    rise = _rise(term, np.array([[0, 1, 2], [2, 3, 4]]), 5)
+    # Around each place, half a step of these places to both sides.
+    around = [(0.0, 0.0, 0.225), (0.45, 0.225, 0.675), (0.9, 0.675, 1.175), (1.45, 1.175, 1.725), (2.0, 1.725, 2.0)]
+    expected = [(at - 0.4) ** 2 - (np.clip(0.4, low, high) - 0.4) ** 2 for at, low, high in around]
+    assert rise == pytest.approx(expected)
+
+
+@pytest.mark.judges("optimum")
+def test_the_square_of_what_stays_above_an_order_is_without_its_waves() -> None:
+    """3 + 2 cos(2 t) + 0.5 sin(5 t) over a cycle of pi, t its half: beyond the second order 0.5 sin(5 t) is left."""
+    angle = np.linspace(0.0, 2.0 * pi, 400, endpoint=False)
+
+    def fitted(term: np.ndarray, waves: Any) -> Any:
+        columns = np.stack([wave + np.zeros(angle.size) for wave in waves], axis=1)
+        return np.linalg.lstsq(columns, term, rcond=None)[0]
+
+    whole: Any = Made(angle_rad=angle / 2.0, fitted=fitted, wave=lambda turned: (np.cos(turned), np.sin(turned)))
+    term = 3.0 + 2.0 * np.cos(2.0 * angle) + 0.5 * np.sin(5.0 * angle)
+    level: Any = Made(order=2, cycle_rad=pi)
+    assert _square(level, term, whole) == pytest.approx((0.5 * np.sin(5.0 * angle)) ** 2 + (UNHEARD * term) ** 2)
+    assert _square(Made(order=None), term, whole) == pytest.approx(term**2)
 
 
 # --- wishes over driving angles --------------------------------------------------------------------------------------

@@ -16,13 +16,16 @@ from drives import drive_of_text
 from ncgear.design.laws.ellipse import Ellipse
 from ncgear.design.laws.harmonic_ratio import HarmonicRatio
 from ncgear.design.laws.spiral import Spiral
+from ncgear.design.trains.planetary import TipPathKeys
 from ncgear.drawings.scene.standing import SUPPORT, SUPPORT_HATCHES, support_hatches_mm
 from ncgear.dynamics.history import CRANK_BEARING
 from ncgear.dynamics.peaks import Peak
+from ncgear.figures import compared
 from ncgear.figures.advice.teeth_advice import idle_flanks
 from ncgear.figures.advice.values import Kind
 from ncgear.figures.side_by_side import figures_of
 from ncgear.figures.simulated import _lasting_s, _peak_at, dynamic_table
+from ncgear.files.editor import with_member
 from ncgear.files.workshop.exact import _missed_mm, pitch_spline
 from ncgear.files.workshop.gear_drawing import gear_notes
 from ncgear.mechanisms.crank_slider import CrankSlider
@@ -137,6 +140,64 @@ def test_the_spline_of_a_pitch_curve_is_on_it_between_its_knots() -> None:
     assert spline.poles_mm[0] == pytest.approx(spline.poles_mm[-1], abs=1e-9)
     assert len(pitch_spline(curve, 1e-5).knots) > len(spline.knots)
     assert _missed_mm(curve, np.unique(spline.knots), spline) <= 1e-3
+
+
+@pytest.mark.judges("figures")
+def test_measured_gears_are_told_by_the_teeth_that_jam_and_points_that_stand_alone(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Two of many are named at most as many as a line holds; lengths are angles times the pitch radius."""
+    jams = [(number, number + 1) for number in range(1, compared.MOST_TEETH + 3)]
+    (fault,) = compared._jams(Made(jams=jams, needed_backlash_mm=0.012))
+    assert "12 µm at teeth 1/2, 2/3" in fault.what
+    assert fault.what.endswith(" and 2 more")
+    (fault,) = compared._jams(Made(jams=jams[: compared.MOST_TEETH], needed_backlash_mm=0.012))
+    assert "more" not in fault.what
+    range_: Any = Made(backlash_rad=Made(low=Made(value=4e-4)), tightest_teeth=(3, 5))
+    pair: Any = Made(measured_extremes=range_, exact_extremes=range_, lever_mm=50.0)
+    assert compared._play(pair, measured=True) == "20 µm at driving tooth 3, driven tooth 5"
+    assert compared._play(pair, measured=False) == "20 µm"
+    points = [Made(tooth=tooth, off_mm=-0.03) for tooth in (4, 4, 7)]
+    monkeypatch.setattr(compared, "alone_points", lambda one: points[: one.count])
+    told = [compared._alone(Made(gear=Gear.DRIVING, count=count)) for count in (0, 1, 3)]
+    assert told[0] == []
+    assert told[1][0].what == "driving gear: 1 point stands alone, by up to 30 µm at tooth 4; not counted"
+    assert told[2][0].what == "driving gear: 3 points stand alone, by up to 30 µm at teeth 4, 7; not counted"
+    many = list(range(1, compared.MOST_TEETH + 2))
+    assert (compared._first(many)[-5:], compared._first(many[:-1])[-1]) == (f"{many[-2]} ...", str(many[-2]))
+
+
+@pytest.mark.judges("files")
+def test_members_of_settings_are_put_in_changed_or_left() -> None:
+    text = '{\n  "a": {"b": 1}, // kept\n  "c": [2]\n}\n'
+    assert with_member(text, ("a", "b"), 1) == text
+    assert with_member(text, ("a", "b"), 5) == text.replace('"b": 1', '"b": 5')
+    added = with_member(text, ("a", "d", "e"), [7])
+    assert "// kept" in added
+    assert json.loads(added.replace(" // kept", "")) == {"a": {"b": 1, "d": {"e": [7]}}, "c": [2]}
+    assert json.loads(with_member("", ("x",), 1)) == {"x": 1}
+
+
+@pytest.mark.judges("design")
+@pytest.mark.parametrize(
+    ("changes", "said"),
+    [
+        ({}, ""),
+        ({"axis_to_mm": [0.0, 5.0]}, "0 given, but axis_from_mm has 0 there; more is right"),
+        ({"tool": [{"point": 7, "angle_deg": 1.0}]}, "7 given; 1 to 6 are right"),
+        ({"tool": [{"point": 6, "angle_deg": 1.0}]}, ""),
+        ({"straight": [1, 7]}, "7 given; 1 to 6 are right"),
+        ({"straight": [6]}, ""),
+    ],
+)
+def test_points_of_a_tip_path_are_there(changes: dict[str, Any], said: str) -> None:
+    """Six points, and a rectangle for the axis whose second corner is beyond the first."""
+    points = [[100.0, 0.0], [60.0, 80.0], [0.0, 100.0], [-90.0, 30.0], [-60.0, -80.0], [30.0, -90.0]]
+    given = {"points_mm": points, "axis_from_mm": [0.0, -5.0], "axis_to_mm": [9.0, 5.0]} | changes
+    made = TipPathKeys.model_construct(**dict.fromkeys(TipPathKeys.model_fields) | given)
+    made.__dict__["tool"] = [Made(**one) for one in given["tool"]] if "tool" in given else None
+    faults = [str(one) for one in (*made._corners_are_apart(), *made._points_are_there())]
+    assert faults == ([said] if said else [])
 
 
 @pytest.mark.judges("figures")
