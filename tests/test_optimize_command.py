@@ -248,8 +248,8 @@ def test_a_missing_solver_is_named_with_the_command(command: str, tmp_path: Path
 
 
 @pytest.mark.tiers(
-    thorough=["peak_power_w: 3000-3-d.yaml:8:32: optimize.limits.peak_power_w: 3000 W is too little"],
     slow=[
+        "peak_power_w: 3000-3-d.yaml:8:32: optimize.limits.peak_power_w: 3000 W is too little",
         "peak_power_w: 9000, peak_acceleration_mm_s2: 9000-3-optimize.limits.peak_acceleration_mm_s2: 9000 mm/s",
         "driven_speed_rpm: 61, peak_power_w: 12000-3-12000 W is too little at any acceleration; at least",
     ],
