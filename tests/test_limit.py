@@ -29,7 +29,7 @@ from ncgear.optimum.certified.sums import PeakWeights, least_weighted_sum
 from ncgear.optimum.task import Task
 from ncgear.ratio.laws.uniform import uniform_law
 from ncgear.ratio.transmission import Lobes
-from ncgear.wishes.requirements import TimeWithin
+from ncgear.wishes.requirements import EvenSpeed, SpeedWithin, TimeWithin
 from published import AT_SIXTY, BALER_LINKAGE, FIT, OFFSET, PRESS, RPM
 
 pytestmark = pytest.mark.judges("optimum")
@@ -200,6 +200,43 @@ def test_the_uniform_crank_is_within_its_own_limits_and_a_hundredth_less_is_not(
     assert problem.is_open
     for name, value in own.items():
         assert not problem.under(**{name: 0.99 * value}).is_open
+
+
+def test_a_uniform_cranks_speeds_torques_and_energies_are_its_own_and_two_hundredths_less_is_closed() -> None:
+    """By its displacement at ten thousand places: its speed, T = F ds/dphi + m s' s'' w^2, and the integral of T."""
+    speed, mass = 5.0, 60.0
+    task = Task(BALER_LINKAGE, PRESS, speed, masses=BALER_LINKAGE.MASSES(slider_kg=mass))
+    phi = np.linspace(0.0, 2.0 * pi, 10_001)
+    way = BALER_LINKAGE.displacement(Jet.variable(phi, 2))
+    slope, bend = way.derivative(1), way.derivative(2)
+    force = np.where(phi < pi, PRESS.working.force_n(way.value), 0.0)
+    torque = force * slope + mass * slope * bend * speed**2 / 1000.0
+    step = np.diff(phi)
+    energy = np.append(0.0, np.cumsum((torque[1:] + torque[:-1]) / 2.0 * step))
+    beside = energy - energy[-1] * phi / (2.0 * pi)
+    own = {
+        "speed_mm_s": float(np.abs(slope).max()) * speed,
+        "power_w": float(torque.max()) * speed / 1000.0,
+        "braking_w": -float(torque.min()) * speed / 1000.0,
+        "torque_n_mm": float(np.sqrt(np.mean(torque[1:] ** 2))),
+        "fluctuation_n_mm": float(np.ptp(beside)),
+    }
+    ratios = 1.0 - 1e-6, 1.0 + 1e-6
+    assert LimitProblem(task, Demands(*ratios, **{k: v * 1.001 for k, v in own.items()}), cycle(task)).is_open
+    for name, value in own.items():
+        assert not LimitProblem(task, Demands(*ratios, **{name: 0.98 * value}), cycle(task)).is_open, name
+    stretch = CrankStretch(0.7, 1.9)
+    inside = speed * slope[(phi >= 0.7) & (phi <= 1.9)]
+    least, most = float(inside.min()), float(inside.max())
+    for asked, is_open in (
+        (SpeedWithin(stretch, 0.999 * least, 1.001 * most), True),
+        (SpeedWithin(stretch, 1.01 * least, 1.001 * most), False),
+        (SpeedWithin(stretch, 0.999 * least, 0.99 * most), False),
+        (EvenSpeed(stretch, 1.002 * most / least), True),
+        (EvenSpeed(stretch, 0.99 * most / least), False),
+    ):
+        demands = Demands(*ratios, wishes=(WishDemand("wish", asked),))
+        assert LimitProblem(task, demands, cycle(task, at_rad=demands.places_rad)).is_open is is_open, asked
 
 
 def test_no_resistance_needs_no_power() -> None:
