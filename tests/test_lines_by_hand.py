@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import asin, cos, pi, sin, sqrt, tan
+from math import asin, atan, cos, degrees, pi, radians, sin, sqrt, tan
 from types import SimpleNamespace
 from typing import Any
 
@@ -21,15 +21,22 @@ from ncgear.dynamics.gaps import ERROR, Gaps, _breaks
 from ncgear.mechanisms.rack_pinion import TEETH, RackPinion
 from ncgear.mechanisms.scotch_yoke import ScotchYoke
 from ncgear.mechanisms.slotted_lever import SlottedLever
+from ncgear.metrology import best_fit
+from ncgear.metrology.best_fit import Pose
 from ncgear.numerics.extrema import Extremum
 from ncgear.numerics.jet import Jet
 from ncgear.optimum.certified.cycle import _nearest
+from ncgear.optimum.outline.conditions import Kind
 from ncgear.papers.threshing_drum.chain import second_case_residual
 from ncgear.pitch.chambers import Chambers
+from ncgear.project.alternatives import STEEPEST_HELIX_DEG, WIDER, bridging_helix
+from ncgear.project.outline_fit import _binding
 from ncgear.project.sizing import _Search
 from ncgear.ratio.return_stroke import _even_panels
 from ncgear.screening.samples import _slowest
 from ncgear.teeth.toothed_arc import LEAST_WALL, _rounding
+from ncgear.tolerances.estimate import _overlapping
+from ncgear.tolerances.mesh import ContactPlaces
 from ncgear.whole_machines.limits import FLYWHEELS, MachineLimits
 
 Made: Any = SimpleNamespace
@@ -240,3 +247,73 @@ def test_flywheels_are_looked_at_in_parts_with_the_inertia_of_the_gears() -> Non
     free = parts(100.0, Made(least=50.0, most=400.0))
     assert (free.shape, free[0, 0], free[1, -1]) == ((2, FLYWHEELS), 60.0, 430.0)
     assert free[0, 1:] == pytest.approx(free[1, :-1])
+
+
+@pytest.mark.judges("metrology")
+def test_a_measured_gear_is_turned_by_teeth_as_long_as_it_fits_better(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Best four teeth of eleven back; the middle of its points stays where it is on the way."""
+    pitch, middle = 2.0 * pi / 11.0, 2.0 + 1.0j
+    outline: Any = Made(gear=Made(flanks=Made(count=22)), middle_mm=middle)
+
+    def fitted(_: Any, points: Any, probe_mm: float, pose: Pose, *__: Any) -> Any:
+        assert pose.shift_mm + middle * np.exp(1j * pose.angle_rad) == pytest.approx(middle)
+        return Made(pose=pose, rms_mm=0.01 + abs(pose.angle_rad + 4.0 * pitch))
+
+    monkeypatch.setattr(best_fit, "_fitted", fitted)
+    begun = fitted(outline, None, 0.0, Pose(0.0))
+    found = best_fit._by_teeth(outline, np.zeros(1), 0.0, begun)
+    assert found.pose.angle_rad == pytest.approx(-4.0 * pitch)
+    # One that is hardly better is not turned.
+    monkeypatch.setattr(best_fit, "_fitted", lambda *given: Made(pose=given[3], rms_mm=0.99 * begun.rms_mm))
+    assert best_fit._by_teeth(outline, np.zeros(1), 0.0, begun) is begun
+
+
+@pytest.mark.judges("tolerances")
+@pytest.mark.parametrize("closed", [True, False])
+def test_positions_also_have_the_places_of_those_further_on(closed: bool) -> None:
+    """Two places at the first of four positions, one at each other; gears that turn once begin again behind the last."""
+    at = np.array([0, 0, 1, 2, 3, 4, 5, 6, 7])
+    values = np.arange(10, 19)
+    columns = dict.fromkeys(("lever_mm", "lead", "rigid", "tilt", "flank", "pitch_share", "profile_share"), values)
+    places = ContactPlaces(place=at, **columns)
+    found = _overlapping(places, Made(count=4, toothed=None if closed else (0.0, 1.0)), 1)
+    told = sorted(zip(found.place.tolist(), found.flank.tolist(), strict=True))
+    further = [(0, 12), (1, 13), (2, 14), (4, 16), (5, 17), (6, 18)]
+    behind = [(3, 10), (3, 11), (7, 15)] if closed else [(3, 14), (7, 18)]
+    assert told == sorted([*zip(at.tolist(), values.tolist(), strict=True), *further, *behind])
+    assert _overlapping(places, Made(count=4, toothed=None), 0) is places
+
+
+@pytest.mark.judges("project")
+@at_once(("gap", "width", "angle_deg"), [(0.2, 20.0, None), (1.5, 20.0, None), (0.2, 1.0, {}), (0.2, 20.0, 0.0)])
+def test_a_helix_bridges_a_gap_by_what_it_advances_over_the_face(gap: float, width: float, angle_deg: Any) -> None:
+    """A little more than the gap in pitches of 2 pi mm over 20 mm; nothing where that is too steep, or given."""
+    contact, rack = Made(longest_gap_pitches=gap), Made(pitch_mm=2.0 * pi)
+    gears, pitch = Made(method="exact", face_width_mm=width), Made(driven=Made(is_ring=False))
+    drive: Any = Made(helix=angle_deg, pitch=pitch, gears=gears, designed_contact=contact, rack=rack)
+    advance = tan(radians(bridging_helix(drive).get("gears.helix.angle_deg", 0.0))) * width
+    wanted = WIDER * gap * 2.0 * pi
+    given = angle_deg is None and degrees(atan(wanted / width)) <= STEEPEST_HELIX_DEG
+    assert advance == pytest.approx(wanted if given else 0.0)
+
+
+@pytest.mark.judges("project")
+def test_conditions_bind_within_one_and_a_half_pitches_of_a_place(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A curve of 100 mm with 20 teeth, places every 5 mm: those at 45, 50 and 55 mm count at 50 mm."""
+    arc_mm = np.arange(0.0, 100.0, 5.0)
+
+    def apart(places: np.ndarray) -> np.ndarray:
+        off = np.abs(arc_mm[:, None] - places)
+        return np.minimum(off, 100.0 - off)
+
+    curve: Any = Made(arc_mm=arc_mm, phi_rad=arc_mm * pi / 50.0, length_mm=100.0, teeth=20, apart_mm=apart)
+
+    def at(kind: Kind, place: float, value: float) -> Any:
+        return Made(kind=kind, value=np.where(arc_mm == place, value, -1.0))
+
+    told = [at(Kind.STEEP, 55.0, 0.001), at(Kind.ROOM, 60.0, 0.5), at(Kind.HOLLOW_OWN, 50.0, 0.01)]
+    told += [at(Kind.CORNER_OWN, 45.0, -0.019), at(Kind.CORNER_MATE, 45.0, -0.021), at(Kind.HOLLOW_OWN, 45.0, -0.5)]
+    monkeypatch.setattr("ncgear.project.outline_fit.conditions", lambda *_: told)
+    made: Any = Made(curve=curve, limits=None)
+    assert _binding(made, pi) == (Kind.HOLLOW_OWN, Kind.STEEP, Kind.CORNER_OWN)
+    assert _binding(made, pi + 0.5) == (Kind.ROOM, Kind.STEEP)
