@@ -271,7 +271,7 @@ def test_a_measured_gear_is_turned_by_teeth_as_long_as_it_fits_better(monkeypatc
 @pytest.mark.judges("tolerances")
 @pytest.mark.parametrize("closed", [True, False])
 def test_positions_also_have_the_places_of_those_further_on(closed: bool) -> None:
-    """Two places at the first of four positions, one at each other; gears that turn once begin again behind the last."""
+    """Two places at the first of four positions, one at each other; closed gears begin again behind the last."""
     at = np.array([0, 0, 1, 2, 3, 4, 5, 6, 7])
     values = np.arange(10, 19)
     columns = dict.fromkeys(("lever_mm", "lead", "rigid", "tilt", "flank", "pitch_share", "profile_share"), values)
